@@ -9,6 +9,7 @@ use underbrush_recording::{Category, InputError, Recording, Trial};
 use underbrush_sim::controller::ControllerKind;
 
 use crate::failure::Failure;
+use crate::output;
 use crate::progress::Shown;
 pub use crate::trial_arguments::TrialArguments;
 
@@ -27,11 +28,19 @@ pub fn only(paths: &[PathBuf]) -> Result<&Path, Failure> {
     }
 }
 
-/// Reads the trials of a data set, a recording or a table; an error if there are none.
+/// Reads the trials of a data set, a recording or a table; an error if there are none. Remarks that the preset does not
+/// change the labels of a table.
 pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Failure> {
     let trials = trials(path, arguments)?;
+    let is_table = !is_folder(path)? && !is_recording(path)?;
+    if is_table && arguments.is_paper() {
+        output::remark(format!(
+            "{}: the trials of a table keep their labels, which --preset paper does not change",
+            path.display()
+        ));
+    }
     if trials.is_empty() {
-        if !is_folder(path)? && !is_recording(path)? {
+        if is_table {
             return Err(Failure::usage(format!(
                 "{}: no trial in this table has {} samples or more; lower --min-samples, or give a table with longer trials",
                 path.display(),

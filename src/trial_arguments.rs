@@ -35,8 +35,8 @@ pub enum Preset {
 }
 
 /// How trials are extracted from a data set or a recording. A table of trials is used as it is; of these options only
-/// --min-samples applies to it. Options that are not given are `None`, so that a command can refuse those that it would
-/// ignore.
+/// --min-samples applies to it, and of the preset everything but the labels. Options that are not given are `None`, so
+/// that a command can refuse those that it would ignore.
 #[derive(Args, Clone, Debug, Default)]
 pub struct TrialArguments {
     /// Preset; other options override it

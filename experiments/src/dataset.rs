@@ -193,13 +193,29 @@ impl Campaign {
             .collect()
     }
 
+    /// Refuses more parts than reaches. A part without a reach could not be made, so the others could not be merged.
+    fn check_parts(&self) -> Result<(), ExperimentError> {
+        let Some(Shard { count, .. }) = self.shard else {
+            return Ok(());
+        };
+        let reaches: u64 = self.scenes.iter().map(|(_, reaches)| reaches).sum();
+        if count <= reaches {
+            return Ok(());
+        }
+        Err(ExperimentError::Request(format!(
+            "{count} parts, and the number of reaches is {reaches}; allowed: at most as many parts as reaches, because a part \
+             without a reach could not be merged; ask for fewer parts, or for more reaches"
+        )))
+    }
+
     fn plan(&self, plans: &[ReachPlan], jobs: &[Job]) -> Result<DatasetPlan, ExperimentError> {
         let Some(first) = plans.first() else {
             return Err(ExperimentError::Request("no scene given; name at least one".into()));
         };
+        self.check_parts()?;
         if jobs.is_empty() {
             return Err(ExperimentError::Request(
-                "no reach to run; ask for at least one reach in each shard".into(),
+                "no reach to run; ask for at least one reach".into(),
             ));
         }
         if let Some(other) = plans.iter().find(|plan| plan.arm.skin.layout != first.arm.skin.layout) {

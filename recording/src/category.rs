@@ -44,8 +44,15 @@ impl Category {
     /// Length of the longest name, bytes.
     pub const MAX_NAME_BYTES: usize = 24;
 
+    /// Verdicts of classifiers that are not categories. An object with such a name could not be told from the verdict.
+    pub const VERDICTS: [&str; 3] = ["nothing", Category::UNCERTAIN, "unknown"];
+
+    /// The verdict that a classifier of trials gives if it cannot decide. No trial has this as its category.
+    pub const UNCERTAIN: &str = "uncertain";
+
     /// A category that is not built in. `None` unless the name has at most 24 lower-case letters, digits and underscores,
-    /// begins with a letter and is new, and the code is above those of the built-in categories.
+    /// begins with a letter, is new and is none of [`Category::VERDICTS`], and the code is above those of the built-in
+    /// categories.
     pub const fn new(name: &'static str, code: i8) -> Option<Category> {
         if is_free(name, code) {
             Some(Category { code, name })
@@ -111,6 +118,11 @@ const fn is_free(name: &str, code: i8) -> bool {
         free &= !same(bytes, Category::BUILT_IN[index].name.as_bytes());
         index += 1;
     }
+    index = 0;
+    while index < Category::VERDICTS.len() {
+        free &= !same(bytes, Category::VERDICTS[index].as_bytes());
+        index += 1;
+    }
     free
 }
 
@@ -161,9 +173,11 @@ impl<'de> Deserialize<'de> for Category {
             }),
             Written::Further { name, code } => Category::from_file(&name, code).ok_or_else(|| {
                 let max_bytes = Category::MAX_NAME_BYTES;
+                let verdicts = Category::VERDICTS.join(", ");
                 de::Error::custom(format!(
                     "category \"{name}\" with code {code}; allowed are up to {max_bytes} lower-case letters, digits and \
-                     underscores that begin with a letter and are no built-in name, with a code from 4 to 127"
+                     underscores that begin with a letter and are no built-in name, not \"none\" and no verdict ({verdicts}), with \
+                     a code from 4 to 127"
                 ))
             }),
         }
@@ -209,6 +223,9 @@ mod tests {
             ("reed", -1),
             ("leaf", 4),
             ("none", 4),
+            ("nothing", 4),
+            ("uncertain", 4),
+            ("unknown", 4),
             ("", 4),
             ("Reed", 4),
             ("2reed", 4),

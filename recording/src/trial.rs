@@ -93,7 +93,7 @@ impl Region {
 pub struct Trial {
     /// Number of the trial in its table.
     pub trial: u64,
-    /// Ground truth. Any name in tables of other programs; `None` if unknown.
+    /// Ground truth. In tables of other programs, any name but [`crate::Category::UNCERTAIN`]; `None` if unknown.
     pub category: Option<String>,
     /// Index of the reach that it comes from, for grouping by reach.
     pub reach: Option<u64>,

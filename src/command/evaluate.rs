@@ -13,7 +13,7 @@ use underbrush_classifier::evaluate::{
     AccuracyBySamples, Evaluation, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
     evaluate,
 };
-use underbrush_recording::Trial;
+use underbrush_recording::{InputError, Trial};
 
 use super::decision_arguments::{DecisionArguments, Scores};
 use super::estimator_arguments::EstimatorArguments;
@@ -57,8 +57,8 @@ pub struct Options {
     /// may be among them
     #[arg(long, value_name = "MODEL", conflicts_with_all = ["folds", "group", "classifier"])]
     model: Option<PathBuf>,
-    /// Fit on all trials of this table, data set or recording and test on TRIALS, instead of cross-validating. For
-    /// example, fit at one arm stiffness or hand speed and test at another
+    /// Fit on all trials of this table, data set or recording and test on TRIALS, which must be others, instead of
+    /// cross-validating. For example, fit at one arm stiffness or hand speed and test at another
     #[arg(long, value_name = "TRIALS", conflicts_with_all = ["folds", "group", "model", "by_samples"])]
     train: Option<PathBuf>,
     /// Write ROC curves as CSV: each category against the others by its margin, and with --decision paper also outliers
@@ -89,6 +89,7 @@ enum Group {
 /// Evaluates and prints the confusion matrix and figures.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     options.check()?;
+    options.check_apart()?;
     if let Some(roc) = &options.roc {
         let inputs = options.trials.iter().chain(&options.train).chain(&options.model);
         output::check_not_input(roc, inputs)?;
@@ -154,7 +155,8 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         by_samples = Some(series.map_err(|error| about(error.into()))?);
         let min_samples = options.cut.min_samples();
         if min_samples > 1 {
-            let all = input::some_trials(path, &options.cut.of_any_length())?;
+            // There are some, as there are long ones.
+            let all = input::trials(path, &options.cut.of_any_length())?;
             let series = accuracy_by_samples_of_all(&all, estimator.as_ref(), folds, min_samples);
             by_samples_of_all = Some(series.map_err(|error| about(error.into()))?);
         }
@@ -192,6 +194,23 @@ impl Options {
             ))),
             _ => self.estimator.hmm().map(|_| ()),
         }
+    }
+
+    /// Refuses to test on the input that is fitted to, under whatever name: the accuracy would be that on training data.
+    fn check_apart(&self) -> Result<(), Failure> {
+        let Some(train) = &self.train else { return Ok(()) };
+        let Ok(place) = std::fs::canonicalize(train) else {
+            // There is no such file; reading it will say so.
+            return Ok(());
+        };
+        let mut tested = self.trials.iter();
+        if tested.any(|path| std::fs::canonicalize(path).is_ok_and(|own| own == place)) {
+            let found = "the same input to fit on and to test on";
+            let allowed = "other data than TRIALS, because the accuracy on data that were fitted to is too high";
+            let remedy = "give other data, or leave out --train to cross-validate";
+            return Err(InputError::new(train, "--train", found, allowed, remedy).into());
+        }
+        Ok(())
     }
 
     /// Judges whole frames by the classifier touch.

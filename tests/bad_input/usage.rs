@@ -26,7 +26,8 @@ fn unknown_controller() {
     assert_empty(outputs.path());
 }
 
-/// Pins that shards are counted from 1, and that a shard without reaches is refused.
+/// Pins that shards are counted from 1, and that more shards than reaches are refused, also for a shard that would have
+/// a reach: it could not be merged with one that has none.
 #[test]
 fn bad_shard() {
     let outputs = tempfile::tempdir().unwrap();
@@ -35,8 +36,14 @@ fn bad_shard() {
         let shard = format!("--shard={shard}");
         underbrush!["generate", scene, "--reaches", "2", "--out", set, shard].refused(&["I/N with 1 ≤ I ≤ N", "2/8"]);
     }
-    let empty = underbrush!["generate", scene, "--reaches", "1", "--out", set, "--shard", "2/2"];
-    empty.refused(&["no reach to run", "at least one reach in each shard"]);
+    for shard in ["1/2", "2/2"] {
+        let empty = underbrush!["generate", scene, "--reaches", "1", "--out", set, "--shard", shard];
+        empty.refused(&[
+            "2 parts",
+            "as many parts as reaches",
+            "fewer parts, or for more reaches",
+        ]);
+    }
     assert_empty(outputs.path());
 }
 

@@ -154,6 +154,22 @@ fn fitted_to_one_table_and_tested_on_another() {
     assert_ne!(logistic(odd, even)["predictions"], logistic(even, odd)["predictions"]);
 }
 
+/// Pins that an input is not judged by what was fitted to it, under whatever name, and that cross-validation is named
+/// as the remedy: a table by a classifier of trials, and a data set, also beside others, by the classifier touch.
+#[test]
+fn an_input_is_not_fitted_to_and_tested_on() {
+    let (set, table) = (fixture().dataset(), fixture().table_csv());
+    let same_table = table.parent().unwrap().join(".").join(table.file_name().unwrap());
+    let same_set = set.join("meta/..");
+    let parts = ["--train: found the same input", "leave out --train to cross-validate"];
+    for train in [&table, &same_table] {
+        underbrush!["evaluate", table, "--train", train, "--classifier", "naive-bayes"].refused(&parts);
+    }
+    underbrush!["evaluate", set, "--train", same_set].refused(&parts);
+    #[rustfmt::skip]
+    underbrush!["evaluate", fixture().table_csv(), set, "--classifier", "touch", "--train", same_set].refused(&parts);
+}
+
 /// The fixture's trials with four reaches, each of which has both categories.
 fn table_with_reaches(folder: &std::path::Path) -> std::path::PathBuf {
     let mut trials = read_trials(fixture().table_csv()).unwrap();

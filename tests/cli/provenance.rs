@@ -70,7 +70,7 @@ fn a_changed_arm_is_refused_on_resume() {
 }
 
 /// Pins that a set can be generated again, byte for byte, from its own content: with a user's arm whose files are
-/// gone, with two scenes, and for one shard.
+/// gone, with two scenes, one of them with a saturation that is switched off by `inf`, and for one shard.
 #[test]
 fn a_set_is_made_again_from_itself() {
     let folder = tempfile::tempdir().unwrap();
@@ -78,7 +78,9 @@ fn a_set_is_made_again_from_itself() {
         ["sources", "shard", "again", "whole", "whole-again"].map(|name| folder.path().join(name));
     fs::create_dir(&sources).unwrap();
     let trunk = scene_with_own_arm(&sources, 0.8);
-    let leaf = scenes::write(&sources, "leaf.toml", scenes::FEW_LEAVES);
+    // JSON has no infinity, so it is the stored text of the scene that keeps it.
+    let leaf = format!("{}\n[sensor]\nsaturation_n = inf\n", scenes::FEW_LEAVES);
+    let leaf = scenes::write(&sources, "leaf.toml", &leaf);
     #[rustfmt::skip]
     underbrush!["generate", leaf, trunk, "--reaches", "3", "--seed", "6", "--shard", "2/4", "--out", shard].success();
     #[rustfmt::skip]
@@ -91,6 +93,8 @@ fn a_set_is_made_again_from_itself() {
     }
     let set = Dataset::open(&shard).unwrap();
     assert_eq!((set.episodes().len(), set.provenance().arms.len()), (2, 2));
+    let again = Dataset::open(&again).unwrap();
+    assert!(again.provenance().scenes[0].file.text.contains("saturation_n = inf"));
 }
 
 /// Pins the keys of the controller's parameters in a set's provenance, whatever the fields are called in the program.

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use underbrush_recording::{InputError, Sample, Trial, limits};
+use underbrush_recording::{Category, InputError, Sample, Trial, limits};
 
 use super::Mapping;
 
@@ -76,6 +76,11 @@ impl<'a> Cutter<'a> {
         }
         let category = Some(place.category).filter(|category| !category.is_empty());
         if self.category.as_deref() != category {
+            if category == Some(Category::UNCERTAIN) {
+                let (found, allowed) = ("\"uncertain\"", "a name other than `uncertain`, which is a verdict");
+                let error = InputError::new(&self.path, "category", found, allowed, "give the category another name");
+                return Err(error.at_line(place.line));
+            }
             self.end_contacts();
             self.category = category.map(str::to_owned);
         }

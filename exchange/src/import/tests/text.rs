@@ -88,6 +88,22 @@ fn rows_become_trials() {
     );
 }
 
+/// Pins that a category that could be mistaken for the verdict `uncertain` is refused with its place.
+#[test]
+fn a_category_called_uncertain_is_refused() {
+    let (_folder, path) = file("log.csv");
+    written(&path, &LOG.replace("trunk", "uncertain"));
+    let error = refused(&path, MAPPING);
+    assert_eq!(
+        (error.field.as_str(), error.found.as_str()),
+        ("category", "\"uncertain\"")
+    );
+    assert!(
+        error.line.is_some() && error.allowed.contains("which is a verdict"),
+        "{error}"
+    );
+}
+
 /// Pins that scale and offset are applied to raw readings, that times may follow from a rate, and that one taxel needs
 /// no placeholder.
 #[test]

@@ -49,7 +49,8 @@ pub struct Provenance {
     pub program_version: String,
     /// Name and version of the physics engine (or of the robot's software).
     pub engine: String,
-    /// Options of the engine and of the sensor, by scene.
+    /// Options of the engine and of the sensor, by scene, to be looked up. The set is generated again from the text of the
+    /// scenes. JSON has no infinity: `null` is a saturation that the scene switches off with `inf`.
     pub options: BTreeMap<String, Value>,
     /// The scenes, in the order of the campaign.
     pub scenes: Vec<SceneText>,

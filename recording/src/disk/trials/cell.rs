@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use super::COLUMNS;
 use super::collect::Row;
+use super::{COLUMNS, NO_VERDICT};
 use crate::limits::{self, Limits, short};
-use crate::{InputError, Region, Sample};
+use crate::{Category, InputError, Region, Sample};
 
 /// A double holds every whole number up to this one.
 const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
@@ -86,6 +86,15 @@ impl<'a> Cells<'a> {
         }
     }
 
+    /// The category, which no verdict can be mistaken for.
+    fn category(&self) -> Result<Option<String>, InputError> {
+        let category = self.text(1)?;
+        if category.as_deref() == Some(Category::UNCERTAIN) {
+            return Err(self.error(1, NO_VERDICT));
+        }
+        Ok(category)
+    }
+
     /// A truth value. 1 and 0 are allowed, because pandas converts truth values with gaps to floating point.
     fn flag(&self, column: usize) -> Result<Option<bool>, InputError> {
         let flag = match self.cells[column] {
@@ -119,7 +128,7 @@ impl<'a> Cells<'a> {
         Ok(Row {
             line: self.line,
             trial: self.whole(0)?.ok_or_else(|| self.error(0, "the number of the trial"))?,
-            category: self.text(1)?,
+            category: self.category()?,
             reach: self.whole(2)?,
             patch: self.text(3)?,
             taxel: self.whole(4)?,

@@ -17,7 +17,7 @@ use std::path::Path;
 use super::DiskError;
 use super::check::{Violation, require};
 use super::whole_file::remove_leftovers;
-use crate::{InputError, Trial};
+use crate::{Category, InputError, Trial};
 
 /// The columns in the order in which they are written.
 const COLUMNS: [&str; 12] = [
@@ -38,6 +38,9 @@ const COLUMNS: [&str; 12] = [
 const TOUCHED: &str = "touched";
 /// The required columns.
 const REQUIRED: [&str; 3] = ["trial", "time_s", "force_n"];
+
+/// What is allowed as a category. The verdict `outlier` is also the category of outliers, so it is not excluded.
+const NO_VERDICT: &str = "a name other than `uncertain`, which is a verdict";
 
 /// The two file formats.
 enum Format {
@@ -83,8 +86,8 @@ fn place_columns(path: &Path, names: &[String]) -> Result<[Option<usize>; COLUMN
 /// Reads a table of trials. The extension `.csv` or `.parquet` decides the format.
 ///
 /// Numbers must be within [`crate::limits`], and times must strictly increase within a trial. `category`, `reach`,
-/// `patch` and `taxel` must be the same in all rows of a trial, and are empty if unknown. The three columns of a
-/// region are either all given or all empty.
+/// `patch` and `taxel` must be the same in all rows of a trial, and are empty if unknown. A category is not called
+/// [`Category::UNCERTAIN`]. The three columns of a region are either all given or all empty.
 ///
 /// # Errors
 /// [`DiskError::Input`] for bad content, with file, line (CSV) or row (Parquet, from 1) and column, and if there is no
@@ -107,7 +110,8 @@ pub fn read_trials(path: impl AsRef<Path>) -> Result<Vec<Trial>, DiskError> {
 ///
 /// # Errors
 /// [`DiskError::Unwritable`] for a trial that [`read_trials`] would refuse or confuse with another (no samples, times
-/// that do not increase, numbers outside [`crate::limits`], an empty name, a trial number used twice);
+/// that do not increase, numbers outside [`crate::limits`], an empty name, a category called `uncertain`, a trial number
+/// used twice);
 /// [`DiskError::Io`] and [`DiskError::Encode`] if the file cannot be written.
 pub fn write_trials(path: impl AsRef<Path>, trials: impl IntoIterator<Item = Trial>) -> Result<(), DiskError> {
     let path = path.as_ref();
@@ -149,6 +153,12 @@ fn check(trial: &Trial, numbers: &mut BTreeSet<u64>) -> Result<(), Violation> {
             "a name, or None",
         )?;
     }
+    require(
+        trial.category.as_deref() != Some(Category::UNCERTAIN),
+        || field("category"),
+        || format!("\"{}\"", Category::UNCERTAIN),
+        NO_VERDICT,
+    )?;
     require(
         !trial.samples.is_empty(),
         || field("samples"),

@@ -119,6 +119,18 @@ fn every_fault_of_a_csv_table_is_named_with_its_line() {
     }
 }
 
+/// Pins that a category that could be mistaken for the verdict `uncertain` is refused with line, column and reason, and
+/// that an outlier, the other verdict, is a category as well.
+#[test]
+fn a_category_called_like_a_verdict_is_refused() {
+    let head = "trial,category,time_s,force_n\n1,outlier,0.0,0.1\n";
+    assert_eq!(read_text(head).unwrap()[0].category.as_deref(), Some("outlier"));
+    let error = refused(read_text(&format!("{head}2,uncertain,0.0,0.1\n")));
+    assert_eq!((error.line, error.field.as_str()), (Some(3), "category"));
+    assert_eq!(error.found, "\"uncertain\"");
+    assert!(error.allowed.contains("which is a verdict"), "{error}");
+}
+
 /// Pins that blank lines, line breaks in quotes and Windows line ends do not shift the line number of a fault, both
 /// in cells and in errors of the CSV parser.
 #[test]

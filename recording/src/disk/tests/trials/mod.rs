@@ -137,9 +137,10 @@ fn trials_that_could_not_be_read_back_are_not_written() {
         taxel: None,
         samples: vec![sample],
     };
-    let changes: [Change<Trial>; 8] = [
+    let changes: [Change<Trial>; 9] = [
         ("trial 1, trial", |trial| trial.trial = 1),
         ("trial 2, category", |trial| trial.category = Some(String::new())),
+        ("trial 2, category", |trial| trial.category = Some("uncertain".into())),
         ("trial 2, samples", |trial| trial.samples.clear()),
         ("trial 2, motion_m", |trial| {
             trial.samples[0].motion_m = Some(f64::INFINITY)
