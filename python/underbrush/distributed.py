@@ -112,7 +112,7 @@ def generate(
         "verdicts": None if verdicts is None else str(Path(verdicts).absolute()),
     }
     if _is_finished(Path(out)):
-        # Nothing is simulated: this opens the set, or says in what another set differs.
+        # Nothing is simulated: this opens the set, or says in what another set differs or what is wrong with it.
         return _core.generate(listed, reaches, Path(out), resume=True, **options)
     _connect(address)
     make = partial(_generate_part, listed, reaches, **options)
@@ -240,11 +240,19 @@ def benchmark(
 
 
 def _is_finished(out: Path) -> bool:
-    """Whether a folder holds a finished data set."""
+    """Whether a folder holds a finished data set, damaged or not, or anything else that no set can be written into. If
+    the disk fails, that is an error, because a finished set would be made again."""
     try:
         _core.Dataset(out)
-    except (InputError, OSError):
-        return False
+    except InputError:
+        # Only a folder that is missing, empty or begun counts as not finished.
+        try:
+            names = os.listdir(out)
+        except FileNotFoundError:
+            return False
+        except NotADirectoryError:
+            return True
+        return bool(names) and "incomplete" not in names
     return True
 
 
