@@ -102,6 +102,10 @@ def generate(
     ------
     InputError
         If a scene, an option or a folder is bad, or if a folder holds the set or parts of another call.
+    OSError
+        If a file cannot be read or written, in a part also after all retries; mostly a :class:`StorageError`.
+    ImportError
+        If Ray is not installed and the set is not finished.
     """
     if isinstance(scenes, (_core.Scene, str, os.PathLike)):
         scenes = [scenes]
@@ -168,7 +172,10 @@ def reproduce(
     Raises
     ------
     InputError
-        If the experiment file is bad, or the folder holds the results of another run.
+        If the experiment file or an option is bad, or if the folder holds the results of another run, or files that may
+        not come from a run.
+    ImportError
+        If Ray is not installed.
     """
     ray = _ray()
     _connect(address)
@@ -226,7 +233,10 @@ def benchmark(
     Raises
     ------
     InputError
-        If the model is bad, or an argument does not belong to the track.
+        If the model or an argument is bad, if an argument does not belong to the track, or if the folder holds the row
+        of another model under this name, reaches of another version, or parts of another call.
+    ImportError
+        If Ray is not installed.
     """
     _connect(address)
     folder = Path(out).absolute()
