@@ -1,6 +1,6 @@
 //! Fitted classifiers of trials.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use underbrush_classifier::decision::{Decision, Rule};
@@ -9,11 +9,13 @@ use underbrush_classifier::hmm::ScoreKind;
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_classifier::trial::TrialOptions;
 use underbrush_classifier::{HmmClassifier, Model, paper_rule};
+use underbrush_recording::read_text;
 
 use crate::arguments::{decision, named};
 use crate::array;
 use crate::failure::Failure;
 use crate::json;
+use crate::model_kind::refuse_touch;
 use crate::online::Online;
 use crate::pool;
 use crate::skin::Skin;
@@ -44,6 +46,13 @@ pub fn scores_array<'py>(py: Python<'py>, scores: Vec<Vec<f64>>, width: usize) -
 }
 
 impl PyModel {
+    /// A model from the text of its file; the path is for errors only.
+    fn read(path: &Path, text: &str) -> Result<Self, Failure> {
+        refuse_touch(path, text)?;
+        let model = Model::from_json(path, text)?;
+        Ok(PyModel { model })
+    }
+
     /// How scores become verdicts.
     ///
     /// # Errors
@@ -73,15 +82,14 @@ impl PyModel {
     /// Read a model file.
     #[staticmethod]
     fn load(path: PathBuf) -> Result<Self, Failure> {
-        let model = Model::load(path)?;
-        Ok(PyModel { model })
+        let text = read_text(&path, "a readable model file", "check the path")?;
+        Self::read(&path, &text)
     }
 
     /// A model from the text of its file.
     #[staticmethod]
     fn from_json(text: &str) -> Result<Self, Failure> {
-        let model = Model::from_json("the model", text)?;
-        Ok(PyModel { model })
+        Self::read(Path::new("the model"), text)
     }
 
     /// The text of the model file.

@@ -22,6 +22,7 @@ mod generate;
 mod interrupt;
 mod json;
 mod merge;
+mod model_kind;
 mod online;
 mod pickled;
 mod pool;

@@ -28,7 +28,8 @@ use crate::pool::guarded;
 /// Raises
 /// ------
 /// InputError
-///     If parts are missing, given twice or from different campaigns. The message names them.
+///     If a folder holds no finished part or a damaged one, if parts are missing, given twice or from different
+///     campaigns, or if ``out`` holds anything (with ``resume``, anything but this merge). The message names it.
 #[pyfunction]
 #[pyo3(signature = (parts, out, *, resume = false))]
 fn merge(py: Python<'_>, parts: Vec<PathBuf>, out: PathBuf, resume: bool) -> Result<PyDataset, Failure> {

@@ -1,6 +1,6 @@
 //! Touch models: classifiers of whole frames.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyo3::prelude::*;
@@ -10,6 +10,7 @@ use underbrush_recording::{Recording, read_text};
 
 use crate::failure::Failure;
 use crate::json;
+use crate::model_kind::refuse_of_trials;
 use crate::online::Online;
 use crate::pool;
 use crate::reach::Reach;
@@ -19,6 +20,15 @@ use crate::skin::Skin;
 #[pyclass(frozen, name = "TouchModel", module = "underbrush._core")]
 pub struct PyTouchModel {
     model: Arc<TouchModel>,
+}
+
+impl PyTouchModel {
+    /// A model from the text of its file; the path is for errors only.
+    fn read(path: &Path, text: &str) -> Result<Self, Failure> {
+        refuse_of_trials(path, text)?;
+        let model = Arc::new(TouchModel::from_json(path, text)?);
+        Ok(PyTouchModel { model })
+    }
 }
 
 #[pymethods]
@@ -86,15 +96,13 @@ impl PyTouchModel {
     #[staticmethod]
     fn load(path: PathBuf) -> Result<Self, Failure> {
         let text = read_text(&path, "a readable model file", "check the path")?;
-        let model = Arc::new(TouchModel::from_json(&path, &text)?);
-        Ok(PyTouchModel { model })
+        Self::read(&path, &text)
     }
 
     /// A model from the text of its file.
     #[staticmethod]
     fn from_json(text: &str) -> Result<Self, Failure> {
-        let model = Arc::new(TouchModel::from_json("the model", text)?);
-        Ok(PyTouchModel { model })
+        Self::read(Path::new("the model"), text)
     }
 
     /// The text of the model file.

@@ -54,3 +54,33 @@ def test_a_finished_set_is_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert distributed.generate(scene, 1, out, seed=3).path == made.path
     with pytest.raises(ub.InputError, match="seed"):
         distributed.generate(scene, 1, out, seed=4)
+
+
+def test_only_a_missing_or_begun_set_is_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pins that a set is made on a cluster if its folder is missing, empty or begun, and that a folder that the disk
+    cannot read, a damaged set, other files and a file are refused before any task is run."""
+
+    class Asked(Exception):
+        """A cluster was asked for."""
+
+    def connect(address: str | None) -> None:
+        raise Asked
+
+    monkeypatch.setattr(distributed, "_connect", connect)
+    scene, out = quick("leaf"), tmp_path / "set"
+    for prepare in (lambda: None, out.mkdir, (out / "incomplete").mkdir):
+        prepare()
+        with pytest.raises(Asked):
+            distributed.generate(scene, 1, out, seed=3)
+    damaged, foreign, file, loop = (tmp_path / name for name in ("damaged", "foreign", "file", "loop"))
+    ub.generate(scene, 1, damaged, seed=3, progress=False)
+    (damaged / "meta" / "stats.json").unlink()
+    foreign.mkdir()
+    for path in (foreign / "notes.txt", file):
+        path.write_text("notes")
+    # The operating system follows a link to itself until it fails.
+    loop.symlink_to(loop)
+    refusals = ((damaged, ub.InputError), (foreign, ub.InputError), (file, ub.InputError), (loop, ub.StorageError))
+    for folder, error in refusals:
+        with pytest.raises(error, match=folder.name):
+            distributed.generate(scene, 1, folder, seed=3)

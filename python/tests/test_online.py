@@ -104,6 +104,25 @@ def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:
         ub.TouchModel.fit([reach])
 
 
+def test_model_files_of_the_other_kind_are_named(data: ub.Dataset, tmp_path) -> None:
+    """Pins that reading a touch model as a classifier of trials, or the other way round, is refused with what the file
+    is and which call reads it."""
+    touch, own = ub.TouchModel.fit(list(data)), ub.fit(data.trials(), states=2)
+    kinds = (
+        (touch, ub.Model, "underbrush-touch/1, a touch model", "underbrush-model/1", "TouchModel.load"),
+        (own, ub.TouchModel, "underbrush-model/1, a classifier of trials", "underbrush-touch/1", "Model.load"),
+    )
+    for model, other, found, allowed, call in kinds:
+        file = tmp_path / "model.json"
+        model.save(file)
+        for place, read in ((str(file), lambda: other.load(file)), ("the model", lambda: other.from_json(model.to_json()))):
+            with pytest.raises(ub.InputError) as refused:
+                read()
+            error = refused.value
+            assert (error.file, error.field, error.found, error.allowed) == (place, "format", found, allowed)
+            assert f" {call} " in str(error.remedy)
+
+
 def test_limits_of_risk_choose_the_decision(data: ub.Dataset, tmp_path, command) -> None:
     """Pins that a model fitted within limits of risk equals the command line's, and that too few reaches for a limit
     are refused."""

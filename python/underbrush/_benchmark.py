@@ -58,7 +58,8 @@ def benchmark(
     Raises
     ------
     InputError
-        If the model is bad, or an argument does not belong to the track.
+        If the model or an argument is bad, if an argument does not belong to the track, or if the folder holds the row
+        of another model under this name or reaches of another version.
     """
     with Bar("reaches").shown(progress) as shown:
         row: dict[str, Any] = _core.benchmark(

@@ -113,7 +113,7 @@ def generate_shared(
     Raises
     ------
     InputError
-        If a scene or an option is bad, or if the folder holds parts of another campaign.
+        If a scene or an option is bad, or if the folder holds another set, parts of another campaign or other files.
     """
     if isinstance(scenes, (_core.Scene, str, os.PathLike)):
         scenes = [scenes]

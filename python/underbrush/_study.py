@@ -48,7 +48,8 @@ def check(
     Raises
     ------
     InputError
-        If a file is bad, or ``bless`` comes with a ``seed``.
+        If a file or an option is bad, if no file is given, if ``bless`` comes with a ``seed``, or if a bound cannot be
+        computed or written.
     """
     paths = [suites] if isinstance(suites, (str, os.PathLike)) else suites
     with Bar("reaches").shown(progress) as shown:
@@ -106,7 +107,8 @@ def reproduce(
     Raises
     ------
     InputError
-        If the experiment file is bad, or the folder holds the results of another run.
+        If the experiment file or an option is bad, or if the folder holds the results of another run, or files that may
+        not come from a run.
     """
     with Bar("steps").shown(progress) as shown:
         found: dict[str, Any] = _core.reproduce(

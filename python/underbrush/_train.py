@@ -56,7 +56,10 @@ def fit(
     Raises
     ------
     InputError
-        If an option does not apply or is out of range, or a trial lacks a feature.
+        If an option does not apply or is out of range, if a trial lacks a feature, or if there are no trials of a
+        category that is needed.
+    RunError
+        If the training of a hidden Markov model fails, for example because a state has settled on repeated samples.
     """
     options = _core.Options(
         classifier,

@@ -102,6 +102,10 @@ def generate(
     ------
     InputError
         If a scene, an option or a folder is bad, or if a folder holds the set or parts of another call.
+    OSError
+        If a file cannot be read or written, in a part also after all retries; mostly a :class:`StorageError`.
+    ImportError
+        If Ray is not installed and the set is not finished.
     """
     if isinstance(scenes, (_core.Scene, str, os.PathLike)):
         scenes = [scenes]
@@ -112,7 +116,7 @@ def generate(
         "verdicts": None if verdicts is None else str(Path(verdicts).absolute()),
     }
     if _is_finished(Path(out)):
-        # Nothing is simulated: this opens the set, or says in what another set differs.
+        # Nothing is simulated: this opens the set, or says in what another set differs or what is wrong with it.
         return _core.generate(listed, reaches, Path(out), resume=True, **options)
     _connect(address)
     make = partial(_generate_part, listed, reaches, **options)
@@ -168,7 +172,10 @@ def reproduce(
     Raises
     ------
     InputError
-        If the experiment file is bad, or the folder holds the results of another run.
+        If the experiment file or an option is bad, or if the folder holds the results of another run, or files that may
+        not come from a run.
+    ImportError
+        If Ray is not installed.
     """
     ray = _ray()
     _connect(address)
@@ -226,7 +233,10 @@ def benchmark(
     Raises
     ------
     InputError
-        If the model is bad, or an argument does not belong to the track.
+        If the model or an argument is bad, if an argument does not belong to the track, or if the folder holds the row
+        of another model under this name, reaches of another version, or parts of another call.
+    ImportError
+        If Ray is not installed.
     """
     _connect(address)
     folder = Path(out).absolute()
@@ -240,11 +250,19 @@ def benchmark(
 
 
 def _is_finished(out: Path) -> bool:
-    """Whether a folder holds a finished data set."""
+    """Whether a folder holds a finished data set, damaged or not, or anything else that no set can be written into. If
+    the disk fails, that is an error, because a finished set would be made again."""
     try:
         _core.Dataset(out)
-    except (InputError, OSError):
-        return False
+    except InputError:
+        # Only a folder that is missing, empty or begun counts as not finished.
+        try:
+            names = os.listdir(out)
+        except FileNotFoundError:
+            return False
+        except NotADirectoryError:
+            return True
+        return bool(names) and "incomplete" not in names
     return True
 
 
