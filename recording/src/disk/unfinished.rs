@@ -1,9 +1,11 @@
 //! The list of temporary files of this process, so that they can be removed when a signal ends it.
 
 use std::collections::BTreeSet;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::{fs, io};
+
+use tempfile::NamedTempFile;
 
 /// Global, because a signal ends the whole process.
 static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
@@ -18,9 +20,16 @@ fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
 pub(super) struct Registered(PathBuf);
 
 impl Registered {
-    pub(super) fn new(path: &Path) -> Self {
-        unfinished().insert(path.to_path_buf());
-        Registered(path.to_path_buf())
+    /// Creates a temporary file with `create` and lists it. Both happen under one lock: a signal between them would leave
+    /// a file behind that nobody knows of.
+    pub(super) fn create(
+        create: impl FnOnce() -> io::Result<NamedTempFile>,
+    ) -> io::Result<(NamedTempFile, Registered)> {
+        let mut files = unfinished();
+        let file = create()?;
+        files.insert(file.path().to_path_buf());
+        let registered = Registered(file.path().to_path_buf());
+        Ok((file, registered))
     }
 }
 

@@ -69,8 +69,8 @@ pub(super) fn begin(path: &Path) -> Result<TemporaryFile, DiskError> {
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     loop {
-        let file = builder.tempfile_in(&folder).map_err(DiskError::io(path, "write"))?;
-        let registered = Registered::new(file.path());
+        let created = Registered::create(|| builder.tempfile_in(&folder));
+        let (file, registered) = created.map_err(DiskError::io(path, "write"))?;
         // On a file system without locks leftovers stay, but writing still works.
         let locked = file.as_file().lock().is_ok();
         // Before it was locked, another process may have taken it for a leftover and removed it.
