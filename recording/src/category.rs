@@ -51,8 +51,8 @@ impl Category {
     pub const UNCERTAIN: &str = "uncertain";
 
     /// A category that is not built in. `None` unless the name has at most 24 lower-case letters, digits and underscores,
-    /// begins with a letter, is new and is none of [`Category::VERDICTS`], and the code is above those of the built-in
-    /// categories.
+    /// begins with a letter, is not in use and is not one of [`Category::VERDICTS`], and the code is above those of the
+    /// built-in categories.
     pub const fn new(name: &'static str, code: i8) -> Option<Category> {
         if is_free(name, code) {
             Some(Category { code, name })

@@ -277,8 +277,8 @@ impl SkinPatch {
         (self.sub_points.len() / self.centers_link.len().max(1)).max(1)
     }
 
-    /// Of the taxels within reach of a contact, the one that faces the force most; of taxels with the same normal, as
-    /// on a flat pad, the one that is nearest to a contact.
+    /// Returns the taxel within reach of a contact that faces the force most. Among taxels with the same normal, as on a
+    /// flat pad, it is the one nearest to a contact.
     fn facing_taxel(&self, contacts: &[ContactPoint], force_link: DVec3) -> Option<usize> {
         let squared_distance = |position: DVec3| {
             let distances = contacts

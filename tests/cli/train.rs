@@ -26,8 +26,8 @@ fn data_set_and_tables_train_the_same_model() {
     assert_eq!(models[1], std::fs::read_to_string(fixture.model()).unwrap());
 }
 
-/// Pins that `train` says that the paper's preset does not change the labels of a table, and says nothing of the kind
-/// without the preset or of a data set, whose labels it changes.
+/// Pins that `train` says that the paper's preset does not change the labels of a table, and that it does not say so
+/// without the preset, or for a data set, whose labels the preset does change.
 #[test]
 fn the_preset_does_not_relabel_a_table() {
     let folder = tempfile::tempdir().unwrap();

@@ -20,8 +20,8 @@ fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
 pub(super) struct Registered(PathBuf);
 
 impl Registered {
-    /// Creates a temporary file with `create` and lists it. Both happen under one lock: a signal between them would leave
-    /// a file behind that nobody knows of.
+    /// Creates a temporary file with `create` and lists it. Both happen under one lock, because a signal between them
+    /// would leave an unlisted file behind.
     pub(super) fn create(
         create: impl FnOnce() -> io::Result<NamedTempFile>,
     ) -> io::Result<(NamedTempFile, Registered)> {
