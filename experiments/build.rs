@@ -4,6 +4,44 @@
 use std::env::var_os;
 use std::path::{Path, PathBuf};
 
+/// Of this file, only the versions of `LIBRARIES` are hashed. Packages have lock files of their own, which list fewer
+/// crates, and a set that was made with a package must have the same version as one from the repository.
+const LOCK_FILE: &str = "Cargo.lock";
+
+/// The libraries whose versions may change what a data set holds: those with which the simulator and the recordings
+/// compute, draw, read and write, and the ones below these that compute.
+pub const LIBRARIES: &[&str] = &[
+    "arrow-array",
+    "arrow-buffer",
+    "arrow-schema",
+    "blake3",
+    "csv",
+    "glam",
+    "glamx",
+    "libm",
+    "matrixmultiply",
+    "nalgebra",
+    "num-traits",
+    "parquet",
+    "parry3d-f64",
+    "postcard",
+    "rand",
+    "rand_chacha",
+    "rand_core",
+    "rand_distr",
+    "rapier3d-f64",
+    "robust",
+    "roxmltree",
+    "serde",
+    "serde_json",
+    "simba",
+    "toml",
+    "urdf-rs",
+    "wide",
+    "zmij",
+    "zstd",
+];
+
 /// The folders of the crates whose sources are hashed, by name. Crates that this one depends on report their folders
 /// through cargo (`links` in their manifests). This works in the repository and with packages from a registry.
 pub struct Folders {
@@ -18,10 +56,10 @@ pub struct Folders {
 }
 
 impl Folders {
-    /// The sources that decide the frames of a reach.
+    /// The sources that decide the frames of a reach. The versions of libraries come from the lock file.
     pub fn data_sources(&self) -> Vec<(&'static str, PathBuf)> {
         vec![
-            ("Cargo.lock", self.lock()),
+            (LOCK_FILE, self.lock()),
             ("experiments/src/dataset", self.experiments.join("src/dataset")),
             ("experiments/src/dataset.rs", self.experiments.join("src/dataset.rs")),
             ("recording/src", self.recording.join("src")),
@@ -81,7 +119,10 @@ pub fn hash(sources: &[(&'static str, PathBuf)]) -> String {
             let below = file.strip_prefix(source).unwrap_or(&file);
             let path = Path::new(name).join(below);
             let path = path.to_string_lossy().replace('\\', "/");
-            let contents = std::fs::read(&file).unwrap_or_else(|error| panic!("{path}: {error}"));
+            let mut contents = std::fs::read(&file).unwrap_or_else(|error| panic!("{path}: {error}"));
+            if *name == LOCK_FILE {
+                contents = versions(&String::from_utf8_lossy(&contents)).into_bytes();
+            }
             // Each part is preceded by its length, so that different files cannot give the same bytes.
             for part in [path.as_bytes(), &contents] {
                 hasher.update(&(part.len() as u64).to_le_bytes());
@@ -90,6 +131,20 @@ pub fn hash(sources: &[(&'static str, PathBuf)]) -> String {
         }
     }
     hasher.finalize().to_hex()[..16].to_string()
+}
+
+/// Name and version of each of `LIBRARIES` in the text of a lock file, one in a line.
+fn versions(lock: &str) -> String {
+    let packages = lock.split("[[package]]").filter_map(|package| {
+        let value = |key| {
+            package
+                .lines()
+                .find_map(|line| line.strip_prefix(key)?.strip_prefix(" = "))
+        };
+        let (name, version) = (value("name")?.trim_matches('"'), value("version")?);
+        LIBRARIES.contains(&name).then(|| format!("{name} {version}\n"))
+    });
+    packages.collect()
 }
 
 fn collect(path: &Path, files: &mut Vec<PathBuf>) {

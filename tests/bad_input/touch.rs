@@ -36,7 +36,7 @@ fn broken_models() {
             [
                 "format: found underbrush-touch/9",
                 "allowed: underbrush-touch/1",
-                remedy,
+                "use a touch model",
             ],
         ),
         (

@@ -70,6 +70,12 @@ impl Calibrated {
     }
 }
 
+/// The key that says what a file is.
+#[derive(Deserialize)]
+struct Head {
+    format: String,
+}
+
 impl TouchModel {
     /// The known categories in alphabetical order: the order of all probabilities.
     pub fn categories(&self) -> &[String] {
@@ -107,10 +113,13 @@ impl TouchModel {
     /// [`InputError`] with line and field.
     pub fn from_json(path: impl AsRef<Path>, text: &str) -> Result<Self, InputError> {
         let document = Document::of_format(path, text, TOUCH_FORMAT);
-        let model: TouchModel = document.read()?;
-        if model.format != TOUCH_FORMAT {
-            return Err(document.error("format", model.format, TOUCH_FORMAT));
+        // A file of another format has other keys, so its format is read first.
+        let Head { format } = document.read()?;
+        if format != TOUCH_FORMAT {
+            let remedy = "use a touch model, which `underbrush train --classifier touch` makes";
+            return Err(InputError::new(document.path(), "format", format, TOUCH_FORMAT, remedy));
         }
+        let model: TouchModel = document.read()?;
         if model.categories.is_empty() || !model.categories.is_sorted_by(|a, b| a < b) {
             let found = model.categories.join(", ");
             return Err(document.error(

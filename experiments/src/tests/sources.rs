@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 )]
 mod build_script;
 
-use build_script::{Folders, hash};
+use build_script::{Folders, LIBRARIES, hash};
 
 /// The folders of crates that lie side by side.
 fn side_by_side(root: &Path) -> Folders {
@@ -41,19 +41,26 @@ fn each_hash_follows_its_sources() {
         "sim/src/world.rs",
         "sim/arms/cody/cody.toml",
         "recording/src/lib.rs",
-        "Cargo.lock",
     ];
     files.iter().for_each(|file| write(file, "1"));
+    let lock = |packages: &[[&str; 2]]| -> String {
+        let package = |[name, version]: &[&str; 2]| {
+            format!("[[package]]\nname = \"{name}\"\nversion = \"{version}\"\nsource = \"registry\"\n\n")
+        };
+        packages.iter().map(package).collect()
+    };
+    write("Cargo.lock", &lock(&[["glam", "1.0.0"], ["indicatif", "1.0.0"]]));
     let folders = side_by_side(folder.path());
     let hashes = || (hash(&folders.analysis_sources()), hash(&folders.data_sources()));
     let mut before = hashes();
-    let mut changes = |path: &str| {
-        write(path, &format!("{path} changed"));
+    let mut writes = |path: &str, text: &str| {
+        write(path, text);
         let now = hashes();
         let changed = (now.0 != before.0, now.1 != before.1);
         before = now;
         changed
     };
+    let mut changes = |path: &str| writes(path, &format!("{path} changed"));
     // (results, data)
     assert_eq!(changes("report/src/lib.rs"), (false, false));
     assert_eq!(changes("report/src/new.rs"), (false, false));
@@ -64,10 +71,45 @@ fn each_hash_follows_its_sources() {
     assert_eq!(changes("experiments/src/dataset/write.rs"), (true, true));
     assert_eq!(changes("sim/src/world.rs"), (false, true));
     assert_eq!(changes("sim/arms/cody/cody.toml"), (false, true));
-    assert_eq!(changes("Cargo.lock"), (false, true));
-    // A package has a lock file of its own.
-    assert_eq!(changes("experiments/Cargo.lock"), (false, true));
-    assert_eq!(changes("Cargo.lock"), (false, false));
+    // Of the lock file, only libraries that decide data count.
+    let mut locks = |path: &str, packages| writes(path, &lock(packages));
+    let root = "Cargo.lock";
+    assert_eq!(locks(root, &[["glam", "1.0.1"], ["indicatif", "1.0.0"]]), (false, true));
+    assert_eq!(
+        locks(root, &[["glam", "1.0.1"], ["indicatif", "1.0.1"]]),
+        (false, false)
+    );
+    // A package has a lock file of its own, which lists fewer crates.
+    let packaged = "experiments/Cargo.lock";
+    assert_eq!(locks(packaged, &[["glam", "1.0.1"]]), (false, false));
+    assert_eq!(locks(packaged, &[["glam", "1.0.2"]]), (false, true));
+    assert_eq!(locks(root, &[["glam", "1.0.3"]]), (false, false));
+}
+
+/// Pins that no library which may decide data is forgotten: every dependency of the simulator and of the recordings is
+/// among those whose versions are hashed, or is known to decide nothing. A name that is not in the lock file is misspelt.
+#[test]
+fn the_hash_covers_the_libraries_that_decide_data() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let read = |path: &str| std::fs::read_to_string(root.join(path)).unwrap();
+    let decide_nothing = ["bytes", "rayon", "schemars", "tempfile", "thiserror"];
+    // These are the names of the dependencies for which the workspace's manifest gives packages.
+    let renamed = [("parry3d", "parry3d-f64"), ("rapier3d", "rapier3d-f64")];
+    for manifest in ["sim/Cargo.toml", "recording/Cargo.toml"] {
+        let parsed: toml::Table = read(manifest).parse().unwrap();
+        for name in parsed["dependencies"].as_table().unwrap().keys() {
+            let package = renamed
+                .iter()
+                .find(|(from, _)| from == name)
+                .map_or(name.as_str(), |(_, to)| to);
+            let known = LIBRARIES.contains(&package) || decide_nothing.contains(&package);
+            assert!(known || package.starts_with("underbrush-"), "{manifest}: {package}");
+        }
+    }
+    let lock = read("Cargo.lock");
+    for name in LIBRARIES {
+        assert!(lock.contains(&format!("\nname = \"{name}\"\n")), "{name}");
+    }
 }
 
 /// Pins that the hashes built into the program are those of the sources beside this test.
