@@ -79,6 +79,28 @@ impl<'a> Limited<'a> {
     }
 }
 
+/// How often something of several quantities is drawn again if it is not possible.
+const REDRAWS: usize = 100;
+
+/// Draws until `is_possible` holds.
+///
+/// # Errors
+/// That of a draw, or `refusal` of the last one if none of about a hundred is possible.
+pub fn draw_possible<T>(
+    mut draw: impl FnMut() -> Result<T, DrawError>,
+    is_possible: impl Fn(&T) -> bool,
+    refusal: impl FnOnce(&T) -> DrawError,
+) -> Result<T, DrawError> {
+    let mut drawn = draw()?;
+    for _ in 0..REDRAWS {
+        if is_possible(&drawn) {
+            return Ok(drawn);
+        }
+        drawn = draw()?;
+    }
+    Err(refusal(&drawn))
+}
+
 /// A truncated normal draw is given up after this many attempts; the accepted share is then below about 0.5 %.
 const DRAWS: usize = 1000;
 

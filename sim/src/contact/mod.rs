@@ -7,6 +7,7 @@ pub mod chord;
 mod envelope;
 pub mod law;
 pub mod patch;
+pub mod plane;
 pub mod solver;
 pub mod stop;
 pub mod surface;

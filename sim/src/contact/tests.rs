@@ -10,7 +10,8 @@ use underbrush_recording::Pose;
 
 use super::chord::Faces;
 use super::law::{Law, STICTION_M};
-use super::patch::{Columns, Node, Pair};
+use super::patch::{Columns, Node};
+use super::plane::Pair;
 use super::solver::{ROWS, Solver};
 use super::surface::Interface;
 

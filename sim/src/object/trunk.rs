@@ -12,7 +12,7 @@ use super::structure::{Body, Structure, part};
 use super::{FRICTION, Footing, Object, Specification, StandsOn};
 use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
-use crate::range::{DrawError, Limited, Placement, Quantity, Within};
+use crate::range::{DrawError, Limited, Placement, Quantity, Within, draw_possible};
 
 const CATEGORY: Category = Category::TRUNK;
 
@@ -49,9 +49,6 @@ const DIAMETER_LIMITS_M: (f64, f64) = (0.005, 0.3);
 /// The arm passes over lower ones, and higher ones only add length above it.
 const HEIGHT_LIMITS_M: (f64, f64) = (0.05, 2.0);
 
-/// How often a trunk that is lower than its radius is drawn again.
-const DRAWS: usize = 100;
-
 impl Specification for TrunkSpecification {
     fn count(&self) -> u32 {
         self.count
@@ -69,25 +66,20 @@ impl Specification for TrunkSpecification {
     }
 
     fn draw(&self, random: &mut ChaCha8Rng, _: &Footing) -> Result<Box<dyn Object>, DrawError> {
-        let mut draw = || -> Result<Trunk, DrawError> {
+        let draw = || -> Result<Trunk, DrawError> {
             Ok(Trunk {
                 diameter_m: self.diameter_m.draw(random, DIAMETER_LIMITS_M)?,
                 height_m: self.height_m.draw(random, HEIGHT_LIMITS_M)?,
             })
         };
-        let mut drawn = draw()?;
-        for _ in 0..DRAWS {
-            // The top is half a ball, which must be above the table.
-            if drawn.height_m >= drawn.diameter_m / 2.0 {
-                return Ok(Box::new(drawn));
-            }
-            drawn = draw()?;
-        }
-        Err(DrawError {
+        // The top is half a ball, which must be above the table.
+        let is_possible = |trunk: &Trunk| trunk.height_m >= trunk.diameter_m / 2.0;
+        let refusal = |trunk: &Trunk| DrawError {
             draw: self.height_m.draw,
-            low: drawn.diameter_m / 2.0,
+            low: trunk.diameter_m / 2.0,
             high: HEIGHT_LIMITS_M.1,
-        })
+        };
+        Ok(Box::new(draw_possible(draw, is_possible, refusal)?))
     }
 
     fn category(&self) -> Category {

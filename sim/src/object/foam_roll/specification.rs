@@ -7,7 +7,7 @@ use underbrush_recording::Category;
 
 use super::{CATEGORY, FoamRoll, LARGEST_LOAD_SHARE};
 use crate::object::{Footing, Object, Specification, StandsOn};
-use crate::range::{DrawError, Limited, Placement, Quantity, Within};
+use crate::range::{DrawError, Limited, Placement, Quantity, Within, draw_possible};
 
 /// A group of foam rolls in a scene file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -103,19 +103,14 @@ impl Specification for FoamRollSpecification {
     }
 
     fn draw(&self, random: &mut ChaCha8Rng, _: &Footing) -> Result<Box<dyn Object>, DrawError> {
-        let mut drawn = self.draw_once(random)?;
-        for _ in 0..DRAWS {
-            if drawn.stands_by_itself() {
-                return Ok(Box::new(drawn));
-            }
-            drawn = self.draw_once(random)?;
-        }
-        // Nearly all rolls of these ranges would topple. The error asks for a higher modulus.
-        Err(DrawError {
+        let draw = || self.draw_once(random);
+        // If nearly all rolls of these ranges would topple, the error asks for a higher modulus.
+        let refusal = |roll: &FoamRoll| DrawError {
             draw: self.modulus_pa.draw,
-            low: drawn.modulus_pa * drawn.load_share() / LARGEST_LOAD_SHARE,
+            low: roll.modulus_pa * roll.load_share() / LARGEST_LOAD_SHARE,
             high: MODULUS_LIMITS_PA.1,
-        })
+        };
+        Ok(Box::new(draw_possible(draw, FoamRoll::stands_by_itself, refusal)?))
     }
 
     fn category(&self) -> Category {
@@ -126,9 +121,6 @@ impl Specification for FoamRollSpecification {
         StandsOn::Table
     }
 }
-
-/// How often a roll that could not stand by itself is drawn again.
-const DRAWS: usize = 100;
 
 impl FoamRollSpecification {
     fn draw_once(&self, random: &mut ChaCha8Rng) -> Result<FoamRoll, DrawError> {

@@ -7,7 +7,7 @@ use underbrush_recording::Category;
 
 use super::{CATEGORY, LARGEST_LOAD_SHARE, Leaf, root_stiffness_nm_per_rad};
 use crate::object::{Footing, Object, Specification, StandsOn};
-use crate::range::{DrawError, Limited, Placement, Quantity, Within};
+use crate::range::{DrawError, Limited, Placement, Quantity, Within, draw_possible};
 
 /// A group of leaves in a scene file. The blade's foot frame: x normal to the blade, y along its width, z up.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -120,20 +120,14 @@ impl Specification for LeafSpecification {
     }
 
     fn draw(&self, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Box<dyn Object>, DrawError> {
-        let mut drawn = self.draw_once(random, footing)?;
-        for _ in 0..DRAWS {
-            if drawn.stands_by_itself() {
-                return Ok(Box::new(drawn));
-            }
-            drawn = self.draw_once(random, footing)?;
-        }
-        // Nearly all leaves of these ranges would lie down. The error asks for a higher rigidity.
-        let needed = drawn.flexural_rigidity_n_m2 * drawn.load_share() / LARGEST_LOAD_SHARE;
-        Err(DrawError {
+        let draw = || self.draw_once(random, footing);
+        // If nearly all leaves of these ranges would lie down, the error asks for a higher rigidity.
+        let refusal = |leaf: &Leaf| DrawError {
             draw: self.flexural_rigidity_n_m2.draw,
-            low: needed,
+            low: leaf.flexural_rigidity_n_m2 * leaf.load_share() / LARGEST_LOAD_SHARE,
             high: RIGIDITY_LIMITS.1,
-        })
+        };
+        Ok(Box::new(draw_possible(draw, Leaf::stands_by_itself, refusal)?))
     }
 
     fn fault(&self) -> Option<(&'static str, String, String)> {
@@ -150,9 +144,6 @@ impl Specification for LeafSpecification {
         StandsOn::Foam
     }
 }
-
-/// How often a leaf that could not carry its own weight is drawn again.
-const DRAWS: usize = 100;
 
 impl LeafSpecification {
     fn draw_once(&self, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Leaf, DrawError> {

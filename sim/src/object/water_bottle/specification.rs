@@ -7,7 +7,7 @@ use underbrush_recording::Category;
 
 use super::{CATEGORY, WaterBottle};
 use crate::object::{Footing, Object, Specification, StandsOn};
-use crate::range::{DrawError, Limited, Placement, Quantity, Within};
+use crate::range::{DrawError, Limited, Placement, Quantity, Within, draw_possible};
 
 /// A group of water bottles in a scene file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -97,19 +97,15 @@ impl Specification for WaterBottleSpecification {
     }
 
     fn draw(&self, random: &mut ChaCha8Rng, _: &Footing) -> Result<Box<dyn Object>, DrawError> {
-        let mut drawn = self.draw_once(random)?;
-        for _ in 0..DRAWS {
-            if drawn.water_mass_kg <= drawn.capacity_kg() {
-                return Ok(Box::new(drawn));
-            }
-            drawn = self.draw_once(random)?;
-        }
-        // Nearly all bottles of these ranges would overflow. The error asks for less water.
-        Err(DrawError {
+        let draw = || self.draw_once(random);
+        let is_possible = |bottle: &WaterBottle| bottle.water_mass_kg <= bottle.capacity_kg();
+        // If nearly all bottles of these ranges would overflow, the error asks for less water.
+        let refusal = |bottle: &WaterBottle| DrawError {
             draw: self.water_mass_kg.draw,
             low: WATER_MASS_LIMITS_KG.0,
-            high: drawn.capacity_kg(),
-        })
+            high: bottle.capacity_kg(),
+        };
+        Ok(Box::new(draw_possible(draw, is_possible, refusal)?))
     }
 
     fn category(&self) -> Category {
@@ -120,9 +116,6 @@ impl Specification for WaterBottleSpecification {
         StandsOn::Table
     }
 }
-
-/// How often a bottle that would overflow is drawn again.
-const DRAWS: usize = 100;
 
 impl WaterBottleSpecification {
     fn draw_once(&self, random: &mut ChaCha8Rng) -> Result<WaterBottle, DrawError> {

@@ -10,7 +10,8 @@ use super::copied::{Copied, LinkOf, body_pose, link_of, relative_speeds};
 use super::{ContactStep, PairKey, Parts, key};
 use crate::contact::chord::Faces;
 use crate::contact::law::{Law, in_plane};
-use crate::contact::patch::{Columns, Node, Pair, Plane};
+use crate::contact::patch::{Columns, Node};
+use crate::contact::plane::{Pair, Plane};
 use crate::contact::solver::ROWS;
 use crate::geometry::{from_parry, parry_pose};
 

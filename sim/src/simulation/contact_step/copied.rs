@@ -7,7 +7,7 @@ use underbrush_recording::Pose as WorldPose;
 
 use super::Parts;
 use crate::contact::law::NormalSpeeds;
-use crate::contact::patch::Plane;
+use crate::contact::plane::Plane;
 use crate::geometry::from_parry;
 
 /// The state of an articulated body that the engine's step overwrites.

@@ -1,0 +1,97 @@
+//! Two shapes in contact, and the tangent plane on which their patch lies.
+
+use glam::DVec3;
+use parry3d::shape::{Shape, TypedShape};
+use underbrush_recording::Pose;
+
+/// The tangent plane of a contact.
+#[derive(Clone, Copy, Debug)]
+pub struct Plane {
+    /// A point of the contact, m, world frame.
+    pub origin_world: DVec3,
+    /// Unit normal, world frame: from the second shape into the first, which is pushed along it.
+    pub normal_world: DVec3,
+    /// Unit tangents, world frame; with the normal they form a right-handed basis (t₁, t₂, n).
+    pub tangents_world: [DVec3; 2],
+}
+
+/// Two shapes in contact.
+#[derive(Clone, Copy)]
+pub struct Pair<'a> {
+    /// The shapes; the first is on the side of the normal.
+    pub shapes: [&'a dyn Shape; 2],
+    /// Their poses, world frame.
+    pub poses_world: [Pose; 2],
+}
+
+impl Pair<'_> {
+    /// A tangent plane whose tangents suit the shapes: along the edges of a box, or otherwise along the axes of
+    /// relative curvature. Strips lie along the second tangent.
+    pub fn plane(&self, origin_world: DVec3, normal_world: DVec3) -> Plane {
+        let strip = self.box_edge(normal_world).or_else(|| self.most_curved(normal_world));
+        let along = strip.map_or_else(
+            || normal_world.any_orthonormal_vector(),
+            |strip| {
+                strip
+                    .reject_from_normalized(normal_world)
+                    .normalize_or(normal_world.any_orthonormal_vector())
+            },
+        );
+        let second = along;
+        let first = second.cross(normal_world);
+        Plane {
+            origin_world,
+            normal_world,
+            tangents_world: [first, second],
+        }
+    }
+
+    /// The longest edge of a box that lies in the tangent plane; for two boxes, the edge of the more slender one.
+    fn box_edge(&self, normal_world: DVec3) -> Option<DVec3> {
+        let mut found: Option<(f64, DVec3)> = None;
+        for (shape, pose) in self.shapes.iter().zip(&self.poses_world) {
+            let TypedShape::Cuboid(cuboid) = shape.as_typed_shape() else {
+                continue;
+            };
+            let half = cuboid.half_extents;
+            let axes = [(half.x, DVec3::X), (half.y, DVec3::Y), (half.z, DVec3::Z)]
+                .map(|(half, axis)| (half, pose.transform_vector(axis)));
+            let in_plane = axes.iter().filter(|(_, axis)| axis.dot(normal_world).abs() < 0.8);
+            let Some((_, edge)) = in_plane.max_by(|a, b| a.0.total_cmp(&b.0)) else {
+                continue;
+            };
+            let thinnest = half.min_element();
+            if found.is_none_or(|(thinner, _)| thinnest < thinner) {
+                found = Some((thinnest, *edge));
+            }
+        }
+        found.map(|(_, edge)| edge)
+    }
+
+    /// The direction in the tangent plane in which the two surfaces part fastest. Strips along it are short, and strips
+    /// across it end where the region is widest.
+    fn most_curved(&self, normal_world: DVec3) -> Option<DVec3> {
+        let (first, second) = normal_world.any_orthonormal_pair();
+        // The relative curvature tensor in (first, second): a capsule curves across its axis.
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        for (shape, pose) in self.shapes.iter().zip(&self.poses_world) {
+            let (axis, radius) = match shape.as_typed_shape() {
+                TypedShape::Cylinder(cylinder) => (DVec3::Y, cylinder.radius),
+                TypedShape::Capsule(capsule) => (capsule.segment.b - capsule.segment.a, capsule.radius),
+                _ => continue,
+            };
+            let axis = pose.transform_vector(axis);
+            let across = normal_world.cross(axis).normalize_or_zero();
+            let (x, y) = (across.dot(first), across.dot(second));
+            xx += x * x / radius;
+            xy += x * y / radius;
+            yy += y * y / radius;
+        }
+        if xx + yy == 0.0 {
+            return None;
+        }
+        // The eigenvector of the larger eigenvalue.
+        let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
+        Some(first * angle.cos() + second * angle.sin())
+    }
+}
