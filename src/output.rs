@@ -19,6 +19,11 @@ pub fn result<T: Serialize>(json: bool, value: &T, text: impl FnOnce() -> String
     }
 }
 
+/// A number with its noun, such as "1 reach" or "2 reaches".
+pub fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}
+
 /// Prints lines on stdout.
 pub fn lines(lines: impl IntoIterator<Item = String>) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();

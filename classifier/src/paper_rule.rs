@@ -7,7 +7,7 @@ use crate::model_file::Model;
 use crate::recipe::{Recipe, ScalingKind};
 
 /// Why the thresholds do not apply to classifiers other than hidden Markov models.
-pub const NOT_HMM: &str = "this classifier gives log-posteriors";
+pub const NOT_HMM: &str = "this classifier is not a hidden Markov model";
 
 /// Why the thresholds do not apply to the scores of a model; `None` if they do apply.
 pub fn misfit_of_model(model: &Model) -> Option<String> {

@@ -139,7 +139,7 @@ def test_the_papers_thresholds_are_for_their_scores(trials: ub.Trials, tmp_path:
     model = ub.fit(trials, states=5)
     assert set(model.classify(trials, decision="paper")) <= {"leaf", "trunk", "uncertain", "outlier"}
     for options, reason in (
-        (ub.Options("logistic-taxel"), "log-posteriors"),
+        (ub.Options("logistic-taxel"), "not a hidden Markov model"),
         (ub.Options(states=5, score="forward"), "forward scores"),
         (ub.Options(recipe="modern", states=5, score="viterbi"), "scaled"),
     ):

@@ -48,7 +48,10 @@ fn of_suite(result: &SuiteResult) -> String {
         text += &format!("\n{}", why(result, scene, bound));
     }
     if !unbounded.is_empty() {
-        text += &format!("\n{} metrics have no bound yet; --bless writes them\n", unbounded.len());
+        text += &format!(
+            "\nmetrics without a bound: {}; --bless writes bounds for them\n",
+            unbounded.len()
+        );
     }
     let broken = result.broken().count();
     let held = bounds - broken;

@@ -148,7 +148,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         } = written;
         let megabytes = written.bytes as f64 / 1e6;
         let [reaches, files] = [(reaches, "reach", "reaches"), (files, "file", "files")]
-            .map(|(count, one, many)| format!("{count} {}", if count == 1 { one } else { many }));
+            .map(|(count, one, many)| output::counted(count, one, many));
         format!(
             "{reaches}, {frames} frames in {files}, {megabytes:.1} MB: {}",
             out.display()

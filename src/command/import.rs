@@ -61,11 +61,11 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             name => format!("{count} {name}"),
         });
         format!(
-            "{} trials, {} samples from {} frames of {} reaches: {}\n{}",
-            written.trials,
+            "{}, {} samples from {} frames of {}: {}\n{}",
+            output::counted(written.trials, "trial", "trials"),
             written.samples,
             written.frames,
-            written.reaches,
+            output::counted(written.reaches, "reach", "reaches"),
             named.collect::<Vec<_>>().join(", "),
             written.file.display()
         )

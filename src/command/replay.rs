@@ -145,7 +145,11 @@ fn write(source: &Source, chosen: &[usize], path: &Path, json: bool) -> Result<(
     };
     output::result(json, &written, || {
         let megabytes = written.bytes as f64 / 1e6;
-        format!("{}: {} in {megabytes:.1} MB", path.display(), reaches(written.reaches))
+        format!(
+            "{}: {} in {megabytes:.1} MB",
+            path.display(),
+            output::counted(written.reaches, "reach", "reaches")
+        )
     })
 }
 
@@ -158,7 +162,10 @@ fn serve(source: Source, port: u16, open: bool, json: bool) -> Result<(), Failur
         reaches: served,
     };
     output::result(json, &report, || {
-        format!("{} at {address} until Ctrl-C", reaches(served))
+        format!(
+            "{} at {address} until Ctrl-C",
+            output::counted(served, "reach", "reaches")
+        )
     })?;
     if open {
         show(&address);
@@ -172,11 +179,6 @@ pub fn show(address: &str) {
     if std::io::stdout().is_terminal() {
         open_browser(address);
     }
-}
-
-fn reaches(count: usize) -> String {
-    let noun = if count == 1 { "reach" } else { "reaches" };
-    format!("{count} {noun}")
 }
 
 /// Opens an address in the browser, if there is one. If there is none, no error is shown, because the address was

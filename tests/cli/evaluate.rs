@@ -267,7 +267,11 @@ fn thresholds_are_refused_for_other_scores() {
     let evaluate = |option: &str, value: &str| {
         underbrush!["evaluate", table, option, value, paper[0], paper[1], paper[2], paper[3]]
     };
-    evaluate("--classifier", "logistic").refused(&["--decision paper", "log-posteriors", "--decision uncertain"]);
+    evaluate("--classifier", "logistic").refused(&[
+        "--decision paper",
+        "not a hidden Markov model",
+        "--decision uncertain",
+    ]);
     evaluate("--recipe", "modern").refused(&["--decision paper", "forward"]);
     evaluate("--features", "force+motion").refused(&["--decision paper", "motion"]);
     evaluate("--states", "2").success();

@@ -19,7 +19,7 @@ use crate::stream_feature::{Selection, StreamFeatures};
 pub(crate) const KIND: ClassifierKind = ClassifierKind {
     name: "naive-bayes",
     aliases: &[],
-    summary: "Naive Bayes on statistics of the taxel's force since contact",
+    summary: "Naive Bayes on statistics of the taxel's force and motion since contact",
     estimator: |features| Box::new(features.map_or(NaiveBayes::default(), |features| NaiveBayes { features })),
     load,
     schema: file::Fitted::<NaiveBayes, Parameters>::json_schema,

@@ -39,7 +39,7 @@ need the pose of the link under the patch, too:
 Other fields, such as those of a recording's frame, are ignored. A bad line is answered with its number and what is wrong, \
 and otherwise ignored:
 
-  out  {\"line\":12,\"error\":{\"field\":\"taxels[0].sensed_force_n\",\"found\":\"-5\",\"allowed\":\"a number from 0 to 10000 N\"}}
+  out  {\"error\":{\"allowed\":\"a number from 0 to 10000 N\",\"field\":\"taxels[0].sensed_force_n\",\"found\":\"-5\"},\"line\":12}
 
 A new reach begins with {\"reset\":true}: contacts end, and time may start again at 0.";
 

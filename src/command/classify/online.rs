@@ -117,7 +117,7 @@ impl Online<'_> {
         let mut reach = self.classifier.start(layout)?;
         let mut parser = LineParser::new(layout.clone(), self.classifier.needs_pose_of(layout));
         let mut lines = Lines::new(reader, parser.max_bytes());
-        let mut bad_lines = 0_u64;
+        let mut bad_lines = 0_usize;
         loop {
             let line = lines.next_line();
             let line = line.map_err(|error| Failure::run(format!("cannot read standard input: {error}")))?;
@@ -140,7 +140,8 @@ impl Online<'_> {
         }
         if bad_lines > 0 {
             output::remark(format!(
-                "warning: {bad_lines} bad lines; their answers say what is wrong"
+                "warning: {}; the answers say what is wrong",
+                output::counted(bad_lines, "bad line", "bad lines")
             ));
         }
         Ok(())
