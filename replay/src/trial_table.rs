@@ -77,7 +77,8 @@ pub fn check_model(path: &Path, judging: &Judging) -> Result<(), InputError> {
         },
         JudgingModel::Touch(_) => format!("the touch model {}", judging.name),
     };
-    let allowed = "a classifier of trials by force alone, because the replay of a table has no motion and no neighbours of taxels";
+    let allowed = "a classifier of trials by force alone, because the replay of a table has no motion and no \
+                   neighbours of taxels";
     Err(InputError::new(
         path,
         "model",
