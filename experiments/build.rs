@@ -4,8 +4,8 @@
 use std::env::var_os;
 use std::path::{Path, PathBuf};
 
-/// Of this file, only the versions of `LIBRARIES` are hashed. Packages have lock files of their own, which list fewer
-/// crates, and a set that was made with a package must have the same version as one from the repository.
+/// Only the versions of `LIBRARIES` in this file are hashed. Each package has a lock file of its own, which lists fewer
+/// crates. Even so, sets made by a package and by the repository must have the same version.
 const LOCK_FILE: &str = "Cargo.lock";
 
 /// The libraries whose versions may change what a data set holds: those with which the simulator and the recordings

@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use serde::Deserialize;
 use underbrush_recording::{InputError, read_text};
 
-use crate::document::FORMAT;
+use crate::document::{FORMAT, Head};
 use crate::error::ModelError;
 use crate::model_file::Model;
 use crate::touch::{TOUCH_FORMAT, TouchModel};
@@ -24,11 +23,6 @@ const TOUCH_NAME: &str = "underbrush-touch/";
 
 fn refused(error: InputError) -> ModelError {
     ModelError::Input(Box::new(error))
-}
-
-#[derive(Deserialize)]
-struct Head {
-    format: String,
 }
 
 /// Reads a model file of either kind, by its format, or an ONNX model, by the ending of its name.

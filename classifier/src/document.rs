@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use underbrush_recording::InputError;
 
@@ -9,6 +10,12 @@ use crate::error::Fault;
 
 /// The format of models of trials.
 pub const FORMAT: &str = "underbrush-model/1";
+
+/// The key that says what a model file is.
+#[derive(Deserialize)]
+pub(crate) struct Head {
+    pub(crate) format: String,
+}
 
 const REMEDY: &str = "correct the file, or train the model again";
 

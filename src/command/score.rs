@@ -65,8 +65,8 @@ pub fn by_kind(mut model: Model, path: &Path, by: Option<Score>, option: &str) -
 struct Row {
     model: String,
     trial: u64,
-    /// In nats: the log-likelihood of hidden Markov models and naive Bayes, the log-posterior of other classifiers. JSON `null` where
-    /// the trial is impossible under the model (−∞).
+    /// In nats: the log-likelihood of hidden Markov models and naive Bayes, the log-posterior of other classifiers.
+    /// JSON `null` where the trial is impossible under the model (−∞).
     log_likelihood: f64,
 }
 

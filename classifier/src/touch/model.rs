@@ -14,7 +14,7 @@ use super::network::{FITTED, Network, softmax};
 use super::options::TouchOptions;
 use super::taxel::TAXEL_FEATURE_COUNT;
 use super::usual::Usual;
-use crate::document::Document;
+use crate::document::{Document, Head};
 use crate::error::check_limits;
 
 /// Forces above which a taxel is in contact.
@@ -68,12 +68,6 @@ impl Calibrated {
             softmax(classes);
         }
     }
-}
-
-/// The key that says what a file is.
-#[derive(Deserialize)]
-struct Head {
-    format: String,
 }
 
 impl TouchModel {

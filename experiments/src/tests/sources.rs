@@ -87,7 +87,8 @@ fn each_hash_follows_its_sources() {
 }
 
 /// Pins that no library which may decide data is forgotten: every dependency of the simulator and of the recordings is
-/// among those whose versions are hashed, or is known to decide nothing. A name that is not in the lock file is misspelt.
+/// among those whose versions are hashed, or is known to decide nothing. A name that is not in the lock file is
+/// misspelt.
 #[test]
 fn the_hash_covers_the_libraries_that_decide_data() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
