@@ -34,6 +34,8 @@ pub struct Audit {
     pub largest_contact_residual: f64,
     /// Deepest penetration between a link and an object in contact, m.
     pub deepest_penetration_m: f64,
+    /// Largest overlap of two shapes that should press on each other but for which no contact patch was found, m.
+    pub overlap_without_patch_m: f64,
     /// Largest change of the contact force on a link from one frame's mean to the next, N.
     pub largest_frame_force_jump_n: f64,
     /// Largest change of the contact force on a link from one engine step to the next, N.
@@ -82,7 +84,7 @@ impl Audit {
     ];
 
     /// All residuals.
-    pub const FIELDS: [AuditField; 9] = fields![
+    pub const FIELDS: [AuditField; 10] = fields![
         AuditField: largest_force_residual,
         largest_moment_residual_m,
         largest_static_residual,
@@ -90,6 +92,7 @@ impl Audit {
         integrator_energy_share,
         largest_contact_residual,
         deepest_penetration_m,
+        overlap_without_patch_m,
         largest_frame_force_jump_n,
         largest_step_force_jump_n,
     ];

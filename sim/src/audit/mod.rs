@@ -53,6 +53,7 @@ pub fn bounds(layout: &SkinLayout) -> impl Iterator<Item = Bound> + use<> {
                 DEEPEST_M,
                 "the skin's cover is a few millimetres thick; a link any deeper is inside the object",
             ),
+            "overlap_without_patch_m" => (0.0, "shapes that overlap must press on each other"),
             "largest_frame_force_jump_n" => (20.0, "more than a taxel's largest force of 17 N from one frame to the next"),
             _ => return None,
         };
@@ -162,6 +163,7 @@ impl Auditor {
         self.energy.observe_step(step);
         let audit = &mut self.audit;
         audit.largest_contact_residual = audit.largest_contact_residual.max(step.contact_residual);
+        audit.overlap_without_patch_m = audit.overlap_without_patch_m.max(step.missed_overlap_m);
         for contact in step.contacts {
             audit.deepest_penetration_m = audit.deepest_penetration_m.max(contact.penetration_m);
         }

@@ -7,7 +7,7 @@
 //! overlap is constant or quadratic along a strip (boxes, parabolic contacts of cylinders), and has an error of 3e-3
 //! for an elliptic region.
 
-use glam::DVec2;
+use glam::{DMat2, DVec2};
 
 use super::chord::{Chords, End, Faces, Slope, View};
 use super::plane::{Pair, Plane};
@@ -54,6 +54,11 @@ const NEAR_END: f64 = 0.9;
 const SETTLED: f64 = 1e-2;
 /// Trials for one extent. Bisection alone would need 40 at most.
 const MAX_TRIALS: usize = 60;
+
+/// The largest overlap is found to this relative error.
+const NEAR_DEEPEST: f64 = 1e-2;
+/// Cuts of the search for it. An ellipse of 30 cm shrinks to 0.1 mm in 120.
+const MAX_CUTS: usize = 120;
 
 /// The columns of a pair of shapes over a plane.
 pub struct Columns<'a> {
@@ -104,6 +109,36 @@ impl<'a> Columns<'a> {
 
     fn has_more_than(&self, over_m: f64, place: DVec2) -> bool {
         self.excess(place, over_m).value > 0.0
+    }
+
+    /// The place where the overlap is largest, m, and the overlap there, m, within `radius_m` of the origin. `None` if no
+    /// column meets both shapes. By central cuts of an ellipse (Bland, Goldfarb & Todd, "The ellipsoid method", 1981),
+    /// each of which leaves 77 % of its area.
+    pub fn deepest(&self, radius_m: f64) -> Option<(DVec2, f64)> {
+        let mut center = DVec2::ZERO;
+        let mut ellipse = DMat2::from_diagonal(DVec2::splat(radius_m * radius_m));
+        let mut best: Option<(DVec2, f64)> = None;
+        for _ in 0..MAX_CUTS {
+            let excess = self.excess(center, 0.0);
+            if excess.value > 0.0 && best.is_none_or(|(_, overlap_m)| excess.value > overlap_m) {
+                best = Some((center, excess.value));
+            }
+            let across = ellipse * excess.gradient;
+            // No place in the ellipse is better than the center by more than this.
+            let gain = excess.gradient.dot(across).sqrt();
+            // Where the column misses a shape, the excess is not an overlap and only its sign counts.
+            let enough = match best {
+                Some((_, overlap_m)) if excess.value > 0.0 => (1.0 + NEAR_DEEPEST) * overlap_m,
+                _ => 0.0,
+            };
+            if gain.is_nan() || excess.value + gain <= enough {
+                break;
+            }
+            let step = across / gain;
+            center += step / 3.0;
+            ellipse = (ellipse - DMat2::from_cols(step * step.x, step * step.y) * (2.0 / 3.0)) * (4.0 / 3.0);
+        }
+        best
     }
 
     /// How far the columns whose overlap is more than `over_m` extend from `from` along `direction`, m, by Newton's method

@@ -4,8 +4,9 @@
 //! the leaves beside it. Boxes that are parallel to the shapes' own axes rule out more of them, at a low cost.
 
 use glam::{DMat3, DVec3};
-use rapier3d::prelude::*;
+use rapier3d::prelude::{ColliderHandle, Shape};
 use serde::{Deserialize, Serialize};
+use underbrush_recording::Pose;
 
 /// A box around a shape, parallel to the axes of the shape's frame.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -34,12 +35,13 @@ impl AllBounds {
         });
     }
 
-    /// Whether a pair of shapes may be nearer than `distance_m` in the poses that they had when the last step began.
-    pub(super) fn may_be_near(&self, pair: [ColliderHandle; 2], colliders: &ColliderSet, distance_m: f64) -> bool {
-        let [first, second] = pair.map(|handle| Some((self.of(handle)?, colliders[handle].position())));
-        first
-            .zip(second)
-            .is_none_or(|(first, second)| distance_at_least_m(first, second) <= distance_m)
+    /// Whether a pair of shapes may be nearer than `distance_m` in these poses. The poses that the engine keeps with the
+    /// shapes are no use here: a leaf that is pressed by a centimetre is free in the engine's step and swings away.
+    pub(super) fn may_be_near(&self, pair: [ColliderHandle; 2], poses_world: &[Pose; 2], distance_m: f64) -> bool {
+        let [first, second] = pair.map(|handle| self.of(handle));
+        first.zip(second).is_none_or(|(first, second)| {
+            distance_at_least_m((first, &poses_world[0]), (second, &poses_world[1])) <= distance_m
+        })
     }
 
     fn of(&self, collider: ColliderHandle) -> Option<&Bounds> {
@@ -49,8 +51,8 @@ impl AllBounds {
 
 /// A lower bound on the distance of two boxes, m: the largest distance along the normals of their faces.
 fn distance_at_least_m((first, first_pose): (&Bounds, &Pose), (second, second_pose): (&Bounds, &Pose)) -> f64 {
-    let to_first = first_pose.rotation.inverse();
-    let rotation = DMat3::from_quat(to_first * second_pose.rotation);
+    let to_first = first_pose.orientation.inverse();
+    let rotation = DMat3::from_quat(to_first * second_pose.orientation);
     let between = second_pose.transform_point(second.center) - first_pose.transform_point(first.center);
     let between = to_first * between;
     let absolute = DMat3::from_cols(rotation.x_axis.abs(), rotation.y_axis.abs(), rotation.z_axis.abs());
@@ -66,6 +68,7 @@ mod tests {
     use glam::DQuat;
     use proptest::prelude::*;
     use rapier3d::parry::query::distance;
+    use rapier3d::prelude::SharedShape;
 
     fn vector(size: f64) -> impl Strategy<Value = DVec3> {
         prop::array::uniform3(-size..size).prop_map(DVec3::from_array)
@@ -86,12 +89,13 @@ mod tests {
             let handles = [0, 1].map(|index| ColliderHandle::from_raw_parts(index, 0));
             bounds.set(handles[0], capsule.as_ref());
             bounds.set(handles[1], cuboid.as_ref());
-            let poses = [Pose::IDENTITY, Pose::from_parts(place, DQuat::from_scaled_axis(turn))];
+            let poses = [Pose::IDENTITY, Pose::new(place, DQuat::from_scaled_axis(turn))];
             let [first, second] = [0, 1].map(|side| (bounds.of(handles[side]).unwrap(), &poses[side]));
             let found = distance_at_least_m(first, second);
-            let true_m = distance(&poses[0], capsule.as_ref(), &poses[1], cuboid.as_ref()).unwrap().distance;
+            let [own, other] = poses.each_ref().map(crate::geometry::parry_pose);
+            let true_m = distance(&own, capsule.as_ref(), &other, cuboid.as_ref()).unwrap().distance;
             prop_assert!(found <= true_m + 1e-9, "{found} {true_m}");
-            let above = Pose::from_translation(DVec3::Y * (0.15 + half[1] + 0.07));
+            let above = Pose::new(DVec3::Y * (0.15 + half[1] + 0.07), DQuat::IDENTITY);
             prop_assert!((distance_at_least_m(first, (second.0, &above)) - 0.07).abs() < 1e-12);
         }
     }

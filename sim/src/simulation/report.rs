@@ -95,6 +95,8 @@ pub struct StepReport<'a> {
     pub contacts: &'a [Contact],
     /// Residual of the contact solver in this step, relative to the largest generalized impulse.
     pub contact_residual: f64,
+    /// The largest overlap of two shapes that should have pressed on each other in this step but have no patch, m.
+    pub missed_overlap_m: f64,
 }
 
 /// Called after each engine step.

@@ -86,6 +86,7 @@ impl World {
                     link_pose_world: &self.link_pose_world,
                     contacts: &self.contacts[earlier..],
                     contact_residual: self.engine.contact_step.convergence.residual,
+                    missed_overlap_m: self.engine.contact_step.missed_overlap_m,
                 });
             }
         }

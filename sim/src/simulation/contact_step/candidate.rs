@@ -7,9 +7,9 @@ use rapier3d::prelude::ColliderHandle;
 use underbrush_recording::Pose as WorldPose;
 
 use super::copied::{Copied, LinkOf, body_pose, link_of, relative_speeds};
-use super::{ContactStep, PairKey, Parts, key};
+use super::{AllBounds, ContactStep, PairKey, Parts, key};
 use crate::contact::chord::Faces;
-use crate::contact::law::{Law, in_plane};
+use crate::contact::law::{Law, NormalSpeeds, in_plane};
 use crate::contact::patch::{Columns, Node};
 use crate::contact::plane::{Pair, Plane};
 use crate::contact::solver::ROWS;
@@ -34,7 +34,7 @@ pub(super) struct Candidate {
 #[derive(Clone)]
 pub(super) struct Detection {
     manifold: ContactManifold<(), ()>,
-    faces: [Faces; 2],
+    pub(super) faces: [Faces; 2],
 }
 
 impl Default for Detection {
@@ -66,20 +66,27 @@ impl Detection {
     }
 }
 
-impl ContactStep {
-    /// The patch of a pair of shapes, if it may press.
-    pub(super) fn candidate(
-        &self,
+/// Two shapes that are near each other, of which at least one can move, as they lie when the step begins.
+pub(super) struct Meeting<'a> {
+    handles: [ColliderHandle; 2],
+    bodies: PairKey,
+    links: [Option<LinkOf>; 2],
+    body_poses: [WorldPose; 2],
+    pub(super) pair: Pair<'a>,
+    law: Law,
+}
+
+impl<'a> Meeting<'a> {
+    /// `None` if both shapes are fixed, or belong to one articulated body.
+    pub(super) fn of(
+        step: &ContactStep,
         handles: [ColliderHandle; 2],
         copies: &[Copied],
-        nodes: &mut Vec<Node>,
-        detection: &mut Detection,
-        parts: &Parts,
-    ) -> Option<Candidate> {
+        parts: &'a Parts,
+    ) -> Option<Self> {
         let colliders = handles.map(|handle| &parts.colliders[handle]);
         let links = colliders.map(|collider| link_of(collider, copies, parts));
         let [first, second] = links.map(|link| link.map(|link| link.body));
-        // Both are fixed, or both are links of one body.
         if first == second {
             return None;
         }
@@ -89,40 +96,80 @@ impl ContactStep {
             let on_body = colliders[side].position_wrt_parent();
             on_body.map_or(body_poses[side], |pose| body_poses[side] * from_parry(pose))
         });
-        let pair = Pair {
-            shapes: colliders.map(|collider| collider.shape()),
-            poses_world: shape_poses,
-        };
-        if !detection.find(&pair, parts.near_m) {
+        Some(Meeting {
+            handles,
+            bodies: [colliders[0].parent()?, colliders[1].parent()?].map(|body| body.into_raw_parts()),
+            links,
+            body_poses,
+            pair: Pair {
+                shapes: colliders.map(|collider| collider.shape()),
+                poses_world: shape_poses,
+            },
+            law: Law {
+                interface: step.surface(handles[0])?.with(&step.surface(handles[1])?),
+                step_s: parts.step_s,
+            },
+        })
+    }
+
+    /// Whether the shapes may be nearer than `near_m`, by the boxes around them.
+    pub(super) fn is_near(&self, bounds: &AllBounds, near_m: f64) -> bool {
+        bounds.may_be_near(self.handles, &self.pair.poses_world, near_m)
+    }
+
+    /// The overlap beyond which a column at the origin of the plane may press in this step, m, if the overlap there is
+    /// `overlap_m`; and the parting speed when the step begins.
+    pub(super) fn closing_m(
+        &self,
+        plane: &Plane,
+        overlap_m: f64,
+        copies: &[Copied],
+        parts: &Parts,
+    ) -> (f64, NormalSpeeds) {
+        let before = relative_speeds(plane, self.links, copies, |body, index| copies[body].velocity[index]);
+        // The speed of surfaces that stay in contact hardly changes. Surfaces that are about to meet may be accelerated
+        // in this step, so their speed at its end without contacts counts, too.
+        let over_m = self.law.closing_m(before[0]);
+        if overlap_m > over_m {
+            return (over_m, before);
+        }
+        let free = relative_speeds(plane, self.links, copies, |body, index| {
+            let multibody = parts.joints.get_multibody(copies[body].index);
+            multibody.map_or(0.0, |multibody| multibody.generalized_velocity()[index])
+        });
+        (self.law.closing_m(free[0]), before)
+    }
+}
+
+impl ContactStep {
+    /// The patch of a pair of shapes, if it may press.
+    pub(super) fn candidate(
+        &self,
+        meeting: &Meeting,
+        copies: &[Copied],
+        nodes: &mut Vec<Node>,
+        detection: &mut Detection,
+        parts: &Parts,
+    ) -> Option<Candidate> {
+        let &Meeting {
+            handles,
+            bodies,
+            links,
+            body_poses,
+            ref pair,
+            law,
+        } = meeting;
+        if !detection.find(pair, parts.near_m) {
             return None;
         }
         let Detection { manifold, faces } = detection;
         let kept = self.kept(&key(&handles));
-        let bodies = [colliders[0].parent()?, colliders[1].parent()?].map(|body| body.into_raw_parts());
         let known = kept.or_else(|| self.sibling(&bodies));
-        let plane = place(
-            &pair,
-            manifold,
-            known.map(|kept| body_poses[1].transform_vector(kept.normal)),
-            faces,
-        );
-        let law = Law {
-            interface: self.surface(handles[0])?.with(&self.surface(handles[1])?),
-            step_s: parts.step_s,
-        };
-        let columns = Columns::new(&pair, &plane, faces)?;
+        let known_normal = known.map(|kept| body_poses[1].transform_vector(kept.normal));
+        let plane = place(pair, manifold, known_normal, faces);
+        let columns = Columns::new(pair, &plane, faces)?;
         let overlap_m = columns.overlap_m(DVec2::ZERO)?;
-        let before = relative_speeds(&plane, links, copies, |body, index| copies[body].velocity[index]);
-        // The speed of surfaces that stay in contact hardly changes. Surfaces that are about to meet may be accelerated
-        // in this step, so their speed at its end without contacts counts, too.
-        let mut over_m = law.closing_m(before[0]);
-        if overlap_m <= over_m {
-            let free = relative_speeds(&plane, links, copies, |body, index| {
-                let multibody = parts.joints.get_multibody(copies[body].index);
-                multibody.map_or(0.0, |multibody| multibody.generalized_velocity()[index])
-            });
-            over_m = law.closing_m(free[0]);
-        }
+        let (over_m, before) = meeting.closing_m(&plane, overlap_m, copies, parts);
         let first_node = nodes.len();
         columns.add_nodes(over_m, nodes);
         if nodes.len() == first_node {

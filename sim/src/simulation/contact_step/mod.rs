@@ -13,12 +13,13 @@ use super::bounds::AllBounds;
 use crate::contact::patch::Node;
 use crate::contact::solver::{Convergence, Solver};
 use crate::contact::surface::Surface;
-use candidate::{Candidate, Detection};
+use candidate::{Candidate, Detection, Meeting};
 use copied::{Copied, mass_matrix};
 
 mod apply;
 mod candidate;
 mod copied;
+mod missed;
 mod stops;
 
 pub(super) use stops::JointStop;
@@ -74,6 +75,9 @@ pub(super) struct ContactStep {
     /// The contacts of the last step.
     #[serde(skip)]
     pub(super) contacts: Vec<PatchContact>,
+    /// The largest overlap of two shapes that should have pressed on each other in the last step but have no patch, m.
+    #[serde(skip)]
+    pub(super) missed_overlap_m: f64,
     /// How the last step was solved.
     #[serde(skip)]
     pub(super) convergence: Convergence,
@@ -151,7 +155,6 @@ impl ContactStep {
     pub(super) fn after_step(&mut self, parts: &mut Parts) {
         self.contacts.clear();
         self.convergence = Convergence::default();
-        self.find_pairs(parts);
         self.find_patches(parts);
         if self.choose_blocks(parts) {
             self.fill_solver(parts);
@@ -161,27 +164,30 @@ impl ContactStep {
         self.keep();
     }
 
-    /// Finds the pairs of shapes that are near each other, in an order that does not depend on the engine's.
-    fn find_pairs(&mut self, parts: &Parts) {
-        let pairs = &mut self.scratch.pairs;
-        pairs.clear();
-        let boxed = parts
-            .narrow_phase
-            .contact_pairs()
-            .map(|pair| [pair.collider1, pair.collider2]);
-        pairs.extend(boxed.filter(|pair| self.bounds.may_be_near(*pair, parts.colliders, parts.near_m)));
-        pairs.sort_unstable_by_key(key);
-    }
-
-    /// Finds the patches of those pairs that may press on each other in this step.
+    /// Finds the patches of the shapes that may press on each other in this step, in an order that does not depend on
+    /// the engine's.
     fn find_patches(&mut self, parts: &Parts) {
         let mut scratch = std::mem::take(&mut self.scratch);
         scratch.candidates.clear();
         scratch.nodes.clear();
+        scratch.pairs.clear();
+        let boxed = parts.narrow_phase.contact_pairs();
+        scratch.pairs.extend(boxed.map(|pair| [pair.collider1, pair.collider2]));
+        scratch.pairs.sort_unstable_by_key(key);
+        self.missed_overlap_m = 0.0;
+        let copies = &scratch.bodies[..scratch.count];
         for colliders in &scratch.pairs {
-            let copies = &scratch.bodies[..scratch.count];
-            let candidate = self.candidate(*colliders, copies, &mut scratch.nodes, &mut scratch.detection, parts);
-            scratch.candidates.extend(candidate);
+            let meeting = Meeting::of(self, *colliders, copies, parts);
+            let Some(meeting) = meeting.filter(|meeting| meeting.is_near(&self.bounds, parts.near_m)) else {
+                continue;
+            };
+            match self.candidate(&meeting, copies, &mut scratch.nodes, &mut scratch.detection, parts) {
+                Some(candidate) => scratch.candidates.push(candidate),
+                None => {
+                    let missed_m = meeting.overlap_m(copies, parts, &mut scratch.detection.faces);
+                    self.missed_overlap_m = self.missed_overlap_m.max(missed_m);
+                }
+            }
         }
         self.scratch = scratch;
     }

@@ -1,0 +1,113 @@
+//! How far two shapes overlap for which no patch was found: a check of the search for patches, on a way of its own.
+//!
+//! It needs no nearest points. If no direction of a short list separates the shapes, the lines along the direction in
+//! which they overlap least show whether they have a point in common, and where they overlap most.
+
+use glam::DVec3;
+use rapier3d::parry::shape::{Shape, TypedShape};
+
+use super::Parts;
+use super::candidate::Meeting;
+use super::copied::Copied;
+use crate::contact::chord::Faces;
+use crate::contact::patch::Columns;
+use crate::contact::plane::Pair;
+use crate::geometry::parry_pose;
+
+/// Overlaps up to this depth need no patch, m. A corner this deep in a soft skin exerts some 10 µN, and a face that
+/// touches at a grazing angle may be found a step later.
+const SHALLOW_M: f64 = 1e-4;
+
+impl Meeting<'_> {
+    /// How far the shapes overlap, m, if they should press on each other; otherwise 0.
+    pub(super) fn overlap_m(&self, copies: &[Copied], parts: &Parts, faces: &mut [Faces; 2]) -> f64 {
+        let (normal_world, least_m) = least_overlap(&self.pair);
+        if least_m <= SHALLOW_M {
+            return 0.0;
+        }
+        // Columns of the overlap lie within the smaller shape.
+        let spheres = [0, 1].map(|side| {
+            let sphere = self.pair.shapes[side].compute_local_bounding_sphere();
+            let center_world = self.pair.poses_world[side].transform_point(sphere.center);
+            (center_world, sphere.radius)
+        });
+        let (center_world, radius_m) = if spheres[0].1 < spheres[1].1 {
+            spheres[0]
+        } else {
+            spheres[1]
+        };
+        let mut plane = self.pair.plane(center_world, normal_world);
+        let deepest = Columns::new(&self.pair, &plane, faces).and_then(|columns| columns.deepest(radius_m));
+        let Some((place, overlap_m)) = deepest.filter(|(_, overlap_m)| *overlap_m > SHALLOW_M) else {
+            return 0.0;
+        };
+        let [first, second] = plane.tangents_world;
+        plane.origin_world += first * place.x + second * place.y;
+        let (over_m, _) = self.closing_m(&plane, overlap_m, copies, parts);
+        if overlap_m > over_m {
+            overlap_m.min(least_m)
+        } else {
+            0.0
+        }
+    }
+}
+
+/// The direction, from the second shape to the first, in which two shapes overlap least, among those that can separate
+/// such shapes: their axes, the directions at right angles to two axes, those across a round shape's axis to the other
+/// shape, and the normals of hulls. And the overlap, m; at most `SHALLOW_M` as soon as a direction shows that.
+fn least_overlap(pair: &Pair) -> (DVec3, f64) {
+    let [first, second] = pair.poses_world.map(|pose| pose.position);
+    let between = first - second;
+    let axes = [0, 1].map(|side| axes(pair.shapes[side]).map(|axis| pair.poses_world[side].transform_vector(axis)));
+    let [own, other] = &axes;
+    let crossed = own.iter().flat_map(|a| other.iter().map(|b| a.cross(*b)));
+    let across = axes.iter().flatten().map(|axis| between.reject_from(*axis));
+    let of_hulls = [0, 1].into_iter().flat_map(|side| {
+        let normals = hull_normals(pair.shapes[side]);
+        normals.map(move |normal| pair.poses_world[side].transform_vector(normal))
+    });
+    let directions = axes.iter().flatten().copied();
+    let directions = directions.chain(of_hulls).chain(across).chain(crossed).chain([between]);
+    let mut least = (DVec3::Z, f64::INFINITY);
+    for direction in directions.filter_map(DVec3::try_normalize) {
+        for normal in [direction, -direction] {
+            let overlap_m = extent_m(pair, 1, normal) + extent_m(pair, 0, -normal);
+            if overlap_m < least.1 {
+                least = (normal, overlap_m);
+            }
+            if overlap_m <= SHALLOW_M {
+                return least;
+            }
+        }
+    }
+    least
+}
+
+/// The axes of a box or a round shape; zero where there are fewer than three.
+fn axes(shape: &dyn Shape) -> [DVec3; 3] {
+    let of_round = |axis: DVec3| [axis, DVec3::ZERO, DVec3::ZERO];
+    match shape.as_typed_shape() {
+        TypedShape::Cuboid(_) => DVec3::AXES,
+        TypedShape::Cylinder(_) => of_round(DVec3::Y),
+        TypedShape::Capsule(capsule) => of_round(capsule.segment.b - capsule.segment.a),
+        _ => [DVec3::ZERO; 3],
+    }
+}
+
+/// The normals of a hull's faces; none for other shapes.
+fn hull_normals(shape: &dyn Shape) -> impl Iterator<Item = DVec3> {
+    let faces = match shape.as_typed_shape() {
+        TypedShape::ConvexPolyhedron(hull) => hull.faces(),
+        _ => &[],
+    };
+    faces.iter().map(|face| face.normal)
+}
+
+/// How far a shape extends along a direction, measured from the origin of the world, m.
+fn extent_m(pair: &Pair, side: usize, direction_world: DVec3) -> f64 {
+    let shape = pair.shapes[side].as_support_map();
+    let pose = parry_pose(&pair.poses_world[side]);
+    shape.map_or(f64::NEG_INFINITY, |shape| {
+        shape.support_point(&pose, direction_world).dot(direction_world)
+    })
+}
