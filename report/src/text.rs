@@ -35,18 +35,20 @@ pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     text
 }
 
-/// The worst figures of an audit as a table.
+/// The figures of an audit that pass their bounds as a table, or one line if none does.
 pub fn audit(worst: &BTreeMap<&'static str, Worst>) -> String {
-    let rows: Vec<Vec<String>> = worst
-        .iter()
-        .map(|(name, worst)| {
-            vec![
-                (*name).into(),
-                format!("{:.1e}", worst.value),
-                worst.bound.map_or("-".into(), |bound| format!("{bound:.1e}")),
-                format!("{} {}", worst.scene, worst.reach_index),
-            ]
-        })
-        .collect();
-    table(&["audit, worst of all reaches", "value", "bound", "reach"], &rows)
+    let passed = worst.iter().filter_map(|(name, worst)| {
+        let bound = worst.bound.filter(|bound| worst.value > *bound)?;
+        Some(vec![
+            (*name).into(),
+            format!("{:.1e}", worst.value),
+            format!("{bound:.1e}"),
+            format!("{} {}", worst.scene, worst.reach_index),
+        ])
+    });
+    let rows: Vec<Vec<String>> = passed.collect();
+    if rows.is_empty() {
+        return "audit: within bounds\n".into();
+    }
+    table(&["audit, beyond its bounds", "value", "bound", "worst reach"], &rows)
 }

@@ -90,14 +90,15 @@ impl Clutter {
     /// Draws the clutter of one reach.
     ///
     /// # Errors
-    /// When the scene is impossible: a group has no room, leaves have no foam to stand in, or no goal leads through
-    /// the clutter within the arm's reach.
+    /// When the scene is impossible: a group has no room, leaves have no foam to stand in, or there is no goal that leads
+    /// through the clutter and at which the arm has room.
     pub fn draw(scene: &Scene, arm: &ArmAtStart, seed: u64, reach_index: u64) -> Result<Clutter, InputError> {
-        let mut for_objects = stream(seed, &scene.name, reach_index, "clutter");
-        let mut for_goals = stream(seed, &scene.name, reach_index, "goals");
+        let stream = |purpose: &str| stream(seed, &scene.stream, reach_index, purpose);
+        let (mut for_objects, mut for_goals) = (stream("clutter"), stream("goals"));
+        let mut for_postures = stream("postures");
         let mut attempt = || {
             let objects = place::place_all(scene, arm, &mut for_objects)?;
-            let goals = goals::draw_goals(scene, arm, &objects, &mut for_goals)?;
+            let goals = goals::draw_goals(scene, arm, &objects, &mut for_goals, &mut for_postures)?;
             Ok(Clutter { objects, goals })
         };
         // Objects that are placed one by one can block each other although all would fit, and a few objects that all

@@ -98,9 +98,14 @@ impl PlacedShape {
     /// Distance to the surface of a capsule, m; 0 if they overlap.
     pub fn distance(&self, other: &Capsule) -> f64 {
         let capsule = parry3d::shape::Capsule::new(other.start, other.end, other.radius_m);
-        // All shapes of links are convex, so the query is supported.
-        let pose = parry_pose(&self.pose);
-        query::distance(&pose, self.shape.as_ref(), &ParryPose::IDENTITY, &capsule).map_or(0.0, |found| found.distance)
+        self.distance_to(&capsule, &Pose::IDENTITY)
+    }
+
+    /// Distance to the surface of a convex shape, m; 0 if they overlap.
+    pub fn distance_to(&self, shape: &dyn Shape, pose: &Pose) -> f64 {
+        // All shapes of links and objects are convex, so the query is supported.
+        let found = query::distance(&parry_pose(&self.pose), self.shape.as_ref(), &parry_pose(pose), shape);
+        found.map_or(0.0, |found| found.distance)
     }
 
     /// How far the shape extends in a direction, measured from the origin of the world, m.

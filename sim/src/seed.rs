@@ -3,7 +3,8 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// The stream for one purpose (such as `"clutter"`, `"goals"` or `"sensor"`) of one reach of one scene.
+/// The stream for one purpose (such as `"clutter"`, `"goals"` or `"sensor"`) of one reach of one scene, which is named by
+/// [`Scene::stream`](crate::scene::Scene::stream).
 ///
 /// A stream depends only on these four arguments, so threads, shards and other scenes do not change it.
 pub fn stream(seed: u64, scene: &str, reach_index: u64, purpose: &str) -> ChaCha8Rng {

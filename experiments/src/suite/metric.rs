@@ -85,7 +85,7 @@ const VERDICT: Metric = Metric {
 };
 
 /// All metrics, in the order of the documentation.
-pub const METRICS: [Metric; 16] = [
+pub const METRICS: [Metric; 17] = [
     Metric {
         name: "audit",
         summary: "Largest error of the physics, each relative to the simulator's own bound for it",
@@ -93,6 +93,15 @@ pub const METRICS: [Metric; 16] = [
         sides: Sides::AtMost,
         limit: Some(1.0),
         of_reach: |reach, _| Some(audit_share(reach.recording)),
+        ..PLAIN
+    },
+    Metric {
+        name: "overlap_without_patch_m",
+        summary: "Largest overlap of two shapes, m, that should press on each other but for which no contact was found",
+        statistic: Statistic::Largest,
+        sides: Sides::AtMost,
+        limit: Some(0.0),
+        of_reach: |reach, _| Some(reach.recording.audit.overlap_without_patch_m),
         ..PLAIN
     },
     Metric {
@@ -218,7 +227,9 @@ impl Metric {
 }
 
 fn audit_share(recording: &Recording) -> f64 {
-    let shares = audit::bounds(&recording.layout).map(|bound| (bound.field.get)(&recording.audit) / bound.max);
+    // A figure with a bound of 0 is a metric of its own.
+    let bounds = audit::bounds(&recording.layout).filter(|bound| bound.max > 0.0);
+    let shares = bounds.map(|bound| (bound.field.get)(&recording.audit) / bound.max);
     shares.fold(0.0, f64::max)
 }
 

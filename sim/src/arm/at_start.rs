@@ -3,10 +3,10 @@
 use glam::DVec3;
 use underbrush_recording::Pose;
 
-use super::{Arm, Link};
+use super::Arm;
 use crate::geometry::{PlacedShape, engine_shape};
 
-/// Where an arm starts, how far it reaches and how thick it is.
+/// An arm, and where it starts.
 #[derive(Clone, Debug)]
 pub struct ArmAtStart {
     /// Its collision shapes in the start posture, world frame.
@@ -15,13 +15,10 @@ pub struct ArmAtStart {
     pub end_effector_world: DVec3,
     /// Position of its shoulder, m, world frame.
     pub shoulder_world: DVec3,
-    /// Its length from the shoulder, m.
-    pub length_m: f64,
     /// Its first patch of skin, which is the one that is classified by default.
     pub skin: SkinAlongArm,
-    /// Half the smallest thickness of the link that carries the end effector, across the line from its joint to the end
-    /// effector, m; 0 if the link has no collision shape.
-    pub hand_half_thickness_m: f64,
+    /// The arm.
+    pub arm: Arm,
 }
 
 /// Where a patch of skin lies on a fully extended arm.
@@ -40,8 +37,6 @@ impl ArmAtStart {
     /// The arm in its start posture.
     pub fn of(arm: &Arm) -> Self {
         let poses = arm.forward_kinematics(&arm.start_posture_rad());
-        let links = arm.links.iter().zip(&poses);
-        let links = links.flat_map(|(link, pose)| placed_shapes(link, pose)).collect();
         let end_effector_world = arm.end_effector_pose(&poses).position;
         let chain: Vec<DVec3> = poses[1..]
             .iter()
@@ -49,12 +44,11 @@ impl ArmAtStart {
             .chain([end_effector_world])
             .collect();
         ArmAtStart {
-            links,
+            links: arm.placed_shapes(&poses).collect(),
             end_effector_world,
             shoulder_world: chain[0],
-            length_m: path_length_m(&chain),
             skin: first_patch(arm, &poses, &chain),
-            hand_half_thickness_m: hand_half_thickness_m(arm, &poses, &chain),
+            arm: arm.clone(),
         }
     }
 }
@@ -63,14 +57,17 @@ fn path_length_m(points: &[DVec3]) -> f64 {
     points.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }
 
-/// A link's collision shapes with their poses in the world.
-fn placed_shapes(link: &Link, link_pose: &Pose) -> Vec<PlacedShape> {
-    let shapes = link.colliders.iter().filter_map(|collider| {
-        let (shape, rotation) = engine_shape(&collider.shape)?;
-        let pose = *link_pose * collider.pose_link * rotation;
-        Some(PlacedShape { shape, pose })
-    });
-    shapes.collect()
+impl Arm {
+    /// The collision shapes of all links with their poses in the world, from the poses of the links.
+    pub fn placed_shapes<'a>(&'a self, link_poses: &'a [Pose]) -> impl Iterator<Item = PlacedShape> + 'a {
+        self.links.iter().zip(link_poses).flat_map(|(link, link_pose)| {
+            link.colliders.iter().filter_map(move |collider| {
+                let (shape, rotation) = engine_shape(&collider.shape)?;
+                let pose = *link_pose * collider.pose_link * rotation;
+                Some(PlacedShape { shape, pose })
+            })
+        })
+    }
 }
 
 /// The bone of a moving link: its far end, at the next joint or the end effector, and the direction from there to the
@@ -113,25 +110,4 @@ fn first_patch(arm: &Arm, poses: &[Pose], chain: &[DVec3]) -> SkinAlongArm {
         behind_end_effector_m: [first_m, (first_m + last_m) / 2.0, last_m].map(|along_m| behind_far_end_m + along_m),
         radius_m,
     }
-}
-
-/// Number of directions across the hand in which its thickness is measured, one every two degrees.
-const DIRECTIONS: usize = 90;
-
-fn hand_half_thickness_m(arm: &Arm, poses: &[Pose], chain: &[DVec3]) -> f64 {
-    let (_, axis) = bone(chain, arm.end_effector_link);
-    let shapes = placed_shapes(&arm.links[arm.end_effector_link], &poses[arm.end_effector_link]);
-    let (across, other) = axis.any_orthonormal_pair();
-    let half_thickness_m = |direction: DVec3| {
-        let farthest = |direction: DVec3| {
-            let extents = shapes.iter().map(|shape| shape.extent_m(direction));
-            extents.fold(f64::NEG_INFINITY, f64::max)
-        };
-        (farthest(direction) + farthest(-direction)) / 2.0
-    };
-    let angles = (0..DIRECTIONS).map(|index| std::f64::consts::PI * index as f64 / DIRECTIONS as f64);
-    let thinnest = angles
-        .map(|angle| half_thickness_m(across * angle.cos() + other * angle.sin()))
-        .fold(f64::INFINITY, f64::min);
-    thinnest.max(0.0)
 }

@@ -14,6 +14,7 @@ use crate::contact::surface::Surface;
 
 mod at_start;
 mod file;
+mod inverse;
 pub mod kinematics;
 mod limits;
 mod schema;

@@ -1,49 +1,49 @@
 //! The goals: drawn so that the arm passes through plants on its way.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
+use parry3d::shape::Cuboid;
+use rand::Rng;
 use rand_chacha::ChaCha8Rng;
-use underbrush_recording::InputError;
+use underbrush_recording::{InputError, Pose};
 
 use super::PlacedObject;
-use crate::arm::ArmAtStart;
+use crate::arm::{Arm, ArmAtStart};
 use crate::geometry::{Capsule, segment_distance};
-use crate::object::Object;
 use crate::range::Quantity;
 use crate::scene::Scene;
 
 /// Candidates for one goal before the attempt is given up.
 const GOAL_TRIES: usize = 5000;
-/// Clearance between an obstacle and a hand that points along it and ends at a goal, m. Choice: a finger's breadth.
+/// Candidates for which postures are sought. Each may take some milliseconds.
+const POSTURE_TRIES: usize = 100;
+/// Postures tried for one goal: the arm's own, and random ones to start the search from.
+const STARTS: usize = 24;
+/// A goal that is not reached from this many starts is out of reach.
+const STARTS_WITHIN_REACH: usize = 6;
+/// Clearance between the arm at a goal and trunks, rolls and bottles, m. Choice: a finger's breadth.
 const GOAL_MARGIN_M: f64 = 0.02;
-/// Largest distance of a goal from the shoulder, as a share of the arm's length. Choice: a fully extended arm cannot
-/// yield.
-const REACHABLE_SHARE: f64 = 0.97;
 
-/// Distance that goals keep from the surface of trunks and rolls, m: half the thickness of the hand, and the margin.
-/// 6.1 cm for Cody.
-pub(super) fn goal_clearance_m(arm: &ArmAtStart) -> f64 {
-    arm.hand_half_thickness_m + GOAL_MARGIN_M
-}
-
-/// Draws the goals one by one, such that the arm passes through a plant on its way from each goal to the next.
+/// Draws the goals one by one. The arm passes through a plant on its way from each goal to the next, and has a posture
+/// at each goal that is within its joints' limits and clear of table, foam and obstacles. `for_postures` gives the
+/// postures from which such a one is sought.
 pub(super) fn draw_goals(
     scene: &Scene,
     arm: &ArmAtStart,
     objects: &[PlacedObject],
     random: &mut ChaCha8Rng,
+    for_postures: &mut ChaCha8Rng,
 ) -> Result<Vec<DVec3>, InputError> {
     let settings = &scene.file.goals;
-    let capsules = |wanted: fn(&dyn Object) -> bool| -> Vec<Capsule> {
-        let wanted = objects.iter().filter(|placed| wanted(placed.object.as_ref()));
-        wanted.map(PlacedObject::bounding_capsule).collect()
-    };
-    let plants = capsules(|object| object.foam_top().is_none());
-    let obstacles = capsules(|object| object.is_obstacle());
+    let plants = objects.iter().filter(|placed| placed.object.foam_top().is_none());
+    let plants: Vec<Capsule> = plants.map(PlacedObject::bounding_capsule).collect();
+    let surroundings = Surroundings::new(scene.file.workspace.table_height_m, objects);
     let anywhere = (-5.0, 5.0);
     let mut from = arm.end_effector_world;
     let mut goals = Vec::new();
     for number in 0..settings.count {
-        let mut too_far = 0;
+        let mut rejected = Rejected::default();
         let goal = (0..GOAL_TRIES).find_map(|_| {
             let draw = |quantity: &Quantity, random: &mut ChaCha8Rng| quantity.draw(random, anywhere).ok();
             let goal = DVec3::new(
@@ -51,25 +51,25 @@ pub(super) fn draw_goals(
                 draw(&settings.y_m, random)?,
                 draw(&settings.z_m, random)?,
             );
-            if goal.distance(arm.shoulder_world) > REACHABLE_SHARE * arm.length_m {
-                too_far += 1;
+            if rejected.too_far + rejected.blocked >= POSTURE_TRIES {
                 return None;
             }
-            let hand = Capsule {
-                start: goal,
-                end: goal,
-                radius_m: goal_clearance_m(arm),
-            };
-            let clear = obstacles.iter().all(|object| object.distance(&hand) > 0.0);
-            let wanted = plants.is_empty() || passes_through(arm, &plants, from, goal);
-            (clear && wanted).then_some(goal)
+            rejected.tried += 1;
+            if !plants.is_empty() && !passes_through(arm, &plants, from, goal) {
+                rejected.beside += 1;
+                return None;
+            }
+            match surroundings.admit(&arm.arm, goal, for_postures) {
+                Admission::Free => return Some(goal),
+                Admission::Blocked => rejected.blocked += 1,
+                Admission::TooFar => rejected.too_far += 1,
+            }
+            None
         });
         let goal = goal.ok_or_else(|| {
-            let found = format!(
-                "no goal number {} that leads through the clutter ({too_far} of {GOAL_TRIES} were out of the arm's reach)",
-                number + 1
-            );
-            scene.fault("goals", found, "ranges of goals among the objects and within the arm's reach")
+            let found = format!("no goal number {} in {rejected}", number + 1);
+            let allowed = "ranges of goals among the objects, where the arm has room";
+            scene.fault("goals", found, allowed)
         })?;
         goals.push(goal);
         from = goal;
@@ -77,11 +77,101 @@ pub(super) fn draw_goals(
     Ok(goals)
 }
 
+/// How many places of a goal were rejected, and why, for the error message.
+#[derive(Debug, Default)]
+struct Rejected {
+    tried: usize,
+    beside: usize,
+    too_far: usize,
+    blocked: usize,
+}
+
+impl std::fmt::Display for Rejected {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{} places: on a straight way to {} the skin meets no plant, {} are out of the arm's reach, and at {} every \
+             posture found is too close to an obstacle, the table or foam",
+            self.tried, self.beside, self.too_far, self.blocked
+        )
+    }
+}
+
+/// What an arm at a goal must be clear of.
+struct Surroundings {
+    table_height_m: f64,
+    /// Foam blocks, with their poses.
+    foam: Vec<(Cuboid, Pose)>,
+    obstacles: Vec<Capsule>,
+}
+
+/// Whether an arm can be at a place.
+enum Admission {
+    /// It has a free posture there.
+    Free,
+    /// It can reach the place, but no free posture was found.
+    Blocked,
+    /// It cannot reach the place.
+    TooFar,
+}
+
+impl Surroundings {
+    fn new(table_height_m: f64, objects: &[PlacedObject]) -> Self {
+        let foam = objects.iter().filter(|placed| placed.object.foam_top().is_some());
+        let obstacles = objects.iter().filter(|placed| placed.object.is_obstacle());
+        Surroundings {
+            table_height_m,
+            foam: foam.map(PlacedObject::outline).collect(),
+            obstacles: obstacles.map(PlacedObject::bounding_capsule).collect(),
+        }
+    }
+
+    /// Looks for a posture with the end effector at `goal`, first from the arm's start posture.
+    fn admit(&self, arm: &Arm, goal: DVec3, random: &mut ChaCha8Rng) -> Admission {
+        let mut start_rad = arm.start_posture_rad();
+        let mut reached = false;
+        for starts in 1..=STARTS {
+            if let Some(posture_rad) = arm.posture_at(goal, &start_rad) {
+                reached = true;
+                if self.leave_room(arm, &posture_rad) {
+                    return Admission::Free;
+                }
+            }
+            if !reached && starts >= STARTS_WITHIN_REACH {
+                return Admission::TooFar;
+            }
+            for (angle, joint) in start_rad.iter_mut().zip(&arm.joints) {
+                // A joint without limits turns all round.
+                let [low, high] = joint.controller_limits_rad.map(|limit| limit.clamp(-PI, PI));
+                *angle = low + (high - low) * (random.next_u32() as f64 / f64::from(u32::MAX));
+            }
+        }
+        Admission::Blocked
+    }
+
+    fn leave_room(&self, arm: &Arm, posture_rad: &[f64]) -> bool {
+        let poses = arm.forward_kinematics(posture_rad);
+        // The base stands where it stands.
+        let of_base = arm.links.first().map_or(0, |base| base.colliders.len());
+        arm.placed_shapes(&poses).skip(of_base).all(|shape| {
+            -shape.extent_m(DVec3::NEG_Z) > self.table_height_m
+                && self
+                    .foam
+                    .iter()
+                    .all(|(block, pose)| shape.distance_to(block, pose) > 0.0)
+                && self
+                    .obstacles
+                    .iter()
+                    .all(|obstacle| shape.distance(obstacle) >= GOAL_MARGIN_M)
+        })
+    }
+}
+
 /// Whether the skin meets a plant on the way, if the arm is taken to be straight from the shoulder to the end effector.
 ///
 /// This looks at the first patch of skin and not at the hand, because that patch is the one that is classified: an
 /// operator picks goals that bring it among plants.
-fn passes_through(arm: &ArmAtStart, plants: &[Capsule], from: DVec3, goal: DVec3) -> bool {
+pub(super) fn passes_through(arm: &ArmAtStart, plants: &[Capsule], from: DVec3, goal: DVec3) -> bool {
     let behind = |end: DVec3, distance: f64| end + (arm.shoulder_world - end).normalize_or_zero() * distance;
     let sweeps = arm
         .skin

@@ -55,8 +55,8 @@ const SETTLED: f64 = 1e-2;
 /// Trials for one extent. Bisection alone would need 40 at most.
 const MAX_TRIALS: usize = 60;
 
-/// The largest overlap is found to this relative error.
-const NEAR_DEEPEST: f64 = 1e-2;
+/// The longest common column of two shapes is found to this relative error.
+const NEAR_LONGEST: f64 = 1e-2;
 /// Cuts of the search for it. An ellipse of 30 cm shrinks to 0.1 mm in 120.
 const MAX_CUTS: usize = 120;
 
@@ -111,34 +111,43 @@ impl<'a> Columns<'a> {
         self.excess(place, over_m).value > 0.0
     }
 
-    /// The place where the overlap is largest, m, and the overlap there, m, within `radius_m` of the origin. `None` if no
-    /// column meets both shapes. By central cuts of an ellipse (Bland, Goldfarb & Todd, "The ellipsoid method", 1981),
-    /// each of which leaves 77 % of its area.
-    pub fn deepest(&self, radius_m: f64) -> Option<(DVec2, f64)> {
+    /// A place where the shapes have points in common, m, and the overlap there, m: the place within `radius_m` of the
+    /// origin whose column holds most of them. `None` if the shapes have no common points there. By central cuts of an
+    /// ellipse (Bland, Goldfarb & Todd, "The ellipsoid method", 1981), each of which leaves 77 % of its area.
+    pub fn common(&self, radius_m: f64) -> Option<(DVec2, f64)> {
         let mut center = DVec2::ZERO;
         let mut ellipse = DMat2::from_diagonal(DVec2::splat(radius_m * radius_m));
-        let mut best: Option<(DVec2, f64)> = None;
+        let mut best: Option<(DVec2, f64, f64)> = None;
         for _ in 0..MAX_CUTS {
-            let excess = self.excess(center, 0.0);
-            if excess.value > 0.0 && best.is_none_or(|(_, overlap_m)| excess.value > overlap_m) {
-                best = Some((center, excess.value));
+            let mut length = self.excess(center, 0.0);
+            let overlap_m = length.value;
+            if overlap_m > 0.0 {
+                // The second shape may also lie beyond the first.
+                let beyond =
+                    self.chords[0].at(center, End::Leaves).end_m - self.chords[1].at(center, End::Enters).end_m;
+                if beyond.value < length.value {
+                    length = beyond;
+                }
             }
-            let across = ellipse * excess.gradient;
-            // No place in the ellipse is better than the center by more than this.
-            let gain = excess.gradient.dot(across).sqrt();
-            // Where the column misses a shape, the excess is not an overlap and only its sign counts.
+            if length.value > 0.0 && best.is_none_or(|(_, _, longest_m)| length.value > longest_m) {
+                best = Some((center, overlap_m, length.value));
+            }
+            let across = ellipse * length.gradient;
+            // No place in the ellipse is better than its center by more than this.
+            let gain = length.gradient.dot(across).sqrt();
+            // Where a column misses a shape, only the sign counts.
             let enough = match best {
-                Some((_, overlap_m)) if excess.value > 0.0 => (1.0 + NEAR_DEEPEST) * overlap_m,
+                Some((_, _, longest_m)) if overlap_m > 0.0 => (1.0 + NEAR_LONGEST) * longest_m,
                 _ => 0.0,
             };
-            if gain.is_nan() || excess.value + gain <= enough {
+            if gain.is_nan() || length.value + gain <= enough {
                 break;
             }
             let step = across / gain;
             center += step / 3.0;
             ellipse = (ellipse - DMat2::from_cols(step * step.x, step * step.y) * (2.0 / 3.0)) * (4.0 / 3.0);
         }
-        best
+        best.map(|(place, overlap_m, _)| (place, overlap_m))
     }
 
     /// How far the columns whose overlap is more than `over_m` extend from `from` along `direction`, m, by Newton's method

@@ -167,7 +167,7 @@ impl ReachPlan {
         Ok(Simulation::new(Setup {
             arm: self.arm.clone(),
             clutter: self.draw(reach_index)?,
-            sensor: Sensor::new(&file.sensor, &self.arm.skin, self.seed, &self.scene.name, reach_index),
+            sensor: Sensor::new(&file.sensor, &self.arm.skin, self.seed, &self.scene.stream, reach_index),
             physics: file.physics.options(),
             dormancy: file.physics.dormancy,
         }))

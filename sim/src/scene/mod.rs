@@ -10,7 +10,9 @@ use underbrush_recording::{FRAME_PERIOD_S, InputError, read_text};
 use crate::range::{Limited, PLACE_M, YAW_DEG};
 use crate::sensor::Fault;
 use crate::toml_text::{key_at, line_of, sets_key};
+use content::objects_hash;
 
+mod content;
 mod file;
 pub mod limits;
 mod shipped;
@@ -23,6 +25,9 @@ pub use shipped::{SHIPPED, shipped};
 pub struct Scene {
     /// Name: the file's name without its extension.
     pub name: String,
+    /// Names the random numbers that its reaches draw: the key `stream`, or else what the file says of the objects. Scenes
+    /// with the same stream, seed and index of a reach draw the same numbers.
+    pub stream: String,
     /// The file.
     pub path: PathBuf,
     /// Its text, for the provenance of data sets and for the lines in error messages.
@@ -66,6 +71,7 @@ impl Scene {
             .map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
         let scene = Scene {
             name,
+            stream: file.stream.clone().unwrap_or_else(|| objects_hash(&text)),
             path: path.to_path_buf(),
             text,
             file,

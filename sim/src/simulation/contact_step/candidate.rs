@@ -166,15 +166,22 @@ impl ContactStep {
         let kept = self.kept(&key(&handles));
         let known = kept.or_else(|| self.sibling(&bodies));
         let known_normal = known.map(|kept| body_poses[1].transform_vector(kept.normal));
-        let plane = place(pair, manifold, known_normal, faces);
-        let columns = Columns::new(pair, &plane, faces)?;
-        let overlap_m = columns.overlap_m(DVec2::ZERO)?;
-        let (over_m, before) = meeting.closing_m(&plane, overlap_m, copies, parts);
+        let mut plane = place(pair, manifold, known_normal, faces);
         let first_node = nodes.len();
-        columns.add_nodes(over_m, nodes);
-        if nodes.len() == first_node {
-            return None;
-        }
+        let mut press = |plane: &Plane, faces: &mut [Faces; 2]| {
+            let columns = Columns::new(pair, plane, faces)?;
+            let (over_m, before) = meeting.closing_m(plane, columns.overlap_m(DVec2::ZERO)?, copies, parts);
+            columns.add_nodes(over_m, nodes);
+            (nodes.len() > first_node).then_some(before)
+        };
+        let before = match press(&plane, faces) {
+            Some(before) => before,
+            // The manifold's points may lie beside the region in which the shapes overlap.
+            None => {
+                plane = meeting.common(plane.normal_world, faces)?.0;
+                press(&plane, faces)?
+            }
+        };
         let (center, radius_m) = law.center_and_radius(&nodes[first_node..], &before);
         let deflection = kept.map_or(Vector3::zeros(), |kept| {
             let deflection_world = body_poses[1].transform_vector(kept.deflection);

@@ -1,21 +1,23 @@
 //! How far two shapes overlap for which no patch was found: a check of the search for patches, on a way of its own.
 //!
 //! It needs no nearest points. If no direction of a short list separates the shapes, the lines along the direction in
-//! which they overlap least show whether they have a point in common, and where they overlap most.
+//! which they overlap least show whether they have points in common.
 
 use glam::DVec3;
+use rapier3d::parry::query;
 use rapier3d::parry::shape::{Shape, TypedShape};
 
 use super::Parts;
 use super::candidate::Meeting;
 use super::copied::Copied;
 use crate::contact::chord::Faces;
+use crate::contact::law::in_plane;
 use crate::contact::patch::Columns;
-use crate::contact::plane::Pair;
+use crate::contact::plane::{Pair, Plane};
 use crate::geometry::parry_pose;
 
-/// Overlaps up to this depth need no patch, m. A corner this deep in a soft skin exerts some 10 µN, and a face that
-/// touches at a grazing angle may be found a step later.
+/// Overlaps up to this depth need no patch, m, beyond what the speed explains with which the shapes part. A corner this
+/// deep in a soft skin exerts some 10 µN.
 const SHALLOW_M: f64 = 1e-4;
 
 impl Meeting<'_> {
@@ -25,30 +27,44 @@ impl Meeting<'_> {
         if least_m <= SHALLOW_M {
             return 0.0;
         }
+        let Some((plane, overlap_m)) = self.common(normal_world, faces) else {
+            return 0.0;
+        };
+        let along_list = (plane.origin_world, normal_world, overlap_m.min(least_m));
+        // The engine's library knows the direction better, where it finds the overlap.
+        let (point_world, normal_world, overlap_m) = self.deepest().unwrap_or(along_list);
+        let plane = self.pair.plane(point_world, normal_world);
+        let (over_m, _) = self.closing_m(&plane, overlap_m, copies, parts);
+        if overlap_m - over_m.max(0.0) > SHALLOW_M {
+            overlap_m
+        } else {
+            0.0
+        }
+    }
+
+    /// The plane across `normal_world` through points that the shapes have in common, if there are any, and the overlap
+    /// there, m.
+    pub(super) fn common(&self, normal_world: DVec3, faces: &mut [Faces; 2]) -> Option<(Plane, f64)> {
         // Columns of the overlap lie within the smaller shape.
         let spheres = [0, 1].map(|side| {
             let sphere = self.pair.shapes[side].compute_local_bounding_sphere();
             let center_world = self.pair.poses_world[side].transform_point(sphere.center);
             (center_world, sphere.radius)
         });
-        let (center_world, radius_m) = if spheres[0].1 < spheres[1].1 {
-            spheres[0]
-        } else {
-            spheres[1]
-        };
-        let mut plane = self.pair.plane(center_world, normal_world);
-        let deepest = Columns::new(&self.pair, &plane, faces).and_then(|columns| columns.deepest(radius_m));
-        let Some((place, overlap_m)) = deepest.filter(|(_, overlap_m)| *overlap_m > SHALLOW_M) else {
-            return 0.0;
-        };
-        let [first, second] = plane.tangents_world;
-        plane.origin_world += first * place.x + second * place.y;
-        let (over_m, _) = self.closing_m(&plane, overlap_m, copies, parts);
-        if overlap_m > over_m {
-            overlap_m.min(least_m)
-        } else {
-            0.0
-        }
+        let [first, second] = spheres;
+        let (center_world, radius_m) = if first.1 < second.1 { first } else { second };
+        let plane = self.pair.plane(center_world, normal_world);
+        let (place, overlap_m) = Columns::new(&self.pair, &plane, faces)?.common(radius_m)?;
+        let origin_world = center_world + in_plane(&plane.tangents_world, place.x, place.y);
+        Some((Plane { origin_world, ..plane }, overlap_m))
+    }
+
+    /// Where the shapes overlap most according to parry: a point, the direction and the overlap, m.
+    fn deepest(&self) -> Option<(DVec3, DVec3, f64)> {
+        let [first, second] = self.pair.poses_world.each_ref().map(parry_pose);
+        let [own, other] = self.pair.shapes;
+        let found = query::contact(&first, own, &second, other, 0.0).ok()??;
+        Some((0.5 * (found.point1 + found.point2), -found.normal1, -found.dist))
     }
 }
 

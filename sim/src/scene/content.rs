@@ -1,0 +1,78 @@
+//! A hash of what a scene file says of its objects, for the random numbers of scenes that name no stream.
+
+use blake3::Hasher;
+use toml::{Table, Value};
+
+/// Hexadecimal BLAKE3 of the key `objects`, without comments, the order of keys and the way in which numbers are
+/// written. A key that a later version adds does not change it.
+pub(super) fn objects_hash(text: &str) -> String {
+    let table: Table = toml::from_str(text).unwrap_or_default();
+    let mut hasher = Hasher::new();
+    if let Some(objects) = table.get("objects") {
+        add(objects, &mut hasher);
+    }
+    hasher.finalize().to_hex().to_string()
+}
+
+/// Adds a value, with a letter for its kind and the number of its parts.
+fn add(value: &Value, hasher: &mut Hasher) {
+    let begin = |hasher: &mut Hasher, kind: u8, parts: usize| {
+        hasher.update(&[kind]);
+        hasher.update(&(parts as u64).to_le_bytes());
+    };
+    let text = |hasher: &mut Hasher, text: &str| {
+        begin(hasher, b't', text.len());
+        hasher.update(text.as_bytes());
+    };
+    let number = |hasher: &mut Hasher, number: f64| {
+        begin(hasher, b'n', 1);
+        hasher.update(&number.to_le_bytes());
+    };
+    match value {
+        Value::Integer(whole) => number(hasher, *whole as f64),
+        Value::Float(real) => number(hasher, *real),
+        Value::Boolean(yes) => begin(hasher, b'b', usize::from(*yes)),
+        Value::String(string) => text(hasher, string),
+        Value::Datetime(time) => text(hasher, &time.to_string()),
+        Value::Array(values) => {
+            begin(hasher, b'a', values.len());
+            values.iter().for_each(|value| add(value, hasher));
+        }
+        Value::Table(table) => {
+            begin(hasher, b'o', table.len());
+            let mut keys: Vec<&String> = table.keys().collect();
+            keys.sort();
+            for key in keys {
+                text(hasher, key);
+                add(&table[key], hasher);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::objects_hash;
+
+    const LEAF: &str = "summary = \"a\"\n[[objects.leaf]]\ncount = 2\nheight_m = 0.50\n";
+
+    /// Tests that only what the file says of the objects changes the hash.
+    #[test]
+    fn only_objects_count() {
+        let same =
+            "# A comment\nsummary = \"b\"\nsensor = { noise_n = 0.0 }\n[[objects.leaf]]\nheight_m = 5e-1\ncount = 2\n";
+        assert_eq!(objects_hash(LEAF), objects_hash(same));
+        for other in [
+            ("count = 2", "count = 3"),
+            ("0.50", "0.51"),
+            ("leaf", "trunk"),
+            ("height_m", "width_m"),
+        ] {
+            assert_ne!(
+                objects_hash(LEAF),
+                objects_hash(&LEAF.replace(other.0, other.1)),
+                "{other:?}"
+            );
+        }
+    }
+}
