@@ -1,5 +1,7 @@
 //! The command line of underbrush. Each subcommand is one file; physics and statistics are in the libraries.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::ExitCode;
 

@@ -6,8 +6,8 @@ use std::fmt;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
-use underbrush_recording::Limits;
 use underbrush_recording::limits::short;
+use underbrush_recording::{Limits, math};
 
 /// Priors in a common unit. If one is a thousand million times another, hardly anything is left to decide.
 pub(crate) const PRIOR: Limits = Limits::new(1e-9, 1e9, "");
@@ -168,7 +168,7 @@ impl Decision {
         let total: f64 = self.prior.values().sum();
         let log_prior = match self.prior.is_empty() {
             true => vec![0.0; categories.len()],
-            false => self.prior.values().map(|prior| (prior / total).ln()).collect(),
+            false => self.prior.values().map(|prior| math::ln(prior / total)).collect(),
         };
         Ok(Judge {
             categories: categories.to_vec(),

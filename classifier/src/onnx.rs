@@ -23,7 +23,7 @@ use std::sync::Arc;
 use serde_json::Value;
 use tract_onnx::prelude::*;
 use tract_onnx::tract_hir::infer::Factoid;
-use underbrush_recording::{InputError, Sample};
+use underbrush_recording::{InputError, Sample, math};
 
 use crate::error::ModelError;
 use crate::estimator::{Classifier, ContactScorer, Independent, OnlineScorer};
@@ -265,7 +265,7 @@ impl ContactScorer for Contact {
         if *is_probability {
             scores
                 .iter_mut()
-                .for_each(|score| *score = score.max(SMALLEST_PROBABILITY).ln());
+                .for_each(|score| *score = math::ln(score.max(SMALLEST_PROBABILITY)));
         }
         Ok(())
     }

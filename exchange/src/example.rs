@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use glam::{DQuat, DVec3};
 use underbrush_recording::{
     Audit, Body, BodyOwner, BodyPart, BodyShape, Category, Frame, GoalRecord, Grid, ObjectRecord, Outcome, Patch, Pose,
-    Recording, SkinLayout, Taxel, TaxelReading,
+    Recording, SkinLayout, Taxel, TaxelReading, math,
 };
 
 /// A file in the folder with the tests' temporary files, and the folder, which is removed when dropped.
@@ -71,7 +71,7 @@ pub(crate) fn reach(scene: &str, reach_index: u64, frames: usize) -> Recording {
     };
     let frame = |index: usize| {
         let time_s = index as f64 / 100.0;
-        let force_n = (7.0 * time_s + reach_index as f64).sin() / 3.0;
+        let force_n = math::sin(7.0 * time_s + reach_index as f64) / 3.0;
         let reading = |patch, taxel, share: f64| TaxelReading {
             patch,
             taxel,
@@ -82,9 +82,9 @@ pub(crate) fn reach(scene: &str, reach_index: u64, frames: usize) -> Recording {
         };
         Frame {
             time_s,
-            joint_angle_rad: vec![time_s.sin(), 0.1 / 3.0],
-            joint_velocity_rad_per_s: vec![time_s.cos(), -0.2],
-            equilibrium_angle_rad: vec![time_s.sin() + 0.1, 0.3],
+            joint_angle_rad: vec![math::sin(time_s), 0.1 / 3.0],
+            joint_velocity_rad_per_s: vec![math::cos(time_s), -0.2],
+            equilibrium_angle_rad: vec![math::sin(time_s) + 0.1, 0.3],
             joint_torque_nm: vec![2.0, -0.5 * time_s],
             end_effector_pose_world: Pose::new(DVec3::new(time_s, 0.2, 0.3), DQuat::from_rotation_x(time_s)),
             goal_position_world: DVec3::new(0.5, 0.1 * (index / 40) as f64, -0.1),

@@ -7,6 +7,8 @@
 //! * [`import`] cuts trials from a CSV, HDF5 or MCAP file, as a mapping file describes.
 //! * `bucket` (with the feature `cloud`) copies data sets to and from S3-like storage.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 #[cfg(feature = "cloud")]
 pub mod bucket;
 mod error;

@@ -5,6 +5,8 @@
 //! in [`experiment`] makes one figure or table from them. [`benchmark`] judges models and controllers on frozen scenes.
 //! Nothing here prints or draws; [`Progress`] reports how a run is going.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod accuracy;
 pub mod audit;
 pub mod benchmark;

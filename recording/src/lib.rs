@@ -5,6 +5,8 @@
 //! [`trial::Trial`] the samples of one taxel, or one connected component, from the beginning of a contact to its end.
 //! The disk formats (Parquet, JSON, CSV) need the feature `disk`.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod audit;
 pub mod body;
 pub mod category;
@@ -15,6 +17,7 @@ pub mod frame;
 pub mod input_error;
 pub mod layout;
 pub mod limits;
+pub mod math;
 pub mod outcome;
 pub mod reach;
 pub mod text_file;

@@ -7,6 +7,8 @@
 //! The page is built from `page/` by Vite. Its built form is a single HTML file, which is checked in, so that building this
 //! crate needs no Node.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod answer;
 mod contact_trials;
 mod container;

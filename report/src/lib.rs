@@ -4,6 +4,8 @@
 //! [`drawing`] has the charts, tables and pages that they use. [`picture`] draws arm and clutter, [`portrait`] objects
 //! pressed on the skin, and [`junit`] writes the results of regression suites for CI systems.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod agreement;
 pub mod benchmark_text;
 pub mod category_looks;

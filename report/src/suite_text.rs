@@ -9,6 +9,7 @@ use underbrush_experiments::suite::result::{BoundResult, BoundVerdict, SceneResu
 
 use crate::junit;
 use crate::text::table;
+use underbrush_recording::math;
 
 /// Writes `junit.xml` for CI systems, and `results.json` with the values of all reaches.
 ///
@@ -119,7 +120,7 @@ fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }
-    let magnitude = value.abs().log10().floor();
+    let magnitude = math::log10(value.abs()).floor();
     if !(-4.0..6.0).contains(&magnitude) {
         return format!("{value:.3e}");
     }

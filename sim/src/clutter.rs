@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{DQuat, DVec3};
 use parry3d::shape::Cuboid;
-use underbrush_recording::{InputError, ObjectRecord, Pose};
+use underbrush_recording::{InputError, ObjectRecord, Pose, math};
 
 use crate::arm::ArmAtStart;
 use crate::geometry::{Capsule, Footprint, LaidFootprint};
@@ -65,7 +65,7 @@ impl PlacedObject {
     pub fn bounding_capsule(&self) -> Capsule {
         let radius_m = match self.object.footprint() {
             Footprint::Disc(radius) => radius,
-            Footprint::Rectangle(x, y) => x.hypot(y),
+            Footprint::Rectangle(x, y) => math::hypot(x, y),
         };
         Capsule {
             start: self.foot_world,

@@ -11,6 +11,8 @@
 //! | the loop of one reach, and many reaches | [`reach`], [`campaign`] |
 //! | a reach as an environment for an agent that learns | [`environment`] |
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod arm;
 pub mod audit;
 mod body_log;

@@ -1,11 +1,13 @@
 //! Gauss-Legendre quadrature.
 
+use underbrush_recording::math;
+
 /// Nodes in 0..1 and weights (sum 1) of Gauss-Legendre quadrature of order `n`, lowest first: zeros of the Legendre
 /// polynomial by Newton's method from Tricomi's estimate.
 pub fn gauss_legendre(n: u32) -> Vec<(f64, f64)> {
     let order = f64::from(n);
     let node = |k: u32| {
-        let mut x = -(std::f64::consts::PI * (f64::from(k) + 0.75) / (order + 0.5)).cos();
+        let mut x = -math::cos(std::f64::consts::PI * (f64::from(k) + 0.75) / (order + 0.5));
         let mut slope = 1.0;
         for _ in 0..10 {
             let (mut value, mut before) = (x, 1.0);

@@ -4,10 +4,12 @@ use std::fmt;
 use std::ops::Range;
 
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, Normal, Uniform};
+use rand_distr::{Distribution, Uniform};
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 use underbrush_recording::limits::short;
+
+use crate::seed::standard_normal;
 
 mod placement;
 mod schema;
@@ -139,8 +141,8 @@ impl Quantity {
                 Some(uniform.sample(random)).filter(physical).ok_or(error)
             }
             Draw::Normal(mean, deviation) => {
-                let normal = Normal::new(mean, deviation).map_err(|_| error.clone())?;
-                (0..DRAWS).map(|_| normal.sample(random)).find(physical).ok_or(error)
+                let mut normal = || mean + deviation * standard_normal(random);
+                (0..DRAWS).map(|_| normal()).find(physical).ok_or(error)
             }
         }
     }

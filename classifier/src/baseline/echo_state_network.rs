@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use underbrush_recording::{InputError, Limits, Sample, Trial};
+use underbrush_recording::{InputError, Limits, Sample, Trial, math};
 
 use super::file::{self, FITTED, check_table};
 use crate::document::Document;
@@ -205,7 +205,7 @@ impl Network {
         }
         let drive = &self.recurrent * state.rows(0, units) + &self.inputs * &input;
         for (unit, drive) in drive.iter().enumerate() {
-            state[unit] += leak * (drive.tanh() - state[unit]);
+            state[unit] += leak * (math::tanh(*drive) - state[unit]);
         }
         state.rows_mut(units, input.len()).copy_from(&input);
         Ok(())
@@ -318,7 +318,7 @@ impl ContactScorer for Contact {
     fn scores(&self, scores: &mut [f64]) -> Result<(), ModelError> {
         let mean = &self.sum / self.samples.max(1) as f64;
         for (score, posterior) in scores.iter_mut().zip(mean.iter()) {
-            *score = posterior.clamp(MIN_POSTERIOR, 1.0).ln();
+            *score = math::ln(posterior.clamp(MIN_POSTERIOR, 1.0));
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use underbrush_recording::{InputError, Limits, Sample, Trial};
+use underbrush_recording::{InputError, Limits, Sample, Trial, math};
 
 use super::file::{self, FITTED, check_table};
 use super::table::{Standardization, Table};
@@ -233,7 +233,7 @@ fn log_posterior(weights: &DMatrix<f64>, features: &[f64]) -> Vec<f64> {
     };
     let scores: Vec<f64> = (0..weights.nrows()).map(of).collect();
     let largest = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let total = largest + scores.iter().map(|score| (score - largest).exp()).sum::<f64>().ln();
+    let total = largest + math::ln(scores.iter().map(|score| math::exp(score - largest)).sum::<f64>());
     scores.into_iter().map(|score| score - total).collect()
 }
 
@@ -297,7 +297,7 @@ fn derivatives(table: &Table, weights: &DMatrix<f64>, penalty: f64) -> (DVector<
         extended[..columns - 1].copy_from_slice(&row.features);
         let posterior: Vec<f64> = log_posterior(weights, &row.features)
             .into_iter()
-            .map(f64::exp)
+            .map(math::exp)
             .collect();
         for a in 0..categories {
             let miss = posterior[a] - f64::from(u8::from(a == row.category));
@@ -336,8 +336,8 @@ pub(super) fn largest_slope(trials: &[&Trial], estimator: &Logistic) -> f64 {
                         .sum()
                 })
                 .collect();
-            let total: f64 = scores.iter().map(|score: &f64| score.exp()).sum();
-            -row.weight * (scores[row.category].exp() / total).ln()
+            let total: f64 = scores.iter().map(|score: &f64| math::exp(score)).sum();
+            -row.weight * math::ln(math::exp(scores[row.category]) / total)
         });
         entropies.sum::<f64>() + 0.5 * estimator.penalty * weights.iter().map(|w| w * w).sum::<f64>()
     };

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use underbrush_recording::{InputError, Sample, Trial};
+use underbrush_recording::{InputError, Sample, Trial, math};
 
 use super::file::{self, FITTED, POSITIVE, check_table};
 use super::table::{Standardization, Table};
@@ -209,7 +209,7 @@ impl ContactScorer for Contact {
             let gaussians = mean.iter().zip(variance).zip(&features);
             let densities = gaussians.map(|((mean, variance), feature)| {
                 let squared = (feature - mean).powi(2) / variance;
-                -0.5 * (squared + (std::f64::consts::TAU * variance).ln())
+                -0.5 * (squared + math::ln(std::f64::consts::TAU * variance))
             });
             *score = densities.sum();
         }

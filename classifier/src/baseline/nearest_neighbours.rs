@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use underbrush_recording::{InputError, Limits, Sample, Trial};
+use underbrush_recording::{InputError, Limits, Sample, Trial, math};
 
 use super::file::{self, FITTED, check_list, check_table};
 use crate::document::Document;
@@ -302,7 +302,7 @@ impl Fitted {
             .iter()
             .for_each(|&(_, category)| share[category] += 1.0);
         for ((score, share), count) in scores.iter_mut().zip(share).zip(&self.count) {
-            *score = (share / *count as f64).ln();
+            *score = math::ln(share / *count as f64);
         }
     }
 }

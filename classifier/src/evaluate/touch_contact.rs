@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::touch::{TaxelTouch, Touch};
+use underbrush_recording::math;
 
 /// A tenth of a second.
 const TENTH_SECOND_SAMPLES: usize = 10;
@@ -56,7 +57,7 @@ impl OpenContact {
             Touch::Nothing => {}
         }
         for (sum, probability) in self.evidence.iter_mut().zip(probabilities) {
-            *sum += (1.0 - taxel.nothing) * probability.max(1e-6).ln();
+            *sum += (1.0 - taxel.nothing) * math::ln(probability.max(1e-6));
         }
         let best = self.evidence.iter().copied().enumerate();
         let best = best.reduce(|best, other| if other.1 > best.1 { other } else { best });

@@ -5,6 +5,7 @@ use std::f64::consts::{LN_2, LOG2_E, TAU};
 use nalgebra::DMatrix;
 
 use super::tile::{Tile, WIDTH, add, map, multiply, tiled, tiles_for, zip};
+use underbrush_recording::math;
 
 /// The Gaussians of all states, in tiles of four states and padded with states of density 0.
 ///
@@ -33,12 +34,12 @@ impl Gaussians {
             let factor = DMatrix::from_row_slice(d, d, block).cholesky().ok_or(state)?;
             let lower = factor.l();
             let inverse = lower.solve_lower_triangular(&DMatrix::identity(d, d)).ok_or(state)?;
-            let log_determinant = 2.0 * lower.diagonal().iter().map(|pivot| pivot.ln()).sum::<f64>();
+            let log_determinant = 2.0 * lower.diagonal().iter().map(|pivot| math::ln(*pivot)).sum::<f64>();
             if !log_determinant.is_finite() || inverse.iter().any(|entry| !entry.is_finite()) {
                 return Err(state);
             }
             whitening.extend(inverse.transpose().iter());
-            log_peak.push(-0.5 * (d as f64 * TAU.ln() + log_determinant));
+            log_peak.push(-0.5 * (d as f64 * math::ln(TAU) + log_determinant));
         }
         Ok(Gaussians {
             dimension,

@@ -1,6 +1,6 @@
 //! Running statistics of one contact.
 
-use underbrush_recording::Sample;
+use underbrush_recording::{Sample, math};
 
 use super::STREAM_FEATURES;
 
@@ -16,7 +16,7 @@ const STIFFNESS_KNEE_N_PER_M: f64 = 10.0;
 
 /// sign(x) ln(1 + |x| / knee).
 fn compress(value: f64, knee: f64) -> f64 {
-    value.signum() * (value.abs() / knee).ln_1p()
+    value.signum() * math::ln_1p(value.abs() / knee)
 }
 
 /// Running mean and sum of squared deviations (Welford 1962, Technometrics 4).
@@ -152,7 +152,7 @@ impl StreamFeatures {
         let deviation = |course: &Course| force((course.moments.squares.max(0.0) / count).sqrt());
         let motion = |metres: f64| compress(metres, MOTION_KNEE_M);
         [
-            count.ln(),
+            math::ln(count),
             force(self.force.last),
             force(self.force.first),
             force(self.force.largest),
@@ -173,9 +173,9 @@ impl StreamFeatures {
             force(self.region.moments.mean),
             deviation(&self.region),
             rate(&self.region),
-            self.taxels.ln_1p(),
-            self.mean_taxels.ln_1p(),
-            self.largest_taxels.ln_1p(),
+            math::ln_1p(self.taxels),
+            math::ln_1p(self.mean_taxels),
+            math::ln_1p(self.largest_taxels),
             force(self.sum_n),
             force(self.mean_sum_n),
             self.mean_share,

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::compress::{COUNT_KNEE, PLAIN, compress, knees, names};
+use underbrush_recording::math;
 
 /// Forces and motion of a contact region in one frame. Motions are means over its taxels, weighted by their forces.
 #[derive(Clone, Copy, Debug, Default)]
@@ -173,7 +174,7 @@ impl Course {
             self.work_j += 0.5 * (force_n + self.now.force_n) * measure.press_m;
             self.largest_step_n = self.largest_step_n.max(step_n.abs());
             self.variation_n += step_n.abs();
-            let kept = (-since_last_s / RECENT_S).exp();
+            let kept = math::exp(-since_last_s / RECENT_S);
             self.roughness = kept * self.roughness + (1.0 - kept) * step_n.abs() / (force_n + FORCE_KNEE_N);
             self.recent_press_squares = kept * self.recent_press_squares + measure.press_m * measure.press_m;
             self.recent_force_press = kept * self.recent_force_press + measure.press_m * step_n;
@@ -203,7 +204,7 @@ impl Course {
         self.force_press += deviations[1] * (values[0] - self.mean[0]);
         self.force_time += deviations[2] * (values[0] - self.mean[0]);
         self.now = *measure;
-        self.describe((-since_last_s / DESCRIBED_S).exp());
+        self.describe(math::exp(-since_last_s / DESCRIBED_S));
     }
 
     fn describe(&mut self, kept: f64) {

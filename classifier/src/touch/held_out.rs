@@ -7,6 +7,7 @@ use super::network::softmax;
 use super::networks::{category_network, class, touched_network};
 use super::risk::Lapse;
 use super::rows::TouchExamples;
+use underbrush_recording::math;
 
 /// At most this share of true contacts may be called nothing in held-out reaches. Choice: a little less than the 2 %
 /// that a controller should lose at most.
@@ -83,9 +84,9 @@ pub(super) struct Judged {
 pub(super) fn sharpness(rows: &[&Judged]) -> f64 {
     let entropy = |log_factor: f64| -> f64 {
         let of = |row: &&Judged| {
-            let mut scores: Vec<f64> = row.scores.iter().map(|score| score * log_factor.exp()).collect();
+            let mut scores: Vec<f64> = row.scores.iter().map(|score| score * math::exp(log_factor)).collect();
             softmax(&mut scores);
-            -row.weight * scores[row.class].max(f64::MIN_POSITIVE).ln()
+            -row.weight * math::ln(scores[row.class].max(f64::MIN_POSITIVE))
         };
         rows.iter().map(of).sum()
     };
@@ -99,7 +100,7 @@ pub(super) fn sharpness(rows: &[&Judged]) -> f64 {
             low = first;
         }
     }
-    (0.5 * (low + high)).exp()
+    math::exp(0.5 * (low + high))
 }
 
 /// The cost of an uncertain verdict above which a region is called another category than its own; `None` if it never

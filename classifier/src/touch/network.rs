@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::Limits;
+use underbrush_recording::{Limits, math};
 
 /// Fitted numbers of any kind. Choice, as for the files of classifiers of trials: standardized features and logarithms
 /// stay far below, and products of such numbers stay finite.
@@ -219,7 +219,7 @@ pub fn softmax(scores: &mut [f64]) {
     let largest = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let mut sum = 0.0;
     for score in scores.iter_mut() {
-        *score = (*score - largest).exp();
+        *score = math::exp(*score - largest);
         sum += *score;
     }
     scores.iter_mut().for_each(|score| *score /= sum);
@@ -278,7 +278,7 @@ impl Descent {
 
     fn step(&mut self, network: &mut Network, steps: usize) {
         let progress = self.steps as f64 / steps as f64;
-        let length = STEP * 0.5 * (1.0 + (std::f64::consts::PI * progress).cos());
+        let length = STEP * 0.5 * (1.0 + math::cos(std::f64::consts::PI * progress));
         self.steps += 1;
         let corrections = DECAY.map(|decay| 1.0 - decay.powi(i32::try_from(self.steps).unwrap_or(i32::MAX)));
         let gradients = self.gradient.weights_mut();

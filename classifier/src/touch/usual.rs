@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::course::DESCRIPTION_COUNT;
 use super::network::FITTED;
+use underbrush_recording::math;
 
 /// Added to the variances, so that a feature that hardly varies does not decide alone. The features are logarithms, so
 /// this is an error of a tenth in each.
@@ -73,7 +74,7 @@ impl Usual {
         distances.sort_by(f64::total_cmp);
         let last = distances.len().saturating_sub(1) as f64;
         let quantile = |index: usize| {
-            let share = 1.0 - 10f64.powf(-0.1 * index as f64);
+            let share = 1.0 - math::powf(10f64, -0.1 * index as f64);
             // The list is so long that the nearest distance is accurate enough.
             distances.get((share * last).round() as usize).copied().unwrap_or(0.0)
         };
@@ -102,7 +103,7 @@ impl Usual {
             return 1.0;
         }
         let Some(upper) = self.distances.get(above) else {
-            return 10f64.powf(-0.1 * (QUANTILES - 1) as f64);
+            return math::powf(10f64, -0.1 * (QUANTILES - 1) as f64);
         };
         let lower = self.distances[above - 1];
         let part = if *upper > lower {
@@ -110,7 +111,7 @@ impl Usual {
         } else {
             0.0
         };
-        10f64.powf(-0.1 * (above as f64 - 1.0 + part))
+        math::powf(10f64, -0.1 * (above as f64 - 1.0 + part))
     }
 
     /// Whether all numbers are within their limits and there are as many as this number of categories needs.

@@ -9,6 +9,7 @@ use super::network::{Network, Row, softmax};
 use super::networks::{category_network, class, touched_network};
 use super::rows::{FOLDS, TouchExamples};
 use super::taxel::TAXEL_FEATURES;
+use underbrush_recording::math;
 
 /// What a feature is worth: how much worse the probabilities on held-out reaches are if its values are shuffled among
 /// the rows (Breiman 2001). A feature that others can replace is worth little by this measure, even if it is
@@ -125,7 +126,7 @@ impl Losses {
         let own = scores[row.class];
         let is_right = scores.iter().all(|other| *other <= own);
         softmax(&mut scores);
-        self.log_loss -= row.weight * scores[row.class].max(f64::MIN_POSITIVE).ln();
+        self.log_loss -= row.weight * math::ln(scores[row.class].max(f64::MIN_POSITIVE));
         self.right[row.class] += if is_right { row.weight } else { 0.0 };
         self.total[row.class] += row.weight;
     }

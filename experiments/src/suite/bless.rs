@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use underbrush_recording::InputError;
+use underbrush_recording::{InputError, math};
 
 use super::metric::{Sides, Statistic};
 use super::result::{BoundResult, SuiteResult};
@@ -117,7 +117,7 @@ fn rounded(number: f64, round: fn(f64) -> f64) -> f64 {
     if number == 0.0 || !number.is_finite() {
         return number;
     }
-    let digits = 3 - number.abs().log10().floor() as i32;
+    let digits = 3 - math::log10(number.abs()).floor() as i32;
     // Goes through decimal text, so that no binary rounding error of the scale remains.
     let scaled = round(number * 10_f64.powi(digits));
     format!("{scaled}e{}", -digits).parse().unwrap_or(number)

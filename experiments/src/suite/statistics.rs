@@ -8,6 +8,7 @@
 //! future mean; for example Hahn and Meeker, Statistical Intervals, 1991, section 4.7).
 
 use crate::accuracy::Spread;
+use underbrush_recording::math;
 
 /// Smallest margin, relative to the mean. Choice: differences of one per cent are not worth a failure, however little
 /// the reaches of a pinned scene vary.
@@ -55,8 +56,8 @@ fn student_t_quantile(probability: f64, degrees: usize) -> f64 {
 /// The probability that Student's t is at most `t` ≥ 0, by the finite series for whole degrees of freedom (Abramowitz
 /// and Stegun, equations 26.7.3 and 26.7.4).
 fn student_t_probability(t: f64, degrees: usize) -> f64 {
-    let angle = (t / (degrees as f64).sqrt()).atan();
-    let (sine, cosine) = angle.sin_cos();
+    let angle = math::atan(t / (degrees as f64).sqrt());
+    let (sine, cosine) = math::sin_cos(angle);
     let is_odd = degrees % 2 == 1;
     let mut term = if is_odd { cosine } else { 1.0 };
     let mut sum = 0.0;

@@ -1,5 +1,7 @@
 //! Axes: positions of values, and ticks.
 
+use underbrush_recording::math;
+
 /// One axis of a chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
@@ -107,7 +109,7 @@ impl Fitted {
                     .collect(),
             },
             Scale::Logarithmic => {
-                let (low, high) = (min.log10().floor(), max.log10().ceil());
+                let (low, high) = (math::log10(min).floor(), math::log10(max).ceil());
                 let high = if high > low { high } else { low + 1.0 };
                 let every = ((high - low) / steps).ceil().max(1.0) as usize;
                 let exponents = (low as i32..=high as i32).step_by(every);
@@ -127,7 +129,7 @@ impl Fitted {
                 let width = if high > low { high - low } else { low.abs().max(1.0) };
                 let step = round_step(width / steps);
                 let (first, last) = ((low / step).floor(), ((low + width) / step - 1e-9).ceil());
-                let decimals = (-step.log10().floor()).clamp(0.0, 9.0) as usize;
+                let decimals = (-math::log10(step).floor()).clamp(0.0, 9.0) as usize;
                 let count = (last - first).clamp(1.0, 50.0) as usize;
                 Fitted {
                     low: first * step,
@@ -154,7 +156,7 @@ impl Fitted {
 
     /// The position of a value, 0 at the low end and 1 at the high end; `None` for a value that the scale cannot show.
     pub(super) fn share(&self, value: f64) -> Option<f64> {
-        let value = if self.logarithmic { value.log10() } else { value };
+        let value = if self.logarithmic { math::log10(value) } else { value };
         let share = (value - self.low) / (self.high - self.low);
         share.is_finite().then_some(share.clamp(0.0, 1.0))
     }
@@ -162,7 +164,7 @@ impl Fitted {
 
 /// The next larger step that is 1, 2 or 5 times a power of ten.
 fn round_step(step: f64) -> f64 {
-    let power = 10_f64.powf(step.log10().floor());
+    let power = math::powf(10_f64, math::log10(step).floor());
     let factor = [1.0, 2.0, 5.0]
         .into_iter()
         .find(|factor| factor * power >= step * 0.999);

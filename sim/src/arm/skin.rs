@@ -3,7 +3,7 @@
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::{SkinLayout, Taxel};
+use underbrush_recording::{SkinLayout, Taxel, math};
 
 /// All tactile skin of an arm.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,7 +86,7 @@ impl Skin {
                 points.push(match surface.form {
                     SurfaceForm::Cylinder { radius_m, .. } => {
                         // `across` is an arc length, because the taxel is bent and not stretched.
-                        let (sin, cos) = (across / radius_m).sin_cos();
+                        let (sin, cos) = math::sin_cos(across / radius_m);
                         let normal_link = taxel.normal_link * cos + second_tangent * sin;
                         let center = taxel.position_link - taxel.normal_link * radius_m;
                         let position_link = center + taxel.tangent_link * along + normal_link * radius_m;

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
 use underbrush_recording::limits::{MAX_PATCHES, MAX_TAXELS, short};
-use underbrush_recording::{Grid, InputError, Patch, Pose, SkinLayout, Taxel};
+use underbrush_recording::{Grid, InputError, Patch, Pose, SkinLayout, Taxel, math};
 
 use super::schema::Within;
 use super::skin::{PatchSurface, Skin, SurfaceForm, Technology};
@@ -296,7 +296,7 @@ fn cylinder_taxels(
     }
     let quarter = axis.cross(zero);
     let taxel = |row: usize, angle_deg: f64| {
-        let (sin, cos) = angle_deg.to_radians().sin_cos();
+        let (sin, cos) = math::sin_cos(angle_deg.to_radians());
         let normal = zero * cos + quarter * sin;
         Taxel {
             position_link: row_0 + axis * (row as f64 * table.row_pitch_m) + normal * table.radius_m,

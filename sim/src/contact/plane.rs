@@ -90,8 +90,14 @@ impl Pair<'_> {
         if xx + yy == 0.0 {
             return None;
         }
-        // The eigenvector of the larger eigenvalue.
-        let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
-        Some(first * angle.cos() + second * angle.sin())
+        // The eigenvector of the larger eigenvalue, at half the angle of (xx − yy, 2 xy).
+        let (across, along) = (xx - yy, 2.0 * xy);
+        let length = (across * across + along * along).sqrt();
+        if length == 0.0 {
+            return Some(first);
+        }
+        let cosine = across / length;
+        let [cos, sin] = [1.0 + cosine, 1.0 - cosine].map(|double| (0.5 * double).max(0.0).sqrt());
+        Some(first * cos + second * sin.copysign(along))
     }
 }

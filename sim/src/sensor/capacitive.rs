@@ -2,7 +2,7 @@
 
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::{FRAME_PERIOD_S, Grid, Patch};
+use underbrush_recording::{FRAME_PERIOD_S, Grid, Patch, math};
 
 use super::converter::{Converter, Noise};
 use super::options::SensorOptions;
@@ -38,7 +38,7 @@ impl Capacitive {
             neighbours: neighbours(patch),
             crosstalk_share: options.crosstalk_share,
             creep_share: options.creep_share_per_decade,
-            creep_advance: CREEP_TIMES_S.map(|time_s| -(-FRAME_PERIOD_S / time_s).exp_m1()),
+            creep_advance: CREEP_TIMES_S.map(|time_s| -math::exp_m1(-FRAME_PERIOD_S / time_s)),
             crept_n: vec![[0.0; CREEP_TIMES_S.len()]; patch.taxels.len()],
             spurious: SpuriousReadings::new(options, patch.taxels.len()),
             noise: Noise::new(options.noise_n),

@@ -1,8 +1,9 @@
 //! What the electronics of all taxels have in common: noise and quantization.
 
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
+
+use crate::seed::standard_normal;
 
 /// White Gaussian noise of one standard deviation for all taxels.
 #[derive(Clone, Serialize, Deserialize)]
@@ -19,8 +20,7 @@ impl Noise {
     /// Draws the noise of one reading, N. A number is drawn even if the noise is off, so that the noise of one
     /// technology does not depend on whether the other has any.
     pub fn draw(&self, random: &mut ChaCha8Rng) -> f64 {
-        let deviations: f64 = StandardNormal.sample(random);
-        deviations * self.standard_deviation_n
+        standard_normal(random) * self.standard_deviation_n
     }
 }
 

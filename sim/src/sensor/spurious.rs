@@ -4,7 +4,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::FRAME_PERIOD_S;
+use underbrush_recording::{FRAME_PERIOD_S, math};
 
 use super::options::SensorOptions;
 
@@ -23,7 +23,7 @@ pub struct SpuriousReadings {
 impl SpuriousReadings {
     /// Starts without any, because the skin is zeroed before a reach.
     pub fn new(options: &SensorOptions, taxels: usize) -> Self {
-        let end = -(-FRAME_PERIOD_S / options.spurious_time_s).exp_m1();
+        let end = -math::exp_m1(-FRAME_PERIOD_S / options.spurious_time_s);
         SpuriousReadings {
             // In the steady state a share s of the taxels is affected and as many begin as end: begin · (1 − s) = end ·
             // s.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::{BodyPart, BodyShape};
+use underbrush_recording::{BodyPart, BodyShape, math};
 
 use super::engine::{Engine, groups};
 use crate::contact::surface::Surface;
@@ -162,7 +162,7 @@ impl Mechanism {
             let Some(link) = multibody.link_mut(link) else { continue };
             let displacement = link.joint.coords()[coordinate.axis];
             // Exact for a displacement that is constant over the step: dz/dt = (x − z)/τ.
-            let share = -(-step_s / maxwell.relaxation_time_s).exp_m1();
+            let share = -math::exp_m1(-step_s / maxwell.relaxation_time_s);
             coordinate.dashpot += (displacement - coordinate.dashpot) * share;
             let total = coordinate.spring.stiffness + maxwell.stiffness;
             link.joint

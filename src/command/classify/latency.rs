@@ -1,6 +1,7 @@
 //! Statistics of the response time, in memory that does not grow with the stream.
 
 use std::time::Instant;
+use underbrush_recording::math;
 
 /// Bins of the histogram in each doubling of time: quantiles are accurate to within 9 %.
 const STEPS_PER_DOUBLING: f64 = 8.0;
@@ -30,7 +31,7 @@ impl Latency {
 
     fn add_us(&mut self, time_us: f64) {
         // Less than a microsecond counts as one.
-        let step = (STEPS_PER_DOUBLING * time_us.max(1.0).log2()) as usize;
+        let step = (STEPS_PER_DOUBLING * math::log2(time_us.max(1.0))) as usize;
         let last = self.counts.len() - 1;
         self.counts[step.min(last)] += 1;
         self.max_us = self.max_us.max(time_us);
@@ -54,7 +55,7 @@ impl Latency {
         let mut left = (share * answers as f64).ceil() as u64;
         for (step, count) in self.counts.iter().enumerate() {
             if *count >= left {
-                return ((step as f64 + 1.0) / STEPS_PER_DOUBLING).exp2().min(self.max_us);
+                return math::exp2((step as f64 + 1.0) / STEPS_PER_DOUBLING).min(self.max_us);
             }
             left -= count;
         }

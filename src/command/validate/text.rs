@@ -6,6 +6,7 @@ use underbrush_validation::{Falsified, FalsifiedOutcome, Judged, Outcome, Verdic
 
 use super::{FalsifiedReport, Report};
 use crate::output;
+use underbrush_recording::math;
 
 /// The checks with their tables.
 pub fn described(report: &Report) -> String {
@@ -169,7 +170,7 @@ fn number(value: f64) -> String {
         0.0 => "0".into(),
         size if !(1e-3..1e6).contains(&size) => format!("{value:.3e}"),
         size => {
-            let digits = (5 - size.log10().floor() as i32).clamp(0, 8) as usize;
+            let digits = (5 - math::log10(size).floor() as i32).clamp(0, 8) as usize;
             format!("{value:.digits$}")
         }
     }

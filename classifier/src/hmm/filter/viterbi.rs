@@ -4,6 +4,7 @@ use std::f64::consts::LN_2;
 
 use crate::hmm::gaussian::Gaussians;
 use crate::hmm::tile::{Tile, WIDTH, add, larger, largest, map, tiled, tiles_for, zip};
+use underbrush_recording::math;
 
 /// Initial and transition probabilities as the Viterbi filter reads them, as base-2 logarithms.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +21,7 @@ impl ViterbiTables {
     pub(super) fn new(initial: &[f64], transition: &[f64]) -> Self {
         let (states, tiles) = (initial.len(), tiles_for(initial.len()));
         let log2 = |from: usize, to: usize| match from.max(to) < states {
-            true => transition[from * states + to].log2(),
+            true => math::log2(transition[from * states + to]),
             false => f64::NEG_INFINITY,
         };
         let left_to_right = (0..states).all(|from| (0..from).all(|to| log2(from, to) == f64::NEG_INFINITY));
@@ -30,7 +31,7 @@ impl ViterbiTables {
         ViterbiTables {
             tiles,
             left_to_right,
-            initial: tiled(1, states, f64::NEG_INFINITY, |_, state| initial[state].log2()),
+            initial: tiled(1, states, f64::NEG_INFINITY, |_, state| math::log2(initial[state])),
             transition: pairs
                 .map(|(from, tile)| std::array::from_fn(|lane| row(from * WIDTH + lane, tile)))
                 .collect(),

@@ -3,6 +3,7 @@
 use super::Statistics;
 use crate::feature::Observations;
 use crate::hmm::model::GaussianHmm;
+use underbrush_recording::math;
 
 /// Forward-backward over one sequence (Rabiner 1989, section III), with every sum a log-sum-exp. Buffers are kept
 /// between sequences.
@@ -27,7 +28,7 @@ impl Pass {
     pub(super) fn new(model: &GaussianHmm) -> Self {
         let zeros = || vec![0.0; model.states];
         Pass {
-            log_transition: model.transition.iter().map(|p| p.ln()).collect(),
+            log_transition: model.transition.iter().map(|p| math::ln(*p)).collect(),
             log_density: Vec::new(),
             log_alpha: Vec::new(),
             log_beta: zeros(),
@@ -49,7 +50,7 @@ impl Pass {
             let before = &past[past.len().saturating_sub(n)..];
             for (j, (alpha, density)) in present[..n].iter_mut().zip(density).enumerate() {
                 let into = if t == 0 {
-                    model.initial[j].ln()
+                    math::ln(model.initial[j])
                 } else {
                     let column = self.log_transition[j..].iter().step_by(n);
                     fill(&mut self.terms, before.iter().zip(column).map(|(alpha, a)| alpha + a));
@@ -129,7 +130,7 @@ fn probability(log_probability: f64) -> f64 {
     if log_probability < -690.0 {
         0.0
     } else {
-        log_probability.exp()
+        math::exp(log_probability)
     }
 }
 
@@ -142,5 +143,5 @@ fn log_sum_exp(terms: &mut [f64]) -> (f64, f64) {
     }
     terms.iter_mut().for_each(|term| *term = probability(*term - largest));
     let sum: f64 = terms.iter().sum();
-    (largest + sum.ln(), sum)
+    (largest + math::ln(sum), sum)
 }

@@ -20,6 +20,7 @@ use crate::hmm::statistics::linear::{LinearModel, TiledMatrix};
 use crate::hmm::tile::{
     Tile, WIDTH, add, exponent, integer_power_of_two, larger, largest, map, multiply, power_of_two, scale, sum, zip,
 };
+use underbrush_recording::math;
 
 /// The largest weight has about this base-2 exponent, and the smallest has the negative of it.
 const TOP: i64 = 250;
@@ -230,7 +231,7 @@ impl Pass {
         for out in &mut self.probability[last..last + tiles] {
             *out = map(*out, |weight| probability(weight / total));
         }
-        (log2_scale + highest + total.log2()) * LN_2
+        (log2_scale + highest + math::log2(total)) * LN_2
     }
 }
 

@@ -1,0 +1,51 @@
+//! Elementary functions that return the same bits on every machine.
+//!
+//! The methods of `f64` call the machine's math library, which picks an implementation by its version and by the
+//! processor, and these differ in the last digits. Data, trials, models and verdicts are computed with the crate `libm`,
+//! whose functions consist of additions, multiplications and roots, which IEEE 754 defines bit by bit. The workspace's
+//! `clippy.toml` forbids the methods.
+
+pub use libm::{
+    acos, asin, atan, atan2, cos, exp, exp2, expm1 as exp_m1, hypot, log as ln, log1p as ln_1p, log2, log10,
+    pow as powf, sin, sincos as sin_cos, tanh,
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tests the functions bit by bit against values computed once, at arguments at which math libraries differ.
+    #[test]
+    fn functions_return_the_same_bits_everywhere() {
+        let mut hasher = 0xcbf2_9ce4_8422_2325_u64;
+        let mut add = |value: f64| hasher = (hasher ^ value.to_bits()).wrapping_mul(0x0100_0000_01b3);
+        for index in 1..20_000_u32 {
+            let x = f64::from(index) * 7.31e-4;
+            let within = f64::from(index) / 20_000.0;
+            let (sine, cosine) = sin_cos(x);
+            for value in [
+                sin(x),
+                cos(x),
+                sine,
+                cosine,
+                exp(-x),
+                exp2(x),
+                exp_m1(-x),
+                ln(x),
+                ln_1p(x),
+                log2(x),
+                log10(x),
+                tanh(x),
+                powf(x, 0.37),
+                hypot(x, 0.61),
+                atan(x),
+                atan2(within, x),
+                acos(within),
+                asin(within),
+            ] {
+                add(value);
+            }
+        }
+        assert_eq!(format!("{hasher:016x}"), "3eb88a188e191383");
+    }
+}
