@@ -11,6 +11,7 @@ mod answer;
 mod contact_trials;
 mod container;
 mod error;
+mod http;
 mod judging;
 mod known;
 mod live;

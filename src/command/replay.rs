@@ -27,7 +27,9 @@ Examples:
   underbrush replay reach.parquet --out reach.html
                                                   One file to send; it opens from disk without a network
 
-The server listens on 127.0.0.1 only, cannot change anything, and gives out nothing but the page and these reaches.";
+The server listens on 127.0.0.1 only, cannot change anything, and gives out nothing but the page and these reaches. It \
+answers only under the whole address that is printed, which has a random key: do not show it to people who may not see \
+the reaches. While a browser is being opened, other users of the machine can see the address; --no-open avoids that.";
 
 /// Options of `underbrush replay`.
 #[derive(Args)]
@@ -156,7 +158,7 @@ fn write(source: &Source, chosen: &[usize], path: &Path, json: bool) -> Result<(
 fn serve(source: Source, port: u16, open: bool, json: bool) -> Result<(), Failure> {
     let served = source.reaches().len();
     let server = Server::start(source, port)?;
-    let address = server.address();
+    let address = server.address().to_owned();
     let report = Served {
         address: address.clone(),
         reaches: served,
@@ -175,8 +177,13 @@ fn serve(source: Source, port: u16, open: bool, json: bool) -> Result<(), Failur
 }
 
 /// Opens an address in the browser if standard output is a terminal, and so not in a script or a test.
+///
+/// Other users can see the address with its key among the arguments of the browser. Machines that many people share
+/// rarely have a display, and without one no browser is started.
 pub fn show(address: &str) {
-    if std::io::stdout().is_terminal() {
+    let displays = ["DISPLAY", "WAYLAND_DISPLAY"];
+    let display = !cfg!(target_os = "linux") || displays.iter().any(|name| std::env::var_os(name).is_some());
+    if display && std::io::stdout().is_terminal() {
         open_browser(address);
     }
 }
