@@ -16,6 +16,7 @@ pub mod input_error;
 pub mod layout;
 pub mod limits;
 pub mod outcome;
+pub mod plain_text;
 pub mod reach;
 pub mod text_file;
 pub mod trial;

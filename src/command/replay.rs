@@ -14,6 +14,7 @@ use underbrush_replay::{Judging, JudgingModel, Server, Source, single_file};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
 use super::decision_arguments::{DecisionArguments, Scores};
+use super::overwrite::Overwrite;
 use super::touch::TouchDecisionArguments;
 use crate::failure::Failure;
 use crate::{input, output};
@@ -41,6 +42,8 @@ pub struct Options {
     /// Write the page and the reaches to this file (HTML) instead of serving them
     #[arg(long, value_name = "FILE", conflicts_with_all = ["port", "no_open"])]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
     /// With --out: the reaches to write, by their numbers in the list from 0, such as 0,3,7 [default: all]
     #[arg(long, value_name = "N,…", value_delimiter = ',', requires = "out", conflicts_with_all = ["port", "no_open"])]
     reaches: Vec<usize>,
@@ -79,8 +82,9 @@ struct Written {
 /// Serves the page or writes it.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     if let Some(out) = &options.out {
-        output::check_not_input(out, options.inputs.iter().chain(&options.model))?;
-        output::prepare(out)?;
+        options
+            .overwrite
+            .file(out, options.inputs.iter().chain(&options.model))?;
     }
     for path in &options.inputs {
         input::check_exists(path, "a data set (folder), recording or table of contact trials")?;
