@@ -65,7 +65,7 @@ def check(underbrush, scene, reaches, seed, folder):
             return None, [f"{scene}, seed {seed}: exit status {status}: {errors.read().strip()}"]
     inspected = json.loads(subprocess.run([underbrush, "inspect", out, "--json"], check=True, capture_output=True).stdout)
     found = []
-    force_n = inspected["largest contact force / N"]
+    force_n = inspected["largest_contact_force_n"]
     if not 0 <= force_n <= LARGEST_FORCE_N:
         found.append(f"{scene}, seed {seed}: a contact force of {force_n} N; allowed: {LARGEST_FORCE_N} N")
     halves = simulating[: len(simulating) // 2], simulating[len(simulating) // 2 :]

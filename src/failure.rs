@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Mutex;
 
 use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
+use serde::Serialize;
 use underbrush_classifier::ModelError;
 use underbrush_classifier::decision::DecisionError;
 use underbrush_classifier::evaluate::touch_folds::TouchFoldsError;
@@ -15,6 +16,7 @@ use underbrush_experiments::ExperimentError;
 use underbrush_recording::InputError;
 use underbrush_recording::disk::DiskError;
 use underbrush_recording::fault::Fault;
+use underbrush_recording::plain_text::escaped;
 use underbrush_replay::ReplayError;
 use underbrush_report::reproduction::ReproductionError;
 use underbrush_sim::reach::ReachError;
@@ -24,8 +26,40 @@ use underbrush_sim::reach::ReachError;
 pub struct Failure {
     text: String,
     input: Option<InputError>,
-    status: u8,
+    kind: Kind,
     closed_pipe: bool,
+}
+
+/// What is at fault.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Kind {
+    /// A file, which [`InputError`] describes.
+    Input,
+    /// The command line, or what it names.
+    Usage,
+    /// The run, although usage and input are good.
+    Run,
+    /// This program.
+    Internal,
+}
+
+/// A failure as `--json` prints it.
+#[derive(Serialize)]
+struct Failed<'a> {
+    error: Printed<'a>,
+}
+
+#[derive(Serialize)]
+struct Printed<'a> {
+    kind: Kind,
+    file: Option<String>,
+    line: Option<usize>,
+    field: Option<&'a str>,
+    found: Option<&'a str>,
+    allowed: Option<&'a str>,
+    remedy: Option<&'a str>,
+    message: &'a str,
 }
 
 impl Failure {
@@ -34,7 +68,7 @@ impl Failure {
         Failure {
             text: text.into(),
             input: None,
-            status: 2,
+            kind: Kind::Usage,
             closed_pipe: false,
         }
     }
@@ -42,7 +76,7 @@ impl Failure {
     /// A run that failed.
     pub fn run(text: impl Into<String>) -> Self {
         Failure {
-            status: 1,
+            kind: Kind::Run,
             ..Failure::usage(text)
         }
     }
@@ -50,9 +84,11 @@ impl Failure {
     /// A bug in this program, as recorded by [`record_panics`].
     pub fn panic(last_panic: &Mutex<String>) -> Self {
         let what = last_panic.lock().map_or(String::new(), |what| what.clone());
-        Failure::run(format!(
-            "internal error: {what}; please report it with the command line and the input files"
-        ))
+        let text = format!("internal error: {what}; please report it with the command line and the input files");
+        Failure {
+            kind: Kind::Internal,
+            ..Failure::usage(text)
+        }
     }
 
     /// The same failure with the file that it is about, unless it names one already.
@@ -83,19 +119,41 @@ impl Failure {
 
     /// The exit status.
     pub fn status(&self) -> u8 {
-        self.status
+        match self.kind {
+            Kind::Run | Kind::Internal => 1,
+            Kind::Input | Kind::Usage => 2,
+        }
+    }
+
+    /// What `--json` prints: one object with the key `error`, whose values are null if they are not known.
+    pub fn json(&self) -> String {
+        let input = self.input.as_ref();
+        let error = Printed {
+            kind: self.kind,
+            file: input.map(|input| input.file.display().to_string()),
+            line: input.and_then(|input| input.line),
+            field: input.map(|input| input.field.as_str()),
+            found: input.map(|input| input.found.as_str()),
+            allowed: input.map(|input| input.allowed.as_str()),
+            remedy: input.map(|input| input.remedy.as_str()),
+            message: &self.text,
+        };
+        // Plain data can always be written.
+        serde_json::to_string(&Failed { error }).unwrap_or_default()
     }
 
     /// The text to print, with the offending line of the file if it is known.
     pub fn report(&self) -> Report {
         let Some(input) = &self.input else {
-            return Report::new(MietteDiagnostic::new(self.text.clone()));
+            return Report::new(MietteDiagnostic::new(escaped(&self.text)));
         };
         let message = format!("{}: found {}", input.field, input.found);
         let help = format!("allowed: {}; {}", input.allowed, input.remedy);
-        let place = input.file.display().to_string();
-        let diagnostic = MietteDiagnostic::new(message).with_help(help);
+        let place = escaped(&input.file.display().to_string()).into_owned();
+        let diagnostic = MietteDiagnostic::new(escaped(&message)).with_help(escaped(&help));
         let text = std::fs::read_to_string(&input.file).ok();
+        // Escaped before its lines are measured, so that the label is under what is shown.
+        let text = text.map(|text| escaped(&text.replace("\r\n", "\n")).into_owned());
         let shown = text.filter(|text| input.line.is_some_and(|line| can_be_shown(text, line)));
         let (Some(line), Some(text)) = (input.line, shown) else {
             let line = input.line.map_or(String::new(), |line| format!(":{line}"));
@@ -135,6 +193,7 @@ impl From<Fault> for Failure {
             Fault::Input(input) => Failure {
                 text: input.to_string(),
                 input: Some(*input),
+                kind: Kind::Input,
                 ..Failure::usage("")
             },
             Fault::Usage(text) => Failure::usage(text),

@@ -12,26 +12,30 @@ pub fn hint(text: impl Into<String>) {
     let _ = HINT.set(text.into());
 }
 
-/// Waits for SIGINT and SIGTERM in a separate thread.
+/// Waits for SIGINT, SIGTERM and SIGHUP (the terminal was closed) in a separate thread.
 ///
-/// The program then ends by the same signal, so that a shell reports 130 or 143 and a script that runs the program
+/// The program then ends by the same signal, so that a shell reports 130, 143 or 129, and a script that runs the program
 /// stops at Ctrl-C; it would go on if the program just exited with 130.
 #[cfg(unix)]
 pub fn watch() {
     use std::sync::Arc;
     use std::sync::atomic::AtomicBool;
 
-    use signal_hook::consts::{SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     use signal_hook::iterator::Signals;
 
+    let mut ending = vec![SIGINT, SIGTERM];
+    if !is_ignored(SIGHUP) {
+        ending.push(SIGHUP);
+    }
     let first_came = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
+    for signal in ending.iter().copied() {
         // A second signal ends the program at once, in case the first hangs on a disk or a terminal. The order
         // matters: the flag is still false when the first signal gets here.
         let _ = signal_hook::flag::register_conditional_default(signal, Arc::clone(&first_came));
         let _ = signal_hook::flag::register(signal, Arc::clone(&first_came));
     }
-    let Ok(mut signals) = Signals::new([SIGINT, SIGTERM]) else {
+    let Ok(mut signals) = Signals::new(&ending) else {
         // Signals then end the program, as they do by default, and the next run removes leftover files.
         return;
     };
@@ -45,6 +49,16 @@ pub fn watch() {
             std::process::exit(128 + signal);
         }
     });
+}
+
+/// Whether the program was started with this signal ignored, as nohup does with SIGHUP: it then outlives its terminal.
+/// Also true where the system does not tell. The signal then ends the program, as it does by default, or is ignored.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_none_or(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
 /// On other systems a signal just ends the program, and the next run removes leftover files.

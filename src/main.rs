@@ -32,7 +32,8 @@ From data to a classifier:
   underbrush classify model.json reach.parquet --online     Verdicts after every frame
 
 `underbrush COMMAND --help` explains a command. Results go to standard output, progress and errors to standard error. \
-Exit status: 0 success, 1 the run failed, 2 bad usage or input.";
+With --json a command that fails prints {\"error\": {\"kind\", \"file\", \"line\", \"field\", \"found\", \"allowed\", \"remedy\", \
+\"message\"}} to standard output, too. Exit status: 0 success, 1 the run failed, 2 bad usage or input.";
 
 /// Simulates a compliant robot arm with tactile skin that reaches through foliage, and trains classifiers that tell
 /// from the skin's forces what each taxel touches: leaf or trunk.
@@ -123,8 +124,11 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    // Bad usage ends here with exit status 2.
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(answer) => return output::usage(&answer),
+    };
+    let json = cli.shared.json;
     let last_panic = failure::record_panics();
     interrupt::watch();
     let result = catch_unwind(AssertUnwindSafe(|| run(cli))).unwrap_or_else(|_| Err(Failure::panic(last_panic)));
@@ -132,7 +136,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) if failure.is_closed_pipe() => ExitCode::SUCCESS,
         Err(failure) => {
-            output::error(&failure);
+            output::error(&failure, json);
             ExitCode::from(failure.status())
         }
     }

@@ -1,34 +1,37 @@
-//! All printing: results on stdout, everything else on stderr.
+//! All printing: results on stdout, everything else on stderr. Control characters and bidirectional controls, which may
+//! come from files, are escaped.
 
 use std::io::{IsTerminal, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Serialize, Serializer};
-use underbrush_recording::{InputError, disk};
+use underbrush_recording::disk;
+use underbrush_recording::plain_text::{escaped, is_plain};
 
-pub use underbrush_report::text::table;
+pub use underbrush_report::text::{counted, table};
 
 use crate::failure::Failure;
+
+/// Whether the JSON object on stdout is the result.
+static RESULT_PRINTED: AtomicBool = AtomicBool::new(false);
 
 /// Prints a result as text, or as one JSON object.
 pub fn result<T: Serialize>(json: bool, value: &T, text: impl FnOnce() -> String) -> Result<(), Failure> {
     if json {
+        RESULT_PRINTED.store(true, Ordering::Relaxed);
         lines([serde_json::to_string(value).map_err(|error| Failure::run(error.to_string()))?])
     } else {
         lines([text().trim_end().to_string()])
     }
 }
 
-/// A number with its noun, such as "1 reach" or "2 reaches".
-pub fn counted(count: usize, one: &str, many: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { many })
-}
-
 /// Prints lines on stdout.
 pub fn lines(lines: impl IntoIterator<Item = String>) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     for line in lines {
-        writeln!(stdout, "{line}").map_err(Failure::output)?;
+        writeln!(stdout, "{}", escaped(&line)).map_err(Failure::output)?;
     }
     stdout.flush().map_err(Failure::output)
 }
@@ -51,11 +54,20 @@ pub fn interruption(hint: &str) {
 
 /// Prints a line on stderr. Errors are ignored: a closed or full stderr must not change the result or the exit status.
 fn say(line: &str) {
+    say_as_it_is(&escaped(line));
+}
+
+fn say_as_it_is(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
-/// Prints an error on stderr.
-pub fn error(failure: &Failure) {
+/// Prints an error on stderr, and with `json` as one object on stdout. A result that has been printed before stays the
+/// only object, and says itself what is wrong, as that of `check` does.
+pub fn error(failure: &Failure, json: bool) {
+    if json && !RESULT_PRINTED.load(Ordering::Relaxed) {
+        // The exit status and stderr tell the same.
+        let _ = lines([failure.json()]);
+    }
     if !std::io::stderr().is_terminal() {
         // No line breaks in a log, because a path that is broken in two cannot be searched for.
         let unwrapped = miette::set_hook(Box::new(|_| {
@@ -63,48 +75,29 @@ pub fn error(failure: &Failure) {
         }));
         debug_assert!(unwrapped.is_ok(), "nothing else sets a hook");
     }
-    say(&format!("{:?}", failure.report()));
+    // The report has escape sequences of its own, for colours; the texts in it are escaped already.
+    say_as_it_is(&format!("{:?}", failure.report()));
 }
 
-/// Refuses an output that is one of the inputs, under whatever name: the input would be lost.
-pub fn check_not_input<'a>(out: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), Failure> {
-    let Ok(place) = std::fs::canonicalize(out) else {
-        // There is no file that could be lost.
-        return Ok(());
-    };
-    let mut inputs = inputs.into_iter();
-    if inputs.any(|input| std::fs::canonicalize(input).is_ok_and(|own| own == place)) {
-        return Err(Failure::usage(format!(
-            "{}: is an input of this command, and the output would replace it; choose another name for the output",
-            out.display()
-        )));
+/// Prints what clap has to say: the help or the version, or an error about the usage. Returns the exit status.
+pub fn usage(answer: &clap::Error) -> ExitCode {
+    let text = answer.render().to_string();
+    if !answer.use_stderr() {
+        let _ = answer.print();
+        return ExitCode::SUCCESS;
     }
-    Ok(())
-}
-
-/// Demands, before the work, that its result can be written to this file: no folder or device is there, and the parent
-/// folders are there or are created.
-pub fn prepare(path: &Path) -> Result<(), Failure> {
-    if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
-        return Err(Failure::usage(format!(
-            "{}: is a folder or not a regular file; give the name of a file to write",
-            path.display()
-        )));
+    let arguments = std::env::args_os().take_while(|argument| argument != "--");
+    if arguments.into_iter().any(|argument| argument == "--json") {
+        let failure = Failure::usage(text.trim_end());
+        let _ = lines([failure.json()]);
     }
-    create_parents(path)
-}
-
-/// Demands, before the work, that a table of trials can be written to this file: its name ends as [`write_trials`]
-/// demands, and the rest is as for [`prepare`].
-///
-/// [`write_trials`]: underbrush_recording::disk::write_trials
-pub fn prepare_table(path: &Path) -> Result<(), Failure> {
-    let extension = path.extension().unwrap_or_default().to_string_lossy();
-    if !["csv", "parquet"].contains(&extension.to_ascii_lowercase().as_str()) {
-        let (found, allowed) = (format!("extension {extension:?}"), "trials as .csv or .parquet");
-        return Err(InputError::new(path, "file name", found, allowed, "choose such a name").into());
+    // An argument, such as the name of a file, may have escape sequences; clap's colours are not worth those.
+    if std::env::args_os().all(|argument| is_plain(&argument.to_string_lossy())) {
+        let _ = answer.print();
+    } else {
+        say(text.trim_end());
     }
-    prepare(path)
+    ExitCode::from(2)
 }
 
 /// Writes a file completely or not at all, and creates its parent folders.
@@ -113,7 +106,8 @@ pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), Failure> {
     Ok(disk::write_file(path, contents)?)
 }
 
-fn create_parents(path: &Path) -> Result<(), Failure> {
+/// Creates the folders above a file.
+pub fn create_parents(path: &Path) -> Result<(), Failure> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(|error| {
             Failure::run(format!(
@@ -128,9 +122,7 @@ fn create_parents(path: &Path) -> Result<(), Failure> {
 /// Prints CSV.
 pub fn csv(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Result<(), Failure> {
     let bytes = csv_bytes(header, rows)?;
-    let mut stdout = std::io::stdout().lock();
-    stdout.write_all(&bytes).map_err(Failure::output)?;
-    stdout.flush().map_err(Failure::output)
+    lines([String::from_utf8_lossy(&bytes).trim_end_matches('\n').to_owned()])
 }
 
 /// The bytes of a CSV file. Cells are quoted if needed: a category in a table of another program may be any text.

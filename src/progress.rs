@@ -1,10 +1,13 @@
 //! Progress bars on stderr for long work: items done, time left, goals reached. Hidden unless stderr is a terminal.
 
+use std::fmt::Write;
 use std::sync::Mutex;
+use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use underbrush_experiments::{Counter, Progress};
 use underbrush_recording::GoalOutcomes;
+use underbrush_recording::plain_text::escaped;
 
 use crate::output;
 
@@ -60,10 +63,33 @@ impl Drop for Bar {
 /// A progress bar for `length` items.
 pub fn bar(length: u64, things: &str) -> ProgressBar {
     let bar = ProgressBar::new(length);
-    let template = format!("{{bar:30}} {{pos}}/{{len}} {things}, {{eta}} left  {{msg}}");
+    let things = escaped(things).replace('{', "{{").replace('}', "}}");
+    let template = format!("{{bar:30}} {{pos}}/{{len}} {things}{{left}}  {{msg}}");
     if let Ok(style) = ProgressStyle::with_template(&template) {
-        bar.set_style(style);
+        bar.set_style(style.with_key("left", |state: &ProgressState, to: &mut dyn Write| {
+            let _ = to.write_str(&left(state.eta()));
+        }));
     }
-    bar.enable_steady_tick(std::time::Duration::from_millis(200));
+    bar.enable_steady_tick(Duration::from_millis(200));
     bar
+}
+
+/// The time left; empty without an estimate, which is zero, and in the last second.
+fn left(estimate: Duration) -> String {
+    match estimate.as_secs() {
+        0 => String::new(),
+        _ => format!(", {:#} left", HumanDuration(estimate)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tests that a bar says nothing about the time left before there is an estimate.
+    #[test]
+    fn no_time_is_left_without_an_estimate() {
+        assert_eq!(left(ProgressBar::hidden().eta()), "");
+        assert_eq!(left(Duration::from_millis(2300)), ", 2s left");
+    }
 }

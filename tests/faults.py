@@ -184,14 +184,16 @@ def jobs(underbrush, folder):
         """Runs the first of two parts, which leaves its reach in the folder."""
         subprocess.run([*shared, "1/2"], cwd=place, check=True, stdout=subprocess.DEVNULL)
 
+    mcap = [underbrush, "export", whole, "--to", "mcap", "--out", "mcap"]
+    hdf5 = [underbrush, "export", whole, "--to", "hdf5", "--out", "set.hdf5"]
     merge = [underbrush, "merge", f"{parts}/1", f"{parts}/2", "--out", "set"]
     return [
         Job("generate", generate, "set", again=[*generate, "--resume"]),
         Job("generate --resume, all staged", [*generate, "--resume"], "set", prepare=staged),
         Job("generate --shared, last part", [*shared, "2/2"], "set", prepare=first_part),
         Job("merge", merge, "set", again=[*merge, "--resume"]),
-        Job("export to MCAP", [underbrush, "export", whole, "--to", "mcap", "--out", "mcap"], "mcap", is_set=False),
-        Job("export to HDF5", [underbrush, "export", whole, "--to", "hdf5", "--out", "set.hdf5"], "set.hdf5", is_set=False),
+        Job("export to MCAP", mcap, "mcap", again=[*mcap, "--force"], is_set=False),
+        Job("export to HDF5", hdf5, "set.hdf5", again=[*hdf5, "--force"], is_set=False),
     ]
 
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use underbrush_recording::InputError;
+use underbrush_recording::plain_text::{PLAIN, is_plain};
 
 use crate::error::Fault;
 
@@ -81,6 +82,14 @@ impl Document {
     /// The error about one field.
     pub fn error(&self, field: impl Into<String>, found: impl Into<String>, allowed: impl Into<String>) -> InputError {
         InputError::new(&self.path, field.into(), found.into(), allowed.into(), REMEDY)
+    }
+
+    /// Refuses categories that a terminal would not show as they are.
+    pub(crate) fn check_names(&self, categories: &[String]) -> Result<(), InputError> {
+        match categories.iter().find(|name| !is_plain(name)) {
+            Some(name) => Err(self.error("categories", format!("{name:?}"), PLAIN)),
+            None => Ok(()),
+        }
     }
 
     pub(crate) fn fault(&self, fault: Fault) -> InputError {

@@ -67,7 +67,7 @@ pub enum ExperimentError {
     /// The folder holds the results of another run.
     #[error(
         "{}: holds the results of another run: {difference}; choose another folder with --out, or replace them with \
-         --fresh",
+         --force",
         folder.display()
     )]
     OtherRun {
@@ -90,7 +90,7 @@ pub enum ExperimentError {
     },
     /// Campaigns do not have the same figures.
     #[error(
-        "the campaign of seed {seed} has {} under the name {name:?} where one is needed; begin anew with --fresh",
+        "the campaign of seed {seed} has {} under the name {name:?} where one is needed; begin anew with --force",
         if *several { "several results" } else { "nothing" }
     )]
     Unmatched {

@@ -94,22 +94,22 @@ fn dataset(path: &Path) -> Result<Value, ExperimentError> {
     let scene_files: Vec<String> = provenance.scenes.iter().map(|scene| named(&scene.file)).collect();
     let scene_files = scene_files.join(", ");
     Ok(json!({
-        "data set": path.display().to_string(),
+        "dataset": path.display().to_string(),
         "reaches": episodes.len(),
         "frames": episodes.iter().map(|episode| episode.frames).sum::<usize>(),
-        "reaches by scene": scenes,
+        "reaches_by_scene": scenes,
         "goals": ends.goals,
-        "aborted reaches": ends.aborted,
-        "reaches with true contact, by patch": ends.touched_reaches,
+        "aborted_reaches": ends.aborted,
+        "reaches_with_contact_by_patch": ends.touched_reaches,
         "contacts": episodes.iter().map(|episode| episode.contacts).sum::<usize>(),
-        "largest contact force / N": peaks_n.into_iter().fold(0.0, f64::max),
+        "largest_contact_force_n": peaks_n.into_iter().fold(0.0, f64::max),
         "taxels": patches,
-        "audit, worst of all reaches": audit::worst(episodes, dataset.layout()),
-        "audit, sums over all reaches": audit::counts(episodes),
+        "audit_worst": audit::worst(episodes, dataset.layout()),
+        "audit_sums": audit::counts(episodes),
         "seed": provenance.seed,
         "controller": provenance.controller,
         "arms": arms,
-        "scene files": scene_files,
+        "scene_files": scene_files,
         "program": format!("{} {}", provenance.program, provenance.program_version),
         "engine": provenance.engine,
         "check": "sound; every file matches its checksum",
@@ -126,11 +126,11 @@ fn recording(path: &Path) -> Result<Value, ExperimentError> {
         "seed": recording.seed,
         "reach": recording.reach_index,
         "frames": recording.frames.len(),
-        "seconds": recording.frames.len() as f64 / recording.rate_hz,
+        "duration_s": recording.frames.len() as f64 / recording.rate_hz,
         "goals": recording.goal_outcomes().to_string(),
-        "goals, in order": goals.join(", "),
-        "aborted by": recording.safety_stop(),
-        "frames with true contact, by patch": recording.touched_frames(),
+        "goals_in_order": goals.join(", "),
+        "aborted_by": recording.safety_stop(),
+        "frames_with_contact_by_patch": recording.touched_frames(),
         "objects": recording.objects.len(),
         "contacts": recording.contacts.len(),
         "audit": recording.audit,
@@ -149,12 +149,12 @@ fn trials(path: &Path) -> Result<Value, ExperimentError> {
     let mut lengths: Vec<usize> = trials.iter().map(|trial| trial.samples.len()).collect();
     lengths.sort_unstable();
     Ok(json!({
-        "trials table": path.display().to_string(),
+        "table": path.display().to_string(),
         "trials": trials.len(),
         "samples": lengths.iter().sum::<usize>(),
-        "median samples a trial": lengths.get(lengths.len() / 2),
-        "trials by category": categories,
-        "has motion": trials.iter().flat_map(|trial| &trial.samples).all(|sample| sample.motion_m.is_some()),
+        "median_samples": lengths.get(lengths.len() / 2),
+        "trials_by_category": categories,
+        "has_motion": trials.iter().flat_map(|trial| &trial.samples).all(|sample| sample.motion_m.is_some()),
         "check": "sound",
     }))
 }
@@ -193,7 +193,7 @@ fn model_of_trials(path: &Path, model: &Model) -> Value {
             .iter()
             .map(|(category, scorer)| (category.as_str(), scorer.model().state_count()))
             .collect();
-        found.insert("states by category".into(), json!(states));
+        found.insert("states_by_category".into(), json!(states));
         found.insert("score".into(), json!(models.score_kind()));
         found.insert("recipe".into(), json!(models.recipe));
         let check = "sound; distributions sum to one, covariances are positive definite";

@@ -49,16 +49,16 @@ impl Plan {
         }
     }
 
-    /// Prepares a folder for this plan, or checks that it holds results of the same plan. `fresh` removes what another
+    /// Prepares a folder for this plan, or checks that it holds results of the same plan. `force` removes what another
     /// run left there. Without a plan that shows that there was one, nothing is removed: the files may be anybody's.
     ///
     /// # Errors
     /// When the folder holds the results of another plan, or files under the names of results but no plan, or cannot be
     /// written.
-    pub fn settle(&self, out: &Path, fresh: bool) -> Result<(), ExperimentError> {
+    pub fn settle(&self, out: &Path, force: bool) -> Result<(), ExperimentError> {
         if FOLDERS.iter().chain(&FILES).any(|name| out.join(name).exists()) {
             let stored = Plan::stored(out)?;
-            if !fresh {
+            if !force {
                 return match self.difference(&stored) {
                     None => Ok(()),
                     Some(difference) => Err(ExperimentError::OtherRun {

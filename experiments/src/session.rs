@@ -35,6 +35,26 @@ pub struct Session<'a> {
     done: RefCell<HashMap<TypeId, Rc<dyn Any>>>,
 }
 
+/// The stages of a whole run, in their order.
+const STAGES: [&str; 16] = [
+    "Training reaches",
+    "Trials",
+    "Models",
+    "Cross-validation",
+    "Engineered, general and outlier reaches",
+    "Thresholds",
+    "Online verdicts",
+    "Mixed training reaches",
+    "Verdicts",
+    "Moments of a general and of an outlier reach",
+    "Truncated trials",
+    "Other classifiers",
+    "How fast classifiers decide",
+    "Other arms and speeds",
+    "Ablation",
+    "Further campaigns",
+];
+
 impl<'a> Session<'a> {
     /// A run that has computed nothing yet.
     pub fn new(
@@ -87,7 +107,11 @@ impl<'a> Session<'a> {
         if self.progress.is_stopped() {
             return Err(ReachError::Stopped.into());
         }
-        self.progress.stage(name);
+        let place = STAGES.iter().position(|stage| *stage == name);
+        let place = place.map_or(String::new(), |place| {
+            format!("stage {} of {}: ", place + 1, STAGES.len())
+        });
+        self.progress.stage(&format!("{place}{name}"));
         let start = Instant::now();
         let result = work()?;
         self.stages.borrow_mut().push((name, start.elapsed().as_secs_f64()));

@@ -9,6 +9,7 @@ use underbrush_classifier::hmm::ScoreKind;
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_classifier::trial::TrialOptions;
 use underbrush_classifier::{HmmClassifier, Model, paper_rule};
+use underbrush_recording::disk::{check_free, write_file};
 use underbrush_recording::read_text;
 
 use crate::arguments::{decision, named};
@@ -97,10 +98,12 @@ impl PyModel {
         Ok(self.model.save_string()?)
     }
 
-    /// Write the model file.
-    fn save(&self, path: PathBuf) -> Result<(), Failure> {
+    /// Write the model file. Only with ``force`` is a file overwritten.
+    #[pyo3(signature = (path, *, force = false))]
+    fn save(&self, path: PathBuf, force: bool) -> Result<(), Failure> {
+        check_free(&path, force)?;
         let text = self.to_json()?;
-        Ok(underbrush_recording::disk::write_file(&path, text.as_bytes())?)
+        Ok(write_file(&path, text.as_bytes())?)
     }
 
     /// Kind of classifier.

@@ -13,6 +13,7 @@ use underbrush_experiments::ExperimentError;
 use underbrush_recording::InputError;
 use underbrush_recording::disk::DiskError;
 use underbrush_recording::fault::Fault;
+use underbrush_recording::plain_text::escaped;
 use underbrush_replay::ReplayError;
 use underbrush_report::reproduction::ReproductionError;
 use underbrush_sim::controller::UnknownController;
@@ -66,11 +67,12 @@ impl From<Failure> for PyErr {
     fn from(failure: Failure) -> Self {
         match failure {
             Failure::Raised(error) => error,
-            Failure::Run(text) => raised::RunError::new_err(text),
-            Failure::Storage(text) => raised::StorageError::new_err(text),
-            Failure::Usage(text) => raised::InputError::new_err((text,)),
+            Failure::Run(text) => raised::RunError::new_err(escaped(&text).into_owned()),
+            Failure::Storage(text) => raised::StorageError::new_err(escaped(&text).into_owned()),
+            Failure::Usage(text) => raised::InputError::new_err((escaped(&text).into_owned(),)),
             Failure::Input(error) => {
-                let message = error.to_string();
+                // A traceback prints the message; the other values are what they are.
+                let message = escaped(&error.to_string()).into_owned();
                 let InputError {
                     file,
                     line,

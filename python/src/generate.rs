@@ -1,14 +1,14 @@
 //! Making data sets.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 use underbrush_experiments::dataset::{Campaign, Written};
 use underbrush_experiments::verdict_controller::VerdictControl;
-use underbrush_recording::disk::{Dataset, Shard};
+use underbrush_recording::disk::{Dataset, Shard, check_not_input, remove_dataset};
 
 use crate::controller;
 use crate::dataset::PyDataset;
@@ -19,8 +19,8 @@ use crate::scene::scene;
 
 /// Simulate many reaches and write them as a data set.
 #[pyfunction]
-#[pyo3(signature = (scenes, reaches, out, *, seed = 0, controller = None, verdicts = None, resume = false, shard = None,
-                    progress = None, jobs = None))]
+#[pyo3(signature = (scenes, reaches, out, *, seed = 0, controller = None, verdicts = None, resume = false, force = false,
+                    shard = None, progress = None, jobs = None))]
 #[allow(clippy::too_many_arguments, reason = "options by name")]
 fn generate(
     py: Python<'_>,
@@ -31,6 +31,7 @@ fn generate(
     controller: Option<&Bound<'_, PyAny>>,
     verdicts: Option<PathBuf>,
     resume: bool,
+    force: bool,
     shard: Option<(u64, u64)>,
     progress: Option<Py<PyAny>>,
     jobs: Option<usize>,
@@ -38,6 +39,7 @@ fn generate(
     let stop = Arc::new(Stop::default());
     let mut campaign = described(scenes, reaches, seed, controller, verdicts, &stop)?;
     campaign.shard = self::shard(shard)?;
+    make_room(&out, &[], resume, force)?;
     write(py, &campaign, &out, resume, &stop, progress, jobs)
 }
 
@@ -69,7 +71,7 @@ fn generate_shared(
 
 /// Make a data set again from what it stores.
 #[pyfunction]
-#[pyo3(signature = (dataset, out, *, verdicts = None, resume = false, progress = None, jobs = None))]
+#[pyo3(signature = (dataset, out, *, verdicts = None, resume = false, force = false, progress = None, jobs = None))]
 #[allow(clippy::too_many_arguments, reason = "options by name")]
 fn generate_again(
     py: Python<'_>,
@@ -77,12 +79,27 @@ fn generate_again(
     out: PathBuf,
     verdicts: Option<PathBuf>,
     resume: bool,
+    force: bool,
     progress: Option<Py<PyAny>>,
     jobs: Option<usize>,
 ) -> Result<PyDataset, Failure> {
     let verdicts = verdicts.as_deref().map(VerdictControl::load).transpose()?;
-    let campaign = Campaign::of(&Dataset::open(dataset)?, verdicts)?;
+    let campaign = Campaign::of(&Dataset::open(&dataset)?, verdicts)?;
+    make_room(&out, &[dataset], resume, force)?;
     write(py, &campaign, &out, resume, &Arc::new(Stop::default()), progress, jobs)
+}
+
+/// With `force`, removes the data set in a folder that is not one of the inputs.
+pub fn make_room(out: &Path, inputs: &[PathBuf], resume: bool, force: bool) -> Result<(), Failure> {
+    if resume && force {
+        let allowed = "either resume or force";
+        return Err(Failure::argument("force", "True with resume", allowed, "leave one out"));
+    }
+    check_not_input(out, inputs)?;
+    if force {
+        remove_dataset(out)?;
+    }
+    Ok(())
 }
 
 /// The whole campaign that the arguments describe.
@@ -150,7 +167,7 @@ fn finished(written: Written) -> PyDataset {
 pub fn write(
     py: Python<'_>,
     campaign: &Campaign,
-    out: &std::path::Path,
+    out: &Path,
     resume: bool,
     stop: &Arc<Stop>,
     progress: Option<Py<PyAny>>,

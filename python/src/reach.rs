@@ -6,7 +6,9 @@ use std::sync::{Arc, OnceLock};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use underbrush_experiments::contact_trials;
-use underbrush_recording::disk::{Dataset, read_recording, recording_table, remove_leftovers, write_recording};
+use underbrush_recording::disk::{
+    Dataset, check_free, read_recording, recording_table, remove_leftovers, write_recording,
+};
 use underbrush_recording::{Recording, SkinLayout};
 
 use crate::arguments::cutting;
@@ -93,10 +95,12 @@ impl Reach {
         Ok(Reach::new(Source::Memory(Arc::new(recording))))
     }
 
-    /// Write the reach to a file (Parquet).
-    fn save(&self, py: Python<'_>, path: PathBuf) -> Result<(), Failure> {
+    /// Write the reach to a file (Parquet). Only with ``force`` is a file overwritten.
+    #[pyo3(signature = (path, *, force = false))]
+    fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> Result<(), Failure> {
         py.detach(|| {
             guarded(|| {
+                check_free(&path, force)?;
                 remove_leftovers(&path);
                 Ok(write_recording(&path, &*self.recording()?)?)
             })

@@ -7,6 +7,7 @@ use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::decision::Decision;
 use underbrush_classifier::online::OnlineOptions;
 use underbrush_classifier::trial::TrialOptions;
+use underbrush_recording::disk::check_free;
 use underbrush_replay::{Judging, JudgingModel, Source, single_file};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
@@ -47,7 +48,14 @@ fn replay_page(
     })
 }
 
+/// Refuses a path where a file is already, unless ``force`` says that it may be overwritten.
+#[pyfunction]
+fn _check_free(path: PathBuf, force: bool) -> Result<(), Failure> {
+    Ok(check_free(&path, force)?)
+}
+
 /// Adds the function of this file.
 pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(_check_free, module)?)?;
     module.add_function(wrap_pyfunction!(replay_page, module)?)
 }

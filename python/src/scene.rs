@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use underbrush_recording::InputError;
+use underbrush_recording::disk::{check_free, write_file};
 use underbrush_report::picture;
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::ReachPlan;
@@ -44,9 +45,11 @@ impl Picture {
         &self.svg
     }
 
-    /// Write the picture to a file.
-    fn save(&self, path: PathBuf) -> Result<(), Failure> {
-        Ok(underbrush_recording::disk::write_file(&path, self.svg.as_bytes())?)
+    /// Write the picture to a file. Only with ``force`` is a file overwritten.
+    #[pyo3(signature = (path, *, force = false))]
+    fn save(&self, path: PathBuf, force: bool) -> Result<(), Failure> {
+        check_free(&path, force)?;
+        Ok(write_file(&path, self.svg.as_bytes())?)
     }
 }
 

@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use underbrush_experiments::definition::Experiment;
 use underbrush_experiments::inspection;
 use underbrush_experiments::suite::Checked;
+use underbrush_recording::disk::check_free;
 use underbrush_report::reproduction::Reproduction;
 use underbrush_report::suite_text;
 
@@ -26,13 +27,15 @@ fn inspect(py: Python<'_>, path: PathBuf, seed: u64) -> Result<Bound<'_, PyAny>,
 
 /// Run regression suites and hold what they find against their bounds.
 #[pyfunction]
-#[pyo3(signature = (suites, *, seed = None, bless = false, out = None, progress = None, jobs = None))]
+#[pyo3(signature = (suites, *, seed = None, bless = false, out = None, force = false, progress = None, jobs = None))]
+#[allow(clippy::too_many_arguments, reason = "options by name")]
 fn check<'py>(
     py: Python<'py>,
     suites: Vec<PathBuf>,
     seed: Option<u64>,
     bless: bool,
     out: Option<PathBuf>,
+    force: bool,
     progress: Option<Py<PyAny>>,
     jobs: Option<usize>,
 ) -> Result<Bound<'py, PyAny>, Failure> {
@@ -53,6 +56,11 @@ fn check<'py>(
             "leave the seed out",
         ));
     }
+    for name in suite_text::FILES {
+        if let Some(folder) = &out {
+            check_free(&folder.join(name), force)?;
+        }
+    }
     let stop = Arc::new(Stop::default());
     let reported = Reported::new(&stop, progress);
     let run = || {
@@ -69,7 +77,7 @@ fn check<'py>(
 
 /// Run an experiment, the paper's if no other is given, and write its report.
 #[pyfunction]
-#[pyo3(signature = (out, *, experiment = None, quick = false, seed = None, campaigns = 1, fresh = false, progress = None,
+#[pyo3(signature = (out, *, experiment = None, quick = false, seed = None, campaigns = 1, force = false, progress = None,
                     jobs = None))]
 #[allow(clippy::too_many_arguments, reason = "options by name")]
 fn reproduce<'py>(
@@ -79,7 +87,7 @@ fn reproduce<'py>(
     quick: bool,
     seed: Option<u64>,
     campaigns: u64,
-    fresh: bool,
+    force: bool,
     progress: Option<Py<PyAny>>,
     jobs: Option<usize>,
 ) -> Result<Bound<'py, PyAny>, Failure> {
@@ -97,7 +105,7 @@ fn reproduce<'py>(
         experiment: &experiment,
         quick,
         campaigns,
-        fresh,
+        force,
     };
     let stop = Arc::new(Stop::default());
     let reported = Reported::new(&stop, progress);
@@ -126,7 +134,7 @@ fn run_campaign(
         experiment: &experiment,
         quick,
         campaigns: 1,
-        fresh: false,
+        force: false,
     };
     let stop = Arc::new(Stop::default());
     let reported = Reported::new(&stop, None);

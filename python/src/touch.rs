@@ -6,6 +6,7 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use underbrush_classifier::evaluate::touch_folds::{ReadReaches, check_folds, cross_validate_touch, judge_touch};
 use underbrush_classifier::touch::{RiskLimits, TouchClassifier, TouchExamples, TouchModel, TouchOptions};
+use underbrush_recording::disk::{check_free, write_file};
 use underbrush_recording::{Recording, read_text};
 
 use crate::failure::Failure;
@@ -110,12 +111,11 @@ impl PyTouchModel {
         self.model.to_json().map_err(|error| Failure::Run(error.to_string()))
     }
 
-    /// Write the model file.
-    fn save(&self, path: PathBuf) -> Result<(), Failure> {
-        Ok(underbrush_recording::disk::write_file(
-            &path,
-            self.to_json()?.as_bytes(),
-        )?)
+    /// Write the model file. Only with ``force`` is a file overwritten.
+    #[pyo3(signature = (path, *, force = false))]
+    fn save(&self, path: PathBuf, force: bool) -> Result<(), Failure> {
+        check_free(&path, force)?;
+        Ok(write_file(&path, self.to_json()?.as_bytes())?)
     }
 
     /// The known categories in alphabetical order.

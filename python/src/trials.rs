@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyCapsule, PyList, PySlice};
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_recording::Trial;
-use underbrush_recording::disk::{read_trials, trial_table, write_trials};
+use underbrush_recording::disk::{check_free, read_trials, trial_table, write_trials};
 
 use crate::arguments::features;
 use crate::array;
@@ -57,9 +57,15 @@ impl Trials {
         Ok(Trials::new(list))
     }
 
-    /// Write the trials as a table (.csv or .parquet).
-    fn save(&self, py: Python<'_>, path: PathBuf) -> Result<(), Failure> {
-        py.detach(|| guarded(|| Ok(write_trials(&path, self.list.iter().cloned())?)))
+    /// Write the trials as a table (.csv or .parquet). Only with ``force`` is a file overwritten.
+    #[pyo3(signature = (path, *, force = false))]
+    fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> Result<(), Failure> {
+        py.detach(|| {
+            guarded(|| {
+                check_free(&path, force)?;
+                Ok(write_trials(&path, self.list.iter().cloned())?)
+            })
+        })
     }
 
     /// Make trials from sequences of features: arrays (samples,) or (samples, features), one for each trial.

@@ -114,7 +114,7 @@ def test_model_files_of_the_other_kind_are_named(data: ub.Dataset, tmp_path) -> 
     )
     for model, other, found, allowed, call in kinds:
         file = tmp_path / "model.json"
-        model.save(file)
+        model.save(file, force=True)
         for place, read in ((str(file), lambda: other.load(file)), ("the model", lambda: other.from_json(model.to_json()))):
             with pytest.raises(ub.InputError) as refused:
                 read()

@@ -19,6 +19,7 @@ def generate(
     controller: ControllerLike | None = None,
     verdicts: str | os.PathLike[str] | None = None,
     resume: bool = False,
+    force: bool = False,
     shard: tuple[int, int] | None = None,
     progress: Progress | bool = True,
     jobs: int | None = None,
@@ -46,6 +47,8 @@ def generate(
         A touch model that tells the controller what the skin touches.
     resume : bool
         Continue an interrupted set.
+    force : bool
+        Remove the data set that is in ``out`` first.
     shard : (int, int), optional
         Run only part I of N, counted from 1.
     progress : bool or callable
@@ -73,6 +76,7 @@ def generate(
             controller=controller,
             verdicts=None if verdicts is None else Path(verdicts),
             resume=resume,
+            force=force,
             shard=shard,
             progress=shown,
             jobs=jobs,
@@ -137,6 +141,7 @@ def generate_again(
     *,
     verdicts: str | os.PathLike[str] | None = None,
     resume: bool = False,
+    force: bool = False,
     progress: Progress | bool = True,
     jobs: int | None = None,
 ) -> _core.Dataset:
@@ -147,6 +152,7 @@ def generate_again(
             Path(out),
             verdicts=None if verdicts is None else Path(verdicts),
             resume=resume,
+            force=force,
             progress=shown,
             jobs=jobs,
         )

@@ -17,8 +17,9 @@ class Page:
     def __init__(self, text: str) -> None:
         self.html = text
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the page to a file."""
+    def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
+        """Write the page to a file. Only with ``force`` is a file overwritten."""
+        _core._check_free(Path(path), force)
         Path(path).write_text(self.html, encoding="utf-8")
 
     def _repr_html_(self) -> str:

@@ -19,6 +19,7 @@ def check(
     seed: int | None = None,
     bless: bool = False,
     out: PathLike | None = None,
+    force: bool = False,
     progress: Progress | bool = True,
     jobs: int | None = None,
 ) -> dict[str, Any]:
@@ -34,6 +35,8 @@ def check(
         Write bounds into the files, computed from the results.
     out : path, optional
         A folder for ``junit.xml`` and ``results.json``.
+    force : bool
+        Overwrite these two files.
     progress : bool or callable
         ``True`` shows a bar on a terminal; a function is called as ``progress(done, total, text)`` on the calling thread.
     jobs : int, optional
@@ -58,6 +61,7 @@ def check(
             seed=seed,
             bless=bless,
             out=None if out is None else Path(out),
+            force=force,
             progress=shown,
             jobs=jobs,
         )
@@ -71,7 +75,7 @@ def reproduce(
     quick: bool = False,
     seed: int | None = None,
     campaigns: int = 1,
-    fresh: bool = False,
+    force: bool = False,
     progress: Progress | bool = True,
     jobs: int | None = None,
 ) -> dict[str, Any]:
@@ -92,7 +96,7 @@ def reproduce(
         A seed instead of the experiment's own.
     campaigns : int
         Number of campaigns. They have this seed and the following ones.
-    fresh : bool
+    force : bool
         Remove what another run has left in the folder, and start again.
     progress : bool or callable
         As for :func:`check`.
@@ -117,7 +121,7 @@ def reproduce(
             quick=quick,
             seed=seed,
             campaigns=campaigns,
-            fresh=fresh,
+            force=force,
             progress=shown,
             jobs=jobs,
         )

@@ -6,6 +6,8 @@ use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
+use crate::plain_text::{PLAIN, is_plain};
+
 /// What an object is, as ground truth: a name, and the code that represents it in columns of numbers.
 ///
 /// Four categories are built in, those of the paper (sections IV-A and V-D). The source file of any other object
@@ -76,6 +78,15 @@ impl Category {
             name
         });
         Some(Category { code, name })
+    }
+
+    /// What is allowed instead, if a trial of someone else's table cannot have a category of this name.
+    pub fn name_fault(name: &str) -> Option<&'static str> {
+        // The verdict `outlier` is also the category of outliers.
+        match name {
+            Category::UNCERTAIN => Some("a name other than `uncertain`, which is a verdict"),
+            _ => (!is_plain(name)).then_some(PLAIN),
+        }
     }
 
     /// The lower-case name used in every file.

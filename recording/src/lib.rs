@@ -19,6 +19,7 @@ pub mod layout;
 pub mod limits;
 pub mod math;
 pub mod outcome;
+pub mod plain_text;
 pub mod reach;
 pub mod text_file;
 pub mod trial;

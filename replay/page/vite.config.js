@@ -1,7 +1,12 @@
 // Builds the page as one HTML file with script and style inside, which the program embeds and completes with data.
+import { createHash } from "node:crypto";
+
 import { defineConfig } from "vite";
 
-/** Puts the script and the style into the HTML file. */
+/** How a Content-Security-Policy names an inline script or style. */
+const hash = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
+
+/** Puts the script and the style into the HTML file, and their hashes into its policy, so that nothing else may run. */
 function inline() {
   return {
     name: "underbrush-inline",
@@ -16,9 +21,11 @@ function inline() {
           const code = file.code.replace(/<\/(script)/gi, "<\\/$1").replace(/<!--/g, "<\\!--").trimEnd();
           // Before the data, so that a file that was cut off still shows a message. Modules run when all is read.
           const tag = new RegExp(`<script[^>]*src="[^"]*${name}"[^>]*></script>`);
-          text = text.replace(tag, () => `<script type="module">${code}</script>`);
+          text = text.replace(tag, () => `<script type="module">${code}</script>`).replace("HASH-OF-SCRIPT", hash(code));
         } else if (file.fileName.endsWith(".css")) {
-          text = text.replace(new RegExp(`<link[^>]*href="[^"]*${name}"[^>]*>`), () => `<style>${file.source.trimEnd()}</style>`);
+          const style = file.source.trimEnd();
+          const tag = new RegExp(`<link[^>]*href="[^"]*${name}"[^>]*>`);
+          text = text.replace(tag, () => `<style>${style}</style>`).replace("HASH-OF-STYLE", hash(style));
         } else {
           continue;
         }
@@ -30,6 +37,7 @@ function inline() {
       if (text.split("<!--underbrush-data-->").length !== 2) {
         throw new Error("the page must have exactly one place for data");
       }
+      if (text.includes("HASH-OF-")) throw new Error("the page has no inline script or no inline style");
       html.source = text;
     },
   };

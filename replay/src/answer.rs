@@ -1,15 +1,17 @@
 //! What the server sends back.
 
-use std::io::Cursor;
+use std::io::{self, Write};
 use std::sync::Arc;
 
-use tiny_http::{Header, Request, Response};
-
 use crate::Summary;
+use crate::page::policy;
 
-/// The page may run its own script and ask this server for reaches, and nothing else.
-const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self'; \
-                      img-src 'self' data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+/// Header fields of all answers. They keep other sites away from what the server gives out.
+pub const FIELDS: &str = "X-Content-Type-Options: nosniff\r\n\
+                          Cross-Origin-Resource-Policy: same-origin\r\n\
+                          Referrer-Policy: no-referrer\r\n\
+                          Cache-Control: no-store\r\n\
+                          Connection: close\r\n";
 
 /// An answer's status, content type and content.
 pub struct Answer {
@@ -48,37 +50,21 @@ impl Answer {
         // Plain data can always be written.
         Answer::new(200, "application/json", serde_json::to_vec(reaches).unwrap_or_default())
     }
-}
 
-/// Bytes that several answers share.
-struct SharedBytes(Arc<Vec<u8>>);
-
-impl AsRef<[u8]> for SharedBytes {
-    fn as_ref(&self) -> &[u8] {
-        &self.0
-    }
-}
-
-impl Answer {
-    /// Sends the answer.
-    pub fn send(self, request: Request) {
-        let headers = [
-            ("Content-Type", self.kind),
-            ("Content-Security-Policy", POLICY),
-            ("X-Content-Type-Options", "nosniff"),
-            ("Cross-Origin-Resource-Policy", "same-origin"),
-            ("Referrer-Policy", "no-referrer"),
-            ("Cache-Control", "no-store"),
-            ("Accept-Ranges", "none"),
-            ("Allow", "GET, HEAD"),
-        ];
-        let headers = headers
-            .into_iter()
-            .filter_map(|(name, value)| Header::from_bytes(name, value).ok());
-        let length = self.bytes.len();
-        let body = Cursor::new(SharedBytes(self.bytes));
-        let response = Response::new(self.status.into(), headers.collect(), body, Some(length), None);
-        // The other side may have left.
-        let _ = request.respond(response.with_chunked_threshold(usize::MAX));
+    /// Writes the answer, with `head_only` without its content.
+    pub fn write(&self, to: &mut impl Write, head_only: bool) -> io::Result<()> {
+        let head = format!(
+            "HTTP/1.1 {} \r\nContent-Type: {}\r\nContent-Length: {}\r\nContent-Security-Policy: {}; \
+             frame-ancestors 'none'\r\nAccept-Ranges: none\r\nAllow: GET, HEAD\r\n{FIELDS}\r\n",
+            self.status,
+            self.kind,
+            self.bytes.len(),
+            policy(),
+        );
+        to.write_all(head.as_bytes())?;
+        if !head_only {
+            to.write_all(&self.bytes)?;
+        }
+        to.flush()
     }
 }

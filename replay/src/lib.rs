@@ -13,6 +13,7 @@ mod answer;
 mod contact_trials;
 mod container;
 mod error;
+mod http;
 mod judging;
 mod known;
 mod live;

@@ -12,6 +12,15 @@ pub const PAGE: &str = include_str!("../page/dist/index.html");
 /// The place of the data in a single file. The build makes sure that the page has it exactly once.
 const MARKER: &str = "<!--underbrush-data-->";
 
+/// What the page may do, from its own `<meta>` tag: run its script, use its style and ask its server. The build writes
+/// the hashes of script and style into it.
+pub fn policy() -> &'static str {
+    let tag = PAGE.split_once("http-equiv=\"Content-Security-Policy\" content=\"");
+    let policy = tag.and_then(|(_, rest)| rest.split_once('"'));
+    // A page without its tag may do nothing.
+    policy.map_or("default-src 'none'", |(policy, _)| policy)
+}
+
 /// The page with these reaches inside, by their numbers in the list. It opens from disk and needs no network.
 ///
 /// # Errors

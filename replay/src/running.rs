@@ -4,9 +4,7 @@ use std::io::Write;
 use std::sync::Arc;
 use std::time::Duration;
 
-use tiny_http::Request;
-
-use crate::answer::Answer;
+use crate::answer::{Answer, FIELDS};
 use crate::live::{Live, News};
 use crate::pack::pack_from;
 use crate::source::summary;
@@ -70,13 +68,11 @@ impl Running {
     }
 
     /// Sends news as server-sent events until the reach ends or the other side leaves.
-    pub fn tell(&self, request: Request) {
-        let mut writer = request.into_writer();
-        let head = "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nCache-Control: no-store\r\n\
-                    X-Content-Type-Options: nosniff\r\nCross-Origin-Resource-Policy: same-origin\r\nConnection: close\r\n\r\n";
-        let mut send = |text: &str| writer.write_all(text.as_bytes()).and_then(|()| writer.flush());
+    pub fn tell(&self, mut to: impl Write) {
+        let head = format!("HTTP/1.1 200 \r\nContent-Type: text/event-stream\r\n{FIELDS}\r\n");
+        let mut send = |text: &str| to.write_all(text.as_bytes()).and_then(|()| to.flush());
         let mut told: Option<News> = None;
-        let mut sent = send(head);
+        let mut sent = send(&head);
         while sent.is_ok() {
             let news = self.live.news_after(told);
             // Sending a comment shows whether the other side is still there.

@@ -1,20 +1,16 @@
-//! The server of the page on 127.0.0.1. It serves nothing but the page and the reaches it was given. It is read-only,
-//! except for the commands to a running reach.
+//! The server of the page on 127.0.0.1. It serves nothing but the page and the reaches it was given, and only to who
+//! has the key in its address. It is read-only, except for the commands to a running reach.
 
-use std::net::Ipv4Addr;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::io;
+use std::net::{Ipv4Addr, TcpListener};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use tiny_http::{Method, Request};
-
 use crate::answer::Answer;
+use crate::http::{self, Limits, Request};
 use crate::page::PAGE;
 use crate::running::Running;
 use crate::{Known, Live, ReplayError, Source};
 
-/// While this many requests are in progress, further ones are answered with 503. Choice: a browser opens six
-/// connections.
-const MAX_REQUESTS: usize = 256;
 /// Packed reaches that are kept. Choice: two that are compared, and their neighbours.
 const KEPT: usize = 4;
 
@@ -37,7 +33,8 @@ struct Shared {
     /// Values of `Host` that are answered. Requests with other values come from pages of other sites that let their
     /// name resolve to this machine.
     hosts: Vec<String>,
-    requests: AtomicUsize,
+    /// The hash of the key. Comparing hashes takes the same time wherever two keys differ.
+    key: blake3::Hash,
 }
 
 /// The values of `Host` that browsers send for this machine and a port. They leave out port 80, the default of HTTP.
@@ -52,9 +49,9 @@ pub fn hosts(port: u16) -> Vec<String> {
 
 /// A server that listens.
 pub struct Server {
-    http: tiny_http::Server,
-    port: u16,
-    shared: Arc<Shared>,
+    listener: TcpListener,
+    address: String,
+    shared: Shared,
 }
 
 impl Server {
@@ -75,75 +72,73 @@ impl Server {
     }
 
     fn of(content: Content, port: u16) -> Result<Self, ReplayError> {
-        let http = tiny_http::Server::http((Ipv4Addr::LOCALHOST, port)).map_err(|error| ReplayError::Serve {
-            port,
-            source: std::io::Error::other(error.to_string()),
-        })?;
-        let port = http.server_addr().to_ip().map_or(port, |address| address.port());
-        let shared = Shared {
-            content,
-            hosts: hosts(port),
-            requests: AtomicUsize::new(0),
-        };
+        let refused = |source| ReplayError::Serve { port, source };
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(refused)?;
+        let port = listener.local_addr().map_err(refused)?.port();
+        let key = random_key().map_err(refused)?;
         Ok(Server {
-            http,
-            port,
-            shared: Arc::new(shared),
+            listener,
+            address: format!("http://127.0.0.1:{port}/{key}/"),
+            shared: Shared {
+                content,
+                hosts: hosts(port),
+                key: blake3::hash(key.as_bytes()),
+            },
         })
     }
 
-    /// The address of the page.
-    pub fn address(&self) -> String {
-        format!("http://127.0.0.1:{}/", self.port)
+    /// The address of the page. Whoever knows it can read the reaches, and command a running one.
+    pub fn address(&self) -> &str {
+        &self.address
     }
 
     /// Answers requests until the program ends.
-    pub fn run(&self) {
-        for request in self.http.incoming_requests() {
-            if self.shared.requests.fetch_add(1, Ordering::Relaxed) >= MAX_REQUESTS {
-                self.shared.requests.fetch_sub(1, Ordering::Relaxed);
-                Answer::text(503, "too many requests at a time").send(request);
-                continue;
-            }
-            let shared = Arc::clone(&self.shared);
-            // Each request has a thread, because a client that does not read its answer must not keep the others
-            // waiting.
-            std::thread::spawn(move || {
-                let slot = Slot(shared);
-                slot.0.serve(request);
-            });
-        }
+    pub fn run(self) {
+        let limits = Limits::default();
+        let shared = self.shared;
+        http::serve(&self.listener, limits, move |request| shared.serve(request, &limits));
     }
 }
 
-/// A request that is being answered. It counts until this is dropped, even if the answer panics.
-struct Slot(Arc<Shared>);
-
-impl Drop for Slot {
-    fn drop(&mut self) {
-        self.0.requests.fetch_sub(1, Ordering::Relaxed);
-    }
+/// 128 random bits in hexadecimal digits.
+fn random_key() -> io::Result<String> {
+    let mut bytes = [0; 16];
+    getrandom::fill(&mut bytes).map_err(io::Error::other)?;
+    Ok(format!("{:032x}", u128::from_ne_bytes(bytes)))
 }
 
 impl Shared {
-    fn serve(&self, request: Request) {
-        let answer = self.refusal(&request).unwrap_or_else(|| self.answer(&request));
+    fn serve(&self, request: Request, limits: &Limits) {
+        let path = self.path(&request.target).map(str::to_owned);
+        let answer = match &path {
+            Some(path) => self
+                .refusal(&request, path)
+                .unwrap_or_else(|| self.answer(&request, path)),
+            None => Answer::text(
+                403,
+                "the address lacks the key of this server; open the whole address that the program has printed",
+            ),
+        };
         match &self.content {
             // News is sent until the reach ends.
-            Content::Running(running) if answer.status == 200 && request.url() == NEWS => running.tell(request),
-            _ => answer.send(request),
+            Content::Running(running) if answer.status == 200 && path.as_deref() == Some(NEWS) => {
+                running.tell(request.into_stream());
+            }
+            _ => request.respond(&answer, limits),
         }
     }
 
+    /// What follows the key in an address, with its slash; `None` without the key.
+    fn path<'a>(&self, target: &'a str) -> Option<&'a str> {
+        let rest = target.strip_prefix('/')?;
+        let (key, _) = rest.split_once('/')?;
+        (blake3::hash(key.as_bytes()) == self.key).then(|| &rest[key.len()..])
+    }
+
     /// The answer to a request that is refused; `None` if the request is allowed.
-    fn refusal(&self, request: &Request) -> Option<Answer> {
-        let values = |name: &'static str| -> Vec<&str> {
-            let headers = request.headers().iter();
-            let own = headers.filter(|header| header.field.equiv(name));
-            own.map(|header| header.value.as_str()).collect()
-        };
+    fn refusal(&self, request: &Request, path: &str) -> Option<Answer> {
         let known = |host: &str| self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host));
-        let hosts = values("Host");
+        let hosts = request.values("Host");
         if hosts.len() != 1 || !known(hosts[0]) {
             return Some(Answer::text(
                 403,
@@ -151,11 +146,11 @@ impl Shared {
             ));
         }
         let commands = matches!(self.content, Content::Running(_));
-        match request.method() {
-            Method::Get | Method::Head => None,
+        match request.method.as_str() {
+            "GET" | "HEAD" => None,
             // Another site could send a command, but not with this server as its origin.
-            Method::Post if commands && request.url().starts_with(COMMAND) => {
-                let origins = values("Origin");
+            "POST" if commands && path.starts_with(COMMAND) => {
+                let origins = request.values("Origin");
                 let own = origins.first().and_then(|origin| origin.strip_prefix("http://"));
                 (origins.len() != 1 || !own.is_some_and(known))
                     .then(|| Answer::text(403, "only the page of this server can give commands"))
@@ -164,10 +159,10 @@ impl Shared {
         }
     }
 
-    fn answer(&self, request: &Request) -> Answer {
-        let (path, query) = request.url().split_once('?').unwrap_or((request.url(), ""));
+    fn answer(&self, request: &Request, target: &str) -> Answer {
+        let (path, query) = target.split_once('?').unwrap_or((target, ""));
         let number = path.strip_prefix("/api/reach/").filter(|number| is_number(number));
-        let command = path.strip_prefix(COMMAND).filter(|_| *request.method() == Method::Post);
+        let command = path.strip_prefix(COMMAND).filter(|_| request.method == "POST");
         match (&self.content, number, command) {
             _ if path == "/" => Answer::new(200, "text/html; charset=utf-8", PAGE),
             (Content::Stored(source, _), ..) if path == "/api/reaches" => Answer::list(source.reaches()),
@@ -175,7 +170,7 @@ impl Shared {
             (Content::Running(running), ..) if path == "/api/reaches" => running.list(),
             (Content::Running(running), Some(number), _) => running.reach(number, query),
             (Content::Running(running), _, Some(command)) => running.command(command),
-            (Content::Running(_), ..) if path == NEWS && *request.method() == Method::Get => Answer::text(200, ""),
+            (Content::Running(_), ..) if path == NEWS && request.method == "GET" => Answer::text(200, ""),
             _ => Answer::text(404, "no such page"),
         }
     }

@@ -8,6 +8,7 @@ use underbrush_experiments::definition::TableOneUnit;
 use crate::drawing::{Axis, Chart, Layer, Point, Shape, Table};
 use crate::report::possessive;
 use crate::style::{self, PUBLISHED};
+use crate::text::counted;
 
 /// A difference that counts as agreement, points: the target for the mean over the cells.
 const CLOSE_POINTS: f64 = 3.0;
@@ -69,9 +70,15 @@ fn with_published(what: &str, cells: &[&Compared]) -> Option<String> {
         .filter(|(cell, published)| cell.accuracy > *published)
         .count();
     let mut text = format!(
-        "{what}, the {} cells differ from the paper's by {mean:.1} points on average. {close} are within {CLOSE_POINTS} \
-         points; {higher} are higher than the paper's and {} lower or equal.",
-        pairs.len(),
+        "{what}, the {} from the paper's by {mean:.1} points on average. {} within {CLOSE_POINTS} points; {} higher than \
+         the paper's and {} lower or equal.",
+        if pairs.len() == 1 {
+            "cell differs".to_owned()
+        } else {
+            format!("{} cells differ", pairs.len())
+        },
+        counted(close, "is", "are"),
+        counted(higher, "is", "are"),
         pairs.len() - higher
     );
     if pairs.iter().all(|(cell, _)| cell.covers) {
@@ -80,8 +87,8 @@ fn with_published(what: &str, cells: &[&Compared]) -> Option<String> {
                 .is_some_and(|(low, high)| (low..=high).contains(published))
         });
         text += &format!(
-            " The paper's figure lies within the interval of {} cells.",
-            covered.count()
+            " The paper's figure lies within the interval of {}.",
+            counted(covered.count(), "cell", "cells")
         );
     }
     let (cell, published) = farthest;
@@ -95,13 +102,17 @@ fn with_published(what: &str, cells: &[&Compared]) -> Option<String> {
 
 /// The cells in which a constant verdict would be more accurate.
 fn below_majority(below: &[String], cells: usize) -> String {
+    let which = match (below.len(), cells) {
+        (_, 1) => "The only cell is".to_owned(),
+        (0, _) => format!("All {cells} cells are"),
+        (1, _) => format!("1 of the {cells} cells is"),
+        (some, _) => format!("{some} of the {cells} cells are"),
+    };
     if below.is_empty() {
-        return format!("All {cells} cells are at or above the majority baseline.");
+        return format!("{which} at or above the majority baseline.");
     }
     format!(
-        "{} of the {cells} cells are below the majority baseline, so always naming the most frequent category would do \
-         better: {}.",
-        below.len(),
+        "{which} below the majority baseline, so always naming the most frequent category would do better: {}.",
         below.join("; ")
     )
 }

@@ -2,7 +2,7 @@
 
 use underbrush_experiments::benchmark::{Estimate, Figures, Reaching, Row, Transfer, Verdicts};
 
-use crate::text::table;
+use crate::text::{counted, table};
 
 /// A sentence on what was judged, a table of the figures, and what they were measured on.
 pub fn of(row: &Row) -> String {
@@ -24,8 +24,9 @@ pub fn of(row: &Row) -> String {
     let set = |own: &underbrush_experiments::benchmark::SetRecord| {
         let reaches: u64 = own.scenes.iter().map(|scene| scene.reaches).sum();
         format!(
-            "{}: {reaches} reaches of seed {}, data {}\n",
+            "{}: {} of seed {}, data {}\n",
             own.name,
+            counted(reaches, "reach", "reaches"),
             own.seed,
             &own.data_blake3[..16]
         )
@@ -119,10 +120,10 @@ fn of_reaching(reaching: &Reaching) -> String {
         ),
     ];
     format!(
-        "{}\n{} reaches with {} goals. In brackets: 95 % intervals over whole reaches.\n",
+        "{}\n{} with {}. In brackets: 95 % intervals over whole reaches.\n",
         table(&["figure", "value"], &rows),
-        reaching.reaches,
-        reaching.goals
+        counted(reaching.reaches, "reach", "reaches"),
+        counted(reaching.goals, "goal", "goals")
     )
 }
 

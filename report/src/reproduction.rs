@@ -27,7 +27,7 @@ pub struct Reproduction<'a> {
     /// Number of campaigns, of this seed and the next ones.
     pub campaigns: u64,
     /// Whether to remove what another run has left in the folder.
-    pub fresh: bool,
+    pub force: bool,
 }
 
 impl Reproduction<'_> {
@@ -37,7 +37,7 @@ impl Reproduction<'_> {
     /// # Errors
     /// If the folder holds the results of another run, a stage fails, or a file cannot be written.
     pub fn run(&self, out: &Path, progress: &dyn Progress) -> Result<(Results, Written), ReproductionError> {
-        Plan::new(self.experiment, self.seed, self.quick).settle(out, self.fresh)?;
+        Plan::new(self.experiment, self.seed, self.quick).settle(out, self.force)?;
         let session = Session::new(self.experiment, (self.seed, self.quick, self.campaigns), out, progress);
         let data = session.once(training::run)?;
         for warning in audit::warnings(data.dataset.episodes(), data.dataset.layout()) {

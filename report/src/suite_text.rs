@@ -6,19 +6,23 @@ use underbrush_experiments::ExperimentError;
 use underbrush_experiments::files;
 use underbrush_experiments::suite::Checked;
 use underbrush_experiments::suite::result::{BoundResult, BoundVerdict, SceneResult, SuiteResult};
+use underbrush_recording::math;
 
 use crate::junit;
-use crate::text::table;
-use underbrush_recording::math;
+use crate::text::{counted, table};
+
+/// Names of the files that [`write`] writes.
+pub const FILES: [&str; 2] = ["results.json", "junit.xml"];
 
 /// Writes `junit.xml` for CI systems, and `results.json` with the values of all reaches.
 ///
 /// # Errors
 /// If a file cannot be written.
 pub fn write(folder: &Path, checked: &Checked) -> Result<(), ExperimentError> {
-    files::write_json(&folder.join("results.json"), checked)?;
+    let [results, junit] = FILES.map(|name| folder.join(name));
+    files::write_json(&results, checked)?;
     let xml = junit::document(&checked.suites, why);
-    files::write(&folder.join("junit.xml"), xml.as_bytes())
+    files::write(&junit, xml.as_bytes())
 }
 
 /// A table for each scene, and each broken bound with the reach to look at.
@@ -30,8 +34,13 @@ fn of_suite(result: &SuiteResult) -> String {
     let mut text = format!("{}: {}\n", result.suite, result.summary);
     for scene in &result.scenes {
         text += &format!(
-            "\n{} ({} reaches of seed {}, {:.0} s simulated, {}): {}\n",
-            scene.scene, scene.reaches, result.seed, scene.simulated_s, scene.controller, scene.goals
+            "\n{} ({} of seed {}, {:.0} s simulated, {}): {}\n",
+            scene.scene,
+            counted(scene.reaches, "reach", "reaches"),
+            result.seed,
+            scene.simulated_s,
+            scene.controller,
+            scene.goals
         );
         let rows: Vec<Vec<String>> = scene.bounds.iter().map(row).collect();
         text += &table(

@@ -1,8 +1,14 @@
-//! Tables for a terminal.
+//! Counts and tables for a terminal.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 
 use underbrush_experiments::audit::Worst;
+
+/// A number with its noun, such as "1 reach" or "2 reaches".
+pub fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == N::from(1) { one } else { many })
+}
 
 /// A table of columns padded to their widest entry. The first column is aligned left, the others right.
 pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {

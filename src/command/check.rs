@@ -6,6 +6,7 @@ use clap::Args;
 use underbrush_experiments::suite::Checked;
 use underbrush_report::suite_text;
 
+use super::overwrite::Overwrite;
 use crate::failure::Failure;
 use crate::output;
 use crate::progress::Shown;
@@ -45,10 +46,17 @@ pub struct Options {
     /// Write the results to this folder: junit.xml for CI systems, and results.json with the values of all reaches
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// Runs the suites and prints what they find.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+    for name in suite_text::FILES {
+        if let Some(folder) = &options.out {
+            options.overwrite.file(&folder.join(name), &options.suites)?;
+        }
+    }
     let checked = Checked::of(&options.suites, options.seed, options.bless, &Shown)?;
     if let Some(folder) = &options.out {
         suite_text::write(folder, &checked)?;
@@ -58,8 +66,8 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         return Ok(());
     }
     let broken = checked.broken();
-    let bounds = if broken == 1 { "bound does" } else { "bounds do" };
     Err(Failure::run(format!(
-        "{broken} {bounds} not hold; if the change is wanted, write new bounds with --bless"
+        "{} not hold; if the change is wanted, write new bounds with --bless",
+        output::counted(broken, "bound does", "bounds do")
     )))
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use underbrush_experiments::audit::{self, Worst};
 use underbrush_experiments::ends::Ends;
 use underbrush_recording::disk::Dataset;
-use underbrush_report::text;
+use underbrush_report::text::{self, counted};
 
 use crate::output;
 
@@ -55,11 +55,11 @@ impl Summary {
             )
         });
         format!(
-            "{} reaches, {:.0} s of simulated time{pace}\n\
+            "{}, {:.0} s of simulated time{pace}\n\
              {}\n\
              {}\n\
              data set in {}",
-            self.reaches,
+            counted(self.reaches, "reach", "reaches"),
             self.simulated_s,
             self.ends.text(),
             text::audit(&self.audit),

@@ -17,6 +17,7 @@ use underbrush_recording::{InputError, Trial};
 
 use super::decision_arguments::{DecisionArguments, Scores};
 use super::estimator_arguments::EstimatorArguments;
+use super::overwrite::Overwrite;
 use super::touch::{self, Judge, RiskArguments, TouchDecisionArguments};
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
@@ -67,6 +68,8 @@ pub struct Options {
     #[arg(long, value_name = "FILE")]
     roc: Option<PathBuf>,
     #[command(flatten)]
+    overwrite: Overwrite,
+    #[command(flatten)]
     decision: DecisionArguments,
     #[command(flatten)]
     estimator: EstimatorArguments,
@@ -92,8 +95,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     options.check_apart()?;
     if let Some(roc) = &options.roc {
         let inputs = options.trials.iter().chain(&options.train).chain(&options.model);
-        output::check_not_input(roc, inputs)?;
-        output::prepare(roc)?;
+        options.overwrite.file(roc, inputs)?;
     }
     let model = options.model.as_deref().map(any_model::load).transpose()?;
     let model = match model {

@@ -7,7 +7,9 @@ use serde::Serialize;
 use underbrush_classifier::evaluate::touch_folds::ReadReaches;
 use underbrush_exchange::{write_hdf5, write_mcap};
 use underbrush_recording::Recording;
+use underbrush_recording::disk::{check_free, check_not_input};
 
+use super::overwrite::Overwrite;
 use crate::failure::Failure;
 use crate::output;
 use crate::reaches::Reaches;
@@ -24,6 +26,8 @@ pub struct Options {
     /// File to write. For MCAP and several reaches: the folder, with one file reach-000000.mcap, … for each
     #[arg(long, value_name = "PATH")]
     out: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// The formats.
@@ -75,24 +79,22 @@ fn name_of(reach: usize) -> String {
     format!("reach-{reach:06}.mcap")
 }
 
-/// The number of the reach whose file has this name, if it is such a name.
-fn number_in(name: &str) -> Option<usize> {
-    let number = name.strip_prefix("reach-")?.strip_suffix(".mcap")?;
-    number.parse().ok()
+/// Whether a file with this name is that of a reach.
+fn is_of_export(name: &str) -> bool {
+    let number = name.strip_prefix("reach-").and_then(|rest| rest.strip_suffix(".mcap"));
+    number.is_some_and(|number| number.parse::<usize>().is_ok())
 }
 
-/// Refuses a folder with files of another export that this one, of so many reaches, would not replace. Nobody could
-/// tell them from its own.
-fn check_unmixed(folder: &Path, reaches: usize) -> Result<(), Failure> {
+/// Makes room in the folder for the files of the reaches: without `--force` there must be none of another export, and
+/// with it they are removed, because those of more reaches would be mixed with the new ones.
+fn make_room(folder: &Path, overwrite: Overwrite) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(failed(folder, "create"))?;
     for entry in std::fs::read_dir(folder).map_err(failed(folder, "read"))? {
-        let name = entry.map_err(failed(folder, "read"))?.file_name();
-        let name = name.to_string_lossy();
-        if number_in(&name).is_some_and(|number| number >= reaches) {
-            return Err(Failure::usage(format!(
-                "{}: holds {name} of another export, which would be mixed with the {reaches} reaches of this one; choose \
-                 another folder",
-                folder.display()
-            )));
+        let path = entry.map_err(failed(folder, "read"))?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if is_of_export(&name) {
+            check_free(&path, overwrite.force)?;
+            std::fs::remove_file(&path).map_err(failed(&path, "remove"))?;
         }
     }
     Ok(())
@@ -100,7 +102,8 @@ fn check_unmixed(folder: &Path, reaches: usize) -> Result<(), Failure> {
 
 /// Writes the files.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    output::check_not_input(&options.out, &options.data)?;
+    let overwrite = options.overwrite;
+    check_not_input(&options.out, &options.data)?;
     let reaches = Reaches::open(&options.data)?;
     let out = options.out.as_path();
     let mut written = Written {
@@ -111,7 +114,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         bytes: 0,
     };
     if reaches.count() == 1 || matches!(options.to, Format::Hdf5) {
-        output::prepare(out)?;
+        overwrite.file(out, &options.data)?;
     }
     match options.to {
         Format::Mcap if reaches.count() == 1 => reaches.read_any(|recording| {
@@ -121,8 +124,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             Ok(())
         })?,
         Format::Mcap => {
-            std::fs::create_dir_all(out).map_err(failed(out, "create"))?;
-            check_unmixed(out, reaches.count())?;
+            make_room(out, overwrite)?;
             reaches.read_any(|recording| {
                 let path = out.join(name_of(written.reaches));
                 write_mcap(&path, recording)?;
@@ -147,11 +149,12 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             reaches, frames, files, ..
         } = written;
         let megabytes = written.bytes as f64 / 1e6;
-        let [reaches, files] = [(reaches, "reach", "reaches"), (files, "file", "files")]
-            .map(|(count, one, many)| output::counted(count, one, many));
-        format!(
-            "{reaches}, {frames} frames in {files}, {megabytes:.1} MB: {}",
-            out.display()
-        )
+        let counts = [
+            (reaches, "reach", "reaches"),
+            (frames, "frame", "frames"),
+            (files, "file", "files"),
+        ];
+        let [reaches, frames, files] = counts.map(|(count, one, many)| output::counted(count, one, many));
+        format!("{reaches}, {frames} in {files}, {megabytes:.1} MB: {}", out.display())
     })
 }

@@ -14,6 +14,7 @@ use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::scene::Scene;
 
 use super::dataset_summary::Summary;
+use super::overwrite::Overwrite;
 use crate::failure::Failure;
 use crate::progress::Shown;
 use crate::{input, interrupt, output};
@@ -45,15 +46,17 @@ pub struct Options {
     #[arg(long, value_name = "MODEL")]
     verdicts: Option<PathBuf>,
     /// Continue an interrupted data set
-    #[arg(long)]
+    #[arg(long, conflicts_with = "force")]
     resume: bool,
+    #[command(flatten)]
+    overwrite: Overwrite,
     /// Run only part I of N (counted from 1), into a separate folder or, with --shared, into one for all parts.
     /// `underbrush merge` joins parts in separate folders
     #[arg(long, value_name = "I/N", value_parser = shard)]
     shard: Option<Shard>,
     /// All parts have the same --out, on a file system that all machines share. The part that finishes last makes the
     /// data set there. To continue a part that was interrupted, run it again
-    #[arg(long, requires = "shard", conflicts_with = "resume")]
+    #[arg(long, requires = "shard", conflicts_with_all = ["resume", "force"])]
     shared: bool,
 }
 
@@ -140,6 +143,9 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         None => described(&options)?,
     };
     let out = &options.out;
+    options
+        .overwrite
+        .dataset(out, options.scenes.iter().chain(&options.from).chain(&options.verdicts))?;
     let again = if options.shared {
         "run the same command again"
     } else {

@@ -8,6 +8,7 @@ use serde::Serialize;
 use underbrush_exchange::import::{Mapping, import};
 use underbrush_recording::disk::write_trials;
 
+use super::overwrite::Overwrite;
 use crate::failure::Failure;
 use crate::output;
 
@@ -22,6 +23,8 @@ pub struct Options {
     /// Table of trials to write, `.csv` or `.parquet`, for train, classify, evaluate and score
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// What was written.
@@ -39,8 +42,8 @@ struct Written {
 
 /// Writes the table.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    output::check_not_input(&options.out, [&options.file, &options.mapping])?;
-    output::prepare_table(&options.out)?;
+    let inputs = [&options.file, &options.mapping];
+    options.overwrite.table(&options.out, inputs)?;
     let imported = import(&options.file, &Mapping::load(&options.mapping)?)?;
     let mut written = Written {
         file: options.out.clone(),
@@ -61,10 +64,10 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             name => format!("{count} {name}"),
         });
         format!(
-            "{}, {} samples from {} frames of {}: {}\n{}",
+            "{}, {} from {} of {}: {}\n{}",
             output::counted(written.trials, "trial", "trials"),
-            written.samples,
-            written.frames,
+            output::counted(written.samples, "sample", "samples"),
+            output::counted(written.frames, "frame", "frames"),
             output::counted(written.reaches, "reach", "reaches"),
             named.collect::<Vec<_>>().join(", "),
             written.file.display()

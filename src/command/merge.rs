@@ -6,6 +6,7 @@ use clap::Args;
 use underbrush_recording::disk::{Dataset, DiskError, Shards};
 
 use super::dataset_summary::Summary;
+use super::overwrite::Overwrite;
 use crate::failure::Failure;
 use crate::progress;
 use crate::{interrupt, output};
@@ -21,14 +22,23 @@ pub struct Options {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Continue an interrupted merge
-    #[arg(long)]
+    #[arg(long, conflicts_with = "force")]
     resume: bool,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// Joins the parts.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let Options { parts, out, resume } = options;
+    let Options {
+        parts,
+        out,
+        resume,
+        overwrite,
+    } = options;
+    let inputs = parts.clone();
     let shards = Shards::open(parts)?;
+    overwrite.dataset(&out, &inputs)?;
     interrupt::hint(format!(
         "what is complete is kept in {}; run the same command with --resume to go on",
         out.display()

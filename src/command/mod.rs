@@ -12,6 +12,7 @@ pub mod generate;
 pub mod import;
 pub mod inspect;
 pub mod merge;
+mod overwrite;
 mod pictures;
 #[cfg(feature = "cloud")]
 pub mod pull;

@@ -8,6 +8,7 @@ use underbrush_sim::scene::SceneFile;
 use underbrush_sim::simulation::Simulation;
 use underbrush_sim::snapshot::Snapshot;
 
+use super::overwrite::Overwrite;
 use crate::failure::Failure;
 use crate::{input, output};
 
@@ -28,8 +29,13 @@ impl Pictures {
     /// Pictures without moments yet.
     ///
     /// # Errors
-    /// If a file is not SVG, or cannot be written.
-    pub fn new(picture: Option<PathBuf>, animation: Option<PathBuf>) -> Result<Self, Failure> {
+    /// If a file is not SVG, is there already and may not be overwritten, or cannot be written.
+    pub fn new(
+        picture: Option<PathBuf>,
+        animation: Option<PathBuf>,
+        overwrite: Overwrite,
+        inputs: &[PathBuf],
+    ) -> Result<Self, Failure> {
         let files = [
             ("--picture", "a picture", &picture),
             ("--animation", "an animation", &animation),
@@ -43,7 +49,7 @@ impl Pictures {
             }
         }
         for path in picture.iter().chain(&animation) {
-            output::prepare(path)?;
+            overwrite.file(path, inputs)?;
         }
         Ok(Pictures {
             picture,

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use underbrush_exchange::bucket::Place;
 
+use super::overwrite::Overwrite;
 use super::transfer_summary::TransferSummary;
 use crate::failure::Failure;
 use crate::{interrupt, output, progress};
@@ -18,12 +19,19 @@ pub struct Options {
     /// Folder to write it to: an empty or new one, or one with an interrupted copy of the same set
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// Copies the set.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let Options { address, out } = options;
+    let Options {
+        address,
+        out,
+        overwrite,
+    } = options;
     let place = Place::new(&address)?;
+    overwrite.dataset(&out, [])?;
     interrupt::hint("run the same command again to copy what is missing");
     let bar = progress::bar(0, "files");
     let pulled = place.pull(&out, |files| {

@@ -17,6 +17,7 @@ use underbrush_sim::reach::{ReachPlan, ReachSoFar};
 use underbrush_sim::scene::Scene;
 
 use super::decision_arguments::DecisionArguments;
+use super::overwrite::Overwrite;
 use super::pictures::Pictures;
 use super::replay;
 use super::touch::TouchDecisionArguments;
@@ -46,6 +47,8 @@ pub struct Options {
     /// Write the recording to this file (Parquet)
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
     /// Write a picture to this file (SVG): the frame in which the most taxels read a force
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
@@ -125,7 +128,9 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         replay::judging_by(path, options.patch.as_deref(), &decision, &touch)
     });
     let judging = judging.transpose()?;
-    let mut pictures = Pictures::new(options.picture, options.animation)?;
+    let mut inputs = vec![options.scene.clone()];
+    inputs.extend(options.verdicts.iter().chain(&options.model).cloned());
+    let mut pictures = Pictures::new(options.picture, options.animation, options.overwrite, &inputs)?;
     if let Some(path) = &options.out {
         if path.extension().is_none_or(|extension| extension != "parquet") {
             return Err(Failure::usage(format!(
@@ -133,7 +138,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
                 path.display()
             )));
         }
-        output::prepare(path)?;
+        options.overwrite.file(path, &inputs)?;
     }
     let mut watched = if options.watch {
         let so_far = ReachSoFar::new(&plan, options.index);
@@ -229,13 +234,13 @@ impl Report {
         });
         let patches = self.touched_frames.iter();
         let touched: Vec<String> = patches
-            .map(|(patch, frames)| format!("{patch} in {frames} frames"))
+            .map(|(patch, frames)| format!("{patch} in {}", output::counted(*frames, "frame", "frames")))
             .collect();
         output::table(&["goal", "position / m", "outcome", "seconds"], &rows)
             + &format!(
                 "\n{} (seed {}, reach {}, {}): {} of {} goals reached{}\n\
                  {:.1} s of simulated time in {:.2} s: {:.0} times real time on one core\n\
-                 {} contacts; peak force {:.2} N, mean {:.2} N{}\n\
+                 {}; peak force {:.2} N, mean {:.2} N{}\n\
                  true contact: {}\n\
                  {}\n\
                  largest relative difference between taxel and contact forces: {:.1e}",
@@ -249,7 +254,7 @@ impl Report {
                 self.simulated_s,
                 self.wall_s,
                 self.simulated_over_wall,
-                self.contacts,
+                output::counted(self.contacts, "contact", "contacts"),
                 self.peak_contact_force_n,
                 self.mean_contact_force_n,
                 limit,
@@ -260,12 +265,17 @@ impl Report {
     }
     /// How many trials there are on the patch.
     fn trials(&self) -> String {
+        let of_taxels = |count| output::counted(count, "taxel trial", "taxel trials");
         match (&self.patch, self.taxel_trials, self.component_trials) {
             (Some(patch), Some(taxels), Some(components)) => {
-                format!("{taxels} taxel trials and {components} component trials on patch {patch}")
+                let components = output::counted(components, "component trial", "component trials");
+                format!("{} and {components} on patch {patch}", of_taxels(taxels))
             }
             (Some(patch), Some(taxels), None) => {
-                format!("{taxels} taxel trials on patch {patch}; its taxels form no grid, so it has no components")
+                format!(
+                    "{} on patch {patch}; its taxels form no grid, so it has no components",
+                    of_taxels(taxels)
+                )
             }
             _ => "the arm has no skin, so there are no trials".into(),
         }

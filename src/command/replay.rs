@@ -14,6 +14,7 @@ use underbrush_replay::{Judging, JudgingModel, Server, Source, single_file};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
 use super::decision_arguments::{DecisionArguments, Scores};
+use super::overwrite::Overwrite;
 use super::touch::TouchDecisionArguments;
 use crate::failure::Failure;
 use crate::{input, output};
@@ -27,7 +28,9 @@ Examples:
   underbrush replay reach.parquet --out reach.html
                                                   One file to send; it opens from disk without a network
 
-The server listens on 127.0.0.1 only, cannot change anything, and gives out nothing but the page and these reaches.";
+The server listens on 127.0.0.1 only, cannot change anything, and gives out nothing but the page and these reaches. It \
+answers only under the whole address that is printed, which has a random key: do not show it to people who may not see \
+the reaches. While a browser is being opened, other users of the machine can see the address; --no-open avoids that.";
 
 /// Options of `underbrush replay`.
 #[derive(Args)]
@@ -39,6 +42,8 @@ pub struct Options {
     /// Write the page and the reaches to this file (HTML) instead of serving them
     #[arg(long, value_name = "FILE", conflicts_with_all = ["port", "no_open"])]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
     /// With --out: the reaches to write, by their numbers in the list from 0, such as 0,3,7 [default: all]
     #[arg(long, value_name = "N,…", value_delimiter = ',', requires = "out", conflicts_with_all = ["port", "no_open"])]
     reaches: Vec<usize>,
@@ -77,8 +82,9 @@ struct Written {
 /// Serves the page or writes it.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     if let Some(out) = &options.out {
-        output::check_not_input(out, options.inputs.iter().chain(&options.model))?;
-        output::prepare(out)?;
+        options
+            .overwrite
+            .file(out, options.inputs.iter().chain(&options.model))?;
     }
     for path in &options.inputs {
         input::check_exists(path, "a data set (folder), recording or table of contact trials")?;
@@ -156,7 +162,7 @@ fn write(source: &Source, chosen: &[usize], path: &Path, json: bool) -> Result<(
 fn serve(source: Source, port: u16, open: bool, json: bool) -> Result<(), Failure> {
     let served = source.reaches().len();
     let server = Server::start(source, port)?;
-    let address = server.address();
+    let address = server.address().to_owned();
     let report = Served {
         address: address.clone(),
         reaches: served,
@@ -175,8 +181,13 @@ fn serve(source: Source, port: u16, open: bool, json: bool) -> Result<(), Failur
 }
 
 /// Opens an address in the browser if standard output is a terminal, and so not in a script or a test.
+///
+/// Other users can see the address with its key among the arguments of the browser. Machines that many people share
+/// rarely have a display, and without one no browser is started.
 pub fn show(address: &str) {
-    if std::io::stdout().is_terminal() {
+    let displays = ["DISPLAY", "WAYLAND_DISPLAY"];
+    let display = !cfg!(target_os = "linux") || displays.iter().any(|name| std::env::var_os(name).is_some());
+    if display && std::io::stdout().is_terminal() {
         open_browser(address);
     }
 }

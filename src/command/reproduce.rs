@@ -17,7 +17,7 @@ pub struct Options {
     ///
     /// Finished stages are cached there, and an interrupted run continues where it stopped, as long as experiment,
     /// seed, size and the program's sources are the same. A folder with the results of another run is refused, or
-    /// replaced with --fresh.
+    /// replaced with --force.
     #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
     out: PathBuf,
     /// Fewer reaches: for the paper's experiment, 4 leaf and 8 trunk instead of 10 and 25
@@ -43,7 +43,7 @@ pub struct Options {
     campaigns: u64,
     /// Remove what another run has left in the folder, and start again
     #[arg(long)]
-    fresh: bool,
+    force: bool,
 }
 
 /// Runs everything and prints the tables.
@@ -57,11 +57,11 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         seed: options.seed.unwrap_or(experiment.file.seed),
         quick: options.quick,
         campaigns: options.campaigns,
-        fresh: options.fresh,
+        force: options.force,
     };
     let out = &options.out;
-    let command = if options.fresh {
-        "the same command without --fresh"
+    let command = if options.force {
+        "the same command without --force"
     } else {
         "the same command"
     };

@@ -14,6 +14,7 @@ use underbrush_classifier::{HmmClassifier, Model, ModelError, TrainingReport, is
 use underbrush_recording::Trial;
 
 use super::estimator_arguments::EstimatorArguments;
+use super::overwrite::Overwrite;
 use super::touch::{self, RiskArguments};
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
@@ -29,6 +30,8 @@ pub struct Options {
     /// Model file to write (JSON)
     #[arg(long, value_name = "MODEL")]
     out: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
     /// Continue training the hidden Markov models in this file; their states, features and other options stay the same
     #[arg(
         long,
@@ -92,8 +95,7 @@ struct Count {
 /// Fits the classifier and writes the model file.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     // The models of --start may be replaced by what they are trained to.
-    output::check_not_input(&options.out, &options.trials)?;
-    output::prepare(&options.out)?;
+    options.overwrite.file(&options.out, &options.trials)?;
     if options.estimator.is_touch()? {
         if options.false_positive_rate.is_some() {
             return Err(Failure::usage(
@@ -334,7 +336,10 @@ fn text(report: &TrainingReport) -> String {
 fn skipped_text(skipped: usize) -> String {
     match skipped {
         0 => String::new(),
-        _ => format!("{skipped} trials without a category to train were left out\n"),
+        _ => format!(
+            "left out: {} without a category to train\n",
+            output::counted(skipped, "trial", "trials")
+        ),
     }
 }
 

@@ -6,6 +6,7 @@ use clap::Args;
 use serde::Serialize;
 use underbrush_recording::disk::write_trials;
 
+use super::overwrite::Overwrite;
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output;
@@ -20,6 +21,8 @@ pub struct Options {
     /// truth: whether an object pressed on the taxel in this sample)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
     #[command(flatten)]
     cut: TrialArguments,
 }
@@ -38,8 +41,7 @@ struct Written {
 
 /// Writes the table.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    output::check_not_input(&options.out, [&options.dataset])?;
-    output::prepare_table(&options.out)?;
+    options.overwrite.table(&options.out, [&options.dataset])?;
     let trials = input::some_trials(&options.dataset, &options.cut)?;
     let written = Written {
         file: options.out.clone(),
@@ -51,15 +53,15 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     write_trials(&options.out, trials)?;
     output::result(json, &written, || {
         let mut text = format!(
-            "{} trials, {} samples in {}",
-            written.trials,
-            written.samples,
+            "{}, {} in {}",
+            output::counted(written.trials, "trial", "trials"),
+            output::counted(written.samples, "sample", "samples"),
             written.file.display()
         );
         if written.touch_unknown < written.trials {
             text += &format!(
-                "\n{} of the trials were never touched: their forces come from the sensor alone (spurious readings, creep, crosstalk)",
-                written.never_touched
+                "\n{} never touched: the forces there come from the sensor alone (spurious readings, creep, crosstalk)",
+                output::counted(written.never_touched, "of the trials was", "of the trials were")
             );
         }
         text

@@ -10,6 +10,7 @@ use underbrush_validation::{
     CHECKS, Check, CheckError, FalsifiedOutcome, Outcome, Verdict, falsify, portraits, roll_loop,
 };
 
+use super::overwrite::Overwrite;
 use crate::failure::Failure;
 use crate::{output, progress};
 
@@ -32,6 +33,8 @@ pub struct Options {
     /// roll's hysteresis
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// The result of the checks.
@@ -77,11 +80,14 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let chosen = |check: &&Check| options.only.is_empty() || options.only.iter().any(|name| name == check.name);
     let checks: Vec<&Check> = CHECKS.iter().filter(chosen).collect();
     if let Some(folder) = &options.pictures {
+        let [skin_file, roll_file] = ["skin.svg", "foam-roll.svg"].map(|name| folder.join(name));
+        options.overwrite.file(&skin_file, [])?;
+        options.overwrite.file(&roll_file, [])?;
         let broken = |error: CheckError| Failure::run(error.to_string());
         let skin = portrait::skin(&portraits().map_err(broken)?);
-        output::write_file(&folder.join("skin.svg"), skin.as_bytes())?;
+        output::write_file(&skin_file, skin.as_bytes())?;
         let roll = portrait::roll_loop(&roll_loop().map_err(broken)?);
-        output::write_file(&folder.join("foam-roll.svg"), roll.as_bytes())?;
+        output::write_file(&roll_file, roll.as_bytes())?;
     }
     if options.falsify {
         run_falsified(&checks, options.tolerance_scale, json)

@@ -32,7 +32,7 @@ impl<'a> Watched<'a> {
         let server = Server::watch(Arc::clone(&live), underbrush_report::replayed::known(), 0)?;
         let address = server.address();
         output::remark(format!("the reach begins when {address} is opened in a browser"));
-        replay::show(&address);
+        replay::show(address);
         Ok(Watched {
             so_far,
             verdicts,

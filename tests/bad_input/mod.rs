@@ -7,6 +7,7 @@ mod ranges;
 mod scenes;
 mod suites;
 mod tables;
+mod terminal;
 mod touch;
 mod usage;
 

@@ -193,10 +193,21 @@ fn outputs_that_are_inputs() {
         underbrush!["evaluate", table, "--model", model, "--roc", model],
         underbrush!["trials", binary, "--out", binary],
     ] {
-        answer.refused(&["is an input of this command", "choose another name"]);
+        answer.refused(&["an input of this command", "choose another name"]);
     }
     assert!(before == tree(folder.path()));
-    underbrush!["train", table, "--start", model, "--iterations", "1", "--out", model].success();
+    underbrush![
+        "train",
+        table,
+        "--start",
+        model,
+        "--iterations",
+        "1",
+        "--out",
+        model,
+        "--force"
+    ]
+    .success();
 }
 
 /// Pins that an output that cannot be written is refused before the work, and so before what is wrong with the trials

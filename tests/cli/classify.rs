@@ -162,7 +162,7 @@ fn priors_and_rules_change_verdicts() {
 fn names_are_quoted_in_csv() {
     let folder = tempfile::tempdir().unwrap();
     let [table, model] = ["trials.csv", "model.json"].map(|name| folder.path().join(name));
-    let odd = ["leaf, \"green\"", "trunk\nof oak"];
+    let odd = ["leaf, \"green\"", "trunk, of oak"];
     let mut text = "trial,category,time_s,force_n\n".to_owned();
     for trial in 0..8 {
         let name = odd[trial % 2].replace('"', "\"\"");

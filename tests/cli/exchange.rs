@@ -81,7 +81,7 @@ fn trials_through_hdf5_are_those_of_the_data_set() {
         options[3]
     ]
     .success();
-    underbrush!["replay", table, "--model", of_motion, "--out", page].refused(&[
+    underbrush!["replay", table, "--model", of_motion, "--out", page, "--force"].refused(&[
         "trials.csv",
         "motion.json with the features force+motion",
         "--features force",
@@ -120,13 +120,12 @@ fn trials_through_mcap_are_those_of_the_recording() {
     let before = tree(&many);
     let second = folder.path().join("second.parquet");
     std::fs::copy(&recording, &second).unwrap();
-    underbrush!["export", recording, second, "--to", "mcap", "--out", many].refused(&[
-        "many: holds reach-00000",
-        "of another export",
-        "choose another folder",
-    ]);
-    underbrush!["export", fixture().dataset(), "--to", "mcap", "--out", many].success();
+    let fewer = |force: &str| underbrush!["export", recording, second, "--to", "mcap", "--out", many, force];
+    fewer("--jobs=1").refused(&["reach-0000", "--force"]);
     assert!(before == tree(&many));
+    // The files of the other export are gone, so that the two are not mixed.
+    fewer("--force").success();
+    assert_eq!(tree(&many).len(), 2);
 }
 
 /// Pins that inputs and formats that cannot be exchanged are refused by name, and that an error in the mapping shows

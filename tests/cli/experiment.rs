@@ -27,13 +27,27 @@ fn tiny(folder: &Path) -> PathBuf {
     folder.join("three-categories.toml")
 }
 
-/// Pins the example of a Panda and three categories, made small, from scenes to report: trials of all three labels, a
+/// The number of a stage and the number of all, from a line such as "stage 3 of 16: Models".
+fn stage(line: &str) -> Option<(usize, usize)> {
+    let (number, rest) = line.strip_prefix("stage ")?.split_once(" of ")?;
+    Some((number.parse().ok()?, rest.split_once(": ")?.0.parse().ok()?))
+}
+
+/// Pins the example of a Panda and three categories, made small, from scenes to report, with numbered stages: trials of all three labels, a
 /// confusion matrix of three categories, every classifier and setting of the file, and no mention of the paper.
 #[test]
 fn an_experiment_with_another_arm_and_three_categories_runs() {
     let folder = tempfile::tempdir().unwrap();
     let (file, out) = (tiny(folder.path()), folder.path().join("out"));
-    let summary = underbrush!["reproduce", "--experiment", &file, "--out", &out, "--json"].json();
+    let answer = underbrush!["reproduce", "--experiment", &file, "--out", &out, "--json"];
+    // In a pipe, lines tell how far the work is.
+    let stages: Vec<(usize, usize)> = answer.stderr.lines().filter_map(stage).collect();
+    assert_eq!(stages.first(), Some(&(1, 16)), "{}", answer.stderr);
+    assert!(
+        stages.is_sorted_by(|a, b| a.0 < b.0 && a.1 == b.1) && stages.len() > 10,
+        "{stages:?}"
+    );
+    let summary = answer.json();
     assert_eq!(summary["experiment"], "three-categories");
     let labels = ["leaf", "trunk", "foam roll"];
     let rows = summary["trials_per_reach"].as_array().unwrap();

@@ -22,7 +22,7 @@ fn each_kind_of_thing_is_recognized() {
     );
     let found = describe(&fixture.dataset());
     assert_eq!(
-        (&found["reaches"], &found["reaches by scene"]["leaf"]),
+        (&found["reaches"], &found["reaches_by_scene"]["leaf"]),
         (&6.into(), &3.into())
     );
     assert_eq!(
@@ -32,11 +32,11 @@ fn each_kind_of_thing_is_recognized() {
     let found = describe(&recording);
     assert_eq!((&found["scene"], &found["objects"]), (&"few".into(), &3.into()));
     let tables = [fixture.table_csv(), fixture.table_parquet()].map(|table| describe(&table));
-    assert_eq!(tables[0]["trials by category"], tables[1]["trials by category"]);
-    assert!(tables[0]["trials by category"]["leaf"].as_u64().unwrap() >= 4);
+    assert_eq!(tables[0]["trials_by_category"], tables[1]["trials_by_category"]);
+    assert!(tables[0]["trials_by_category"]["leaf"].as_u64().unwrap() >= 4);
     let found = describe(&fixture.model());
     assert_eq!(
-        found["states by category"],
+        found["states_by_category"],
         serde_json::json!({ "leaf": 3, "trunk": 3 })
     );
     assert_eq!(found["features"], serde_json::json!(["force_n"]));

@@ -7,6 +7,7 @@ mod classify;
 mod evaluate;
 mod exchange;
 mod experiment;
+mod failures;
 mod flips;
 mod generate;
 mod inspect;
@@ -15,6 +16,7 @@ mod merge;
 #[cfg(feature = "onnx")]
 mod onnx;
 mod oracle;
+mod overwrite;
 #[cfg(unix)]
 mod paths;
 mod provenance;

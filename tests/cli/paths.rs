@@ -43,10 +43,10 @@ fn any_path_is_read_and_written() {
         "dataset",
     );
     for (path, key) in [
-        (&set, "data set"),
+        (&set, "dataset"),
         (&recording, "recording"),
-        (&table, "trials table"),
-        (&binary_table, "trials table"),
+        (&table, "table"),
+        (&binary_table, "table"),
         (&model, "model"),
     ] {
         shown(underbrush!["inspect", path, "--json"], key);

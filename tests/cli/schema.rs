@@ -80,7 +80,7 @@ fn model_files_follow_their_schema() {
     let (path, table) = (folder.path().join("model.json"), fixture().table_csv());
     let reads = |model: &Value| underbrush_classifier::Model::from_json("m.json", &model.to_string()).is_ok();
     for kind in CLASSIFIERS {
-        underbrush!["train", table, "--classifier", kind.name, "--out", path].success();
+        underbrush!["train", table, "--classifier", kind.name, "--out", path, "--force"].success();
         let model: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
         let faults = faults(&schema, &model);
         assert!(faults.is_empty() && reads(&model), "{}: {faults:?}", kind.name);

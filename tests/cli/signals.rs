@@ -1,4 +1,4 @@
-//! SIGINT, SIGTERM and SIGKILL.
+//! SIGINT, SIGTERM, SIGHUP and SIGKILL.
 
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ fn unfinished(folder: &Path) -> Vec<PathBuf> {
     tree(folder).into_keys().filter(is_unfinished).collect()
 }
 
-/// Pins that an interrupted `generate` ends by the signal that it received (130 and 143 for a shell), prints how to
+/// Pins that an interrupted `generate` ends by the signal that it received (130, 143 and 129 for a shell), prints how to
 /// continue, keeps staged reaches and leaves no temporary file, and that it can be continued to the same bytes.
 #[test]
 fn generate_can_be_interrupted_and_resumed() {
@@ -47,7 +47,7 @@ fn generate_can_be_interrupted_and_resumed() {
         let options = ["--reaches", reaches, "--jobs", "1", "--out"].map(PathBuf::from);
         [&["generate".into(), scene.clone()], &options[..], &[set.to_path_buf()]].concat()
     };
-    for (name, number) in [("INT", 2), ("TERM", 15)] {
+    for (name, number) in [("INT", 2), ("TERM", 15), ("HUP", 1)] {
         let set = folder.path().join(name);
         let first = set.join("incomplete/reach-000000.json");
         // Far more reaches than can be finished before the signal arrives.
@@ -71,6 +71,24 @@ fn generate_can_be_interrupted_and_resumed() {
     underbrush!["generate", scene, "--reaches", "4", "--out", resumed, "--resume"].success();
     underbrush!["generate", scene, "--reaches", "4", "--out", whole].success();
     assert_same_trees(&whole, &resumed);
+}
+
+/// Tests that `generate` under nohup outlives its terminal: it goes on after SIGHUP and completes the set.
+#[cfg(target_os = "linux")]
+#[test]
+fn nohup_is_respected() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
+    let set = folder.path().join("set");
+    let script = "trap '' HUP; \"$1\" generate \"$2\" --reaches 4 --out \"$3\" --jobs 1 & \
+                  until [ -e \"$3/incomplete/plan.json\" ]; do sleep 0.01; done; kill -HUP $!; wait $!";
+    let status = Command::new("sh")
+        .args(["-c", script, "sh", env!("CARGO_BIN_EXE_underbrush")])
+        .args([&scene, &set])
+        .status()
+        .unwrap();
+    assert_eq!(status.code(), Some(0));
+    underbrush!["inspect", set].success();
 }
 
 /// A table so long that the test can see it being written.

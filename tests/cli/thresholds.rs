@@ -149,7 +149,7 @@ fn thresholds_that_decide_nothing_are_warned_of() {
         let out = folder.path().join("model.json");
         let rate = ["--false-positive-rate", "0.03", "--outlier-prior", "0"];
         underbrush![
-            "train", table, "--out", out, "--states", "2", rate[0], rate[1], rate[2], rate[3], "--json"
+            "train", table, "--out", out, "--states", "2", rate[0], rate[1], rate[2], rate[3], "--force", "--json"
         ]
     };
     let alike = train("alike.csv", 0.4);

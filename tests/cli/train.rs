@@ -18,7 +18,7 @@ fn data_set_and_tables_train_the_same_model() {
     let folder = tempfile::tempdir().unwrap();
     let models = [fixture.dataset(), fixture.table_csv(), fixture.table_parquet()].map(|source| {
         let path = folder.path().join("model.json");
-        underbrush!["train", source, "--out", path, "--states", "3"].success();
+        underbrush!["train", source, "--out", path, "--states", "3", "--force"].success();
         std::fs::read_to_string(path).unwrap()
     });
     assert_eq!(models[0], models[1]);
@@ -33,7 +33,13 @@ fn the_preset_does_not_relabel_a_table() {
     let folder = tempfile::tempdir().unwrap();
     let model = folder.path().join("model.json");
     let train = |source: &Path, options: &[&str]| {
-        let mut arguments = vec!["train".into(), source.into(), "--out".into(), model.clone().into()];
+        let mut arguments = vec![
+            "train".into(),
+            source.into(),
+            "--force".into(),
+            "--out".into(),
+            model.clone().into(),
+        ];
         arguments.extend(["--classifier", "naive-bayes", "--min-samples", "1"].map(Into::into));
         arguments.extend(options.iter().map(Into::into));
         call(arguments, "")

@@ -99,7 +99,10 @@ pub fn recording_with_trials(scene: &Path, recording: &Path) -> Vec<Trial> {
     let table = recording.with_extension("csv");
     for index in 0..20 {
         let index = index.to_string();
-        underbrush!["reach", scene, "--seed", "1", "--index", index, "--out", recording].success();
+        underbrush![
+            "reach", scene, "--seed", "1", "--index", index, "--out", recording, "--force"
+        ]
+        .success();
         if underbrush!["trials", recording, "--out", table].status == 0 {
             return read_trials(&table).unwrap();
         }

@@ -36,12 +36,14 @@ impl Answer {
         serde_json::from_str(&self.success()).unwrap()
     }
 
-    /// Demands exit status 2, nothing on stdout, no panic, and an error message that contains all `parts`.
+    /// Demands exit status 2, no result on stdout, no panic, and an error message that contains all `parts`.
     #[track_caller]
     pub fn refused(&self, parts: &[&str]) {
         let Answer { status, stdout, stderr } = self;
         assert_eq!(*status, 2, "{stdout}\n{stderr}");
-        assert_eq!(stdout, "", "results beside an error");
+        // `--json` prints the error there.
+        let no_result = stdout.is_empty() || stdout.starts_with("{\"error\":");
+        assert!(no_result, "results beside an error: {stdout}");
         assert!(!stderr.contains("panicked at"), "{stderr}");
         for part in parts {
             assert!(stderr.contains(part), "no {part:?} in:\n{stderr}");

@@ -143,6 +143,7 @@ impl Model {
             document.error("classifier", name, format!("one of {known}"))
         })?;
         let classifier = (kind.load)(&document)?;
+        document.check_names(&classifier.categories())?;
         if let Some(decision) = &head.decision {
             decision::check(&document, decision, &classifier.categories())?;
         }

@@ -122,6 +122,7 @@ impl TouchModel {
                 "one or more names in alphabetical order, none twice",
             ));
         }
+        document.check_names(&model.categories)?;
         model
             .decision
             .check()

@@ -76,8 +76,8 @@ impl<'a> Cutter<'a> {
         }
         let category = Some(place.category).filter(|category| !category.is_empty());
         if self.category.as_deref() != category {
-            if category == Some(Category::UNCERTAIN) {
-                let (found, allowed) = ("\"uncertain\"", "a name other than `uncertain`, which is a verdict");
+            if let Some((name, allowed)) = category.and_then(|name| Some((name, Category::name_fault(name)?))) {
+                let found = format!("{name:?}");
                 let error = InputError::new(&self.path, "category", found, allowed, "give the category another name");
                 return Err(error.at_line(place.line));
             }

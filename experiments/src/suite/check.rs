@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use underbrush_recording::plain_text::{PLAIN, is_plain};
 use underbrush_recording::{Category, InputError};
 use underbrush_sim::scene::Scene;
 
@@ -15,8 +16,11 @@ use crate::source::Source;
 /// Largest number of reaches of a scene. A regression test cannot run more, so a larger number is a typing error.
 const MAX_REACHES: u64 = 100_000;
 
-/// Checks the numbers of a file.
+/// Checks the summary and the numbers of a file.
 pub fn numbers(file: &SuiteFile, source: &Source) -> Result<(), InputError> {
+    if !is_plain(&file.summary) {
+        return Err(source.field("summary", "").fault(format!("{:?}", file.summary), PLAIN));
+    }
     if file.scenes.is_empty() {
         return Err(source.field("scenes", "").fault("no scenes", "at least one [[scenes]]"));
     }

@@ -2,7 +2,7 @@ use crate::definition::Experiment;
 use crate::plan::Plan;
 
 /// Pins that results of another seed or size are refused with the reason; that the same plan continues; and that
-/// `--fresh` removes what a run creates, and nothing else.
+/// `--force` removes what a run creates, and nothing else.
 #[test]
 fn only_the_same_plan_goes_on() {
     let folder = tempfile::tempdir().unwrap();
@@ -14,7 +14,7 @@ fn only_the_same_plan_goes_on() {
     plan(3, true).settle(out, false).unwrap();
     assert!(refused(plan(4, true)).contains("seed was 3, now 4"));
     let other_size = refused(plan(3, false));
-    assert!(other_size.contains("quick was true, now false") && other_size.contains("--fresh"));
+    assert!(other_size.contains("quick was true, now false") && other_size.contains("--force"));
     std::fs::create_dir(out.join("reaches")).unwrap();
     std::fs::write(out.join("reaches/mixed.json"), "{}").unwrap();
     std::fs::write(out.join("notes.txt"), "mine").unwrap();
@@ -25,8 +25,8 @@ fn only_the_same_plan_goes_on() {
     plan(4, true).settle(out, false).unwrap();
 }
 
-/// Pins that files under the names of results are refused and kept, even with `--fresh`, if no plan says that a run
-/// made them, and that the message does not advise `--fresh`.
+/// Pins that files under the names of results are refused and kept, even with `--force`, if no plan says that a run
+/// made them, and that the message does not advise `--force`.
 #[test]
 fn files_that_no_run_made_are_kept() {
     let folder = tempfile::tempdir().unwrap();
@@ -38,10 +38,10 @@ fn files_that_no_run_made_are_kept() {
     }
     let plan = Plan::new(&Experiment::paper().unwrap(), 3, true);
     let refused = |found: &str| {
-        for fresh in [false, true] {
-            let error = plan.settle(out, fresh).unwrap_err().to_string();
+        for force in [false, true] {
+            let error = plan.settle(out, force).unwrap_err().to_string();
             assert!(error.contains(found) && error.contains("--out"), "{error}");
-            assert!(!error.contains("--fresh"), "{error}");
+            assert!(!error.contains("--force"), "{error}");
         }
         for name in files {
             assert_eq!(std::fs::read_to_string(out.join(name)).unwrap(), "mine", "{name}");

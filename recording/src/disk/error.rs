@@ -50,13 +50,13 @@ pub enum DiskError {
         dir: PathBuf,
     },
     /// The folder for a new data set already holds a finished one.
-    #[error("{}: holds a finished data set; read it, or choose another folder", .dir.display())]
+    #[error("{}: holds a finished data set; choose another folder, or overwrite it with --force", .dir.display())]
     Finished {
         /// The folder.
         dir: PathBuf,
     },
     /// The folder holds an interrupted data set.
-    #[error("{}: holds an unfinished data set; run with --resume to finish it, or delete the folder", .dir.display())]
+    #[error("{}: holds an unfinished data set; run with --resume to finish it, or with --force to begin anew", .dir.display())]
     Unfinished {
         /// The folder.
         dir: PathBuf,

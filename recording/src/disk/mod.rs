@@ -18,6 +18,7 @@ mod error;
 mod features;
 mod frames;
 mod input_file;
+mod output_file;
 mod parquet_file;
 mod parquet_input;
 mod plain_pages;
@@ -33,10 +34,11 @@ mod whole_file;
 
 pub use dataset::{
     ArmText, Dataset, DatasetCopy, DatasetPlan, DatasetWriter, Episode, FeatureInfo, FileText, Info, PlannedEpisode,
-    Provenance, SceneText, Shard, Shards,
+    Provenance, SceneText, Shard, Shards, remove_dataset,
 };
 pub use error::DiskError;
 pub use input_file::{is_folder, is_there};
+pub use output_file::{check_free, check_not_input};
 pub use recording_file::{is_recording, read_recording, recording_table, write_recording};
 pub use trials::{read_trials, trial_table, write_trials};
 pub use unfinished::abandon_unfinished_files;

@@ -108,7 +108,8 @@ class Plot {
   /** The names of all lines with a piece of each; their values are filled in later. */
   #legend(data: PlotData, colour: (name: string) => string, palette: Palette): void {
     const entry = (name: string, stroke: string, dash: boolean) => {
-      const line = element("i", { class: "dash", style: `border-top: 2px ${dash ? "dashed" : "solid"} ${stroke}` });
+      const line = element("i", { class: "dash" });
+      line.style.borderTop = `2px ${dash ? "dashed" : "solid"} ${stroke}`;
       return element("span", { class: "entry" }, line, element("span", {}, name));
     };
     const entries = data.curves.map((curve) => entry(curve.name, colour(curve.colour), curve.dash === true));

@@ -16,7 +16,7 @@ after(() => finishAll(browser));
 
 /** The message of a single file after this change of its text. */
 async function messageOf(name, change) {
-  program("replay", file("trunk.parquet"), "--out", file("whole.html"));
+  program("replay", file("trunk.parquet"), "--out", file("whole.html"), "--force");
   writeFileSync(file(`${name}.html`), change(readFileSync(file("whole.html"), "utf8")));
   const page = await open(browser, `file://${file(`${name}.html`)}`);
   const message = page.locator("#message");

@@ -58,7 +58,7 @@ for (const model of ["model.json", "touch.json"]) test(`only what is new is load
   assert.ok((await page.locator("#facts").textContent()).includes(`model ${model}`));
   // Steps make many pieces, and the contacts begin within the first half of the reach.
   for (let step = 1; step <= 12; step++) {
-    await fetch(`${address}api/live/step/100`, { method: "POST", headers: { Origin: address.replace(/\/$/, "") } });
+    await fetch(`${address}api/live/step/100`, { method: "POST", headers: { Origin: new URL(address).origin } });
     await page.waitForFunction((count) => window.underbrushReplay.loaded().reach.frames >= count, 1 + 100 * step);
   }
   const judged = await page.evaluate(() => window.underbrushReplay.loaded().trials.all.filter(({ verdict }) => verdict !== null).length);

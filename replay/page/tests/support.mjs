@@ -87,13 +87,13 @@ export async function watch(...options) {
   servers.add(child);
   const address = await new Promise((found, failed) => {
     createInterface({ input: child.stderr }).on("line", (line) => {
-      const match = /http:\/\/127\.0\.0\.1:\d+\//.exec(line);
+      const match = /http:\/\/127\.0\.0\.1:\d+\/\w+\//.exec(line);
       if (match !== null) found(match[0]);
     });
     child.once("exit", (status) => failed(new Error(`the program ended with ${status}`)));
   });
   const pause = () => new Promise((done, failed) => {
-    const headers = { Origin: address.replace(/\/$/, "") };
+    const headers = { Origin: new URL(address).origin };
     request(`${address}api/live/pause`, { method: "POST", headers }, (answer) => answer.resume().on("end", () => done(answer.statusCode))).on("error", failed).end();
   });
   return { address, pause, close: () => child.kill() };
@@ -116,7 +116,7 @@ export async function open(browser, address, { before = null, ...options } = {})
   page.on("request", (request) => !/^(data|blob):/.test(request.url()) && !request.url().startsWith(own) && page.problems.push(`request: ${request.url()}`));
   // While the page is being changed: the built page, without building the program anew.
   const fresh = process.env.REPLAY_PAGE;
-  if (fresh !== undefined && own !== "file:") await page.route(`${own}/`, (route) => route.fulfill({ path: fresh, contentType: "text/html; charset=utf-8" }));
+  if (fresh !== undefined && own !== "file:") await page.route(address.replace(/#.*/, ""), (route) => route.fulfill({ path: fresh, contentType: "text/html; charset=utf-8" }));
   await page.goto(address);
   return page;
 }

@@ -9,19 +9,15 @@ use std::time::Duration;
 
 use serde_json::Value;
 
-use super::server::{Answer, ask, get};
+use super::server::{Answer, Place, ask, get, run};
 use super::{KNOWN, reach};
 use crate::pack::{pack, pack_from};
 use crate::{Held, Live, Server, SoFar, Source};
 
-/// A reach of 20 frames that is simulated in a thread, its server's port, and the number of frames so far.
-fn start() -> (u16, JoinHandle<()>, Arc<AtomicUsize>) {
+/// A reach of 20 frames that is simulated in a thread, its server, and the number of frames so far.
+fn start() -> (Place, JoinHandle<()>, Arc<AtomicUsize>) {
     let live = Arc::new(Live::new());
-    let server = Server::watch(Arc::clone(&live), KNOWN, 0).unwrap();
-    let address = server.address();
-    let port = address.trim_start_matches("http://127.0.0.1:").trim_end_matches('/');
-    let port = port.parse().unwrap();
-    std::thread::spawn(move || server.run());
+    let place = run(Server::watch(Arc::clone(&live), KNOWN, 0).unwrap());
     let count = Arc::new(AtomicUsize::new(0));
     let counted = Arc::clone(&count);
     let simulation = std::thread::spawn(move || {
@@ -31,7 +27,7 @@ fn start() -> (u16, JoinHandle<()>, Arc<AtomicUsize>) {
         }
         live.end(so_far(20));
     });
-    (port, simulation, count)
+    (place, simulation, count)
 }
 
 /// The reach with this many frames.
@@ -42,24 +38,25 @@ fn so_far(frames: usize) -> SoFar {
     }
 }
 
-fn command(port: u16, command: &str) -> Answer {
+fn command(place: &Place, command: &str) -> Answer {
+    let Place { port, base } = place;
     let lines = [
-        format!("POST /api/live/{command} HTTP/1.1"),
+        format!("POST {base}/api/live/{command} HTTP/1.1"),
         format!("Host: 127.0.0.1:{port}"),
         format!("Origin: http://127.0.0.1:{port}"),
         "Content-Length: 0".to_owned(),
     ];
-    ask(port, &lines.each_ref().map(String::as_str))
+    ask(*port, &lines.each_ref().map(String::as_str))
 }
 
 /// The news of a running reach.
 struct News(BufReader<TcpStream>);
 
 impl News {
-    fn listen(port: u16) -> News {
-        let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
+    fn listen(Place { port, base }: &Place) -> News {
+        let mut stream = TcpStream::connect(("127.0.0.1", *port)).unwrap();
         stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
-        write!(stream, "GET /api/live HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n").unwrap();
+        write!(stream, "GET {base}/api/live HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n").unwrap();
         News(BufReader::new(stream))
     }
 
@@ -85,56 +82,54 @@ impl News {
 /// one and several frames, goes on, and ends with the whole recording.
 #[test]
 fn a_running_reach_is_told_paused_and_stepped() {
-    let (port, simulation, count) = start();
+    let (place, simulation, count) = start();
     // The reach is paused before it is watched, so it stays at its first frame.
-    assert_eq!(command(port, "pause").status, 200);
-    let list: Value = serde_json::from_slice(&get(port, "GET", "/api/reaches").content).unwrap();
+    assert_eq!(command(&place, "pause").status, 200);
+    let list: Value = serde_json::from_slice(&get(&place, "GET", "/api/reaches").content).unwrap();
     assert_eq!((&list[0]["running"], list.as_array().unwrap().len()), (&true.into(), 1));
     assert_eq!(count.load(Ordering::SeqCst), 1);
-    let mut news = News::listen(port);
+    let mut news = News::listen(&place);
     let first = news.until(|_| true);
     assert_eq!(
         (&first["frames"], &first["paused"], &first["ended"]),
         (&1.into(), &true.into(), &false.into())
     );
-    assert_eq!(command(port, "step/1").status, 200);
+    assert_eq!(command(&place, "step/1").status, 200);
     assert_eq!(news.until(|news| news["frames"] != 1)["frames"], 2);
-    assert_eq!(command(port, "step/8").status, 200);
+    assert_eq!(command(&place, "step/8").status, 200);
     assert_eq!(news.until(|news| news["frames"] == 10)["paused"], true);
-    let answer = get(port, "GET", "/api/reach/0");
+    let answer = get(&place, "GET", "/api/reach/0");
     assert_eq!(answer.content, pack(&reach(0, 10), &KNOWN, None).unwrap());
-    let answer = get(port, "GET", "/api/reach/0?from=8");
+    let answer = get(&place, "GET", "/api/reach/0?from=8");
     assert_eq!(answer.content, pack_from(&reach(0, 10), &KNOWN, None, 8).unwrap());
-    assert_eq!(get(port, "GET", "/api/reach/0?from=x").status, 400);
+    assert_eq!(get(&place, "GET", "/api/reach/0?from=x").status, 400);
     assert_eq!(count.load(Ordering::SeqCst), 10, "it does not go on by itself");
-    assert_eq!(command(port, "run").status, 200);
+    assert_eq!(command(&place, "run").status, 200);
     assert_eq!(news.until(|news| news["ended"] == true)["frames"], 20);
     simulation.join().unwrap();
-    let answer = get(port, "GET", "/api/reach/0");
+    let answer = get(&place, "GET", "/api/reach/0");
     assert_eq!(answer.content, pack(&reach(0, 20), &KNOWN, None).unwrap());
-    let list: Value = serde_json::from_slice(&get(port, "GET", "/api/reaches").content).unwrap();
+    let list: Value = serde_json::from_slice(&get(&place, "GET", "/api/reaches").content).unwrap();
     assert_eq!(list[0]["running"], false);
 }
 
 /// Pins that commands are accepted only from the server's own page, as POST, and that unknown commands are refused.
 #[test]
 fn commands_of_others_are_refused() {
-    let (port, _, count) = start();
+    let (place, _, count) = start();
+    let Place { port, base } = &place;
+    let line = format!("POST {base}/api/live/step/3 HTTP/1.1");
     let host = format!("Host: 127.0.0.1:{port}");
     for origin in [vec![], vec!["Origin: http://evil.example"], vec!["Origin: null"]] {
-        let lines = [
-            vec!["POST /api/live/step/3 HTTP/1.1", &host, "Content-Length: 0"],
-            origin,
-        ]
-        .concat();
-        assert_eq!(ask(port, &lines).status, 403, "{lines:?}");
+        let lines = [vec![line.as_str(), &host, "Content-Length: 0"], origin].concat();
+        assert_eq!(ask(*port, &lines).status, 403, "{lines:?}");
     }
-    assert_eq!(get(port, "GET", "/api/live/step/3").status, 404);
-    assert_eq!(get(port, "PUT", "/api/live/step/3").status, 405);
+    assert_eq!(get(&place, "GET", "/api/live/step/3").status, 404);
+    assert_eq!(get(&place, "PUT", "/api/live/step/3").status, 405);
     for unknown in ["stop", "step", "step/0", "step/-1", "step/6001", "step/x", ""] {
-        assert_eq!(command(port, unknown).status, 404, "{unknown}");
+        assert_eq!(command(&place, unknown).status, 404, "{unknown}");
     }
-    assert_eq!(get(port, "GET", "/api/reach/1").status, 404);
+    assert_eq!(get(&place, "GET", "/api/reach/1").status, 404);
     assert_eq!(count.load(Ordering::SeqCst), 1, "a refused command does nothing");
 }
 

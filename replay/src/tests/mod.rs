@@ -1,6 +1,7 @@
 //! Tests of the packed bytes, the single file and the server, on a small reach.
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
+mod http;
 mod live;
 mod pack;
 mod server;

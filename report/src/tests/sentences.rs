@@ -42,8 +42,8 @@ fn the_page_says_how_cells_agree() {
     let text = |cells: &[Compared]| agreement::sentences("Here", &cells.iter().collect::<Vec<_>>());
     let all = text(&cells);
     for part in [
-        "Here, the 2 cells differ from the paper's by 6.0 points on average. 1 are within 3 points",
-        "1 are higher than the paper's and 1 lower or equal",
+        "Here, the 2 cells differ from the paper's by 6.0 points on average. 1 is within 3 points",
+        "1 is higher than the paper's and 1 lower or equal",
         "within the interval of 2 cells",
         "The largest difference is in taxel, force, 5 states: 60.2 % here, 70.2 % in the paper.",
     ] {
@@ -55,12 +55,12 @@ fn the_page_says_how_cells_agree() {
     );
     cells[0].majority_baseline = 64.2;
     let below = text(&cells);
-    let expected = "1 of the 3 cells are below the majority baseline, so always naming the most frequent category would do \
+    let expected = "1 of the 3 cells is below the majority baseline, so always naming the most frequent category would do \
                     better: taxel, force, 5 states, 60.2 % (majority 64.2 %, balanced accuracy 55.2 %).";
     assert!(below.ends_with(expected), "{below}");
     // Without a published figure nothing is compared.
     let without = text(&cells[2..]);
-    assert_eq!(without, "All 1 cells are at or above the majority baseline.");
+    assert_eq!(without, "The only cell is at or above the majority baseline.");
 }
 
 /// Pins that the page says when the chosen thresholds leave nearly all taxel frames uncertain, and only then. The share

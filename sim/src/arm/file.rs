@@ -7,6 +7,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
 use underbrush_recording::limits::short;
+use underbrush_recording::plain_text::{PLAIN, is_plain};
 use underbrush_recording::{BodyShape, InputError};
 
 use super::limits;
@@ -95,6 +96,9 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
     };
     let source = open(path)?;
     let file: ArmFile = source.toml("compare with the arm file of `cody`, which ships with underbrush")?;
+    if !is_plain(&file.name) {
+        return Err(source.fault_after(0, "name", format!("{:?}", file.name), PLAIN));
+    }
     let folder = path.parent().unwrap_or(Path::new(""));
     let urdf = open(&folder.join(&file.urdf))?;
     let mut chain = read_chain(&urdf, &file.base_link)?;

@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
 use underbrush_recording::limits::{MAX_PATCHES, MAX_TAXELS, short};
+use underbrush_recording::plain_text::{PLAIN, is_plain};
 use underbrush_recording::{Grid, InputError, Patch, Pose, SkinLayout, Taxel, math};
 
 use super::schema::Within;
@@ -166,6 +167,9 @@ fn patch_taxels(
     let table = table.get_ref();
     if table.name.is_empty() || earlier.patch_index(&table.name).is_some() {
         return Err(source.fault_after(start, "patch.name", format!("{:?}", table.name), "a unique name"));
+    }
+    if !is_plain(&table.name) {
+        return Err(source.fault_after(start, "patch.name", format!("{:?}", table.name), PLAIN));
     }
     let (form, grid, taxels, offsets) = match (&table.cylinder, &table.points) {
         (Some(cylinder), None) => {

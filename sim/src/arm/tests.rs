@@ -36,3 +36,17 @@ fn altered_cody(name: &str, from: &str, to: &str) -> Result<Arm, InputError> {
         Ok(text.replacen(from, to, 1))
     })
 }
+
+/// Tests that names of arms, patches, links and joints with a character that would change a terminal are refused.
+#[test]
+fn names_that_change_a_terminal_are_refused() {
+    for (file, from, to) in [
+        ("cody.toml", "name = \"cody\"", "name = \"co\\u001b[31mdy\""),
+        ("cody.skin.toml", "name = \"forearm\"", "name = \"fore\\u001b[31marm\""),
+        ("cody.urdf", "<link name=\"torso\"/>", "<link name=\"tor\u{202e}so\"/>"),
+        ("cody.urdf", "<joint name=\"", "<joint name=\"\u{9b}"),
+    ] {
+        let error = altered_cody(file, from, to).err().unwrap();
+        assert!(error.allowed.contains("control characters"), "{error}");
+    }
+}

@@ -5,6 +5,7 @@ use std::fmt::Display;
 
 use glam::{DMat3, DQuat, DVec3, EulerRot};
 use underbrush_recording::limits::short;
+use underbrush_recording::plain_text::{PLAIN, is_plain};
 use underbrush_recording::{BodyShape, InputError, Pose};
 use urdf_rs::{Geometry, JointType, Robot};
 
@@ -112,12 +113,18 @@ impl<'a> Reader<'a> {
             if !links.insert(link.name.as_str()) {
                 return Err(self.link_fault(&link.name, "name", "a second link of this name", "unique names"));
             }
+            if !is_plain(&link.name) {
+                return Err(self.link_fault(&link.name, "name", format_args!("{:?}", link.name), PLAIN));
+            }
         }
         let mut joints = BTreeSet::new();
         let mut children = BTreeSet::new();
         for joint in &self.robot.joints {
             if !joints.insert(joint.name.as_str()) {
                 return Err(self.joint_fault(joint, "name", "a second joint of this name", "unique names"));
+            }
+            if !is_plain(&joint.name) {
+                return Err(self.joint_fault(joint, "name", format_args!("{:?}", joint.name), PLAIN));
             }
             for (end, link) in [("parent", &joint.parent.link), ("child", &joint.child.link)] {
                 if !links.contains(link.as_str()) {

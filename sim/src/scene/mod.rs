@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use underbrush_recording::limits::short;
+use underbrush_recording::plain_text::{PLAIN, is_plain};
 use underbrush_recording::{FRAME_PERIOD_S, InputError, read_text};
 
 use crate::range::{Limited, PLACE_M, YAW_DEG};
@@ -87,6 +88,19 @@ impl Scene {
 
     fn check(&self) -> Result<(), InputError> {
         let file = &self.file;
+        if !is_plain(&file.summary) {
+            return Err(self.fault("summary", format!("{:?}", file.summary), PLAIN));
+        }
+        if !is_plain(&self.name) {
+            let found = format!("{:?}", self.name);
+            return Err(InputError::new(
+                &self.path,
+                "file name",
+                found,
+                PLAIN,
+                "rename the file",
+            ));
+        }
         let workspace = &file.workspace;
         for (key, [low, high]) in [("workspace.x_m", workspace.x_m), ("workspace.y_m", workspace.y_m)] {
             if !(PLACE_M.hold(low) && PLACE_M.hold(high) && low < high) {

@@ -3,6 +3,8 @@
 use std::time::Instant;
 use underbrush_recording::math;
 
+use crate::output;
+
 /// Bins of the histogram in each doubling of time: quantiles are accurate to within 9 %.
 const STEPS_PER_DOUBLING: f64 = 8.0;
 /// Number of doublings, beginning at one microsecond: 2^40 µs are two weeks.
@@ -42,7 +44,8 @@ impl Latency {
         let answers: u64 = self.counts.iter().sum();
         (answers > 0).then(|| {
             format!(
-                "{answers} frames answered: median {:.0} µs, 99 % within {:.0} µs, at most {:.0} µs",
+                "{} answered: median {:.0} µs, 99 % within {:.0} µs, at most {:.0} µs",
+                output::counted(answers, "frame", "frames"),
                 self.quantile_us(0.5, answers),
                 self.quantile_us(0.99, answers),
                 self.max_us

@@ -18,10 +18,10 @@ pub(super) fn rows(rows: &TouchRows) -> String {
     let cells = |(name, count): (String, usize)| vec![name, count.to_string()];
     let cells: Vec<Vec<String>> = taxels.into_iter().chain(regions).map(cells).collect();
     format!(
-        "Classifier touch\n{}From {} reaches. Probabilities are calibrated on reaches that were held out: in {} parts, each \
+        "Classifier touch\n{}From {}. Probabilities are calibrated on reaches that were held out: in {} parts, each \
          judged by networks fitted to the others\n",
         output::table(&["rows", "count"], &cells),
-        rows.reaches,
+        output::counted(rows.reaches, "reach", "reaches"),
         rows.held_out_parts
     )
 }
@@ -34,7 +34,7 @@ pub(super) fn decision(decision: &TouchDecision) -> String {
         cost_of_uncertain,
     } = decision;
     format!(
-        "A reading is called nothing above a probability of {nothing_above:.3}, a contact unknown if at most {} % of known \
+        "A reading is called nothing above a probability of {nothing_above:.3}, a contact unknown if at most {:.2} % of known \
          contacts are as unusual, and a category is named above a probability of {:.3}\n",
         100.0 * unknown_share,
         1.0 - cost_of_uncertain
@@ -62,7 +62,7 @@ pub(super) fn evaluation(figures: &TouchFigures) -> String {
 
 /// What was judged by one model, and how.
 pub(super) fn reaches(reaches: usize, own: &TouchDecision) -> String {
-    format!("{reaches} reaches. {}", decision(own))
+    format!("{}. {}", output::counted(reaches, "reach", "reaches"), decision(own))
 }
 
 /// How many features of each network are shown; the JSON has all.
@@ -137,9 +137,9 @@ fn verdicts(figures: &TouchFigures) -> String {
 
 fn by_reach(own: &ReachFigures) -> String {
     format!(
-        "Of the taxel frames of a reach that a known category presses on, on average over {} reaches: {} % called another \
+        "Of the taxel frames of a reach that a known category presses on, on average over {}: {} % called another \
          category, {} % called unknown\n",
-        own.reaches,
+        output::counted(own.reaches, "reach", "reaches"),
         percent(own.wrong_category),
         percent(own.called_unknown)
     )

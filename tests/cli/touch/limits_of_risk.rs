@@ -31,7 +31,7 @@ fn limits_of_risk_choose_the_decision() {
     assert_ne!(decision["cost_of_uncertain"], usual["cost_of_uncertain"]);
     assert_eq!(decision["unknown_share"], usual["unknown_share"]);
     let refused = [
-        underbrush!["train", data, "--limit-wrong", "0.2", "--out", model],
+        underbrush!["train", data, "--limit-wrong", "0.2", "--out", model, "--force"],
         underbrush!["evaluate", data, "--limit-false-alarms", "0.2"],
         underbrush!["evaluate", data, "--model", model, "--limit-wrong", "0.2"],
         underbrush![

@@ -36,6 +36,7 @@ fn train(model: &Path, jobs: &str) -> Value {
         model,
         "--jobs",
         jobs,
+        "--force",
         "--json"
     ];
     train.json()
@@ -54,7 +55,10 @@ fn lines(text: &str) -> Vec<Value> {
 fn touched(scene: &Path, first: usize, recording: &Path) -> usize {
     for number in first..first + 20 {
         let index = number.to_string();
-        underbrush!["reach", scene, "--seed", "1", "--index", index, "--out", recording].success();
+        underbrush![
+            "reach", scene, "--seed", "1", "--index", index, "--out", recording, "--force"
+        ]
+        .success();
         let frames = read_recording(recording).unwrap().frames;
         let mut taxels = frames.iter().flat_map(|frame| &frame.taxels);
         if taxels.any(|taxel| taxel.patch == 0 && taxel.true_normal_force_n > 0.0 && taxel.sensed_force_n > 0.1) {

@@ -122,6 +122,45 @@ fn require_same(dir: &Path, stored: &Value, plan: &DatasetPlan) -> Result<(), Di
     }
 }
 
+/// Removes the data set in a folder, finished or not, so that another one can be written there. Where there is none,
+/// nothing is removed.
+///
+/// # Errors
+/// [`DiskError::Input`] if the folder holds anything else, which then stays, as does the set; [`DiskError::InUse`] while
+/// a process writes the set; [`DiskError::Io`] if it cannot be removed.
+pub fn remove_dataset(dir: impl AsRef<Path>) -> Result<(), DiskError> {
+    let dir = dir.as_ref();
+    let _lock = match look(dir)? {
+        Folder::Empty | Folder::Foreign => return Ok(()),
+        Folder::Begun => {
+            let lock = open_lock(dir)?;
+            lock.try_lock().map_err(not_locked(dir))?;
+            Some(lock)
+        }
+        Folder::Finished => None,
+    };
+    // What tells that there is a set goes last, so that a removal that was interrupted can be repeated.
+    let order = ["data", "truth", names::CARD, "meta", names::INCOMPLETE];
+    if let Some(other) = list(dir)?.into_iter().find(|name| !order.contains(&name.as_str())) {
+        let found = format!("{other:?} beside the data set");
+        let remedy = "move it away, or choose another folder";
+        return Err(InputError::new(dir, "folder of the data set", found, "a data set alone", remedy).into());
+    }
+    for name in order {
+        let path = dir.join(name);
+        let removed = if name == names::CARD {
+            fs::remove_file(&path)
+        } else {
+            fs::remove_dir_all(&path)
+        };
+        match removed {
+            Err(error) if error.kind() == ErrorKind::NotFound => {}
+            removed => removed.map_err(DiskError::io(&path, "remove"))?,
+        }
+    }
+    sync_folder(dir)
+}
+
 /// Removes the folder `incomplete/` of a set whose plan has been removed. The set is then finished.
 pub(super) fn remove_incomplete(dir: &Path) -> Result<(), DiskError> {
     let incomplete = dir.join(names::INCOMPLETE);

@@ -46,6 +46,7 @@ mod writer;
 pub(super) use card::describe_tables;
 pub use copy::DatasetCopy;
 pub use episode::Episode;
+pub use folder::remove_dataset;
 pub use info::{FeatureInfo, Info};
 pub use merge::Shards;
 pub use plan::{ArmText, DatasetPlan, FileText, PlannedEpisode, Provenance, SceneText, Shard};

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use super::COLUMNS;
 use super::collect::Row;
-use super::{COLUMNS, NO_VERDICT};
 use crate::limits::{self, Limits, short};
+use crate::plain_text::{PLAIN, is_plain};
 use crate::{Category, InputError, Region, Sample};
 
 /// A double holds every whole number up to this one.
@@ -82,17 +83,18 @@ impl<'a> Cells<'a> {
             Cell::Missing => Ok(None),
             Cell::Whole(number) => Ok(Some(number.to_string())),
             Cell::Number(_) | Cell::Flag(_) => Err(self.error(column, "a name")),
-            Cell::Text(text) => Ok(Some(text.to_string())),
+            Cell::Text(text) if is_plain(text) => Ok(Some(text.to_string())),
+            Cell::Text(_) => Err(self.error(column, PLAIN)),
         }
     }
 
     /// The category, which no verdict can be mistaken for.
     fn category(&self) -> Result<Option<String>, InputError> {
         let category = self.text(1)?;
-        if category.as_deref() == Some(Category::UNCERTAIN) {
-            return Err(self.error(1, NO_VERDICT));
+        match category.as_deref().and_then(Category::name_fault) {
+            Some(allowed) => Err(self.error(1, allowed)),
+            None => Ok(category),
         }
-        Ok(category)
     }
 
     /// A truth value. 1 and 0 are allowed, because pandas converts truth values with gaps to floating point.

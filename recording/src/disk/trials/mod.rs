@@ -17,6 +17,7 @@ use std::path::Path;
 use super::DiskError;
 use super::check::{Violation, require};
 use super::whole_file::remove_leftovers;
+use crate::plain_text::{PLAIN, is_plain};
 use crate::{Category, InputError, Trial};
 
 /// The columns in the order in which they are written.
@@ -38,9 +39,6 @@ const COLUMNS: [&str; 12] = [
 const TOUCHED: &str = "touched";
 /// The required columns.
 const REQUIRED: [&str; 3] = ["trial", "time_s", "force_n"];
-
-/// What is allowed as a category. The verdict `outlier` is also the category of outliers, so it is not excluded.
-const NO_VERDICT: &str = "a name other than `uncertain`, which is a verdict";
 
 /// The two file formats.
 enum Format {
@@ -152,13 +150,14 @@ fn check(trial: &Trial, numbers: &mut BTreeSet<u64>) -> Result<(), Violation> {
             || "an empty name".into(),
             "a name, or None",
         )?;
+        let name_fault = match name {
+            "category" => Category::name_fault,
+            _ => |text: &str| (!is_plain(text)).then_some(PLAIN),
+        };
+        if let Some(allowed) = text.as_deref().and_then(name_fault) {
+            require(false, || field(name), || format!("{text:?}"), allowed)?;
+        }
     }
-    require(
-        trial.category.as_deref() != Some(Category::UNCERTAIN),
-        || field("category"),
-        || format!("\"{}\"", Category::UNCERTAIN),
-        NO_VERDICT,
-    )?;
     require(
         !trial.samples.is_empty(),
         || field("samples"),

@@ -3,7 +3,7 @@
 use std::fs;
 
 use super::refused;
-use crate::disk::{DiskError, read_trials};
+use crate::disk::{DiskError, read_trials, write_trials};
 use crate::{Region, Sample, Trial};
 
 fn read_text(text: &str) -> Result<Vec<Trial>, DiskError> {
@@ -131,6 +131,29 @@ fn a_category_called_like_a_verdict_is_refused() {
     assert!(error.allowed.contains("which is a verdict"), "{error}");
 }
 
+/// Tests that names of categories and patches with control characters, line breaks or bidirectional controls are
+/// refused, both when they are read and when they are written.
+#[test]
+fn names_that_change_a_terminal_are_refused() {
+    for name in ["le\u{1b}[31maf", "le\u{9b}af", "\u{202e}leaf", "le\naf", "le\taf"] {
+        let head = "trial,category,patch,time_s,force_n\n";
+        let of_category = refused(read_text(&format!("{head}1,\"{name}\",forearm,0.0,0.1\n")));
+        assert_eq!((of_category.line, of_category.field.as_str()), (Some(2), "category"));
+        let of_patch = refused(read_text(&format!("{head}1,leaf,\"{name}\",0.0,0.1\n")));
+        assert_eq!((of_patch.line, of_patch.field.as_str()), (Some(2), "patch"));
+        let mut trial = read_text(&format!("{head}1,leaf,forearm,0.0,0.1\n")).unwrap().remove(0);
+        trial.category = Some(name.to_owned());
+        let folder = tempfile::tempdir().unwrap();
+        let error = write_trials(folder.path().join("t.csv"), [trial])
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("trial 1, category") && error.contains("control characters"),
+            "{error}"
+        );
+    }
+}
+
 /// Pins that blank lines, line breaks in quotes and Windows line ends do not shift the line number of a fault, both
 /// in cells and in errors of the CSV parser.
 #[test]
@@ -140,7 +163,7 @@ fn blank_lines_do_not_shift_the_line_of_a_fault() {
         ("\n\n1,leaf,0.0,NaN\n", 4),
         ("1,leaf,0.0,0.1\n\n\n1,leaf,0.01,NaN\n", 5),
         ("1,leaf,0.0,0.1\n\n\n\n1,leaf,0.01\n", 6),
-        ("1,\"le\naf\",0.0,0.1\n\n1,\"le\naf\",0.01,NaN\n", 5),
+        ("1,leaf,\"0.0\n\",0.1\n\n1,leaf,\"0.01\n\",NaN\n", 5),
         ("1,leaf,0.0,0.1\n\n1,leaf,0.0,0.2\n", 4),
         ("1,leaf,0.0,0.1\n1,leaf,0.01,NaN", 3),
     ] {

@@ -1,0 +1,205 @@
+//! HTTP/1.1 as far as the page needs it: a connection brings one request without a body, gets one answer and is closed.
+//! Everything that a client could make large or slow is bounded.
+
+use std::io::{ErrorKind, Read};
+use std::net::{Shutdown, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use crate::answer::Answer;
+
+/// Most header fields of a request. Choice: browsers send about 15.
+const MAX_FIELDS: usize = 64;
+
+/// What one client may take from the others.
+#[derive(Clone, Copy)]
+pub struct Limits {
+    /// Bytes of a request line with all header fields.
+    pub head_bytes: usize,
+    /// Time within which the whole head must have arrived.
+    pub head_time: Duration,
+    /// Time within which a client must take some more of its answer.
+    pub write_time: Duration,
+    /// Time for which a client that has its answer may go on to send what nobody reads.
+    pub linger: Duration,
+    /// Connections at a time, each of which has a thread.
+    pub connections: usize,
+}
+
+impl Default for Limits {
+    /// Choice: browsers send heads of less than 1 kB at once, and open six connections to a server.
+    fn default() -> Self {
+        Limits {
+            head_bytes: 16_384,
+            head_time: Duration::from_secs(5),
+            write_time: Duration::from_secs(10),
+            linger: Duration::from_secs(1),
+            connections: 64,
+        }
+    }
+}
+
+/// A request whose head has arrived.
+pub struct Request {
+    /// The method, in capitals.
+    pub method: String,
+    /// The path with the query.
+    pub target: String,
+    fields: Vec<(String, String)>,
+    stream: TcpStream,
+}
+
+impl Request {
+    /// The values of a header field, in their order.
+    pub fn values(&self, name: &str) -> Vec<&str> {
+        let own = self.fields.iter().filter(|(field, _)| field.eq_ignore_ascii_case(name));
+        own.map(|(_, value)| value.as_str()).collect()
+    }
+
+    /// Sends the answer and closes the connection.
+    pub fn respond(mut self, answer: &Answer, limits: &Limits) {
+        // The other side may have left.
+        if answer.write(&mut self.stream, self.method == "HEAD").is_ok() {
+            close(self.stream, limits);
+        }
+    }
+
+    /// The connection, for an answer that is sent piece by piece.
+    pub fn into_stream(self) -> TcpStream {
+        self.stream
+    }
+}
+
+/// Passes the requests to `handle`, each in a thread of its own, so that a slow client does not keep others waiting.
+/// Does not return.
+pub fn serve(listener: &TcpListener, limits: Limits, handle: impl Fn(Request) + Send + Sync + 'static) {
+    // Each open connection holds one reference more. It is returned even if the thread panics.
+    let handle = Arc::new(handle);
+    for stream in listener.incoming() {
+        let Ok(stream) = stream else {
+            // The system lacks memory or file descriptors, or the client has left already.
+            std::thread::sleep(Duration::from_millis(20));
+            continue;
+        };
+        if Arc::strong_count(&handle) > limits.connections {
+            refuse_at_once(&stream);
+            continue;
+        }
+        let handle = Arc::clone(&handle);
+        // If no thread can be started, the connection is closed.
+        let _ = std::thread::Builder::new().spawn(move || converse(stream, limits, &*handle));
+    }
+}
+
+/// Answers without a thread, and so without waiting for anything.
+fn refuse_at_once(mut stream: &TcpStream) {
+    let answer = Answer::text(503, "too many connections at a time; try again");
+    if stream.set_nonblocking(true).is_ok() && answer.write(&mut stream, false).is_ok() {
+        let _ = stream.shutdown(Shutdown::Write);
+        // What has been read cannot turn the close into a reset.
+        let _ = stream.read(&mut [0; 4096]);
+    }
+}
+
+fn converse(mut stream: TcpStream, limits: Limits, handle: &impl Fn(Request)) {
+    if stream.set_write_timeout(Some(limits.write_time)).is_err() {
+        return;
+    }
+    match read(&mut stream, &limits) {
+        Head::Complete { method, target, fields } => handle(Request {
+            method,
+            target,
+            fields,
+            stream,
+        }),
+        Head::Refused(status, text) => {
+            if Answer::text(status, text).write(&mut stream, false).is_ok() {
+                close(stream, &limits);
+            }
+        }
+        Head::Absent => {}
+    }
+}
+
+/// Ends a connection whose answer has been sent. A close with unread bytes is a reset, after which the other side may
+/// lose the answer, so that what it still sends is read for a while.
+fn close(mut stream: TcpStream, limits: &Limits) {
+    let deadline = Instant::now() + limits.linger;
+    if stream.shutdown(Shutdown::Write).is_err() {
+        return;
+    }
+    while let Ok(1..) = read_until(&mut stream, deadline, &mut [0; 4096]) {}
+}
+
+/// Reads some bytes; the error is `TimedOut` after the deadline.
+fn read_until(stream: &mut TcpStream, deadline: Instant, bytes: &mut [u8]) -> std::io::Result<usize> {
+    loop {
+        let left = deadline.saturating_duration_since(Instant::now());
+        if left.is_zero() {
+            return Err(ErrorKind::TimedOut.into());
+        }
+        stream.set_read_timeout(Some(left))?;
+        match stream.read(bytes) {
+            // Which of the two a read timeout is depends on the system.
+            Err(error) if [ErrorKind::WouldBlock, ErrorKind::Interrupted].contains(&error.kind()) => {}
+            done => return done,
+        }
+    }
+}
+
+/// What came of a connection.
+enum Head {
+    Complete {
+        method: String,
+        target: String,
+        fields: Vec<(String, String)>,
+    },
+    /// It is answered with this status and text.
+    Refused(u16, &'static str),
+    /// The client has left or has not sent anything, as browsers do with spare connections.
+    Absent,
+}
+
+fn read(stream: &mut TcpStream, limits: &Limits) -> Head {
+    let deadline = Instant::now() + limits.head_time;
+    let mut bytes = Vec::new();
+    let mut part = [0; 4096];
+    loop {
+        match read_until(stream, deadline, &mut part) {
+            Ok(count @ 1..) => bytes.extend_from_slice(&part[..count]),
+            Err(error) if error.kind() == ErrorKind::TimedOut && !bytes.is_empty() => {
+                return Head::Refused(408, "the request took too long to arrive");
+            }
+            _ => return Head::Absent,
+        }
+        let mut fields = [httparse::EMPTY_HEADER; MAX_FIELDS];
+        let mut request = httparse::Request::new(&mut fields);
+        match request.parse(&bytes) {
+            Ok(httparse::Status::Complete(length)) if length <= limits.head_bytes => return complete(&request),
+            Ok(httparse::Status::Partial) if bytes.len() < limits.head_bytes => {}
+            Ok(_) | Err(httparse::Error::TooManyHeaders) => {
+                return Head::Refused(431, "the head of the request is too large");
+            }
+            Err(_) => return Head::Refused(400, "this is no HTTP/1.1 request"),
+        }
+    }
+}
+
+fn complete(request: &httparse::Request) -> Head {
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let fields = request.headers.iter();
+    let fields: Vec<(String, String)> = fields.map(|field| (field.name.to_owned(), text(field.value))).collect();
+    for (name, value) in &fields {
+        if name.eq_ignore_ascii_case("transfer-encoding") {
+            return Head::Refused(400, "requests have no body here; leave Transfer-Encoding out");
+        }
+        if name.eq_ignore_ascii_case("content-length") && value != "0" {
+            return Head::Refused(413, "requests have no body here");
+        }
+    }
+    Head::Complete {
+        method: request.method.unwrap_or_default().to_owned(),
+        target: request.path.unwrap_or_default().to_owned(),
+        fields,
+    }
+}

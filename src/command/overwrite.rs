@@ -1,0 +1,56 @@
+//! Where commands write: one rule for all of them, checked before the work.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use underbrush_recording::InputError;
+use underbrush_recording::disk::{check_free, check_not_input, remove_dataset};
+
+use crate::failure::Failure;
+use crate::output;
+
+/// The option of all commands that write files.
+#[derive(Args, Clone, Copy)]
+pub struct Overwrite {
+    /// Overwrite an output that exists already
+    #[arg(long)]
+    pub force: bool,
+}
+
+impl Overwrite {
+    /// Demands that the result can be written to this file: it is not one of the inputs, nothing is there or it may be
+    /// overwritten, and the parent folders are there or are created.
+    pub fn file<'a>(self, path: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), Failure> {
+        check_not_input(path, inputs)?;
+        if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+            return Err(Failure::usage(format!(
+                "{}: is a folder or not a regular file; give the name of a file to write",
+                path.display()
+            )));
+        }
+        check_free(path, self.force)?;
+        output::create_parents(path)
+    }
+
+    /// As [`Overwrite::file`], for a table of trials, whose name ends as [`write_trials`] demands.
+    ///
+    /// [`write_trials`]: underbrush_recording::disk::write_trials
+    pub fn table<'a>(self, path: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), Failure> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy();
+        if !["csv", "parquet"].contains(&extension.to_ascii_lowercase().as_str()) {
+            let (found, allowed) = (format!("extension {extension:?}"), "trials as .csv or .parquet");
+            return Err(InputError::new(path, "file name", found, allowed, "choose such a name").into());
+        }
+        self.file(path, inputs)
+    }
+
+    /// Makes room for a data set in a folder that is not one of the inputs: with `--force`, removes the one that is
+    /// there. Otherwise the writer of the set refuses the folder.
+    pub fn dataset<'a>(self, folder: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), Failure> {
+        check_not_input(folder, inputs)?;
+        if self.force {
+            remove_dataset(folder)?;
+        }
+        Ok(())
+    }
+}

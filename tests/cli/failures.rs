@@ -1,0 +1,147 @@
+//! Commands that fail, with `--json`.
+
+use std::ffi::OsString;
+
+use serde_json::Value;
+
+use crate::support::fixture::fixture;
+use crate::support::{Answer, call, underbrush};
+
+/// The keys of every error.
+const KEYS: [&str; 8] = ["allowed", "field", "file", "found", "kind", "line", "message", "remedy"];
+
+/// For every subcommand but `schema` arguments with which it fails, and the kind of this error. `OUT` is a path that can
+/// be written, and `FILE` a file.
+const FAILING: [(&[&str], &str); 16] = [
+    (&["reproduce", "--experiment", "absent.toml", "--out", "OUT"], "input"),
+    (&["reach", "absent.toml"], "input"),
+    (&["generate", "absent.toml", "--reaches", "1", "--out", "OUT"], "input"),
+    (&["merge", "absent", "--out", "OUT"], "input"),
+    (&["train", "absent.csv", "--out", "OUT"], "input"),
+    (&["classify", "absent.json", "absent.csv"], "input"),
+    (&["evaluate", "absent.csv"], "input"),
+    (&["trials", "absent", "--out", "OUT.csv"], "input"),
+    (&["score", "absent.json", "absent.csv"], "input"),
+    (&["validate", "--pictures", "FILE/pictures"], "run"),
+    (&["check", "absent.toml"], "input"),
+    (
+        &["benchmark", "verdicts", "--model", "absent.json", "--out", "OUT"],
+        "input",
+    ),
+    (&["inspect", "absent"], "input"),
+    (&["replay", "absent"], "input"),
+    (&["export", "absent", "--to", "mcap", "--out", "OUT"], "input"),
+    (
+        &["import", "absent.csv", "--mapping", "absent.toml", "--out", "OUT.csv"],
+        "input",
+    ),
+];
+
+/// The error that a command printed as the only thing on stdout.
+#[track_caller]
+fn error(answer: &Answer) -> Value {
+    let Answer { stdout, stderr, .. } = answer;
+    let object: Value = serde_json::from_str(stdout).unwrap_or_else(|error| panic!("{error}: {stdout:?}\n{stderr}"));
+    assert_eq!(object.as_object().unwrap().len(), 1, "{object}");
+    let keys: Vec<&String> = object["error"].as_object().unwrap().keys().collect();
+    assert_eq!(keys, KEYS, "{object}");
+    object["error"].clone()
+}
+
+/// The names of the subcommands that the help lists.
+fn subcommands() -> Vec<String> {
+    let help = underbrush!["--help"].success();
+    let list = help.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
+    let entries = list
+        .lines()
+        .filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    let names = entries.map(|line| line.split_whitespace().next().unwrap().to_owned());
+    names.filter(|name| name != "help").collect()
+}
+
+/// Tests that every subcommand, if it fails, prints the error as one object on stdout with `--json`, and only on stderr
+/// without it, with the same exit status and the same text on stderr.
+#[test]
+fn every_command_prints_its_error_as_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("file");
+    std::fs::write(&file, "").unwrap();
+    let out = folder.path().join("out").display().to_string();
+    for (arguments, kind) in FAILING {
+        let filled = arguments.iter().map(|argument| {
+            argument
+                .replace("OUT", &out)
+                .replace("FILE", &file.display().to_string())
+                .into()
+        });
+        let plain: Vec<OsString> = filled.collect();
+        let with_json = [plain.clone(), vec!["--json".into()]].concat();
+        let [plain, with_json] = [plain, with_json].map(|arguments| call(arguments, ""));
+        assert_eq!(plain.stdout, "", "{arguments:?}");
+        assert_eq!(with_json.stderr, plain.stderr, "{arguments:?}");
+        let status = if kind == "run" { 1 } else { 2 };
+        assert_eq!((plain.status, with_json.status), (status, status), "{arguments:?}");
+        let error = error(&with_json);
+        assert_eq!(error["kind"], kind, "{arguments:?}: {error}");
+        assert!(!error["message"].as_str().unwrap().is_empty());
+        let is_input = kind == "input";
+        for key in ["file", "field", "found", "allowed", "remedy"] {
+            assert_eq!(error[key].is_string(), is_input, "{key} of {error}");
+        }
+    }
+    let names: Vec<&str> = FAILING.iter().map(|(arguments, _)| arguments[0]).collect();
+    for name in subcommands().iter().filter(|name| *name != "schema") {
+        assert!(
+            names.contains(&name.as_str()) || ["push", "pull"].contains(&name.as_str()),
+            "no failing {name}"
+        );
+    }
+}
+
+/// Tests that every subcommand prints an error about its usage as one object with `--json`.
+#[test]
+fn usage_errors_are_json_too() {
+    for name in subcommands() {
+        let answer = underbrush![name, "--json", "--no-such-option"];
+        assert_eq!(answer.status, 2);
+        let error = error(&answer);
+        assert_eq!(error["kind"], "usage", "{name}");
+        assert!(
+            error["message"].as_str().unwrap().contains("--no-such-option"),
+            "{error}"
+        );
+        assert!(answer.stderr.contains("--no-such-option"));
+        underbrush![name, "--no-such-option"].refused(&["--no-such-option"]);
+    }
+    assert!(underbrush!["--json", "--help"].success().contains("Commands:"));
+}
+
+/// Tests that an error about a line of a file has the file, the line and what is allowed as values of their own.
+#[test]
+fn an_error_about_a_line_has_all_values() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("trials.csv");
+    std::fs::write(&table, "trial,time_s,force_n\n0,0,much\n").unwrap();
+    let answer = underbrush!["classify", fixture().model(), table, "--json"];
+    assert_eq!(answer.status, 2);
+    let error = error(&answer);
+    assert_eq!(error["file"], table.display().to_string());
+    assert_eq!((&error["line"], &error["field"]), (&2.into(), &"force_n".into()));
+    for key in ["found", "allowed", "remedy"] {
+        assert!(
+            error["message"]
+                .as_str()
+                .unwrap()
+                .contains(error[key].as_str().unwrap())
+        );
+    }
+}
+
+/// Tests that a result that says itself that something failed stays the only object.
+#[test]
+fn a_result_is_not_followed_by_an_error() {
+    let answer = underbrush!["validate", "--only", "resting-load", "--tolerance-scale", "0", "--json"];
+    assert_eq!(answer.status, 1, "{}", answer.stderr);
+    let report: Value = serde_json::from_str(&answer.stdout).unwrap();
+    assert_eq!(report["sound"], false);
+}
