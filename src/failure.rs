@@ -12,9 +12,10 @@ use underbrush_classifier::online::OnlineError;
 use underbrush_classifier::trial::TrialError;
 use underbrush_exchange::ExchangeError;
 use underbrush_experiments::ExperimentError;
-use underbrush_recording::InputError;
 use underbrush_recording::disk::DiskError;
 use underbrush_recording::fault::Fault;
+use underbrush_recording::limits::TEXT_BYTES;
+use underbrush_recording::{InputError, read_text};
 use underbrush_replay::ReplayError;
 use underbrush_report::reproduction::ReproductionError;
 use underbrush_sim::reach::ReachError;
@@ -95,7 +96,9 @@ impl Failure {
         let help = format!("allowed: {}; {}", input.allowed, input.remedy);
         let place = input.file.display().to_string();
         let diagnostic = MietteDiagnostic::new(message).with_help(help);
-        let text = std::fs::read_to_string(&input.file).ok();
+        let text = input
+            .line
+            .and_then(|_| read_text(&input.file, &TEXT_BYTES, "", "").ok());
         let shown = text.filter(|text| input.line.is_some_and(|line| can_be_shown(text, line)));
         let (Some(line), Some(text)) = (input.line, shown) else {
             let line = input.line.map_or(String::new(), |line| format!(":{line}"));

@@ -123,6 +123,7 @@ enum Command {
 fn main() -> ExitCode {
     // Bad usage ends here with exit status 2.
     let cli = Cli::parse();
+    output::show_warnings();
     let last_panic = failure::record_panics();
     interrupt::watch();
     let result = catch_unwind(AssertUnwindSafe(|| run(cli))).unwrap_or_else(|_| Err(Failure::panic(last_panic)));

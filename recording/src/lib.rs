@@ -17,7 +17,7 @@ pub mod layout;
 pub mod limits;
 pub mod outcome;
 pub mod reach;
-pub mod text_file;
+pub mod regular_file;
 pub mod trial;
 
 pub use audit::{Audit, AuditCount, AuditField};
@@ -29,5 +29,5 @@ pub use layout::{Grid, Patch, SkinLayout, Taxel};
 pub use limits::Limits;
 pub use outcome::{GoalOutcomes, NamedStop, Outcome, SafetyStop};
 pub use reach::{Contact, ContactForces, GoalRecord, ObjectRecord, Recording};
-pub use text_file::read_text;
+pub use regular_file::{open_regular, read_bytes, read_text};
 pub use trial::{Region, Sample, Trial};

@@ -12,6 +12,7 @@ mod generate;
 mod inspect;
 mod live;
 mod merge;
+mod models;
 #[cfg(feature = "onnx")]
 mod onnx;
 mod oracle;

@@ -3,9 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use serde_json::json;
 use underbrush_classifier::touch::{RiskLimits, TouchDecision, TouchOptions, TouchRows};
 
 use super::{fit, text};
+use underbrush_experiments::model_data;
+
 use crate::failure::Failure;
 use crate::output;
 use crate::reaches::Reaches;
@@ -30,9 +33,10 @@ pub fn train(
 ) -> Result<(), Failure> {
     let reaches = Reaches::open(paths)?;
     let examples = fit::examples(&reaches, options)?;
-    let model = fit::fit(&examples, options, limits).map_err(|failure| fit::about(failure, paths))?;
-    let text = model.to_json().map_err(|error| Failure::run(error.to_string()))?;
-    output::write_file(out, text.as_bytes())?;
+    let mut model = fit::fit(&examples, options, limits).map_err(|failure| fit::about(failure, paths))?;
+    let sources: Result<Vec<_>, _> = paths.iter().map(|path| model_data::of_path(path)).collect();
+    model.provenance = model_data::provenance(json!(limits), sources?);
+    output::write_file(out, model.save_string()?.as_bytes())?;
     let trained = Trained {
         model: out,
         classifier: "touch",

@@ -1,7 +1,7 @@
 //! `meta/checksums.json`: size and BLAKE3 hash of every other file of a data set, and a hash of the list itself.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
+use std::fs;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,7 @@ use super::info::read_json;
 use super::names;
 use crate::InputError;
 use crate::disk::DiskError;
-use crate::disk::input_file::{is_there, metadata};
+use crate::disk::input_file::{is_there, metadata, open_input};
 use crate::disk::whole_file::{json_bytes, write_bytes};
 
 /// The remedy for a damaged data set.
@@ -63,13 +63,21 @@ impl FileSum {
     /// The size and hash of a file.
     pub(super) fn of_file(path: &Path) -> Result<Self, DiskError> {
         let mut hasher = blake3::Hasher::new();
-        let file = File::open(path).map_err(DiskError::io(path, "read"))?;
+        let file = open_input(path)?;
         hasher.update_reader(file).map_err(DiskError::io(path, "read"))?;
         Ok(FileSum {
             bytes: hasher.count(),
             blake3: hasher.finalize().to_hex().to_string(),
         })
     }
+}
+
+/// BLAKE3 hash of a file, hexadecimal.
+///
+/// # Errors
+/// [`DiskError`] if it cannot be read.
+pub fn file_blake3(path: &Path) -> Result<String, DiskError> {
+    Ok(FileSum::of_file(path)?.blake3)
 }
 
 impl Checksums {
