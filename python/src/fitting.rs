@@ -11,7 +11,6 @@ use underbrush_classifier::hmm::{InitialDistribution, Topology};
 use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
 use underbrush_classifier::{HmmClassifier, Model, paper_rule};
-
 use underbrush_experiments::model_data;
 
 use crate::arguments::{features, named};
@@ -229,6 +228,7 @@ fn fit(
         model.provenance = model_data::provenance(options, data);
         Ok(model)
     })?;
+    model.warn_of_little_data();
     Ok(PyModel { model })
 }
 

@@ -65,6 +65,7 @@ impl PyTouchModel {
             Ok(model)
         };
         let model = Arc::new(pool::detached(py, jobs, fit)?);
+        model.warn_of_little_data();
         Ok(PyTouchModel { model })
     }
 

@@ -137,9 +137,9 @@ pub fn check_expansion(path: &Path, field: &str, declared_bytes: u64, file_bytes
 /// Text files.
 pub const TEXT_BYTES: Ceiling = Ceiling {
     what: "scene, arm, skin, experiment, suite and mapping files",
-    most: 16 << 20,
+    most: 4 << 20,
     unit: "bytes",
-    why: "a hundred times the longest of this repository",
+    why: "65,536 taxels, each with its place",
 };
 
 /// JSON files.

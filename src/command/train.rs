@@ -122,6 +122,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let thresholds = thresholds(&options, path, estimator.as_ref(), &trials)?;
     model.decision = thresholds.as_ref().map(|chosen| chosen.decision.clone());
     model.provenance = options.provenance(path)?;
+    model.warn_of_little_data();
     output::write_file(&options.out, model.save_string()?.as_bytes())?;
     output::result(
         json,

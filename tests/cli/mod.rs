@@ -10,6 +10,7 @@ mod experiment;
 mod flips;
 mod generate;
 mod inspect;
+mod kept;
 mod live;
 mod merge;
 mod models;

@@ -132,3 +132,32 @@ fn a_touch_model_says_where_it_comes_from() {
     assert_eq!(provenance["data"][0]["reaches"], json!({"leaf": 3, "trunk": 3}));
     assert!(provenance["program"].as_str().unwrap().starts_with("underbrush "));
 }
+
+/// Tests that training warns of a single category, with either kind of classifier, and of more states than samples.
+#[test]
+fn too_little_data_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let [table, set, out] = ["leaf.csv", "set", "model.json"].map(|name| folder.path().join(name));
+    let row = |k: usize| {
+        format!(
+            "{},leaf,{},{}\n",
+            k / 6,
+            k as f64 * 0.01,
+            0.1 + 0.01 * (k * k % 7) as f64
+        )
+    };
+    let one: String = (0..12).map(row).collect();
+    std::fs::write(&table, format!("trial,category,time_s,force_n\n{one}")).unwrap();
+    let call = underbrush!["train", table, "--states", "20", "--out", out];
+    assert_eq!(call.status, 0, "{}", call.stderr);
+    for part in ["of the category leaf", "20 states", "12 samples", "fewer states"] {
+        assert!(call.stderr.contains(part), "no {part:?} in {}", call.stderr);
+    }
+    let scene = fixture().leaf_scene();
+    underbrush!["generate", scene, "--reaches", "4", "--seed", "1", "--out", set].success();
+    let call = underbrush!["train", set, "--classifier", "touch", "--out", out];
+    assert_eq!(call.status, 0, "{}", call.stderr);
+    assert!(call.stderr.contains("of the category leaf"), "{}", call.stderr);
+    let both = underbrush!["train", fixture().table_csv(), "--states", "2", "--out", out];
+    assert_eq!((both.status, both.stderr.as_str()), (0, ""));
+}

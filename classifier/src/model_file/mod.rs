@@ -153,6 +153,24 @@ impl Model {
         Err(ModelError::unwritable())
     }
 
+    /// Warns of a fit that cannot tell anything apart, or that has more parameters than data.
+    pub fn warn_of_little_data(&self) {
+        warn_of_one_category(&self.classifier.categories());
+        let (Some(models), Some(training)) = (self.as_hmm(), self.classifier.training()) else {
+            return;
+        };
+        for (category, scorer) in models.models() {
+            let samples = training.get(category).map_or(usize::MAX, |history| history.samples);
+            let states = scorer.model().state_count();
+            if states > samples {
+                log::warn!(
+                    "warning: the model of {category} has {states} states and was fitted to {samples} samples; \
+                     use fewer states or more trials"
+                );
+            }
+        }
+    }
+
     fn text(&self) -> String {
         let mut entries = self.classifier.file_entries();
         let name = self.classifier.name();
@@ -222,6 +240,16 @@ pub fn schema() -> Schema {
     let mut schema = generator.into_root_schema_for::<Head>();
     schema.insert("allOf".into(), kinds.into());
     schema
+}
+
+/// Warns of a model that knows a single category.
+pub(crate) fn warn_of_one_category(categories: &[String]) {
+    if let [category] = categories {
+        log::warn!(
+            "warning: all trials or contacts that were fitted are of the category {category}, so the model calls \
+             everything {category}; add data of another category"
+        );
+    }
 }
 
 fn not_hmm(name: &str) -> ModelError {

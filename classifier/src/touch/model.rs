@@ -18,6 +18,7 @@ use super::usual::Usual;
 use crate::document::{Document, Head};
 use crate::error::{ModelError, check_limits};
 use crate::file_text;
+use crate::model_file::warn_of_one_category;
 use crate::provenance::Provenance;
 use crate::seal;
 
@@ -78,6 +79,11 @@ impl Calibrated {
 }
 
 impl TouchModel {
+    /// Warns of a fit that cannot tell anything apart.
+    pub fn warn_of_little_data(&self) {
+        warn_of_one_category(&self.categories);
+    }
+
     /// The known categories in alphabetical order: the order of all probabilities.
     pub fn categories(&self) -> &[String] {
         &self.categories

@@ -22,7 +22,7 @@ use crate::InputError;
 pub(super) const ROWS_PER_BATCH: usize = 1024;
 
 /// Most text that a batch may decode to, bytes.
-const TEXT_PER_BATCH_BYTES: i64 = 256 << 20;
+const TEXT_PER_BATCH_BYTES: i64 = 64 << 20;
 
 /// The column with the episode of a row.
 pub(super) const EPISODE_COLUMN: &str = "episode_index";

@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde_json::json;
 use underbrush_classifier::touch::{RiskLimits, TouchDecision, TouchOptions, TouchRows};
-
-use super::{fit, text};
 use underbrush_experiments::model_data;
 
+use super::{fit, text};
 use crate::failure::Failure;
 use crate::output;
 use crate::reaches::Reaches;
@@ -34,6 +33,7 @@ pub fn train(
     let reaches = Reaches::open(paths)?;
     let examples = fit::examples(&reaches, options)?;
     let mut model = fit::fit(&examples, options, limits).map_err(|failure| fit::about(failure, paths))?;
+    model.warn_of_little_data();
     let sources: Result<Vec<_>, _> = paths.iter().map(|path| model_data::of_path(path)).collect();
     model.provenance = model_data::provenance(json!(limits), sources?);
     output::write_file(out, model.save_string()?.as_bytes())?;
