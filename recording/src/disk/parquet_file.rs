@@ -28,7 +28,8 @@ const TEXT_PER_BATCH_BYTES: i64 = 64 << 20;
 pub(super) const EPISODE_COLUMN: &str = "episode_index";
 
 /// How the columns are encoded before compression: integers, which mostly count up, as differences; text by dictionary,
-/// because it repeats. Byte streams would store poses in less space, but fastparquet cannot read them.
+/// because it repeats; single precision, which is used for poses that change little from row to row, by byte streams.
+/// fastparquet cannot read byte streams, but a set of leaves would be 13 % larger without them.
 fn encodings(schema: &SchemaRef) -> WriterPropertiesBuilder {
     let mut builder = WriterProperties::builder();
     for field in schema.fields() {
@@ -43,6 +44,7 @@ fn encodings(schema: &SchemaRef) -> WriterPropertiesBuilder {
             DataType::Int8 | DataType::Int16 | DataType::Int32 | DataType::Int64 => {
                 builder.set_column_encoding(path, Encoding::DELTA_BINARY_PACKED)
             }
+            DataType::Float32 => builder.set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT),
             DataType::Utf8 => builder.set_column_dictionary_enabled(path, true),
             _ => builder,
         };
