@@ -13,10 +13,11 @@ use underbrush_classifier::online::OnlineError;
 use underbrush_classifier::trial::TrialError;
 use underbrush_exchange::ExchangeError;
 use underbrush_experiments::ExperimentError;
-use underbrush_recording::InputError;
 use underbrush_recording::disk::DiskError;
 use underbrush_recording::fault::Fault;
+use underbrush_recording::limits::TEXT_BYTES;
 use underbrush_recording::plain_text::escaped;
+use underbrush_recording::{InputError, read_text};
 use underbrush_replay::ReplayError;
 use underbrush_report::reproduction::ReproductionError;
 use underbrush_sim::reach::ReachError;
@@ -151,7 +152,9 @@ impl Failure {
         let help = format!("allowed: {}; {}", input.allowed, input.remedy);
         let place = escaped(&input.file.display().to_string()).into_owned();
         let diagnostic = MietteDiagnostic::new(escaped(&message)).with_help(escaped(&help));
-        let text = std::fs::read_to_string(&input.file).ok();
+        let text = input
+            .line
+            .and_then(|_| read_text(&input.file, &TEXT_BYTES, "", "").ok());
         // Escaped before its lines are measured, so that the label is under what is shown.
         let text = text.map(|text| escaped(&text.replace("\r\n", "\n")).into_owned());
         let shown = text.filter(|text| input.line.is_some_and(|line| can_be_shown(text, line)));

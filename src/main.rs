@@ -129,6 +129,7 @@ fn main() -> ExitCode {
         Err(answer) => return output::usage(&answer),
     };
     let json = cli.shared.json;
+    output::show_warnings();
     let last_panic = failure::record_panics();
     interrupt::watch();
     let result = catch_unwind(AssertUnwindSafe(|| run(cli))).unwrap_or_else(|_| Err(Failure::panic(last_panic)));

@@ -41,6 +41,25 @@ pub fn remark(text: impl AsRef<str>) {
     say(text.as_ref());
 }
 
+/// Shows the warnings of the libraries as remarks.
+pub fn show_warnings() {
+    struct Remarks;
+    impl log::Log for Remarks {
+        fn enabled(&self, metadata: &log::Metadata<'_>) -> bool {
+            metadata.target().starts_with("underbrush")
+        }
+        fn log(&self, record: &log::Record<'_>) {
+            if self.enabled(record.metadata()) {
+                remark(record.args().to_string());
+            }
+        }
+        fn flush(&self) {}
+    }
+    if log::set_logger(&Remarks).is_ok() {
+        log::set_max_level(log::LevelFilter::Warn);
+    }
+}
+
 /// Prints remarks on stderr, one per line.
 pub fn remarks(texts: impl IntoIterator<Item = String>) {
     texts.into_iter().for_each(remark);

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use underbrush_recording::limits::JSON_BYTES;
 use underbrush_recording::{InputError, read_text};
 
 use crate::document::{FORMAT, Head};
@@ -33,7 +34,7 @@ pub fn load(path: &Path) -> Result<AnyModel, ModelError> {
     if path.extension().is_some_and(|ending| ending == "onnx") {
         return Ok(AnyModel::OfTrials(load_onnx(path)?));
     }
-    let text = read_text(path, "a readable model file", "check the path").map_err(refused)?;
+    let text = read_text(path, &JSON_BYTES, "a readable model file", "check the path").map_err(refused)?;
     // In a file that is not valid JSON, the format may come after the error, so search the text for it.
     let is_touch = match serde_json::from_str::<Head>(&text) {
         Ok(head) => head.format.starts_with(TOUCH_NAME),

@@ -8,6 +8,7 @@ use underbrush_recording::InputError;
 use underbrush_recording::plain_text::{PLAIN, is_plain};
 
 use crate::error::Fault;
+use crate::seal;
 
 /// The format of models of trials.
 pub const FORMAT: &str = "underbrush-model/1";
@@ -60,6 +61,14 @@ impl Document {
         })?;
         deserializer.end().map_err(|error| self.broken(".", &error))?;
         Ok(value)
+    }
+
+    /// Checks the seal of the file, if it has one, and warns if it has none.
+    ///
+    /// # Errors
+    /// [`InputError`] if the content does not match the seal.
+    pub(crate) fn check_seal(&self) -> Result<(), InputError> {
+        seal::check(&self.path, &self.read()?)
     }
 
     fn broken(&self, place: &str, error: &serde_json::Error) -> InputError {

@@ -72,6 +72,16 @@ pub enum ModelError {
     },
 }
 
+impl ModelError {
+    /// The error about a model whose file would give another model.
+    pub(crate) fn unwritable() -> Self {
+        ModelError::Mismatch {
+            found: "a model that changes when it is written and read".into(),
+            allowed: "finite numbers".into(),
+        }
+    }
+}
+
 impl From<InputError> for ModelError {
     fn from(error: InputError) -> Self {
         ModelError::Input(Box::new(error))

@@ -23,7 +23,8 @@ use std::sync::Arc;
 use serde_json::Value;
 use tract_onnx::prelude::*;
 use tract_onnx::tract_hir::infer::Factoid;
-use underbrush_recording::{InputError, Sample, math};
+use underbrush_recording::limits::JSON_BYTES;
+use underbrush_recording::{InputError, Sample, math, open_regular};
 
 use crate::error::ModelError;
 use crate::estimator::{Classifier, ContactScorer, Independent, OnlineScorer};
@@ -50,6 +51,9 @@ pub fn load(path: &Path) -> Result<Box<dyn Classifier>, InputError> {
         let allowed = "an ONNX model with operators that tract knows";
         fail("file", format!("{error:#}"), allowed, "export the model again")
     };
+    let length = open_regular(path, "an ONNX model", "check the path")?.metadata();
+    let length = length.map_err(|error| not_onnx(error.into()))?.len();
+    JSON_BYTES.check(path, "file", length)?;
     let onnx = tract_onnx::onnx();
     let proto = guarded(|| onnx.proto_model_for_path(path)).map_err(not_onnx)?;
     let expected = Expected::read(path, &proto)?;

@@ -1,5 +1,6 @@
 //! Contact trials of recordings and data sets, by taxel or by component.
 
+use serde::Serialize;
 use underbrush_classifier::trial::{TrialError, TrialOptions, component_trials, taxel_trials};
 use underbrush_recording::disk::Dataset;
 use underbrush_recording::{Recording, Trial};
@@ -9,7 +10,8 @@ use crate::error::ExperimentError;
 use crate::progress::Progress;
 
 /// What a trial is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Unit {
     /// One taxel from contact to break (paper, section IV-D).
     Taxel,

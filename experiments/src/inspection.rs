@@ -111,6 +111,7 @@ fn dataset(path: &Path) -> Result<Value, ExperimentError> {
         "arms": arms,
         "scene_files": scene_files,
         "program": format!("{} {}", provenance.program, provenance.program_version),
+        "BLAKE3 of frames and ground truth": dataset.data_blake3(),
         "engine": provenance.engine,
         "check": "sound; every file matches its checksum",
     }))
@@ -168,6 +169,7 @@ fn model(path: &Path) -> Result<Value, ExperimentError> {
             "categories": model.categories(),
             "options": model.options(),
             "decision": model.decision,
+            "provenance": model.provenance,
             "check": "sound; all numbers are finite and fit together",
         })),
     }

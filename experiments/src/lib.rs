@@ -22,6 +22,7 @@ pub mod experiment;
 pub mod files;
 pub mod inspection;
 pub mod kept;
+pub mod model_data;
 pub mod models;
 pub mod online;
 pub mod plan;

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
+use underbrush_recording::limits::TEXT_BYTES;
 use underbrush_recording::{InputError, read_text};
 
 /// A file's path and text, to which errors refer.
@@ -21,7 +22,7 @@ pub struct Field {
 /// Reads the text of a file; `kind` is what it should hold, such as `experiment`.
 pub fn read(path: &Path, kind: &str) -> Result<String, InputError> {
     let remedy = format!("check the path; `underbrush schema {kind}` describes the file");
-    read_text(path, &format!("a readable {kind} file"), &remedy)
+    read_text(path, &TEXT_BYTES, &format!("a readable {kind} file"), &remedy)
 }
 
 impl Source<'_> {

@@ -11,6 +11,7 @@ use std::sync::Arc;
 use serde::Serialize;
 use underbrush_classifier::touch::{Touch, TouchClassifier, TouchModel};
 use underbrush_recording::disk::Dataset;
+use underbrush_recording::limits::JSON_BYTES;
 use underbrush_recording::{Frame, InputError, read_text};
 use underbrush_sim::controller::{Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact};
 use underbrush_sim::reach::{PlannedController, ReachPlan};
@@ -108,7 +109,12 @@ impl VerdictControl {
     /// # Errors
     /// [`InputError`] if it cannot be read, or is no such model.
     pub fn load(path: &Path) -> Result<Self, InputError> {
-        let text = read_text(path, "the readable file of a touch model", "check the path")?;
+        let text = read_text(
+            path,
+            &JSON_BYTES,
+            "the readable file of a touch model",
+            "check the path",
+        )?;
         VerdictControl::from_json(path, &text)
     }
 

@@ -10,6 +10,7 @@ use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_classifier::trial::TrialOptions;
 use underbrush_classifier::{HmmClassifier, Model, paper_rule};
 use underbrush_recording::disk::{check_free, write_file};
+use underbrush_recording::limits::JSON_BYTES;
 use underbrush_recording::read_text;
 
 use crate::arguments::{decision, named};
@@ -83,7 +84,7 @@ impl PyModel {
     /// Read a model file.
     #[staticmethod]
     fn load(path: PathBuf) -> Result<Self, Failure> {
-        let text = read_text(&path, "a readable model file", "check the path")?;
+        let text = read_text(&path, &JSON_BYTES, "a readable model file", "check the path")?;
         Self::read(&path, &text)
     }
 
@@ -136,7 +137,7 @@ impl PyModel {
         json::to_python(py, &self.model.decision)
     }
 
-    /// Where the model comes from.
+    /// Where the model comes from: program, options, data.
     #[getter]
     fn provenance<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
         json::to_python(py, &self.model.provenance)

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use pyo3::types::PySlice;
 use rayon::prelude::*;
-use underbrush_experiments::contact_trials;
+use underbrush_experiments::{contact_trials, model_data};
 use underbrush_recording::disk::Dataset;
 
 use crate::arguments::cutting;
@@ -164,7 +164,9 @@ impl PyDataset {
         let stop = Arc::new(Stop::default());
         let reported = Reported::new(&stop, None);
         let cut = || Ok(contact_trials::of_dataset(&self.dataset, unit, &options, &reported)?);
-        Ok(Trials::new(watched(py, None, &stop, |_| Ok(()), cut)?))
+        let list = watched(py, None, &stop, |_| Ok(()), cut)?;
+        let source = model_data::of_reaches(&self.dataset, self.dataset.episodes().iter());
+        Ok(Trials::new(list).cut_from(vec![source]))
     }
 
     /// Check the hash of every file.

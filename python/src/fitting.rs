@@ -4,12 +4,14 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
+use serde_json::json;
 use underbrush_classifier::estimator::Estimator;
 use underbrush_classifier::evaluate::{Folds, HeldOut, ThresholdTargets};
 use underbrush_classifier::hmm::{InitialDistribution, Topology};
 use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
 use underbrush_classifier::{HmmClassifier, Model, paper_rule};
+use underbrush_experiments::model_data;
 
 use crate::arguments::{features, named};
 use crate::classifier::{PyModel, score_kind};
@@ -211,13 +213,22 @@ fn fit(
             Ok::<_, Failure>(Model::new(Box::new(models)))
         }
     };
-    let mut model = pool::detached(py, jobs, || {
+    let model = pool::detached(py, jobs, || {
         let mut model = fitted()?;
         model.decision = decision()?;
+        // The trials may be chosen or labelled anew, so the data that they are from do not say all.
+        let mut data = trials.sources.clone();
+        data.push(model_data::in_memory(&*trials.list));
+        let options = json!({
+            "start": start.map(|start| &start.model.provenance),
+            "training": start.and(options.recipe.as_ref()).map(|recipe| recipe.training),
+            "false_positive_rate": false_positive_rate,
+            "outlier_prior": false_positive_rate.map(|_| outlier_prior.unwrap_or(OUTLIER_PRIOR)),
+        });
+        model.provenance = model_data::provenance(options, data);
         Ok(model)
     })?;
-    let program = concat!("underbrush ", env!("CARGO_PKG_VERSION"));
-    model.provenance.insert("program".into(), program.into());
+    model.warn_of_little_data();
     Ok(PyModel { model })
 }
 

@@ -42,12 +42,14 @@ mod touch;
 mod trial;
 mod trials;
 mod validation;
+mod warning;
 
 /// The native part of underbrush.
 #[pymodule(gil_used = true)]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("PROGRAM_VERSION", underbrush_experiments::dataset::PROGRAM_VERSION)?;
+    warning::show();
     scene::add_to(module)?;
     skin::add_to(module)?;
     frame::add_to(module)?;

@@ -1,11 +1,13 @@
 //! Reaches: simulated, read from files, or parts of a data set.
 
-use std::path::PathBuf;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use underbrush_experiments::contact_trials;
+use underbrush_classifier::DataSource;
+use underbrush_experiments::{contact_trials, model_data};
 use underbrush_recording::disk::{
     Dataset, check_free, read_recording, recording_table, remove_leftovers, write_recording,
 };
@@ -56,6 +58,25 @@ impl Reach {
                 Ok(Arc::clone(self.whole.get_or_init(|| read)))
             }
         }
+    }
+
+    /// The data that these reaches are from: each data set once, and each recording.
+    pub fn sources(reaches: &[&Reach]) -> Vec<DataSource> {
+        let mut sources = Vec::new();
+        let mut of_sets: BTreeMap<&Path, (&Dataset, Vec<usize>)> = BTreeMap::new();
+        for reach in reaches {
+            match &reach.source {
+                Source::Memory(recording) => sources.push(model_data::of_recording(recording)),
+                Source::Dataset(dataset, index) => {
+                    of_sets.entry(dataset.dir()).or_insert((dataset, vec![])).1.push(*index);
+                }
+            }
+        }
+        let of_set = |(dataset, indices): &(&Dataset, Vec<usize>)| {
+            model_data::of_reaches(dataset, indices.iter().map(|index| &dataset.episodes()[*index]))
+        };
+        sources.extend(of_sets.values().map(of_set));
+        sources
     }
 
     fn skin_layout(&self) -> Arc<SkinLayout> {
@@ -273,7 +294,8 @@ impl Reach {
     ) -> Result<Trials, Failure> {
         let (unit, options) = cutting(by, patch, threshold_n, min_samples, labels, wrap)?;
         let cut = || Ok(contact_trials::of_recording(&*self.recording()?, unit, &options, 0)?);
-        Ok(Trials::new(py.detach(|| guarded(cut))?))
+        let list = py.detach(|| guarded(cut))?;
+        Ok(Trials::new(list).cut_from(Reach::sources(&[self])))
     }
 
     fn __repr__(&self) -> String {

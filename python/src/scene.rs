@@ -121,6 +121,33 @@ fn merge(table: &mut toml::Table, changes: toml::Table) {
     }
 }
 
+/// The keys of a dictionary. The error says what cannot be in a scene file.
+fn toml_table(dict: &Bound<'_, PyDict>) -> Result<toml::Table, String> {
+    let key = |key: &Bound<'_, PyAny>| key.extract().map_err(|_| format!("the key {key}"));
+    dict.iter()
+        .map(|(name, value)| Ok((key(&name)?, toml_value(&value)?)))
+        .collect()
+}
+
+fn toml_value(value: &Bound<'_, PyAny>) -> Result<toml::Value, String> {
+    if let Ok(dict) = value.cast::<PyDict>() {
+        return Ok(toml::Value::Table(toml_table(dict)?));
+    }
+    // A truth value is also a number in Python, and a number is no list.
+    let plain = value.extract().map(toml::Value::Boolean);
+    let plain = plain.or_else(|_| value.extract().map(toml::Value::Integer));
+    let plain = plain.or_else(|_| value.extract().map(toml::Value::Float));
+    if let Ok(plain) = plain.or_else(|_| value.extract().map(toml::Value::String)) {
+        return Ok(plain);
+    }
+    match value.extract::<Vec<Bound<'_, PyAny>>>() {
+        Ok(items) => Ok(toml::Value::Array(
+            items.iter().map(toml_value).collect::<Result<_, _>>()?,
+        )),
+        Err(_) => Err(value.to_string()),
+    }
+}
+
 #[pymethods]
 impl PyScene {
     #[new]
@@ -162,19 +189,19 @@ impl PyScene {
 
     /// The keys of the scene file as a dictionary.
     fn to_dict<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
-        json::to_python(py, &self.table()?)
+        let text = toml::to_string(&self.table()?).map_err(|error| Failure::Run(error.to_string()))?;
+        // Unlike JSON, TOML has infinity.
+        Ok(py.import("tomllib")?.call_method1("loads", (text,))?)
     }
 
     /// The scene with some keys changed. Dictionaries are merged, everything else is replaced.
     #[pyo3(signature = (changes, name = None))]
     fn changed(&self, changes: &Bound<'_, PyDict>, name: Option<&str>) -> Result<Self, Failure> {
-        let py = changes.py();
-        let text: String = py.import("json")?.call_method1("dumps", (changes,))?.extract()?;
         let refused = |found: String| {
             let allowed = "a dictionary of the keys of a scene file";
             Failure::argument("changes", found, allowed, "see scenes/README.md for the keys")
         };
-        let changes: toml::Table = serde_json::from_str(&text).map_err(|error| refused(error.to_string()))?;
+        let changes = toml_table(changes).map_err(refused)?;
         let mut table = self.table()?;
         merge(&mut table, changes);
         let text = toml::to_string(&table).map_err(|error| refused(error.to_string()))?;

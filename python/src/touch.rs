@@ -6,7 +6,9 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use underbrush_classifier::evaluate::touch_folds::{ReadReaches, check_folds, cross_validate_touch, judge_touch};
 use underbrush_classifier::touch::{RiskLimits, TouchClassifier, TouchExamples, TouchModel, TouchOptions};
+use underbrush_experiments::model_data;
 use underbrush_recording::disk::{check_free, write_file};
+use underbrush_recording::limits::JSON_BYTES;
 use underbrush_recording::{Recording, read_text};
 
 use crate::failure::Failure;
@@ -57,8 +59,14 @@ impl PyTouchModel {
             false_alarms: limit_false_alarms,
         };
         let reaches = Given(reaches.iter().map(Py::get).collect());
-        let fit = || fitted(&reaches.examples(options)?, &limits);
+        let fit = || {
+            let mut model = fitted(&reaches.examples(options)?, &limits)?;
+            let sources = Reach::sources(&reaches.0);
+            model.provenance = model_data::provenance(json::value(&limits)?, sources);
+            Ok(model)
+        };
         let model = Arc::new(pool::detached(py, jobs, fit)?);
+        model.warn_of_little_data();
         Ok(PyTouchModel { model })
     }
 
@@ -96,7 +104,7 @@ impl PyTouchModel {
     /// Read a model file.
     #[staticmethod]
     fn load(path: PathBuf) -> Result<Self, Failure> {
-        let text = read_text(&path, "a readable model file", "check the path")?;
+        let text = read_text(&path, &JSON_BYTES, "a readable model file", "check the path")?;
         Self::read(&path, &text)
     }
 
@@ -108,7 +116,7 @@ impl PyTouchModel {
 
     /// The text of the model file.
     fn to_json(&self) -> Result<String, Failure> {
-        self.model.to_json().map_err(|error| Failure::Run(error.to_string()))
+        Ok(self.model.save_string()?)
     }
 
     /// Write the model file. Only with ``force`` is a file overwritten.
@@ -128,6 +136,12 @@ impl PyTouchModel {
     #[getter]
     fn decision<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
         json::to_python(py, &self.model.decision)
+    }
+
+    /// Where the model comes from: program, options, data.
+    #[getter]
+    fn provenance<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+        json::to_python(py, &self.model.provenance)
     }
 
     /// Classify frame by frame.

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyCapsule, PyList, PySlice};
+use underbrush_classifier::DataSource;
 use underbrush_classifier::feature::FeatureSet;
+use underbrush_experiments::model_data;
 use underbrush_recording::Trial;
 use underbrush_recording::disk::{check_free, read_trials, trial_table, write_trials};
 
@@ -21,12 +23,23 @@ use crate::trial::PyTrial;
 #[pyclass(frozen, module = "underbrush._core")]
 pub struct Trials {
     pub list: Arc<Vec<Trial>>,
+    /// The data that the trials were cut from or read from, as far as they are known.
+    pub sources: Vec<DataSource>,
 }
 
 impl Trials {
     /// These trials.
     pub fn new(list: Vec<Trial>) -> Self {
-        Trials { list: Arc::new(list) }
+        Trials {
+            list: Arc::new(list),
+            sources: Vec::new(),
+        }
+    }
+
+    /// The same trials, which are from these data.
+    #[must_use]
+    pub fn cut_from(self, sources: Vec<DataSource>) -> Self {
+        Trials { sources, ..self }
     }
 
     /// References to all trials.
@@ -35,7 +48,7 @@ impl Trials {
     }
 
     fn some(&self, places: impl Iterator<Item = usize>) -> Self {
-        Trials::new(places.map(|place| self.list[place].clone()).collect())
+        Trials::new(places.map(|place| self.list[place].clone()).collect()).cut_from(self.sources.clone())
     }
 
     fn place(&self, index: isize) -> Result<usize, Failure> {
@@ -52,9 +65,10 @@ impl Trials {
     #[staticmethod]
     #[pyo3(signature = (path, min_samples = 1))]
     fn load(py: Python<'_>, path: PathBuf, min_samples: usize) -> Result<Self, Failure> {
-        let mut list = py.detach(|| guarded(|| Ok(read_trials(&path)?)))?;
+        let read = || Ok((read_trials(&path)?, model_data::of_path(&path)?));
+        let (mut list, source) = py.detach(|| guarded(read))?;
         list.retain(|trial| trial.samples.len() >= min_samples);
-        Ok(Trials::new(list))
+        Ok(Trials::new(list).cut_from(vec![source]))
     }
 
     /// Write the trials as a table (.csv or .parquet). Only with ``force`` is a file overwritten.
@@ -122,7 +136,10 @@ impl Trials {
 
     fn __add__(&self, other: &Trials) -> Self {
         let all = self.list.iter().chain(other.list.iter()).cloned().zip(0..);
-        Trials::new(all.map(|(trial, number)| Trial { trial: number, ..trial }).collect())
+        let list = all.map(|(trial, number)| Trial { trial: number, ..trial }).collect();
+        let mut sources = self.sources.clone();
+        sources.extend(other.sources.iter().filter(|own| !self.sources.contains(own)).cloned());
+        Trials::new(list).cut_from(sources)
     }
 
     /// Category of each trial; None where it is unknown.

@@ -1,5 +1,6 @@
 """Verdicts frame by frame."""
 
+import json
 import pickle
 
 import numpy as np
@@ -121,6 +122,22 @@ def test_model_files_of_the_other_kind_are_named(data: ub.Dataset, tmp_path) -> 
             error = refused.value
             assert (error.file, error.field, error.found, error.allowed) == (place, "format", found, allowed)
             assert f" {call} " in str(error.remedy)
+
+
+def test_models_are_sealed_and_say_where_they_come_from(data: ub.Dataset, tmp_path) -> None:
+    """Tests that models of both kinds name the data set that they were fitted to, that a changed file is refused, and that
+    one without a seal gives a Python warning."""
+    for model, kind in ((ub.TouchModel.fit(list(data)), ub.TouchModel), (ub.fit(data.trials(), states=2), ub.Model)):
+        source = model.provenance["data"][0]
+        assert (source["kind"], source["name"]) == ("data-set", data.path.name)
+        assert sum(source["reaches"].values()) == len(data)
+        file = json.loads(model.to_json())
+        file["categories" if kind is ub.TouchModel else "comment"] = ["leaf", "trunl"]
+        with pytest.raises(ub.InputError, match="blake3"):
+            kind.from_json(json.dumps(file))
+        del file["blake3"]
+        with pytest.warns(UserWarning, match="no seal"):
+            kind.from_json(json.dumps(file))
 
 
 def test_limits_of_risk_choose_the_decision(data: ub.Dataset, tmp_path, command) -> None:

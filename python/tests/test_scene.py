@@ -30,6 +30,14 @@ def test_changes_are_merged() -> None:
     assert scene.changed({"goals": {"count": 2}}).name == "mixed"
 
 
+def test_infinity_stays_infinity() -> None:
+    """Tests that a saturation that is switched off by infinity comes back from the dictionary of a scene, and that the
+    dictionary can be given as a change."""
+    scene = ub.Scene("mixed").changed({"sensor": {"saturation_n": float("inf")}})
+    assert scene.to_dict()["sensor"]["saturation_n"] == float("inf")
+    assert ub.Scene("mixed").changed(scene.to_dict()).to_dict() == scene.to_dict()
+
+
 def test_pictures_are_svg(tmp_path: Path) -> None:
     """Pins that scenes and simulations can be drawn as SVG, which a notebook shows."""
     scene = ub.Scene("leaf")

@@ -21,7 +21,7 @@ pub mod math;
 pub mod outcome;
 pub mod plain_text;
 pub mod reach;
-pub mod text_file;
+pub mod regular_file;
 pub mod trial;
 
 pub use audit::{Audit, AuditCount, AuditField};
@@ -33,5 +33,5 @@ pub use layout::{Grid, Patch, SkinLayout, Taxel};
 pub use limits::Limits;
 pub use outcome::{GoalOutcomes, NamedStop, Outcome, SafetyStop};
 pub use reach::{Contact, ContactForces, GoalRecord, ObjectRecord, Recording};
-pub use text_file::read_text;
+pub use regular_file::{open_regular, read_bytes, read_text};
 pub use trial::{Region, Sample, Trial};

@@ -1,9 +1,12 @@
-//! Ranges for the numbers in files, and the ranges of a tactile sensor's quantities.
+//! Ranges for the numbers in files, the ranges of a tactile sensor's quantities, and the most that a file may hold.
 //!
 //! A number outside its range cannot be intended: it is a typing error, a wrong unit or a damaged file. Every reader of
 //! files has one table of such ranges, each with its reason.
 
 use std::fmt;
+use std::path::Path;
+
+use crate::InputError;
 
 /// The smallest and largest allowed value of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,6 +93,147 @@ pub const MAX_TAXELS: usize = 65_536;
 /// Number of patches of a skin. Each has its own columns in a data set.
 pub const MAX_PATCHES: usize = 1000;
 
+/// The most that a reader takes from one file, so that no file, whoever made it, takes all memory.
+#[derive(Debug)]
+pub struct Ceiling {
+    /// What is limited.
+    pub what: &'static str,
+    /// The largest number that is allowed.
+    pub most: u64,
+    /// The unit.
+    pub unit: &'static str,
+    /// Why this many are enough.
+    pub why: &'static str,
+}
+
+impl Ceiling {
+    /// An error unless a number that was found in a file is within the ceiling.
+    ///
+    /// # Errors
+    /// [`InputError`] with the ceiling.
+    pub fn check(&self, path: &Path, field: &str, found: u64) -> Result<(), InputError> {
+        if found <= self.most {
+            return Ok(());
+        }
+        let Ceiling { what, most, unit, .. } = self;
+        let allowed = format!("at most {most} {unit}, the limit on {what}");
+        let remedy =
+            "divide the data among several files, or check what wrote this file; docs/data.md lists the limits";
+        Err(InputError::new(path, field, format!("{found} {unit}"), allowed, remedy))
+    }
+}
+
+/// Checks what a file declares that it holds, before memory is taken for it.
+///
+/// # Errors
+/// [`InputError`] with the ceiling [`EXPANSION`].
+pub fn check_expansion(path: &Path, field: &str, declared_bytes: u64, file_bytes: u64) -> Result<(), InputError> {
+    if declared_bytes <= EXPANDED_BYTES {
+        return Ok(());
+    }
+    EXPANSION.check(path, field, declared_bytes.div_ceil(file_bytes.max(1)))
+}
+
+/// Text files.
+pub const TEXT_BYTES: Ceiling = Ceiling {
+    what: "scene, arm, skin, experiment, suite and mapping files",
+    most: 4 << 20,
+    unit: "bytes",
+    why: "65,536 taxels, each with its place",
+};
+
+/// JSON files.
+pub const JSON_BYTES: Ceiling = Ceiling {
+    what: "model files, and JSON files of data sets",
+    most: 256 << 20,
+    unit: "bytes",
+    why: "nearest-neighbours keeps its trials: two million samples",
+};
+
+/// Tables of trials as CSV.
+pub const CSV_BYTES: Ceiling = Ceiling {
+    what: "CSV files",
+    most: 4 << 30,
+    unit: "bytes",
+    why: "the rows below, at 80 bytes each",
+};
+
+/// Rows of a table.
+pub const TABLE_ROWS: Ceiling = Ceiling {
+    what: "the rows of a table",
+    most: 50_000_000,
+    unit: "rows",
+    why: "five days of contact at 100 Hz; they take 5 GB of memory",
+};
+
+/// Rows of a Parquet file of some length.
+pub const ROWS_PER_BYTE: Ceiling = Ceiling {
+    what: "the rows of a Parquet file above 100,000",
+    most: 4,
+    unit: "rows for each byte of the file",
+    why: "rows that differ take several bytes each; rows that do not are no measurement",
+};
+
+/// Rows of a Parquet file of any length.
+pub const ROWS_OF_ANY_FILE: u64 = 100_000;
+
+/// Samples of a trial.
+pub const TRIAL_SAMPLES: Ceiling = Ceiling {
+    what: "the samples of a trial",
+    most: 1_000_000,
+    unit: "samples",
+    why: "nearly three hours of one contact at 100 Hz",
+};
+
+/// A name or category.
+pub const NAME_BYTES: Ceiling = Ceiling {
+    what: "a name or category in a table",
+    most: 1000,
+    unit: "bytes",
+    why: "names are read by people",
+};
+
+/// Text columns.
+pub const TEXT_COLUMN_BYTES: Ceiling = Ceiling {
+    what: "a text column in a row group of a Parquet file, before compression",
+    most: 16 << 20,
+    unit: "bytes",
+    why: "a million rows with 16 letters, even if none repeats",
+};
+
+/// What a file declares to hold.
+pub const EXPANSION: Ceiling = Ceiling {
+    what: "the numbers in a row group of a Parquet file or in a dataset of an HDF5 file above 64 MiB",
+    most: 1100,
+    unit: "bytes for each byte of the file",
+    why: "deflate cannot compress further than by 1032",
+};
+
+/// What a file of any length may declare to hold.
+const EXPANDED_BYTES: u64 = 64 << 20;
+
+/// Chunks of MCAP files.
+pub const MCAP_CHUNK_BYTES: Ceiling = Ceiling {
+    what: "a record or chunk of an MCAP file, before compression",
+    most: 256 << 20,
+    unit: "bytes",
+    why: "chunks have some megabytes",
+};
+
+/// The ceilings that docs/data.md lists.
+pub const CEILINGS: [&Ceiling; 10] = [
+    &TEXT_BYTES,
+    &JSON_BYTES,
+    &CSV_BYTES,
+    &TABLE_ROWS,
+    &ROWS_PER_BYTE,
+    &TRIAL_SAMPLES,
+    &NAME_BYTES,
+    &TEXT_COLUMN_BYTES,
+    &EXPANSION,
+    &MCAP_CHUNK_BYTES,
+];
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -122,5 +266,30 @@ mod tests {
             assert_eq!(short(value), text);
         }
         assert_eq!((short(f64::NAN), short(f64::INFINITY)), ("NaN".into(), "inf".into()));
+    }
+
+    /// Tests that `docs/data.md` lists the limits as they are. After a change, the left side of the failing assertion is
+    /// the new text.
+    #[test]
+    fn the_document_lists_the_limits() {
+        let row = |ceiling: &&Ceiling| {
+            let Ceiling { what, most, unit, why } = ceiling;
+            format!("| {what} | {most} {unit} | {why} |\n")
+        };
+        let rows: String = CEILINGS.iter().map(row).collect();
+        let expected = format!("| what | at most | why this is enough |\n|---|---|---|\n{rows}");
+        let document = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/data.md");
+        let document = std::fs::read_to_string(document).unwrap();
+        let (_, listed) = document.split_once("<!-- limits -->\n\n").unwrap();
+        assert_eq!(
+            expected,
+            listed
+                .split_inclusive("|\n\n")
+                .next()
+                .unwrap()
+                .trim_end_matches('\n')
+                .to_owned()
+                + "\n"
+        );
     }
 }

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use underbrush_classifier::Model;
 use underbrush_experiments::definition::Experiment;
 use underbrush_experiments::experiment::campaigns;
 use underbrush_experiments::files::{write, write_json};
@@ -50,7 +49,7 @@ impl Reproduction<'_> {
             write_trials(path, trials.iter().cloned()).map_err(ExperimentError::from)?;
         }
         let models = session.once(models::run)?;
-        let text = Model::new(Box::new(models.0.clone())).save_string();
+        let text = models.model(&session)?.save_string();
         write(&out.join("model.json"), text.map_err(ExperimentError::from)?.as_bytes())?;
         let results = Results::of(&session)?;
         write_json(&out.join("summary.json"), &results)?;

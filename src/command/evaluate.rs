@@ -13,6 +13,7 @@ use underbrush_classifier::evaluate::{
     AccuracyBySamples, Evaluation, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
     evaluate,
 };
+use underbrush_experiments::model_data;
 use underbrush_recording::{InputError, Trial};
 
 use super::decision_arguments::{DecisionArguments, Scores};
@@ -198,16 +199,21 @@ impl Options {
         }
     }
 
-    /// Refuses to test on the input that is fitted to, under whatever name: the accuracy would be that on training data.
+    /// Refuses to test on the input that is fitted to, under whatever name and in whatever copy: the accuracy would be
+    /// that on training data.
     fn check_apart(&self) -> Result<(), Failure> {
         let Some(train) = &self.train else { return Ok(()) };
-        let Ok(place) = std::fs::canonicalize(train) else {
-            // There is no such file; reading it will say so.
-            return Ok(());
+        let allowed = "a data set (folder), recording or table of trials";
+        let content = |path: &PathBuf| -> Result<String, Failure> {
+            input::check_exists(path, allowed)?;
+            Ok(model_data::of_path(path)?.blake3)
         };
-        let mut tested = self.trials.iter();
-        if tested.any(|path| std::fs::canonicalize(path).is_ok_and(|own| own == place)) {
-            let found = "the same input to fit on and to test on";
+        let fitted = content(train)?;
+        for path in &self.trials {
+            if content(path)? != fitted {
+                continue;
+            }
+            let found = "the same data to fit on and to test on";
             let allowed = "other data than TRIALS, because the accuracy on data that were fitted to is too high";
             let remedy = "give other data, or leave out --train to cross-validate";
             return Err(InputError::new(train, "--train", found, allowed, remedy).into());

@@ -5,13 +5,16 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
+use serde_json::json;
 use underbrush_classifier::any_model;
 use underbrush_classifier::decision::Rule;
 use underbrush_classifier::estimator::{Classifier, Estimator};
 use underbrush_classifier::evaluate::{ChosenThresholds, Folds, HeldOut, ThresholdError, ThresholdTargets};
 use underbrush_classifier::hmm::Stop;
-use underbrush_classifier::{HmmClassifier, Model, ModelError, TrainingReport, is_trained};
+use underbrush_classifier::{DataKind, HmmClassifier, Model, ModelError, Provenance, TrainingReport, is_trained};
+use underbrush_experiments::model_data;
 use underbrush_recording::Trial;
+use underbrush_recording::disk::file_blake3;
 
 use super::estimator_arguments::EstimatorArguments;
 use super::overwrite::Overwrite;
@@ -120,10 +123,8 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let report = report(model.classifier.as_ref(), &trials);
     let thresholds = thresholds(&options, path, estimator.as_ref(), &trials)?;
     model.decision = thresholds.as_ref().map(|chosen| chosen.decision.clone());
-    model.provenance.insert(
-        "program".into(),
-        concat!("underbrush ", env!("CARGO_PKG_VERSION")).into(),
-    );
+    model.provenance = options.provenance(path)?;
+    model.warn_of_little_data();
     output::write_file(&options.out, model.save_string()?.as_bytes())?;
     output::result(
         json,
@@ -142,10 +143,27 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     )
 }
 
+impl Options {
+    /// Where the model comes from.
+    fn provenance(&self, path: &Path) -> Result<Provenance, Failure> {
+        let source = model_data::of_path(path)?;
+        let is_table = source.kind == DataKind::Trials;
+        let start = self.start.as_deref().map(file_blake3).transpose()?;
+        let options = json!({
+            "by": if is_table { None } else { Some(self.cut.unit()?) },
+            "trials": if is_table { json!({ "min_samples": self.cut.min_samples() }) } else { json!(self.cut.options()) },
+            "training": self.start.as_ref().map(|_| self.estimator.training()),
+            "start_blake3": start,
+            "false_positive_rate": self.false_positive_rate,
+            "outlier_prior": self.false_positive_rate.map(|_| self.outlier_prior),
+        });
+        Ok(model_data::provenance(options, vec![source]))
+    }
+}
+
 /// The models of a file, trained further.
 fn continued(options: &Options, start: &Path, path: &Path, trials: &[Trial]) -> Result<Model, Failure> {
     let start = any_model::load_of_trials(start)?;
-    let provenance = start.provenance.clone();
     let models = start.into_hmm().map_err(|_| {
         Failure::usage(
             "--start continues the training of hidden Markov models only; give such a model, or leave it out",
@@ -153,10 +171,7 @@ fn continued(options: &Options, start: &Path, path: &Path, trials: &[Trial]) -> 
     })?;
     let trained = HmmClassifier::train_from(models, trials, &options.estimator.training());
     let (models, _) = trained.map_err(|error| about(path, error))?;
-    Ok(Model {
-        provenance,
-        ..Model::new(Box::new(models))
-    })
+    Ok(Model::new(Box::new(models)))
 }
 
 /// An error about the trials, unless an option is at fault.

@@ -5,7 +5,7 @@ use std::fs;
 use underbrush_recording::disk::{read_trials, write_trials};
 
 use crate::support::fixture::fixture;
-use crate::support::underbrush;
+use crate::support::{copy_tree, underbrush};
 
 /// Pins that cross-validation gives the same result for the data set and for both tables.
 #[test]
@@ -154,18 +154,23 @@ fn fitted_to_one_table_and_tested_on_another() {
     assert_ne!(logistic(odd, even)["predictions"], logistic(even, odd)["predictions"]);
 }
 
-/// Pins that an input is not judged by what was fitted to it, under whatever name, and that cross-validation is named
+/// Pins that an input is not judged by what was fitted to it, under whatever name and in whatever copy, and that cross-validation is named
 /// as the remedy: a table by a classifier of trials, and a data set, also beside others, by the classifier touch.
 #[test]
 fn an_input_is_not_fitted_to_and_tested_on() {
     let (set, table) = (fixture().dataset(), fixture().table_csv());
     let same_table = table.parent().unwrap().join(".").join(table.file_name().unwrap());
     let same_set = set.join("meta/..");
-    let parts = ["--train: found the same input", "leave out --train to cross-validate"];
-    for train in [&table, &same_table] {
+    let folder = tempfile::tempdir().unwrap();
+    let [copied_table, copied_set] = ["copy.csv", "copy"].map(|name| folder.path().join(name));
+    std::fs::copy(&table, &copied_table).unwrap();
+    copy_tree(&set, &copied_set);
+    let parts = ["--train: found the same data", "leave out --train to cross-validate"];
+    for train in [&table, &same_table, &copied_table] {
         underbrush!["evaluate", table, "--train", train, "--classifier", "naive-bayes"].refused(&parts);
     }
     underbrush!["evaluate", set, "--train", same_set].refused(&parts);
+    underbrush!["evaluate", set, "--train", copied_set].refused(&parts);
     #[rustfmt::skip]
     underbrush!["evaluate", fixture().table_csv(), set, "--classifier", "touch", "--train", same_set].refused(&parts);
 }

@@ -4,6 +4,9 @@
 use std::fs;
 use std::path::Path;
 
+use underbrush_classifier::any_model::{self, AnyModel};
+
+use super::touch;
 use crate::support::fixture::{fixture, recording_with_trials};
 use crate::support::{copy_tree, tree, underbrush};
 
@@ -78,5 +81,29 @@ fn no_flipped_bit_of_a_file_is_read_without_a_word() {
             }
         }
         assert_eq!(unnoticed, [""; 0], "of {FLIPS} flips");
+    }
+}
+
+/// Tests that a model of either kind with a flipped bit is refused, or is read as the model that it was.
+#[test]
+fn no_flipped_bit_changes_a_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("model.json");
+    for model in [fixture().model(), touch::model()] {
+        let whole = fs::read(model).unwrap();
+        let mut refused = 0;
+        for number in 0..60 {
+            let place = flip(&path, &whole, number);
+            let text = match any_model::load(&path) {
+                Ok(AnyModel::OfTrials(model)) => model.save_string(),
+                Ok(AnyModel::Touch(model)) => model.save_string(),
+                Err(_) => {
+                    refused += 1;
+                    continue;
+                }
+            };
+            assert_eq!(text.unwrap().as_bytes(), whole, "{place}");
+        }
+        assert!(refused >= 40, "{refused} of 60");
     }
 }

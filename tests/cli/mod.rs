@@ -11,8 +11,10 @@ mod failures;
 mod flips;
 mod generate;
 mod inspect;
+mod kept;
 mod live;
 mod merge;
+mod models;
 #[cfg(feature = "onnx")]
 mod onnx;
 mod oracle;

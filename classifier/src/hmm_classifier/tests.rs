@@ -1,9 +1,12 @@
+use std::collections::BTreeMap;
+
 use underbrush_recording::InputError;
 
 use super::*;
 use crate::decision::Decision;
 use crate::hmm::TrainingOptions;
 use crate::model_file::Model;
+use crate::provenance::Provenance;
 
 const MINIMAL: &str = r#"{
   "format": "underbrush-model/1",
@@ -65,7 +68,10 @@ fn what_is_written_is_read_back_bit_for_bit() {
     set.training = BTreeMap::from([("leaf".to_owned(), history)]);
     let model = Model {
         decision: Some(Decision::paper()),
-        provenance: BTreeMap::from([("seed".to_owned(), "\"1\"\n".to_owned())]),
+        provenance: Provenance {
+            further: BTreeMap::from([("seed".to_owned(), "\"1\"\n".into())]),
+            ..Provenance::default()
+        },
         ..Model::new(Box::new(set.clone()))
     };
     let text = model.save_string().unwrap();

@@ -1,29 +1,31 @@
 //! Model files: JSON of format `underbrush-model/1`, one layout for all classifiers, exact to the last bit.
 //!
-//! The key `classifier` names the kind of classifier; a file without it holds hidden Markov models. The keys `decision`
-//! and `provenance` mean the same in all files; the other keys belong to the classifier. Unknown keys are skipped, so
-//! users can add their own.
+//! The key `classifier` names the kind of classifier; a file without it holds hidden Markov models. The keys `decision`,
+//! `provenance` and `blake3` mean the same in all files; the other keys belong to the classifier. Unknown keys are
+//! skipped, so users can add their own.
 
 mod decision;
-mod json;
 
 use std::any::Any;
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde_json::{Value, json};
+use underbrush_recording::limits::JSON_BYTES;
 use underbrush_recording::{InputError, read_text};
 
 use crate::decision::Decision;
 use crate::document::{Document, FORMAT};
 use crate::error::ModelError;
 use crate::estimator::{Classifier, ClassifierKind};
+use crate::file_text;
 use crate::hmm::ScoreKind;
 use crate::hmm_classifier::{self, HmmClassifier};
+use crate::provenance::Provenance;
 use crate::registry::{self, CLASSIFIERS};
+use crate::seal;
 
 /// What a model file holds.
 ///
@@ -65,14 +67,14 @@ pub struct Model {
     pub classifier: Box<dyn Classifier>,
     /// Priors and thresholds for classification, if the file has them.
     pub decision: Option<Decision>,
-    /// Where the model comes from, as free text by key (program, data set, seed).
-    pub provenance: BTreeMap<String, String>,
+    /// Where the model comes from.
+    pub provenance: Provenance,
 }
 
 /// A model file: the keys of all classifiers, and those of the classifier that the file names. Other keys are skipped.
 /// Whether the sizes agree with each other is checked when the file is read.
 #[derive(Deserialize, JsonSchema)]
-#[schemars(rename = "ModelFile")]
+#[schemars(rename = "ModelFile", transform = seal::describe)]
 struct Head {
     /// The format of the file.
     #[schemars(extend("const" = FORMAT))]
@@ -83,35 +85,18 @@ struct Head {
     classifier: Option<String>,
     /// Priors and thresholds to classify with.
     decision: Option<Decision>,
-    /// Where the model comes from, as free text by key.
+    /// Where the model comes from.
     #[serde(default)]
-    provenance: BTreeMap<String, String>,
+    provenance: Provenance,
 }
-
-/// The order of keys in a file: short entries first, for readability.
-const ORDER: [&str; 12] = [
-    "format",
-    "classifier",
-    "categories",
-    "features",
-    "recipe",
-    "options",
-    "decision",
-    "scaling",
-    "models",
-    "parameters",
-    "training",
-    "provenance",
-];
 
 impl Model {
     /// A model without decision and provenance.
     pub fn new(classifier: Box<dyn Classifier>) -> Self {
-        let (decision, provenance) = (None, BTreeMap::new());
         Model {
             classifier,
-            decision,
-            provenance,
+            decision: None,
+            provenance: Provenance::default(),
         }
     }
 
@@ -119,10 +104,10 @@ impl Model {
     ///
     /// # Errors
     /// [`ModelError::Input`] with the field, such as `models.leaf.transition[2]`, and with the line if a value has the
-    /// wrong type or the file is not JSON.
+    /// wrong type or the file is not JSON. A file whose content does not match its seal is refused.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, ModelError> {
         let path = path.as_ref();
-        let text = read_text(path, "a readable model file", "check the path")?;
+        let text = read_text(path, &JSON_BYTES, "a readable model file", "check the path")?;
         Self::from_json(path, &text)
     }
 
@@ -147,6 +132,7 @@ impl Model {
         if let Some(decision) = &head.decision {
             decision::check(&document, decision, &classifier.categories())?;
         }
+        document.check_seal()?;
         Ok(Model {
             classifier,
             decision: head.decision,
@@ -165,10 +151,25 @@ impl Model {
         if Self::from_json("the model to be written", &text)?.text() == text {
             return Ok(text);
         }
-        Err(ModelError::Mismatch {
-            found: "a model that changes when it is written and read".into(),
-            allowed: "finite numbers".into(),
-        })
+        Err(ModelError::unwritable())
+    }
+
+    /// Warns of a fit that cannot tell anything apart, or that has more parameters than data.
+    pub fn warn_of_little_data(&self) {
+        warn_of_one_category(&self.classifier.categories());
+        let (Some(models), Some(training)) = (self.as_hmm(), self.classifier.training()) else {
+            return;
+        };
+        for (category, scorer) in models.models() {
+            let samples = training.get(category).map_or(usize::MAX, |history| history.samples);
+            let states = scorer.model().state_count();
+            if states > samples {
+                log::warn!(
+                    "warning: the model of {category} has {states} states and was fitted to {samples} samples; \
+                     use fewer states or more trials"
+                );
+            }
+        }
     }
 
     fn text(&self) -> String {
@@ -181,13 +182,7 @@ impl Model {
         entries.push(("format", json!(FORMAT)));
         entries.push(("decision", json!(self.decision)));
         entries.push(("provenance", json!(self.provenance)));
-        entries.retain(|(_, value)| !value.is_null() && *value != json!({}));
-        entries.sort_by_key(|(key, _)| ORDER.iter().position(|known| known == key));
-        let mut text = String::new();
-        let entries: Vec<(&str, &Value)> = entries.iter().map(|(key, value)| (*key, value)).collect();
-        json::write_object(entries.into_iter(), 0, &mut text);
-        text.push('\n');
-        text
+        file_text::sealed(entries)
     }
 
     /// The hidden Markov models, if the classifier is of that kind.
@@ -246,6 +241,16 @@ pub fn schema() -> Schema {
     let mut schema = generator.into_root_schema_for::<Head>();
     schema.insert("allOf".into(), kinds.into());
     schema
+}
+
+/// Warns of a model that knows a single category.
+pub(crate) fn warn_of_one_category(categories: &[String]) {
+    if let [category] = categories {
+        log::warn!(
+            "warning: all trials or contacts that were fitted are of the category {category}, so the model calls \
+             everything {category}; add data of another category"
+        );
+    }
 }
 
 fn not_hmm(name: &str) -> ModelError {

@@ -12,6 +12,7 @@ use super::networks::{category_network, touched_network};
 use super::risk::RiskLimits;
 use super::rows::{FOLDS, TouchExamples};
 use crate::error::ModelError;
+use crate::provenance::Provenance;
 
 impl TouchExamples {
     /// Fits a model. Probabilities are calibrated, and limits chosen, on reaches that are held out in turn; the model
@@ -102,6 +103,7 @@ impl TouchExamples {
             categories,
             touched,
             usual,
+            provenance: Provenance::default(),
         })
     }
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 use underbrush_recording::InputError;
 use underbrush_recording::limits::{self, Limits};
 
@@ -15,7 +16,11 @@ use super::options::TouchOptions;
 use super::taxel::TAXEL_FEATURE_COUNT;
 use super::usual::Usual;
 use crate::document::{Document, Head};
-use crate::error::check_limits;
+use crate::error::{ModelError, check_limits};
+use crate::file_text;
+use crate::model_file::warn_of_one_category;
+use crate::provenance::Provenance;
+use crate::seal;
 
 /// Forces above which a taxel is in contact.
 const THRESHOLD_N: Limits = Limits::new(0.0, limits::FORCE_N.max, "N");
@@ -23,9 +28,9 @@ const THRESHOLD_N: Limits = Limits::new(0.0, limits::FORCE_N.max, "N");
 /// The format of the file.
 pub const TOUCH_FORMAT: &str = "underbrush-touch/1";
 
-/// The parts of a touch model: two networks, the usual contacts, and a decision.
+/// The parts of a touch model: two networks, the usual contacts, and a decision. Other keys of a file are skipped.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[schemars(transform = seal::describe)]
 pub struct TouchModel {
     /// The format of the file.
     #[schemars(extend("const" = TOUCH_FORMAT))]
@@ -37,6 +42,9 @@ pub struct TouchModel {
     pub(super) categories: Vec<String>,
     /// From probabilities to verdicts.
     pub decision: TouchDecision,
+    /// Where the model comes from.
+    #[serde(default)]
+    pub provenance: Provenance,
     /// From the features of a taxel to the probabilities of nothing and of a touch.
     pub(super) touched: Calibrated,
     /// From the features of a touched region to the probabilities of the categories.
@@ -71,6 +79,11 @@ impl Calibrated {
 }
 
 impl TouchModel {
+    /// Warns of a fit that cannot tell anything apart.
+    pub fn warn_of_little_data(&self) {
+        warn_of_one_category(&self.categories);
+    }
+
     /// The known categories in alphabetical order: the order of all probabilities.
     pub fn categories(&self) -> &[String] {
         &self.categories
@@ -91,14 +104,35 @@ impl TouchModel {
         self.usual.distance(&course.description())
     }
 
-    /// The model as the text of its file.
+    /// The model as the text of its file. It is read back here, to make sure that it gives the same model bit for bit.
     ///
     /// # Errors
-    /// If a number is not finite.
-    pub fn to_json(&self) -> Result<String, serde_json::Error> {
-        let mut text = serde_json::to_string_pretty(self)?;
-        text.push('\n');
-        Ok(text)
+    /// [`ModelError`] if a number set by hand is not finite or outside the range that model files allow.
+    pub fn save_string(&self) -> Result<String, ModelError> {
+        let TouchModel {
+            format,
+            options,
+            categories,
+            decision,
+            provenance,
+            touched,
+            category,
+            usual,
+        } = self;
+        let text = file_text::sealed(vec![
+            ("format", json!(format)),
+            ("options", json!(options)),
+            ("categories", json!(categories)),
+            ("decision", json!(decision)),
+            ("provenance", json!(provenance)),
+            ("touched", json!(touched)),
+            ("category", json!(category)),
+            ("usual", json!(usual)),
+        ]);
+        if Self::from_json("the model to be written", &text)? == *self {
+            return Ok(text);
+        }
+        Err(ModelError::unwritable())
     }
 
     /// Reads and checks the text of a file; the path is for errors only.
@@ -146,6 +180,7 @@ impl TouchModel {
             let found = "a distance below the one before it";
             return Err(document.error("usual.distances", found, "distances in ascending order"));
         }
+        document.check_seal()?;
         Ok(model)
     }
 

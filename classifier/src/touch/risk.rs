@@ -13,18 +13,22 @@
 //! was fitted to the other fold, and the final model is fitted to all reaches. So the bound is not proven here;
 //! docs/results.md has measurements.
 
+use serde::Serialize;
+
 use super::decision::TouchDecision;
 use crate::error::ModelError;
 
 /// The largest allowed shares of bad verdicts in a new reach, on average over reaches. The shares refer to the taxel
 /// frames on which a known category presses.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct RiskLimits {
     /// The share whose region is called another known category. The largest cost of an uncertain verdict within this
     /// limit is chosen, so that as few verdicts as possible are uncertain.
+    #[serde(rename = "limit_wrong")]
     pub wrong: Option<f64>,
     /// The share whose region is called unknown. The largest share of false alarms within this limit is chosen, so that
     /// as many unknown objects as possible are found.
+    #[serde(rename = "limit_false_alarms")]
     pub false_alarms: Option<f64>,
 }
 

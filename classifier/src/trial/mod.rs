@@ -8,6 +8,7 @@ mod tracking;
 mod travel;
 mod trial_list;
 
+use serde::Serialize;
 use thiserror::Error;
 use trial_list::{OpenTrial, TrialList, knows_truth};
 use underbrush_recording::{Recording, Sample};
@@ -20,7 +21,8 @@ pub(crate) use travel::Travel;
 pub use trial_list::ContactTrial;
 
 /// How a trial gets its category.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Labels {
     /// From the object that touched the skin during most of its samples; none if nothing did.
     Contact,
@@ -31,7 +33,7 @@ pub enum Labels {
 }
 
 /// How trials are cut from a recording.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrialOptions {
     /// Name of the patch; the skin's first if `None`. The paper classifies on the forearm only, which is Cody's first
     /// patch.

@@ -1,14 +1,13 @@
 //! Frames from a CSV file: a row is a frame, and each taxel has a column.
 
-use std::io::Read;
 use std::path::Path;
 
-use underbrush_recording::InputError;
-use underbrush_recording::disk::DiskError;
+use underbrush_recording::limits::CSV_BYTES;
+use underbrush_recording::{InputError, read_bytes};
 
+use super::Mapping;
 use super::cutter::{Cutter, Place};
 use super::mapping::TAXEL;
-use super::{Mapping, opened};
 use crate::ExchangeError;
 
 /// The indices of the columns.
@@ -77,12 +76,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
             .fault("time.from", "nothing".into(), "the column of the times, or `rate_hz`")
             .into());
     }
-    let mut text = Vec::new();
-    opened(path)?.read_to_end(&mut text).map_err(|source| DiskError::Io {
-        path: path.to_path_buf(),
-        action: "read",
-        source,
-    })?;
+    let text = read_bytes(path, &CSV_BYTES, "a readable file", "check the path")?;
     let unreadable = |error: csv::Error| {
         let line = error.position().map_or(1, |position| line_of(&text, position));
         let remedy = "repair the file, or write it again as UTF-8 with one row per line";

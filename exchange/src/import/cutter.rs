@@ -114,17 +114,20 @@ impl<'a> Cutter<'a> {
                 let field = format!("force of taxel {taxel}");
                 return Err(self.error(line, &field, force_n, limits::FORCE_N.to_string(), remedy));
             }
-            self.sample(taxel, time_s, force_n);
+            let samples = self.sample(taxel, time_s, force_n);
+            let within = limits::TRIAL_SAMPLES.check(&self.path, "samples", samples as u64);
+            within.map_err(|error| error.at_line(line))?;
         }
         self.frames += 1;
         Ok(())
     }
 
-    fn sample(&mut self, taxel: usize, time_s: f64, force_n: f64) {
+    /// Adds a sample of a taxel, and returns how many its contact has now.
+    fn sample(&mut self, taxel: usize, time_s: f64, force_n: f64) -> usize {
         if force_n <= self.mapping.threshold_n {
             let ended = self.open[taxel].take();
             self.keep(ended);
-            return;
+            return 0;
         }
         let trial = self.open[taxel].get_or_insert_with(|| Trial {
             trial: 0,
@@ -141,6 +144,7 @@ impl<'a> Cutter<'a> {
             region: None,
             touched: None,
         });
+        trial.samples.len()
     }
 
     fn keep(&mut self, trial: Option<Trial>) {

@@ -4,14 +4,14 @@ use std::path::Path;
 
 use hdf5_pure::{AttrValue, Dataset, File, Group};
 use underbrush_recording::InputError;
-use underbrush_recording::limits::MAX_TAXELS;
+use underbrush_recording::limits::{self, MAX_TAXELS};
 
 use super::cutter::{Cutter, Place};
 use super::{Mapping, opened};
 use crate::ExchangeError;
 
-/// Rows that are read together. Choice: some megabytes.
-const ROWS_PER_READ: u64 = 1024;
+/// Numbers that are read together. Choice: some megabytes.
+const NUMBERS_PER_READ: u64 = 1 << 20;
 
 /// An error about the file.
 fn broken(path: &Path, cause: impl ToString) -> InputError {
@@ -75,6 +75,17 @@ impl<'a> Numbers<'a> {
         }
     }
 
+    /// Checks what the dataset declares to hold against the length of the file: its numbers and one chunk of them.
+    fn check_size(&self, path: &Path, file_bytes: u64) -> Result<(), InputError> {
+        let shape = self.data.shape().map_err(|error| broken(path, error))?;
+        let chunk = self.data.chunk_shape().map_err(|error| broken(path, error))?;
+        for shape in [Some(shape), chunk].into_iter().flatten() {
+            let bytes = shape.into_iter().fold(8, u64::saturating_mul);
+            limits::check_expansion(path, &self.name, bytes, file_bytes)?;
+        }
+        Ok(())
+    }
+
     /// The numbers of `count` rows from row `first`, `width` in each row.
     fn rows(
         &self,
@@ -134,7 +145,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
             .fault("time.from", "nothing".into(), "the dataset of the times, or `rate_hz`")
             .into());
     }
-    opened(path)?;
+    let length = opened(path)?.metadata().map_err(|error| broken(path, error))?.len();
     let file = File::open_streaming(path).map_err(|error| broken(path, error))?;
     for (reach, group) in (0..).zip(reaches(path, mapping, &file)?) {
         let from = &mapping.force.from;
@@ -154,11 +165,13 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
                     .into());
             }
         };
+        forces.check_size(path, length)?;
         let times = match &mapping.time.from {
             Some(from) => Some(Numbers::open(path, mapping, &file, "time.from", from, &group)?),
             None => None,
         };
         if let Some(times) = &times {
+            times.check_size(path, length)?;
             let shape = times.data.shape().map_err(|error| broken(path, error))?;
             if shape != [frames] {
                 let found = format!("{:?}, whose shape is {shape:?}", times.name);
@@ -170,7 +183,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
         let category = category(path, mapping, &file, &group)?;
         let mut first = 0;
         while first < frames {
-            let count = ROWS_PER_READ.min(frames - first);
+            let count = (NUMBERS_PER_READ / taxels as u64).clamp(1, frames - first);
             let readings = forces.rows(path, mapping, first, count, taxels)?;
             let times_s = match &times {
                 Some(times) => times.rows(path, mapping, first, count, 1)?,

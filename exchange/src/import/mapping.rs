@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
-use underbrush_recording::limits::short;
+use underbrush_recording::limits::{TEXT_BYTES, short};
 use underbrush_recording::{InputError, Limits, read_text};
 
 use crate::ExchangeError;
@@ -156,7 +156,7 @@ impl Mapping {
     /// # Errors
     /// [`ExchangeError::Input`] with line and field if its content is not allowed, or if it cannot be read.
     pub fn load(path: &Path) -> Result<Self, ExchangeError> {
-        let text = read_text(path, "a mapping file (TOML, UTF-8)", "check the path")?;
+        let text = read_text(path, &TEXT_BYTES, "a mapping file (TOML, UTF-8)", "check the path")?;
         Ok(Mapping::parse(path, text)?)
     }
 

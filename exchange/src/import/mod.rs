@@ -13,12 +13,10 @@ mod message;
 mod tests;
 
 use std::fs::File;
-use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use underbrush_recording::disk::DiskError;
-use underbrush_recording::{InputError, Trial};
+use underbrush_recording::{InputError, Trial, open_regular};
 
 use crate::ExchangeError;
 use cutter::Cutter;
@@ -38,17 +36,7 @@ pub struct Imported {
 
 /// Opens a file that the user named.
 fn opened(path: &Path) -> Result<File, ExchangeError> {
-    File::open(path).map_err(|source| match source.kind() {
-        ErrorKind::NotFound | ErrorKind::NotADirectory => {
-            InputError::new(path, "file", "no such file", "a readable file", "check the path").into()
-        }
-        _ => DiskError::Io {
-            path: path.to_path_buf(),
-            action: "read",
-            source,
-        }
-        .into(),
-    })
+    Ok(open_regular(path, "a readable file", "check the path")?)
 }
 
 /// Cuts trials from a file. Its extension gives the format: `.csv`, `.h5` or `.hdf5`, `.mcap`.

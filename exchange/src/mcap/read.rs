@@ -2,11 +2,9 @@
 
 use std::io::{self, Read};
 
-use super::{Channel, MAGIC, Schema, code};
+use underbrush_recording::limits::MCAP_CHUNK_BYTES;
 
-/// Bytes of the longest record, and of the largest chunk before compression. Choice: chunks have some megabytes; a
-/// damaged length must not take all memory.
-const LONGEST: u64 = 1 << 28;
+use super::{Channel, MAGIC, Schema, code};
 
 /// What is wrong with a file.
 #[derive(Debug)]
@@ -105,7 +103,7 @@ fn decompressed(content: &[u8]) -> Result<Vec<u8>, Fault> {
     let compression = content.text()?;
     let length = content.u64()?;
     let records = content.take(usize::try_from(length).unwrap_or(usize::MAX))?;
-    if size > LONGEST {
+    if size > MCAP_CHUNK_BYTES.most {
         return Err(Fault::broken(format!("a chunk of {size} bytes")));
     }
     let records = match compression.as_str() {
@@ -149,7 +147,7 @@ impl<R: Read> Reader<R> {
             let mut head = [0; 9];
             self.fill(&mut head)?;
             let (code, length) = (head[0], Content(&head[1..]).u64()?);
-            if length > LONGEST {
+            if length > MCAP_CHUNK_BYTES.most {
                 return Err(Fault::broken(format!("a record of {length} bytes")).into());
             }
             let mut content = Vec::new();

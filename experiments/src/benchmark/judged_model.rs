@@ -13,7 +13,7 @@ use underbrush_classifier::evaluate::NOTHING;
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_classifier::touch::{TouchClassifier, TouchModel};
 use underbrush_classifier::trial::PatchImage;
-use underbrush_recording::disk::DiskError;
+use underbrush_recording::disk::file_blake3;
 use underbrush_recording::{Category, Frame, InputError, Recording, SkinLayout};
 
 use super::contacts::{Answer, Class, Contact, OpenContact, SILENCE};
@@ -44,14 +44,7 @@ impl JudgedModel {
     /// If it cannot be read, does not know both leaf and trunk, or judges another patch.
     pub fn load(path: &Path) -> Result<Self, ExperimentError> {
         let model = any_model::load(path)?;
-        let unreadable = |source| DiskError::Io {
-            path: path.to_path_buf(),
-            action: "read",
-            source,
-        };
-        let blake3 = blake3::hash(&std::fs::read(path).map_err(unreadable)?)
-            .to_hex()
-            .to_string();
+        let blake3 = file_blake3(path)?;
         let (classifier, categories, model) = match model {
             AnyModel::Touch(model) => {
                 if let Some(patch) = model.options().patch.as_deref().filter(|patch| *patch != PATCH) {

@@ -20,7 +20,7 @@ use crate::source::Source;
 #[derive(Debug)]
 pub(super) enum Judging {
     /// A classifier of trials, online on each taxel.
-    OfTrials(Model, OnlineOptions),
+    OfTrials(Box<Model>, OnlineOptions),
     /// A classifier of frames, which has its own options.
     Touch(Arc<TouchModel>),
 }
@@ -41,7 +41,7 @@ impl Judging {
                     threshold_n: section.threshold_n.unwrap_or(TrialOptions::default().threshold_n),
                     decision,
                 };
-                Ok(Judging::OfTrials(model, options))
+                Ok(Judging::OfTrials(Box::new(model), options))
             }
         }
     }

@@ -12,7 +12,7 @@ use crate::InputError;
 pub enum DiskError {
     /// A file that was read has content that is not allowed.
     #[error(transparent)]
-    Input(#[from] InputError),
+    Input(InputError),
     /// The operating system failed to read or write.
     #[error("{}: cannot {action}: {source}; check the path, its permissions and the free space", .path.display())]
     Io {
@@ -102,6 +102,20 @@ pub enum DiskError {
         /// How many reaches there are.
         count: usize,
     },
+}
+
+impl From<InputError> for DiskError {
+    /// An input that the operating system failed to read is not bad, and reading it may succeed later.
+    fn from(error: InputError) -> Self {
+        if !error.storage {
+            return DiskError::Input(error);
+        }
+        DiskError::Io {
+            path: error.file,
+            action: "read",
+            source: io::Error::other(error.found),
+        }
+    }
 }
 
 impl DiskError {

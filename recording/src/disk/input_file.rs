@@ -5,7 +5,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use super::DiskError;
-use crate::InputError;
+use crate::open_regular;
 
 /// Whether there is a file or folder at a path. Unlike with [`Path::exists`], a failing disk is an error. Otherwise a
 /// part of a set that could not be read once would be taken for missing, and would be made again or removed.
@@ -29,16 +29,8 @@ pub(super) fn metadata(path: &Path) -> Result<Option<Metadata>, DiskError> {
     }
 }
 
-/// Opens a file that the user named. A missing file or a folder in its place is bad input, not a failure of the disk.
+/// Opens a file that the user named. A missing file, or something else in its place, is bad input and not a failure of
+/// the disk.
 pub(super) fn open_input(path: &Path) -> Result<File, DiskError> {
-    let bad =
-        |found: &str| -> DiskError { InputError::new(path, "file", found, "a readable file", "check the path").into() };
-    let file = File::open(path).map_err(|error| match error.kind() {
-        ErrorKind::NotFound | ErrorKind::NotADirectory => bad("no such file"),
-        _ => DiskError::io(path, "read")(error),
-    })?;
-    if file.metadata().map_err(DiskError::io(path, "read"))?.is_dir() {
-        return Err(bad("a folder"));
-    }
-    Ok(file)
+    Ok(open_regular(path, "a readable file", "check the path")?)
 }

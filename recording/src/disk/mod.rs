@@ -12,6 +12,7 @@
 //! nothing about the run (date, machine, threads) is stored.
 
 mod check;
+mod column_order;
 mod dataset;
 mod dictionary;
 mod error;
@@ -34,7 +35,7 @@ mod whole_file;
 
 pub use dataset::{
     ArmText, Dataset, DatasetCopy, DatasetPlan, DatasetWriter, Episode, FeatureInfo, FileText, Info, PlannedEpisode,
-    Provenance, SceneText, Shard, Shards, remove_dataset,
+    Provenance, SceneText, Shard, Shards, file_blake3, remove_dataset,
 };
 pub use error::DiskError;
 pub use input_file::{is_folder, is_there};

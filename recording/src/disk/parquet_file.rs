@@ -9,23 +9,27 @@ use parquet::arrow::arrow_reader::{
     ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder,
 };
 use parquet::basic::{Compression, Encoding, ZstdLevel};
-use parquet::file::metadata::KeyValue;
+use parquet::file::metadata::{KeyValue, RowGroupMetaData};
 use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesBuilder};
 use parquet::schema::types::ColumnPath;
 
-use super::parquet_input::ParquetInput;
+use super::parquet_input::{ParquetInput, is_text};
 use super::whole_file::{self, TemporaryFile};
-use super::{DiskError, seal};
+use super::{DiskError, column_order, seal};
 use crate::InputError;
 
 /// Number of rows that are encoded or decoded together. With 453 taxels their dense columns take about 15 MB.
 pub(super) const ROWS_PER_BATCH: usize = 1024;
+
+/// Most text that a batch may decode to, bytes.
+const TEXT_PER_BATCH_BYTES: i64 = 64 << 20;
 
 /// The column with the episode of a row.
 pub(super) const EPISODE_COLUMN: &str = "episode_index";
 
 /// How the columns are encoded before compression: integers, which mostly count up, as differences; text by dictionary,
 /// because it repeats; single precision, which is used for poses that change little from row to row, by byte streams.
+/// fastparquet cannot read byte streams, but a set of leaves would be 13 % larger without them.
 fn encodings(schema: &SchemaRef) -> WriterPropertiesBuilder {
     let mut builder = WriterProperties::builder();
     for field in schema.fields() {
@@ -102,9 +106,10 @@ impl ParquetFile {
     /// Writes the footer and gives the file its name.
     pub(super) fn close(self) -> Result<(), DiskError> {
         let mut temporary = self.writer.into_inner().map_err(DiskError::encode(&self.path))?;
-        if self.sealed {
-            seal::seal(temporary.as_file_mut()).map_err(DiskError::io(&self.path, "write"))?;
-        }
+        let file = temporary.as_file_mut();
+        column_order::declare_usual(file)
+            .and_then(|()| if self.sealed { seal::seal(file) } else { Ok(()) })
+            .map_err(DiskError::io(&self.path, "write"))?;
         whole_file::commit(temporary, &self.path)
     }
 }
@@ -122,7 +127,9 @@ pub(super) fn write_table(
 
 /// Reads the footer of a Parquet file.
 pub(super) fn read_footer(file: &ParquetInput) -> Result<ArrowReaderMetadata, DiskError> {
-    file.decode(|| ArrowReaderMetadata::load(file, ArrowReaderOptions::default()))
+    let footer = file.decode(|| ArrowReaderMetadata::load(file, ArrowReaderOptions::default()))?;
+    file.check_sizes(footer.metadata())?;
+    Ok(footer)
 }
 
 /// The builder of a reader of a file.
@@ -132,6 +139,7 @@ pub(super) type Builder = ParquetRecordBatchReaderBuilder<ParquetInput>;
 pub(super) fn open(path: &Path, options: ArrowReaderOptions) -> Result<(ParquetInput, Builder), DiskError> {
     let file = ParquetInput::open(path)?;
     let builder = file.decode(|| Builder::try_new_with_options(file.clone(), options))?;
+    file.check_sizes(builder.metadata())?;
     Ok((file, builder))
 }
 
@@ -144,7 +152,14 @@ pub(super) struct Batches {
 impl Batches {
     /// Starts to read.
     pub(super) fn new(file: ParquetInput, builder: Builder) -> Result<Self, DiskError> {
-        let reader = file.decode(|| builder.with_batch_size(ROWS_PER_BATCH).build())?;
+        let groups = builder.metadata().row_groups().iter();
+        let texts = groups
+            .flat_map(RowGroupMetaData::columns)
+            .filter(|column| is_text(column));
+        let largest = texts.map(|column| column.uncompressed_size()).max().unwrap_or(0);
+        // A dictionary may hold one long text that every row repeats.
+        let rows = usize::try_from(TEXT_PER_BATCH_BYTES / largest.max(1)).unwrap_or(1);
+        let reader = file.decode(|| builder.with_batch_size(rows.clamp(1, ROWS_PER_BATCH)).build())?;
         Ok(Batches {
             file,
             reader: Some(reader),

@@ -10,12 +10,14 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use bytes::Bytes;
+use parquet::basic::Type;
 use parquet::errors::ParquetError;
+use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData};
 use parquet::file::reader::{ChunkReader, Length};
 
 use super::DiskError;
 use super::input_file::open_input;
-use crate::InputError;
+use crate::{InputError, limits};
 
 /// The file. Clones share it.
 #[derive(Clone)]
@@ -66,6 +68,34 @@ impl ParquetInput {
         }
     }
 
+    /// Checks what the footer says about the size of the content, before anything is decoded.
+    pub(super) fn check_sizes(&self, footer: &ParquetMetaData) -> Result<(), DiskError> {
+        let size = |number: i64| u64::try_from(number).unwrap_or(u64::MAX);
+        let groups = footer.row_groups();
+        let rows = groups.iter().map(|group| size(group.num_rows()));
+        let rows = rows
+            .fold(0, u64::saturating_add)
+            .max(size(footer.file_metadata().num_rows()));
+        limits::TABLE_ROWS.check(&self.path, "rows", rows)?;
+        if rows > limits::ROWS_OF_ANY_FILE {
+            limits::ROWS_PER_BYTE.check(&self.path, "rows", rows.div_ceil(self.bytes.max(1)))?;
+        }
+        for group in groups {
+            let mut bytes: u64 = 0;
+            for column in group.columns() {
+                let own = size(column.uncompressed_size());
+                if is_text(column) {
+                    let name = column.column_path().string();
+                    limits::TEXT_COLUMN_BYTES.check(&self.path, &name, own)?;
+                }
+                // Doubles are the widest numbers; repeated ones take less in the file.
+                bytes = bytes.saturating_add(own.max(size(column.num_values()).saturating_mul(8)));
+            }
+            limits::check_expansion(&self.path, "row group", bytes, self.bytes)?;
+        }
+        Ok(())
+    }
+
     fn reader(&self, start: u64) -> io::Result<Reader> {
         let positioned = self.file.try_clone().and_then(|mut file| {
             file.seek(SeekFrom::Start(start))?;
@@ -77,6 +107,11 @@ impl ParquetInput {
             Err(error) => Err(remembered(&failed, error)),
         }
     }
+}
+
+/// Whether a column holds text.
+pub(super) fn is_text(column: &ColumnChunkMetaData) -> bool {
+    matches!(column.column_type(), Type::BYTE_ARRAY | Type::FIXED_LEN_BYTE_ARRAY)
 }
 
 /// Stores the first error.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use serde::de::DeserializeOwned;
-use underbrush_recording::limits::short;
+use underbrush_recording::limits::{TEXT_BYTES, short};
 use underbrush_recording::{InputError, Limits, read_text};
 
 use super::limits::DIRECTION;
@@ -18,7 +18,12 @@ pub(super) struct Source {
 
 /// Reads a file from the disk.
 pub(super) fn read_from_disk(path: &Path) -> Result<String, InputError> {
-    read_text(path, "a readable text file", "check the path and the permissions")
+    read_text(
+        path,
+        &TEXT_BYTES,
+        "a readable text file",
+        "check the path and the permissions",
+    )
 }
 
 /// A list of numbers in brackets, each as short as possible.

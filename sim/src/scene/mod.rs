@@ -4,7 +4,7 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use underbrush_recording::limits::short;
+use underbrush_recording::limits::{TEXT_BYTES, short};
 use underbrush_recording::plain_text::{PLAIN, is_plain};
 use underbrush_recording::{FRAME_PERIOD_S, InputError, read_text};
 
@@ -45,7 +45,7 @@ impl Scene {
     pub fn load(path: impl AsRef<Path>) -> Result<Scene, InputError> {
         let path = path.as_ref();
         let remedy = "check the path; `scenes/` holds examples";
-        let text = read_text(path, "a readable scene file", remedy)?;
+        let text = read_text(path, &TEXT_BYTES, "a readable scene file", remedy)?;
         Scene::parse(path, text)
     }
 

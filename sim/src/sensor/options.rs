@@ -229,6 +229,10 @@ impl SensorOptions {
                 return Some(("dead_taxels".into(), format!("{name:?}"), allowed));
             };
             let count = layout.patches[patch].taxels.len();
+            if taxels.len() > count {
+                let (found, allowed) = (taxels.len(), format!("each of the {count} taxels of {name} once"));
+                return Some(("dead_taxels".into(), format!("{found} taxels"), allowed));
+            }
             let invalid = taxels.iter().find(|taxel| usize::from(**taxel) >= count)?;
             let allowed = format!("0 to {} on {name}", count - 1);
             Some(("dead_taxels".into(), invalid.to_string(), allowed))

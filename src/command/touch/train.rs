@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use serde_json::json;
 use underbrush_classifier::touch::{RiskLimits, TouchDecision, TouchOptions, TouchRows};
+use underbrush_experiments::model_data;
 
 use super::{fit, text};
 use crate::failure::Failure;
@@ -30,9 +32,11 @@ pub fn train(
 ) -> Result<(), Failure> {
     let reaches = Reaches::open(paths)?;
     let examples = fit::examples(&reaches, options)?;
-    let model = fit::fit(&examples, options, limits).map_err(|failure| fit::about(failure, paths))?;
-    let text = model.to_json().map_err(|error| Failure::run(error.to_string()))?;
-    output::write_file(out, text.as_bytes())?;
+    let mut model = fit::fit(&examples, options, limits).map_err(|failure| fit::about(failure, paths))?;
+    model.warn_of_little_data();
+    let sources: Result<Vec<_>, _> = paths.iter().map(|path| model_data::of_path(path)).collect();
+    model.provenance = model_data::provenance(json!(limits), sources?);
+    output::write_file(out, model.save_string()?.as_bytes())?;
     let trained = Trained {
         model: out,
         classifier: "touch",

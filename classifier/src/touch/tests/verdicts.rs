@@ -129,7 +129,7 @@ fn verdicts_allocate_nothing() {
 #[test]
 fn files_are_exact_and_checked() {
     let model = examples().fit().unwrap();
-    let text = model.to_json().unwrap();
+    let text = model.save_string().unwrap();
     assert_eq!(TouchModel::from_json("touch.json", &text).unwrap(), model);
     for (from, to, place) in [
         ("underbrush-touch/1", "underbrush-touch/9", "format"),

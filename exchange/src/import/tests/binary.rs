@@ -365,3 +365,18 @@ fn what_is_missing_or_damaged_in_binary_files_is_named() {
         assert!(outcomes[1] <= 1, "{outcomes:?}: changed forces are not noticed");
     }
 }
+
+/// Tests that an HDF5 file of 1.4 kB that declares 2^40 frames is refused, with the limit, before any is read.
+#[test]
+fn declared_frames_that_the_file_cannot_hold_are_refused() {
+    let (_folder, path) = file("log.h5");
+    std::fs::write(&path, include_bytes!("declared-frames.h5")).unwrap();
+    let error = refused(&path, "[time]\nrate_hz = 100\n[force]\nfrom = \"force\"\n");
+    assert_eq!(error.field, "force");
+    assert!(
+        error
+            .allowed
+            .starts_with("at most 1100 bytes for each byte of the file"),
+        "{error}"
+    );
+}

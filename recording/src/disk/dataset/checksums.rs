@@ -10,7 +10,7 @@ use super::info::read_json;
 use super::names;
 use crate::InputError;
 use crate::disk::DiskError;
-use crate::disk::input_file::{is_there, metadata};
+use crate::disk::input_file::{is_there, metadata, open_input};
 use crate::disk::whole_file::{json_bytes, write_bytes};
 
 /// The remedy for a damaged data set.
@@ -70,6 +70,15 @@ impl FileSum {
             blake3: hasher.finalize().to_hex().to_string(),
         })
     }
+}
+
+/// BLAKE3 hash of a file, hexadecimal.
+///
+/// # Errors
+/// [`DiskError`] if it cannot be read.
+pub fn file_blake3(path: &Path) -> Result<String, DiskError> {
+    open_input(path)?;
+    Ok(FileSum::of_file(path)?.blake3)
 }
 
 impl Checksums {

@@ -1,7 +1,7 @@
 //! `meta/info.json` (LeRobotDataset v3.0) and `meta/provenance.json`.
 
 use std::collections::BTreeMap;
-use std::fs;
+use std::io;
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize, Serializer};
 use super::{DatasetPlan, Provenance};
 use crate::disk::DiskError;
 use crate::disk::features::Feature;
-use crate::{Category, InputError};
+use crate::limits::JSON_BYTES;
+use crate::{Category, InputError, read_bytes};
 
 /// Version of LeRobot's layout that this program writes and reads.
 pub(super) const CODEBASE_VERSION: &str = "v3.0";
@@ -125,9 +126,14 @@ pub(super) struct ProvenanceFile {
 
 /// Reads a JSON file.
 pub(super) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, DiskError> {
-    let bytes = fs::read(path).map_err(DiskError::io(path, "read"))?;
+    let remedy = "copy or generate the data set again";
+    // What is no file here was not made by a person, so it is a failure to read a file of the set.
+    let bytes =
+        read_bytes(path, &JSON_BYTES, "a readable JSON file", remedy).map_err(|error| match path.is_file() {
+            true => error.into(),
+            false => DiskError::io(path, "read")(io::Error::other(error.found)),
+        })?;
     serde_json::from_slice(&bytes).map_err(|error| {
-        let remedy = "copy or generate the data set again";
         let found = error.to_string();
         InputError::new(path, "JSON", found, "the fields that underbrush writes", remedy)
             .at_line(error.line())

@@ -44,6 +44,7 @@ mod writer;
 
 #[cfg(test)]
 pub(super) use card::describe_tables;
+pub use checksums::file_blake3;
 pub use copy::DatasetCopy;
 pub use episode::Episode;
 pub use folder::remove_dataset;

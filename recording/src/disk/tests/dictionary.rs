@@ -1,7 +1,8 @@
 use std::fs::{self, File};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::basic::ColumnOrder;
 
 use super::dataset::make;
 use super::reach;
@@ -53,6 +54,36 @@ fn every_column_is_described_in_the_file_itself() {
     let recording = folder.path().join("reach.parquet");
     write_recording(&recording, &reach(0, 5)).unwrap();
     described(&recording, &[&FRAMES, &RECORDING_TRUTH]);
+}
+
+/// Tests that all files declare an order of columns that readers of some years know, such as polars 1.35.
+#[test]
+fn readers_of_some_years_know_the_order_of_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    let (set, recording) = (folder.path().join("set"), folder.path().join("reach.parquet"));
+    make(&set);
+    write_recording(&recording, &reach(0, 5)).unwrap();
+    let tables = TABLES.into_iter().map(|table| set.join(table.path));
+    let file = |path: PathBuf| {
+        if path.is_file() {
+            path
+        } else {
+            path.join("chunk-000/file-000.parquet")
+        }
+    };
+    for path in tables.map(file).chain([recording]) {
+        let footer = ParquetRecordBatchReaderBuilder::try_new(File::open(&path).unwrap()).unwrap();
+        let footer = footer.metadata();
+        let orders = footer.file_metadata().column_orders().unwrap();
+        assert_eq!(orders.len(), footer.file_metadata().schema_descr().num_columns());
+        for order in orders {
+            assert!(
+                matches!(order, ColumnOrder::TYPE_DEFINED_ORDER(_)),
+                "{}: {order}",
+                path.display()
+            );
+        }
+    }
 }
 
 /// Pins the category codes in the metadata of their column.

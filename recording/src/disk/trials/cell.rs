@@ -83,7 +83,11 @@ impl<'a> Cells<'a> {
             Cell::Missing => Ok(None),
             Cell::Whole(number) => Ok(Some(number.to_string())),
             Cell::Number(_) | Cell::Flag(_) => Err(self.error(column, "a name")),
-            Cell::Text(text) if is_plain(text) => Ok(Some(text.to_string())),
+            Cell::Text(text) if is_plain(text) => {
+                let length = limits::NAME_BYTES.check(self.path, COLUMNS[column], text.len() as u64);
+                length.map_err(|error| error.at_line(self.line))?;
+                Ok(Some(text.to_string()))
+            }
             Cell::Text(_) => Err(self.error(column, PLAIN)),
         }
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::{InputError, Sample, Trial};
+use crate::{InputError, Sample, Trial, limits};
 
 /// A row: one sample with the facts about its trial.
 pub(super) struct Row {
@@ -22,12 +22,15 @@ pub(super) struct Row {
 pub(super) struct Collector {
     trials: Vec<Trial>,
     places: BTreeMap<u64, usize>,
+    rows: u64,
 }
 
 impl Collector {
     /// Adds a row to its trial.
     pub(super) fn push(&mut self, path: &Path, row: Row) -> Result<(), InputError> {
         let sample = row.sample;
+        self.rows += 1;
+        limits::TABLE_ROWS.check(path, "rows", self.rows)?;
         let Some(&place) = self.places.get(&row.trial) else {
             self.places.insert(row.trial, self.trials.len());
             self.trials.push(Trial {
@@ -68,7 +71,8 @@ impl Collector {
             return Err(InputError::new(path, "time_s", sample.time_s.to_string(), allowed, remedy).at_line(row.line));
         }
         trial.samples.push(sample);
-        Ok(())
+        let samples = limits::TRIAL_SAMPLES.check(path, "samples", trial.samples.len() as u64);
+        samples.map_err(|error| error.at_line(row.line))
     }
 
     /// The trials.

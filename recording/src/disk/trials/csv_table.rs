@@ -1,14 +1,13 @@
 //! Trials as CSV (RFC 4180, UTF-8, with a header line).
 
-use std::io::Read;
 use std::path::Path;
 
 use super::cell::{Cell, Cells};
 use super::collect::Collector;
 use super::{COLUMNS, place_columns};
-use crate::disk::input_file::open_input;
 use crate::disk::{DiskError, whole_file};
-use crate::{InputError, Trial};
+use crate::limits::CSV_BYTES;
+use crate::{InputError, Trial, read_bytes};
 
 /// The line, from 1, of the row at `position`. The parser counts from where it started to look for the row, so blank
 /// lines before it (and the second half of a line break) have to be added.
@@ -45,10 +44,7 @@ fn refused(path: &Path, text: &[u8], error: csv::Error) -> DiskError {
 
 /// Reads a table.
 pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
-    let mut text = Vec::new();
-    open_input(path)?
-        .read_to_end(&mut text)
-        .map_err(DiskError::io(path, "read"))?;
+    let text = read_bytes(path, &CSV_BYTES, "a readable file", "check the path")?;
     let mut reader = csv::Reader::from_reader(text.as_slice());
     let header = reader.headers().map_err(|error| refused(path, &text, error))?;
     let names: Vec<String> = header.iter().map(|name| name.trim().to_string()).collect();

@@ -178,7 +178,11 @@ fn faults_are_found() {
         ..SensorOptions::default()
     };
     assert_eq!(fault(with_dead("forearm", 383)), None);
-    for options in [with_dead("forearm", 384), with_dead("elbow", 0)] {
+    let repeated = SensorOptions {
+        dead_taxels: BTreeMap::from([("forearm".to_string(), vec![0; 385])]),
+        ..SensorOptions::default()
+    };
+    for options in [with_dead("forearm", 384), with_dead("elbow", 0), repeated] {
         assert_eq!(fault(options).as_deref(), Some("dead_taxels"));
     }
     let fabric = FabricOptions {

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use arrow_array::types::Int8Type;
 use arrow_array::{
-    ArrayRef, DictionaryArray, Float32Array, Float64Array, Int16Array, LargeStringArray, NullArray, RecordBatch,
-    StringArray, UInt8Array,
+    ArrayRef, DictionaryArray, Float32Array, Float64Array, Int8Array, Int16Array, Int64Array, LargeStringArray,
+    NullArray, RecordBatch, StringArray, UInt8Array,
 };
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
@@ -160,4 +160,60 @@ fn touched_in_parquet_may_be_a_flag_or_a_number() {
         let trials = read_trials(&path).unwrap();
         assert_eq!(trials.iter().map(Trial::touched).collect::<Vec<_>>(), expected);
     }
+}
+
+/// Tests that tables that declare far more rows or text than their length can hold are refused by the footer, with the
+/// limit, and that a name that is too long is refused with its row.
+#[test]
+fn tables_that_expand_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("trials.parquet");
+    let zstd = Compression::ZSTD(Default::default());
+    let table = |rows: i64, category: String| -> Vec<(&str, ArrayRef)> {
+        let places = Int8Array::from(vec![0; rows as usize]);
+        let categories = Arc::new(StringArray::from(vec![category]));
+        vec![
+            ("trial", Arc::new(Int64Array::from(vec![1; rows as usize]))),
+            ("category", Arc::new(DictionaryArray::new(places, categories))),
+            ("time_s", Arc::new(Int64Array::from(vec![1; rows as usize]))),
+            ("force_n", Arc::new(Float64Array::from(vec![1.0; rows as usize]))),
+        ]
+    };
+    for (rows, category, field, allowed) in [
+        (
+            1_000_000,
+            "leaf".to_owned(),
+            "rows",
+            "at most 4 rows for each byte of the file",
+        ),
+        (3, "x".repeat(17 << 20), "category", "at most 16777216 bytes"),
+        (3, "x".repeat(1001), "category", "at most 1000 bytes"),
+    ] {
+        write_parquet(&path, table(rows, category), zstd);
+        let error = refused(read_trials(&path));
+        assert_eq!(error.field, field, "{error}");
+        assert!(error.allowed.starts_with(allowed), "{error}");
+    }
+    write_parquet(&path, table(1, "x".repeat(1000)), zstd);
+    assert_eq!(read_trials(&path).unwrap().len(), 1);
+}
+
+/// Tests that a text of some megabytes, which every row of a dictionary repeats, is not decoded for many rows at once.
+#[test]
+fn a_long_text_is_refused_before_it_is_repeated() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("trials.parquet");
+    let rows = 1024;
+    let places = Int8Array::from(vec![0; rows]);
+    let text = Arc::new(StringArray::from(vec!["x".repeat(12 << 20)]));
+    let columns: Vec<(&str, ArrayRef)> = vec![
+        ("trial", Arc::new(Int64Array::from(vec![1; rows]))),
+        ("category", Arc::new(DictionaryArray::new(places, text))),
+        ("time_s", Arc::new(Int64Array::from_iter_values(0..rows as i64))),
+        ("force_n", Arc::new(Float64Array::from(vec![1.0; rows]))),
+    ];
+    write_parquet(&path, columns, Compression::ZSTD(Default::default()));
+    // All rows together would be more text than Arrow can hold, and its error would name no limit.
+    let error = refused(read_trials(&path));
+    assert!(error.allowed.starts_with("at most 1000 bytes"), "{error}");
 }

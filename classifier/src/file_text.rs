@@ -1,6 +1,40 @@
-//! JSON that a person can read.
+//! The text of model files of both kinds: JSON that a person can read, with a seal.
 
-use serde_json::Value;
+use serde_json::{Value, json};
+
+use crate::seal;
+
+/// The order of keys in a file: short entries first, for readability.
+const ORDER: [&str; 16] = [
+    "format",
+    "classifier",
+    "categories",
+    "features",
+    "recipe",
+    "options",
+    "decision",
+    "provenance",
+    "scaling",
+    "models",
+    "parameters",
+    "training",
+    "touched",
+    "category",
+    "usual",
+    seal::KEY,
+];
+
+/// The text of a file with these entries and their seal. Empty entries are left out.
+pub(crate) fn sealed(mut entries: Vec<(&str, Value)>) -> String {
+    entries.retain(|(_, value)| !value.is_null() && *value != json!({}));
+    let hash = seal::of(entries.iter().map(|(key, value)| (*key, value)));
+    entries.push((seal::KEY, hash.into()));
+    entries.sort_by_key(|(key, _)| ORDER.iter().position(|known| known == key));
+    let mut text = String::new();
+    write_object(entries.iter().map(|(key, value)| (*key, value)), 0, &mut text);
+    text.push('\n');
+    text
+}
 
 /// Indented JSON with lists of plain values on one line, so that a matrix looks like one.
 fn write_value(value: &Value, indent: usize, text: &mut String) {
@@ -25,7 +59,7 @@ fn write_value(value: &Value, indent: usize, text: &mut String) {
     }
 }
 
-pub(super) fn write_object<'a>(entries: impl Iterator<Item = (&'a str, &'a Value)>, indent: usize, text: &mut String) {
+fn write_object<'a>(entries: impl Iterator<Item = (&'a str, &'a Value)>, indent: usize, text: &mut String) {
     text.push('{');
     for (index, (key, value)) in entries.enumerate() {
         new_line(index > 0, indent + 1, text);

@@ -1,0 +1,55 @@
+//! Where a model comes from.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// Where a model comes from. A file may hold further keys, for instance of a user's own.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Provenance {
+    /// Name and version of the program that trained the model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub program: Option<String>,
+    /// Options of the training that are not elsewhere in the file, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub options: BTreeMap<String, Value>,
+    /// The data that the model was fitted to.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub data: Vec<DataSource>,
+    /// Further keys.
+    #[serde(flatten)]
+    pub further: BTreeMap<String, Value>,
+}
+
+/// Data that a model was fitted to.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct DataSource {
+    /// What the data are.
+    pub kind: DataKind,
+    /// Name of the folder or file, without the folders that it is in.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// BLAKE3 hash, hexadecimal: of a file; of a data set's frames and ground truth, as `inspect` shows it; or of the
+    /// numbers of what was in memory.
+    pub blake3: String,
+    /// Seed of the reaches.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// Number of reaches of each scene.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub reaches: BTreeMap<String, usize>,
+}
+
+/// A kind of data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum DataKind {
+    /// A data set.
+    DataSet,
+    /// A recording.
+    Recording,
+    /// A table of trials.
+    Trials,
+}

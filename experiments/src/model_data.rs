@@ -1,0 +1,99 @@
+//! What models are fitted to and by which program, for their provenance.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Serialize;
+use serde_json::Value;
+use underbrush_classifier::{DataKind, DataSource, Provenance};
+use underbrush_recording::Recording;
+use underbrush_recording::disk::{Dataset, DiskError, Episode, file_blake3, is_folder, is_recording, read_recording};
+
+use crate::dataset::PROGRAM_VERSION;
+
+/// The provenance of a model that this program fits to these data. `options` is an object with what the model does not
+/// say elsewhere.
+pub fn provenance(options: Value, data: Vec<DataSource>) -> Provenance {
+    let options = match options {
+        Value::Object(options) => options.into_iter().filter(|(_, value)| !value.is_null()).collect(),
+        _ => BTreeMap::new(),
+    };
+    Provenance {
+        program: Some(format!("underbrush {PROGRAM_VERSION}")),
+        options,
+        data,
+        further: BTreeMap::new(),
+    }
+}
+
+/// A data set, a recording or a table of trials.
+///
+/// # Errors
+/// [`DiskError`] if it cannot be read.
+pub fn of_path(path: &Path) -> Result<DataSource, DiskError> {
+    if is_folder(path)? {
+        let dataset = Dataset::open(path)?;
+        return Ok(of_reaches(&dataset, dataset.episodes().iter()));
+    }
+    let source = DataSource {
+        kind: DataKind::Trials,
+        name: name(path),
+        blake3: file_blake3(path)?,
+        seed: None,
+        reaches: BTreeMap::new(),
+    };
+    if !is_recording(path)? {
+        return Ok(source);
+    }
+    let own = of_recording(&read_recording(path)?);
+    Ok(DataSource {
+        name: source.name,
+        blake3: source.blake3,
+        ..own
+    })
+}
+
+/// Some reaches of a data set.
+pub fn of_reaches<'a>(dataset: &Dataset, episodes: impl Iterator<Item = &'a Episode>) -> DataSource {
+    let mut reaches = BTreeMap::new();
+    for episode in episodes {
+        *reaches.entry(episode.scene.clone()).or_default() += 1;
+    }
+    DataSource {
+        kind: DataKind::DataSet,
+        name: name(dataset.dir()),
+        blake3: dataset.data_blake3(),
+        seed: Some(dataset.provenance().seed),
+        reaches,
+    }
+}
+
+/// A recording in memory.
+pub fn of_recording(recording: &Recording) -> DataSource {
+    DataSource {
+        kind: DataKind::Recording,
+        seed: Some(recording.seed),
+        reaches: [(recording.scene.clone(), 1)].into(),
+        ..in_memory(recording)
+    }
+}
+
+/// Trials in memory, or whatever else can be written as JSON, by the hash of that text.
+pub fn in_memory(data: &impl Serialize) -> DataSource {
+    let mut hasher = blake3::Hasher::new();
+    // Writing to a hasher cannot fail, and neither can making JSON of plain data.
+    let _ = serde_json::to_writer(&mut hasher, data);
+    DataSource {
+        kind: DataKind::Trials,
+        name: None,
+        blake3: hasher.finalize().to_hex().to_string(),
+        seed: None,
+        reaches: BTreeMap::new(),
+    }
+}
+
+fn name(path: &Path) -> Option<String> {
+    // `.` and `..` have no name of their own.
+    let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    path.file_name().map(|name| name.to_string_lossy().into_owned())
+}

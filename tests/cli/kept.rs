@@ -1,0 +1,55 @@
+//! Files of earlier versions, in `tests/kept/VERSION/`. Every later version reads them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use underbrush_recording::disk::{Dataset, read_recording};
+
+use crate::support::fixture::fixture;
+use crate::support::underbrush;
+
+/// The folders of all versions.
+fn versions() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/kept");
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let versions: Vec<PathBuf> = entries.filter(|path| path.is_dir()).collect();
+    assert!(!versions.is_empty());
+    versions
+}
+
+/// Tests that the set and the recording of every version are whole, and hold the same reach.
+#[test]
+fn sets_and_recordings_of_all_versions_are_read() {
+    for version in versions() {
+        let set = Dataset::open(version.join("set")).unwrap();
+        set.verify().unwrap();
+        let (from_set, alone) = (
+            set.read_reach(0).unwrap(),
+            read_recording(version.join("reach.parquet")).unwrap(),
+        );
+        assert!(
+            from_set.frames.len() > 10 && !from_set.objects.is_empty(),
+            "{}",
+            version.display()
+        );
+        assert_eq!(from_set.frames, alone.frames, "{}", version.display());
+    }
+}
+
+/// Tests that the models of every version are used without a warning, and judge contacts of today.
+#[test]
+fn models_of_all_versions_are_used() {
+    for version in versions() {
+        let table = fixture().table_csv();
+        let call = underbrush!["classify", version.join("hmm.json"), table];
+        assert_eq!((call.status, call.stderr.as_str()), (0, ""), "{}", version.display());
+        assert!(
+            call.stdout.contains(",leaf") && call.stdout.contains(",trunk"),
+            "{}",
+            call.stdout
+        );
+        let touch = version.join("touch.json");
+        let call = underbrush!["evaluate", fixture().dataset(), "--model", touch, "--json"];
+        assert_eq!((call.status, call.stderr.as_str()), (0, ""), "{}", version.display());
+    }
+}
