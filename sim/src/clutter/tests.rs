@@ -12,10 +12,15 @@ use crate::arm::{Arm, ArmAtStart, SkinAlongArm};
 use crate::geometry::{Capsule, PlacedShape};
 use crate::scene::Scene;
 
-/// Cody's arm without the shapes that would keep objects away from its start.
+/// Cody's arm without the shapes that would keep objects away from its start, and with skin 5 to 20 cm behind the end
+/// effector.
 fn arm() -> ArmAtStart {
     ArmAtStart {
         links: Vec::new(),
+        skin: SkinAlongArm {
+            behind_end_effector_m: [0.05, 0.125, 0.20],
+            radius_m: 0.05,
+        },
         ..ArmAtStart::of(&Arm::cody().unwrap())
     }
 }
@@ -88,18 +93,26 @@ fn goals_are_within_reach() {
     assert!(error.contains("100 are out of the arm's reach"), "{error}");
 }
 
-/// Tests that drawn goals are nearer to Cody's upper arm than the arm is long. Four to ten of a hundred were not when the
-/// shoulder's offset counted as length.
+/// Tests that drawn goals are nearer to Cody's upper arm than the bones from there to the end effector are long. Four to
+/// ten of a hundred were not when the shoulder's offset counted as length.
 #[test]
 fn no_drawn_goal_is_out_of_reach() {
     let scene = Scene::parse("mixed.toml", crate::scene::shipped("mixed.toml").unwrap().into()).unwrap();
+    let cody = Arm::cody().unwrap();
+    let bones = cody.joints[2..]
+        .iter()
+        .map(|joint| joint.origin_parent.position.length());
+    let length_m = bones.sum::<f64>() + cody.end_effector_pose_link.position.length();
+    let upper_arm = cody.joints[1].origin_parent.position;
+    let arm = ArmAtStart::of(&cody);
     for index in 0..30 {
-        for goal in Clutter::draw(&scene, &ArmAtStart::of(&Arm::cody().unwrap()), 5, index)
-            .unwrap()
-            .goals
-        {
-            let distance_m = goal.distance(DVec3::new(0.0, -0.217, 0.0));
-            assert!(distance_m < 0.828, "reach {index}: {distance_m} m");
+        for goal in Clutter::draw(&scene, &arm, 5, index).unwrap().goals {
+            let distance_m = goal.distance(upper_arm);
+            // An arm that is 1 mm away has arrived.
+            assert!(
+                distance_m <= length_m + 1e-3,
+                "reach {index}: {distance_m} m of {length_m} m"
+            );
         }
     }
 }
@@ -210,11 +223,16 @@ fn streams_are_apart() {
     }
     let more = draw("a.toml", &text.replace("{ count = 1 }", "{ count = 3 }"), 1, 0);
     assert_eq!((more.0, more.1[0], more.1.len()), (first.0, first.1[0], 3));
-    // The same numbers, and other trunks.
-    let thicker = draw("a.toml", &format!("{named}diameter_m = 0.06\n"), 1, 0);
-    let thinner = draw("a.toml", &format!("{named}diameter_m = 0.03\n"), 1, 0);
-    assert_ne!(thicker.0, thinner.0);
-    assert_eq!(thicker.1, thinner.1);
+    // The same numbers, and other trunks in the same places.
+    let with = |diameter_m: f64| {
+        let text = format!("{named}diameter_m = {diameter_m}\n");
+        let clutter = Clutter::draw(&scene("a.toml", &text), &arm, 1, 0).unwrap();
+        let feet: Vec<DVec3> = clutter.objects.iter().map(|placed| placed.foot_world).collect();
+        (feet, format!("{:?}", clutter.objects))
+    };
+    let (thin, thick) = (with(0.03), with(0.031));
+    assert_eq!(thin.0, thick.0);
+    assert_ne!(thin.1, thick.1);
 }
 
 /// Pins the properties of the arm on which goals depend. According to Cody's files, the rows of the forearm's skin are

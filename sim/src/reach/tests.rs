@@ -97,7 +97,7 @@ fn through_trunks(controller: &str, retries: u32) -> ReachPlan {
         "summary = \"A row of trunks\"\n\
          controller = \"{controller}\"\n\
          [goals]\ncount = 1\nretries = {retries}\n\
-         [[objects.trunk]]\ncount = 6\n\
+         [[objects.trunk]]\ncount = 8\n\
          place = {{ x_m = {{ uniform = [0.40, 0.46] }}, y_m = {{ uniform = [-0.60, 0.15] }} }}\n"
     );
     ReachPlan::new(Scene::parse("row.toml", text).unwrap(), None, 0).unwrap()
@@ -150,13 +150,17 @@ fn a_stuck_arm_backs_off_and_tries_again() {
     // in one the whole way.
     let (once, twice) = (through_trunks("cody-2013", 0), through_trunks("cody-2013", 1));
     let (mut retried, mut farthest) = (0, 0.0_f64);
-    for reach_index in 0..4 {
+    for reach_index in 0..24 {
         let first = once.run(reach_index, &mut |_, _| {}).unwrap();
         let second = twice.run(reach_index, &mut |_, _| {}).unwrap();
         let until = first.frames.len();
         assert_eq!(first.frames, second.frames[..until]);
         if first.outcome() != Outcome::Stuck {
             assert_eq!(first.frames.len(), second.frames.len());
+            continue;
+        }
+        // An arm that is wedged between trunks cannot move back without force.
+        if second.outcome() == Outcome::Aborted {
             continue;
         }
         retried += 1;
