@@ -273,3 +273,44 @@ fn the_solver_leaves_an_unstable_solution_for_a_stable_one() {
     assert!(range.contains(&stuck.normal_impulse[0]), "{stuck:?}");
     assert!(stuck.friction_impulse.norm() < friction * stuck.normal_impulse[0]);
 }
+
+fn shape(kind: u8, size: [f64; 3]) -> SharedShape {
+    let [x, y, z] = size;
+    match kind {
+        0 => SharedShape::cuboid(x, y, z),
+        1 => SharedShape::cylinder(y, x),
+        2 => SharedShape::capsule_y(y, x),
+        _ => SharedShape::ball(x),
+    }
+}
+
+proptest! {
+    /// Tests that two shapes have a common column exactly if parry finds that they overlap, in any direction of the
+    /// columns, unless they only graze.
+    #[test]
+    fn common_columns_are_found_where_shapes_overlap(
+        kinds in prop::array::uniform2(0u8..4),
+        sizes in prop::array::uniform2(prop::array::uniform3(0.01..0.05f64)),
+        place in prop::array::uniform3(-0.06..0.06f64),
+        turns in prop::array::uniform2(prop::array::uniform3(-2.0..2.0f64)),
+        normal in prop::array::uniform3(-1.0..1.0f64),
+    ) {
+        let shapes = [0, 1].map(|side| shape(kinds[side], sizes[side]));
+        let [first, second] = turns.map(|turn| DQuat::from_scaled_axis(DVec3::from_array(turn)));
+        let pair = Pair {
+            shapes: [shapes[0].as_ref(), shapes[1].as_ref()],
+            poses_world: [Pose::new(DVec3::ZERO, first), Pose::new(DVec3::from_array(place), second)],
+        };
+        let depth_m = {
+            let [one, other] = pair.poses_world.each_ref().map(crate::geometry::parry_pose);
+            let found = parry3d::query::contact(&one, pair.shapes[0], &other, pair.shapes[1], 1.0);
+            found.unwrap().map_or(-1.0, |contact| -contact.dist)
+        };
+        prop_assume!(depth_m.abs() > 1e-4);
+        let normal = DVec3::from_array(normal).try_normalize().unwrap_or(DVec3::Z);
+        let mut faces = [Faces::default(), Faces::default()];
+        let plane = pair.plane(DVec3::from_array(place), normal);
+        let common = Columns::new(&pair, &plane, &mut faces).unwrap().common(0.1);
+        prop_assert_eq!(common.is_some(), depth_m > 0.0, "depth {} m", depth_m);
+    }
+}

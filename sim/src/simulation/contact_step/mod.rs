@@ -21,6 +21,8 @@ mod candidate;
 mod copied;
 mod missed;
 mod stops;
+#[cfg(test)]
+mod tests;
 
 pub(super) use stops::JointStop;
 
