@@ -336,7 +336,7 @@ pub(super) fn largest_slope(trials: &[&Trial], estimator: &Logistic) -> f64 {
                         .sum()
                 })
                 .collect();
-            let total: f64 = scores.iter().map(|score: &f64| math::exp(score)).sum();
+            let total: f64 = scores.iter().map(|score: &f64| math::exp(*score)).sum();
             -row.weight * math::ln(math::exp(scores[row.category]) / total)
         });
         entropies.sum::<f64>() + 0.5 * estimator.penalty * weights.iter().map(|w| w * w).sum::<f64>()
