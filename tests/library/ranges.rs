@@ -138,11 +138,10 @@ fn ends_of_a_scene_s_ranges_can_be_simulated() {
             }
         }
     }
-    // No goal is within reach of the arm above such a table, and so wide a leaf finds no room among the others.
+    // No goal is within reach of the arm above such a table.
     let expected = [
         "[workspace]\ntable_height_m = -5\n",
         "[workspace]\ntable_height_m = 5\n",
-        "[[objects.leaf]]\ncount = 1\nwidth_m = 0.3\n",
     ];
     assert_eq!(cannot_be_drawn, expected);
 }

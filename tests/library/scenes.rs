@@ -122,7 +122,7 @@ fn contacts_at_start(plan: &ReachPlan) -> usize {
     simulation.step(&plan.arm.start_posture_rad()).contacts.len()
 }
 
-/// Pins that every one of 1,000 draws of each scene finds its goals, and that each goal is 6 cm or more from the
+/// Tests that every one of 1,000 draws of each scene finds its goals, and that each goal is 2 cm or more from the
 /// surface of every trunk, roll and bottle, taken as an upright cylinder.
 #[test]
 fn goals_are_clear_of_trunks_and_rolls() {
@@ -146,9 +146,9 @@ fn goals_are_clear_of_trunks_and_rolls() {
         })
         .collect();
     for (path, nearest) in &nearest {
-        assert!(*nearest >= 0.06, "{}: {nearest} m", path.display());
+        assert!(*nearest >= 0.02, "{}: {nearest} m", path.display());
     }
-    let near = nearest.iter().filter(|(_, nearest)| *nearest < 0.08).count();
+    let near = nearest.iter().filter(|(_, nearest)| *nearest < 0.04).count();
     assert!(
         near >= 6,
         "in few scenes does any goal come near to a trunk or roll: {nearest:?}"

@@ -56,7 +56,7 @@ retries = 0
 x_m = { uniform = [0.60, 0.72] }
 
 [[objects.trunk]]
-count = 4
+count = 6
 place = { x_m = { uniform = [0.25, 0.50] }, y_m = { uniform = [-0.50, -0.15] } }
 "#;
 

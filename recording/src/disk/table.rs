@@ -112,6 +112,11 @@ impl<'a> Columns<'a> {
         Ok(array)
     }
 
+    /// Whether there is such a column.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.batch.column_by_name(name).is_some()
+    }
+
     /// A column of numbers without nulls, one per row.
     pub(super) fn numbers<T: ArrowPrimitiveType>(&self, name: &str) -> Result<&'a [T::Native], DiskError> {
         Ok(self

@@ -10,7 +10,7 @@ use underbrush_recording::{InputError, Pose};
 
 use super::PlacedObject;
 use crate::arm::{Arm, ArmAtStart};
-use crate::geometry::{Capsule, segment_distance};
+use crate::geometry::{Capsule, PlacedShape, segment_distance};
 use crate::range::Quantity;
 use crate::scene::Scene;
 
@@ -38,7 +38,7 @@ pub(super) fn draw_goals(
     let settings = &scene.file.goals;
     let plants = objects.iter().filter(|placed| placed.object.foam_top().is_none());
     let plants: Vec<Capsule> = plants.map(PlacedObject::bounding_capsule).collect();
-    let surroundings = Surroundings::new(scene.file.workspace.table_height_m, objects);
+    let surroundings = Surroundings::new(&arm.arm, scene.file.workspace.table_height_m, objects);
     let anywhere = (-5.0, 5.0);
     let mut from = arm.end_effector_world;
     let mut goals = Vec::new();
@@ -103,6 +103,9 @@ struct Surroundings {
     /// Foam blocks, with their poses.
     foam: Vec<(Cuboid, Pose)>,
     obstacles: Vec<Capsule>,
+    /// Whether each collision shape of the arm is clear in the start posture. Of a base that stands on the table, some
+    /// never are, and these are not compared.
+    clear_at_start: Vec<bool>,
 }
 
 /// Whether an arm can be at a place.
@@ -116,14 +119,19 @@ enum Admission {
 }
 
 impl Surroundings {
-    fn new(table_height_m: f64, objects: &[PlacedObject]) -> Self {
+    fn new(arm: &Arm, table_height_m: f64, objects: &[PlacedObject]) -> Self {
         let foam = objects.iter().filter(|placed| placed.object.foam_top().is_some());
         let obstacles = objects.iter().filter(|placed| placed.object.is_obstacle());
-        Surroundings {
+        let mut surroundings = Surroundings {
             table_height_m,
             foam: foam.map(PlacedObject::outline).collect(),
             obstacles: obstacles.map(PlacedObject::bounding_capsule).collect(),
-        }
+            clear_at_start: Vec::new(),
+        };
+        let poses = arm.forward_kinematics(&arm.start_posture_rad());
+        let clear = arm.placed_shapes(&poses).map(|shape| surroundings.leave_room(&shape));
+        surroundings.clear_at_start = clear.collect();
+        surroundings
     }
 
     /// Looks for a posture with the end effector at `goal`, first from the arm's start posture.
@@ -133,7 +141,7 @@ impl Surroundings {
         for starts in 1..=STARTS {
             if let Some(posture_rad) = arm.posture_at(goal, &start_rad) {
                 reached = true;
-                if self.leave_room(arm, &posture_rad) {
+                if self.leave_room_for_all(arm, &posture_rad) {
                     return Admission::Free;
                 }
             }
@@ -149,21 +157,16 @@ impl Surroundings {
         Admission::Blocked
     }
 
-    fn leave_room(&self, arm: &Arm, posture_rad: &[f64]) -> bool {
+    fn leave_room_for_all(&self, arm: &Arm, posture_rad: &[f64]) -> bool {
         let poses = arm.forward_kinematics(posture_rad);
-        // The base stands where it stands.
-        let of_base = arm.links.first().map_or(0, |base| base.colliders.len());
-        arm.placed_shapes(&poses).skip(of_base).all(|shape| {
-            -shape.extent_m(DVec3::NEG_Z) > self.table_height_m
-                && self
-                    .foam
-                    .iter()
-                    .all(|(block, pose)| shape.distance_to(block, pose) > 0.0)
-                && self
-                    .obstacles
-                    .iter()
-                    .all(|obstacle| shape.distance(obstacle) >= GOAL_MARGIN_M)
-        })
+        let shapes = arm.placed_shapes(&poses).zip(&self.clear_at_start);
+        shapes.filter(|(_, compared)| **compared).all(|(shape, _)| self.leave_room(&shape))
+    }
+
+    fn leave_room(&self, shape: &PlacedShape) -> bool {
+        -shape.extent_m(DVec3::NEG_Z) > self.table_height_m
+            && self.foam.iter().all(|(block, pose)| shape.distance_to(block, pose) > 0.0)
+            && self.obstacles.iter().all(|obstacle| shape.distance(obstacle) >= GOAL_MARGIN_M)
     }
 }
 

@@ -162,6 +162,8 @@ fn read_batch(columns: &Columns, episodes: &mut Vec<Episode>) -> Result<(), Disk
         .collect::<Result<Vec<_>, DiskError>>()?;
     let figures = Audit::FIELDS
         .iter()
+        // Sets of earlier versions have fewer figures. Like all that was not audited, the others are 0.
+        .filter(|field| columns.has(field.name))
         .map(|field| Ok((field.set, columns.numbers::<Float64Type>(field.name)?)))
         .collect::<Result<Vec<_>, DiskError>>()?;
     for (row, (task, safety_stop)) in tasks.into_iter().zip(stops).enumerate() {
