@@ -160,13 +160,21 @@ impl Surroundings {
     fn leave_room_for_all(&self, arm: &Arm, posture_rad: &[f64]) -> bool {
         let poses = arm.forward_kinematics(posture_rad);
         let shapes = arm.placed_shapes(&poses).zip(&self.clear_at_start);
-        shapes.filter(|(_, compared)| **compared).all(|(shape, _)| self.leave_room(&shape))
+        shapes
+            .filter(|(_, compared)| **compared)
+            .all(|(shape, _)| self.leave_room(&shape))
     }
 
     fn leave_room(&self, shape: &PlacedShape) -> bool {
         -shape.extent_m(DVec3::NEG_Z) > self.table_height_m
-            && self.foam.iter().all(|(block, pose)| shape.distance_to(block, pose) > 0.0)
-            && self.obstacles.iter().all(|obstacle| shape.distance(obstacle) >= GOAL_MARGIN_M)
+            && self
+                .foam
+                .iter()
+                .all(|(block, pose)| shape.distance_to(block, pose) > 0.0)
+            && self
+                .obstacles
+                .iter()
+                .all(|obstacle| shape.distance(obstacle) >= GOAL_MARGIN_M)
     }
 }
 
