@@ -60,6 +60,28 @@ pub fn say_doubts<'a>(arms: impl IntoIterator<Item = &'a Arm>, progress: &dyn Pr
     }
 }
 
+/// Compares a set that was made again with its source. If another version made the source, a difference is a warning.
+///
+/// # Errors
+/// [`ExperimentError::Differs`] names the first reach that differs although the same version made both;
+/// [`ExperimentError::Disk`] if a set cannot be read.
+pub fn require_same_reaches(made: &Dataset, source: &Dataset) -> Result<(), ExperimentError> {
+    let Some(index) = made.first_difference(source)? else {
+        return Ok(());
+    };
+    let (episode, dir) = (&made.episodes()[index], source.dir().display());
+    let difference = format!(
+        "reach {} of {} differs from the one in {dir}",
+        episode.reach_index, episode.scene
+    );
+    let [own, other] = [made, source].map(|set| set.provenance().program_version.as_str());
+    if own == other {
+        return Err(ExperimentError::Differs { difference });
+    }
+    log::warn!("{difference}, which version {other} made; this is {own}");
+    Ok(())
+}
+
 impl Campaign {
     /// The campaign that made a data set, reconstructed from the set alone. If its controller had verdicts, the touch
     /// model is needed too, because a set stores only the hash of the model's file.
@@ -293,6 +315,7 @@ impl Campaign {
             program: PROGRAM.into(),
             program_version: PROGRAM_VERSION.into(),
             engine: underbrush_sim::physics::ENGINE.into(),
+            arithmetic: underbrush_sim::physics::arithmetic(),
             options,
             scenes,
             arms,

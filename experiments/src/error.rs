@@ -88,6 +88,12 @@ pub enum ExperimentError {
         /// What was found instead of the plan.
         found: String,
     },
+    /// A data set that was made again has other reaches than its source, although the same version made both.
+    #[error("{difference}, although the same version made both; the new data set is kept, please report it")]
+    Differs {
+        /// The first reach that differs.
+        difference: String,
+    },
     /// Campaigns do not have the same figures.
     #[error(
         "the campaign of seed {seed} has {} under the name {name:?} where one is needed; begin anew with --force",
@@ -124,9 +130,10 @@ impl From<ExperimentError> for Fault {
             ExperimentError::Disk(error) => error.into(),
             ExperimentError::Model(error) => error.into(),
             ExperimentError::Io { .. } => Fault::Storage(error.to_string()),
-            ExperimentError::Engine(_) | ExperimentError::Json { .. } | ExperimentError::Unmatched { .. } => {
-                Fault::Run(error.to_string())
-            }
+            ExperimentError::Engine(_)
+            | ExperimentError::Json { .. }
+            | ExperimentError::Differs { .. }
+            | ExperimentError::Unmatched { .. } => Fault::Run(error.to_string()),
             other => Fault::Usage(other.to_string()),
         }
     }

@@ -36,6 +36,11 @@ impl PyDataset {
         }
     }
 
+    /// The set itself.
+    pub fn set(&self) -> &Dataset {
+        &self.dataset
+    }
+
     fn reach(&self, index: usize) -> Reach {
         Reach::new(Source::Dataset(Arc::clone(&self.dataset), index))
     }

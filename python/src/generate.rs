@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyList;
-use underbrush_experiments::dataset::{Campaign, Written};
+use underbrush_experiments::dataset::{Campaign, Written, require_same_reaches};
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_recording::disk::{Dataset, Shard, check_not_input, remove_dataset};
 
@@ -84,9 +84,12 @@ fn generate_again(
     jobs: Option<usize>,
 ) -> Result<PyDataset, Failure> {
     let verdicts = verdicts.as_deref().map(VerdictControl::load).transpose()?;
-    let campaign = Campaign::of(&Dataset::open(&dataset)?, verdicts)?;
+    let source = Dataset::open(&dataset)?;
+    let campaign = Campaign::of(&source, verdicts)?;
     make_room(&out, &[dataset], resume, force)?;
-    write(py, &campaign, &out, resume, &Arc::new(Stop::default()), progress, jobs)
+    let made = write(py, &campaign, &out, resume, &Arc::new(Stop::default()), progress, jobs)?;
+    require_same_reaches(made.set(), &source)?;
+    Ok(made)
 }
 
 /// With `force`, removes the data set in a folder that is not one of the inputs.

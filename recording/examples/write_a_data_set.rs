@@ -163,6 +163,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             program: "write_a_data_set".into(),
             program_version: env!("CARGO_PKG_VERSION").into(),
             engine: "none".into(),
+            arithmetic: String::new(),
             options: BTreeMap::new(),
             scenes: Vec::new(),
             arms: Vec::new(),

@@ -1,13 +1,13 @@
 //! `underbrush generate`: runs many reaches and writes a data set.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
 use serde::Serialize;
 use underbrush_experiments::audit;
-use underbrush_experiments::dataset::{Campaign, PROGRAM_VERSION, Written};
+use underbrush_experiments::dataset::{Campaign, Written, require_same_reaches};
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_recording::disk::{Dataset, Shard};
 use underbrush_sim::controller::ControllerKind;
@@ -122,24 +122,12 @@ fn verdicts(options: &Options) -> Result<Option<VerdictControl>, Failure> {
     Ok(options.verdicts.as_deref().map(VerdictControl::load).transpose()?)
 }
 
-/// The campaign that made a data set.
-fn stored(path: &Path, verdicts: Option<VerdictControl>) -> Result<Campaign, Failure> {
-    let dataset = Dataset::open(path)?;
-    let made_by = &dataset.provenance().program_version;
-    if made_by != PROGRAM_VERSION {
-        output::remark(format!(
-            "{}: made by version {made_by}, this is {PROGRAM_VERSION}; the new data set may differ from it",
-            path.display()
-        ));
-    }
-    Ok(Campaign::of(&dataset, verdicts)?)
-}
-
 /// Runs the campaign.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let start = Instant::now();
-    let campaign = match &options.from {
-        Some(path) => stored(path, verdicts(&options)?)?,
+    let source = options.from.as_ref().map(Dataset::open).transpose()?;
+    let campaign = match &source {
+        Some(source) => Campaign::of(source, verdicts(&options)?)?,
         None => described(&options)?,
     };
     let out = &options.out;
@@ -177,6 +165,9 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             (dataset, None)
         }
     };
+    if let Some(source) = &source {
+        require_same_reaches(&dataset, source)?;
+    }
     output::remarks(audit::warnings(dataset.episodes(), dataset.layout()));
     let summary = Summary::of(&dataset, wall_s);
     output::result(json, &summary, || summary.text())

@@ -13,6 +13,8 @@ mod generate;
 mod inspect;
 mod kept;
 mod live;
+#[cfg(all(target_os = "linux", target_env = "gnu", target_arch = "x86_64"))]
+mod machines;
 mod merge;
 mod models;
 #[cfg(feature = "onnx")]

@@ -49,6 +49,10 @@ pub struct Provenance {
     pub program_version: String,
     /// Name and version of the physics engine (or of the robot's software).
     pub engine: String,
+    /// What the build computes with: a hash of values of the elementary functions that data depend on. Builds that differ
+    /// here make other data. Empty for data that are not simulated.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub arithmetic: String,
     /// Options of the engine and of the sensor, by scene, to be looked up. The set is generated again from the text of the
     /// scenes. JSON has no infinity: `null` is a saturation that the scene switches off with `inf`.
     pub options: BTreeMap<String, Value>,

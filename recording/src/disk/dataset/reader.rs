@@ -1,6 +1,6 @@
 //! Reads a finished data set.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -204,6 +204,27 @@ impl Dataset {
     /// for sets with the same frames, even if they were made by different versions of the program.
     pub fn data_blake3(&self) -> String {
         self.checksums.hash_of(is_large)
+    }
+
+    /// The index of the first reach of this set that another set has with other frames or ground truth; `None` if there
+    /// is none. Reaches are compared by scene and index of the campaign, so either set may be a part of the other.
+    ///
+    /// # Errors
+    /// As [`Dataset::read_reach`].
+    pub fn first_difference(&self, other: &Dataset) -> Result<Option<usize>, DiskError> {
+        if self.data_blake3() == other.data_blake3() {
+            return Ok(None);
+        }
+        let key = |episode: &Episode| (episode.scene.clone(), episode.reach_index);
+        let places: BTreeMap<_, usize> = other.episodes.iter().map(key).zip(0..).collect();
+        for (index, episode) in self.episodes.iter().enumerate() {
+            if let Some(place) = places.get(&key(episode))
+                && self.read_reach(index)? != other.read_reach(*place)?
+            {
+                return Ok(Some(index));
+            }
+        }
+        Ok(None)
     }
 
     /// The path of a file of the set, for reading. Its hash is checked the first time. All tables are read through this

@@ -69,6 +69,7 @@ pub(super) fn plan() -> DatasetPlan {
         provenance: Provenance {
             program: "underbrush".into(),
             program_version: "0.1.0".into(),
+            arithmetic: String::new(),
             engine: "an engine 1.0".into(),
             options: BTreeMap::from([("step_s".to_string(), 0.004.into())]),
             scenes: vec![scene_text("foliage", "[leaf]\n"), scene_text("trunks", "[trunk]\n")],

@@ -152,11 +152,14 @@ fn what_is_not_every_part_once_is_refused() {
     assert!(matches!(nothing, Err(DiskError::Input(error)) if error.found == "none"));
 }
 
-/// Pins that a part with another seed, scene or layout is refused by the field that differs, and that a part whose reaches
+/// Tests that a part with other arithmetic, another version, scene or layout is refused by the field that differs, and that a part whose reaches
 /// are not those that belong to it is refused, too.
 #[test]
 fn parts_of_other_campaigns_are_refused_by_the_field() {
-    let changes: [Change<DatasetPlan>; 4] = [
+    let changes: [Change<DatasetPlan>; 5] = [
+        ("provenance.arithmetic", |plan| {
+            plan.provenance.arithmetic = "another".into();
+        }),
         ("provenance.program_version", |plan| {
             plan.provenance.program_version = "0.2.0".into();
         }),
