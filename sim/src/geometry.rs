@@ -6,8 +6,12 @@ use parry3d::query::{self, details::closest_points_segment_segment_with_location
 use parry3d::shape::{Segment, Shape, SharedShape};
 use underbrush_recording::{BodyShape, Pose};
 
+mod hull;
+
+pub use hull::{MAX_CORNERS, convex_hull};
+
 /// Parry's shape for a shape of a file or a recording, and the pose of parry's shape in the frame of the given shape;
-/// `None` for a hull without volume.
+/// `None` for a hull without volume or with more than [`MAX_CORNERS`].
 pub fn engine_shape(shape: &BodyShape) -> Option<(SharedShape, Pose)> {
     // Parry's cylinders and capsules lie along y, ours along z.
     let along_z = Pose::from_orientation(DQuat::from_scaled_axis(DVec3::X * std::f64::consts::FRAC_PI_2));
@@ -19,7 +23,7 @@ pub fn engine_shape(shape: &BodyShape) -> Option<(SharedShape, Pose)> {
             SharedShape::cuboid(size_m.x / 2.0, size_m.y / 2.0, size_m.z / 2.0),
             Pose::IDENTITY,
         ),
-        BodyShape::Hull { points_m } => (SharedShape::convex_hull(points_m)?, Pose::IDENTITY),
+        BodyShape::Hull { points_m } => (convex_hull(points_m)?, Pose::IDENTITY),
     })
 }
 

@@ -1,84 +1,61 @@
-//! The same bytes on processors of another kind.
-//!
-//! The C library picks variants of its functions by processor, and `GLIBC_TUNABLES` makes it pick those of one without FMA
-//! and AVX2. If the program took a function from it, the last digits of that function's values would differ here.
+//! The same bytes on machines with another processor and another math library.
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::path::Path;
 use std::process::Command;
 
-use crate::support::{assert_same_trees, scenes};
+use crate::support::{assert_same_trees, scenes, tree};
 
-const OLD_PROCESSOR: &str = "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX,-AVX512F,-SSE4_1";
+/// Makes the GNU C library choose the variants of its functions that it has for processors without FMA and AVX.
+const OLD_PROCESSOR: (&str, &str) = (
+    "GLIBC_TUNABLES",
+    "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX,-AVX512F,-SSE4_1",
+);
 
-/// Makes the same files in a folder with or without these tunables: a recording, a data set, trials, models of both kinds
-/// and their verdicts frame by frame.
-fn make(folder: &Path, tunables: Option<&str>) {
+/// Makes the same files in a folder with a variable of the environment: a recording, a data set, models of both kinds and
+/// their verdicts frame by frame.
+fn make(folder: &Path, variable: Option<(&str, &OsStr)>) {
     std::fs::create_dir(folder).unwrap();
-    let leaf = scenes::write(folder, "leaf.toml", scenes::LEAVES_AT_FOREARM);
-    let trunk = scenes::write(folder, "trunk.toml", scenes::TRUNKS_AT_FOREARM);
+    let leaf = scenes::write(folder, "leaf.toml", scenes::LEAVES_AT_FOREARM).into_os_string();
+    let trunk = scenes::write(folder, "trunk.toml", scenes::TRUNKS_AT_FOREARM).into_os_string();
     let [reach, set, hmm, touch] =
         ["reach.parquet", "set", "hmm.json", "touch.json"].map(|name| folder.join(name).into_os_string());
-    let [leaf, trunk] = [leaf, trunk].map(|path| path.into_os_string());
-    let run = |name: &str, arguments: &[&OsStr]| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_underbrush"));
-        command.args(arguments).env_remove("GLIBC_TUNABLES");
-        if let Some(tunables) = tunables {
-            command.env("GLIBC_TUNABLES", tunables);
-        }
-        let output = command.output().unwrap();
+    let run = |command: &str, files: &[&OsString], options: &str| {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_underbrush"));
+        program.arg(command).args(files).args(options.split_whitespace());
+        program.env_remove("GLIBC_TUNABLES").envs(variable);
+        let output = program.output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        // What commands print names the folder.
-        if name.starts_with("verdicts") {
-            std::fs::write(folder.join(name), output.stdout).unwrap();
-        }
+        output.stdout
     };
-    let text = OsStr::new;
-    run(
-        "",
-        &[text("reach"), &leaf, text("--seed"), text("3"), text("--out"), &reach],
-    );
-    run(
-        "",
-        &[
-            text("generate"),
-            &leaf,
-            &trunk,
-            text("--reaches"),
-            text("2"),
-            text("--seed"),
-            text("1"),
-            text("--out"),
-            &set,
-        ],
-    );
-    run(
-        "",
-        &[text("train"), &set, text("--states"), text("3"), text("--out"), &hmm],
-    );
-    run(
-        "",
-        &[
-            text("train"),
-            &set,
-            text("--classifier"),
-            text("touch"),
-            text("--out"),
-            &touch,
-        ],
-    );
+    let out = OsString::from("--out");
+    run("reach", &[&leaf, &out, &reach], "--seed 3");
+    run("generate", &[&leaf, &trunk, &out, &set], "--reaches 3 --seed 1");
+    run("train", &[&set, &out, &hmm], "--states 3");
+    run("train", &[&set, &out, &touch], "--classifier touch");
     for (name, model) in [("verdicts-hmm", &hmm), ("verdicts-touch", &touch)] {
-        run(name, &[text("classify"), model, &reach, text("--online")]);
+        std::fs::write(folder.join(name), run("classify", &[model, &reach], "--online")).unwrap();
     }
 }
 
-/// Tests that reaches, data sets, models and verdicts have the same bytes on a processor without FMA and AVX.
+/// Tests that reaches, data sets, models and verdicts have the same bytes on a processor without FMA and AVX, and with a
+/// math library whose functions return other last digits.
 #[test]
-fn bytes_do_not_depend_on_the_processor() {
+fn bytes_do_not_depend_on_the_machine() {
     let folder = tempfile::tempdir().unwrap();
-    let [own, old] = ["own", "old"].map(|name| folder.path().join(name));
+    let library = folder.path().join("other_libm.so");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/other_libm.c");
+    let compiled = Command::new("cc")
+        .args(["-fno-builtin", "-shared", "-fPIC", "-o"])
+        .args([&library, &source])
+        .arg("-ldl")
+        .status();
+    assert!(compiled.unwrap().success());
+    let [own, processor, other] = ["own", "processor", "library"].map(|name| folder.path().join(name));
     make(&own, None);
-    make(&old, Some(OLD_PROCESSOR));
-    assert!(std::fs::metadata(own.join("verdicts-touch")).unwrap().len() > 10_000);
-    assert_same_trees(&own, &old);
+    make(&processor, Some((OLD_PROCESSOR.0, OLD_PROCESSOR.1.as_ref())));
+    make(&other, Some(("LD_PRELOAD", library.as_os_str())));
+    assert!(tree(&own).len() > 10);
+    assert_same_trees(&own, &processor);
+    assert_same_trees(&own, &other);
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use underbrush_recording::Recording;
 use underbrush_recording::disk::{Dataset, DatasetPlan, DatasetWriter};
 
 use super::resume::interrupted;
@@ -162,34 +163,70 @@ fn options_beside_from_are_refused() {
     assert!(!out.exists());
 }
 
-/// Writes a copy of a data set with another plan and the same reaches.
-fn with_plan(from: &Path, to: &Path, change: impl Fn(&mut DatasetPlan)) {
+/// Writes a copy of a data set with another plan and other reaches.
+fn altered(
+    from: &Path,
+    to: &Path,
+    change_plan: impl Fn(&mut DatasetPlan),
+    change_reach: impl Fn(usize, &mut Recording),
+) {
     let set = Dataset::open(from).unwrap();
     let mut plan = set.plan();
-    change(&mut plan);
+    change_plan(&mut plan);
     let writer = DatasetWriter::create(to, plan, false).unwrap();
     for index in 0..set.episodes().len() {
-        writer.stage(index, &set.read_reach(index).unwrap()).unwrap();
+        let mut recording = set.read_reach(index).unwrap();
+        change_reach(index, &mut recording);
+        writer.stage(index, &recording).unwrap();
     }
     writer.finish().unwrap();
 }
 
-/// Pins that a set of another version is generated again with a warning, and one of another program is refused.
+/// Tests that a set that was made again is compared with its source: the first reach that differs is named, with a
+/// warning if another version made the source, and with an error if the same one did.
 #[test]
-fn another_version_or_program_is_named() {
+fn a_set_made_again_is_compared_with_its_source() {
     let folder = tempfile::tempdir().unwrap();
-    let [set, older, foreign, out] = ["set", "older", "foreign", "out"].map(|name| folder.path().join(name));
     let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
-    underbrush!["generate", scene, "--reaches", "1", "--out", set].success();
-    with_plan(&set, &older, |plan| plan.provenance.program_version = "0.0.9".into());
-    let call = underbrush!["generate", "--from", older, "--out", out];
+    let set = folder.path().join("set");
+    underbrush!["generate", scene, "--reaches", "2", "--out", set].success();
+    let flipped = |index: usize, recording: &mut Recording| {
+        if index == 1 {
+            recording.frames[3].joint_angle_rad[0] += 1e-12;
+        }
+    };
+    let same = |_: usize, _: &mut Recording| {};
+    let older = |plan: &mut DatasetPlan| plan.provenance.program_version = "0.0.9".into();
+    let named = "reach 1 of trunk differs from the one in";
+    let again = |name: &str| {
+        let (source, out) = (folder.path().join(name), folder.path().join(format!("{name}-again")));
+        underbrush!["generate", "--from", source, "--out", out]
+    };
+    altered(&set, &folder.path().join("older"), older, same);
+    let call = again("older");
+    assert_eq!((call.status, call.stderr.as_str()), (0, ""));
+    altered(&set, &folder.path().join("older-other"), older, flipped);
+    let call = again("older-other");
     assert_eq!(call.status, 0, "{}", call.stderr);
     assert!(
-        call.stderr.contains("0.0.9") && call.stderr.contains("may differ"),
+        call.stderr.contains(named) && call.stderr.contains("0.0.9"),
         "{}",
         call.stderr
     );
-    with_plan(&set, &foreign, |plan| plan.provenance.program = "robot-driver".into());
+    altered(&set, &folder.path().join("other"), |_| {}, flipped);
+    let call = again("other");
+    assert_eq!(call.status, 1, "{}", call.stderr);
+    assert!(call.stderr.contains(named), "{}", call.stderr);
+    assert!(Dataset::open(folder.path().join("other-again")).is_ok());
+}
+
+/// Tests that a set of another program is refused.
+#[test]
+fn a_set_of_another_program_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let foreign = folder.path().join("foreign");
+    let driver = |plan: &mut DatasetPlan| plan.provenance.program = "robot-driver".into();
+    altered(&fixture().dataset(), &foreign, driver, |_, _| {});
     let call = underbrush!["generate", "--from", foreign, "--out", folder.path().join("none")];
     call.refused(&["robot-driver", "underbrush generate"]);
 }

@@ -15,7 +15,7 @@ use super::schema::Within;
 use super::source::{Source, listed};
 use super::urdf::{Chain, ChainJoint, read_chain};
 use super::{Arm, ArmSource, Joint, LinkCollider, skin_file};
-use crate::geometry::engine_shape;
+use crate::geometry::{MAX_CORNERS, engine_shape};
 
 /// An arm: its URDF, its skin, and the properties that URDF cannot express.
 #[derive(Deserialize, JsonSchema)]
@@ -253,6 +253,11 @@ fn add_hull(source: &Source, table: &Spanned<HullTable>, chain: &mut Chain) -> R
     let Some((link, pose)) = chain.frames.get(&hull.link).copied() else {
         return Err(source.fault_after(start, "hull.link", &hull.link, chain.known_links()));
     };
+    if hull.points_m.len() > MAX_CORNERS {
+        let found = format!("{} points", hull.points_m.len());
+        let allowed = format!("at most {MAX_CORNERS} points; leave out those that hardly matter");
+        return Err(source.fault_after(start, "hull.points_m", found, allowed));
+    }
     for point in &hull.points_m {
         source.check_each(start, "hull.points_m", point, limits::PLACE_M)?;
     }

@@ -1,5 +1,7 @@
 //! The arm in the engine: a multibody of compliant joints, its equilibrium angles, and what its encoders read.
 
+use glam::{DMat3, DQuat, DVec3};
+use nalgebra::{Matrix3, SymmetricEigen};
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +25,9 @@ const STOP_LOSS_TIME_S: f64 = 0.02;
 pub(super) struct ArmBodies {
     /// Bodies of the links, in the arm's order.
     pub(super) links: Vec<RigidBodyHandle>,
+    /// The frames of the bodies in the links' frames. The engine finds the principal axes of a body anew, with an arc cosine
+    /// that it takes from the machine. Where they are the body's own axes, there is nothing to find.
+    inertia_frames: Vec<Pose>,
     /// Collision shapes, each with the link that carries it.
     pub(super) colliders: Vec<(ColliderHandle, usize)>,
     /// Joints, in the arm's order.
@@ -37,6 +42,7 @@ impl ArmBodies {
     pub(super) fn insert(arm: &Arm, posture_rad: &[f64], engine: &mut Engine) -> ArmBodies {
         let mut bodies = ArmBodies {
             links: Vec::new(),
+            inertia_frames: Vec::new(),
             colliders: Vec::new(),
             joints: Vec::new(),
         };
@@ -46,16 +52,19 @@ impl ArmBodies {
             } else {
                 RigidBodyBuilder::dynamic()
             };
-            let builder = builder.pose(parry_pose(&pose)).gravity_scale(0.0).can_sleep(false);
-            let body = engine
-                .bodies
-                .insert(builder.additional_mass_properties(mass_properties(link)));
+            let (frame, moments_kg_m2) = principal_inertia(link);
+            let builder = builder
+                .pose(parry_pose(&pose) * frame)
+                .gravity_scale(0.0)
+                .can_sleep(false);
+            let mass = MassProperties::new(DVec3::ZERO, link.mass_kg, moments_kg_m2);
+            let body = engine.bodies.insert(builder.additional_mass_properties(mass));
             for part in &link.colliders {
                 let Some((shape, shape_pose)) = engine_shape(&part.shape) else {
                     continue;
                 };
                 let collider = ColliderBuilder::new(shape)
-                    .position(parry_pose(&(part.pose_link * shape_pose)))
+                    .position(frame.inverse() * parry_pose(&(part.pose_link * shape_pose)))
                     .density(0.0)
                     .collision_groups(groups::arm());
                 let collider = engine.insert_collider(collider, arm.surface(index), body);
@@ -64,12 +73,14 @@ impl ArmBodies {
             // The kinematics below need the centres of mass, which the engine would only set in its first step.
             engine.bodies[body].recompute_mass_properties_from_colliders(&engine.colliders);
             bodies.links.push(body);
+            bodies.inertia_frames.push(frame);
         }
-        for (joint, ends) in arm.joints.iter().zip(bodies.links.windows(2)) {
-            let frame = Pose::from_rotation(GenericJoint::complete_ang_frame(joint.axis_child));
+        let ends = bodies.links.windows(2).zip(bodies.inertia_frames.windows(2));
+        for (joint, (ends, frames)) in arm.joints.iter().zip(ends) {
+            let axis = Pose::from_rotation(GenericJoint::complete_ang_frame(joint.axis_child));
             let mut data = GenericJoint::new(JointAxesMask::LOCKED_REVOLUTE_AXES);
-            data.set_local_frame1(parry_pose(&joint.origin_parent) * frame)
-                .set_local_frame2(frame);
+            data.set_local_frame1(frames[0].inverse() * parry_pose(&joint.origin_parent) * axis)
+                .set_local_frame2(frames[1].inverse() * axis);
             let Some(handle) = engine.joints.insert(ends[0], ends[1], data, true) else {
                 continue;
             };
@@ -179,11 +190,18 @@ impl ArmBodies {
     /// Writes the pose of every link in the world frame into `poses`.
     pub(super) fn read_link_poses(&self, engine: &Engine, poses: &mut Vec<underbrush_recording::Pose>) {
         poses.clear();
-        poses.extend(
-            self.links
-                .iter()
-                .map(|link| from_parry(engine.bodies[*link].position())),
-        );
+        poses.extend((0..self.links.len()).map(|link| self.link_pose(engine, link)));
+    }
+
+    /// A point in the frame of a link's body, in the frame of the link.
+    pub(super) fn from_body(&self, link: usize, point_body: DVec3) -> DVec3 {
+        self.inertia_frames[link].transform_point(point_body)
+    }
+
+    /// Pose of a link in the world frame.
+    pub(super) fn link_pose(&self, engine: &Engine, link: usize) -> underbrush_recording::Pose {
+        let body = engine.bodies[self.links[link]].position();
+        from_parry(&(body * self.inertia_frames[link].inverse()))
     }
 
     fn multibody_mut<'a>(&self, engine: &'a mut Engine) -> Option<(&'a mut RigidBodySet, &'a mut Multibody)> {
@@ -192,8 +210,21 @@ impl ArmBodies {
     }
 }
 
-fn mass_properties(link: &Link) -> MassProperties {
-    MassProperties::with_inertia_matrix(link.center_of_mass_link, link.mass_kg, link.inertia_link)
+/// The frame of a link's principal inertia in the link's frame, with its origin at the centre of mass, and the principal
+/// moments, kg m².
+fn principal_inertia(link: &Link) -> (Pose, DVec3) {
+    let inertia = Matrix3::from_column_slice(&link.inertia_link.to_cols_array());
+    let SymmetricEigen {
+        eigenvalues,
+        mut eigenvectors,
+    } = SymmetricEigen::new(inertia);
+    // The axes must be right-handed.
+    if eigenvectors.determinant() < 0.0 {
+        eigenvectors.column_mut(2).neg_mut();
+    }
+    let axes = DMat3::from_cols_slice(eigenvectors.as_slice());
+    let frame = Pose::from_parts(link.center_of_mass_link, DQuat::from_mat3(&axes).normalize());
+    (frame, DVec3::from_slice(eigenvalues.as_slice()).max(DVec3::ZERO))
 }
 
 #[cfg(test)]

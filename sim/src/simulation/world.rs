@@ -11,7 +11,6 @@ use super::mechanism::Mechanism;
 use super::model::Model;
 use super::mover::DormancyBuffers;
 use super::report::{JointState, StepObserver, StepReport};
-use crate::geometry::from_parry;
 use crate::physics::PhysicsOptions;
 
 /// The engine with one arm and one clutter.
@@ -107,7 +106,7 @@ impl World {
 
     /// Pose of a link in the world frame.
     pub(super) fn link_pose(&self, link: usize) -> Pose {
-        from_parry(self.engine.bodies[self.arm.links[link]].position())
+        self.arm.link_pose(&self.engine, link)
     }
 
     /// Puts an object into the engine, at rest.
@@ -141,7 +140,7 @@ impl World {
                 link,
                 object,
                 body,
-                position_link: contact.position_body[side],
+                position_link: self.arm.from_body(link, contact.position_body[side]),
                 inward_world: contact.normal_world * sign,
                 force_world: contact.impulse_world * (sign / FRAME_PERIOD_S),
                 moment_world: contact.moment_world * (sign / FRAME_PERIOD_S),

@@ -4,7 +4,6 @@ use super::ArmBodies;
 use crate::arm::Arm;
 use crate::arm::tests::kinematics::matrix;
 use crate::arm::tests::random_postures;
-use crate::geometry::from_parry;
 use crate::physics::PhysicsOptions;
 use crate::simulation::engine::Engine;
 use crate::simulation::report::JointState;
@@ -41,7 +40,7 @@ fn engine_has_the_same_poses_and_jacobians() {
         assert_eq!(multibody.ndofs(), 7);
         for (index, (handle, pose)) in bodies.links.iter().zip(&poses).enumerate() {
             let body = &engine.bodies[*handle];
-            assert!((matrix(&from_parry(body.position())) - matrix(pose)).amax() < 1e-12);
+            assert!((matrix(&bodies.link_pose(&engine, index)) - matrix(pose)).amax() < 1e-12);
             let center = pose.transform_point(arm.links[index].center_of_mass_link);
             assert!(body.center_of_mass().distance(center) < 1e-12);
             let engine = multibody.body_jacobian(index);
@@ -61,8 +60,11 @@ fn engine_has_the_same_inertia() {
     // Pins mass, centre of mass and the whole inertia tensor of every link through the engine's principal axes.
     let arm = Arm::cody().unwrap();
     let (engine, bodies) = inserted(&arm, &arm.start_posture_rad());
-    for (handle, link) in bodies.links.iter().zip(&arm.links).skip(1) {
-        let properties = engine.bodies[*handle].mass_properties().local_mprops;
+    for ((handle, frame), link) in bodies.links.iter().zip(&bodies.inertia_frames).zip(&arm.links).skip(1) {
+        let properties = engine.bodies[*handle]
+            .mass_properties()
+            .local_mprops
+            .transform_by(frame);
         assert!((properties.mass() - link.mass_kg).abs() < 1e-12);
         assert!(properties.local_com.distance(link.center_of_mass_link) < 1e-15);
         assert!(
