@@ -7,7 +7,9 @@ use serde_json::{Value, json};
 use underbrush_classifier::Model;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_recording::InputError;
-use underbrush_recording::disk::{Dataset, FileText, is_folder, is_recording, is_there, read_recording, read_trials};
+use underbrush_recording::disk::{
+    ArmText, Dataset, FileText, is_folder, is_recording, is_there, read_recording, read_trials,
+};
 use underbrush_sim::arm::ArmAtStart;
 use underbrush_sim::clutter::Clutter;
 use underbrush_sim::reach::ReachPlan;
@@ -85,14 +87,14 @@ fn dataset(path: &Path) -> Result<Value, ExperimentError> {
         .map(|patch| (patch.name.as_str(), patch.taxels.len()))
         .collect();
     // Twelve digits are enough to distinguish files. The full hashes are in meta/provenance.json.
-    let named = |file: &FileText| format!("{} (BLAKE3 {:.12})", file.name, file.blake3);
-    let arms = provenance.arms.iter().map(|arm| {
-        let files: Vec<String> = arm.files.iter().map(named).collect();
-        format!("{}: {}", arm.name, files.join(", "))
-    });
-    let arms = arms.collect::<Vec<String>>().join("; ");
-    let scene_files: Vec<String> = provenance.scenes.iter().map(|scene| named(&scene.file)).collect();
-    let scene_files = scene_files.join(", ");
+    let hash = |file: &FileText| (file.name.clone(), format!("{:.12}", file.blake3));
+    let of_arm = |arm: &ArmText| arm.files.iter().map(hash).collect::<BTreeMap<_, _>>();
+    let arm_files: BTreeMap<&str, _> = provenance
+        .arms
+        .iter()
+        .map(|arm| (arm.name.as_str(), of_arm(arm)))
+        .collect();
+    let scene_files: BTreeMap<_, _> = provenance.scenes.iter().map(|scene| hash(&scene.file)).collect();
     Ok(json!({
         "dataset": path.display().to_string(),
         "reaches": episodes.len(),
@@ -108,11 +110,12 @@ fn dataset(path: &Path) -> Result<Value, ExperimentError> {
         "audit_sums": audit::counts(episodes),
         "seed": provenance.seed,
         "controller": provenance.controller,
-        "arms": arms,
-        "scene_files": scene_files,
+        "arm_files_blake3": arm_files,
+        "scene_files_blake3": scene_files,
         "program": format!("{} {}", provenance.program, provenance.program_version),
-        "BLAKE3 of frames and ground truth": dataset.data_blake3(),
+        "data_blake3": dataset.data_blake3(),
         "engine": provenance.engine,
+        "arithmetic": provenance.arithmetic,
         "check": "sound; every file matches its checksum",
     }))
 }

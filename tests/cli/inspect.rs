@@ -5,6 +5,25 @@ use std::path::Path;
 use crate::support::fixture::fixture;
 use crate::support::{scenes, underbrush};
 
+/// Tests that the keys of `inspect --json` are names in snake_case, except where they are names from the inspected file.
+#[test]
+fn keys_are_names() {
+    let fixture = fixture();
+    let inspected = [
+        fixture.leaf_scene(),
+        fixture.dataset(),
+        fixture.table_csv(),
+        fixture.model(),
+    ];
+    for path in inspected {
+        let found = underbrush!["inspect", path, "--json"].json();
+        for key in found.as_object().unwrap().keys() {
+            let allowed = |letter: char| letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '_';
+            assert!(key.chars().all(allowed), "{key:?} of {}", path.display());
+        }
+    }
+}
+
 /// Pins that scenes, data sets, recordings, both kinds of table and models are recognized, checked and described.
 #[test]
 fn each_kind_of_thing_is_recognized() {

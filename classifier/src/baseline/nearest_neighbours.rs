@@ -151,7 +151,8 @@ impl Estimator for NearestNeighbours {
             categories: by_category.into_keys().collect(),
             mean,
             scale,
-            known: (&matrix * &components).transpose(),
+            // Not with `*`, for which nalgebra calls a library whose last digits depend on the processor.
+            known: components.tr_mul(&matrix.transpose()),
             components,
             category_of,
         }))))
@@ -190,7 +191,7 @@ fn scaling(rows: &[Vec<f64>], window: usize) -> (Vec<f64>, Vec<f64>) {
 /// The first principal components of centred rows, as columns: as many as are needed to explain the fraction, and at
 /// least one.
 fn principal_components(rows: &DMatrix<f64>, explained: f64) -> DMatrix<f64> {
-    let eigen = SymmetricEigen::new(rows.transpose() * rows);
+    let eigen = SymmetricEigen::new(rows.tr_mul(rows));
     let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
     order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]).then(a.cmp(&b)));
     let total: f64 = eigen.eigenvalues.iter().map(|value| value.max(0.0)).sum();

@@ -111,6 +111,18 @@ pub struct Joint {
     pub start_rad: f64,
 }
 
+/// A joint this close to a mechanical limit counts as held by its stop, rad: a tenth of a degree.
+const AT_STOP_RAD: f64 = 2e-3;
+
+impl Joint {
+    /// Whether a mechanical stop may carry a part of the joint's torque at this angle. Stops are compliant, so the angle may
+    /// be beyond the limit.
+    pub fn is_at_stop(&self, angle_rad: f64) -> bool {
+        let [lower, upper] = self.limits_rad;
+        angle_rad < lower + AT_STOP_RAD || angle_rad > upper - AT_STOP_RAD
+    }
+}
+
 impl Arm {
     /// Reads an arm from its TOML file and the files that it names, relative to itself.
     ///

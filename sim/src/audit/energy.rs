@@ -19,9 +19,6 @@ use underbrush_recording::{FRAME_PERIOD_S, Pose};
 use crate::arm::Arm;
 use crate::simulation::{JointState, Simulation, StepReport};
 
-/// A joint this close to a mechanical limit counts as held by it, rad: a tenth of a degree.
-const STOP_RAD: f64 = 2e-3;
-
 /// One link at the end of a step.
 #[derive(Clone, Copy, Debug)]
 struct LinkState {
@@ -64,11 +61,7 @@ impl ArmState {
         }
         self.energy_j = self.sum_energy_j(arm);
         let mut joints = arm.joints.iter().zip(&self.joints);
-        self.stopped = joints.any(|(joint, state)| {
-            // Stops are compliant: an angle may be beyond its limit.
-            let [lower, upper] = joint.limits_rad;
-            state.angle_rad < lower + STOP_RAD || state.angle_rad > upper - STOP_RAD
-        });
+        self.stopped = joints.any(|(joint, state)| joint.is_at_stop(state.angle_rad));
     }
 
     fn sum_energy_j(&self, arm: &Arm) -> f64 {

@@ -198,10 +198,8 @@ impl Auditor {
         let contact_torque_nm = report.contact_torque_nm(arm);
         let (mut torque, mut missing) = (0.0, 0.0);
         for ((joint, state), contact_nm) in arm.joints.iter().zip(joints).zip(&contact_torque_nm) {
-            // A joint at a mechanical stop, which is compliant, is left out, because the stop carries a part of the
-            // torque.
-            let [lower, upper] = joint.limits_rad;
-            if lower + 1e-3 < state.angle_rad && state.angle_rad < upper - 1e-3 {
+            // A stop carries a part of the torque.
+            if !joint.is_at_stop(state.angle_rad) {
                 let spring_nm = joint.stiffness_nm_per_rad * (state.rest_angle_rad - state.angle_rad);
                 torque += contact_nm * contact_nm;
                 missing += (spring_nm + contact_nm).powi(2);

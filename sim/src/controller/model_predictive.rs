@@ -106,14 +106,18 @@ impl ModelPredictive {
         let stiffness = &spring + force_rows.tr_mul(&force_rows) / preset.contact_stiffness_n_per_m;
         // Δq = response Δφ.
         let response = stiffness.cholesky()?.solve(&spring);
-        let forces = &force_rows * &response;
+        // Not with `*`, for which nalgebra calls a library whose last digits depend on the processor.
+        let forces = force_rows.transpose().tr_mul(&response);
 
         let mut cost = Cost::new(joints);
-        let dynamic = |jacobian: &Matrix3xX<f64>| DMatrix::from_column_slice(3, jacobian.ncols(), jacobian.as_slice());
+        let moved = |jacobian: &Matrix3xX<f64>| {
+            let moved = jacobian.transpose().tr_mul(&response);
+            DMatrix::from_column_slice(3, joints, moved.as_slice())
+        };
         let vector = |v: DVec3| DVector::from_column_slice(&v.to_array());
         cost.add(
             preset.position_weight,
-            &(dynamic(input.end_effector_jacobian) * &response),
+            &moved(input.end_effector_jacobian),
             &vector(self.wanted_displacement(input)),
         );
         cost.add(preset.torque_change_weight, &spring, &DVector::zeros(joints));
