@@ -6,13 +6,12 @@
 #         --out my-set
 #     docker build --target test -t underbrush-test .                       # cargo test
 #
-# `--user` lets the program write to a folder of the host. A tag can be moved to another image. To build from the very
-# same ones again, name them by digest:
+# `--user` lets the program write to a folder of the host. The images are named by digest, because a tag can be moved to
+# another image. The digest of a newer one:
 #
 #     docker buildx imagetools inspect rust:1.95-bookworm --format '{{.Manifest.Digest}}'
-#     docker build --build-arg RUST=rust@sha256:… --build-arg DEBIAN=debian@sha256:… -t underbrush .
-ARG RUST=rust:1.95-bookworm
-ARG DEBIAN=debian:bookworm-slim
+ARG RUST=rust:1.95-bookworm@sha256:6258907abe69656e41cd992e0b705cdcfabcbbe3db374f92ed2d47121282d4a1
+ARG DEBIAN=debian:bookworm-slim@sha256:3783cc01769c7b2b1b83a5c5ad96c815348e28ed7da68e2e3687004faa906251
 FROM ${RUST} AS build
 WORKDIR /src
 COPY . .

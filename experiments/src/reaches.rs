@@ -187,13 +187,15 @@ pub fn run(session: &Session) -> Result<TestReaches, ExperimentError> {
     };
     // The longest reaches first, so that no thread waits for them at the end.
     let mut searches = Vec::new();
+    let second_outlier = file.second_outlier.as_ref().filter(|_| !session.quick);
     for (own, wanted) in [
-        (&file.outlier, Wanted::OutlierFirst(known.clone())),
-        (&file.second_outlier, Wanted::Unknown(known.clone())),
-        (&file.general, Wanted::All(known.clone())),
+        (file.outlier.as_ref(), Wanted::OutlierFirst(known.clone())),
+        (second_outlier, Wanted::Unknown(known.clone())),
+        (file.general.as_ref(), Wanted::All(known.clone())),
     ] {
         if let Some(own) = own {
-            searches.push(search(&own.scene, wanted, own.reaches(session.quick), own.max_draws)?);
+            let (enough, draws) = (own.reaches(session.quick), own.draws(session.quick));
+            searches.push(search(&own.scene, wanted, enough, draws)?);
         }
     }
     let mut categories = Vec::new();
@@ -202,7 +204,7 @@ pub fn run(session: &Session) -> Result<TestReaches, ExperimentError> {
             continue;
         };
         categories.push(category);
-        searches.push(search(&own.scene, Wanted::Only(category), 1, own.max_draws)?);
+        searches.push(search(&own.scene, Wanted::Only(category), 1, own.draws(session.quick))?);
     }
     if searches.is_empty() {
         return Ok(TestReaches {
@@ -228,7 +230,7 @@ pub fn run(session: &Session) -> Result<TestReaches, ExperimentError> {
             .collect();
         let mut found = found.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter();
         let outlier = file.outlier.as_ref().and_then(|_| found.next());
-        let second_outlier = file.second_outlier.as_ref().and_then(|_| found.next());
+        let second_outlier = second_outlier.and_then(|_| found.next());
         let general = file.general.as_ref().and_then(|_| found.next());
         Ok(TestReaches {
             engineered: categories.iter().copied().zip(found).collect(),

@@ -114,7 +114,9 @@ impl<'a> Session<'a> {
         self.progress.stage(&format!("{place}{name}"));
         let start = Instant::now();
         let result = work()?;
-        self.stages.borrow_mut().push((name, start.elapsed().as_secs_f64()));
+        let seconds = start.elapsed().as_secs_f64();
+        self.progress.stage(&format!("  {seconds:.1} s"));
+        self.stages.borrow_mut().push((name, seconds));
         Ok(result)
     }
 

@@ -20,7 +20,8 @@ pub struct Options {
     /// replaced with --force.
     #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
     out: PathBuf,
-    /// Fewer reaches: for the paper's experiment, 4 leaf and 8 trunk instead of 10 and 25
+    /// A small run: for the paper's experiment, 4 leaf and 8 trunk reaches instead of 10 and 25, one reach of each
+    /// engineered scene, and no other arms, changes or second outlier
     #[arg(long)]
     quick: bool,
     /// Experiment to run (TOML file) [default: the paper's]

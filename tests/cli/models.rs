@@ -152,9 +152,9 @@ fn too_little_data_is_warned_of() {
     }
     let scene = fixture().leaf_scene();
     underbrush!["generate", scene, "--reaches", "4", "--seed", "1", "--out", set].success();
-    let call = underbrush!["train", set, "--classifier", "touch", "--out", out];
+    let call = underbrush!["train", set, "--classifier", "touch", "--out", out, "--force"];
     assert_eq!(call.status, 0, "{}", call.stderr);
     assert!(call.stderr.contains("of the category leaf"), "{}", call.stderr);
-    let both = underbrush!["train", fixture().table_csv(), "--states", "2", "--out", out];
+    let both = underbrush!["train", fixture().table_csv(), "--states", "2", "--out", out, "--force"];
     assert_eq!((both.status, both.stderr.as_str()), (0, ""));
 }

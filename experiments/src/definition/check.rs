@@ -34,7 +34,6 @@ pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
             ("training.reaches", Some(training.reaches)),
             ("training.quick_reaches", training.quick_reaches),
             ("training.setting_reaches", training.setting_reaches),
-            ("training.quick_setting_reaches", training.quick_setting_reaches),
         ] {
             if count.is_some_and(|count| !(2..=1_000_000).contains(&count)) {
                 let found = count.unwrap_or_default().to_string();

@@ -56,13 +56,14 @@ pub struct ExperimentFile {
     /// A scene in which the arm touches an outlier first and then a known category.
     #[serde(default)]
     pub outlier: Option<TestScene>,
-    /// A scene with another outlier, on which nothing was chosen. Verdicts on what touches the skin are tested on it.
+    /// A scene with another outlier, on which nothing was chosen. Verdicts on what touches the skin are tested on it. Left
+    /// out of quick runs.
     #[serde(default)]
     pub second_outlier: Option<TestScene>,
     /// Verdicts on what touches each taxel, frame by frame; left out if not given.
     #[serde(default)]
     pub verdicts: Option<VerdictSection>,
-    /// Arm stiffnesses and hand speeds to train and test at, in addition to the scenes' own.
+    /// Arm stiffnesses and hand speeds to train and test at, in addition to the scenes' own. Left out of quick runs.
     #[serde(default)]
     pub settings: Vec<Setting>,
     /// Classifiers that are trained and tested at each of these settings.
@@ -126,9 +127,6 @@ pub struct TrainingScene {
     /// Number of reaches at each of `settings`; half if not given.
     #[serde(default)]
     pub setting_reaches: Option<u64>,
-    /// Number of reaches at each of `settings` with `--quick`; half of `quick_reaches` if not given.
-    #[serde(default)]
-    pub quick_setting_reaches: Option<u64>,
 }
 
 /// A scene with one category, for online tests.
@@ -139,7 +137,7 @@ pub struct EngineeredScene {
     pub scene: String,
     /// Category that the skin must touch, and nothing else: a label of the training scenes.
     pub label: String,
-    /// Reaches are drawn until one does what it should, but no more than this many.
+    /// Reaches are drawn until one does what it should, but no more than this many; only one with `--quick`.
     #[serde(default = "default_draws")]
     pub max_draws: u64,
 }
@@ -159,7 +157,8 @@ pub struct TestScene {
     /// Number of reaches with `--quick`; one if not given.
     #[serde(default)]
     pub quick_reaches: Option<usize>,
-    /// Reaches are drawn until enough of them do what they should, but no more than this many.
+    /// Reaches are drawn until enough of them do what they should, but no more than this many, nor than twice
+    /// `quick_reaches` with `--quick`.
     #[serde(default = "default_draws")]
     pub max_draws: u64,
 }

@@ -2,7 +2,9 @@
 
 use underbrush_classifier::feature::FeatureSet;
 
-use super::file::{Published, PublishedAccuracy, TableOneUnit, TestScene, TrainingScene, VerdictSection};
+use super::file::{
+    EngineeredScene, Published, PublishedAccuracy, TableOneUnit, TestScene, TrainingScene, VerdictSection,
+};
 
 impl TrainingScene {
     /// Number of reaches of a full run or a quick one.
@@ -14,14 +16,10 @@ impl TrainingScene {
     }
 
     /// Number of reaches at each setting, at least two and at most as many as in the run itself.
-    pub fn setting_reaches(&self, quick: bool) -> u64 {
-        let given = if quick {
-            self.quick_setting_reaches
-        } else {
-            self.setting_reaches
-        };
-        let all = self.reaches(quick);
-        given.unwrap_or(all.div_ceil(2).max(2)).min(all)
+    pub fn setting_reaches(&self) -> u64 {
+        self.setting_reaches
+            .unwrap_or(self.reaches.div_ceil(2).max(2))
+            .min(self.reaches)
     }
 }
 
@@ -32,6 +30,21 @@ impl TestScene {
             true => self.quick_reaches.unwrap_or(1),
             false => self.reaches,
         }
+    }
+
+    /// The most reaches that are drawn until enough of them do what they should: in a quick run twice as many as are wanted.
+    pub fn draws(&self, quick: bool) -> u64 {
+        match quick {
+            true => self.max_draws.min(2 * self.reaches(true) as u64),
+            false => self.max_draws,
+        }
+    }
+}
+
+impl EngineeredScene {
+    /// The most reaches that are drawn until one does what it should: one in a quick run.
+    pub fn draws(&self, quick: bool) -> u64 {
+        if quick { 1 } else { self.max_draws }
     }
 }
 

@@ -105,11 +105,13 @@ fn folded(recordings: Vec<(u64, Recording)>, reaches: &[u64], counts: &[u64]) ->
     folded.collect()
 }
 
-/// Runs the training scenes at the other settings, and tests the classifiers of each setting at every setting.
+/// Runs the training scenes at the other settings, and tests the classifiers of each setting at every setting. A quick run
+/// has too few reaches for it.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let data = session.once(training::run)?;
     let experiment = session.experiment;
-    if experiment.file.settings.is_empty() || experiment.file.setting_classifiers.is_empty() {
+    let none = experiment.file.settings.is_empty() || experiment.file.setting_classifiers.is_empty();
+    if session.quick || none {
         return Ok(Outcome {
             splits: Vec::new(),
             verdict_transfer: Vec::new(),
@@ -119,7 +121,7 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
         .file
         .training
         .iter()
-        .map(|own| own.setting_reaches(session.quick))
+        .map(|own| own.setting_reaches())
         .collect();
     let kept: Kept = session.stage("Other arms and speeds", || {
         session.kept("splits", session.seed, || {

@@ -78,8 +78,8 @@ struct JointTable {
 struct HullTable {
     /// The link that it belongs to.
     link: String,
-    /// At least four points, not all in one plane; their convex hull is the shape. Frame of the link.
-    #[schemars(transform = Within(limits::PLACE_M), length(min = 4))]
+    /// Four to 100 points, not all in one plane; their convex hull is the shape. Frame of the link.
+    #[schemars(transform = Within(limits::PLACE_M), length(min = 4, max = 100))]
     points_m: Vec<[f64; 3]>,
 }
 

@@ -194,7 +194,7 @@ impl ArmBodies {
     }
 
     /// A point in the frame of a link's body, in the frame of the link.
-    pub(super) fn from_body(&self, link: usize, point_body: DVec3) -> DVec3 {
+    pub(super) fn point_in_link(&self, link: usize, point_body: DVec3) -> DVec3 {
         self.inertia_frames[link].transform_point(point_body)
     }
 

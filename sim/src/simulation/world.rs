@@ -140,7 +140,7 @@ impl World {
                 link,
                 object,
                 body,
-                position_link: self.arm.from_body(link, contact.position_body[side]),
+                position_link: self.arm.point_in_link(link, contact.position_body[side]),
                 inward_world: contact.normal_world * sign,
                 force_world: contact.impulse_world * (sign / FRAME_PERIOD_S),
                 moment_world: contact.moment_world * (sign / FRAME_PERIOD_S),
