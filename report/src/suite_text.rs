@@ -11,7 +11,7 @@ use underbrush_recording::math;
 use crate::junit;
 use crate::text::{counted, table};
 
-/// Names of the files that [`write`] writes.
+/// Names of the files that [`write()`] writes.
 pub const FILES: [&str; 2] = ["results.json", "junit.xml"];
 
 /// Writes `junit.xml` for CI systems, and `results.json` with the values of all reaches.

@@ -151,7 +151,7 @@ fn too_little_data_is_warned_of() {
         assert!(call.stderr.contains(part), "no {part:?} in {}", call.stderr);
     }
     let scene = fixture().leaf_scene();
-    underbrush!["generate", scene, "--reaches", "4", "--seed", "1", "--out", set].success();
+    underbrush!["generate", scene, "--reaches", "8", "--seed", "1", "--out", set].success();
     let call = underbrush!["train", set, "--classifier", "touch", "--out", out, "--force"];
     assert_eq!(call.status, 0, "{}", call.stderr);
     assert!(call.stderr.contains("of the category leaf"), "{}", call.stderr);
