@@ -164,10 +164,16 @@ def test_touch_models_are_evaluated_as_by_the_command_line(data: ub.Dataset, tmp
     assert judged["folds"] == 3 and judged["feature_worth"]
     assert judged == ub.TouchModel.cross_validate(reaches, folds=3, jobs=2)
     assert judged == command("evaluate", data.path, "--classifier", "touch", "--folds", 3)
-    # Neither one nor nine folds are possible, and of two folds, one leaves no reach with a leaf to fit to.
-    for folds, reason in ((1, "at least 2"), (9, "fewer than the 9 folds"), (2, "only trunk")):
+    # Neither one nor nine folds are possible. With leaves in one reach alone, one of two folds leaves none to fit to.
+    leaves, trunks = ([one for one in reaches if one.scene == f"{name}-quick"] for name in ("leaf", "trunk"))
+    most = max(leaves, key=lambda one: sum(len(trial.time_s) for trial in one.trials()))
+    for given, folds, reason in (
+        (reaches, 1, "at least 2"),
+        (reaches, 9, "fewer than the 9 folds"),
+        ([most, *trunks], 2, "only trunk"),
+    ):
         with pytest.raises(ub.InputError, match=reason):
-            ub.TouchModel.cross_validate(reaches, folds=folds)
+            ub.TouchModel.cross_validate(given, folds=folds)
 
 
 def test_bad_frames_are_refused(data: ub.Dataset) -> None:
