@@ -164,13 +164,13 @@ def test_touch_models_are_evaluated_as_by_the_command_line(data: ub.Dataset, tmp
     assert judged["folds"] == 3 and judged["feature_worth"]
     assert judged == ub.TouchModel.cross_validate(reaches, folds=3, jobs=2)
     assert judged == command("evaluate", data.path, "--classifier", "touch", "--folds", 3)
-    # Neither one nor nine folds are possible. With leaves in one reach alone, one of two folds leaves none to fit to.
+    # Neither one nor nine folds are possible. With leaves in one reach alone, one of five folds leaves none to fit to.
     leaves, trunks = ([one for one in reaches if one.scene == f"{name}-quick"] for name in ("leaf", "trunk"))
     most = max(leaves, key=lambda one: sum(len(trial.time_s) for trial in one.trials()))
     for given, folds, reason in (
         (reaches, 1, "at least 2"),
         (reaches, 9, "fewer than the 9 folds"),
-        ([most, *trunks], 2, "only trunk"),
+        ([most, *trunks], 5, "only trunk"),
     ):
         with pytest.raises(ub.InputError, match=reason):
             ub.TouchModel.cross_validate(given, folds=folds)
