@@ -1,7 +1,9 @@
 """Trials, and models fitted to them."""
 
+import json
 import pickle
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -44,15 +46,25 @@ def test_trials_are_a_sequence(trials: ub.Trials) -> None:
         trials[[True]]
 
 
+def _fitted(text: str) -> dict[str, Any]:
+    """A model file without its seal and what it says of its data and of how trials were cut: here they come from a set,
+    there from a table."""
+    model = json.loads(text)
+    assert model.pop("blake3") and model["provenance"].pop("data")
+    model["provenance"].get("options", {}).pop("trials", None)
+    model["provenance"] = {key: value for key, value in model["provenance"].items() if value}
+    return model
+
+
 @pytest.mark.parametrize("name", [name for name, _ in ub.classifiers()])
 def test_models_equal_those_of_the_command_line(name: str, trials: ub.Trials, tmp_path: Path, command) -> None:
     """Pins for every classifier that the model file, the scores and the evaluation from Python equal those of the
-    command line, bit for bit, and that a saved and a pickled model give the same scores."""
+    command line, number for number, and that a saved and a pickled model give the same scores."""
     table, file = tmp_path / "trials.parquet", tmp_path / "model.json"
     trials.save(table)
     command("train", table, "--classifier", name, "--out", file)
     model = ub.fit(trials, name)
-    assert model.to_json() == file.read_text()
+    assert _fitted(model.to_json()) == _fitted(file.read_text())
     scores = model.scores(trials)
     rows = command("score", file, table)["scores"]
     expected = [-np.inf if row["log_likelihood"] is None else row["log_likelihood"] for row in rows]
@@ -72,7 +84,7 @@ def test_options_are_those_of_the_command_line(trials: ub.Trials, tmp_path: Path
     model = ub.fit(
         trials, states=5, recipe="modern", features="force,motion", max_samples=60, iterations=20, false_positive_rate=0.2
     )
-    assert model.to_json() == file.read_text()
+    assert _fitted(model.to_json()) == _fitted(file.read_text())
     verdicts = model.classify(trials)
     assert set(verdicts) <= {"leaf", "trunk", "uncertain", "outlier"}
     assert model.classify(trials, decision="argmax") != verdicts or "uncertain" not in verdicts
