@@ -152,8 +152,8 @@ fn what_is_not_every_part_once_is_refused() {
     assert!(matches!(nothing, Err(DiskError::Input(error)) if error.found == "none"));
 }
 
-/// Tests that a part with other arithmetic, another version, scene or layout is refused by the field that differs, and that a part whose reaches
-/// are not those that belong to it is refused, too.
+/// Tests that a part with other arithmetic, another version, scene or number of reaches is refused by the field that
+/// differs, and that a part whose reaches are not those that belong to it is refused, too.
 #[test]
 fn parts_of_other_campaigns_are_refused_by_the_field() {
     let changes: [Change<DatasetPlan>; 5] = [
