@@ -55,6 +55,7 @@ __all__ = [
     "seconds_without_python",
     "step_many",
     "validate",
+    "_check_free",
 ]
 
 __version__: str
