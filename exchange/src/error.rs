@@ -23,17 +23,6 @@ pub enum ExchangeError {
         /// The cause.
         source: Box<hdf5_pure::Error>,
     },
-    /// Storage could not be reached, or refused the request.
-    #[cfg(feature = "cloud")]
-    #[error("{address}: cannot {action}: {source}; check the address, the network and the AWS_… variables")]
-    Bucket {
-        /// Address of the object.
-        address: String,
-        /// What was tried, as a verb.
-        action: &'static str,
-        /// The cause.
-        source: Box<object_store::Error>,
-    },
 }
 
 impl From<ExchangeError> for Fault {
@@ -41,8 +30,6 @@ impl From<ExchangeError> for Fault {
         match error {
             ExchangeError::Input(error) => error.into(),
             ExchangeError::Disk(error) => error.into(),
-            #[cfg(feature = "cloud")]
-            ExchangeError::Bucket { .. } => Fault::Storage(error.to_string()),
             ExchangeError::Hdf5 { .. } => Fault::Storage(error.to_string()),
         }
     }

@@ -5,12 +5,9 @@
 //! * [`Hdf5Writer`] writes reaches in the layout of robomimic's data sets.
 //! * [`live`] reads the lines of a live stream of frames.
 //! * [`import`] cuts trials from a CSV, HDF5 or MCAP file, as a mapping file describes.
-//! * `bucket` (with the feature `cloud`) copies data sets to and from S3-like storage.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-#[cfg(feature = "cloud")]
-pub mod bucket;
 mod error;
 #[cfg(test)]
 mod example;
