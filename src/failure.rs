@@ -156,7 +156,7 @@ impl Failure {
             quoted(&text, line)
         });
         match quoted {
-            Some(quoted) => format!("error: {message}\n --> {place}\n{quoted}\n{help}"),
+            Some((column, quoted)) => format!("error: {message}\n --> {place}:{column}\n{quoted}\n{help}"),
             None => format!("error: {place}: {message}\n{help}"),
         }
     }
@@ -166,9 +166,9 @@ impl Failure {
 /// a whole file of many megabytes.
 const MAX_LINE_BYTES: usize = 1000;
 
-/// A line of a text (from 1), marked, between its neighbours. `None` if there is no such line, or if one of these lines
-/// is too long. The lines are escaped here, so that the mark is as long as what is shown.
-fn quoted(text: &str, line: usize) -> Option<String> {
+/// A line of a text (from 1), marked, between its neighbours, and the column of its first word. `None` if there is no such
+/// line, or if one of these lines is too long. The lines are escaped here, so that the mark is as long as what is shown.
+fn quoted(text: &str, line: usize) -> Option<(usize, String)> {
     let first = line.saturating_sub(1).max(1);
     let shown = text.lines().skip(first - 1).take(line + 2 - first);
     let shown: Vec<_> = shown.map(escaped).collect();
@@ -176,17 +176,19 @@ fn quoted(text: &str, line: usize) -> Option<String> {
         return None;
     }
     let width = (line + 1).to_string().len();
+    let mut column = 1;
     let mut quoted = format!("{:width$} |", "");
     for (number, text) in (first..).zip(&shown) {
         quoted += &format!("\n{number:width$} | {text}");
         if number == line {
             // Tabs stay, so that the mark begins under the first word.
             let (indent, words) = text.split_at(text.len() - text.trim_start().len());
+            column += indent.chars().count();
             let mark = "^".repeat(words.trim_end().chars().count());
             quoted += &format!("\n{:width$} | {indent}{mark} here", "");
         }
     }
-    Some(quoted)
+    Some((column, quoted))
 }
 
 impl From<InputError> for Failure {
