@@ -36,7 +36,6 @@ pub const LIBRARIES: &[&str] = &[
     "serde_json",
     "simba",
     "toml",
-    "urdf-rs",
     "wide",
     "zmij",
     "zstd",

@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::sync::Mutex;
 
-use miette::{LabeledSpan, MietteDiagnostic, NamedSource, Report};
 use serde::Serialize;
 use underbrush_classifier::ModelError;
 use underbrush_classifier::decision::DecisionError;
@@ -144,31 +143,22 @@ impl Failure {
     }
 
     /// The text to print, with the offending line of the file if it is known.
-    pub fn report(&self) -> Report {
+    pub fn report(&self) -> String {
         let Some(input) = &self.input else {
-            return Report::new(MietteDiagnostic::new(escaped(&self.text)));
+            return format!("error: {}", self.text);
         };
+        let line = input.line.map_or(String::new(), |line| format!(":{line}"));
+        let place = format!("{}{line}", input.file.display());
         let message = format!("{}: found {}", input.field, input.found);
-        let help = format!("allowed: {}; {}", input.allowed, input.remedy);
-        let place = escaped(&input.file.display().to_string()).into_owned();
-        let diagnostic = MietteDiagnostic::new(escaped(&message)).with_help(escaped(&help));
-        let text = input
-            .line
-            .and_then(|_| read_text(&input.file, &TEXT_BYTES, "", "").ok());
-        // Escaped before its lines are measured, so that the label is under what is shown.
-        let text = text.map(|text| escaped(&text.replace("\r\n", "\n")).into_owned());
-        let shown = text.filter(|text| input.line.is_some_and(|line| can_be_shown(text, line)));
-        let (Some(line), Some(text)) = (input.line, shown) else {
-            let line = input.line.map_or(String::new(), |line| format!(":{line}"));
-            return Report::new(MietteDiagnostic {
-                message: format!("{place}{line}: {}", diagnostic.message),
-                ..diagnostic
-            });
-        };
-        let start: usize = text.split_inclusive('\n').take(line - 1).map(str::len).sum();
-        let length = text[start..].lines().next().map_or(0, str::len);
-        let diagnostic = diagnostic.with_label(LabeledSpan::at(start..start + length, "here"));
-        Report::new(diagnostic).with_source_code(NamedSource::new(place, text))
+        let help = format!("help: allowed: {}; {}", input.allowed, input.remedy);
+        let quoted = input.line.and_then(|line| {
+            let text = read_text(&input.file, &TEXT_BYTES, "", "").ok()?;
+            quoted(&text, line)
+        });
+        match quoted {
+            Some((column, quoted)) => format!("error: {message}\n --> {place}:{column}\n{quoted}\n{help}"),
+            None => format!("error: {place}: {message}\n{help}"),
+        }
     }
 }
 
@@ -176,12 +166,29 @@ impl Failure {
 /// a whole file of many megabytes.
 const MAX_LINE_BYTES: usize = 1000;
 
-/// Whether a text has this line (from 1), and the line and its neighbours, which are shown too, are short enough.
-fn can_be_shown(text: &str, line: usize) -> bool {
-    let shown = text.split_inclusive('\n').skip(line.saturating_sub(2)).take(3);
-    line >= 1
-        && text.split_inclusive('\n').nth(line - 1).is_some()
-        && shown.into_iter().all(|line| line.len() <= MAX_LINE_BYTES)
+/// A line of a text (from 1), marked, between its neighbours, and the column of its first word. `None` if there is no such
+/// line, or if one of these lines is too long. The lines are escaped here, so that the mark is as long as what is shown.
+fn quoted(text: &str, line: usize) -> Option<(usize, String)> {
+    let first = line.saturating_sub(1).max(1);
+    let shown = text.lines().skip(first - 1).take(line + 2 - first);
+    let shown: Vec<_> = shown.map(escaped).collect();
+    if line < first || shown.len() <= line - first || shown.iter().any(|line| line.len() > MAX_LINE_BYTES) {
+        return None;
+    }
+    let width = (line + 1).to_string().len();
+    let mut column = 1;
+    let mut quoted = format!("{:width$} |", "");
+    for (number, text) in (first..).zip(&shown) {
+        quoted += &format!("\n{number:width$} | {text}");
+        if number == line {
+            // Tabs stay, so that the mark begins under the first word.
+            let (indent, words) = text.split_at(text.len() - text.trim_start().len());
+            column += indent.chars().count();
+            let mark = "^".repeat(words.trim_end().chars().count());
+            quoted += &format!("\n{:width$} | {indent}{mark} here", "");
+        }
+    }
+    Some((column, quoted))
 }
 
 impl From<InputError> for Failure {

@@ -109,16 +109,6 @@ enum Command {
     Export(command::export::Options),
     /// Cut contact trials from a CSV, HDF5 or MCAP file of a real robot
     Import(command::import::Options),
-    /// Copy a data set to S3-like storage
-    #[cfg(feature = "cloud")]
-    Push(command::push::Options),
-    /// Copy a data set from S3-like storage
-    #[cfg(feature = "cloud")]
-    Pull(command::pull::Options),
-    /// Only with the feature `cloud`
-    #[cfg(not(feature = "cloud"))]
-    #[command(name = "push", alias = "pull", hide = true)]
-    WithoutCloud(command::without_cloud::Options),
     /// Print the JSON Schema of scene, arm, skin, experiment, suite or model files, for use in an editor
     Schema(command::schema::Options),
 }
@@ -168,12 +158,6 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Replay(options) => command::replay::run(options, shared.json),
         Command::Export(options) => command::export::run(options, shared.json),
         Command::Import(options) => command::import::run(options, shared.json),
-        #[cfg(feature = "cloud")]
-        Command::Push(options) => command::push::run(options, shared.json),
-        #[cfg(feature = "cloud")]
-        Command::Pull(options) => command::pull::run(options, shared.json),
-        #[cfg(not(feature = "cloud"))]
-        Command::WithoutCloud(options) => command::without_cloud::run(options),
         Command::Schema(options) => command::schema::run(&options),
     }
 }

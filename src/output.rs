@@ -73,11 +73,7 @@ pub fn interruption(hint: &str) {
 
 /// Prints a line on stderr. Errors are ignored: a closed or full stderr must not change the result or the exit status.
 fn say(line: &str) {
-    say_as_it_is(&escaped(line));
-}
-
-fn say_as_it_is(line: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{line}");
+    let _ = writeln!(std::io::stderr().lock(), "{}", escaped(line));
 }
 
 /// Prints an error on stderr, and with `json` as one object on stdout. A result that has been printed before stays the
@@ -87,15 +83,7 @@ pub fn error(failure: &Failure, json: bool) {
         // The exit status and stderr tell the same.
         let _ = lines([failure.json()]);
     }
-    if !std::io::stderr().is_terminal() {
-        // No line breaks in a log, because a path that is broken in two cannot be searched for.
-        let unwrapped = miette::set_hook(Box::new(|_| {
-            Box::new(miette::MietteHandlerOpts::new().wrap_lines(false).build())
-        }));
-        debug_assert!(unwrapped.is_ok(), "nothing else sets a hook");
-    }
-    // The report has escape sequences of its own, for colours; the texts in it are escaped already.
-    say_as_it_is(&format!("{:?}", failure.report()));
+    say(&failure.report());
 }
 
 /// Prints what clap has to say: the help or the version, or an error about the usage. Returns the exit status.

@@ -17,8 +17,8 @@ In both cases the same command without a fault (for sets, with --resume) must le
 A program that was not killed must not report success unless the output is whole, and must name what failed, without a
 panic. A write that is cut short and followed by no fault must change nothing.
 
-read_faults.py does the same with the calls that read. Needs Linux, strace and a C compiler, but no Python packages;
-TMPDIR=/dev/shm makes it faster. `--every N` tries only every N-th write; all other calls are always tried.
+read_faults.py does the same with the calls that read. Both need Linux, strace, a C compiler and a program
+with the feature `hdf5`, but no Python packages; TMPDIR=/dev/shm makes them faster. `--every N` tries only every N-th write; all other calls are always tried.
 """
 
 import argparse

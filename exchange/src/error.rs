@@ -1,7 +1,5 @@
 //! Errors of exports and imports.
 
-use std::path::{Path, PathBuf};
-
 use underbrush_recording::InputError;
 use underbrush_recording::disk::DiskError;
 use underbrush_recording::fault::Fault;
@@ -16,23 +14,13 @@ pub enum ExchangeError {
     #[error(transparent)]
     Disk(#[from] DiskError),
     /// An HDF5 file could not be written.
+    #[cfg(feature = "hdf5")]
     #[error("{}: cannot write HDF5: {source}; check the path, its permissions and the free space", .path.display())]
     Hdf5 {
         /// The file.
-        path: PathBuf,
+        path: std::path::PathBuf,
         /// The cause.
         source: Box<hdf5_pure::Error>,
-    },
-    /// Storage could not be reached, or refused the request.
-    #[cfg(feature = "cloud")]
-    #[error("{address}: cannot {action}: {source}; check the address, the network and the AWS_… variables")]
-    Bucket {
-        /// Address of the object.
-        address: String,
-        /// What was tried, as a verb.
-        action: &'static str,
-        /// The cause.
-        source: Box<object_store::Error>,
     },
 }
 
@@ -41,20 +29,8 @@ impl From<ExchangeError> for Fault {
         match error {
             ExchangeError::Input(error) => error.into(),
             ExchangeError::Disk(error) => error.into(),
-            #[cfg(feature = "cloud")]
-            ExchangeError::Bucket { .. } => Fault::Storage(error.to_string()),
+            #[cfg(feature = "hdf5")]
             ExchangeError::Hdf5 { .. } => Fault::Storage(error.to_string()),
-        }
-    }
-}
-
-impl ExchangeError {
-    /// For `map_err` after calls of the HDF5 writer.
-    pub(crate) fn hdf5(path: &Path) -> impl FnOnce(hdf5_pure::Error) -> ExchangeError {
-        let path = path.to_path_buf();
-        move |source| ExchangeError::Hdf5 {
-            path,
-            source: Box::new(source),
         }
     }
 }

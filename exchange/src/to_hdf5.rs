@@ -192,6 +192,17 @@ fn stage(group: &mut StagedGroup, recording: &Recording) -> usize {
     count
 }
 
+impl ExchangeError {
+    /// For `map_err` after calls of the library.
+    fn hdf5(path: &Path) -> impl FnOnce(hdf5_pure::Error) -> ExchangeError {
+        let path = path.to_path_buf();
+        move |source| ExchangeError::Hdf5 {
+            path,
+            source: Box::new(source),
+        }
+    }
+}
+
 impl<'a> Hdf5Writer<'a> {
     /// Begins a file at `temporary`; errors name `path`.
     fn begin(path: &'a Path, temporary: &Path) -> Result<Self, ExchangeError> {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use underbrush_classifier::evaluate::touch_folds::ReadReaches;
-use underbrush_exchange::{write_hdf5, write_mcap};
+use underbrush_exchange::write_mcap;
 use underbrush_recording::Recording;
 use underbrush_recording::disk::{check_free, check_not_input};
 
@@ -35,7 +35,8 @@ pub struct Options {
 enum Format {
     /// For Foxglove and tools of ROS 2: joint states, transforms, scene and skin; one file per reach
     Mcap,
-    /// In the shape of robomimic's data sets: one file with a demonstration for each reach
+    /// In the shape of robomimic's data sets: one file with a demonstration for each reach. Needs a program that was built
+    /// with the feature `hdf5`
     Hdf5,
 }
 
@@ -100,6 +101,24 @@ fn make_room(folder: &Path, overwrite: Overwrite) -> Result<(), Failure> {
     Ok(())
 }
 
+#[cfg(feature = "hdf5")]
+fn write_hdf5(out: &Path, reaches: &Reaches, written: &mut Written) -> Result<(), Failure> {
+    underbrush_exchange::write_hdf5(out, |writer| {
+        reaches.read_any(|recording| {
+            writer.push(recording)?;
+            written.count(recording);
+            Ok(())
+        })
+    })
+}
+
+#[cfg(not(feature = "hdf5"))]
+fn write_hdf5(_: &Path, _: &Reaches, _: &mut Written) -> Result<(), Failure> {
+    Err(Failure::usage(
+        "this program was built without HDF5; build it with `cargo build --release --features hdf5`, or export MCAP",
+    ))
+}
+
 /// Writes the files.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let overwrite = options.overwrite;
@@ -134,13 +153,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             })?;
         }
         Format::Hdf5 => {
-            write_hdf5::<Failure>(out, |writer| {
-                reaches.read_any(|recording| {
-                    writer.push(recording)?;
-                    written.count(recording);
-                    Ok(())
-                })
-            })?;
+            write_hdf5(out, &reaches, &mut written)?;
             written.file(out);
         }
     }

@@ -14,22 +14,13 @@ pub mod inspect;
 pub mod merge;
 mod overwrite;
 mod pictures;
-#[cfg(feature = "cloud")]
-pub mod pull;
-#[cfg(feature = "cloud")]
-pub mod push;
 pub mod reach;
-
 pub mod replay;
 pub mod reproduce;
 pub mod schema;
 pub mod score;
 mod touch;
 pub mod train;
-#[cfg(feature = "cloud")]
-mod transfer_summary;
 pub mod trials;
 pub mod validate;
 mod watched;
-#[cfg(not(feature = "cloud"))]
-pub mod without_cloud;

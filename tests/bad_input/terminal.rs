@@ -81,20 +81,13 @@ fn what_is_printed_is_escaped() {
         }
         let quoted = underbrush!["inspect", broken];
         assert_escaped(&quoted, character);
-        // The label is under the line that it is about, from its first column to its last.
+        // The mark is under the line that it is about, from its first column to its last.
         let lines: Vec<&str> = quoted.stderr.lines().collect();
-        let at = lines.iter().position(|line| line.contains('┬')).unwrap();
-        let columns: Vec<usize> = (lines[at].chars().enumerate())
-            .filter_map(|(column, mark)| "─┬".contains(mark).then_some(column))
-            .collect();
-        let (before, line) = lines[at - 1].split_once("│ ").unwrap();
-        let first = before.chars().count() + 2;
-        assert_eq!(
-            columns,
-            (first..first + line.chars().count()).collect::<Vec<_>>(),
-            "{}",
-            quoted.stderr
-        );
+        let at = lines.iter().position(|line| line.ends_with("^ here")).unwrap();
+        let [line, mark] = [at - 1, at].map(|at| lines[at].split_once("| ").unwrap());
+        let marked = format!("{} here", "^".repeat(line.1.chars().count()));
+        assert_eq!(mark.1, marked, "{}", quoted.stderr);
+        assert_eq!(mark.0.len(), line.0.len(), "{}", quoted.stderr);
         assert_escaped(&underbrush!["inspect", &table], character);
         assert_escaped(&underbrush!["inspect", &table, "--json"], character);
     }

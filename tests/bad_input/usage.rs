@@ -292,13 +292,3 @@ fn unknown_names() {
     ];
     twice.refused(&["--prior is given twice for leaf"]);
 }
-
-/// Pins that a program built without `push` and `pull` says how to get them, whatever arguments they are given.
-#[cfg(not(feature = "cloud"))]
-#[test]
-fn push_and_pull_say_how_to_get_them() {
-    for command in ["push", "pull"] {
-        underbrush![command, "set", "s3://bucket/set"].refused(&["--features cloud"]);
-        underbrush![command, "--out", "set"].refused(&["--features cloud"]);
-    }
-}

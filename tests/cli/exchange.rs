@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use underbrush_recording::Trial;
-use underbrush_recording::disk::{Dataset, read_trials};
+use underbrush_recording::disk::read_trials;
 
 use crate::support::fixture::{fixture, recording_with_trials};
 use crate::support::{tree, underbrush};
@@ -38,12 +38,13 @@ fn mapping(folder: &Path, text: &str) -> std::path::PathBuf {
 /// Pins that a data set exported as HDF5 and imported again has the trials that `trials` cuts from the set itself,
 /// labelled by the scene; that a classifier can be trained on these trials and classifies them; and that `replay`
 /// writes each reach with verdicts, but refuses a model that needs motion, which was not imported.
+#[cfg(feature = "hdf5")]
 #[test]
 fn trials_through_hdf5_are_those_of_the_data_set() {
     let folder = tempfile::tempdir().unwrap();
     let [file, table, model] = ["set.hdf5", "trials.csv", "model.json"].map(|name| folder.path().join(name));
     let written = underbrush!["export", fixture().dataset(), "--to", "hdf5", "--out", file, "--json"].json();
-    let set = Dataset::open(fixture().dataset()).unwrap();
+    let set = underbrush_recording::disk::Dataset::open(fixture().dataset()).unwrap();
     assert_eq!((&written["reaches"], &written["files"]), (&6.into(), &1.into()));
     assert_eq!(written["frames"], set.info().total_frames);
     assert_eq!(written["bytes"], std::fs::metadata(&file).unwrap().len());
@@ -153,4 +154,29 @@ fn what_cannot_be_exchanged_is_refused() {
     ]);
     underbrush!["import", "nowhere.csv", "--mapping", map, "--out", table].refused(&["nowhere.csv", "no such file"]);
     assert!(!table.exists());
+}
+
+/// Tests that a program without HDF5 says how to get it, from `export` and from `import`.
+#[cfg(not(feature = "hdf5"))]
+#[test]
+fn a_program_without_hdf5_says_how_to_get_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let [out, log] = ["out.hdf5", "log.h5"].map(|name| folder.path().join(name));
+    underbrush!["export", fixture().dataset(), "--to", "hdf5", "--out", out].refused(&["--features hdf5", "MCAP"]);
+    std::fs::write(&log, "").unwrap();
+    let map = mapping(folder.path(), "[time]\nrate_hz = 100\n[force]\nfrom = \"data/force\"\n");
+    underbrush![
+        "import",
+        log,
+        "--mapping",
+        map,
+        "--out",
+        folder.path().join("trials.csv")
+    ]
+    .refused(&[
+        "log.h5",
+        "HDF5, which this program was built without",
+        "--features hdf5",
+    ]);
+    assert!(!out.exists());
 }

@@ -9,7 +9,7 @@ use underbrush_recording::Frame;
 use underbrush_recording::disk::read_recording;
 
 use crate::support::fixture::{fixture, recording_with_trials};
-use crate::support::{Answer, arm, call, underbrush};
+use crate::support::{Answer, arm, call, call_with_bytes, underbrush};
 
 /// The frames of a reach that touches the forearm.
 fn frames(folder: &Path) -> (PathBuf, Vec<Frame>) {
@@ -156,16 +156,16 @@ fn bad_lines_are_answered_and_change_nothing() {
 /// Pins that bytes that are not UTF-8 make an invalid line like any other.
 #[test]
 fn bytes_that_are_no_text() {
-    let output = assert_cmd::Command::new(env!("CARGO_BIN_EXE_underbrush"))
-        .args(["classify".as_ref(), fixture().model().as_os_str(), "-".as_ref()])
-        .write_stdin(&b"\xff\xfe\x00\n{\"time_s\":1,\"taxels\":[]}"[..])
-        .output()
-        .unwrap();
-    let text = String::from_utf8(output.stdout).unwrap();
-    let answers: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let arguments = vec!["classify".into(), fixture().model().into(), "-".into()];
+    let output = call_with_bytes(arguments, b"\xff\xfe\x00\n{\"time_s\":1,\"taxels\":[]}");
+    let answers: Vec<Value> = output
+        .stdout
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
     assert_eq!(answers[0]["error"]["field"], "line");
     assert_eq!(answers[1], json!({ "time_s": 1.0, "taxels": [] }));
-    assert_eq!((answers.len(), output.status.code()), (2, Some(0)));
+    assert_eq!((answers.len(), output.status), (2, 0));
 }
 
 /// Pins that `--strict` also answers an invalid line, and then ends with exit status 2 and the number of the line.

@@ -31,7 +31,7 @@ fn calls(folder: &Path) -> Vec<Vec<OsString>> {
         call(call_, "").success();
         out
     });
-    let pieces: Vec<(Vec<OsString>, Vec<OsString>)> = vec![
+    let mut pieces: Vec<(Vec<OsString>, Vec<OsString>)> = vec![
         (
             text("train --states 2"),
             vec![table.clone(), "--out".into(), named("new.json")],
@@ -65,7 +65,6 @@ fn calls(folder: &Path) -> Vec<Vec<OsString>> {
             text("export --to mcap"),
             vec![set.clone(), "--out".into(), named("mcap")],
         ),
-        (text("export --to hdf5"), vec![set, "--out".into(), named("new.hdf5")]),
         (text("check"), vec![suite.into(), "--out".into(), named("report")]),
         (
             text("validate --only hmm"),
@@ -77,6 +76,9 @@ fn calls(folder: &Path) -> Vec<Vec<OsString>> {
             [parts.to_vec(), vec!["--out".into(), named("merged")]].concat(),
         ),
     ];
+    if cfg!(feature = "hdf5") {
+        pieces.push((text("export --to hdf5"), vec![set, "--out".into(), named("new.hdf5")]));
+    }
     pieces
         .into_iter()
         .map(|(words, paths)| [words, paths].concat())

@@ -2,8 +2,11 @@
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::process::{Command, Stdio};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 
 pub mod arm;
 pub mod fixture;
@@ -51,20 +54,56 @@ impl Answer {
     }
 }
 
+/// No call takes half a minute. The limit makes a test fail if the program hangs.
+const TIME_LIMIT: Duration = Duration::from_secs(300);
+
 /// Calls the program; `stdin` is its standard input.
 pub fn call(arguments: Vec<OsString>, stdin: &str) -> Answer {
-    let output = assert_cmd::Command::new(env!("CARGO_BIN_EXE_underbrush"))
-        .args(arguments)
-        .write_stdin(stdin)
-        // No call takes half a minute. The limit makes a test fail if the program hangs.
-        .timeout(Duration::from_secs(300))
-        .output()
+    call_with_bytes(arguments, stdin.as_bytes())
+}
+
+/// As [`call`], with a standard input that may be no text.
+pub fn call_with_bytes(arguments: Vec<OsString>, stdin: &[u8]) -> Answer {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_underbrush"))
+        .args(&arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
         .unwrap();
+    let (mut input, stdin) = (program.stdin.take().unwrap(), stdin.to_vec());
+    // The program may end before it has read its input.
+    let writer = thread::spawn(move || drop(input.write_all(&stdin)));
+    let [stdout, stderr] = [
+        text_of(program.stdout.take().unwrap()),
+        text_of(program.stderr.take().unwrap()),
+    ];
+    let start = Instant::now();
+    let status = loop {
+        if let Some(status) = program.try_wait().unwrap() {
+            break status;
+        }
+        if start.elapsed() > TIME_LIMIT {
+            program.kill().unwrap();
+            panic!("{arguments:?} hangs");
+        }
+        thread::sleep(Duration::from_millis(2));
+    };
+    writer.join().unwrap();
     Answer {
-        status: output.status.code().unwrap_or(-1),
-        stdout: String::from_utf8(output.stdout).unwrap(),
-        stderr: String::from_utf8(output.stderr).unwrap(),
+        status: status.code().unwrap_or(-1),
+        stdout: stdout.join().unwrap(),
+        stderr: stderr.join().unwrap(),
     }
+}
+
+/// Reads text to its end, beside the caller.
+fn text_of(mut stream: impl Read + Send + 'static) -> JoinHandle<String> {
+    thread::spawn(move || {
+        let mut text = String::new();
+        stream.read_to_string(&mut text).unwrap();
+        text
+    })
 }
 
 /// Calls the program with these arguments (text or paths) and an empty standard input.

@@ -5,6 +5,7 @@
 
 mod csv_frames;
 mod cutter;
+#[cfg(feature = "hdf5")]
 mod hdf5_frames;
 mod mapping;
 mod mcap_frames;
@@ -39,7 +40,8 @@ fn opened(path: &Path) -> Result<File, ExchangeError> {
     Ok(open_regular(path, "a readable file", "check the path")?)
 }
 
-/// Cuts trials from a file. Its extension gives the format: `.csv`, `.h5` or `.hdf5`, `.mcap`.
+/// Cuts trials from a file. Its extension gives the format: `.csv`, `.mcap`, and with the feature `hdf5` also `.h5` or
+/// `.hdf5`.
 ///
 /// # Errors
 /// [`ExchangeError::Input`] if something in the mapping or the file is missing or not allowed, with its line (for HDF5
@@ -53,7 +55,14 @@ pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, ExchangeError>
         .to_ascii_lowercase();
     let read = match extension.as_str() {
         "csv" => csv_frames::read,
+        #[cfg(feature = "hdf5")]
         "h5" | "hdf5" => hdf5_frames::read,
+        #[cfg(not(feature = "hdf5"))]
+        "h5" | "hdf5" => {
+            let found = "HDF5, which this program was built without";
+            let remedy = "build it with `cargo build --release --features hdf5`";
+            return Err(InputError::new(path, "file name", found, ".csv or .mcap", remedy).into());
+        }
         "mcap" => mcap_frames::read,
         _ => {
             let found = format!("extension {extension:?}");

@@ -34,8 +34,8 @@ mod unfinished;
 mod whole_file;
 
 pub use dataset::{
-    ArmText, Dataset, DatasetCopy, DatasetPlan, DatasetWriter, Episode, FeatureInfo, FileText, Info, PlannedEpisode,
-    Provenance, SceneText, Shard, Shards, file_blake3, remove_dataset,
+    ArmText, Dataset, DatasetPlan, DatasetWriter, Episode, FeatureInfo, FileText, Info, PlannedEpisode, Provenance,
+    SceneText, Shard, Shards, file_blake3, remove_dataset,
 };
 pub use error::DiskError;
 pub use input_file::{is_folder, is_there};

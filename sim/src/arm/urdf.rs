@@ -7,11 +7,10 @@ use glam::{DMat3, DQuat, DVec3, EulerRot};
 use underbrush_recording::limits::short;
 use underbrush_recording::plain_text::{PLAIN, is_plain};
 use underbrush_recording::{BodyShape, InputError, Pose};
-use urdf_rs::{Geometry, JointType, Robot};
 
 use super::limits::{self, MAX_JOINTS};
 use super::source::{Source, directions, listed, unit};
-use super::urdf_text::Elements;
+use super::urdf_text::{Element, Elements, SHAPES, attribute, named, number, numbers};
 use super::{Link, LinkCollider};
 
 /// A chain as described by a URDF.
@@ -55,12 +54,14 @@ const REMEDY: &str = "correct the URDF";
 /// Reads the chain that starts at `base`.
 pub(super) fn read_chain(source: &Source, base: &str) -> Result<Chain, InputError> {
     let elements = Elements::read(source)?;
-    let robot = urdf_rs::read_from_string(&source.text)
-        .map_err(|error| source.fault("robot", error, "a URDF robot description", REMEDY))?;
     let reader = Reader {
         source,
-        elements,
-        robot: &robot,
+        elements: &elements,
+        links: elements
+            .of_kind("link")
+            .map(|link| (text(link, "name"), link))
+            .collect(),
+        joints: elements.of_kind("joint").map(Joint::of).collect(),
     };
     reader.check_names()?;
     let mut chain = Chain {
@@ -86,10 +87,10 @@ pub(super) fn read_chain(source: &Source, base: &str) -> Result<Chain, InputErro
         let Some((joint, origin_parent)) = joint else { break };
         if chain.joints.len() == MAX_JOINTS {
             let allowed = format!("at most {MAX_JOINTS} moving joints");
-            return Err(reader.joint_fault(joint, "", "one more moving joint", &allowed));
+            return Err(reader.joint_fault(&joint, "", "one more moving joint", &allowed));
         }
-        chain.joints.push(reader.joint(joint, origin_parent)?);
-        root = &joint.child.link;
+        chain.joints.push(reader.joint(&joint, origin_parent)?);
+        root = joint.child;
     }
     if chain.joints.is_empty() {
         return Err(reader.link_fault(base, "", "no moving joint on it", "the base link of the arm"));
@@ -99,8 +100,48 @@ pub(super) fn read_chain(source: &Source, base: &str) -> Result<Chain, InputErro
 
 struct Reader<'a> {
     source: &'a Source,
-    elements: Elements<'a>,
-    robot: &'a Robot,
+    elements: &'a Elements<'a>,
+    /// The links, each with its name.
+    links: Vec<(&'a str, Element<'a>)>,
+    joints: Vec<Joint<'a>>,
+}
+
+/// A joint of the file.
+#[derive(Clone, Copy)]
+struct Joint<'a> {
+    element: Element<'a>,
+    name: &'a str,
+    kind: &'a str,
+    /// Names of its links.
+    parent: &'a str,
+    child: &'a str,
+}
+
+impl<'a> Joint<'a> {
+    fn of(element: Element<'a>) -> Self {
+        let end = |name| child(element, name).map_or("", |end| text(end, "link"));
+        Joint {
+            element,
+            name: text(element, "name"),
+            kind: text(element, "type"),
+            parent: end("parent"),
+            child: end("child"),
+        }
+    }
+
+    fn is_fixed(&self) -> bool {
+        self.kind == "fixed"
+    }
+}
+
+/// The value of an attribute that the file has, because it was checked.
+fn text<'a>(element: Element<'a>, key: &str) -> &'a str {
+    attribute(element, key).unwrap_or_default()
+}
+
+/// The first child with this name.
+fn child<'a>(element: Element<'a>, name: &str) -> Option<Element<'a>> {
+    named(element, &[name]).next()
 }
 
 /// Rigidly connected URDF links with their poses in the first one's frame.
@@ -109,30 +150,30 @@ type RigidGroup<'a> = Vec<(&'a str, Pose)>;
 impl<'a> Reader<'a> {
     fn check_names(&self) -> Result<(), InputError> {
         let mut links = BTreeSet::new();
-        for link in &self.robot.links {
-            if !links.insert(link.name.as_str()) {
-                return Err(self.link_fault(&link.name, "name", "a second link of this name", "unique names"));
+        for (link, _) in &self.links {
+            if !links.insert(*link) {
+                return Err(self.link_fault(link, "name", "a second link of this name", "unique names"));
             }
-            if !is_plain(&link.name) {
-                return Err(self.link_fault(&link.name, "name", format_args!("{:?}", link.name), PLAIN));
+            if !is_plain(link) {
+                return Err(self.link_fault(link, "name", format_args!("{link:?}"), PLAIN));
             }
         }
         let mut joints = BTreeSet::new();
         let mut children = BTreeSet::new();
-        for joint in &self.robot.joints {
-            if !joints.insert(joint.name.as_str()) {
+        for joint in &self.joints {
+            if !joints.insert(joint.name) {
                 return Err(self.joint_fault(joint, "name", "a second joint of this name", "unique names"));
             }
-            if !is_plain(&joint.name) {
+            if !is_plain(joint.name) {
                 return Err(self.joint_fault(joint, "name", format_args!("{:?}", joint.name), PLAIN));
             }
-            for (end, link) in [("parent", &joint.parent.link), ("child", &joint.child.link)] {
-                if !links.contains(link.as_str()) {
+            for (end, link) in [("parent", joint.parent), ("child", joint.child)] {
+                if !links.contains(link) {
                     return Err(self.joint_fault(joint, end, link, "the name of a link of this URDF"));
                 }
             }
-            if !children.insert(joint.child.link.as_str()) {
-                let found = format!("{}, which another joint carries already", joint.child.link);
+            if !children.insert(joint.child) {
+                let found = format!("{}, which another joint carries already", joint.child);
                 return Err(self.joint_fault(joint, "child", found, "one parent for each link"));
             }
         }
@@ -144,21 +185,20 @@ impl<'a> Reader<'a> {
         let mut frames = vec![(root, Pose::IDENTITY)];
         let mut next = 0;
         while let Some((parent, pose)) = frames.get(next).copied() {
-            for joint in &self.robot.joints {
-                if joint.parent.link == parent && joint.joint_type == JointType::Fixed {
-                    if frames.iter().any(|(name, _)| *name == joint.child.link) {
-                        return Err(self.joint_fault(
-                            joint,
-                            "child",
-                            "a loop",
-                            "each link once, from the base to the end effector",
-                        ));
-                    }
-                    frames.push((
-                        &joint.child.link,
-                        pose * self.pose("joint", &joint.name, "origin", &joint.origin)?,
+            for joint in self
+                .joints
+                .iter()
+                .filter(|joint| joint.is_fixed() && joint.parent == parent)
+            {
+                if frames.iter().any(|(name, _)| *name == joint.child) {
+                    return Err(self.joint_fault(
+                        joint,
+                        "child",
+                        "a loop",
+                        "each link once, from the base to the end effector",
                     ));
                 }
+                frames.push((joint.child, pose * self.joint_origin(joint)?));
             }
             next += 1;
         }
@@ -166,15 +206,10 @@ impl<'a> Reader<'a> {
     }
 
     /// The one moving joint on a rigid group, with its pose in the group's frame; `None` at the end of the chain.
-    fn next_joint(&self, frames: &RigidGroup<'a>) -> Result<Option<(&'a urdf_rs::Joint, Pose)>, InputError> {
-        let mut next: Option<(&urdf_rs::Joint, Pose)> = None;
-        for joint in self
-            .robot
-            .joints
-            .iter()
-            .filter(|joint| joint.joint_type != JointType::Fixed)
-        {
-            let Some((_, pose)) = frames.iter().find(|(name, _)| *name == joint.parent.link) else {
+    fn next_joint(&self, frames: &RigidGroup<'a>) -> Result<Option<(Joint<'a>, Pose)>, InputError> {
+        let mut next: Option<(Joint, Pose)> = None;
+        for joint in self.joints.iter().filter(|joint| !joint.is_fixed()) {
+            let Some((_, pose)) = frames.iter().find(|(name, _)| *name == joint.parent) else {
                 continue;
             };
             if let Some((other, _)) = next {
@@ -186,49 +221,50 @@ impl<'a> Reader<'a> {
                     "a serial chain (fix the joints of side branches)",
                 ));
             }
-            next = Some((joint, *pose * self.pose("joint", &joint.name, "origin", &joint.origin)?));
+            next = Some((*joint, *pose * self.joint_origin(joint)?));
         }
         Ok(next)
     }
 
-    fn joint(&self, joint: &urdf_rs::Joint, origin_parent: Pose) -> Result<ChainJoint, InputError> {
-        let limits_rad = match joint.joint_type {
-            JointType::Revolute => [joint.limit.lower, joint.limit.upper],
-            JointType::Continuous => [f64::NEG_INFINITY, f64::INFINITY],
-            _ => {
-                return Err(self.joint_fault(
-                    joint,
-                    "type",
-                    format!("{:?}", joint.joint_type),
-                    "revolute, continuous or fixed",
-                ));
+    fn joint_origin(&self, joint: &Joint) -> Result<Pose, InputError> {
+        self.pose("joint", joint.name, "origin", child(joint.element, "origin"))
+    }
+
+    fn joint(&self, joint: &Joint, origin_parent: Pose) -> Result<ChainJoint, InputError> {
+        let limit = |key| number(child(joint.element, "limit"), key);
+        let [lower, upper, effort, velocity] = ["lower", "upper", "effort", "velocity"].map(limit);
+        let limits_rad = match joint.kind {
+            "revolute" => [lower, upper],
+            "continuous" => [f64::NEG_INFINITY, f64::INFINITY],
+            other => {
+                return Err(self.joint_fault(joint, "type", other, "revolute, continuous or fixed"));
             }
         };
-        if joint.mimic.is_some() {
+        if child(joint.element, "mimic").is_some() {
             return Err(self.joint_fault(joint, "mimic", "a coupled joint", "independent joints"));
         }
-        let numbers = [
-            ("limit.lower", joint.limit.lower, limits::ANGLE_RAD),
-            ("limit.upper", joint.limit.upper, limits::ANGLE_RAD),
-            ("limit.effort", joint.limit.effort, limits::TORQUE_NM),
-            ("limit.velocity", joint.limit.velocity, limits::SPEED_RAD_PER_S),
+        let values = [
+            ("limit.lower", lower, limits::ANGLE_RAD),
+            ("limit.upper", upper, limits::ANGLE_RAD),
+            ("limit.effort", effort, limits::TORQUE_NM),
+            ("limit.velocity", velocity, limits::SPEED_RAD_PER_S),
         ];
-        if let Some((field, value, limits)) = numbers.into_iter().find(|(_, value, limits)| !limits.hold(*value)) {
+        if let Some((field, value, limits)) = values.into_iter().find(|(_, value, limits)| !limits.hold(*value)) {
             return Err(self.joint_fault(joint, field, short(value), &limits.to_string()));
         }
         if limits_rad[0] >= limits_rad[1] {
             let found = format!("{} to {}", limits_rad[0], limits_rad[1]);
             return Err(self.joint_fault(joint, "limit", found, "lower below upper, rad"));
         }
-        let axis_child = unit(joint.axis.xyz.0)
-            .ok_or_else(|| self.joint_fault(joint, "axis", listed(&joint.axis.xyz.0), &directions()))?;
+        let axis = numbers(child(joint.element, "axis"), "xyz").unwrap_or([1.0, 0.0, 0.0]);
+        let axis_child = unit(axis).ok_or_else(|| self.joint_fault(joint, "axis", listed(&axis), &directions()))?;
         Ok(ChainJoint {
-            name: joint.name.clone(),
+            name: joint.name.to_owned(),
             origin_parent,
             axis_child,
             limits_rad,
-            torque_limit_nm: joint.limit.effort,
-            velocity_limit_rad_per_s: joint.limit.velocity,
+            torque_limit_nm: effort,
+            velocity_limit_rad_per_s: velocity,
         })
     }
 
@@ -238,30 +274,30 @@ impl<'a> Reader<'a> {
         let mut parts = Vec::new();
         let mut colliders = Vec::new();
         for (part, pose) in frames {
-            let Some(link) = self.robot.links.iter().find(|link| link.name == *part) else {
+            let Some((_, link)) = self.links.iter().find(|(name, _)| name == part) else {
                 return Err(self.link_fault(part, "name", "no such link", "the name of a link of this URDF"));
             };
-            let inertial = &link.inertial;
-            let mass = inertial.mass.value;
-            if !limits::MASS_KG.hold(mass) {
-                return Err(self.link_fault(part, "inertial.mass", short(mass), &limits::MASS_KG.to_string()));
+            if let Some(inertial) = child(*link, "inertial") {
+                let mass = number(child(inertial, "mass"), "value");
+                if !limits::MASS_KG.hold(mass) {
+                    return Err(self.link_fault(part, "inertial.mass", short(mass), &limits::MASS_KG.to_string()));
+                }
+                if mass > 0.0 {
+                    let origin = child(inertial, "origin");
+                    let frame = *pose * self.pose("link", part, "inertial.origin", origin)?;
+                    let inertia = self.inertia(part, child(inertial, "inertia"), frame.orientation)?;
+                    parts.push((mass, frame.position, inertia));
+                }
             }
-            if mass > 0.0 {
-                let frame = *pose * self.pose("link", part, "inertial.origin", &inertial.origin)?;
-                parts.push((
-                    mass,
-                    frame.position,
-                    self.inertia(part, &inertial.inertia, frame.orientation)?,
-                ));
-            }
-            for (number, collision) in link.collision.iter().enumerate() {
+            for (number, collision) in named(*link, &["collision"]).enumerate() {
                 let place = match number {
                     0 => "collision".to_string(),
                     _ => format!("collision[{number}]"),
                 };
-                let frame = self.pose("link", part, &format!("{place}.origin"), &collision.origin)?;
+                let origin = child(collision, "origin");
+                let frame = self.pose("link", part, &format!("{place}.origin"), origin)?;
                 colliders.push(LinkCollider {
-                    shape: self.shape(part, &place, &collision.geometry)?,
+                    shape: self.shape(part, &place, collision)?,
                     pose_link: *pose * frame,
                 });
             }
@@ -295,8 +331,8 @@ impl<'a> Reader<'a> {
 
     /// The inertia about the centre of mass, rotated by `rotation`. A body's principal moments are positive and none
     /// exceeds the sum of the other two.
-    fn inertia(&self, link: &str, given: &urdf_rs::Inertia, rotation: DQuat) -> Result<DMat3, InputError> {
-        let entries = [given.ixx, given.ixy, given.ixz, given.iyy, given.iyz, given.izz];
+    fn inertia(&self, link: &str, given: Option<Element>, rotation: DQuat) -> Result<DMat3, InputError> {
+        let entries = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"].map(|key| number(given, key));
         let [xx, xy, xz, yy, yz, zz] = entries;
         let entry = limits::INERTIA_ENTRY_KG_M2;
         if entries.iter().any(|value| !entry.hold(*value)) {
@@ -321,31 +357,22 @@ impl<'a> Reader<'a> {
         Ok(rotation * matrix * rotation.transpose())
     }
 
-    fn shape(&self, link: &str, place: &str, geometry: &Geometry) -> Result<BodyShape, InputError> {
-        let (sizes, shape) = match geometry {
-            Geometry::Sphere { radius } => (vec![*radius], BodyShape::Sphere { radius_m: *radius }),
-            Geometry::Cylinder { radius, length } => (
-                vec![*radius, *length],
-                BodyShape::Cylinder {
-                    radius_m: *radius,
-                    length_m: *length,
-                },
-            ),
-            Geometry::Capsule { radius, length } => (
-                vec![*radius, *length],
-                BodyShape::Capsule {
-                    radius_m: *radius,
-                    length_m: *length,
-                },
-            ),
-            Geometry::Box { size } => (
-                size.0.to_vec(),
-                BodyShape::Box {
-                    size_m: DVec3::from_array(size.0),
-                },
-            ),
-            Geometry::Mesh { filename, .. } => {
+    fn shape(&self, link: &str, place: &str, collision: Element) -> Result<BodyShape, InputError> {
+        let geometry = child(collision, "geometry");
+        let shape = geometry.and_then(|geometry| named(geometry, SHAPES).next());
+        let [radius_m, length_m] = ["radius", "length"].map(|key| number(shape, key));
+        let (sizes, shape) = match shape.map_or("", |shape| shape.tag_name().name()) {
+            "sphere" => (vec![radius_m], BodyShape::Sphere { radius_m }),
+            "cylinder" => (vec![radius_m, length_m], BodyShape::Cylinder { radius_m, length_m }),
+            "capsule" => (vec![radius_m, length_m], BodyShape::Capsule { radius_m, length_m }),
+            "box" => {
+                let size: [f64; 3] = numbers(shape, "size").unwrap_or_default();
+                let size_m = DVec3::from_array(size);
+                (size.to_vec(), BodyShape::Box { size_m })
+            }
+            _ => {
                 let allowed = "box, cylinder, capsule or sphere (give other shapes as [[hull]] in the arm's TOML file)";
+                let filename = shape.map_or("", |mesh| text(mesh, "filename"));
                 return Err(self.link_fault(link, &format!("{place}.geometry"), format!("mesh {filename}"), allowed));
             }
         };
@@ -356,19 +383,17 @@ impl<'a> Reader<'a> {
         Ok(shape)
     }
 
-    fn pose(&self, element: &str, name: &str, field: &str, origin: &urdf_rs::Pose) -> Result<Pose, InputError> {
-        for (key, numbers, limits) in [
-            ("xyz", origin.xyz.0, limits::PLACE_M),
-            ("rpy", origin.rpy.0, limits::ANGLE_RAD),
-        ] {
+    fn pose(&self, owner: &str, name: &str, field: &str, origin: Option<Element>) -> Result<Pose, InputError> {
+        let [xyz, rpy] = ["xyz", "rpy"].map(|key| numbers(origin, key).unwrap_or_default());
+        for (key, numbers, limits) in [("xyz", xyz, limits::PLACE_M), ("rpy", rpy, limits::ANGLE_RAD)] {
             if numbers.iter().any(|number| !limits.hold(*number)) {
                 let found = format!("{key} {}", listed(&numbers));
-                return Err(self.fault(element, name, field, found, &format!("numbers from {limits}")));
+                return Err(self.fault(owner, name, field, found, &format!("numbers from {limits}")));
             }
         }
-        let [roll, pitch, yaw] = origin.rpy.0;
+        let [roll, pitch, yaw] = rpy;
         Ok(Pose::new(
-            DVec3::from_array(origin.xyz.0),
+            DVec3::from_array(xyz),
             DQuat::from_euler(EulerRot::ZYX, yaw, pitch, roll),
         ))
     }
@@ -377,8 +402,8 @@ impl<'a> Reader<'a> {
         self.fault("link", link, field, found, allowed)
     }
 
-    fn joint_fault(&self, joint: &urdf_rs::Joint, field: &str, found: impl Display, allowed: &str) -> InputError {
-        self.fault("joint", &joint.name, field, found, allowed)
+    fn joint_fault(&self, joint: &Joint, field: &str, found: impl Display, allowed: &str) -> InputError {
+        self.fault("joint", joint.name, field, found, allowed)
     }
 
     fn fault(&self, element: &str, name: &str, field: &str, found: impl Display, allowed: &str) -> InputError {

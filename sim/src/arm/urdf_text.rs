@@ -1,13 +1,9 @@
-//! Checks the text of a URDF, element by element, before urdf-rs parses it: the types of attributes, missing elements
-//! and attributes, and nesting depth. urdf-rs names neither the element nor the line of an error, skips words among
-//! numbers, and recurses for every nested element until the stack overflows.
+//! Reads the elements of a URDF and checks them one by one: types of attributes, missing and repeated elements, missing
+//! attributes, and nesting depth. Each error names the element and its line.
 
 use roxmltree::{Document, Error, Node, ParsingOptions};
-use serde::Deserialize;
-use serde::de::value::{Error as ValueError, StrDeserializer};
 use underbrush_recording::InputError;
 use underbrush_recording::limits::short;
-use urdf_rs::JointType;
 
 use super::limits::{MAX_ELEMENTS, MAX_NESTED_ELEMENTS};
 use super::source::Source;
@@ -19,11 +15,22 @@ enum Holds {
     Numbers(usize),
     /// A name.
     Name,
-    /// A type of joint that urdf-rs knows.
+    /// One of [`JOINT_TYPES`].
     Joint,
 }
 
 use Holds::{Joint, Name, Numbers};
+
+/// The types of joints in URDF files.
+const JOINT_TYPES: [&str; 7] = [
+    "revolute",
+    "continuous",
+    "prismatic",
+    "fixed",
+    "floating",
+    "planar",
+    "spherical",
+];
 
 /// The attributes that are read: element, attribute, type, and whether the attribute is required.
 const ATTRIBUTES: &[(&str, &str, Holds, bool)] = &[
@@ -48,36 +55,36 @@ const ATTRIBUTES: &[(&str, &str, Holds, bool)] = &[
     ("capsule", "length", Numbers(1), true),
     ("box", "size", Numbers(3), true),
     ("mesh", "filename", Name, true),
-    ("mesh", "scale", Numbers(3), false),
     ("axis", "xyz", Numbers(3), true),
     ("limit", "lower", Numbers(1), false),
     ("limit", "upper", Numbers(1), false),
     ("limit", "effort", Numbers(1), false),
     ("limit", "velocity", Numbers(1), true),
-    ("dynamics", "damping", Numbers(1), false),
-    ("dynamics", "friction", Numbers(1), false),
-    ("mimic", "joint", Name, true),
-    ("mimic", "multiplier", Numbers(1), false),
-    ("mimic", "offset", Numbers(1), false),
-    ("safety_controller", "soft_lower_limit", Numbers(1), false),
-    ("safety_controller", "soft_upper_limit", Numbers(1), false),
-    ("safety_controller", "k_position", Numbers(1), false),
-    ("safety_controller", "k_velocity", Numbers(1), true),
-    ("color", "rgba", Numbers(4), true),
 ];
 
-/// Required children: an element, and the elements of which it must contain one.
-const CHILDREN: &[(&str, &[&str])] = &[
-    ("joint", &["parent"]),
-    ("joint", &["child"]),
-    ("inertial", &["mass"]),
-    ("inertial", &["inertia"]),
-    ("visual", &["geometry"]),
-    ("collision", &["geometry"]),
-    ("geometry", &["box", "cylinder", "capsule", "sphere", "mesh"]),
+/// Children: an element, the elements of which it may contain at most one, and whether it must contain one.
+const CHILDREN: &[(&str, &[&str], bool)] = &[
+    ("link", &["inertial"], false),
+    ("joint", &["origin"], false),
+    ("joint", &["parent"], true),
+    ("joint", &["child"], true),
+    ("joint", &["axis"], false),
+    ("joint", &["limit"], false),
+    ("inertial", &["origin"], false),
+    ("inertial", &["mass"], true),
+    ("inertial", &["inertia"], true),
+    ("collision", &["origin"], false),
+    ("collision", &["geometry"], true),
+    ("geometry", SHAPES, true),
 ];
+
+/// The elements that give the shape of a geometry.
+pub(super) const SHAPES: &[&str] = &["box", "cylinder", "capsule", "sphere", "mesh"];
 
 const REMEDY: &str = "correct the element";
+
+/// An element of the file.
+pub(super) type Element<'a> = Node<'a, 'a>;
 
 /// The elements of a URDF, checked.
 pub(super) struct Elements<'a> {
@@ -131,6 +138,11 @@ impl<'a> Elements<'a> {
         Some(self.line_of(element))
     }
 
+    /// The links, or the joints.
+    pub(super) fn of_kind(&self, kind: &'static str) -> impl Iterator<Item = Element<'_>> {
+        self.owners().filter(move |owner| owner.tag_name().name() == kind)
+    }
+
     /// Links and joints.
     fn owners(&self) -> impl Iterator<Item = Node<'_, 'a>> {
         let top = children(self.document.root_element());
@@ -162,9 +174,13 @@ impl<'a> Elements<'a> {
             };
             return Err(self.fault(&place(owner, element, key), found, &holds.allowed(), element));
         }
-        for (_, wanted) in CHILDREN.iter().filter(|(element, _)| *element == name) {
-            if !children(element).any(|child| wanted.contains(&child.tag_name().name())) {
-                let found = format!("no <{}>", wanted.join("> or <"));
+        for (_, wanted, is_required) in CHILDREN.iter().filter(|(element, ..)| *element == name) {
+            let count = children(element)
+                .filter(|child| wanted.contains(&child.tag_name().name()))
+                .count();
+            if count > 1 || count == 0 && *is_required {
+                let number = if count == 0 { "no".into() } else { count.to_string() };
+                let found = format!("{number} <{}>", wanted.join("> or <"));
                 let allowed = format!("one in each <{name}>");
                 return Err(self.fault(&place(owner, element, ""), found, &allowed, element));
             }
@@ -186,10 +202,30 @@ fn children<'a, 'input>(element: Node<'a, 'input>) -> impl Iterator<Item = Node<
     element.children().filter(Node::is_element)
 }
 
-/// The value of an attribute in any namespace, as urdf-rs reads it.
-fn attribute<'a>(element: Node<'a, '_>, key: &str) -> Option<&'a str> {
+/// The children with one of these names.
+pub(super) fn named<'a>(element: Element<'a>, names: &[&str]) -> impl Iterator<Item = Element<'a>> {
+    children(element).filter(|child| names.contains(&child.tag_name().name()))
+}
+
+/// The value of an attribute in any namespace.
+pub(super) fn attribute<'a>(element: Node<'a, '_>, key: &str) -> Option<&'a str> {
     let found = element.attributes().find(|attribute| attribute.name() == key);
     found.map(|attribute| attribute.value())
+}
+
+/// The numbers of an attribute, if there is one.
+pub(super) fn numbers<const N: usize>(element: Option<Element>, key: &str) -> Option<[f64; N]> {
+    parsed(attribute(element?, key)?)?.try_into().ok()
+}
+
+/// The number of an attribute; 0 if there is none.
+pub(super) fn number(element: Option<Element>, key: &str) -> f64 {
+    numbers(element, key).map_or(0.0, |[number]| number)
+}
+
+/// Numbers separated by spaces.
+fn parsed(text: &str) -> Option<Vec<f64>> {
+    text.split_whitespace().map(|word| word.parse().ok()).collect()
 }
 
 /// The element's name; if there are others of this name before it, with its number, as in `collision[1]`.
@@ -224,12 +260,9 @@ fn place(owner: Node, element: Node, key: &str) -> String {
 impl Holds {
     fn fits(self, text: &str) -> bool {
         match self {
-            Numbers(count) => {
-                let numbers: Vec<Option<f64>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
-                numbers.len() == count && numbers.iter().all(Option::is_some)
-            }
+            Numbers(count) => parsed(text).is_some_and(|numbers| numbers.len() == count),
             Name => !text.is_empty(),
-            Joint => JointType::deserialize(StrDeserializer::<ValueError>::new(text)).is_ok(),
+            Joint => JOINT_TYPES.contains(&text),
         }
     }
 

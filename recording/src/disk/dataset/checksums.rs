@@ -40,17 +40,6 @@ struct ChecksumFile {
     files: Checksums,
 }
 
-impl ChecksumFile {
-    fn checked(self, path: &Path) -> Result<Checksums, DiskError> {
-        let ChecksumFile { blake3, files } = self;
-        let found = files.hash();
-        if found != blake3 {
-            return Err(InputError::new(path, "blake3", format!("{found} of the list"), blake3, REMEDY).into());
-        }
-        Ok(files)
-    }
-}
-
 impl FileSum {
     /// The size and hash of bytes in memory.
     pub(super) fn of_bytes(bytes: &[u8]) -> Self {
@@ -99,14 +88,12 @@ impl Checksums {
     /// Reads the list and checks it against its own hash.
     pub(super) fn read(dir: &Path) -> Result<Self, DiskError> {
         let path = dir.join(names::CHECKSUMS);
-        read_json::<ChecksumFile>(&path)?.checked(&path)
-    }
-
-    /// As [`Checksums::read`], from bytes. Errors name `path`.
-    pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Self, DiskError> {
-        let file: ChecksumFile = serde_json::from_slice(bytes)
-            .map_err(|error| InputError::new(path, "file", error.to_string(), "a list of checksums", REMEDY))?;
-        file.checked(path)
+        let ChecksumFile { blake3, files } = read_json(&path)?;
+        let found = files.hash();
+        if found != blake3 {
+            return Err(InputError::new(path, "blake3", format!("{found} of the list"), blake3, REMEDY).into());
+        }
+        Ok(files)
     }
 
     /// Writes the list with its own hash.
@@ -186,23 +173,6 @@ impl Checksums {
             return Err(InputError::new(path, "checksum", found.blake3, expected.blake3.clone(), REMEDY).into());
         }
         Ok(())
-    }
-
-    /// Checks the hash of a file's bytes. Errors name `origin`.
-    pub(super) fn check_bytes(&self, origin: &Path, name: &str, bytes: &[u8]) -> Result<(), DiskError> {
-        let expected = self.expected(origin, name)?;
-        let found = FileSum::of_bytes(bytes);
-        if found != *expected {
-            let text = |sum: &FileSum| format!("{} bytes with hash {}", sum.bytes, sum.blake3);
-            return Err(InputError::new(origin, "checksum", text(&found), text(expected), REMEDY).into());
-        }
-        Ok(())
-    }
-
-    /// Whether a file exists and has the listed hash.
-    pub(super) fn is_whole(&self, dir: &Path, name: &str) -> Result<bool, DiskError> {
-        let path = dir.join(name);
-        Ok(is_there(&path)? && self.files.get(name) == Some(&FileSum::of_file(&path)?))
     }
 }
 

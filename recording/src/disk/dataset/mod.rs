@@ -16,7 +16,6 @@
 mod assembled;
 mod card;
 mod checksums;
-mod copy;
 mod episode;
 mod episode_table;
 mod finish;
@@ -45,7 +44,6 @@ mod writer;
 #[cfg(test)]
 pub(super) use card::describe_tables;
 pub use checksums::file_blake3;
-pub use copy::DatasetCopy;
 pub use episode::Episode;
 pub use folder::remove_dataset;
 pub use info::{FeatureInfo, Info};

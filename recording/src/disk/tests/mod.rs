@@ -1,7 +1,6 @@
 //! Tests of the disk formats, and a small reach for them.
 
 mod categories;
-mod copy;
 pub(in crate::disk) mod dataset;
 mod dictionary;
 mod finish;
