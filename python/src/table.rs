@@ -88,8 +88,8 @@ pub fn record_batch(batch: Batch) -> Result<RecordBatch, Failure> {
     let build = || -> Result<RecordBatch, ArrowError> {
         let (mut fields, mut arrays) = (Vec::new(), Vec::new());
         for column in batch.columns {
-            let metadata = about.get(&column.name).into_iter().flatten();
-            let metadata = metadata.map(|(key, value)| (key.clone(), shown(value))).collect();
+            let about = about.get(&column.name).into_iter().flatten();
+            let metadata: HashMap<_, _> = about.map(|(key, value)| (key.clone(), shown(value))).collect();
             let name = column.name.clone();
             let array = array(column)?;
             fields.push(Field::new(name, array.data_type().clone(), true).with_metadata(metadata));

@@ -60,13 +60,17 @@ pub(super) struct Place {
 /// What a value is, and what it may be.
 pub(super) type Fault = (String, String);
 
+/// Makes the column of a patch in some frames, with this name and width.
+type Give = fn(&ReachRows, Range<usize>, usize, (&str, Option<usize>)) -> Column;
+/// Adds the values of a column to a patch in the frames from this one on.
+type Take = fn(&mut Recording, usize, usize, &Column) -> Result<(), Fault>;
+
 /// A column of frames.
 pub(super) struct FrameColumn {
     pub(super) described: Described,
-    /// Makes the column, with this name and width, of a patch in some frames.
-    pub(super) give: fn(&ReachRows, Range<usize>, usize, (&str, Option<usize>)) -> Column,
-    /// Adds its values to a patch in the frames from this one on. `None` if the values follow from others.
-    pub(super) take: Option<fn(&mut Recording, usize, usize, &Column) -> Result<(), Fault>>,
+    pub(super) give: Give,
+    /// `None` if the values follow from others.
+    pub(super) take: Option<Take>,
 }
 
 /// Makes a column from a function that fills a row, which has the column's width and zeros.

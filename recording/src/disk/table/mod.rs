@@ -3,6 +3,7 @@
 //! A table is described once, by the fields of its rows (`row.rs`). From this follow the columns in memory
 //! (`column.rs`), what is written (`write.rs`) and read (`read.rs`), and the documents.
 
+mod arrow_schema;
 pub(super) mod batch;
 pub(super) mod column;
 mod column_order;

@@ -14,7 +14,7 @@ use parquet::file::writer::{SerializedFileWriter, SerializedPageWriter, TrackedW
 use parquet::schema::types::{ColumnPath, Type as Schema, TypePtr};
 
 use super::column::{Column, Rows, Text, Type, Values};
-use super::column_order;
+use super::{arrow_schema, column_order};
 use crate::disk::whole_file::{self, TemporaryFile};
 use crate::disk::{DiskError, seal};
 
@@ -105,6 +105,7 @@ impl ParquetFile {
     ) -> Result<Self, DiskError> {
         let key_values: Vec<_> = key_values
             .into_iter()
+            .chain(arrow_schema::entry(columns))
             .map(|(key, value)| KeyValue::new(key.to_string(), value))
             .collect();
         let sealed = key_values.iter().any(|pair| pair.key == seal::SEAL_KEY);
