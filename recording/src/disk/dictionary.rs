@@ -56,16 +56,15 @@ const TAXEL: &str = "index of the taxel in its patch";
 row! {
     /// A row of [`TRUTH_TAXELS`].
     TruthTaxel {
-        episode_index: i64 = "episode_index", "", EPISODE;
-        frame_index: i64 = "frame_index", "", FRAME;
-        patch: Text = "patch", "", PATCH;
-        taxel: i32 = "taxel", "", TAXEL;
-        normal_force_n: f64 = "normal_force_n", "N", "true force along the inward normal, before the sensor";
-        shear_force_tangent_n: f64 = "shear_force_tangent_n", "N", "true force along the taxel's tangent";
-        shear_force_binormal_n: f64 = "shear_force_binormal_n", "N", "true force along normal × tangent";
-        object_index: i32 = "object_index", "", "the object that presses hardest, a row of `truth/objects`; −1 for \
-            none";
-        category_code: i8 = "category_code", "", "category of that object";
+        episode_index: i64, "", EPISODE;
+        frame_index: i64, "", FRAME;
+        patch: Text, "", PATCH;
+        taxel: i32, "", TAXEL;
+        normal_force_n: f64, "N", "true force along the inward normal, before the sensor";
+        shear_force_tangent_n: f64, "N", "true force along the taxel's tangent";
+        shear_force_binormal_n: f64, "N", "true force along normal × tangent";
+        object_index: i32, "", "the object that presses hardest, a row of `truth/objects`; −1 for none";
+        category_code: i8, "", "category of that object";
     }
 }
 
@@ -79,9 +78,9 @@ pub(super) const TRUTH_TAXELS: Table = table::<TruthTaxel>(
 row! {
     /// A row of [`TRUTH_PATCHES`].
     TruthPatch {
-        episode_index: i64 = "episode_index", "", EPISODE;
-        frame_index: i64 = "frame_index", "", FRAME;
-        patch: Text = "patch", "", PATCH;
+        episode_index: i64, "", EPISODE;
+        frame_index: i64, "", FRAME;
+        patch: Text, "", PATCH;
         contact_force_world: DVec3 = "contact_force_world_{xyz}_n", "N", "sum of the solver's contact forces on the \
             patch, world frame";
     }
@@ -94,20 +93,16 @@ pub(super) const TRUTH_PATCHES: Table =
 row! {
     /// A row of [`TRUTH_BODIES`].
     TruthBody {
-        episode_index: i64 = "episode_index", "", EPISODE;
-        body_index: i32 = "body_index", "", "index of the body in its reach, from 0: links from the base on, then \
-            objects";
-        link: Option<Text> = "link", "", "name of the link; null for a body of an object";
-        object_index: Option<i32> = "object_index", "", "the object, a row of `truth/objects`; null for a link";
-        category: Option<Text> = "category", "", "category of the object; null for a link";
-        shape: Option<Text> = "shape", "", "`sphere`, `cylinder`, `capsule`, `box` or `hull`; null for a body \
-            without a shape";
+        episode_index: i64, "", EPISODE;
+        body_index: i32, "", "index of the body in its reach, from 0: links from the base on, then objects";
+        link: Option<Text>, "", "name of the link; null for a body of an object";
+        object_index: Option<i32>, "", "the object, a row of `truth/objects`; null for a link";
+        category: Option<Text>, "", "category of the object; null for a link";
+        shape: Option<Text>, "", "`sphere`, `cylinder`, `capsule`, `box` or `hull`; null for a body without a shape";
         size: Option<DVec3> = "size_{xyz}_m", "m", "full edge lengths of a box; otherwise null";
-        radius_m: Option<f64> = "radius_m", "m", "radius of a sphere, cylinder or capsule; otherwise null";
-        length_m: Option<f64> = "length_m", "m", "length along z of a cylinder, or of a capsule without its caps; \
-            otherwise null";
-        points_m: Option<Vec<f64>> = "points_m", "m", "corners of a convex hull, x y z of each in turn; otherwise \
-            null";
+        radius_m: Option<f64>, "m", "radius of a sphere, cylinder or capsule; otherwise null";
+        length_m: Option<f64>, "m", "length along z of a cylinder, or of a capsule without its caps; otherwise null";
+        points_m: Option<Vec<f64>>, "m", "corners of a convex hull, x y z of each in turn; otherwise null";
         position_body: DVec3 = "position_body_{xyz}_m", "m", "centre of the shape in the body's frame";
         orientation_body: DQuat = "orientation_body_{xyzw}", "1", "rotation from the shape's frame to the body's, \
             quaternion";
@@ -128,9 +123,9 @@ pub(super) const TRUTH_BODIES: Table = table::<TruthBody>(
 row! {
     /// A row of [`TRUTH_POSES`].
     TruthPose {
-        episode_index: i64 = "episode_index", "", EPISODE;
-        body_index: i32 = "body_index", "", "the body, as in `truth/bodies`";
-        frame_index: i64 = "frame_index", "", "index of the frame in its reach, from 0";
+        episode_index: i64, "", EPISODE;
+        body_index: i32, "", "the body, as in `truth/bodies`";
+        frame_index: i64, "", "index of the frame in its reach, from 0";
         position_world: [f32; 3] = "position_world_{xyz}_m", "m", "origin of the body, world frame, in steps of \
             1/8192 m (0.12 mm)";
         orientation_world: [f32; 4] = "orientation_world_{xyzw}", "1", "rotation from the body's frame to the world, \
@@ -142,20 +137,19 @@ row! {
 pub(super) const TRUTH_POSES: Table = table::<TruthPose>(
     "truth_poses",
     "truth/poses",
-    "a body in a frame where its pose differs from the previous frame; the pose holds until the body's next row. Before its first row a body has the pose of `truth/bodies`",
+    "a body in a frame where its pose differs from the previous frame; the pose holds until the body's next row. Before \
+     its first row a body has the pose of `truth/bodies`",
 );
 
 row! {
     /// A row of [`TRUTH_OBJECTS`].
     TruthObject {
-        episode_index: i64 = "episode_index", "", EPISODE;
-        object_index: i32 = "object_index", "", "index of the object in its reach, from 0";
-        kind: Text = "kind", "", "kind of the object in the scene file";
-        category: Text = "category", "", "`leaf`, `trunk`, `block`, `outlier`, or the name of a category that the \
-            set adds";
+        episode_index: i64, "", EPISODE;
+        object_index: i32, "", "index of the object in its reach, from 0";
+        kind: Text, "", "kind of the object in the scene file";
+        category: Text, "", "`leaf`, `trunk`, `block`, `outlier`, or the name of a category that the set adds";
         position_world: DVec3 = "position_world_{xyz}_m", "m", "foot of the object, world frame";
-        parameters: Text = "parameters", "", "parameters drawn for the object, as a JSON object with SI units in the \
-            names";
+        parameters: Text, "", "parameters drawn for the object, as a JSON object with SI units in the names";
     }
 }
 
@@ -166,18 +160,17 @@ pub(super) const TRUTH_OBJECTS: Table =
 row! {
     /// A row of [`TRUTH_GOALS`].
     TruthGoal {
-        episode_index: i64 = "episode_index", "", EPISODE;
-        goal_index: i32 = "goal_index", "", "index of the goal in its reach, from 0";
+        episode_index: i64, "", EPISODE;
+        goal_index: i32, "", "index of the goal in its reach, from 0";
         position_world: DVec3 = "position_world_{xyz}_m", "m", "position of the goal, world frame";
-        start_time_s: f64 = "start_time_s", "s", "time at which the arm started towards it";
-        end_time_s: f64 = "end_time_s", "s", "time at which it was reached or given up";
-        outcome: Text = "outcome", "", "`reached`, `stuck`, `timed_out` or `aborted`";
-        stop_object_index: Option<i32> = "stop_object_index", "", "object whose force ended the goal, a row of \
-            `truth/objects`; otherwise null";
-        stop_link: Option<Text> = "stop_link", "", "name of the link that this object pressed; otherwise null";
-        stop_patch: Option<Text> = "stop_patch", "", "name of the patch that took most of the force; null if there \
-            is no skin there";
-        stop_force_n: Option<f64> = "stop_force_n", "N", "that force; null if no force ended the goal";
+        start_time_s: f64, "s", "time at which the arm started towards it";
+        end_time_s: f64, "s", "time at which it was reached or given up";
+        outcome: Text, "", "`reached`, `stuck`, `timed_out` or `aborted`";
+        stop_object_index: Option<i32>, "", "object whose force ended the goal, a row of `truth/objects`; otherwise \
+            null";
+        stop_link: Option<Text>, "", "name of the link that this object pressed; otherwise null";
+        stop_patch: Option<Text>, "", "name of the patch that took most of the force; null if there is no skin there";
+        stop_force_n: Option<f64>, "N", "that force; null if no force ended the goal";
     }
 }
 
@@ -187,15 +180,15 @@ pub(super) const TRUTH_GOALS: Table = table::<TruthGoal>("truth_goals", "truth/g
 row! {
     /// A row of [`TRUTH_CONTACTS`].
     TruthContact {
-        episode_index: i64 = "episode_index", "", EPISODE;
-        link: Text = "link", "", "name of the link";
-        patch: Option<Text> = "patch", "", "name of the patch; null for a part of the link without skin";
-        object_index: i32 = "object_index", "", "the object, a row of `truth/objects`";
-        category: Text = "category", "", "category of the object";
-        first_frame: i64 = "first_frame", "", "first frame in contact";
-        last_frame: i64 = "last_frame", "", "last frame in contact";
-        peak_force_n: f64 = "peak_force_n", "N", "largest contact force in any frame";
-        mean_force_n: f64 = "mean_force_n", "N", "mean contact force over the frames";
+        episode_index: i64, "", EPISODE;
+        link: Text, "", "name of the link";
+        patch: Option<Text>, "", "name of the patch; null for a part of the link without skin";
+        object_index: i32, "", "the object, a row of `truth/objects`";
+        category: Text, "", "category of the object";
+        first_frame: i64, "", "first frame in contact";
+        last_frame: i64, "", "last frame in contact";
+        peak_force_n: f64, "N", "largest contact force in any frame";
+        mean_force_n: f64, "N", "mean contact force over the frames";
     }
 }
 
@@ -209,15 +202,15 @@ pub(super) const TRUTH_CONTACTS: Table = table::<TruthContact>(
 row! {
     /// A row of [`TAXELS`].
     SkinTaxel {
-        patch: Text = "patch", "", PATCH;
-        taxel: i32 = "taxel", "", TAXEL;
-        row: Option<i32> = "row", "", "row in the patch's grid; null without a grid";
-        column: Option<i32> = "column", "", "column in the patch's grid; null without a grid";
-        link: Text = "link", "", "name of the link that carries it";
+        patch: Text, "", PATCH;
+        taxel: i32, "", TAXEL;
+        row: Option<i32>, "", "row in the patch's grid; null without a grid";
+        column: Option<i32>, "", "column in the patch's grid; null without a grid";
+        link: Text, "", "name of the link that carries it";
         position_link: DVec3 = "position_link_{xyz}_m", "m", "centre, link frame";
         normal_link: DVec3 = "normal_link_{xyz}", "1", "outward unit normal, link frame";
         tangent_link: DVec3 = "tangent_link_{xyz}", "1", "first tangent, link frame; the second is normal × tangent";
-        area_m2: f64 = "area_m2", "m²", "sensitive area";
+        area_m2: f64, "m²", "sensitive area";
     }
 }
 

@@ -15,22 +15,22 @@ use crate::{Audit, GoalOutcomes, NamedStop, Outcome};
 row! {
     /// The columns that do not depend on the skin, without the figures of the audit and the goals.
     EpisodeRow {
-        episode_index: i64 = "episode_index", "", "index of the reach, from 0";
-        tasks: Option<Vec<Text>> = "tasks", "", "the task, as a list of one sentence";
-        length: i64 = "length", "", "number of frames";
+        episode_index: i64, "", "index of the reach, from 0";
+        tasks: Option<Vec<Text>>, "", "the task, as a list of one sentence";
+        length: i64, "", "number of frames";
         chunk_index: i64 = "data/chunk_index", "", "chunk of its files";
         file_index: i64 = "data/file_index", "", "number of its files in the chunk";
         from_index: i64 = "dataset_from_index", "", "index of its first frame in the set";
         to_index: i64 = "dataset_to_index", "", "index after its last frame";
         episodes_chunk_index: i64 = "meta/episodes/chunk_index", "", "chunk of this file";
         episodes_file_index: i64 = "meta/episodes/file_index", "", "number of this file";
-        scene: Text = "scene", "", "name of the scene";
-        seed: u64 = "seed", "", "seed of the campaign";
-        reach_index: u64 = "reach_index", "", "index of the reach in its campaign";
-        controller: Text = "controller", "", "name of the controller";
-        outcome: Text = "outcome", "", "the worst outcome of its goals";
-        objects: i64 = "objects", "", "number of objects";
-        contacts: i64 = "contacts", "", "number of contacts";
+        scene: Text, "", "name of the scene";
+        seed: u64, "", "seed of the campaign";
+        reach_index: u64, "", "index of the reach in its campaign";
+        controller: Text, "", "name of the controller";
+        outcome: Text, "", "the worst outcome of its goals";
+        objects: i64, "", "number of objects";
+        contacts: i64, "", "number of contacts";
     }
 }
 

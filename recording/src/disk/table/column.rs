@@ -39,6 +39,13 @@ macro_rules! types {
                 }
             }
 
+            /// One of them as text.
+            fn shown(&self, place: usize) -> String {
+                match self {
+                    $(Values::$variant(values) => values[place].to_string(),)*
+                }
+            }
+
             /// Their number.
             pub(in crate::disk) fn len(&self) -> usize {
                 match self {
@@ -157,6 +164,20 @@ impl Column {
             }
         };
         T::of(&self.values)?.get(place)
+    }
+
+    /// Whether a row of a plain column has no value.
+    pub(in crate::disk) fn is_missing(&self, row: usize) -> bool {
+        matches!(&self.rows, Rows::Optional(present) if !present[row])
+    }
+
+    /// The value in a row of a plain column as text; empty if it is missing.
+    pub(in crate::disk) fn shown(&self, row: usize) -> String {
+        if self.is_missing(row) {
+            String::new()
+        } else {
+            self.values.shown(row)
+        }
     }
 
     /// Number of rows without a value.

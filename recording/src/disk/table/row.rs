@@ -216,9 +216,12 @@ pub(in crate::disk) trait Row: Sized {
     fn read(columns: &[&Column], row: usize) -> Self;
 }
 
-/// Declares the rows of a table: for each field its type, and name, unit and description of its column.
+/// Declares the rows of a table: for each field its type, and name (if it is not that of the field), unit and
+/// description of its column.
 macro_rules! row {
-    ($(#[$doc:meta])* $row:ident { $($field:ident: $type:ty = $name:expr, $unit:literal, $what:expr;)* }) => {
+    (name $field:ident) => { stringify!($field) };
+    (name $field:ident $name:literal) => { $name };
+    ($(#[$doc:meta])* $row:ident { $($field:ident: $type:ty $(= $name:literal)?, $unit:literal, $what:expr;)* }) => {
         $(#[$doc])*
         #[derive(Clone, Debug)]
         pub(in crate::disk) struct $row {
@@ -227,7 +230,7 @@ macro_rules! row {
 
         impl $crate::disk::table::row::Row for $row {
             const COLUMNS: &'static [$crate::disk::table::row::Described] = &[$($crate::disk::table::row::Described {
-                name: $name,
+                name: $crate::disk::table::row::row!(name $field $($name)?),
                 value: <$type as $crate::disk::table::row::Field>::TYPE,
                 width: <$type as $crate::disk::table::row::Field>::WIDTH,
                 optional: <$type as $crate::disk::table::row::Field>::OPTIONAL,

@@ -27,19 +27,40 @@ use crate::{Category, InputError, Trial};
 row! {
     /// A row of [`TRIALS`].
     TrialRow {
-        trial: u64 = "trial", "", "number of the trial";
-        category: Option<Text> = "category", "", "category of the object that was touched; null if unknown";
-        reach: Option<u64> = "reach", "", "number of the reach; null if unknown";
-        patch: Option<Text> = "patch", "", "name of the patch of skin; null if unknown";
-        taxel: Option<u32> = "taxel", "", "index of the taxel in its patch; null if unknown, and for a component";
-        time_s: f64 = "time_s", "s", "time, which increases within a trial";
-        force_n: f64 = "force_n", "N", "sensed force of the taxel, or the largest in the component";
-        motion_m: Option<f64> = "motion_m", "m", "length of the path of the contact since it began, world frame; null if unknown";
-        region_taxels: Option<u32> = "region_taxels", "", "number of taxels in the contact region; null without a region";
-        region_largest_force_n: Option<f64> = "region_largest_force_n", "N", "largest sensed force of a taxel in it";
-        region_force_sum_n: Option<f64> = "region_force_sum_n", "N", "sum of the sensed forces of the taxels in it";
-        touched: Option<bool> = TOUCHED, "", "ground truth: whether an object truly pressed the taxel, or one of the component; null if unknown";
+        trial: u64, "", "number of the trial";
+        category: Option<Text>, "", "category of the object that was touched; null if unknown";
+        reach: Option<u64>, "", "number of the reach; null if unknown";
+        patch: Option<Text>, "", "name of the patch of skin; null if unknown";
+        taxel: Option<u32>, "", "index of the taxel in its patch; null if unknown, and for a component";
+        time_s: f64, "s", "time, which increases within a trial";
+        force_n: f64, "N", "sensed force of the taxel, or the largest in the component";
+        motion_m: Option<f64>, "m", "length of the path of the contact since it began, world frame; null if unknown";
+        region_taxels: Option<u32>, "", "number of taxels in the contact region; null without a region";
+        region_largest_force_n: Option<f64>, "N", "largest sensed force of a taxel in it";
+        region_force_sum_n: Option<f64>, "N", "sum of the sensed forces of the taxels in it";
+        touched: Option<bool>, "", "ground truth: whether an object truly pressed the taxel, or one of the \
+            component; null if unknown";
     }
+}
+
+/// Appends the rows of a trial.
+fn push(rows: &mut Vec<TrialRow>, trial: &Trial) {
+    let category: Option<Text> = trial.category.as_deref().map(Into::into);
+    let patch: Option<Text> = trial.patch.as_deref().map(Into::into);
+    rows.extend(trial.samples.iter().map(|sample| TrialRow {
+        trial: trial.trial,
+        category: category.clone(),
+        reach: trial.reach,
+        patch: patch.clone(),
+        taxel: trial.taxel,
+        time_s: sample.time_s,
+        force_n: sample.force_n,
+        motion_m: sample.motion_m,
+        region_taxels: sample.region.map(|region| region.taxels),
+        region_largest_force_n: sample.region.map(|region| region.largest_force_n),
+        region_force_sum_n: sample.region.map(|region| region.force_sum_n),
+        touched: sample.touched,
+    }));
 }
 
 /// The samples of contact trials.

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use super::cell::{Cell, Cells};
 use super::collect::Collector;
-use super::{COLUMNS, TOUCHED, TRIALS, TrialRow, place_columns};
+use super::{COLUMNS, TOUCHED, TRIALS, TrialRow, place_columns, push};
 use crate::disk::description::{about, about_entry};
 use crate::disk::table::batch::Batch;
-use crate::disk::table::column::{Column, Rows, Text, Values};
+use crate::disk::table::column::{Column, Values};
 use crate::disk::table::read::{ParquetTable, Want};
 use crate::disk::table::row::Row;
 use crate::disk::table::write::{ParquetFile, ROWS_PER_BATCH};
@@ -57,7 +57,7 @@ fn check_type(path: &Path, column: &Column) -> Result<(), DiskError> {
 
 /// The cell in a row of a column.
 fn cell(column: &Column, row: usize) -> Cell<'_> {
-    if matches!(&column.rows, Rows::Optional(present) if !present[row]) {
+    if column.is_missing(row) {
         return Cell::Missing;
     }
     match &column.values {
@@ -73,26 +73,6 @@ fn cell(column: &Column, row: usize) -> Cell<'_> {
         Values::Text(texts) if texts[row].is_empty() => Cell::Missing,
         Values::Text(texts) => Cell::Text(&texts[row]),
     }
-}
-
-/// Appends the rows of a trial.
-fn push(rows: &mut Vec<TrialRow>, trial: &Trial) {
-    let category: Option<Text> = trial.category.as_deref().map(Into::into);
-    let patch: Option<Text> = trial.patch.as_deref().map(Into::into);
-    rows.extend(trial.samples.iter().map(|sample| TrialRow {
-        trial: trial.trial,
-        category: category.clone(),
-        reach: trial.reach,
-        patch: patch.clone(),
-        taxel: trial.taxel,
-        time_s: sample.time_s,
-        force_n: sample.force_n,
-        motion_m: sample.motion_m,
-        region_taxels: sample.region.map(|region| region.taxels),
-        region_largest_force_n: sample.region.map(|region| region.largest_force_n),
-        region_force_sum_n: sample.region.map(|region| region.force_sum_n),
-        touched: sample.touched,
-    }));
 }
 
 /// All trials as one batch.
