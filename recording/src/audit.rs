@@ -35,6 +35,8 @@ pub struct Audit {
     /// Deepest penetration between a link and an object in contact, m.
     pub deepest_penetration_m: f64,
     /// Largest overlap of two shapes that should press on each other but for which no contact patch was found, m.
+    /// Recordings of earlier versions lack it.
+    #[serde(default)]
     pub overlap_without_patch_m: f64,
     /// Largest change of the contact force on a link from one frame's mean to the next, N.
     pub largest_frame_force_jump_n: f64,

@@ -59,7 +59,7 @@ fn unknown_names() {
         6,
         &[
             "bounds.goals_found",
-            "one of audit, goals_reached, touched",
+            "one of audit, overlap_without_patch_m, goals_reached, touched",
             "taxels_per_frame",
         ],
     );
