@@ -11,9 +11,6 @@ const LOCK_FILE: &str = "Cargo.lock";
 /// The libraries whose versions may change what a data set holds: those with which the simulator and the recordings
 /// compute, draw, read and write, and the ones below these that compute.
 pub const LIBRARIES: &[&str] = &[
-    "arrow-array",
-    "arrow-buffer",
-    "arrow-schema",
     "blake3",
     "csv",
     "glam",

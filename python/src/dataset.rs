@@ -138,11 +138,7 @@ impl PyDataset {
                 .collect();
             Ok(batches?.concat())
         };
-        let batches = pool::detached(py, None, read)?;
-        match batches.first() {
-            Some(first) => Ok(PyTable::new(first.schema(), batches)),
-            None => Ok(PyTable::new(Arc::new(arrow_schema::Schema::empty()), batches)),
-        }
+        PyTable::new(pool::detached(py, None, read)?)
     }
 
     /// The largest contact force of each reach, N: (reaches,).

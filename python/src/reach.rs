@@ -9,7 +9,7 @@ use pyo3::types::PyBytes;
 use underbrush_classifier::DataSource;
 use underbrush_experiments::{contact_trials, model_data};
 use underbrush_recording::disk::{
-    Dataset, check_free, read_recording, recording_table, remove_leftovers, write_recording,
+    Dataset, check_free, read_recording, recording_columns, recording_table, remove_leftovers, write_recording,
 };
 use underbrush_recording::{Recording, SkinLayout};
 
@@ -22,7 +22,7 @@ use crate::pickled;
 use crate::pool::{self, guarded};
 use crate::skin::{Skin, patch_index};
 use crate::source::Source;
-use crate::table::{Column, LentColumns, PyTable};
+use crate::table::{Column, LentColumns, PyTable, record_batch};
 use crate::trials::Trials;
 
 /// One reach: frames, goals, objects, contacts.
@@ -89,7 +89,7 @@ impl Reach {
             Source::Dataset(dataset, index) if !name.starts_with("truth.") => {
                 Column::of_reaches(dataset, &[*index], name, single)
             }
-            _ => Column::of(&[recording_table(&*self.recording()?)?], name, single),
+            _ => Column::of(&[record_batch(recording_table(&*self.recording()?)?)?], name, single),
         }
     }
 
@@ -157,13 +157,8 @@ impl Reach {
     /// Names of the columns that `column` reads.
     #[getter]
     fn column_names(&self, py: Python<'_>) -> Result<Vec<String>, Failure> {
-        let table = py.detach(|| guarded(|| Ok(recording_table(&*self.recording()?)?)))?;
-        Ok(table
-            .schema()
-            .fields()
-            .iter()
-            .map(|field| field.name().clone())
-            .collect())
+        let recording = py.detach(|| guarded(|| self.recording()))?;
+        Ok(recording_columns(&recording))
     }
 
     /// Time since the start of the reach, s: (frames,).
@@ -276,7 +271,7 @@ impl Reach {
     #[getter]
     fn frames(&self, py: Python<'_>) -> Result<PyTable, Failure> {
         let table = py.detach(|| guarded(|| Ok(recording_table(&*self.recording()?)?)))?;
-        Ok(PyTable::new(table.schema(), vec![table]))
+        PyTable::new(vec![table])
     }
 
     /// Cut the reach into contact trials.

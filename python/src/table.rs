@@ -5,13 +5,18 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use arrow_array::cast::AsArray;
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
-use arrow_array::types::{Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type};
-use arrow_array::{Array, ArrayRef, ArrowPrimitiveType, RecordBatch, RecordBatchIterator};
-use arrow_schema::{DataType, SchemaRef};
+use arrow_array::types::{Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt32Type, UInt64Type};
+use arrow_array::{
+    Array, ArrayRef, ArrowPrimitiveType, BooleanArray, FixedSizeListArray, ListArray, PrimitiveArray, RecordBatch,
+    RecordBatchIterator, StringArray,
+};
+use arrow_buffer::OffsetBuffer;
+use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 use rayon::prelude::*;
-use underbrush_recording::disk::Dataset;
+use serde_json::Value;
+use underbrush_recording::disk::{self, Batch, Dataset, Rows, Text, Values};
 
 use crate::array::{self, Store};
 use crate::failure::Failure;
@@ -23,10 +28,89 @@ pub struct PyTable {
     batches: Vec<RecordBatch>,
 }
 
+/// The values of a column as an array; `present` says which are not missing.
+fn array_of(values: Values, present: Option<Vec<bool>>) -> ArrayRef {
+    fn numbers<T: ArrowPrimitiveType>(numbers: Vec<T::Native>, present: Option<Vec<bool>>) -> ArrayRef {
+        Arc::new(PrimitiveArray::<T>::new(numbers.into(), present.map(Into::into)))
+    }
+    let texts = |texts: Vec<Text>, present: Option<Vec<bool>>| -> StringArray {
+        let there = |row: usize| present.as_ref().is_none_or(|present| present[row]);
+        let texts = texts.iter().enumerate();
+        texts.map(|(row, text)| there(row).then_some(&**text)).collect()
+    };
+    match values {
+        Values::Int8(values) => numbers::<Int8Type>(values, present),
+        Values::Int16(values) => numbers::<Int16Type>(values, present),
+        Values::Int32(values) => numbers::<Int32Type>(values, present),
+        Values::Int64(values) => numbers::<Int64Type>(values, present),
+        Values::Uint32(values) => numbers::<UInt32Type>(values, present),
+        Values::Uint64(values) => numbers::<UInt64Type>(values, present),
+        Values::Float32(values) => numbers::<Float32Type>(values, present),
+        Values::Float64(values) => numbers::<Float64Type>(values, present),
+        Values::Bool(values) => Arc::new(BooleanArray::new(values.into(), present.map(Into::into))),
+        Values::Text(values) => Arc::new(texts(values, present)),
+    }
+}
+
+/// A column as an array.
+fn array(column: disk::Column) -> Result<ArrayRef, ArrowError> {
+    let item = |values: &ArrayRef| Arc::new(Field::new("item", values.data_type().clone(), true));
+    Ok(match column.rows {
+        Rows::Fixed(1) => array_of(column.values, None),
+        Rows::Optional(present) => array_of(column.values, Some(present)),
+        Rows::Fixed(width) => {
+            let values = array_of(column.values, None);
+            let width = i32::try_from(width).map_err(|error| ArrowError::ComputeError(error.to_string()))?;
+            Arc::new(FixedSizeListArray::try_new(item(&values), width, values, None)?)
+        }
+        Rows::Lists { ends, present } => {
+            let values = array_of(column.values, None);
+            let starts = [0].into_iter().chain(ends.iter().copied());
+            let lengths = ends.iter().zip(starts).map(|(end, start)| end - start);
+            let offsets = OffsetBuffer::from_lengths(lengths);
+            Arc::new(ListArray::try_new(
+                item(&values),
+                offsets,
+                values,
+                Some(present.into()),
+            )?)
+        }
+    })
+}
+
+/// Rows of a table as an Arrow batch, with descriptions, units and codes in the metadata of the fields.
+///
+/// # Errors
+/// [`Failure::Run`] for a table that is too large for Arrow.
+pub fn record_batch(batch: Batch) -> Result<RecordBatch, Failure> {
+    let about: HashMap<String, HashMap<String, Value>> = serde_json::from_str(&batch.about).unwrap_or_default();
+    let shown = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+    let build = || -> Result<RecordBatch, ArrowError> {
+        let (mut fields, mut arrays) = (Vec::new(), Vec::new());
+        for column in batch.columns {
+            let about = about.get(&column.name).into_iter().flatten();
+            let metadata: HashMap<_, _> = about.map(|(key, value)| (key.clone(), shown(value))).collect();
+            let name = column.name.clone();
+            let array = array(column)?;
+            fields.push(Field::new(name, array.data_type().clone(), true).with_metadata(metadata));
+            arrays.push(array);
+        }
+        RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays)
+    };
+    build().map_err(|error| Failure::Run(error.to_string()))
+}
+
 impl PyTable {
-    /// A table of these batches, which have this schema.
-    pub fn new(schema: SchemaRef, batches: Vec<RecordBatch>) -> Self {
-        PyTable { schema, batches }
+    /// A table of these batches, which have the same columns.
+    ///
+    /// # Errors
+    /// As [`record_batch`].
+    pub fn new(batches: Vec<Batch>) -> Result<Self, Failure> {
+        let batches = batches.into_iter().map(record_batch).collect::<Result<Vec<_>, _>>()?;
+        let schema = batches
+            .first()
+            .map_or_else(|| Arc::new(Schema::empty()), RecordBatch::schema);
+        Ok(PyTable { schema, batches })
     }
 
     /// The capsule of the C stream interface.
@@ -216,7 +300,8 @@ impl Column {
                 .par_iter()
                 .map(|reach| Ok(dataset.read_columns(*reach, &[name])?))
                 .collect();
-            return Column::of(&batches?.concat(), name, single);
+            let batches = batches?.concat().into_iter().map(record_batch);
+            return Column::of(&batches.collect::<Result<Vec<_>, _>>()?, name, single);
         };
         let numbers: Store = match single {
             Some(true) => joined(dataset, reaches, (name, width), |number| number as f32)?.into(),

@@ -223,8 +223,7 @@ impl Trials {
 
     /// The trials as a table with one row per sample.
     fn to_table(&self) -> Result<PyTable, Failure> {
-        let table = trial_table(&self.list)?;
-        Ok(PyTable::new(table.schema(), vec![table]))
+        PyTable::new(vec![trial_table(&self.list)])
     }
 
     /// The table as a capsule of Arrow's C stream interface.

@@ -122,7 +122,7 @@ fn rates_that_the_data_cannot_hold_are_refused() {
         ]
     };
     train("1e-6").refused(&["999999", "held-out trials"]);
-    train("0").refused(&["× the false-positive rate is 0", "above 0"]);
+    train("0").refused(&["error: the false-positive rate is 0", "above 0"]);
     assert!(!out.exists());
 }
 

@@ -1,17 +1,23 @@
-//! Converts frames to columns and back: the part that a robot could know.
+//! The table of frames: the part that a robot could know. Its columns are described with how a reach gives their values
+//! and takes them; names, types and widths are those that LeRobotDataset v3.0 requires.
 //!
 //! A frame lists only taxels with a force, while a column holds every taxel of its patch, with 0 N for the others. True
 //! forces are stored separately (`truth_columns.rs` in a recording, `truth/` in a data set).
 
-use arrow_array::types::{Float64Type, Int32Type, Int64Type};
-use arrow_array::{ArrayRef, Float32Array, Float64Array, Int32Array, Int64Array};
+use std::ops::Range;
+
 use glam::{DQuat, DVec3};
-use parquet::errors::ParquetError;
 
 use super::DiskError;
-use super::features::{ColumnBuilder, PatchFeature, features};
-use super::table::{Columns, Rows};
-use crate::{Frame, Pose, Recording, TaxelReading};
+use super::table::batch::Batch;
+use super::table::column::{Column, Rows, Type, Value};
+use super::table::read::Want;
+use super::table::row::{Described, Width};
+use crate::{Frame, Pose, Recording, SkinLayout, TaxelReading, TrackPoint};
+
+/// Names of the numbers in a pose column.
+const POSE: Width = Width::Named(&["x_m", "y_m", "z_m", "qx", "qy", "qz", "qw"]);
+const POSITION: Width = Width::Named(&["x_m", "y_m", "z_m"]);
 
 /// The position of a reach in a data set; the default is the position of a single reach.
 #[derive(Clone, Copy, Default)]
@@ -24,180 +30,369 @@ pub(super) struct Numbering {
     pub(super) task: i64,
 }
 
-/// The columns of a range of frames of a checked recording.
-pub(super) fn frame_columns(
-    recording: &Recording,
+/// A checked recording, whose frames are rows.
+pub(super) struct ReachRows<'a> {
+    pub(super) recording: &'a Recording,
+    pub(super) numbering: Numbering,
+    /// The points of all tracks with their bodies, frame by frame.
+    pub(super) moves: Vec<(usize, TrackPoint)>,
+}
+
+impl ReachRows<'_> {
+    /// The frame of a place.
+    pub(super) fn frame(&self, place: Place) -> &Frame {
+        &self.recording.frames[place.frame]
+    }
+
+    /// The readings of a place.
+    pub(super) fn readings(&self, place: Place) -> impl Iterator<Item = &TaxelReading> {
+        readings_of(self.recording, place)
+    }
+}
+
+/// Where a value stands: the index of the frame, and of the patch for columns of patches.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    pub(super) frame: usize,
+    pub(super) patch: usize,
+}
+
+/// What a value is, and what it may be.
+pub(super) type Fault = (String, String);
+
+/// Makes the column of a patch in some frames, with this name and width.
+type Give = fn(&ReachRows, Range<usize>, usize, (&str, Option<usize>)) -> Column;
+/// Adds the values of a column to a patch in the frames from this one on.
+type Take = fn(&mut Recording, usize, usize, &Column) -> Result<(), Fault>;
+
+/// A column of frames.
+pub(super) struct FrameColumn {
+    pub(super) described: Described,
+    pub(super) give: Give,
+    /// `None` if the values follow from others.
+    pub(super) take: Option<Take>,
+}
+
+/// Makes a column from a function that fills a row, which has the column's width and zeros.
+pub(super) fn give_rows<T: Value>(
+    rows: &ReachRows,
+    frames: Range<usize>,
+    patch: usize,
+    (name, width): (&str, Option<usize>),
+    give: fn(&ReachRows, Place, &mut [T]),
+) -> Column {
+    let width = width.unwrap_or(1);
+    let mut values = vec![T::default(); width * frames.len()];
+    for (frame, row) in frames.zip(values.chunks_exact_mut(width)) {
+        give(rows, Place { frame, patch }, row);
+    }
+    Column::fixed(name, width, values)
+}
+
+/// Makes a column from a function that appends a list.
+pub(super) fn give_lists<T: Value>(
+    rows: &ReachRows,
+    frames: Range<usize>,
+    patch: usize,
+    (name, _): (&str, Option<usize>),
+    give: fn(&ReachRows, Place, &mut Vec<T>),
+) -> Column {
+    let (mut values, mut ends) = (Vec::new(), Vec::new());
+    for frame in frames {
+        give(rows, Place { frame, patch }, &mut values);
+        ends.push(values.len());
+    }
+    let present = vec![true; ends.len()];
+    let rows = Rows::Lists { ends, present };
+    Column {
+        rows,
+        ..Column::fixed(name, 1, values)
+    }
+}
+
+/// Adds the values of a column row by row.
+pub(super) fn take_rows<T: Value>(
+    recording: &mut Recording,
     first: usize,
-    count: usize,
-    numbering: Numbering,
-) -> Result<Vec<ArrayRef>, ParquetError> {
-    let mut builder = ColumnBuilder::new(features(&recording.joint_names, &recording.layout));
-    let frames = &recording.frames[first..first + count];
-    let index = |start: usize| Int64Array::from_iter_values((start..start + count).map(|index| index as i64));
+    patch: usize,
+    column: &Column,
+    take: fn(&mut Recording, Place, &[T]) -> Result<(), Fault>,
+) -> Result<(), Fault> {
+    let place = |row: usize| Place {
+        frame: first + row,
+        patch,
+    };
+    (0..column.count()).try_for_each(|row| take(recording, place(row), column.row(row).unwrap_or_default()))
+}
+
+/// Describes columns of frames: name, width, type, unit and text, how a row is filled or a list appended (`give`), and
+/// how its values are added to a frame (`take`).
+macro_rules! frame_columns {
+    ($($name:literal: $width:expr, $value:ty, $unit:literal, $what:literal;
+        $by:ident give $give:expr;
+        $(take $take:expr;)?
+    )*) => {
+        &[$($crate::disk::frames::FrameColumn {
+            described: $crate::disk::table::row::Described {
+                name: $name,
+                value: <$value as $crate::disk::table::column::Value>::TYPE,
+                width: $width,
+                optional: false,
+                unit: $unit,
+                what: $what,
+            },
+            give: |rows, frames, patch, column| $crate::disk::frames::$by::<$value>(rows, frames, patch, column, $give),
+            take: frame_columns!(take $value $(, $take)?),
+        }),*]
+    };
+    (take $value:ty) => { None };
+    (take $value:ty, $take:expr) => {
+        Some(|recording, first, patch, column| {
+            $crate::disk::frames::take_rows::<$value>(recording, first, patch, column, $take)
+        })
+    };
+}
+pub(super) use frame_columns;
+
+/// Sets a field.
+pub(super) fn set<T>(field: &mut T, value: T) -> Result<(), Fault> {
+    *field = value;
+    Ok(())
+}
+
+/// The columns of frames in data sets and recordings.
+pub(super) static FRAME_COLUMNS: &[FrameColumn] = frame_columns! {
     // LeRobot computes the time stamp from the frame rate. The measured time has its own column, in full precision.
-    let timestamps = (first..first + count).map(|index| (index as f64 / recording.rate_hz) as f32);
-    builder.push(Float32Array::from_iter_values(timestamps))?;
-    builder.push(index(first))?;
-    builder.push(Int64Array::from_value(numbering.episode as i64, count))?;
-    builder.push(index(numbering.first_index + first))?;
-    builder.push(Int64Array::from_value(numbering.task, count))?;
-    builder.push_f64(frames.iter().map(|frame| frame.time_s))?;
-    let of_joints: [fn(&Frame) -> &Vec<f64>; 4] = [
-        |frame| &frame.joint_angle_rad,
-        |frame| &frame.joint_velocity_rad_per_s,
-        |frame| &frame.joint_torque_nm,
-        |frame| &frame.equilibrium_angle_rad,
-    ];
-    for joints in of_joints {
-        builder.push_f64(frames.iter().flat_map(joints).copied())?;
-    }
-    builder.push_f64(frames.iter().flat_map(|frame| frame.end_effector_pose_world.numbers()))?;
-    builder.push_f64(frames.iter().flat_map(|frame| frame.goal_position_world.to_array()))?;
-    builder.push(Int32Array::from_iter_values(
-        frames.iter().map(|frame| i32::from(frame.goal_index)),
-    ))?;
-    for (patch, part) in recording.layout.patches.iter().enumerate() {
-        let poses = frames.iter().map(|frame| frame.patch_pose_world[patch].numbers());
-        builder.push_f64(poses.flatten())?;
-        let mut sensed = vec![0.0; frames.len() * part.taxels.len()];
-        for (row, frame) in frames.iter().enumerate() {
-            for reading in readings_of(frame, patch) {
-                sensed[row * part.taxels.len() + usize::from(reading.taxel)] = reading.sensed_force_n;
+    "timestamp": Width::One, f32, "s", "frame_index / rate, as LeRobot defines it";
+        give_rows give |rows, place, to| to.fill((place.frame as f64 / rows.recording.rate_hz) as f32);
+    "frame_index": Width::One, i64, "", "index of the frame in its reach, from 0";
+        give_rows give |_, place, to| to.fill(place.frame as i64);
+        take |_, place, from| match usize::try_from(from[0]) == Ok(place.frame) {
+            true => Ok(()),
+            false => Err((from[0].to_string(), format!("{}, as rows are in the order of the frames", place.frame))),
+        };
+    "episode_index": Width::One, i64, "", "index of the reach, from 0";
+        give_rows give |rows, _, to| to.fill(rows.numbering.episode as i64);
+    "index": Width::One, i64, "", "index of the frame in the whole set, from 0";
+        give_rows give |rows, place, to| to.fill((rows.numbering.first_index + place.frame) as i64);
+    "task_index": Width::One, i64, "", "index of the task, a row of `meta/tasks.parquet`";
+        give_rows give |rows, _, to| to.fill(rows.numbering.task);
+    "time_s": Width::One, f64, "s", "time since the start of the reach";
+        give_rows give |rows, place, to| to.fill(rows.frame(place).time_s);
+        take |recording, place, from| set(&mut recording.frames[place.frame].time_s, from[0]);
+    "observation.state": Width::Joints, f64, "rad", "joint angles";
+        give_rows give |rows, place, to| to.copy_from_slice(&rows.frame(place).joint_angle_rad);
+        take |recording, place, from| set(&mut recording.frames[place.frame].joint_angle_rad, from.to_vec());
+    "observation.velocity": Width::Joints, f64, "rad/s", "joint velocities";
+        give_rows give |rows, place, to| to.copy_from_slice(&rows.frame(place).joint_velocity_rad_per_s);
+        take |recording, place, from| set(&mut recording.frames[place.frame].joint_velocity_rad_per_s, from.to_vec());
+    "observation.torque": Width::Joints, f64, "N m", "joint torques of springs and dampers, without gravity";
+        give_rows give |rows, place, to| to.copy_from_slice(&rows.frame(place).joint_torque_nm);
+        take |recording, place, from| set(&mut recording.frames[place.frame].joint_torque_nm, from.to_vec());
+    "action": Width::Joints, f64, "rad", "equilibrium angles of the joint springs";
+        give_rows give |rows, place, to| to.copy_from_slice(&rows.frame(place).equilibrium_angle_rad);
+        take |recording, place, from| set(&mut recording.frames[place.frame].equilibrium_angle_rad, from.to_vec());
+    "observation.tip_pose": POSE, f64, "m, 1", "pose of the end effector in the world frame: x y z, quaternion x y z w";
+        give_rows give |rows, place, to| to.copy_from_slice(&rows.frame(place).end_effector_pose_world.numbers());
+        take |recording, place, from| set(&mut recording.frames[place.frame].end_effector_pose_world, pose(from));
+    "goal_position": POSITION, f64, "m", "current goal of the end effector, world frame";
+        give_rows give |rows, place, to| rows.frame(place).goal_position_world.write_to_slice(to);
+        take |recording, place, from| {
+            set(&mut recording.frames[place.frame].goal_position_world, DVec3::from_slice(from))
+        };
+    "goal_index": Width::One, i32, "", "index of the current goal in the reach, from 0";
+        give_rows give |rows, place, to| to.fill(rows.frame(place).goal_index.into());
+        take |recording, place, from| {
+            let index = u16::try_from(from[0]).map_err(|_| (from[0].to_string(), "0 to 65535".into()))?;
+            set(&mut recording.frames[place.frame].goal_index, index)
+        };
+    "observation.patch_pose.PATCH": POSE, f64, "m, 1", "pose of the link under the patch in the world frame: x y z, \
+            quaternion x y z w";
+        give_rows give |rows, place, to| to.copy_from_slice(&rows.frame(place).patch_pose_world[place.patch].numbers());
+        take |recording, place, from| {
+            set(&mut recording.frames[place.frame].patch_pose_world[place.patch], pose(from))
+        };
+    "observation.tactile.PATCH": Width::Taxels(1), f64, "N", "normal force that each taxel reports, by taxel index";
+        give_rows give |rows, place, to| {
+            rows.readings(place).for_each(|reading| to[usize::from(reading.taxel)] = reading.sensed_force_n);
+        };
+        take |recording, place, from| {
+            for (taxel, force_n) in from.iter().enumerate().filter(|(_, force_n)| !is_nothing(**force_n)) {
+                reading_of(recording, place, taxel).sensed_force_n = *force_n;
             }
+            Ok(())
+        };
+};
+
+/// A column of the frames of a robot: of one of its patches, if the column belongs to patches.
+#[derive(Clone)]
+pub(super) struct Feature {
+    column: &'static FrameColumn,
+    /// Name of the column, without "/".
+    pub(super) name: String,
+    patch: usize,
+    /// Numbers in a row; `None` for lists.
+    pub(super) width: Option<usize>,
+    /// Names of the numbers, unless they are taxels.
+    pub(super) names: Option<Vec<String>>,
+}
+
+impl Feature {
+    fn new(column: &'static FrameColumn, joint_names: &[String], layout: &SkinLayout, patch: usize) -> Self {
+        let own = layout.patches.get(patch);
+        let texts = |names: &[&str]| Some(names.iter().map(ToString::to_string).collect());
+        let (width, names) = match column.described.width {
+            Width::One => (Some(1), None),
+            Width::List => (None, None),
+            Width::Joints => (Some(joint_names.len()), Some(joint_names.to_vec())),
+            Width::Named(names) => (Some(names.len()), texts(names)),
+            Width::Taxels(each) => (own.map(|patch| each * patch.taxels.len()), None),
+        };
+        let name = column.described.name;
+        let prefix = name.strip_suffix("PATCH").zip(own);
+        let name = prefix.map_or(name.into(), |(prefix, own)| prefix.to_owned() + &own.name);
+        Feature {
+            column,
+            name,
+            patch,
+            width,
+            names,
         }
-        builder.push(Float64Array::from(sensed))?;
     }
-    Ok(builder.finish())
+
+    /// Type of its numbers.
+    pub(super) fn number(&self) -> Type {
+        self.column.described.value
+    }
+
+    /// What a reader of frames needs of it.
+    fn want(&self) -> Want {
+        match self.width {
+            _ if self.column.take.is_none() => Want::Nothing,
+            Some(width) => Want::Fixed(width),
+            None => Want::All,
+        }
+    }
+
+    /// Adds the values of a batch to its frames, the first of which is `first`.
+    fn take(&self, batch: &Batch, recording: &mut Recording, first: usize) -> Result<(), DiskError> {
+        let Some(take) = self.column.take else { return Ok(()) };
+        let column = batch.column(&self.name)?;
+        let described = &self.column.described;
+        let fits = match self.width {
+            Some(width) if column.rows != Rows::Fixed(width) || column.values.type_of() != described.value => {
+                let nulls = column.missing();
+                let found = if nulls > 0 {
+                    format!("{nulls} nulls")
+                } else {
+                    format!("a column of {}", column.kind())
+                };
+                Err((
+                    found,
+                    format!("{width} {} in each row, without nulls", described.value.name()),
+                ))
+            }
+            Some(_) => Ok(()),
+            None => described.fits(column),
+        };
+        fits.and_then(|()| take(recording, first, self.patch, column))
+            .map_err(|(found, allowed)| batch.error(&self.name, found, allowed))
+    }
 }
 
-/// The readings of the taxels of a patch.
-pub(super) fn readings_of(frame: &Frame, patch: usize) -> impl Iterator<Item = &TaxelReading> {
-    let of_patch = move |reading: &&TaxelReading| usize::from(reading.patch) == patch;
-    frame.taxels.iter().filter(of_patch)
+/// The columns of the frames of a robot, in file order: those of a patch stand together.
+pub(super) fn features(columns: &'static [FrameColumn], joint_names: &[String], layout: &SkinLayout) -> Vec<Feature> {
+    let of_patches = |column: &FrameColumn| column.described.name.ends_with("PATCH");
+    let mut features = Vec::new();
+    for group in columns.chunk_by(|a, b| of_patches(a) == of_patches(b)) {
+        let patches = if of_patches(&group[0]) { layout.patches.len() } else { 1 };
+        for patch in 0..patches {
+            features.extend(
+                group
+                    .iter()
+                    .map(|column| Feature::new(column, joint_names, layout, patch)),
+            );
+        }
+    }
+    features
 }
 
-pub(super) fn vector(numbers: &[f64]) -> DVec3 {
-    DVec3::new(numbers[0], numbers[1], numbers[2])
+/// The columns of some frames.
+pub(super) fn columns_of(features: &[Feature], rows: &ReachRows, frames: Range<usize>) -> Vec<Column> {
+    let give =
+        |feature: &Feature| (feature.column.give)(rows, frames.clone(), feature.patch, (&feature.name, feature.width));
+    features.iter().map(give).collect()
+}
+
+/// What a reader of frames needs of the column with a name.
+pub(super) fn wanted(features: &[Feature]) -> impl Fn(&str) -> Want {
+    move |name| {
+        features
+            .iter()
+            .find(|feature| feature.name == name)
+            .map_or(Want::Nothing, Feature::want)
+    }
+}
+
+/// Appends the rows of a batch to the frames of a recording whose other fields are known. What the columns do not hold is
+/// left out.
+pub(super) fn append_frames(features: &[Feature], batch: &Batch, recording: &mut Recording) -> Result<(), DiskError> {
+    let patches = recording.layout.patches.len();
+    let blank = Frame {
+        time_s: 0.0,
+        joint_angle_rad: Vec::new(),
+        joint_velocity_rad_per_s: Vec::new(),
+        equilibrium_angle_rad: Vec::new(),
+        joint_torque_nm: Vec::new(),
+        end_effector_pose_world: Pose::IDENTITY,
+        goal_position_world: DVec3::ZERO,
+        goal_index: 0,
+        patch_pose_world: vec![Pose::IDENTITY; patches],
+        contact_force_world: vec![DVec3::ZERO; patches],
+        taxels: Vec::new(),
+    };
+    let first = recording.frames.len();
+    recording.frames.resize(first + batch.rows, blank);
+    features
+        .iter()
+        .try_for_each(|feature| feature.take(batch, recording, first))
+}
+
+/// The readings of the taxels of a patch in a frame.
+pub(super) fn readings_of(recording: &Recording, place: Place) -> impl Iterator<Item = &TaxelReading> {
+    let of_patch = move |reading: &&TaxelReading| usize::from(reading.patch) == place.patch;
+    recording.frames[place.frame].taxels.iter().filter(of_patch)
+}
+
+/// The reading of a taxel, which is added if the frame has none.
+pub(super) fn reading_of(recording: &mut Recording, place: Place, taxel: usize) -> &mut TaxelReading {
+    let taxels = &mut recording.frames[place.frame].taxels;
+    // Both fit, as the layout was checked.
+    let key = (place.patch as u16, taxel as u16);
+    let found = taxels.binary_search_by_key(&key, |reading| (reading.patch, reading.taxel));
+    let position = found.unwrap_or_else(|position| {
+        let silent = TaxelReading {
+            patch: key.0,
+            taxel: key.1,
+            true_normal_force_n: 0.0,
+            true_shear_force_n: [0.0; 2],
+            sensed_force_n: 0.0,
+            object: None,
+        };
+        taxels.insert(position, silent);
+        position
+    });
+    &mut taxels[position]
 }
 
 fn pose(numbers: &[f64]) -> Pose {
     Pose {
-        position: vector(numbers),
-        orientation: DQuat::from_xyzw(numbers[3], numbers[4], numbers[5], numbers[6]),
+        position: DVec3::from_slice(numbers),
+        orientation: DQuat::from_slice(&numbers[3..]),
     }
-}
-
-/// Appends the rows of a batch to the frames of a recording whose other fields are known. The frames have no ground
-/// truth yet: only taxels with a sensed force, without object and true force.
-pub(super) fn append_frames(columns: &Columns, recording: &mut Recording) -> Result<(), DiskError> {
-    let joints = recording.joint_names.len();
-    let wide = |name: &str, width: usize| Rows::new::<Float64Type>(columns, name, width);
-    let frame_index = columns.numbers::<Int64Type>("frame_index")?;
-    let time = columns.numbers::<Float64Type>("time_s")?;
-    let angle = wide("observation.state", joints)?;
-    let velocity = wide("observation.velocity", joints)?;
-    let torque = wide("observation.torque", joints)?;
-    let equilibrium = wide("action", joints)?;
-    let end_effector_pose = wide("observation.tip_pose", 7)?;
-    let goal_position = wide("goal_position", 3)?;
-    let goal_index = columns.numbers::<Int32Type>("goal_index")?;
-    let patches = recording.layout.patches.iter().map(|patch| {
-        let pose = wide(&PatchFeature::Pose.column(&patch.name), 7)?;
-        let sensed = wide(&PatchFeature::Tactile.column(&patch.name), patch.taxels.len())?;
-        Ok((pose, sensed))
-    });
-    let patches = patches.collect::<Result<Vec<_>, DiskError>>()?;
-    for row in 0..columns.batch.num_rows() {
-        if usize::try_from(frame_index[row]) != Ok(recording.frames.len()) {
-            let allowed = format!("{}, as rows are in the order of the frames", recording.frames.len());
-            return Err(columns.error("frame_index", frame_index[row].to_string(), allowed));
-        }
-        let goal_index = u16::try_from(goal_index[row])
-            .map_err(|_| columns.error("goal_index", goal_index[row].to_string(), "0 to 65535"))?;
-        let mut taxels = Vec::new();
-        for (patch, (_, sensed)) in patches.iter().enumerate() {
-            for (taxel, &sensed_force_n) in sensed.row(row).iter().enumerate() {
-                if !is_nothing(sensed_force_n) {
-                    taxels.push(TaxelReading {
-                        // Both fit, as the layout was checked.
-                        patch: patch as u16,
-                        taxel: taxel as u16,
-                        true_normal_force_n: 0.0,
-                        true_shear_force_n: [0.0; 2],
-                        sensed_force_n,
-                        object: None,
-                    });
-                }
-            }
-        }
-        recording.frames.push(Frame {
-            time_s: time[row],
-            joint_angle_rad: angle.row(row).to_vec(),
-            joint_velocity_rad_per_s: velocity.row(row).to_vec(),
-            equilibrium_angle_rad: equilibrium.row(row).to_vec(),
-            joint_torque_nm: torque.row(row).to_vec(),
-            end_effector_pose_world: pose(end_effector_pose.row(row)),
-            goal_position_world: vector(goal_position.row(row)),
-            goal_index,
-            patch_pose_world: patches.iter().map(|(poses, _)| pose(poses.row(row))).collect(),
-            contact_force_world: vec![DVec3::ZERO; patches.len()],
-            taxels,
-        });
-    }
-    Ok(())
 }
 
 /// Whether a number is the one stored for taxels that a frame does not list: 0, but not −0, so that reading is exact.
 pub(super) fn is_nothing(number: f64) -> bool {
     number.to_bits() == 0
-}
-
-/// Ground truth of one taxel in one frame.
-pub(super) struct TaxelTruth {
-    /// Patch and taxel by index.
-    pub(super) place: (u16, u16),
-    /// Force along the inward normal, N.
-    pub(super) normal_force_n: f64,
-    /// Force along the two tangents, N.
-    pub(super) shear_force_n: [f64; 2],
-    /// The object that presses hardest.
-    pub(super) object: Option<u16>,
-}
-
-impl TaxelTruth {
-    /// The ground truth of a reading, if it has any.
-    pub(super) fn of(reading: &TaxelReading) -> Option<Self> {
-        let [first_shear, second_shear] = reading.true_shear_force_n;
-        let forces = [reading.true_normal_force_n, first_shear, second_shear];
-        let touched = reading.object.is_some() || !forces.into_iter().all(is_nothing);
-        touched.then_some(TaxelTruth {
-            place: (reading.patch, reading.taxel),
-            normal_force_n: reading.true_normal_force_n,
-            shear_force_n: reading.true_shear_force_n,
-            object: reading.object,
-        })
-    }
-
-    /// Adds this ground truth to a frame that was read without any.
-    pub(super) fn add_to(self, frame: &mut Frame) {
-        let found = frame
-            .taxels
-            .binary_search_by_key(&self.place, |reading| (reading.patch, reading.taxel));
-        let position = found.unwrap_or_else(|position| {
-            let silent = TaxelReading {
-                patch: self.place.0,
-                taxel: self.place.1,
-                true_normal_force_n: 0.0,
-                true_shear_force_n: [0.0; 2],
-                sensed_force_n: 0.0,
-                object: None,
-            };
-            frame.taxels.insert(position, silent);
-            position
-        });
-        let reading = &mut frame.taxels[position];
-        reading.true_normal_force_n = self.normal_force_n;
-        reading.true_shear_force_n = self.shear_force_n;
-        reading.object = self.object;
-    }
 }

@@ -4,25 +4,21 @@
 //! * a data set of many reaches: a folder in the LeRobotDataset v3.0 layout, [`DatasetWriter`] and [`Dataset`];
 //! * contact trials: a CSV or Parquet table with one row per sample, [`read_trials`] and [`write_trials`].
 //!
-//! `dictionary.rs` lists all tables with their columns, units and codes, and is the source of the card of a data set,
-//! the metadata of the columns and `docs/data.md`. The frames of a data set hold what a robot could know; ground
+//! `dictionary.rs` lists all tables with their columns, units and codes. What is written and read, the card of a data
+//! set, the metadata of the files and `docs/data.md` follow from it. The frames of a data set hold what a robot could know; ground
 //! truth is in separate tables. A single recording holds both in one file.
 //!
 //! A file gets its name only when it is complete (temporary name, sync, rename). The same input gives the same bytes:
 //! nothing about the run (date, machine, threads) is stored.
 
 mod check;
-mod column_order;
 mod dataset;
+mod description;
 mod dictionary;
 mod error;
-mod features;
 mod frames;
 mod input_file;
 mod output_file;
-mod parquet_file;
-mod parquet_input;
-mod plain_pages;
 mod recording_file;
 mod seal;
 mod table;
@@ -40,7 +36,9 @@ pub use dataset::{
 pub use error::DiskError;
 pub use input_file::{is_folder, is_there};
 pub use output_file::{check_free, check_not_input};
-pub use recording_file::{is_recording, read_recording, recording_table, write_recording};
+pub use recording_file::{is_recording, read_recording, recording_columns, recording_table, write_recording};
+pub use table::batch::Batch;
+pub use table::column::{Column, Rows, Text, Values};
 pub use trials::{read_trials, trial_table, write_trials};
 pub use unfinished::abandon_unfinished_files;
 pub use whole_file::{remove_leftovers, write_file, write_whole};

@@ -1,22 +1,21 @@
 //! A single recording as a Parquet file with one row per frame. The rest is JSON in the metadata.
 
+use std::ops::Range;
 use std::path::Path;
-use std::sync::Arc;
-
-use arrow_array::RecordBatch;
-use arrow_schema::{Schema, SchemaRef};
-use parquet::arrow::arrow_reader::ArrowReaderOptions;
-use parquet::errors::ParquetError;
 
 use super::check::{check_layout, check_recording};
-use super::dictionary::with_further_categories;
-use super::features::{features, fields, truth_features};
-use super::frames::{Numbering, append_frames, frame_columns};
-use super::parquet_file::{Batches, ParquetFile, ROWS_PER_BATCH, key_value, open};
-use super::table::Columns;
-use super::truth_columns::{add_moves, add_taxel_truth, moved_columns, moved_fields, moves, taxel_columns};
+use super::description::{about, about_entry};
+use super::dictionary::{FRAMES, RECORDING_TRUTH, Table};
+use super::frames::{FRAME_COLUMNS, Feature, Numbering, ReachRows, append_frames, columns_of, features, wanted};
+use super::table::batch::Batch;
+use super::table::read::ParquetTable;
+use super::table::write::{ParquetFile, ROWS_PER_BATCH};
+use super::truth_columns::{TRUTH_COLUMNS, moves};
 use super::{DiskError, seal};
-use crate::{InputError, Recording, TrackPoint};
+use crate::{InputError, Recording};
+
+/// The tables whose columns a recording has.
+const TABLES: [&Table; 2] = [&FRAMES, &RECORDING_TRUTH];
 
 /// Metadata key of the format's version.
 const FORMAT_KEY: &str = "underbrush.format";
@@ -46,36 +45,42 @@ pub(super) fn without_frames(recording: &Recording) -> Recording {
 }
 
 /// The columns of a recording.
-fn frame_schema(recording: &Recording) -> SchemaRef {
-    let mut columns = fields(&features(&recording.joint_names, &recording.layout));
-    columns.extend(fields(&truth_features(&recording.layout)));
-    columns.extend(moved_fields());
-    with_further_categories(Arc::new(Schema::new(columns)), &recording.further_categories())
+fn features_of(recording: &Recording) -> Vec<Feature> {
+    let of = |columns| features(columns, &recording.joint_names, &recording.layout);
+    [of(FRAME_COLUMNS), of(TRUTH_COLUMNS)].concat()
 }
 
-/// Some frames of a checked recording as rows.
-fn frame_batch(
-    recording: &Recording,
-    schema: &SchemaRef,
-    moves: &[(usize, TrackPoint)],
-    first: usize,
-    count: usize,
-) -> Result<RecordBatch, ParquetError> {
-    let mut columns = frame_columns(recording, first, count, Numbering::default())?;
-    columns.extend(taxel_columns(recording, first, count)?);
-    columns.extend(moved_columns(moves, first, count));
-    Ok(RecordBatch::try_new(Arc::clone(schema), columns)?)
+/// A checked recording as rows.
+fn rows_of(recording: &Recording) -> ReachRows<'_> {
+    ReachRows {
+        recording,
+        numbering: Numbering::default(),
+        moves: moves(recording),
+    }
 }
 
 /// A recording in memory as a table with one row per frame: the columns of its file ([`write_recording`]).
 ///
 /// # Errors
 /// [`DiskError::Unwritable`] for a recording that breaks a rule of its types.
-pub fn recording_table(recording: &Recording) -> Result<RecordBatch, DiskError> {
-    let place = Path::new("the recording");
-    check_recording(recording).map_err(|violation| violation.unwritable(place))?;
-    let (schema, moves) = (frame_schema(recording), moves(recording));
-    frame_batch(recording, &schema, &moves, 0, recording.frames.len()).map_err(DiskError::encode(place))
+pub fn recording_table(recording: &Recording) -> Result<Batch, DiskError> {
+    let place = "the recording";
+    check_recording(recording).map_err(|violation| violation.unwritable(Path::new(place)))?;
+    let columns = columns_of(&features_of(recording), &rows_of(recording), 0..recording.frames.len());
+    let about = about(&TABLES, &columns, &recording.further_categories());
+    Ok(Batch::in_memory(place, columns, about))
+}
+
+/// The names of the columns of [`recording_table`].
+pub fn recording_columns(recording: &Recording) -> Vec<String> {
+    features_of(recording).into_iter().map(|feature| feature.name).collect()
+}
+
+/// The frames in batches.
+pub(super) fn batches(frames: usize) -> impl Iterator<Item = Range<usize>> {
+    (0..frames)
+        .step_by(ROWS_PER_BATCH)
+        .map(move |first| first..frames.min(first + ROWS_PER_BATCH))
 }
 
 /// Writes a reach to a Parquet file (zstd). All forces and angles are stored exactly.
@@ -92,22 +97,19 @@ pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<
     check_recording(recording).map_err(|violation| violation.unwritable(path))?;
     let header = serde_json::to_string(&without_frames(recording))
         .map_err(|error| DiskError::io(path, "write")(error.into()))?;
-    let schema = frame_schema(recording);
+    let (features, rows) = (features_of(recording), rows_of(recording));
+    let none = columns_of(&features, &rows, 0..0);
     let mut file = ParquetFile::create(
         path,
-        Arc::clone(&schema),
+        &none,
         [
             (FORMAT_KEY, FORMAT.to_string()),
             (RECORDING_KEY, header),
+            about_entry(&TABLES, &none, &recording.further_categories()),
             seal::unsealed(),
         ],
     )?;
-    let moves = moves(recording);
-    for first in (0..recording.frames.len()).step_by(ROWS_PER_BATCH) {
-        let count = ROWS_PER_BATCH.min(recording.frames.len() - first);
-        let batch = frame_batch(recording, &schema, &moves, first, count);
-        file.write(&batch.map_err(DiskError::encode(path))?)?;
-    }
+    file.write_group(batches(recording.frames.len()).map(|frames| Ok(columns_of(&features, &rows, frames))))?;
     file.close()
 }
 
@@ -123,33 +125,28 @@ pub fn is_recording(path: impl AsRef<Path>) -> Result<bool, DiskError> {
     {
         return Ok(false);
     }
-    match open(path, ArrowReaderOptions::default()) {
-        Ok((_, builder)) => Ok(key_value(path, &builder, FORMAT_KEY).is_ok()),
+    match ParquetTable::open(path) {
+        Ok(table) => Ok(table.key_value(FORMAT_KEY).is_ok()),
         Err(DiskError::Input(_)) => Ok(false),
         Err(error) => Err(error),
     }
 }
 
-/// Opens a recording: everything except its frames, and the batches that hold the frames.
-fn open_recording(path: &Path) -> Result<(Recording, Batches), DiskError> {
-    let (file, builder) = open(path, ArrowReaderOptions::default())?;
-    let format = key_value(path, &builder, FORMAT_KEY)?;
+/// Opens a recording: everything except its frames, and the table that holds the frames.
+fn open_recording(path: &Path) -> Result<(Recording, ParquetTable), DiskError> {
+    let table = ParquetTable::open(path)?;
+    let format = table.key_value(FORMAT_KEY)?;
     if format != FORMAT {
         let remedy = "read it with the version of underbrush that wrote it";
         return Err(InputError::new(path, FORMAT_KEY, format, FORMAT, remedy).into());
     }
     seal::check(path)?;
-    let header = serde_json::from_str(&key_value(path, &builder, RECORDING_KEY)?).map_err(|error| {
+    let header = serde_json::from_str(&table.key_value(RECORDING_KEY)?).map_err(|error| {
         let remedy = "write the recording again with the program that made it";
-        InputError::new(
-            path,
-            RECORDING_KEY,
-            error.to_string(),
-            "a recording's fields as JSON",
-            remedy,
-        )
+        let allowed = "a recording's fields as JSON";
+        InputError::new(path, RECORDING_KEY, error.to_string(), allowed, remedy)
     })?;
-    Ok((header, Batches::new(file, builder)?))
+    Ok((header, table))
 }
 
 /// Reads a reach, equal to the one given to [`write_recording`].
@@ -159,15 +156,11 @@ fn open_recording(path: &Path) -> Result<(Recording, Batches), DiskError> {
 /// whose content breaks a rule of [`Recording`]; [`DiskError::Io`] if it cannot be read.
 pub fn read_recording(path: impl AsRef<Path>) -> Result<Recording, DiskError> {
     let path = path.as_ref();
-    let (mut recording, batches) = open_recording(path)?;
+    let (mut recording, table) = open_recording(path)?;
     check_layout(&recording.layout).map_err(|violation| violation.misread(path))?;
-    for batch in batches {
-        let batch = batch?;
-        let columns = Columns { path, batch: &batch };
-        let first = recording.frames.len();
-        append_frames(&columns, &mut recording)?;
-        add_taxel_truth(&columns, &mut recording, first)?;
-        add_moves(&columns, &mut recording, first)?;
+    let features = features_of(&recording);
+    for batch in table.batches(&wanted(&features)) {
+        append_frames(&features, &batch?, &mut recording)?;
     }
     check_recording(&recording).map_err(|violation| violation.misread(path))?;
     Ok(recording)

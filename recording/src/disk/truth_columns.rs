@@ -1,141 +1,98 @@
-//! Ground truth per frame in the file of a single recording: dense columns for taxels, and lists for the bodies that
-//! moved.
+//! The columns of ground truth that follow those of `frames.rs` in the file of a single recording: dense columns for
+//! taxels, and lists for the bodies that moved.
 
-use arrow_array::builder::{Float32Builder, Int32Builder, ListBuilder};
-use arrow_array::cast::AsArray;
-use arrow_array::types::{Float32Type, Float64Type, Int8Type, Int16Type, Int32Type};
-use arrow_array::{Array, ArrayRef, Float64Array, Int8Array, Int16Array};
-use arrow_schema::{DataType, Field};
-use parquet::errors::ParquetError;
+use glam::DVec3;
 
-use super::DiskError;
-use super::dictionary::RECORDING_TRUTH;
-use super::features::{ColumnBuilder, PatchFeature, truth_features};
-use super::frames::{TaxelTruth, is_nothing, readings_of, vector};
-use super::table::{Columns, Rows};
-use crate::{Recording, TrackPoint};
+use super::frames::{Fault, FrameColumn, Place, ReachRows, frame_columns, is_nothing, reading_of, readings_of, set};
+use super::table::row::Width;
+use crate::{Recording, TaxelReading, TrackPoint};
 
 /// "No object" and "no category".
-const NONE: i8 = -1;
-/// Columns of the bodies that moved, and of their poses.
-const MOVED_BODY: &str = "truth.moved_body";
-const MOVED_POSE: &str = "truth.moved_pose";
+pub(super) const NONE: i8 = -1;
 
-/// The columns of true forces in a range of frames of a checked recording.
-pub(super) fn taxel_columns(recording: &Recording, first: usize, count: usize) -> Result<Vec<ArrayRef>, ParquetError> {
-    let mut builder = ColumnBuilder::new(truth_features(&recording.layout));
-    let frames = &recording.frames[first..first + count];
-    for (patch, part) in recording.layout.patches.iter().enumerate() {
-        let taxels = part.taxels.len();
-        let cells = frames.len() * taxels;
-        let (mut normal, mut shear) = (vec![0.0; cells], vec![0.0; 2 * cells]);
-        let (mut object, mut category) = (vec![i16::from(NONE); cells], vec![NONE; cells]);
-        for (row, frame) in frames.iter().enumerate() {
-            for reading in readings_of(frame, patch) {
-                let cell = row * taxels + usize::from(reading.taxel);
-                normal[cell] = reading.true_normal_force_n;
-                shear[2 * cell..2 * cell + 2].copy_from_slice(&reading.true_shear_force_n);
-                if let Some(index) = reading.object {
-                    object[cell] = i16::try_from(index).map_err(|error| ParquetError::General(error.to_string()))?;
-                    category[cell] = recording.objects[usize::from(index)].category.code();
+const FORCE: Width = Width::Named(&["x_n", "y_n", "z_n"]);
+
+/// The columns.
+pub(super) static TRUTH_COLUMNS: &[FrameColumn] = frame_columns! {
+    "truth.normal_force.PATCH": Width::Taxels(1), f64, "N", "true normal force on each taxel, before the sensor";
+        give_rows give |rows, place, to| {
+            rows.readings(place).for_each(|reading| to[usize::from(reading.taxel)] = reading.true_normal_force_n);
+        };
+        take |recording, place, from| {
+            for (taxel, force_n) in from.iter().enumerate().filter(|(_, force_n)| !is_nothing(**force_n)) {
+                reading_of(recording, place, taxel).true_normal_force_n = *force_n;
+            }
+            Ok(())
+        };
+    "truth.shear_force.PATCH": Width::Taxels(2), f64, "N", "true shear force along tangent and normal × tangent, taxel \
+            by taxel";
+        give_rows give |rows, place, to| {
+            let (to, _) = to.as_chunks_mut();
+            rows.readings(place).for_each(|reading| to[usize::from(reading.taxel)] = reading.true_shear_force_n);
+        };
+        take |recording, place, from| {
+            let forces = from.as_chunks().0.iter().enumerate();
+            for (taxel, force_n) in forces.filter(|(_, force_n)| !force_n.iter().all(|number| is_nothing(*number))) {
+                reading_of(recording, place, taxel).true_shear_force_n = *force_n;
+            }
+            Ok(())
+        };
+    "truth.object.PATCH": Width::Taxels(1), i16, "", "index of the object that presses each taxel; −1 for none";
+        give_rows give |rows, place, to| {
+            to.fill(NONE.into());
+            // A checked recording has at most 32768 objects.
+            let object = |reading: &TaxelReading| reading.object.map_or(NONE.into(), |object| object as i16);
+            rows.readings(place).for_each(|reading| to[usize::from(reading.taxel)] = object(reading));
+        };
+        take |recording, place, from| {
+            let count = recording.objects.len();
+            for (taxel, object) in from.iter().enumerate().filter(|(_, object)| **object != i16::from(NONE)) {
+                let known = u16::try_from(*object).ok().filter(|object| usize::from(*object) < count);
+                let allowed = || format!("−1 or an object from 0 to {}", count.saturating_sub(1));
+                let object = known.ok_or_else(|| (object.to_string(), allowed()))?;
+                reading_of(recording, place, taxel).object = Some(object);
+            }
+            Ok(())
+        };
+    "truth.category.PATCH": Width::Taxels(1), i8, "", "category of that object";
+        give_rows give |rows, place, to| {
+            to.fill(NONE);
+            let code = |object: u16| rows.recording.objects[usize::from(object)].category.code();
+            rows.readings(place)
+                .for_each(|reading| to[usize::from(reading.taxel)] = reading.object.map_or(NONE, code));
+        };
+        // The category is that of the object, which was read before.
+        take |recording, place, from| {
+            for reading in readings_of(recording, place) {
+                let Some(object) = reading.object else { continue };
+                let expected = recording.objects[usize::from(object)].category.code();
+                let found = from[usize::from(reading.taxel)];
+                if found != expected {
+                    return Err((found.to_string(), format!("{expected}, the category of object {object}")));
                 }
             }
-        }
-        builder.push(Float64Array::from(normal))?;
-        builder.push(Float64Array::from(shear))?;
-        builder.push(Int16Array::from(object))?;
-        builder.push(Int8Array::from(category))?;
-        let forces = frames.iter().map(|frame| frame.contact_force_world[patch].to_array());
-        builder.push_f64(forces.flatten())?;
-    }
-    Ok(builder.finish())
-}
-
-/// The columns of one patch.
-struct PatchColumns<'a> {
-    normal: Rows<'a, f64>,
-    shear: Rows<'a, f64>,
-    object: Rows<'a, i16>,
-    category: Rows<'a, i8>,
-    contact_force: Rows<'a, f64>,
-}
-
-impl<'a> PatchColumns<'a> {
-    fn new(columns: &Columns<'a>, patch: &crate::Patch) -> Result<Self, DiskError> {
-        let taxels = patch.taxels.len();
-        let name = |feature: PatchFeature| feature.column(&patch.name);
-        Ok(PatchColumns {
-            normal: Rows::new::<Float64Type>(columns, &name(PatchFeature::NormalForce), taxels)?,
-            shear: Rows::new::<Float64Type>(columns, &name(PatchFeature::ShearForce), 2 * taxels)?,
-            object: Rows::new::<Int16Type>(columns, &name(PatchFeature::Object), taxels)?,
-            category: Rows::new::<Int8Type>(columns, &name(PatchFeature::Category), taxels)?,
-            contact_force: Rows::new::<Float64Type>(columns, &name(PatchFeature::ContactForce), 3)?,
-        })
-    }
-}
-
-/// Adds the true forces of a batch to its frames, the first of which is `first`.
-pub(super) fn add_taxel_truth(columns: &Columns, recording: &mut Recording, first: usize) -> Result<(), DiskError> {
-    for index in 0..recording.layout.patches.len() {
-        let patch = PatchColumns::new(columns, &recording.layout.patches[index])?;
-        for row in 0..columns.batch.num_rows() {
-            let (normal, shear) = (patch.normal.row(row), patch.shear.row(row));
-            let (object, category) = (patch.object.row(row), patch.category.row(row));
-            for taxel in 0..normal.len() {
-                let forces = [normal[taxel], shear[2 * taxel], shear[2 * taxel + 1]];
-                if object[taxel] == i16::from(NONE) && forces.into_iter().all(is_nothing) {
-                    continue;
-                }
-                let truth = TaxelTruth {
-                    place: (index as u16, taxel as u16),
-                    normal_force_n: forces[0],
-                    shear_force_n: [forces[1], forces[2]],
-                    object: object_of(columns, recording, index, object[taxel], category[taxel])?,
-                };
-                truth.add_to(&mut recording.frames[first + row]);
+            Ok(())
+        };
+    "truth.contact_force.PATCH": FORCE, f64, "N", "sum of the solver's contact forces on the patch, world frame";
+        give_rows give |rows, place, to| rows.frame(place).contact_force_world[place.patch].write_to_slice(to);
+        take |recording, place, from| {
+            set(&mut recording.frames[place.frame].contact_force_world[place.patch], DVec3::from_slice(from))
+        };
+    "truth.moved_body": Width::List, i32, "", "indices of the bodies whose pose differs from the previous frame";
+        give_lists give |rows, place, to| to.extend(moves_in(rows, place).iter().map(|(body, _)| *body as i32));
+        take add_moved_bodies;
+    "truth.moved_pose": Width::List, f32, "m, 1", "their poses, seven numbers each: x y z and quaternion x y z w, world \
+            frame, in steps of 1/8192";
+        give_lists give |rows, place, to| {
+            for (_, point) in moves_in(rows, place) {
+                to.extend(point.position_world_m);
+                to.extend(point.orientation_world);
             }
-            recording.frames[first + row].contact_force_world[index] = vector(patch.contact_force.row(row));
-        }
-    }
-    Ok(())
-}
+        };
+        take add_poses;
+};
 
-/// The object with an index. Its category must be the one stored.
-fn object_of(
-    columns: &Columns,
-    recording: &Recording,
-    patch: usize,
-    index: i16,
-    category: i8,
-) -> Result<Option<u16>, DiskError> {
-    if index == i16::from(NONE) {
-        return Ok(None);
-    }
-    let name = &recording.layout.patches[patch].name;
-    let known = u16::try_from(index).ok();
-    let object = known.and_then(|index| recording.objects.get(usize::from(index)));
-    let Some(object) = object else {
-        let last = recording.objects.len().saturating_sub(1);
-        let allowed = format!("−1 or an object from 0 to {last}");
-        return Err(columns.error(&PatchFeature::Object.column(name), index.to_string(), allowed));
-    };
-    if object.category.code() != category {
-        let allowed = format!("{}, the category of object {index}", object.category.code());
-        let column = PatchFeature::Category.column(name);
-        return Err(columns.error(&column, category.to_string(), allowed));
-    }
-    Ok(known)
-}
-
-/// The Arrow fields of the lists of bodies that moved.
-pub(super) fn moved_fields() -> [Field; 2] {
-    [(MOVED_BODY, DataType::Int32), (MOVED_POSE, DataType::Float32)].map(|(name, number)| {
-        let metadata = RECORDING_TRUTH.metadata(name).unwrap_or_default();
-        Field::new_list(name, Field::new_list_field(number, true), true).with_metadata(metadata)
-    })
-}
-
-/// The points of all tracks, frame by frame.
+/// The points of all tracks with their bodies, frame by frame.
 pub(super) fn moves(recording: &Recording) -> Vec<(usize, TrackPoint)> {
     let bodies = recording.bodies.iter().enumerate();
     let mut moves: Vec<_> = bodies
@@ -146,67 +103,49 @@ pub(super) fn moves(recording: &Recording) -> Vec<(usize, TrackPoint)> {
     moves
 }
 
-/// The columns of the bodies that moved in a range of frames.
-pub(super) fn moved_columns(moves: &[(usize, TrackPoint)], first: usize, count: usize) -> [ArrayRef; 2] {
-    let mut bodies = ListBuilder::new(Int32Builder::new());
-    let mut poses = ListBuilder::new(Float32Builder::new());
-    let mut next = moves.partition_point(|(_, point)| (point.frame as usize) < first);
-    for frame in first..first + count {
-        while let Some((body, point)) = moves.get(next).filter(|(_, point)| point.frame as usize == frame) {
-            bodies.values().append_value(*body as i32);
-            poses.values().append_slice(&point.position_world_m);
-            poses.values().append_slice(&point.orientation_world);
-            next += 1;
-        }
-        bodies.append(true);
-        poses.append(true);
-    }
-    [
-        std::sync::Arc::new(bodies.finish()),
-        std::sync::Arc::new(poses.finish()),
-    ]
+/// The points of a frame.
+fn moves_in<'a>(rows: &'a ReachRows, place: Place) -> &'a [(usize, TrackPoint)] {
+    let before = |frame: usize| rows.moves.partition_point(|(_, point)| (point.frame as usize) < frame);
+    &rows.moves[before(place.frame)..before(place.frame + 1)]
 }
 
-/// Adds the poses of a batch, whose first row is frame `first`, to the tracks of the bodies.
-pub(super) fn add_moves(columns: &Columns, recording: &mut Recording, first: usize) -> Result<(), DiskError> {
-    let list = |name: &str| {
-        let array = columns
-            .batch
-            .column_by_name(name)
-            .and_then(|array| array.as_list_opt::<i32>());
-        array
-            .filter(|lists| lists.null_count() == 0 && lists.values().null_count() == 0)
-            .ok_or_else(|| columns.error(name, "no list column without nulls", "lists of numbers"))
-    };
-    let (bodies, poses) = (list(MOVED_BODY)?, list(MOVED_POSE)?);
-    for row in 0..columns.batch.num_rows() {
-        let (body, pose) = (bodies.value(row), poses.value(row));
-        let (Some(body), Some(pose)) = (
-            body.as_primitive_opt::<Int32Type>(),
-            pose.as_primitive_opt::<Float32Type>(),
-        ) else {
-            return Err(columns.error(MOVED_POSE, "other numbers", "int32 and float32"));
+/// Adds points without poses to the tracks of the bodies that moved in a frame.
+fn add_moved_bodies(recording: &mut Recording, place: Place, from: &[i32]) -> Result<(), Fault> {
+    let count = recording.bodies.len();
+    for (nth, index) in from.iter().enumerate() {
+        let found = usize::try_from(*index)
+            .ok()
+            .and_then(|index| recording.bodies.get_mut(index));
+        let sorted = nth == 0 || from[nth - 1] < *index;
+        let Some(body) = found.filter(|_| sorted) else {
+            return Err((index.to_string(), format!("a body below {count}, in order")));
         };
-        let (numbers, rest) = pose.values().as_chunks::<7>();
-        if numbers.len() != body.len() || !rest.is_empty() {
-            let allowed = format!("seven numbers for each of {} bodies", body.len());
-            return Err(columns.error(MOVED_POSE, format!("{} numbers", pose.len()), allowed));
-        }
-        for (&index, &[x, y, z, qx, qy, qz, qw]) in body.values().iter().zip(numbers) {
-            let count = recording.bodies.len();
-            let found = usize::try_from(index)
-                .ok()
-                .and_then(|index| recording.bodies.get_mut(index));
-            let Some(found) = found else {
-                let allowed = format!("a body below {count}");
-                return Err(columns.error(MOVED_BODY, index.to_string(), allowed));
-            };
-            found.track.push(TrackPoint {
-                frame: (first + row) as u32,
-                position_world_m: [x, y, z],
-                orientation_world: [qx, qy, qz, qw],
-            });
-        }
+        body.track.push(TrackPoint {
+            frame: place.frame as u32,
+            position_world_m: [0.0; 3],
+            orientation_world: [0.0; 4],
+        });
+    }
+    Ok(())
+}
+
+/// Adds the poses to the points of a frame.
+fn add_poses(recording: &mut Recording, place: Place, from: &[f32]) -> Result<(), Fault> {
+    let mut points = Vec::new();
+    for body in &mut recording.bodies {
+        let point = body
+            .track
+            .binary_search_by_key(&place.frame, |point| point.frame as usize);
+        points.extend(point.ok().map(|point| &mut body.track[point]));
+    }
+    let (poses, rest) = from.as_chunks::<7>();
+    if poses.len() != points.len() || !rest.is_empty() {
+        let allowed = format!("seven numbers for each of {} bodies", points.len());
+        return Err((format!("{} numbers", from.len()), allowed));
+    }
+    for (point, &[x, y, z, qx, qy, qz, qw]) in points.into_iter().zip(poses) {
+        point.position_world_m = [x, y, z];
+        point.orientation_world = [qx, qy, qz, qw];
     }
     Ok(())
 }

@@ -6,7 +6,8 @@
 use std::fmt::Write;
 
 use crate::Category;
-use crate::disk::dictionary::{FRAMES, TABLES, Table, category_codes, describe};
+use crate::disk::description::describe_tables;
+use crate::disk::dictionary::{FRAMES, TABLES};
 
 use super::Info;
 
@@ -43,18 +44,4 @@ pub(super) fn card(info: &Info, categories: &[Category]) -> String {
         info.robot_type, info.total_episodes, info.total_frames, info.fps, info.codebase_version
     );
     text + &describe_tables(&TABLES, categories)
-}
-
-/// Tables, columns, units and codes in Markdown; `further` are categories that are not built in.
-pub(in crate::disk) fn describe_tables(tables: &[&Table], further: &[Category]) -> String {
-    let codes = category_codes(further);
-    let codes: Vec<_> = codes.iter().map(|(code, name)| format!("{code} {name}")).collect();
-    let mut text = format!(
-        "Category codes: {}. Units and codes are also in the metadata of the columns in the Parquet files.\n",
-        codes.join(", ").replace('-', "−")
-    );
-    for table in tables {
-        text += &describe(table);
-    }
-    text
 }

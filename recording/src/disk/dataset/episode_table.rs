@@ -1,21 +1,49 @@
 //! The table of episodes of a data set (`meta/episodes/…`).
 
 use std::path::Path;
-use std::sync::Arc;
-
-use arrow_array::builder::{ListBuilder, StringBuilder};
-use arrow_array::cast::AsArray;
-use arrow_array::types::{Float64Type, Int64Type, UInt64Type};
-use arrow_array::{Array, Float64Array, Int64Array, StringArray, UInt64Array};
-use parquet::arrow::arrow_reader::ArrowReaderOptions;
 
 use super::episode::Episode;
-use super::stop_columns::{self, Stop};
-use super::truth_tables::read_outcome;
+use super::truth_tables::{COUNTS, OBJECTS, read_outcome, some_missing};
 use crate::disk::DiskError;
-use crate::disk::parquet_file::{Batches, open, write_table};
-use crate::disk::table::{Columns, TableBuilder};
-use crate::{Audit, AuditField, GoalOutcomes, NamedStop, Outcome};
+use crate::disk::table::batch::Batch;
+use crate::disk::table::column::{Column, Text};
+use crate::disk::table::read::{ParquetTable, Want};
+use crate::disk::table::row::{Row, row};
+use crate::disk::table::write::write_table;
+use crate::{Audit, GoalOutcomes, NamedStop, Outcome};
+
+row! {
+    /// The columns that do not depend on the skin, without the figures of the audit and the goals.
+    EpisodeRow {
+        episode_index: i64, "", "index of the reach, from 0";
+        tasks: Option<Vec<Text>>, "", "the task, as a list of one sentence";
+        length: i64, "", "number of frames";
+        chunk_index: i64 = "data/chunk_index", "", "chunk of its files";
+        file_index: i64 = "data/file_index", "", "number of its files in the chunk";
+        from_index: i64 = "dataset_from_index", "", "index of its first frame in the set";
+        to_index: i64 = "dataset_to_index", "", "index after its last frame";
+        episodes_chunk_index: i64 = "meta/episodes/chunk_index", "", "chunk of this file";
+        episodes_file_index: i64 = "meta/episodes/file_index", "", "number of this file";
+        scene: Text, "", "name of the scene";
+        seed: u64, "", "seed of the campaign";
+        reach_index: u64, "", "index of the reach in its campaign";
+        controller: Text, "", "name of the controller";
+        outcome: Text, "", "the worst outcome of its goals";
+        objects: i64, "", "number of objects";
+        contacts: i64, "", "number of contacts";
+    }
+}
+
+row! {
+    /// The contact that ended the reach, if a force exceeded the stop force.
+    StopRow {
+        object: Option<i32> = "stop_object_index", "", "the object";
+        kind: Option<Text> = "stop_object_kind", "", "its kind";
+        link: Option<Text> = "stop_link", "", "name of the link that it pressed";
+        patch: Option<Text> = "stop_patch", "", "name of the patch; null if there is no skin there";
+        force_n: Option<f64> = "stop_force_n", "N", "the force";
+    }
+}
 
 /// The column with the number of goals of an outcome.
 fn goals_column(outcome: Outcome) -> String {
@@ -27,203 +55,140 @@ const TOUCHED_FRAMES: &str = "touched_frames.";
 
 /// Writes the episodes, in order.
 pub(super) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), DiskError> {
-    let count = |pick: fn(&Episode) -> usize| Int64Array::from_iter_values(episodes.iter().map(|e| pick(e) as i64));
-    let text = |pick: fn(&Episode) -> &str| StringArray::from_iter_values(episodes.iter().map(pick));
-    let wide = |pick: fn(&Episode) -> u64| UInt64Array::from_iter_values(episodes.iter().map(pick));
-    let zeros = || Int64Array::from_value(0, episodes.len());
-    let mut tasks = ListBuilder::new(StringBuilder::new());
-    for episode in episodes {
-        tasks.append_value([Some(&episode.task)]);
-    }
-    let table = TableBuilder::undescribed()
-        .column("episode_index", Int64Array::from_iter_values(0..episodes.len() as i64))
-        .column("tasks", tasks.finish())
-        .column("length", count(|episode| episode.frames))
-        .column("data/chunk_index", count(|episode| episode.chunk_index))
-        .column("data/file_index", count(|episode| episode.file_index))
-        .column("dataset_from_index", count(|episode| episode.first_index))
-        .column(
-            "dataset_to_index",
-            count(|episode| episode.first_index + episode.frames),
-        )
-        .column("meta/episodes/chunk_index", zeros())
-        .column("meta/episodes/file_index", zeros())
-        .column("scene", text(|episode| &episode.scene))
-        .column("seed", wide(|episode| episode.seed))
-        .column("reach_index", wide(|episode| episode.reach_index))
-        .column("controller", text(|episode| &episode.controller))
-        .column("outcome", text(|episode| episode.outcome.name()))
-        .column("objects", count(|episode| episode.objects))
-        .column("contacts", count(|episode| episode.contacts));
-    let figure =
-        |field: &AuditField| Float64Array::from_iter_values(episodes.iter().map(|episode| (field.get)(&episode.audit)));
-    let table = Audit::COUNTS.iter().fold(table, |table, field| {
+    let row = |(index, episode): (usize, &Episode)| EpisodeRow {
+        episode_index: index as i64,
+        tasks: Some(vec![episode.task.as_str().into()]),
+        length: episode.frames as i64,
+        chunk_index: episode.chunk_index as i64,
+        file_index: episode.file_index as i64,
+        from_index: episode.first_index as i64,
+        to_index: (episode.first_index + episode.frames) as i64,
+        episodes_chunk_index: 0,
+        episodes_file_index: 0,
+        scene: episode.scene.as_str().into(),
+        seed: episode.seed,
+        reach_index: episode.reach_index,
+        controller: episode.controller.as_str().into(),
+        outcome: episode.outcome.name().into(),
+        objects: episode.objects as i64,
+        contacts: episode.contacts as i64,
+    };
+    let stop = |episode: &Episode| {
+        let stop = episode.safety_stop.as_ref();
+        StopRow {
+            object: stop.map(|stop| stop.object_index.into()),
+            kind: stop.map(|stop| stop.object_kind.as_str().into()),
+            link: stop.map(|stop| stop.link.as_str().into()),
+            patch: stop.and_then(|stop| stop.patch.as_deref()).map(Into::into),
+            force_n: stop.map(|stop| stop.force_n),
+        }
+    };
+    let mut columns = EpisodeRow::write(&episodes.iter().enumerate().map(row).collect::<Vec<_>>());
+    columns.extend(Audit::COUNTS.iter().map(|field| {
         let counts = episodes.iter().map(|episode| i64::from((field.get)(&episode.audit)));
-        table.column(field.name, Int64Array::from_iter_values(counts))
-    });
-    let figures = Audit::FIELDS.iter();
-    let table = figures.fold(table, |table, field| table.column(field.name, figure(field)));
-    let table = Outcome::ALL.into_iter().fold(table, |table, outcome| {
+        Column::of(field.name, counts)
+    }));
+    columns.extend(Audit::FIELDS.iter().map(|field| {
+        let figures = episodes.iter().map(|episode| (field.get)(&episode.audit));
+        Column::of(field.name, figures)
+    }));
+    columns.extend(Outcome::ALL.map(|outcome| {
         let goals = episodes.iter().map(|episode| episode.goal_outcomes.of(outcome) as i64);
-        table.column(goals_column(outcome), Int64Array::from_iter_values(goals))
-    });
-    let table = with_stops(table, episodes);
+        Column::of(goals_column(outcome), goals)
+    }));
+    columns.extend(StopRow::write(&episodes.iter().map(stop).collect::<Vec<_>>()));
     // All episodes of a set have the same skin.
     let patches = episodes.first().map(|episode| episode.touched_frames.keys());
-    let table = patches.into_iter().flatten().fold(table, |table, patch| {
-        let frames = episodes.iter().map(|episode| {
-            let frames = episode.touched_frames.get(patch);
-            frames.map_or(0, |frames| i64::from(*frames))
-        });
-        table.column(format!("{TOUCHED_FRAMES}{patch}"), Int64Array::from_iter_values(frames))
-    });
-    write_table(path, &table.build(path)?, [])
-}
-
-/// Adds the columns of the contact that ended each reach.
-fn with_stops(table: TableBuilder, episodes: &[Episode]) -> TableBuilder {
-    let stops = episodes.iter().map(|episode| episode.safety_stop.as_ref());
-    let kinds = stops.clone().map(|stop| stop.map(|stop| stop.object_kind.as_str()));
-    let kinds = kinds.collect();
-    let stops = stops.map(|stop| {
-        let stop = stop?;
-        Some(Stop {
-            object: stop.object_index,
-            link: &stop.link,
-            patch: stop.patch.as_deref(),
-            force_n: stop.force_n,
-        })
-    });
-    stop_columns::write(table, stops, Some(kinds))
-}
-
-/// Reads the contact that ended each reach.
-fn read_stops(columns: &Columns) -> Result<Vec<Option<NamedStop>>, DiskError> {
-    let stops = stop_columns::read(columns)?;
-    let kinds = stop_columns::read_kinds(columns, &stops)?;
-    let named = stops.into_iter().zip(kinds).map(|(stop, kind)| {
-        let (stop, kind) = stop.zip(kind)?;
-        Some(NamedStop {
-            object_index: stop.object,
-            object_kind: kind.to_owned(),
-            link: stop.link.to_owned(),
-            patch: stop.patch.map(str::to_owned),
-            force_n: stop.force_n,
-        })
-    });
-    Ok(named.collect())
+    columns.extend(patches.into_iter().flatten().map(|patch| {
+        let frames = |episode: &Episode| episode.touched_frames.get(patch).map_or(0, |frames| i64::from(*frames));
+        Column::of(format!("{TOUCHED_FRAMES}{patch}"), episodes.iter().map(frames))
+    }));
+    write_table(path, columns, [])
 }
 
 /// Reads the episodes, in order.
 pub(super) fn read_episodes(path: &Path) -> Result<Vec<Episode>, DiskError> {
     let mut episodes = Vec::new();
-    let (file, builder) = open(path, ArrowReaderOptions::default())?;
-    for batch in Batches::new(file, builder)? {
-        read_batch(&Columns { path, batch: &batch? }, &mut episodes)?;
+    for batch in ParquetTable::open(path)?.batches(&|_| Want::All) {
+        read_batch(&batch?, &mut episodes)?;
     }
     Ok(episodes)
 }
 
-fn read_batch(columns: &Columns, episodes: &mut Vec<Episode>) -> Result<(), DiskError> {
-    let count = |name: &str| -> Result<Vec<usize>, DiskError> {
-        let numbers = columns.numbers::<Int64Type>(name)?.iter();
-        let number = |&n: &i64| {
-            // Within 32 bits, so that their sum cannot overflow.
-            let number = u32::try_from(n).ok().and_then(|n| usize::try_from(n).ok());
-            number.ok_or_else(|| columns.error(name, n.to_string(), "0 to 4294967295"))
-        };
-        numbers.map(number).collect()
-    };
-    let tasks = first_tasks(columns)?;
-    let (index, frames, first_index) = (count("episode_index")?, count("length")?, count("dataset_from_index")?);
-    let (chunk_index, file_index) = (count("data/chunk_index")?, count("data/file_index")?);
-    let goals = Outcome::ALL
-        .into_iter()
-        .map(|outcome| Ok((outcome, count(&goals_column(outcome))?)))
-        .collect::<Result<Vec<_>, DiskError>>()?;
-    let stops = read_stops(columns)?;
-    let schema = columns.batch.schema();
-    let touched = schema.fields().iter().filter_map(|field| {
-        let patch = field.name().strip_prefix(TOUCHED_FRAMES)?;
-        Some(count(field.name()).map(|frames| (patch.to_string(), frames)))
-    });
-    let touched = touched.collect::<Result<Vec<_>, DiskError>>()?;
-    let (objects, contacts) = (count("objects")?, count("contacts")?);
-    let (scene, controller, outcome) = (
-        columns.text("scene")?,
-        columns.text("controller")?,
-        columns.text("outcome")?,
-    );
-    let seed = columns.numbers::<UInt64Type>("seed")?;
-    let reach_index = columns.numbers::<UInt64Type>("reach_index")?;
-    let audit_counts = Audit::COUNTS
+/// The contact that ended a reach.
+fn read_stop(batch: &Batch, row: StopRow) -> Result<Option<NamedStop>, DiskError> {
+    match (row.object, row.kind, row.link, row.force_n) {
+        (Some(object), Some(kind), Some(link), Some(force_n)) => Ok(Some(NamedStop {
+            object_index: batch.index("stop_object_index", object, OBJECTS)?,
+            object_kind: kind.to_string(),
+            link: link.to_string(),
+            patch: row.patch.map(|patch| patch.to_string()),
+            force_n,
+        })),
+        (None, None, None, None) if row.patch.is_none() => Ok(None),
+        _ => Err(some_missing(batch)),
+    }
+}
+
+fn read_batch(batch: &Batch, episodes: &mut Vec<Episode>) -> Result<(), DiskError> {
+    // Within 32 bits, so that their sum cannot overflow.
+    let whole = |name: &str, number: i64| batch.index::<u32>(name, number, COUNTS);
+    let count = |name: &str, number: i64| whole(name, number).map(|number| number as usize);
+    let counts = |name: &str| batch.fixed::<i64>(name, 1);
+    let patches: Vec<_> = batch
+        .columns
         .iter()
-        .map(|field| Ok((field.set, count(field.name)?)))
-        .collect::<Result<Vec<_>, DiskError>>()?;
-    let figures = Audit::FIELDS
-        .iter()
-        // Sets of earlier versions have fewer figures. Like all that was not audited, the others are 0.
-        .filter(|field| columns.has(field.name))
-        .map(|field| Ok((field.set, columns.numbers::<Float64Type>(field.name)?)))
-        .collect::<Result<Vec<_>, DiskError>>()?;
-    for (row, (task, safety_stop)) in tasks.into_iter().zip(stops).enumerate() {
+        .filter_map(|column| column.name.strip_prefix(TOUCHED_FRAMES))
+        .collect();
+    let stops = batch.rows_as::<StopRow>()?;
+    for (place, (row, stop)) in batch.rows_as::<EpisodeRow>()?.into_iter().zip(stops).enumerate() {
+        let frames = count("length", row.length)?;
         let expected = episodes
             .last()
             .map_or(0, |episode| episode.first_index + episode.frames);
-        if index[row] != episodes.len() || first_index[row] != expected {
-            let found = format!("episode {} from frame {}", index[row], first_index[row]);
+        if usize::try_from(row.episode_index) != Ok(episodes.len()) || usize::try_from(row.from_index) != Ok(expected) {
+            let found = format!("episode {} from frame {}", row.episode_index, row.from_index);
             let allowed = format!("episode {} from frame {expected}", episodes.len());
-            return Err(columns.error("dataset_from_index", found, allowed));
+            return Err(batch.error("dataset_from_index", found, allowed));
         }
+        let Some([task]) = row.tasks.as_deref() else {
+            return Err(batch.error("tasks", "no list of one text", "a list of one text a row"));
+        };
         let mut audit = Audit::default();
-        for (set, counts) in &audit_counts {
-            // Counts are within 32 bits.
-            set(&mut audit, counts[row] as u32);
+        for field in &Audit::COUNTS {
+            (field.set)(&mut audit, whole(field.name, counts(field.name)?[place])?);
         }
-        for (set, figure) in &figures {
-            set(&mut audit, figure[row]);
+        // Sets of earlier versions have fewer figures. Like all that was not audited, the others are 0.
+        for field in Audit::FIELDS.iter().filter(|field| batch.has(field.name)) {
+            (field.set)(&mut audit, batch.fixed(field.name, 1)?[place]);
         }
         let mut goal_outcomes = GoalOutcomes::default();
-        for (outcome, count) in &goals {
-            *goal_outcomes.of_mut(*outcome) = count[row];
+        for outcome in Outcome::ALL {
+            let name = goals_column(outcome);
+            *goal_outcomes.of_mut(outcome) = count(&name, counts(&name)?[place])?;
         }
+        let touched = patches.iter().map(|patch| {
+            let name = format!("{TOUCHED_FRAMES}{patch}");
+            Ok(((*patch).to_owned(), whole(&name, counts(&name)?[place])?))
+        });
         episodes.push(Episode {
-            task,
-            frames: frames[row],
-            first_index: first_index[row],
-            chunk_index: chunk_index[row],
-            file_index: file_index[row],
-            scene: scene.value(row).to_string(),
-            seed: seed[row],
-            reach_index: reach_index[row],
-            controller: controller.value(row).to_string(),
-            outcome: read_outcome(columns, outcome, row)?,
+            task: task.to_string(),
+            frames,
+            first_index: expected,
+            chunk_index: count("data/chunk_index", row.chunk_index)?,
+            file_index: count("data/file_index", row.file_index)?,
+            scene: row.scene.to_string(),
+            seed: row.seed,
+            reach_index: row.reach_index,
+            controller: row.controller.to_string(),
+            outcome: read_outcome(batch, &row.outcome)?,
             goal_outcomes,
-            safety_stop,
-            objects: objects[row],
-            contacts: contacts[row],
-            // Counts are within 32 bits.
-            touched_frames: touched
-                .iter()
-                .map(|(patch, frames)| (patch.clone(), frames[row] as u32))
-                .collect(),
+            safety_stop: read_stop(batch, stop)?,
+            objects: count("objects", row.objects)?,
+            contacts: count("contacts", row.contacts)?,
+            touched_frames: touched.collect::<Result<_, DiskError>>()?,
             audit,
         });
     }
     Ok(())
-}
-
-fn first_tasks(columns: &Columns) -> Result<Vec<String>, DiskError> {
-    let error = || columns.error("tasks", "no list of one text", "a list of one text a row");
-    let lists = columns
-        .batch
-        .column_by_name("tasks")
-        .and_then(|array| array.as_list_opt::<i32>())
-        .ok_or_else(error)?;
-    let task = |list: Option<Arc<dyn Array>>| {
-        let list = list?;
-        let texts = list.as_string_opt::<i32>()?;
-        (texts.len() == 1 && texts.is_valid(0)).then(|| texts.value(0).to_string())
-    };
-    lists.iter().map(|list| task(list).ok_or_else(error)).collect()
 }

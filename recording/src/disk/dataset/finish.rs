@@ -8,9 +8,6 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
-use std::sync::Arc;
-
-use arrow_array::RecordBatch;
 
 use super::assembled::Assembled;
 use super::card::card;
@@ -25,10 +22,9 @@ use super::tasks::{number_tasks, write_tasks};
 use super::taxel_table::write_taxels;
 use super::{names, staged_reach};
 use crate::disk::DiskError;
-use crate::disk::features::{features, schema};
-use crate::disk::frames::{Numbering, frame_columns};
+use crate::disk::frames::{FRAME_COLUMNS, Numbering, ReachRows, columns_of, features};
 use crate::disk::input_file::is_there;
-use crate::disk::parquet_file::ROWS_PER_BATCH;
+use crate::disk::recording_file::batches;
 use crate::disk::whole_file::{create_folder, json_bytes, remove_leftovers, write_bytes};
 use crate::{Category, Recording};
 
@@ -44,7 +40,7 @@ pub(super) fn assemble_from(
     mut reach: impl FnMut(usize) -> Result<Recording, DiskError>,
 ) -> Result<(), DiskError> {
     let (dir, plan) = (staging.dir.as_path(), &staging.plan);
-    let features = features(&plan.joint_names, &plan.layout);
+    let features = features(FRAME_COLUMNS, &plan.joint_names, &plan.layout);
     let mut assembled = Assembled::read(dir)?.unwrap_or_else(|| Assembled::nothing(Statistics::new(&features)));
     remove_all_but(dir, assembled.checksums.names().collect())?;
     remove_leftovers(&dir.join(names::CARD));
@@ -62,7 +58,6 @@ pub(super) fn assemble_from(
     let tasks = number_tasks(plan.episodes.iter().map(|episode| episode.task.as_str()));
     write_tasks(&dir.join(names::TASKS), &tasks)?;
 
-    let schema = schema(&features);
     let mut files = TableFiles::new(dir, &plan.categories, staging.bytes_per_file, assembled.files);
     let mut still_staged = assembled.episodes.len();
     for (position, planned) in plan.episodes.iter().enumerate().skip(still_staged) {
@@ -77,20 +72,23 @@ pub(super) fn assemble_from(
             still_staged = assembled.episodes.len();
         }
         let (chunk_index, file_index) = files.begin_episode(staged_bytes);
-        let numbering = Numbering {
-            episode: position,
-            first_index: assembled.total_frames,
-            task: tasks.get(planned.task.as_str()).copied().unwrap_or_default(),
+        let rows = ReachRows {
+            recording: &recording,
+            numbering: Numbering {
+                episode: position,
+                first_index: assembled.total_frames,
+                task: tasks.get(planned.task.as_str()).copied().unwrap_or_default(),
+            },
+            moves: Vec::new(),
         };
         let frames = recording.frames.len();
-        for first in (0..frames).step_by(ROWS_PER_BATCH) {
-            let count = ROWS_PER_BATCH.min(frames - first);
-            let batch = frame_columns(&recording, first, count, numbering)
-                .and_then(|columns| Ok(RecordBatch::try_new(Arc::clone(&schema), columns)?))
-                .map_err(DiskError::encode(&path))?;
-            assembled.statistics.add(&batch);
-            files.write_frames(&batch)?;
-        }
+        let statistics = &mut assembled.statistics;
+        let columns = batches(frames).map(|frames| {
+            let columns = columns_of(&features, &rows, frames);
+            statistics.add(&columns);
+            Ok(columns)
+        });
+        files.write_frames(&columns_of(&features, &rows, 0..0), columns)?;
         files.end_episode(position, &recording)?;
         let place = Place {
             frames,

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::{DatasetPlan, Provenance};
 use crate::disk::DiskError;
-use crate::disk::features::Feature;
+use crate::disk::frames::Feature;
 use crate::limits::JSON_BYTES;
 use crate::{Category, InputError, read_bytes};
 
@@ -93,10 +93,9 @@ pub struct FeatureInfo {
 impl FeatureInfo {
     /// The entry of a column.
     fn of(feature: &Feature) -> Self {
-        let dtype = feature.number.to_string().to_lowercase();
         FeatureInfo {
-            dtype,
-            shape: vec![feature.width],
+            dtype: feature.number().name().to_owned(),
+            shape: feature.width.into_iter().collect(),
             names: feature.names.clone(),
         }
     }

@@ -22,7 +22,6 @@ mod finish;
 mod folder;
 mod info;
 mod merge;
-mod peak_forces;
 mod plan;
 mod reader;
 mod row_groups;
@@ -31,7 +30,6 @@ mod some_columns;
 mod staged_reach;
 mod staging;
 mod statistics;
-mod stop_columns;
 mod table_files;
 mod tasks;
 mod taxel_table;
@@ -41,8 +39,6 @@ mod truth_poses;
 mod truth_tables;
 mod writer;
 
-#[cfg(test)]
-pub(super) use card::describe_tables;
 pub use checksums::file_blake3;
 pub use episode::Episode;
 pub use folder::remove_dataset;
@@ -51,9 +47,7 @@ pub use merge::Shards;
 pub use plan::{ArmText, DatasetPlan, FileText, PlannedEpisode, Provenance, SceneText, Shard};
 pub use reader::Dataset;
 #[cfg(test)]
-pub(super) use row_groups::{read_rows, row_groups_of};
-#[cfg(test)]
-pub(super) use some_columns::doubles;
+pub(super) use row_groups::{EpisodeRows, read_rows, row_groups_of};
 #[cfg(test)]
 pub(super) use table_files::ROWS_PER_GROUP;
 pub use writer::DatasetWriter;

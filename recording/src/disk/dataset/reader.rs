@@ -8,7 +8,6 @@ use super::checksums::Checksums;
 use super::episode::Episode;
 use super::episode_table::read_episodes;
 use super::info::{CODEBASE_VERSION, FORMAT, Info, ProvenanceFile, read_json};
-use super::peak_forces::add_peak_forces;
 use super::row_groups::Footers;
 use super::taxel_table::read_taxels;
 use super::truth_bodies::read_bodies;
@@ -21,8 +20,10 @@ use crate::disk::check::check_recording;
 use crate::disk::dictionary::{
     FRAMES, TRUTH_BODIES, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES, TRUTH_TAXELS, Table,
 };
-use crate::disk::frames::append_frames;
+use crate::disk::frames::{FRAME_COLUMNS, Feature, append_frames, features, wanted};
 use crate::disk::input_file::{is_there, metadata};
+use crate::disk::table::read::{ParquetTable, Want};
+use crate::disk::table::write::EPISODE_COLUMN;
 use crate::{Category, InputError, Recording, SkinLayout};
 
 /// A finished data set on disk. Frames are read reach by reach.
@@ -227,6 +228,11 @@ impl Dataset {
         Ok(None)
     }
 
+    /// The columns of the frames.
+    pub(super) fn features(&self) -> Vec<Feature> {
+        features(FRAME_COLUMNS, &self.joint_names, &self.layout)
+    }
+
     /// The path of a file of the set, for reading. Its hash is checked the first time. All tables are read through this
     /// function.
     pub(super) fn file(&self, name: &str) -> Result<PathBuf, DiskError> {
@@ -246,13 +252,29 @@ impl Dataset {
     /// # Errors
     /// [`DiskError::Input`] for damaged files.
     pub fn peak_contact_forces_n(&self) -> Result<Vec<f64>, DiskError> {
-        let mut peaks_n = vec![0.0; self.episodes.len()];
+        const FORCE: &str = "peak_force_n";
+        let want = |name: &str| match name {
+            EPISODE_COLUMN | FORCE => Want::Fixed(1),
+            _ => Want::Nothing,
+        };
+        let reaches = self.episodes.len();
+        let mut peaks_n = vec![0.0_f64; reaches];
         let places = self
             .episodes
             .iter()
             .map(|episode| (episode.chunk_index, episode.file_index));
         for (chunk, file) in places.collect::<BTreeSet<_>>() {
-            add_peak_forces(&self.file(&names::table(&TRUTH_CONTACTS, chunk, file))?, &mut peaks_n)?;
+            let table = ParquetTable::open(&self.file(&names::table(&TRUTH_CONTACTS, chunk, file))?)?;
+            for batch in table.batches(&want) {
+                let batch = batch?;
+                let forces_n = batch.fixed::<f64>(FORCE, 1)?;
+                for (episode, force_n) in batch.fixed::<i64>(EPISODE_COLUMN, 1)?.iter().zip(forces_n) {
+                    let peak_n = usize::try_from(*episode).ok().and_then(|reach| peaks_n.get_mut(reach));
+                    let allowed = || format!("0 to {}", reaches.saturating_sub(1));
+                    let peak_n = peak_n.ok_or_else(|| batch.error(EPISODE_COLUMN, episode.to_string(), allowed()))?;
+                    *peak_n = peak_n.max(*force_n);
+                }
+            }
         }
         Ok(peaks_n)
     }
@@ -270,7 +292,7 @@ impl Dataset {
             });
         };
         let file = |table: &Table| self.file(&names::table(table, episode.chunk_index, episode.file_index));
-        let rows = |table: &Table| self.footers.rows(&file(table)?, index, None);
+        let rows = |table: &Table| self.footers.rows(&file(table)?, index, &|_| Want::All);
         let mut recording = Recording {
             scene: episode.scene.clone(),
             controller: episode.controller.clone(),
@@ -286,13 +308,19 @@ impl Dataset {
             frames: Vec::with_capacity(episode.frames),
             audit: episode.audit,
         };
-        for columns in rows(&FRAMES)?.expect(episode.frames)?.columns() {
-            append_frames(&columns, &mut recording)?;
+        let path = file(&FRAMES)?;
+        let features = self.features();
+        for batch in self
+            .footers
+            .rows(&path, index, &wanted(&features))?
+            .expect(episode.frames)?
+            .batches
+        {
+            append_frames(&features, &batch, &mut recording)?;
         }
         add_taxels(&rows(&TRUTH_TAXELS)?, &mut recording)?;
         add_patches(&rows(&TRUTH_PATCHES)?, &mut recording)?;
         add_poses(&rows(&TRUTH_POSES)?, &mut recording.bodies)?;
-        let path = file(&FRAMES)?;
         check_recording(&recording).map_err(|violation| violation.misread(&path))?;
         Ok(recording)
     }

@@ -3,20 +3,18 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use arrow_array::RecordBatch;
-use arrow_array::types::Int64Type;
-use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::ArrowReaderMetadata;
 use parquet::file::metadata::ParquetMetaData;
 use parquet::file::statistics::Statistics;
 
 use crate::disk::DiskError;
-use crate::disk::parquet_file::{Batches, Builder, EPISODE_COLUMN, read_footer};
-use crate::disk::parquet_input::{ParquetInput, broken};
-use crate::disk::plain_pages;
-use crate::disk::table::Columns;
+use crate::disk::table::batch::Batch;
+use crate::disk::table::parquet_input::{ParquetInput, broken};
+use crate::disk::table::plain_pages;
+use crate::disk::table::read::{ParquetTable, Want, read_footer};
+use crate::disk::table::row::Row;
+use crate::disk::table::write::EPISODE_COLUMN;
 
 /// Number of footers that are kept. Choice: a set of 64 data files, which is 6 GB, is read without parsing any footer
 /// twice, and the footers take some 50 MB.
@@ -26,38 +24,20 @@ const MOST_FOOTERS: usize = 512;
 /// file holds.
 #[derive(Debug, Default)]
 pub(super) struct Footers {
-    known: Mutex<HashMap<PathBuf, ArrowReaderMetadata>>,
+    known: Mutex<HashMap<PathBuf, Arc<ParquetMetaData>>>,
 }
 
 /// The rows of one episode in one table.
 pub(in crate::disk) struct EpisodeRows {
     path: PathBuf,
-    batches: Vec<RecordBatch>,
+    /// The rows, batch by batch.
+    pub(in crate::disk) batches: Vec<Batch>,
 }
 
 impl EpisodeRows {
-    /// The rows, batch by batch.
-    pub(super) fn columns(&self) -> impl Iterator<Item = Columns<'_>> {
-        self.batches.iter().map(|batch| Columns {
-            path: &self.path,
-            batch,
-        })
-    }
-
-    /// The batches.
-    pub(in crate::disk) fn into_batches(self) -> Vec<RecordBatch> {
-        self.batches
-    }
-
-    /// The batches, for tests.
-    #[cfg(test)]
-    pub(in crate::disk) fn batches(&self) -> &[RecordBatch] {
-        &self.batches
-    }
-
     /// Number of rows.
     pub(in crate::disk) fn count(&self) -> usize {
-        self.batches.iter().map(RecordBatch::num_rows).sum()
+        self.batches.iter().map(|batch| batch.rows).sum()
     }
 
     /// An error unless the number of rows is as expected.
@@ -67,6 +47,20 @@ impl EpisodeRows {
         }
         let found = format!("{} rows of an episode that has {count}", self.count());
         Err(broken(&self.path, found))
+    }
+
+    /// What `read` makes of the rows.
+    pub(super) fn read<R: Row, T>(
+        &self,
+        read: impl Fn(&Batch, R) -> Result<T, DiskError>,
+    ) -> Result<Vec<T>, DiskError> {
+        let mut found = Vec::with_capacity(self.count());
+        for batch in &self.batches {
+            for row in batch.rows_as()? {
+                found.push(read(batch, row)?);
+            }
+        }
+        Ok(found)
     }
 }
 
@@ -96,47 +90,50 @@ fn holds_one_episode(footer: &ParquetMetaData, group: usize) -> bool {
     matches!(episodes_of(footer, group), [Some(min), Some(max)] if min == max)
 }
 
-/// Reads the rows of an episode from a file whose footer is known, and only from row groups that may hold any. With `columns`,
-/// reads only these and the column with the episode.
+/// Reads the rows of an episode, and only from row groups that may hold any, with the columns that `want` names.
 pub(in crate::disk) fn read_rows(
-    path: &Path,
-    file: ParquetInput,
-    footer: ArrowReaderMetadata,
+    table: &ParquetTable,
     episode: usize,
-    columns: Option<&[&str]>,
+    want: &dyn Fn(&str) -> Want,
 ) -> Result<EpisodeRows, DiskError> {
-    let groups = row_groups_of(footer.metadata(), episode);
-    let mut builder = Builder::new_with_metadata(file.clone(), footer).with_row_groups(groups);
-    if let Some(columns) = columns {
-        let fields = builder.schema().fields().iter().enumerate();
-        let wanted =
-            fields.filter(|(_, field)| field.name() == EPISODE_COLUMN || columns.contains(&field.name().as_str()));
-        let mask = ProjectionMask::roots(builder.parquet_schema(), wanted.map(|(index, _)| index));
-        builder = builder.with_projection(mask);
-    }
     let mut batches = Vec::new();
-    for batch in Batches::new(file, builder)? {
-        let batch = batch?;
-        let episodes = Columns { path, batch: &batch }.numbers::<Int64Type>(EPISODE_COLUMN)?;
-        // Rows are sorted by episode.
-        let first = episodes.partition_point(|&found| found < episode as i64);
-        let end = episodes.partition_point(|&found| found <= episode as i64);
-        if first < end {
-            batches.push(batch.slice(first, end - first));
+    for group in row_groups_of(&table.footer, episode) {
+        let all = 0..table.rows_of(group);
+        let rows = if holds_one_episode(&table.footer, group) {
+            all
+        } else {
+            let only_episodes = |name: &str| {
+                if name == EPISODE_COLUMN {
+                    Want::Fixed(1)
+                } else {
+                    Want::Nothing
+                }
+            };
+            let batch = table.batch(group, all, &only_episodes)?;
+            let episodes = batch.fixed::<i64>(EPISODE_COLUMN, 1)?;
+            // Rows are sorted by episode.
+            let first = episodes.partition_point(|&found| found < episode as i64);
+            first..episodes.partition_point(|&found| found <= episode as i64)
+        };
+        if !rows.is_empty() {
+            batches.push(table.batch(group, rows, want)?);
         }
     }
     Ok(EpisodeRows {
-        path: path.to_path_buf(),
+        path: table.file.path().to_path_buf(),
         batches,
     })
 }
 
 impl Footers {
-    /// The rows of an episode in a file, with all columns or only some.
-    pub(super) fn rows(&self, path: &Path, episode: usize, columns: Option<&[&str]>) -> Result<EpisodeRows, DiskError> {
-        let file = ParquetInput::open(path)?;
-        let footer = self.footer(path, &file)?;
-        read_rows(path, file, footer, episode, columns)
+    /// The rows of an episode in a file, with the columns that `want` names.
+    pub(super) fn rows(
+        &self,
+        path: &Path,
+        episode: usize,
+        want: &dyn Fn(&str) -> Want,
+    ) -> Result<EpisodeRows, DiskError> {
+        read_rows(&self.open(path)?, episode, want)
     }
 
     /// Reads the numbers of a column of an episode into `to`. Returns `false` unless the episode is alone in its row
@@ -149,33 +146,32 @@ impl Footers {
         convert: impl Fn(f64) -> N,
         to: &mut [N],
     ) -> Result<bool, DiskError> {
-        let file = ParquetInput::open(path)?;
-        let footer = self.footer(path, &file)?;
-        match row_groups_of(footer.metadata(), episode)[..] {
-            [group] if holds_one_episode(footer.metadata(), group) => {
-                plain_pages::read(&file, footer.metadata().row_group(group), column, convert, to)
+        let ParquetTable { file, footer } = self.open(path)?;
+        match row_groups_of(&footer, episode)[..] {
+            [group] if holds_one_episode(&footer, group) => {
+                plain_pages::read(&file, footer.row_group(group), column, convert, to)
             }
             _ => Ok(false),
         }
     }
 
-    fn footer(&self, path: &Path, file: &ParquetInput) -> Result<ArrowReaderMetadata, DiskError> {
+    fn open(&self, path: &Path) -> Result<ParquetTable, DiskError> {
+        let file = ParquetInput::open(path)?;
         let known = self
             .known
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
             .get(path)
             .cloned();
-        match known {
-            Some(footer) => Ok(footer),
-            None => {
-                let footer = read_footer(file)?;
-                let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
-                if known.len() >= MOST_FOOTERS {
-                    known.clear();
-                }
-                Ok(known.entry(path.to_path_buf()).or_insert(footer).clone())
-            }
+        if let Some(footer) = known {
+            return Ok(ParquetTable { file, footer });
         }
+        let footer = read_footer(&file)?;
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if known.len() >= MOST_FOOTERS {
+            known.clear();
+        }
+        let footer = Arc::clone(known.entry(path.to_path_buf()).or_insert(footer));
+        Ok(ParquetTable { file, footer })
     }
 }

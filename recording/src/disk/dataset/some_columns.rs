@@ -1,31 +1,26 @@
 //! Reads some columns of one table of a reach, for programs that do not need a whole recording.
 
-use arrow_array::cast::AsArray;
-use arrow_array::types::Float64Type;
-use arrow_array::{Array, RecordBatch};
-use arrow_schema::DataType;
-
 use super::names;
 use super::reader::Dataset;
 use crate::InputError;
 use crate::disk::DiskError;
 use crate::disk::dictionary::{FRAMES, TABLES, TAXELS, Table};
-use crate::disk::features::{features, schema};
+use crate::disk::table::batch::Batch;
+use crate::disk::table::column::Type;
+use crate::disk::table::read::Want;
 
 impl Dataset {
     /// The names of the columns of `data/`, the table of frames, in their order.
     pub fn frame_columns(&self) -> Vec<String> {
-        let plan = self.plan();
-        let schema = schema(&features(&plan.joint_names, &plan.layout));
-        schema.fields().iter().map(|field| field.name().clone()).collect()
+        self.features().into_iter().map(|feature| feature.name).collect()
     }
 
-    /// Some columns of a reach's rows in `data/`, batch by batch. Only these columns are read, and `episode_index`.
+    /// Some columns of a reach's rows in `data/`, batch by batch. Only these columns are read.
     ///
     /// # Errors
     /// [`DiskError::NoSuchReach`] for an index outside the set; [`DiskError::Input`] for an unknown column, naming those
     /// that exist, and for damaged files.
-    pub fn read_columns(&self, index: usize, columns: &[&str]) -> Result<Vec<RecordBatch>, DiskError> {
+    pub fn read_columns(&self, index: usize, columns: &[&str]) -> Result<Vec<Batch>, DiskError> {
         let known = self.frame_columns();
         if let Some(unknown) = columns.iter().find(|column| !known.iter().any(|name| name == **column)) {
             let remedy = "choose one of them";
@@ -37,10 +32,8 @@ impl Dataset {
     /// How many numbers each row of a column of `data/` has; `None` for an unknown column, and for numbers that are not
     /// double precision.
     pub fn width_of_doubles(&self, column: &str) -> Option<usize> {
-        let plan = self.plan();
-        let features = features(&plan.joint_names, &plan.layout);
-        let found = features.into_iter().find(|feature| feature.name == column)?;
-        (found.number == DataType::Float64).then_some(found.width)
+        let found = self.features().into_iter().find(|feature| feature.name == column)?;
+        found.width.filter(|_| found.number() == Type::Float64)
     }
 
     /// Reads a column of double precision of a reach into `to`, row after row, and converts each number. This is
@@ -65,10 +58,7 @@ impl Dataset {
         let places = to.len();
         let mut found = 0;
         for batch in self.read_columns(index, &[column])? {
-            let numbers = doubles(&batch, column).ok_or_else(|| {
-                let allowed = "numbers of double precision without nulls";
-                InputError::new(self.dir(), column, "other values", allowed, "read it with read_columns")
-            })?;
+            let numbers = batch.fixed::<f64>(column, self.width_of_doubles(column).unwrap_or(1))?;
             // Numbers beyond the end of `to` are only counted.
             let own = to.iter_mut().skip(found);
             own.zip(numbers).for_each(|(place, number)| *place = convert(*number));
@@ -99,7 +89,7 @@ impl Dataset {
     ///
     /// # Errors
     /// As [`Dataset::read_columns`].
-    pub fn read_table(&self, index: usize, folder: &str) -> Result<Vec<RecordBatch>, DiskError> {
+    pub fn read_table(&self, index: usize, folder: &str) -> Result<Vec<Batch>, DiskError> {
         let known = Self::table_names();
         let table = TABLES
             .iter()
@@ -110,7 +100,7 @@ impl Dataset {
         self.read_rows(index, table, None)
     }
 
-    fn read_rows(&self, index: usize, table: &Table, columns: Option<&[&str]>) -> Result<Vec<RecordBatch>, DiskError> {
+    fn read_rows(&self, index: usize, table: &Table, columns: Option<&[&str]>) -> Result<Vec<Batch>, DiskError> {
         let Some(episode) = self.episodes().get(index) else {
             return Err(DiskError::NoSuchReach {
                 dir: self.dir().to_path_buf(),
@@ -119,29 +109,17 @@ impl Dataset {
             });
         };
         let path = self.file(&names::table(table, episode.chunk_index, episode.file_index))?;
-        let rows = self.footers.rows(&path, index, columns)?;
-        let rows = if table.path == FRAMES.path {
-            rows.expect(episode.frames)?
-        } else {
-            rows
-        };
-        Ok(rows.into_batches())
-    }
-}
-
-/// The numbers of a column, row after row.
-pub(in crate::disk) fn doubles<'a>(batch: &'a RecordBatch, column: &str) -> Option<&'a [f64]> {
-    let array = batch.column_by_name(column)?;
-    let (numbers, first, count) = match array.as_fixed_size_list_opt() {
-        Some(lists) => {
-            let width = usize::try_from(lists.value_length()).ok()?;
-            (lists.values(), lists.value_offset_at(0), lists.len() * width)
+        if table.path != FRAMES.path {
+            return Ok(self.footers.rows(&path, index, &|_| Want::All)?.batches);
         }
-        None => (array, 0, array.len()),
-    };
-    let numbers = numbers.as_primitive_opt::<Float64Type>()?;
-    if numbers.null_count() > 0 || array.null_count() > 0 {
-        return None;
+        let features = self.features();
+        let want = |name: &str| {
+            let feature = features.iter().find(|feature| feature.name == name);
+            let width = feature.filter(|_| columns.is_none_or(|columns| columns.contains(&name)));
+            width
+                .and_then(|feature| feature.width)
+                .map_or(Want::Nothing, Want::Fixed)
+        };
+        Ok(self.footers.rows(&path, index, &want)?.expect(episode.frames)?.batches)
     }
-    numbers.values().get(first..first + count)
 }

@@ -8,13 +8,11 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use arrow_array::cast::AsArray;
-use arrow_array::types::{ArrowPrimitiveType, Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type};
-use arrow_array::{Array, ArrayRef, RecordBatch};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use crate::disk::features::Feature;
+use crate::disk::frames::Feature;
+use crate::disk::table::column::{Column, Values};
 
 /// The quantiles that LeRobot stores, by name, in percent.
 const PERCENTILES: [(&str, u64); 5] = [("q01", 1), ("q10", 10), ("q50", 50), ("q90", 90), ("q99", 99)];
@@ -153,18 +151,16 @@ pub(super) struct Statistics {
 impl Statistics {
     /// Statistics without any row.
     pub(super) fn new(features: &[Feature]) -> Self {
-        let column = |feature: &Feature| (feature.name.clone(), ColumnStatistics::new(feature.width));
+        let column = |feature: &Feature| (feature.name.clone(), ColumnStatistics::new(feature.width.unwrap_or(1)));
         Statistics {
             columns: features.iter().map(column).collect(),
         }
     }
 
-    /// Adds the rows of a batch with these columns.
-    pub(super) fn add(&mut self, batch: &RecordBatch) {
-        for (name, column) in &mut self.columns {
-            if let Some(array) = batch.column_by_name(name) {
-                column.add(&numbers(array));
-            }
+    /// Adds rows, given the same columns.
+    pub(super) fn add(&mut self, columns: &[Column]) {
+        for ((_, statistics), column) in self.columns.iter_mut().zip(columns) {
+            statistics.add(&numbers(column));
         }
     }
 
@@ -178,21 +174,15 @@ impl Statistics {
 }
 
 /// All numbers of a column, row by row.
-fn numbers(array: &ArrayRef) -> Cow<'_, [f64]> {
-    fn of<'a, T: ArrowPrimitiveType>(array: &'a dyn Array, convert: fn(T::Native) -> f64) -> Option<Cow<'a, [f64]>> {
-        let numbers = array.as_primitive_opt::<T>()?.values().iter();
-        Some(numbers.map(|&number| convert(number)).collect())
+fn numbers(column: &Column) -> Cow<'_, [f64]> {
+    match &column.values {
+        Values::Float64(numbers) => Cow::Borrowed(numbers),
+        Values::Float32(numbers) => numbers.iter().map(|number| f64::from(*number)).collect(),
+        Values::Int64(numbers) => numbers.iter().map(|number| *number as f64).collect(),
+        Values::Int32(numbers) => numbers.iter().map(|number| f64::from(*number)).collect(),
+        // Frames have no others.
+        _ => Cow::default(),
     }
-    let array = array.as_fixed_size_list_opt().map_or(array, |lists| lists.values());
-    let doubles = array.as_primitive_opt::<Float64Type>();
-    doubles
-        .map(|doubles| Cow::Borrowed(&**doubles.values()))
-        .or_else(|| of::<Float32Type>(array, f64::from))
-        .or_else(|| of::<Int64Type>(array, |number| number as f64))
-        .or_else(|| of::<Int32Type>(array, f64::from))
-        .or_else(|| of::<Int16Type>(array, f64::from))
-        .or_else(|| of::<Int8Type>(array, f64::from))
-        .unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -6,8 +6,6 @@
 
 use std::path::{Path, PathBuf};
 
-use arrow_array::RecordBatch;
-
 use super::info::FILES_PER_CHUNK;
 use super::names;
 use super::truth_bodies::body_rows;
@@ -15,11 +13,13 @@ use super::truth_frames::{patch_rows, taxel_rows};
 use super::truth_poses::pose_rows;
 use super::truth_tables::{contact_rows, goal_rows, object_rows};
 use crate::disk::DiskError;
+use crate::disk::description::about_entry;
 use crate::disk::dictionary::{
     FRAMES, TRUTH_BODIES, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES, TRUTH_TAXELS, Table,
-    with_further_categories,
 };
-use crate::disk::parquet_file::ParquetFile;
+use crate::disk::table::column::Column;
+use crate::disk::table::row::Row;
+use crate::disk::table::write::ParquetFile;
 use crate::disk::whole_file::create_folder;
 use crate::{Category, Recording};
 
@@ -28,18 +28,32 @@ use crate::{Category, Recording};
 /// than the few goals in it.
 pub(in crate::disk) const ROWS_PER_GROUP: usize = 4096;
 
-/// Makes the rows of an episode for a table. The path is for errors.
-type RowsOf = fn(&Path, usize, &Recording) -> Result<RecordBatch, DiskError>;
+/// Makes the columns of an episode for a table.
+type ColumnsOf = fn(usize, &Recording) -> Vec<Column>;
 
 /// The tables of ground truth.
-const TRUTH: [(&Table, RowsOf); 7] = [
-    (&TRUTH_TAXELS, taxel_rows),
-    (&TRUTH_PATCHES, patch_rows),
-    (&TRUTH_OBJECTS, object_rows),
-    (&TRUTH_CONTACTS, contact_rows),
-    (&TRUTH_GOALS, goal_rows),
-    (&TRUTH_BODIES, body_rows),
-    (&TRUTH_POSES, pose_rows),
+const TRUTH: [(&Table, ColumnsOf); 7] = [
+    (&TRUTH_TAXELS, |episode, recording| {
+        Row::write(&taxel_rows(episode, recording))
+    }),
+    (&TRUTH_PATCHES, |episode, recording| {
+        Row::write(&patch_rows(episode, recording))
+    }),
+    (&TRUTH_OBJECTS, |episode, recording| {
+        Row::write(&object_rows(episode, recording))
+    }),
+    (&TRUTH_CONTACTS, |episode, recording| {
+        Row::write(&contact_rows(episode, recording))
+    }),
+    (&TRUTH_GOALS, |episode, recording| {
+        Row::write(&goal_rows(episode, recording))
+    }),
+    (&TRUTH_BODIES, |episode, recording| {
+        Row::write(&body_rows(episode, recording))
+    }),
+    (&TRUTH_POSES, |episode, recording| {
+        Row::write(&pose_rows(episode, recording))
+    }),
 ];
 
 /// One file of one table.
@@ -47,46 +61,56 @@ struct TableFile {
     /// Path in the folder of the data set.
     name: String,
     path: PathBuf,
+    table: &'static Table,
     /// Created with the first rows, which determine the columns.
     file: Option<ParquetFile>,
-    rows_per_group: usize,
-    rows: usize,
+    /// The episodes of the current row group, in `truth/`.
+    episodes: Vec<Vec<Column>>,
 }
 
 impl TableFile {
-    fn new(dir: &Path, name: String, rows_per_group: usize) -> Self {
+    fn new(dir: &Path, table: &'static Table, name: String) -> Self {
         TableFile {
             path: dir.join(&name),
             name,
+            table,
             file: None,
-            rows_per_group,
-            rows: 0,
+            episodes: Vec::new(),
         }
     }
 
-    fn write(&mut self, batch: &RecordBatch, categories: &[Category]) -> Result<(), DiskError> {
+    /// The file, which is created for columns like these if there is none.
+    fn file(&mut self, columns: &[Column], categories: &[Category]) -> Result<&mut ParquetFile, DiskError> {
         let file = match self.file.take() {
             Some(file) => file,
             None => {
                 if let Some(folder) = self.path.parent() {
                     create_folder(folder)?;
                 }
-                ParquetFile::create(&self.path, with_further_categories(batch.schema(), categories), [])?
+                ParquetFile::create(&self.path, columns, [about_entry(&[self.table], columns, categories)])?
             }
         };
-        self.rows += batch.num_rows();
-        self.file.insert(file).write(batch)
+        Ok(self.file.insert(file))
     }
 
-    fn end_episode(&mut self) -> Result<(), DiskError> {
-        if self.rows < self.rows_per_group {
-            return Ok(());
+    /// Adds an episode to the current row group, which ends when it has enough rows.
+    fn add_episode(&mut self, columns: Vec<Column>, categories: &[Category]) -> Result<(), DiskError> {
+        self.file(&columns, categories)?;
+        self.episodes.push(columns);
+        let rows = |columns: &Vec<Column>| columns.first().map_or(0, Column::count);
+        if self.episodes.iter().map(rows).sum::<usize>() >= ROWS_PER_GROUP {
+            self.end_group()?;
         }
-        self.rows = 0;
-        self.file.as_mut().map_or(Ok(()), ParquetFile::end_row_group)
+        Ok(())
     }
 
-    fn close(self) -> Result<(), DiskError> {
+    fn end_group(&mut self) -> Result<(), DiskError> {
+        let episodes = std::mem::take(&mut self.episodes).into_iter().map(Ok);
+        self.file.as_mut().map_or(Ok(()), |file| file.write_group(episodes))
+    }
+
+    fn close(mut self) -> Result<(), DiskError> {
+        self.end_group()?;
         self.file.map_or(Ok(()), ParquetFile::close)
     }
 }
@@ -141,28 +165,27 @@ impl<'a> TableFiles<'a> {
         let (chunk, number) = ((self.begun - 1) / FILES_PER_CHUNK, (self.begun - 1) % FILES_PER_CHUNK);
         let name = |table: &Table| names::table(table, chunk, number);
         self.files.get_or_insert_with(|| Files {
-            // One row group per episode, since an episode has many frames.
-            data: TableFile::new(self.dir, name(&FRAMES), 1),
-            truth: TRUTH.map(|(table, _)| TableFile::new(self.dir, name(table), ROWS_PER_GROUP)),
+            data: TableFile::new(self.dir, &FRAMES, name(&FRAMES)),
+            truth: TRUTH.map(|(table, _)| TableFile::new(self.dir, table, name(table))),
         });
         (chunk, number)
     }
 
-    /// Appends frames of the episode.
-    pub(super) fn write_frames(&mut self, batch: &RecordBatch) -> Result<(), DiskError> {
-        let categories = self.categories;
-        self.files
-            .as_mut()
-            .map_or(Ok(()), |files| files.data.write(batch, categories))
+    /// Writes the frames of the episode, which come in batches and have columns like these, as a row group.
+    pub(super) fn write_frames(
+        &mut self,
+        columns: &[Column],
+        batches: impl Iterator<Item = Result<Vec<Column>, DiskError>>,
+    ) -> Result<(), DiskError> {
+        let Some(files) = &mut self.files else { return Ok(()) };
+        files.data.file(columns, self.categories)?.write_group(batches)
     }
 
     /// Writes the ground truth of the episode, and ends it.
     pub(super) fn end_episode(&mut self, episode: usize, recording: &Recording) -> Result<(), DiskError> {
         let Some(files) = &mut self.files else { return Ok(()) };
-        files.data.end_episode()?;
-        for ((_, rows), file) in TRUTH.iter().zip(&mut files.truth) {
-            file.write(&rows(&file.path, episode, recording)?, self.categories)?;
-            file.end_episode()?;
+        for ((_, columns), file) in TRUTH.iter().zip(&mut files.truth) {
+            file.add_episode(columns(episode, recording), self.categories)?;
         }
         Ok(())
     }

@@ -3,16 +3,14 @@
 
 use std::path::Path;
 
-use arrow_array::types::Float64Type;
-use arrow_array::{Float64Array, Int32Array, StringArray};
-use parquet::arrow::arrow_reader::ArrowReaderOptions;
-
 use crate::disk::DiskError;
 use crate::disk::check::check_layout;
-use crate::disk::dictionary::TAXELS;
-use crate::disk::parquet_file::{Batches, key_value, open, write_table};
-use crate::disk::parquet_input::broken;
-use crate::disk::table::{Columns, TableBuilder};
+use crate::disk::description::about_entry;
+use crate::disk::dictionary::{SkinTaxel, TAXELS};
+use crate::disk::table::parquet_input::broken;
+use crate::disk::table::read::{ParquetTable, Want};
+use crate::disk::table::row::Row;
+use crate::disk::table::write::write_table;
 use crate::{Patch, SkinLayout, Taxel};
 
 /// Metadata key of the patches without their taxels, as JSON.
@@ -20,81 +18,50 @@ const PATCHES_KEY: &str = "underbrush.patches";
 
 /// Writes the taxel table.
 pub(super) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<(), DiskError> {
-    let rows: Vec<(&Patch, usize, &Taxel)> = layout
-        .patches
-        .iter()
-        .flat_map(|patch| {
-            patch
-                .taxels
-                .iter()
-                .enumerate()
-                .map(move |(index, taxel)| (patch, index, taxel))
-        })
-        .collect();
-    let place = |pick: fn(usize, usize) -> usize| -> Int32Array {
-        rows.iter()
-            .map(|(patch, index, _)| patch.grid.map(|grid| pick(*index, grid.columns) as i32))
-            .collect()
+    let row = |patch: &Patch, index: usize, taxel: &Taxel| SkinTaxel {
+        patch: patch.name.as_str().into(),
+        taxel: index as i32,
+        row: patch.grid.map(|grid| (index / grid.columns) as i32),
+        column: patch.grid.map(|grid| (index % grid.columns) as i32),
+        link: patch.link.as_str().into(),
+        position_link: taxel.position_link,
+        normal_link: taxel.normal_link,
+        tangent_link: taxel.tangent_link,
+        area_m2: taxel.area_m2,
     };
-    let taxels = || rows.iter().map(|(.., taxel)| *taxel);
-    let batch = TableBuilder::new(&TAXELS)
-        .column(
-            "patch",
-            StringArray::from_iter_values(rows.iter().map(|(patch, ..)| &patch.name)),
-        )
-        .column(
-            "taxel",
-            Int32Array::from_iter_values(rows.iter().map(|(_, index, _)| *index as i32)),
-        )
-        .column("row", place(|index, columns| index / columns))
-        .column("column", place(|index, columns| index % columns))
-        .column(
-            "link",
-            StringArray::from_iter_values(rows.iter().map(|(patch, ..)| &patch.link)),
-        )
-        .vectors("position_link", "_m", taxels().map(|taxel| taxel.position_link))
-        .vectors("normal_link", "", taxels().map(|taxel| taxel.normal_link))
-        .vectors("tangent_link", "", taxels().map(|taxel| taxel.tangent_link))
-        .column(
-            "area_m2",
-            Float64Array::from_iter_values(taxels().map(|taxel| taxel.area_m2)),
-        )
-        .build(path)?;
+    let mut rows = Vec::new();
+    for patch in &layout.patches {
+        let taxels = patch.taxels.iter().enumerate();
+        rows.extend(taxels.map(|(index, taxel)| row(patch, index, taxel)));
+    }
     let bare = |patch: &Patch| Patch {
         taxels: Vec::new(),
         ..patch.clone()
     };
     let patches = serde_json::to_string(&layout.patches.iter().map(bare).collect::<Vec<_>>())
         .map_err(|error| DiskError::io(path, "write")(error.into()))?;
-    write_table(path, &batch, [(PATCHES_KEY, patches)])
+    let columns = SkinTaxel::write(&rows);
+    let about = about_entry(&[&TAXELS], &columns, &[]);
+    write_table(path, columns, [(PATCHES_KEY, patches), about])
 }
 
 /// Reads the skin.
 pub(super) fn read_taxels(path: &Path) -> Result<SkinLayout, DiskError> {
-    let (file, builder) = open(path, ArrowReaderOptions::default())?;
-    let patches: Vec<Patch> = serde_json::from_str(&key_value(path, &builder, PATCHES_KEY)?)
+    let table = ParquetTable::open(path)?;
+    let patches: Vec<Patch> = serde_json::from_str(&table.key_value(PATCHES_KEY)?)
         .map_err(|error| broken(path, format!("{PATCHES_KEY}: {error}")))?;
     let mut layout = SkinLayout { patches };
-    for batch in Batches::new(file, builder)? {
+    for batch in table.batches(&|_| Want::All) {
         let batch = batch?;
-        let columns = Columns { path, batch: &batch };
-        let patch = columns.text("patch")?;
-        let area = columns.numbers::<Float64Type>("area_m2")?;
-        let position = columns.vectors("position_link", "_m")?;
-        let (normal, tangent) = (
-            columns.vectors("normal_link", "")?,
-            columns.vectors("tangent_link", "")?,
-        );
-        for row in 0..batch.num_rows() {
-            let name = patch.value(row);
+        for row in batch.rows_as::<SkinTaxel>()? {
             let index = layout
-                .patch_index(name)
-                .ok_or_else(|| columns.error("patch", name, "a patch named in the file's metadata"))?;
+                .patch_index(&row.patch)
+                .ok_or_else(|| batch.error("patch", &*row.patch, "a patch named in the file's metadata"))?;
             layout.patches[index].taxels.push(Taxel {
-                position_link: position[row],
-                normal_link: normal[row],
-                tangent_link: tangent[row],
-                area_m2: area[row],
+                position_link: row.position_link,
+                normal_link: row.normal_link,
+                tangent_link: row.tangent_link,
+                area_m2: row.area_m2,
             });
         }
     }

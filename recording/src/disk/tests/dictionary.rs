@@ -1,36 +1,40 @@
-use std::fs::{self, File};
+use std::fs;
 use std::path::{Path, PathBuf};
 
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::ColumnOrder;
+use serde_json::{Value, json};
 
 use super::dataset::make;
 use super::reach;
+use crate::disk::description::{covers, describe_tables};
 use crate::disk::dictionary::{FRAMES, RECORDING_TRUTH, TABLES, Table};
-use crate::disk::write_recording;
+use crate::disk::table::read::{COLUMNS_KEY, ParquetTable};
+use crate::disk::trials::TRIALS;
+use crate::disk::{write_recording, write_trials};
+use crate::{Sample, Trial};
 
-/// The columns of a Parquet file, each with its metadata, in order.
-pub(super) fn columns(path: &Path) -> Vec<(String, std::collections::HashMap<String, String>)> {
-    let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(path).unwrap()).unwrap();
-    let fields = builder.schema().fields().iter();
-    fields
-        .map(|field| {
-            let metadata = field.metadata().iter();
-            let metadata = metadata.map(|(key, value)| (key.to_string(), value.to_string()));
-            (field.name().clone(), metadata.collect())
-        })
-        .collect()
+/// The columns of a Parquet file, each with what the metadata say about it, in order.
+pub(super) fn columns(path: &Path) -> Vec<(String, Value)> {
+    let table = ParquetTable::open(path).unwrap();
+    let about: Value = serde_json::from_str(&table.key_value(COLUMNS_KEY).unwrap()).unwrap();
+    let schema = table.footer.file_metadata().schema();
+    let names = schema.get_fields().iter().map(|field| field.name().to_owned());
+    names.map(|name| (name.clone(), about[&name].clone())).collect()
 }
 
 /// Asserts that the tables together describe all columns of a file and no others.
 fn described(path: &Path, tables: &[&Table]) {
     let mut found = columns(path);
-    for column in tables.iter().flat_map(|table| table.columns) {
-        let covered = found.extract_if(.., |(name, metadata)| {
-            let same = column.covers(name);
+    for column in tables.iter().flat_map(|table| (table.columns)()) {
+        let covered = found.extract_if(.., |(name, about)| {
+            let same = covers(&column, name);
             if same {
-                assert_eq!(metadata["description"], column.what, "{name}");
-                assert_eq!(metadata.get("unit").map_or("", String::as_str), column.unit, "{name}");
+                assert_eq!(about["description"], column.what, "{name}");
+                assert_eq!(
+                    about.get("unit").map_or("", |unit| unit.as_str().unwrap()),
+                    column.unit,
+                    "{name}"
+                );
             }
             same
         });
@@ -39,7 +43,7 @@ fn described(path: &Path, tables: &[&Table]) {
     assert!(found.is_empty(), "{}: not described: {found:?}", path.display());
 }
 
-/// Pins that the dictionary describes every column of every table and of recordings, with its unit, and no other
+/// Pins that the dictionary describes every column of every table, of recordings and of trials, with its unit, and no other
 /// column.
 #[test]
 fn every_column_is_described_in_the_file_itself() {
@@ -54,6 +58,24 @@ fn every_column_is_described_in_the_file_itself() {
     let recording = folder.path().join("reach.parquet");
     write_recording(&recording, &reach(0, 5)).unwrap();
     described(&recording, &[&FRAMES, &RECORDING_TRUTH]);
+    let trials = folder.path().join("trials.parquet");
+    let sample = Sample {
+        time_s: 0.0,
+        force_n: 1.0,
+        motion_m: None,
+        region: None,
+        touched: None,
+    };
+    let trial = Trial {
+        trial: 1,
+        category: None,
+        reach: None,
+        patch: None,
+        taxel: None,
+        samples: vec![sample],
+    };
+    write_trials(&trials, [trial]).unwrap();
+    described(&trials, &[&TRIALS]);
 }
 
 /// Tests that all files declare an order of columns that readers of some years know, such as polars 1.35.
@@ -72,8 +94,7 @@ fn readers_of_some_years_know_the_order_of_columns() {
         }
     };
     for path in tables.map(file).chain([recording]) {
-        let footer = ParquetRecordBatchReaderBuilder::try_new(File::open(&path).unwrap()).unwrap();
-        let footer = footer.metadata();
+        let footer = ParquetTable::open(&path).unwrap().footer;
         let orders = footer.file_metadata().column_orders().unwrap();
         assert_eq!(orders.len(), footer.file_metadata().schema_descr().num_columns());
         for order in orders {
@@ -86,17 +107,16 @@ fn readers_of_some_years_know_the_order_of_columns() {
     }
 }
 
-/// Pins the category codes in the metadata of their column.
+/// Tests that the metadata of a file name the category codes of a column.
 #[test]
 fn category_codes_stand_with_their_column() {
     let folder = tempfile::tempdir().unwrap();
     make(folder.path());
     let path = folder.path().join("truth/taxels/chunk-000/file-000.parquet");
     let columns = columns(&path);
-    let (_, metadata) = columns.iter().find(|(name, _)| name == "category_code").unwrap();
-    let codes: serde_json::Value = serde_json::from_str(&metadata["codes"]).unwrap();
-    let expected = serde_json::json!({"-1": "none", "0": "leaf", "1": "trunk", "2": "block", "3": "outlier"});
-    assert_eq!(codes, expected);
+    let (_, about) = columns.iter().find(|(name, _)| name == "category_code").unwrap();
+    let expected = json!({"-1": "none", "0": "leaf", "1": "trunk", "2": "block", "3": "outlier"});
+    assert_eq!(about["codes"], expected);
 }
 
 /// Pins that a learner cannot read ground truth by accident: neither the frames nor the features contain any, and the
@@ -122,7 +142,7 @@ fn frames_hold_no_ground_truth() {
 #[test]
 fn the_document_lists_the_tables() {
     let document = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/data.md")).unwrap();
-    let tables: Vec<&Table> = TABLES.into_iter().chain([&RECORDING_TRUTH]).collect();
+    let tables: Vec<&Table> = TABLES.into_iter().chain([&RECORDING_TRUTH, &TRIALS]).collect();
     let (_, listed) = document.split_once("<!-- tables -->\n\n").unwrap();
-    assert_eq!(crate::disk::dataset::describe_tables(&tables, &[]), listed);
+    assert_eq!(describe_tables(&tables, &[]), listed);
 }

@@ -1,16 +1,17 @@
-use std::fs::File;
+use std::fs;
+use std::sync::Arc;
 
-use parquet::arrow::ArrowWriter;
-use parquet::arrow::arrow_reader::{ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
 use parquet::basic::Encoding;
+use parquet::data_type::DoubleType;
 use parquet::file::properties::WriterProperties;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::parser::parse_message_type;
 
 use super::dataset::plan;
 use super::reach;
-use crate::disk::parquet_file::read_footer;
-use crate::disk::parquet_input::ParquetInput;
-use crate::disk::plain_pages;
-use crate::disk::{Dataset, DatasetWriter};
+use crate::disk::table::plain_pages;
+use crate::disk::table::read::{ParquetTable, Want};
+use crate::disk::{Dataset, DatasetWriter, Rows};
 
 const COLUMN: &str = "observation.tactile.forearm";
 
@@ -30,7 +31,7 @@ fn make(dir: &std::path::Path) -> Dataset {
     writer.finish().unwrap()
 }
 
-/// Pins that columns read straight from the pages have the numbers of Arrow's reader, converted, for every column of
+/// Pins that columns read straight from the pages have the numbers of the column reader, converted, for every column of
 /// double precision and reaches of one and of several pages. Other columns have no width.
 #[test]
 fn pages_have_the_numbers_of_the_columns() {
@@ -44,10 +45,22 @@ fn pages_have_the_numbers_of_the_columns() {
         };
         wide += usize::from(width > 1);
         for (index, episode) in set.episodes().iter().enumerate() {
+            // Lists of any length are read without the shortcut.
+            let path = folder
+                .path()
+                .join(format!("data/chunk-000/file-{:03}.parquet", episode.file_index));
+            let table = ParquetTable::open(&path).unwrap();
+            let want = |found: &str| if found == name { Want::All } else { Want::Nothing };
+            let mut slowly = table.batch(index, 0..episode.frames, &want).unwrap().columns.remove(0);
+            if let Rows::Lists { ends, .. } = &slowly.rows {
+                assert_eq!(ends.len() * width, slowly.values.len());
+                slowly.rows = Rows::Fixed(width);
+            }
             let batches = set.read_columns(index, &[&name]).unwrap();
+            assert_eq!(batches[0].columns, [slowly]);
             let expected: Vec<f64> = batches
                 .iter()
-                .flat_map(|batch| crate::disk::dataset::doubles(batch, &name).unwrap().to_vec())
+                .flat_map(|batch| batch.fixed::<f64>(&name, width).unwrap().to_vec())
                 .collect();
             let mut found = vec![f64::NAN; episode.frames * width];
             set.read_doubles(index, &name, |number| 2.0 * number, &mut found)
@@ -60,7 +73,7 @@ fn pages_have_the_numbers_of_the_columns() {
         }
     }
     assert!(wide > 5, "{wide} columns of several numbers");
-    // If there is one place too few, Arrow's reader fills the others and then returns an error.
+    // If there is one place too few, the column reader fills the others and then returns an error.
     let (width, frames) = (set.width_of_doubles(COLUMN).unwrap(), set.episodes()[1].frames);
     let mut whole = vec![0.0; frames * width];
     set.read_doubles(1, COLUMN, |number| number, &mut whole).unwrap();
@@ -77,49 +90,52 @@ fn pages_have_the_numbers_of_the_columns() {
     );
 }
 
-/// Pins when pages are read directly. Plain numbers are; the same numbers in another encoding are left to Arrow's
-/// reader, and so are numbers that do not fit the destination. A damaged page is an error or is left to Arrow's reader,
+/// Pins when pages are read directly. Plain numbers are; the same numbers in another encoding are left to the column reader's
+/// reader, and so are numbers that do not fit the destination. A damaged page is an error or is left to the column reader,
 /// and never a panic.
 #[test]
-fn other_encodings_are_left_to_arrow() {
+fn other_encodings_are_left_to_the_column_reader() {
     let folder = tempfile::tempdir().unwrap();
     let set = make(folder.path());
     let path = folder.path().join("data/chunk-000/file-000.parquet");
     let width = set.width_of_doubles(COLUMN).unwrap();
     let count = set.episodes()[1].frames * width;
     let read = |path: &std::path::Path, group: usize, count: usize| {
-        let file = ParquetInput::open(path).unwrap();
-        let footer = read_footer(&file).unwrap();
+        let table = ParquetTable::open(path).unwrap();
         let mut to = vec![0.0_f64; count];
-        let group = footer.metadata().row_group(group);
-        let done = plain_pages::read(&file, group, COLUMN, |number| number, &mut to);
+        let group = table.footer.row_group(group);
+        let done = plain_pages::read(&table.file, group, COLUMN, |number| number, &mut to);
         done.map(|done| done.then_some(to))
     };
     let numbers = read(&path, 1, count).unwrap().expect("plain numbers");
     assert!(numbers.iter().any(|number| *number > 0.0));
     assert_eq!(read(&path, 1, count - 1).unwrap(), None);
     assert_eq!(read(&path, 1, count + 1).unwrap(), None);
-    let reader = ParquetRecordBatchReaderBuilder::try_new_with_options(
-        File::open(&path).unwrap(),
-        ArrowReaderOptions::default(),
-    );
-    let batches: Vec<_> = reader.unwrap().build().unwrap().map(Result::unwrap).collect();
     let other = folder.path().join("other.parquet");
+    let schema = format!("message schema {{ optional double {COLUMN}; }}");
     let properties = WriterProperties::builder()
         .set_dictionary_enabled(false)
         .set_encoding(Encoding::BYTE_STREAM_SPLIT)
         .build();
-    let mut writer =
-        ArrowWriter::try_new(File::create(&other).unwrap(), batches[0].schema(), Some(properties)).unwrap();
-    batches.iter().for_each(|batch| writer.write(batch).unwrap());
+    let file = fs::File::create(&other).unwrap();
+    let schema = Arc::new(parse_message_type(&schema).unwrap());
+    let mut writer = SerializedFileWriter::new(file, schema, Arc::new(properties)).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    let mut column = group.next_column().unwrap().unwrap();
+    column
+        .typed::<DoubleType>()
+        .write_batch(&numbers, Some(&vec![1; count]), None)
+        .unwrap();
+    column.close().unwrap();
+    group.close().unwrap();
     writer.close().unwrap();
     assert_eq!(read(&other, 0, count).unwrap(), None);
     // Garbage where the pages are.
-    let mut bytes = std::fs::read(&path).unwrap();
+    let mut bytes = fs::read(&path).unwrap();
     let middle = bytes.len() / 2;
     bytes[4..middle].fill(0xff);
     let damaged = folder.path().join("damaged.parquet");
-    std::fs::write(&damaged, bytes).unwrap();
+    fs::write(&damaged, bytes).unwrap();
     let own = set.episodes()[0].frames * width;
     assert!(!matches!(read(&damaged, 0, own), Ok(Some(_))));
 }

@@ -1,12 +1,13 @@
 use std::fs;
+use std::sync::Arc;
 
 use super::dataset::plan;
 use super::reach;
 use crate::Recording;
-use crate::disk::dataset::{ROWS_PER_GROUP, read_rows, row_groups_of};
+use crate::disk::dataset::{EpisodeRows, ROWS_PER_GROUP, read_rows, row_groups_of};
 use crate::disk::dictionary::{TABLES, Table};
-use crate::disk::parquet_file::read_footer;
-use crate::disk::parquet_input::ParquetInput;
+use crate::disk::table::parquet_input::ParquetInput;
+use crate::disk::table::read::{ParquetTable, Want};
 use crate::disk::{Dataset, DatasetWriter};
 
 /// Number of reaches. Together they fill several row groups of every table except goals and objects.
@@ -45,20 +46,20 @@ fn reading_a_reach_touches_its_own_row_groups_alone() {
     let folder = tempfile::tempdir().unwrap();
     let (set, recordings) = make(folder.path());
     let mut several = 0;
-    for table in tables() {
-        let path = folder.path().join(table.path).join("chunk-000/file-000.parquet");
-        let footer = read_footer(&ParquetInput::open(&path).unwrap()).unwrap();
-        let metadata = footer.metadata();
+    for described in tables() {
+        let path = folder.path().join(described.path).join("chunk-000/file-000.parquet");
+        let whole_table = ParquetTable::open(&path).unwrap();
+        let metadata = &whole_table.footer;
         several += usize::from(metadata.num_row_groups() > 1);
         let whole = fs::read(&path).unwrap();
         for episode in [0, 1, REACHES / 2, REACHES - 1] {
             let groups = row_groups_of(metadata, episode);
-            assert_eq!(groups.len(), 1, "{}: reach {episode}", table.path);
-            let expected = read_rows(&path, ParquetInput::open(&path).unwrap(), footer.clone(), episode, None).unwrap();
+            assert_eq!(groups.len(), 1, "{}: reach {episode}", described.path);
+            let expected = read_rows(&whole_table, episode, &|_| Want::All).unwrap();
             // A reach has at most three taxels per frame.
             let longest = 3 * recordings[REACHES - 1].frames.len();
             let rows = metadata.row_group(groups[0]).num_rows() as usize;
-            assert!(rows < ROWS_PER_GROUP + longest, "{}: {rows} rows", table.path);
+            assert!(rows < ROWS_PER_GROUP + longest, "{}: {rows} rows", described.path);
             let mut spoiled = whole.clone();
             for (index, group) in metadata.row_groups().iter().enumerate() {
                 for column in group.columns().iter().filter(|_| index != groups[0]) {
@@ -68,18 +69,21 @@ fn reading_a_reach_touches_its_own_row_groups_alone() {
             }
             let other = folder.path().join("spoiled.parquet");
             fs::write(&other, spoiled).unwrap();
-            let found = read_rows(
-                &other,
-                ParquetInput::open(&other).unwrap(),
-                footer.clone(),
-                episode,
-                None,
-            )
-            .unwrap();
+            let table = ParquetTable {
+                file: ParquetInput::open(&other).unwrap(),
+                footer: Arc::clone(metadata),
+            };
+            let found = read_rows(&table, episode, &|_| Want::All).unwrap();
+            let columns = |rows: &EpisodeRows| {
+                rows.batches
+                    .iter()
+                    .map(|batch| batch.columns.clone())
+                    .collect::<Vec<_>>()
+            };
             assert!(
-                found.count() > 0 && found.batches() == expected.batches(),
+                found.count() > 0 && columns(&found) == columns(&expected),
                 "{}",
-                table.path
+                described.path
             );
         }
     }

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use super::cell::{Cell, Cells};
 use super::collect::Collector;
-use super::{COLUMNS, place_columns};
+use super::{COLUMNS, TrialRow, place_columns, push};
+use crate::disk::table::row::Row;
 use crate::disk::{DiskError, whole_file};
 use crate::limits::CSV_BYTES;
 use crate::{InputError, Trial, read_bytes};
@@ -78,25 +79,14 @@ pub(super) fn write(path: &Path, trials: impl Iterator<Item = Result<Trial, Disk
     let failed = |error: csv::Error| DiskError::io(path, "write")(error.into());
     let mut writer = csv::Writer::from_writer(whole_file::begin(path)?);
     writer.write_record(COLUMNS).map_err(failed)?;
-    fn shown<T: ToString>(value: Option<T>) -> String {
-        value.map_or(String::new(), |value| value.to_string())
-    }
     for trial in trials {
-        let trial = trial?;
-        let (number, reach, taxel) = (trial.trial.to_string(), shown(trial.reach), shown(trial.taxel));
-        let (category, patch) = (trial.category.unwrap_or_default(), trial.patch.unwrap_or_default());
-        for sample in &trial.samples {
-            let [time, force] = [sample.time_s, sample.force_n].map(|number| number.to_string());
-            let motion = shown(sample.motion_m);
-            let region_taxels = shown(sample.region.map(|region| region.taxels));
-            let largest = shown(sample.region.map(|region| region.largest_force_n));
-            let sum = shown(sample.region.map(|region| region.force_sum_n));
-            let touched = shown(sample.touched);
-            let facts = [&number, &category, &reach, &patch, &taxel];
-            let row = facts
-                .into_iter()
-                .chain([&time, &force, &motion, &region_taxels, &largest, &sum, &touched]);
-            writer.write_record(row).map_err(failed)?;
+        let mut rows = Vec::new();
+        push(&mut rows, &trial?);
+        let columns = TrialRow::write(&rows);
+        for row in 0..rows.len() {
+            writer
+                .write_record(columns.iter().map(|column| column.shown(row)))
+                .map_err(failed)?;
         }
     }
     let temporary = writer

@@ -16,25 +16,71 @@ use std::path::Path;
 
 use super::DiskError;
 use super::check::{Violation, require};
+use super::dictionary::Table;
+use super::table::batch::Batch;
+use super::table::column::Text;
+use super::table::row::{Row, row};
 use super::whole_file::remove_leftovers;
 use crate::plain_text::{PLAIN, is_plain};
 use crate::{Category, InputError, Trial};
 
-/// The columns in the order in which they are written.
-const COLUMNS: [&str; 12] = [
-    "trial",
-    "category",
-    "reach",
-    "patch",
-    "taxel",
-    "time_s",
-    "force_n",
-    "motion_m",
-    "region_taxels",
-    "region_largest_force_n",
-    "region_force_sum_n",
-    TOUCHED,
-];
+row! {
+    /// A row of [`TRIALS`].
+    TrialRow {
+        trial: u64, "", "number of the trial";
+        category: Option<Text>, "", "category of the object that was touched; null if unknown";
+        reach: Option<u64>, "", "number of the reach; null if unknown";
+        patch: Option<Text>, "", "name of the patch of skin; null if unknown";
+        taxel: Option<u32>, "", "index of the taxel in its patch; null if unknown, and for a component";
+        time_s: f64, "s", "time, which increases within a trial";
+        force_n: f64, "N", "sensed force of the taxel, or the largest in the component";
+        motion_m: Option<f64>, "m", "length of the path of the contact since it began, world frame; null if unknown";
+        region_taxels: Option<u32>, "", "number of taxels in the contact region; null without a region";
+        region_largest_force_n: Option<f64>, "N", "largest sensed force of a taxel in it";
+        region_force_sum_n: Option<f64>, "N", "sum of the sensed forces of the taxels in it";
+        touched: Option<bool>, "", "ground truth: whether an object truly pressed the taxel, or one of the \
+            component; null if unknown";
+    }
+}
+
+/// Appends the rows of a trial.
+fn push(rows: &mut Vec<TrialRow>, trial: &Trial) {
+    let category: Option<Text> = trial.category.as_deref().map(Into::into);
+    let patch: Option<Text> = trial.patch.as_deref().map(Into::into);
+    rows.extend(trial.samples.iter().map(|sample| TrialRow {
+        trial: trial.trial,
+        category: category.clone(),
+        reach: trial.reach,
+        patch: patch.clone(),
+        taxel: trial.taxel,
+        time_s: sample.time_s,
+        force_n: sample.force_n,
+        motion_m: sample.motion_m,
+        region_taxels: sample.region.map(|region| region.taxels),
+        region_largest_force_n: sample.region.map(|region| region.largest_force_n),
+        region_force_sum_n: sample.region.map(|region| region.force_sum_n),
+        touched: sample.touched,
+    }));
+}
+
+/// The samples of contact trials.
+pub(in crate::disk) const TRIALS: Table = Table {
+    name: "trials",
+    path: "a table of contact trials",
+    row: "a sample of a trial; the columns `trial`, `time_s` and `force_n` are required",
+    columns: || TrialRow::COLUMNS.to_vec(),
+};
+
+/// The names of the columns in the order in which they are written.
+const COLUMNS: [&str; TrialRow::COLUMNS.len()] = {
+    let mut names = [""; TrialRow::COLUMNS.len()];
+    let mut place = 0;
+    while place < names.len() {
+        names[place] = TrialRow::COLUMNS[place].name;
+        place += 1;
+    }
+    names
+};
 /// The only column of truth values.
 const TOUCHED: &str = "touched";
 /// The required columns.
@@ -127,10 +173,7 @@ pub fn write_trials(path: impl AsRef<Path>, trials: impl IntoIterator<Item = Tri
 }
 
 /// Trials in memory as a table with one row per sample: the columns of their file ([`write_trials`]).
-///
-/// # Errors
-/// [`DiskError::Encode`] if the table would be too large for Arrow.
-pub fn trial_table(trials: &[Trial]) -> Result<arrow_array::RecordBatch, DiskError> {
+pub fn trial_table(trials: &[Trial]) -> Batch {
     parquet_table::batch(trials)
 }
 

@@ -4,58 +4,128 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-use arrow_array::types::Int8Type;
-use arrow_array::{
-    ArrayRef, DictionaryArray, Float32Array, Float64Array, Int8Array, Int16Array, Int64Array, LargeStringArray,
-    NullArray, RecordBatch, StringArray, UInt8Array,
-};
-use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
-use parquet::file::properties::WriterProperties;
+use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type, Int64Type};
+use parquet::file::properties::{WriterProperties, WriterVersion};
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::parser::parse_message_type;
 
 use super::refused;
 use crate::disk::{read_trials, write_trials};
 use crate::{Sample, Trial};
 
-fn write_parquet(path: &Path, columns: Vec<(&str, ArrayRef)>, compression: Compression) {
-    let batch = RecordBatch::try_from_iter_with_nullable(columns.into_iter().map(|(n, a)| (n, a, true))).unwrap();
-    let properties = WriterProperties::builder().set_compression(compression).build();
+/// The values of a column, some of which may be missing.
+enum Values {
+    Int32(Vec<Option<i32>>),
+    Int64(Vec<Option<i64>>),
+    Float(Vec<Option<f32>>),
+    Double(Vec<Option<f64>>),
+    Flag(Vec<Option<bool>>),
+    Text(Vec<Option<ByteArray>>),
+}
+
+/// A column of another program: its name, its type in Parquet's schema language, and its values.
+type Foreign = (&'static str, &'static str, Values);
+
+const INT16: &str = "int32 NAME (INTEGER(16, true))";
+const UINT8: &str = "int32 NAME (INTEGER(8, false))";
+const NOTHING: &str = "int32 NAME (UNKNOWN)";
+const DOUBLE: &str = "double NAME";
+const TEXT: &str = "byte_array NAME (UTF8)";
+const FLAG: &str = "boolean NAME";
+
+fn all<T>(values: impl IntoIterator<Item = T>) -> Vec<Option<T>> {
+    values.into_iter().map(Some).collect()
+}
+
+fn texts(values: &[&str]) -> Values {
+    Values::Text(values.iter().map(|text| Some(ByteArray::from(*text))).collect())
+}
+
+/// Writes a file as other programs do: text by dictionary, plain or compressed, in pages of version 1 or 2.
+fn write_parquet(path: &Path, columns: &[Foreign], compression: Compression, version: WriterVersion) {
+    let fields = columns
+        .iter()
+        .map(|(name, kind, _)| format!("optional {};", kind.replace("NAME", name)));
+    let schema = format!("message schema {{ {} }}", fields.collect::<String>());
+    let schema = Arc::new(parse_message_type(&schema).unwrap());
+    let properties = WriterProperties::builder()
+        .set_compression(compression)
+        .set_writer_version(version)
+        .set_dictionary_page_size_limit(32 << 20)
+        .build();
     let file = fs::File::create(path).unwrap();
-    let mut writer = ArrowWriter::try_new(file, batch.schema(), Some(properties)).unwrap();
-    writer.write(&batch).unwrap();
+    let mut writer = SerializedFileWriter::new(file, schema, Arc::new(properties)).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    for (_, _, values) in columns {
+        let mut column = group.next_column().unwrap().unwrap();
+        macro_rules! write {
+            ($kind:ty, $values:expr) => {{
+                let levels: Vec<i16> = $values.iter().map(|value| i16::from(value.is_some())).collect();
+                let values: Vec<<$kind as DataType>::T> = $values.iter().flatten().cloned().collect();
+                column
+                    .typed::<$kind>()
+                    .write_batch(&values, Some(&levels), None)
+                    .unwrap();
+            }};
+        }
+        match values {
+            Values::Int32(values) => write!(Int32Type, values),
+            Values::Int64(values) => write!(Int64Type, values),
+            Values::Float(values) => write!(FloatType, values),
+            Values::Double(values) => write!(DoubleType, values),
+            Values::Flag(values) => write!(BoolType, values),
+            Values::Text(values) => write!(ByteArrayType, values),
+        }
+        column.close().unwrap();
+    }
+    group.close().unwrap();
     writer.close().unwrap();
 }
 
-fn foreign_columns() -> Vec<(&'static str, ArrayRef)> {
-    let category: DictionaryArray<Int8Type> = vec!["leaf", "leaf", "trunk"].into_iter().collect();
+fn write_snappy(path: &Path, columns: &[Foreign]) {
+    write_parquet(path, columns, Compression::SNAPPY, WriterVersion::PARQUET_1_0);
+}
+
+fn write_zstd(path: &Path, columns: &[Foreign]) {
+    write_parquet(
+        path,
+        columns,
+        Compression::ZSTD(Default::default()),
+        WriterVersion::PARQUET_1_0,
+    );
+}
+
+fn foreign_columns() -> Vec<Foreign> {
     vec![
-        ("noise", Arc::new(NullArray::new(3))),
-        ("category", Arc::new(category)),
-        ("trial", Arc::new(Int16Array::from(vec![1, 1, 2]))),
+        ("noise", NOTHING, Values::Int32(vec![None; 3])),
+        ("category", TEXT, texts(&["leaf", "leaf", "trunk"])),
+        ("trial", INT16, Values::Int32(all([1, 1, 2]))),
         (
             "patch",
-            Arc::new(LargeStringArray::from(vec![Some("forearm"), Some("forearm"), None])),
+            TEXT,
+            Values::Text(vec![Some("forearm".into()), Some("forearm".into()), None]),
         ),
-        ("taxel", Arc::new(Float64Array::from(vec![Some(5.0), Some(5.0), None]))),
-        ("reach", Arc::new(UInt8Array::from(vec![3, 3, 4]))),
-        ("time_s", Arc::new(Float32Array::from(vec![0.0, 0.5, 0.25]))),
-        ("force_n", Arc::new(Float64Array::from(vec![0.1, 0.2, 0.3]))),
-        ("motion_m", Arc::new(NullArray::new(3))),
+        ("taxel", DOUBLE, Values::Double(vec![Some(5.0), Some(5.0), None])),
+        ("reach", UINT8, Values::Int32(all([3, 3, 4]))),
+        ("time_s", "float NAME", Values::Float(all([0.0, 0.5, 0.25]))),
+        ("force_n", DOUBLE, Values::Double(all([0.1, 0.2, 0.3]))),
+        ("motion_m", NOTHING, Values::Int32(vec![None; 3])),
     ]
 }
 
-/// Pins that narrow integers, single precision, categories, large strings, gaps, all-null columns, snappy and zstd
-/// are read.
+/// Tests that narrow integers, single precision, text, gaps, columns without values, both versions of pages, snappy and
+/// zstd are read.
 #[test]
 fn types_that_pandas_and_polars_write_are_accepted() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("trials.parquet");
-    for compression in [
-        Compression::SNAPPY,
-        Compression::ZSTD(Default::default()),
-        Compression::UNCOMPRESSED,
+    for (compression, version) in [
+        (Compression::SNAPPY, WriterVersion::PARQUET_1_0),
+        (Compression::ZSTD(Default::default()), WriterVersion::PARQUET_2_0),
+        (Compression::UNCOMPRESSED, WriterVersion::PARQUET_2_0),
     ] {
-        write_parquet(&path, foreign_columns(), compression);
+        write_parquet(&path, &foreign_columns(), compression, version);
         let trials = read_trials(&path).unwrap();
         let facts = |t: &Trial| {
             (
@@ -90,45 +160,37 @@ fn types_that_pandas_and_polars_write_are_accepted() {
 fn every_fault_of_a_parquet_table_is_named_with_its_row() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("trials.parquet");
-    let faults: [(&str, ArrayRef, Option<usize>); 7] = [
+    let faults: [(Foreign, Option<usize>); 7] = [
+        (("force_n", DOUBLE, Values::Double(all([0.1, f64::NAN, 0.3]))), Some(2)),
         (
-            "force_n",
-            Arc::new(Float64Array::from(vec![0.1, f64::NAN, 0.3])),
-            Some(2),
-        ),
-        (
-            "force_n",
-            Arc::new(Float64Array::from(vec![Some(0.1), Some(0.2), None])),
+            ("force_n", DOUBLE, Values::Double(vec![Some(0.1), Some(0.2), None])),
             Some(3),
         ),
-        ("time_s", Arc::new(Float64Array::from(vec![0.5, 0.5, 0.0])), Some(2)),
-        ("taxel", Arc::new(Float64Array::from(vec![5.5, 5.5, 1.0])), Some(1)),
-        ("trial", Arc::new(Int16Array::from(vec![1, -1, 2])), Some(2)),
-        ("reach", Arc::new(StringArray::from(vec!["3", "4", "5"])), Some(2)),
-        (
-            "motion_m",
-            Arc::new(arrow_array::BooleanArray::from(vec![true; 3])),
-            None,
-        ),
+        (("time_s", DOUBLE, Values::Double(all([0.5, 0.5, 0.0]))), Some(2)),
+        (("taxel", DOUBLE, Values::Double(all([5.5, 5.5, 1.0]))), Some(1)),
+        (("trial", INT16, Values::Int32(all([1, -1, 2]))), Some(2)),
+        (("reach", TEXT, texts(&["3", "4", "5"])), Some(2)),
+        (("motion_m", FLAG, Values::Flag(all([true; 3]))), None),
     ];
-    for (field, array, row) in faults {
+    for (fault, row) in faults {
         let mut columns = foreign_columns();
-        columns.iter_mut().find(|(name, _)| *name == field).unwrap().1 = array;
-        write_parquet(&path, columns, Compression::SNAPPY);
+        let field = fault.0;
+        *columns.iter_mut().find(|(name, ..)| *name == field).unwrap() = fault;
+        write_snappy(&path, &columns);
         let error = refused(read_trials(&path));
         assert_eq!((error.field.as_str(), error.line), (field, row), "{error}");
     }
     for gone in ["trial", "time_s", "force_n"] {
-        let columns = foreign_columns()
+        let columns: Vec<_> = foreign_columns()
             .into_iter()
-            .filter(|(name, _)| *name != gone)
+            .filter(|(name, ..)| *name != gone)
             .collect();
-        write_parquet(&path, columns, Compression::SNAPPY);
+        write_snappy(&path, &columns);
         assert_eq!(refused(read_trials(&path)).field, gone);
     }
     write_trials(&path, []).unwrap();
     assert_eq!(refused(read_trials(&path)).field, "rows");
-    write_parquet(&path, foreign_columns(), Compression::SNAPPY);
+    write_snappy(&path, &foreign_columns());
     let bytes = fs::read(&path).unwrap();
     for length in (0..bytes.len()).step_by(53) {
         fs::write(&path, &bytes[..length]).unwrap();
@@ -141,22 +203,25 @@ fn every_fault_of_a_parquet_table_is_named_with_its_row() {
 fn touched_in_parquet_may_be_a_flag_or_a_number() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("trials.parquet");
-    let columns: [(ArrayRef, [Option<bool>; 2]); 4] = [
+    let columns: [(Foreign, [Option<bool>; 2]); 4] = [
         (
-            Arc::new(arrow_array::BooleanArray::from(vec![false, true, false])),
+            ("touched", FLAG, Values::Flag(all([false, true, false]))),
             [Some(true), Some(false)],
         ),
-        (Arc::new(UInt8Array::from(vec![0, 0, 1])), [Some(false), Some(true)]),
         (
-            Arc::new(Float64Array::from(vec![Some(1.0), Some(0.0), None])),
+            ("touched", UINT8, Values::Int32(all([0, 0, 1]))),
+            [Some(false), Some(true)],
+        ),
+        (
+            ("touched", DOUBLE, Values::Double(vec![Some(1.0), Some(0.0), None])),
             [Some(true), None],
         ),
-        (Arc::new(NullArray::new(3)), [None, None]),
+        (("touched", NOTHING, Values::Int32(vec![None; 3])), [None, None]),
     ];
-    for (array, expected) in columns {
+    for (touched, expected) in columns {
         let mut table = foreign_columns();
-        table.push(("touched", array));
-        write_parquet(&path, table, Compression::SNAPPY);
+        table.push(touched);
+        write_snappy(&path, &table);
         let trials = read_trials(&path).unwrap();
         assert_eq!(trials.iter().map(Trial::touched).collect::<Vec<_>>(), expected);
     }
@@ -168,15 +233,16 @@ fn touched_in_parquet_may_be_a_flag_or_a_number() {
 fn tables_that_expand_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("trials.parquet");
-    let zstd = Compression::ZSTD(Default::default());
-    let table = |rows: i64, category: String| -> Vec<(&str, ArrayRef)> {
-        let places = Int8Array::from(vec![0; rows as usize]);
-        let categories = Arc::new(StringArray::from(vec![category]));
+    let table = |rows: usize, category: String| -> Vec<Foreign> {
         vec![
-            ("trial", Arc::new(Int64Array::from(vec![1; rows as usize]))),
-            ("category", Arc::new(DictionaryArray::new(places, categories))),
-            ("time_s", Arc::new(Int64Array::from(vec![1; rows as usize]))),
-            ("force_n", Arc::new(Float64Array::from(vec![1.0; rows as usize]))),
+            ("trial", "int64 NAME", Values::Int64(all(vec![1; rows]))),
+            (
+                "category",
+                TEXT,
+                Values::Text(vec![Some(category.as_str().into()); rows]),
+            ),
+            ("time_s", "int64 NAME", Values::Int64(all(vec![1; rows]))),
+            ("force_n", DOUBLE, Values::Double(all(vec![1.0; rows]))),
         ]
     };
     for (rows, category, field, allowed) in [
@@ -189,12 +255,12 @@ fn tables_that_expand_are_refused() {
         (3, "x".repeat(17 << 20), "category", "at most 16777216 bytes"),
         (3, "x".repeat(1001), "category", "at most 1000 bytes"),
     ] {
-        write_parquet(&path, table(rows, category), zstd);
+        write_zstd(&path, &table(rows, category));
         let error = refused(read_trials(&path));
         assert_eq!(error.field, field, "{error}");
         assert!(error.allowed.starts_with(allowed), "{error}");
     }
-    write_parquet(&path, table(1, "x".repeat(1000)), zstd);
+    write_zstd(&path, &table(1, "x".repeat(1000)));
     assert_eq!(read_trials(&path).unwrap().len(), 1);
 }
 
@@ -203,17 +269,18 @@ fn tables_that_expand_are_refused() {
 fn a_long_text_is_refused_before_it_is_repeated() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("trials.parquet");
-    let rows = 1024;
-    let places = Int8Array::from(vec![0; rows]);
-    let text = Arc::new(StringArray::from(vec!["x".repeat(12 << 20)]));
-    let columns: Vec<(&str, ArrayRef)> = vec![
-        ("trial", Arc::new(Int64Array::from(vec![1; rows]))),
-        ("category", Arc::new(DictionaryArray::new(places, text))),
-        ("time_s", Arc::new(Int64Array::from_iter_values(0..rows as i64))),
-        ("force_n", Arc::new(Float64Array::from(vec![1.0; rows]))),
+    let rows = 100;
+    let columns: Vec<Foreign> = vec![
+        ("trial", "int64 NAME", Values::Int64(all(vec![1; rows]))),
+        (
+            "category",
+            TEXT,
+            Values::Text(vec![Some("x".repeat(12 << 20).as_str().into()); rows]),
+        ),
+        ("time_s", "int64 NAME", Values::Int64(all(0..rows as i64))),
+        ("force_n", DOUBLE, Values::Double(all(vec![1.0; rows]))),
     ];
-    write_parquet(&path, columns, Compression::ZSTD(Default::default()));
-    // All rows together would be more text than Arrow can hold, and its error would name no limit.
+    write_zstd(&path, &columns);
     let error = refused(read_trials(&path));
     assert!(error.allowed.starts_with("at most 1000 bytes"), "{error}");
 }

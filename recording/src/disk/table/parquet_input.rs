@@ -15,13 +15,13 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData};
 use parquet::file::reader::{ChunkReader, Length};
 
-use super::DiskError;
-use super::input_file::open_input;
+use crate::disk::DiskError;
+use crate::disk::input_file::open_input;
 use crate::{InputError, limits};
 
 /// The file. Clones share it.
 #[derive(Clone)]
-pub(super) struct ParquetInput {
+pub(in crate::disk) struct ParquetInput {
     path: PathBuf,
     file: Arc<File>,
     bytes: u64,
@@ -30,7 +30,7 @@ pub(super) struct ParquetInput {
 }
 
 /// Reads the file from some position on.
-pub(super) struct Reader {
+pub(in crate::disk) struct Reader {
     file: File,
     failed: Arc<OnceLock<io::Error>>,
 }
@@ -44,7 +44,7 @@ fn copy(error: &io::Error) -> io::Error {
 
 impl ParquetInput {
     /// Opens a file.
-    pub(super) fn open(path: &Path) -> Result<Self, DiskError> {
+    pub(in crate::disk) fn open(path: &Path) -> Result<Self, DiskError> {
         let file = open_input(path)?;
         let bytes = file.metadata().map_err(DiskError::io(path, "read"))?.len();
         Ok(ParquetInput {
@@ -57,7 +57,7 @@ impl ParquetInput {
 
     /// Runs a step of the decoder on this file. Some damaged files (with a negative offset in the footer, for example) make the
     /// decoder panic instead of returning an error, and bad input must never end the program.
-    pub(super) fn decode<T, E: ToString>(&self, step: impl FnOnce() -> Result<T, E>) -> Result<T, DiskError> {
+    pub(in crate::disk) fn decode<T, E: ToString>(&self, step: impl FnOnce() -> Result<T, E>) -> Result<T, DiskError> {
         let result = catch_unwind(AssertUnwindSafe(step));
         if let (false, Some(error)) = (matches!(result, Ok(Ok(_))), self.failed.get()) {
             return Err(DiskError::io(&self.path, "read")(copy(error)));
@@ -69,7 +69,7 @@ impl ParquetInput {
     }
 
     /// Checks what the footer says about the size of the content, before anything is decoded.
-    pub(super) fn check_sizes(&self, footer: &ParquetMetaData) -> Result<(), DiskError> {
+    pub(in crate::disk) fn check_sizes(&self, footer: &ParquetMetaData) -> Result<(), DiskError> {
         let size = |number: i64| u64::try_from(number).unwrap_or(u64::MAX);
         let groups = footer.row_groups();
         let rows = groups.iter().map(|group| size(group.num_rows()));
@@ -96,6 +96,11 @@ impl ParquetInput {
         Ok(())
     }
 
+    /// The path.
+    pub(in crate::disk) fn path(&self) -> &Path {
+        &self.path
+    }
+
     fn reader(&self, start: u64) -> io::Result<Reader> {
         let positioned = self.file.try_clone().and_then(|mut file| {
             file.seek(SeekFrom::Start(start))?;
@@ -110,7 +115,7 @@ impl ParquetInput {
 }
 
 /// Whether a column holds text.
-pub(super) fn is_text(column: &ColumnChunkMetaData) -> bool {
+pub(in crate::disk) fn is_text(column: &ColumnChunkMetaData) -> bool {
     matches!(column.column_type(), Type::BYTE_ARRAY | Type::FIXED_LEN_BYTE_ARRAY)
 }
 
@@ -155,7 +160,7 @@ impl ChunkReader for ParquetInput {
 }
 
 /// The error for a file that is not a complete Parquet file.
-pub(super) fn broken(path: &Path, cause: impl ToString) -> DiskError {
+pub(in crate::disk) fn broken(path: &Path, cause: impl ToString) -> DiskError {
     InputError::new(
         path,
         "Parquet",

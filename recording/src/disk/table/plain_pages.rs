@@ -12,24 +12,35 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::{ColumnChunkMetaData, RowGroupMetaData};
 use parquet::file::serialized_reader::SerializedPageReader;
 
-use super::DiskError;
 use super::parquet_input::ParquetInput;
+use crate::disk::DiskError;
+
+/// The chunk of a column in a row group.
+fn chunk_of<'a>(group: &'a RowGroupMetaData, column: &str) -> Option<&'a ColumnChunkMetaData> {
+    let is_it = |chunk: &&ColumnChunkMetaData| chunk.column_path().parts().first().is_some_and(|name| name == column);
+    group.columns().iter().find(is_it)
+}
+
+/// How many bytes a column of double precision takes before compression, according to the footer.
+pub(in crate::disk) fn bytes_of_doubles(group: &RowGroupMetaData, column: &str) -> u64 {
+    let chunk = chunk_of(group, column).filter(|chunk| chunk.column_type() == Type::DOUBLE);
+    chunk.map_or(0, |chunk| u64::try_from(chunk.uncompressed_size()).unwrap_or(0))
+}
 
 /// Writes the numbers of a column in a row group into `to`, in their order. Returns `false` if there are more or fewer
-/// numbers than `to` has places, or if they are not stored as plain numbers without nulls. Arrow's reader then has to
+/// numbers than `to` has places, or if they are not stored as plain numbers without nulls. The column reader then has to
 /// read them, and the content of `to` is unspecified.
 ///
 /// # Errors
 /// [`DiskError::Input`] for damaged files.
-pub(super) fn read<N>(
+pub(in crate::disk) fn read<N>(
     file: &ParquetInput,
     group: &RowGroupMetaData,
     column: &str,
     convert: impl Fn(f64) -> N,
     to: &mut [N],
 ) -> Result<bool, DiskError> {
-    let is_it = |chunk: &&ColumnChunkMetaData| chunk.column_path().parts().first().is_some_and(|name| name == column);
-    let Some(chunk) = group.columns().iter().find(is_it) else {
+    let Some(chunk) = chunk_of(group, column) else {
         return Ok(false);
     };
     let Ok(rows) = usize::try_from(group.num_rows()) else {

@@ -1,0 +1,101 @@
+//! Descriptions of tables: for the Parquet files, the card of a data set and the documents.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::dictionary::Table;
+use super::table::column::{Column, Type};
+use super::table::read::COLUMNS_KEY;
+use super::table::row::{Described, part_names};
+use crate::Category;
+
+/// The codes of the built-in categories and of `further` ones with their names; −1 is none.
+pub(super) fn category_codes(further: &[Category]) -> BTreeMap<i8, String> {
+    let categories = Category::BUILT_IN.iter().chain(further);
+    let codes = categories.map(|category| (category.code(), category.name().to_owned()));
+    codes.chain([(-1, "none".to_owned())]).collect()
+}
+
+/// What the metadata of a file say about a column.
+#[derive(Serialize)]
+struct About {
+    description: &'static str,
+    #[serde(skip_serializing_if = "str::is_empty")]
+    unit: &'static str,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    codes: BTreeMap<i8, String>,
+}
+
+/// The columns of a file with their descriptions, units and codes, as a JSON object; `further` are categories that are
+/// not built in.
+pub(super) fn about(tables: &[&Table], columns: &[Column], further: &[Category]) -> String {
+    let described: Vec<Described> = tables.iter().flat_map(|table| (table.columns)()).collect();
+    let mut all = BTreeMap::new();
+    for column in columns {
+        let Some(found) = described.iter().find(|described| covers(described, &column.name)) else {
+            continue;
+        };
+        let has_codes = found.value == Type::Int8;
+        let about = About {
+            description: found.what,
+            unit: found.unit,
+            codes: if has_codes {
+                category_codes(further)
+            } else {
+                BTreeMap::new()
+            },
+        };
+        all.insert(&column.name, about);
+    }
+    serde_json::to_string(&all).unwrap_or_default()
+}
+
+/// As [`about`], as an entry of the metadata of a file.
+pub(super) fn about_entry(tables: &[&Table], columns: &[Column], further: &[Category]) -> (&'static str, String) {
+    (COLUMNS_KEY, about(tables, columns, further))
+}
+
+/// Whether an entry describes a column of a file.
+pub(super) fn covers(described: &Described, name: &str) -> bool {
+    match described.name.strip_suffix("PATCH") {
+        Some(prefix) => name.starts_with(prefix),
+        None => part_names(described).iter().any(|part| part == name),
+    }
+}
+
+/// A table with its columns in Markdown.
+fn describe(table: &Table) -> String {
+    let Table {
+        name,
+        path,
+        row,
+        columns,
+    } = table;
+    let mut text =
+        format!("\n## {name} (`{path}`)\n\nOne row is {row}.\n\n| column | type | unit | what |\n|---|---|---|---|\n");
+    for column in columns() {
+        text += &format!(
+            "| `{}` | {} | {} | {} |\n",
+            column.name,
+            column.kind(),
+            column.unit,
+            column.what
+        );
+    }
+    text
+}
+
+/// Tables, columns, units and codes in Markdown; `further` are categories that are not built in.
+pub(super) fn describe_tables(tables: &[&Table], further: &[Category]) -> String {
+    let codes: Vec<_> = category_codes(further)
+        .iter()
+        .map(|(code, name)| format!("{code} {name}"))
+        .collect();
+    let codes = codes.join(", ").replace('-', "−");
+    let mut text = format!("Category codes: {codes}. The metadata of the Parquet files have units and codes, too.\n");
+    for table in tables {
+        text += &describe(table);
+    }
+    text
+}

@@ -1,0 +1,90 @@
+//! Rows of a table, column by column.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::column::{Column, Rows, Text, Value};
+use super::row::{Row, part_names};
+use crate::InputError;
+use crate::disk::DiskError;
+
+/// Rows of a table, column by column.
+#[derive(Clone, Debug)]
+pub struct Batch {
+    /// The file, for errors.
+    pub(in crate::disk) path: Arc<Path>,
+    /// Number of rows.
+    pub rows: usize,
+    /// The columns, all with this number of rows.
+    pub columns: Vec<Column>,
+    /// Descriptions, units and codes of the columns: a JSON object with an object for each column. It may be empty.
+    pub about: Text,
+}
+
+impl Batch {
+    /// Rows that are in no file.
+    pub(in crate::disk) fn in_memory(place: &str, columns: Vec<Column>, about: String) -> Self {
+        Batch {
+            path: Path::new(place).into(),
+            rows: columns.first().map_or(0, Column::count),
+            columns,
+            about: about.into(),
+        }
+    }
+
+    /// An error about a column.
+    pub(in crate::disk) fn error(&self, name: &str, found: impl Into<String>, allowed: impl Into<String>) -> DiskError {
+        InputError::new(&*self.path, name, found, allowed, "write or copy the file again").into()
+    }
+
+    /// Whether there is such a column.
+    pub(in crate::disk) fn has(&self, name: &str) -> bool {
+        self.columns.iter().any(|column| column.name == name)
+    }
+
+    /// A column.
+    pub(in crate::disk) fn column(&self, name: &str) -> Result<&Column, DiskError> {
+        let found = self.columns.iter().find(|column| column.name == name);
+        found.ok_or_else(|| self.error(name, "no such column", "a column of this name"))
+    }
+
+    /// The values of a column with `width` of them in each row, none missing.
+    pub(in crate::disk) fn fixed<T: Value>(&self, name: &str, width: usize) -> Result<&[T], DiskError> {
+        let column = self.column(name)?;
+        let allowed = || match width {
+            1 => format!("a column of {} without nulls", T::TYPE.name()),
+            _ => format!("lists of {width} {} without nulls", T::TYPE.name()),
+        };
+        match (T::of(&column.values), &column.rows) {
+            (Some(values), Rows::Fixed(found)) if *found == width => Ok(values),
+            (Some(_), Rows::Optional(_)) => Err(self.error(name, format!("{} nulls", column.missing()), allowed())),
+            _ => Err(self.error(name, format!("a column of {}", column.kind()), allowed())),
+        }
+    }
+
+    /// A whole number that has to fit into another type.
+    pub(in crate::disk) fn index<T: TryFrom<i64>>(
+        &self,
+        name: &str,
+        number: impl Into<i64>,
+        allowed: &str,
+    ) -> Result<T, DiskError> {
+        let number = number.into();
+        T::try_from(number).map_err(|_| self.error(name, number.to_string(), allowed))
+    }
+
+    /// The rows, one by one.
+    pub(in crate::disk) fn rows_as<R: Row>(&self) -> Result<Vec<R>, DiskError> {
+        let mut columns = Vec::new();
+        for described in R::COLUMNS {
+            for name in part_names(described) {
+                let column = self.column(&name)?;
+                described
+                    .fits(column)
+                    .map_err(|(found, allowed)| self.error(&name, found, allowed))?;
+                columns.push(column);
+            }
+        }
+        Ok((0..self.rows).map(|row| R::read(&columns, row)).collect())
+    }
+}

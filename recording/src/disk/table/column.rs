@@ -1,0 +1,200 @@
+//! Columns in memory: typed values, and how they belong to the rows.
+
+use std::sync::Arc;
+
+/// Text, which several rows may share.
+pub type Text = Arc<str>;
+
+macro_rules! types {
+    ($($variant:ident($value:ty), $name:literal;)*) => {
+        /// The type of a value.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(in crate::disk) enum Type {
+            $($variant,)*
+        }
+
+        impl Type {
+            /// Its name in the documents.
+            pub(in crate::disk) fn name(self) -> &'static str {
+                match self {
+                    $(Type::$variant => $name,)*
+                }
+            }
+        }
+
+        /// The values of a column, all of one type.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum Values {
+            $(
+                #[doc = concat!("Values of type `", $name, "`.")]
+                $variant(Vec<$value>),
+            )*
+        }
+
+        impl Values {
+            /// Their type.
+            pub(in crate::disk) fn type_of(&self) -> Type {
+                match self {
+                    $(Values::$variant(_) => Type::$variant,)*
+                }
+            }
+
+            /// One of them as text.
+            fn shown(&self, place: usize) -> String {
+                match self {
+                    $(Values::$variant(values) => values[place].to_string(),)*
+                }
+            }
+
+            /// Their number.
+            pub(in crate::disk) fn len(&self) -> usize {
+                match self {
+                    $(Values::$variant(values) => values.len(),)*
+                }
+            }
+        }
+
+        $(impl Value for $value {
+            const TYPE: Type = Type::$variant;
+
+            fn of(values: &Values) -> Option<&[Self]> {
+                match values {
+                    Values::$variant(values) => Some(values),
+                    _ => None,
+                }
+            }
+
+            fn all(values: Vec<Self>) -> Values {
+                Values::$variant(values)
+            }
+        })*
+    };
+}
+types! {
+    Int8(i8), "int8";
+    Int16(i16), "int16";
+    Int32(i32), "int32";
+    Int64(i64), "int64";
+    Uint32(u32), "uint32";
+    Uint64(u64), "uint64";
+    Float32(f32), "float32";
+    Float64(f64), "float64";
+    Bool(bool), "bool";
+    Text(Text), "text";
+}
+
+/// A value that a column can hold.
+pub(in crate::disk) trait Value: Clone + Default {
+    /// Its type.
+    const TYPE: Type;
+    /// The values of a column, if they are of this type.
+    fn of(values: &Values) -> Option<&[Self]>;
+    /// The values of a column.
+    fn all(values: Vec<Self>) -> Values;
+}
+
+/// How values belong to rows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Rows {
+    /// This many values in each row.
+    Fixed(usize),
+    /// One value in each row. It means nothing where this is `false`: the row has none.
+    Optional(Vec<bool>),
+    /// A list in each row.
+    Lists {
+        /// The end of each list among the values. It begins where the list before it ends.
+        ends: Vec<usize>,
+        /// Whether the row has a list.
+        present: Vec<bool>,
+    },
+}
+
+/// A column of a table. All columns may have missing values, so that the schema does not depend on the rows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Its name.
+    pub name: String,
+    /// Its values, row after row.
+    pub values: Values,
+    /// Their rows.
+    pub rows: Rows,
+}
+
+impl Column {
+    /// A column with `width` values in each row.
+    pub(in crate::disk) fn fixed<T: Value>(name: impl Into<String>, width: usize, values: Vec<T>) -> Self {
+        Column {
+            name: name.into(),
+            values: T::all(values),
+            rows: Rows::Fixed(width),
+        }
+    }
+
+    /// A column with one value in each row.
+    pub(in crate::disk) fn of<T: Value>(name: impl Into<String>, values: impl Iterator<Item = T>) -> Self {
+        Column::fixed(name, 1, values.collect())
+    }
+
+    /// Number of rows.
+    pub fn count(&self) -> usize {
+        match &self.rows {
+            Rows::Fixed(width) => self.values.len() / width.max(&1),
+            Rows::Optional(present) => present.len(),
+            Rows::Lists { ends, .. } => ends.len(),
+        }
+    }
+
+    /// Whether its type in a file is a list.
+    pub(in crate::disk) fn has_lists(&self) -> bool {
+        match self.rows {
+            Rows::Fixed(width) => width > 1,
+            Rows::Optional(_) => false,
+            Rows::Lists { .. } => true,
+        }
+    }
+
+    /// The values of a row; none if the row has no value.
+    pub(in crate::disk) fn row<T: Value>(&self, row: usize) -> Option<&[T]> {
+        let place = match &self.rows {
+            Rows::Fixed(width) => row * width..(row + 1) * width,
+            Rows::Optional(present) => present.get(row)?.then_some(row..row + 1)?,
+            Rows::Lists { ends, present } => {
+                let start = row.checked_sub(1).map_or(0, |before| ends[before]);
+                present.get(row)?.then_some(start..ends[row])?
+            }
+        };
+        T::of(&self.values)?.get(place)
+    }
+
+    /// Whether a row of a plain column has no value.
+    pub(in crate::disk) fn is_missing(&self, row: usize) -> bool {
+        matches!(&self.rows, Rows::Optional(present) if !present[row])
+    }
+
+    /// The value in a row of a plain column as text; empty if it is missing.
+    pub(in crate::disk) fn shown(&self, row: usize) -> String {
+        if self.is_missing(row) {
+            String::new()
+        } else {
+            self.values.shown(row)
+        }
+    }
+
+    /// Number of rows without a value.
+    pub(in crate::disk) fn missing(&self) -> usize {
+        match &self.rows {
+            Rows::Fixed(_) => 0,
+            Rows::Optional(present) | Rows::Lists { present, .. } => present.iter().filter(|there| !**there).count(),
+        }
+    }
+
+    /// Its type, as errors name it.
+    pub(in crate::disk) fn kind(&self) -> String {
+        let name = self.values.type_of().name();
+        match self.rows {
+            Rows::Fixed(1) | Rows::Optional(_) => name.into(),
+            Rows::Fixed(width) => format!("{width} {name} in each row"),
+            Rows::Lists { .. } => format!("lists of {name}"),
+        }
+    }
+}

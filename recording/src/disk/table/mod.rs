@@ -1,0 +1,14 @@
+//! Tables in Parquet files, through Parquet's own column interface.
+//!
+//! A table is described once, by the fields of its rows (`row.rs`). From this follow the columns in memory
+//! (`column.rs`), what is written (`write.rs`) and read (`read.rs`), and the documents.
+
+mod arrow_schema;
+pub(super) mod batch;
+pub(super) mod column;
+mod column_order;
+pub(super) mod parquet_input;
+pub(super) mod plain_pages;
+pub(super) mod read;
+pub(super) mod row;
+pub(super) mod write;

@@ -1,0 +1,434 @@
+//! Reads Parquet files.
+
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+
+use parquet::basic::{ConvertedType, LogicalType, Type as Physical};
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
+use parquet::data_type::DataType;
+use parquet::errors::ParquetError;
+use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader, RowGroupMetaData};
+use parquet::file::serialized_reader::SerializedPageReader;
+use parquet::schema::types::ColumnDescriptor;
+
+use super::batch::Batch;
+use super::column::{Column, Rows, Type, Value, Values};
+use super::parquet_input::{ParquetInput, broken, is_text};
+use super::plain_pages;
+use super::row::Shared;
+use super::write::ROWS_PER_BATCH;
+use crate::InputError;
+use crate::disk::DiskError;
+
+/// Metadata key of the descriptions, units and codes of the columns.
+pub(in crate::disk) const COLUMNS_KEY: &str = "underbrush.columns";
+
+/// Most text that is decoded at once, bytes.
+const TEXT_PER_BATCH_BYTES: i64 = 64 << 20;
+
+/// An open file and its footer.
+#[derive(Clone)]
+pub(in crate::disk) struct ParquetTable {
+    /// The file.
+    pub(in crate::disk) file: ParquetInput,
+    /// Its footer.
+    pub(in crate::disk) footer: Arc<ParquetMetaData>,
+}
+
+/// What to read of a column.
+#[derive(Clone, Copy)]
+pub(in crate::disk) enum Want {
+    /// Nothing.
+    Nothing,
+    /// One value in each row, or lists of any length.
+    All,
+    /// This many values in each row.
+    Fixed(usize),
+}
+
+/// Reads the footer of a file.
+pub(in crate::disk) fn read_footer(file: &ParquetInput) -> Result<Arc<ParquetMetaData>, DiskError> {
+    let footer = file.decode(|| ParquetMetaDataReader::new().parse_and_finish(file))?;
+    file.check_sizes(&footer)?;
+    Ok(Arc::new(footer))
+}
+
+impl ParquetTable {
+    /// Opens a file and reads its footer.
+    pub(in crate::disk) fn open(path: &Path) -> Result<Self, DiskError> {
+        let file = ParquetInput::open(path)?;
+        let footer = read_footer(&file)?;
+        Ok(ParquetTable { file, footer })
+    }
+
+    /// The value of a metadata key.
+    pub(in crate::disk) fn key_value(&self, key: &'static str) -> Result<String, DiskError> {
+        self.find_key(key).map(str::to_owned).ok_or_else(|| {
+            let remedy = "give a file written by underbrush; other programs drop its metadata when they rewrite it";
+            let found = "no such key in the Parquet metadata";
+            InputError::new(self.file.path(), key, found, "a file that has it", remedy).into()
+        })
+    }
+
+    fn find_key(&self, key: &str) -> Option<&str> {
+        let pairs = self.footer.file_metadata().key_value_metadata()?;
+        pairs.iter().find(|pair| pair.key == key)?.value.as_deref()
+    }
+
+    /// Number of rows in a row group.
+    pub(in crate::disk) fn rows_of(&self, group: usize) -> usize {
+        usize::try_from(self.footer.row_group(group).num_rows()).unwrap_or(0)
+    }
+
+    /// All rows in batches, up to the first error, with the columns that `want` names.
+    pub(in crate::disk) fn batches<'a>(&'a self, want: &'a dyn Fn(&str) -> Want) -> Batches<'a> {
+        Batches {
+            table: self,
+            want,
+            group: 0,
+            left: 0,
+            columns: Vec::new(),
+        }
+    }
+
+    /// The columns of a row group that `want` names, from the first row on.
+    fn open_columns(&self, group: usize, want: &dyn Fn(&str) -> Want) -> Result<Vec<ColumnValues>, DiskError> {
+        let chunks = self.footer.row_group(group).columns().iter().enumerate();
+        let wanted = chunks.filter_map(|(place, chunk)| {
+            let want = want(chunk.column_path().parts().first()?);
+            (!matches!(want, Want::Nothing)).then(|| ColumnValues::open(self, group, place, want))
+        });
+        wanted.collect()
+    }
+
+    /// Some rows of a row group at once, with the columns that `want` names.
+    pub(in crate::disk) fn batch(
+        &self,
+        group: usize,
+        rows: Range<usize>,
+        want: &dyn Fn(&str) -> Want,
+    ) -> Result<Batch, DiskError> {
+        let metadata = self.footer.row_group(group);
+        let whole = rows == (0..self.rows_of(group));
+        let mut columns = Vec::new();
+        for mut values in self.open_columns(group, want)? {
+            let plain = match values.want {
+                Want::Fixed(width) if whole => self.plain(metadata, &values.name, width * rows.len())?,
+                _ => None,
+            };
+            columns.push(match (plain, values.want) {
+                (Some(numbers), Want::Fixed(width)) => Column::fixed(values.name, width, numbers),
+                _ => {
+                    // The rows before are decoded in vain.
+                    values.next(rows.start)?;
+                    values.next(rows.len())?
+                }
+            });
+        }
+        Ok(self.batch_of(rows.len(), columns))
+    }
+
+    fn batch_of(&self, rows: usize, columns: Vec<Column>) -> Batch {
+        Batch {
+            path: self.file.path().into(),
+            rows,
+            columns,
+            about: self.find_key(COLUMNS_KEY).unwrap_or_default().into(),
+        }
+    }
+
+    /// Number of rows of a row group that may be decoded at once.
+    fn rows_at_once(&self, group: usize) -> usize {
+        let texts = self
+            .footer
+            .row_group(group)
+            .columns()
+            .iter()
+            .filter(|column| is_text(column));
+        let largest = texts.map(|column| column.uncompressed_size()).max().unwrap_or(0);
+        // A dictionary may hold one long text that every row repeats.
+        let rows = usize::try_from(TEXT_PER_BATCH_BYTES / largest.max(1)).unwrap_or(1);
+        rows.clamp(1, ROWS_PER_BATCH)
+    }
+
+    /// The numbers of a column of double precision, if they are stored plainly.
+    fn plain(&self, group: &RowGroupMetaData, name: &str, count: usize) -> Result<Option<Vec<f64>>, DiskError> {
+        // A footer may promise more rows than the file can have.
+        if u64::try_from(count).unwrap_or(u64::MAX).saturating_mul(8) > plain_pages::bytes_of_doubles(group, name) {
+            return Ok(None);
+        }
+        let mut numbers = vec![0.0; count];
+        let done = plain_pages::read(&self.file, group, name, |number| number, &mut numbers)?;
+        Ok(done.then_some(numbers))
+    }
+}
+
+/// The rows of a file, batch by batch.
+pub(in crate::disk) struct Batches<'a> {
+    table: &'a ParquetTable,
+    want: &'a dyn Fn(&str) -> Want,
+    /// The next row group.
+    group: usize,
+    /// Rows that are left in the current one.
+    left: usize,
+    columns: Vec<ColumnValues>,
+}
+
+impl Batches<'_> {
+    fn read(&mut self) -> Result<Option<Batch>, DiskError> {
+        while self.left == 0 {
+            if self.group == self.table.footer.num_row_groups() {
+                return Ok(None);
+            }
+            self.columns = self.table.open_columns(self.group, self.want)?;
+            self.left = self.table.rows_of(self.group);
+            self.group += 1;
+        }
+        let rows = self.left.min(self.table.rows_at_once(self.group - 1));
+        let columns = self
+            .columns
+            .iter_mut()
+            .map(|column| column.next(rows))
+            .collect::<Result<_, _>>()?;
+        self.left -= rows;
+        Ok(Some(self.table.batch_of(rows, columns)))
+    }
+}
+
+impl Iterator for Batches<'_> {
+    type Item = Result<Batch, DiskError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let batch = self.read().transpose();
+        if matches!(batch, Some(Err(_))) {
+            (self.group, self.left) = (self.table.footer.num_row_groups(), 0);
+        }
+        batch
+    }
+}
+
+/// Lists that all have this length become rows of this width.
+fn fixed_if_possible(rows: Rows, width: usize) -> Rows {
+    match rows {
+        Rows::Lists { ends, present }
+            if width > 1
+                && present.iter().all(|present| *present)
+                && ends.iter().enumerate().all(|(row, end)| *end == (row + 1) * width) =>
+        {
+            Rows::Fixed(width)
+        }
+        other => other,
+    }
+}
+
+/// The type of the values of a column; `None` if it is not one that columns here have.
+fn type_of(column: &ColumnDescriptor) -> Option<Type> {
+    use ConvertedType as Converted;
+    let logical = column.logical_type_ref();
+    let bits = match (logical, column.converted_type()) {
+        (Some(LogicalType::Integer(integer)), _) => Some((integer.bit_width, integer.is_signed)),
+        (Some(_), _) => None,
+        (None, Converted::INT_8) => Some((8, true)),
+        (None, Converted::INT_16) => Some((16, true)),
+        (None, Converted::UINT_8 | Converted::UINT_16 | Converted::UINT_32) => Some((32, false)),
+        (None, Converted::UINT_64) => Some((64, false)),
+        (None, Converted::NONE | Converted::INT_32 | Converted::INT_64) => Some((64, true)),
+        (None, _) => None,
+    };
+    match (column.physical_type(), bits) {
+        (Physical::INT32, Some((8, true))) => Some(Type::Int8),
+        (Physical::INT32, Some((16, true))) => Some(Type::Int16),
+        (Physical::INT32, Some((_, true))) => Some(Type::Int32),
+        (Physical::INT32, Some((_, false))) => Some(Type::Uint32),
+        (Physical::INT64, Some((_, true))) => Some(Type::Int64),
+        (Physical::INT64, Some((_, false))) => Some(Type::Uint64),
+        (Physical::FLOAT, _) if logical.is_none() => Some(Type::Float32),
+        (Physical::DOUBLE, _) if logical.is_none() => Some(Type::Float64),
+        (Physical::BOOLEAN, _) if logical.is_none() => Some(Type::Bool),
+        (Physical::BYTE_ARRAY, _) => {
+            let text = match logical {
+                Some(logical) => matches!(logical, LogicalType::String | LogicalType::Enum | LogicalType::Json),
+                None => matches!(
+                    column.converted_type(),
+                    Converted::UTF8 | Converted::ENUM | Converted::JSON
+                ),
+            };
+            text.then_some(Type::Text)
+        }
+        _ => None,
+    }
+}
+
+/// The values of a column in a row group, from the first row on.
+struct ColumnValues {
+    file: ParquetInput,
+    name: String,
+    want: Want,
+    kind: Option<Type>,
+    /// Its largest definition level: 1 in a plain column, 3 in a column of lists.
+    level: i16,
+    reader: ColumnReader,
+}
+
+impl ColumnValues {
+    /// Opens a column by its place among the columns of the file.
+    fn open(table: &ParquetTable, group: usize, place: usize, want: Want) -> Result<Self, DiskError> {
+        let metadata = table.footer.row_group(group);
+        let chunk = metadata.column(place);
+        let column = chunk.column_descr_ptr();
+        let name = column.path().parts().first().cloned().unwrap_or_default();
+        let nested = match column.max_rep_level() {
+            0 => column.path().parts().len() > 1,
+            1 => column.path().parts().len() != 3 || column.max_def_level() != 3,
+            _ => true,
+        };
+        if nested {
+            return Err(unknown(table.file.path(), &name, "a column of groups"));
+        }
+        let file = table.file.clone();
+        let rows = table.rows_of(group);
+        let reader = file.decode(|| -> Result<_, ParquetError> {
+            let pages = SerializedPageReader::new(Arc::new(file.clone()), chunk, rows, None)?;
+            Ok(get_column_reader(Arc::clone(&column), Box::new(pages)))
+        })?;
+        Ok(ColumnValues {
+            kind: type_of(&column),
+            level: column.max_def_level(),
+            reader,
+            name,
+            want,
+            file,
+        })
+    }
+
+    /// The next rows.
+    fn next(&mut self, rows: usize) -> Result<Column, DiskError> {
+        use ColumnReader as From;
+        let ColumnValues {
+            file,
+            name,
+            kind,
+            level,
+            reader,
+            want,
+        } = self;
+        let path = file.path().to_path_buf();
+        let refused = |found: &str| unknown(&path, name, found);
+        let mut shared = Shared::default();
+        macro_rules! read {
+            ($reader:ident, $convert:expr) => {{
+                let levels = file.decode(|| Levels::read($reader, rows))?;
+                require_rows(file, name, levels.rows, rows)?;
+                levels.spread(*level, $convert).map_err(|found| refused(found))
+            }};
+        }
+        macro_rules! read_nothing {
+            ($reader:ident: $($variant:ident),*) => {
+                match $reader {
+                    $(From::$variant(reader) => read!(reader, |_| None::<f64>),)*
+                }
+            };
+        }
+        let (values, rows) = match (reader, *kind) {
+            (From::Int32ColumnReader(reader), Some(Type::Int8)) => read!(reader, |value| i8::try_from(value).ok())?,
+            (From::Int32ColumnReader(reader), Some(Type::Int16)) => read!(reader, |value| i16::try_from(value).ok())?,
+            (From::Int32ColumnReader(reader), Some(Type::Int32)) => read!(reader, Some)?,
+            (From::Int32ColumnReader(reader), Some(Type::Uint32)) => read!(reader, |value| Some(value as u32))?,
+            (From::Int64ColumnReader(reader), Some(Type::Int64)) => read!(reader, Some)?,
+            (From::Int64ColumnReader(reader), Some(Type::Uint64)) => read!(reader, |value| Some(value as u64))?,
+            (From::FloatColumnReader(reader), Some(_)) => read!(reader, Some)?,
+            (From::DoubleColumnReader(reader), Some(_)) => read!(reader, Some)?,
+            (From::BoolColumnReader(reader), Some(_)) => read!(reader, Some)?,
+            (From::ByteArrayColumnReader(reader), Some(_)) => read!(reader, |bytes| {
+                Some(shared.text(std::str::from_utf8(bytes.data()).ok()?))
+            })?,
+            // A column of another type may have no values, as that of pandas without any.
+            (reader, _) => read_nothing!(
+                reader: BoolColumnReader, Int32ColumnReader, Int64ColumnReader, Int96ColumnReader, FloatColumnReader,
+                DoubleColumnReader, ByteArrayColumnReader, FixedLenByteArrayColumnReader
+            )?,
+        };
+        let rows = match want {
+            Want::Fixed(width) => fixed_if_possible(rows, *width),
+            _ => rows,
+        };
+        Ok(Column {
+            name: name.clone(),
+            values,
+            rows,
+        })
+    }
+}
+
+fn unknown(path: &Path, name: &str, found: &str) -> DiskError {
+    let remedy = "cast the column before writing the table";
+    let allowed = "a column of integers, floating-point numbers or text";
+    InputError::new(path, name, found, allowed, remedy).into()
+}
+
+fn require_rows(file: &ParquetInput, name: &str, found: usize, expected: usize) -> Result<(), DiskError> {
+    if found == expected {
+        return Ok(());
+    }
+    let found = format!("{found} of {expected} rows in the column {name}");
+    Err(broken(file.path(), found))
+}
+
+/// Values as Parquet stores them: without the missing ones, with the levels that say which are missing and where rows
+/// begin.
+struct Levels<T> {
+    values: Vec<T>,
+    definition: Vec<i16>,
+    repetition: Vec<i16>,
+    rows: usize,
+}
+
+impl<T> Levels<T> {
+    fn read<D: DataType<T = T>>(reader: &mut ColumnReaderImpl<D>, rows: usize) -> Result<Self, ParquetError> {
+        let (mut values, mut definition, mut repetition) = (Vec::new(), Vec::new(), Vec::new());
+        let (rows, ..) = reader.read_records(rows, Some(&mut definition), Some(&mut repetition), &mut values)?;
+        Ok(Levels {
+            values,
+            definition,
+            repetition,
+            rows,
+        })
+    }
+
+    /// The values row by row; `level` is the definition level of a value that is there. The error says what a value is
+    /// that `convert` cannot convert.
+    fn spread<V: Value>(self, level: i16, convert: impl FnMut(T) -> Option<V>) -> Result<(Values, Rows), &'static str> {
+        let values: Option<Vec<V>> = self.values.into_iter().map(convert).collect();
+        let values = values.ok_or("values of another type")?;
+        // Columns without missing values may have no levels.
+        if level == 0 || (level == 1 && values.len() == self.definition.len()) {
+            return Ok((V::all(values), Rows::Fixed(1)));
+        }
+        if level == 1 {
+            let mut there = values.into_iter();
+            let value = |found: &i16| if *found == 1 { there.next() } else { None };
+            let spread: Vec<Option<V>> = self.definition.iter().map(value).collect();
+            let present = spread.iter().map(Option::is_some).collect();
+            let values = spread.into_iter().map(Option::unwrap_or_default).collect();
+            return Ok((V::all(values), Rows::Optional(present)));
+        }
+        let (mut ends, mut present) = (Vec::with_capacity(self.rows), Vec::with_capacity(self.rows));
+        let mut end = 0;
+        for (definition, repetition) in self.definition.iter().zip(&self.repetition) {
+            if *repetition == 0 {
+                ends.push(end);
+                present.push(*definition > 0);
+            }
+            match definition {
+                3 => end += 1,
+                2 => return Err("lists with nulls"),
+                _ => {}
+            }
+            if let Some(last) = ends.last_mut() {
+                *last = end;
+            }
+        }
+        Ok((V::all(values), Rows::Lists { ends, present }))
+    }
+}

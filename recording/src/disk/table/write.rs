@@ -1,0 +1,294 @@
+//! Writes Parquet files.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use bytes::Bytes;
+use parquet::basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel};
+use parquet::column::writer::{ColumnWriter, ColumnWriterImpl, get_column_writer};
+use parquet::data_type::{ByteArray, DataType};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesBuilder};
+use parquet::file::writer::{SerializedFileWriter, SerializedPageWriter, TrackedWrite};
+use parquet::schema::types::{ColumnPath, Type as Schema, TypePtr};
+
+use super::column::{Column, Rows, Text, Type, Values};
+use super::{arrow_schema, column_order};
+use crate::disk::whole_file::{self, TemporaryFile};
+use crate::disk::{DiskError, seal};
+
+/// Number of rows that are encoded or decoded together. With 453 taxels their dense columns take about 15 MB.
+pub(in crate::disk) const ROWS_PER_BATCH: usize = 1024;
+
+/// The column with the episode of a row.
+pub(in crate::disk) const EPISODE_COLUMN: &str = "episode_index";
+
+/// A page ends at about this many values.
+const VALUES_PER_PAGE: usize = 20_000;
+/// The size of a page is looked at after about this many values, if they are not of a plain column without nulls.
+const VALUES_PER_LOOK: usize = 1024;
+
+/// The type of a column in the schema of a file.
+fn schema_of(column: &Column) -> Result<TypePtr, ParquetError> {
+    let integer = |bit_width, is_signed| Some(LogicalType::integer(bit_width, is_signed));
+    let (physical, logical) = match column.values.type_of() {
+        Type::Int8 => (Physical::INT32, integer(8, true)),
+        Type::Int16 => (Physical::INT32, integer(16, true)),
+        Type::Int32 => (Physical::INT32, None),
+        Type::Int64 => (Physical::INT64, None),
+        Type::Uint32 => (Physical::INT32, integer(32, false)),
+        Type::Uint64 => (Physical::INT64, integer(64, false)),
+        Type::Float32 => (Physical::FLOAT, None),
+        Type::Float64 => (Physical::DOUBLE, None),
+        Type::Bool => (Physical::BOOLEAN, None),
+        Type::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
+    };
+    let lists = column.has_lists();
+    let value = Schema::primitive_type_builder(if lists { "item" } else { &column.name }, physical)
+        .with_repetition(Repetition::OPTIONAL)
+        .with_logical_type(logical)
+        .build()?;
+    if !lists {
+        return Ok(Arc::new(value));
+    }
+    let list = Schema::group_type_builder("list")
+        .with_repetition(Repetition::REPEATED)
+        .with_fields(vec![Arc::new(value)])
+        .build()?;
+    let lists = Schema::group_type_builder(&column.name)
+        .with_repetition(Repetition::OPTIONAL)
+        .with_logical_type(Some(LogicalType::List))
+        .with_fields(vec![Arc::new(list)])
+        .build()?;
+    Ok(Arc::new(lists))
+}
+
+/// How the columns are encoded before compression: integers, which mostly count up, as differences; text by dictionary,
+/// because it repeats; single precision, which is used for poses that change little from row to row, by byte streams.
+/// fastparquet cannot read byte streams, but a set of leaves would be 13 % larger without them.
+fn encodings(columns: &[Column]) -> WriterPropertiesBuilder {
+    let mut builder = WriterProperties::builder();
+    for column in columns {
+        let path = match column.has_lists() {
+            true => vec![column.name.clone(), "list".into(), "item".into()],
+            false => vec![column.name.clone()],
+        };
+        let path = ColumnPath::new(path);
+        builder = match column.values.type_of() {
+            Type::Int8 | Type::Int16 | Type::Int32 | Type::Int64 => {
+                builder.set_column_encoding(path, Encoding::DELTA_BINARY_PACKED)
+            }
+            Type::Float32 => builder.set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT),
+            Type::Text => builder.set_column_dictionary_enabled(path, true),
+            Type::Uint32 | Type::Uint64 | Type::Float64 | Type::Bool => builder,
+        };
+    }
+    builder
+}
+
+/// A Parquet file (zstd) that is being written. It gets its name when it is closed.
+pub(in crate::disk) struct ParquetFile {
+    path: PathBuf,
+    writer: SerializedFileWriter<TemporaryFile>,
+    /// Whether it will contain its own hash.
+    sealed: bool,
+}
+
+impl ParquetFile {
+    /// Creates a file for columns like these with key-value metadata. If [`seal::unsealed`] is among them, the file
+    /// will contain its own hash.
+    pub(in crate::disk) fn create(
+        path: &Path,
+        columns: &[Column],
+        key_values: impl IntoIterator<Item = (&'static str, String)>,
+    ) -> Result<Self, DiskError> {
+        let key_values: Vec<_> = key_values
+            .into_iter()
+            .chain(arrow_schema::entry(columns))
+            .map(|(key, value)| KeyValue::new(key.to_string(), value))
+            .collect();
+        let sealed = key_values.iter().any(|pair| pair.key == seal::SEAL_KEY);
+        let properties = encodings(columns)
+            .set_compression(Compression::ZSTD(ZstdLevel::default()))
+            // Forces and angles hardly repeat, except for zeros, which zstd compresses well.
+            .set_dictionary_enabled(false)
+            .set_write_batch_size(VALUES_PER_PAGE)
+            .set_data_page_row_count_limit(VALUES_PER_PAGE)
+            // The minimum and maximum of a list column do not help a reader, and take time and space. The minimum and
+            // maximum of the episode column let a reader skip all row groups except one.
+            .set_statistics_enabled(EnabledStatistics::None)
+            .set_column_statistics_enabled(ColumnPath::from(EPISODE_COLUMN), EnabledStatistics::Chunk)
+            .set_key_value_metadata(Some(key_values))
+            .build();
+        let fields = columns.iter().map(schema_of).collect::<Result<_, _>>();
+        let schema = fields.and_then(|fields| Schema::group_type_builder("schema").with_fields(fields).build());
+        let schema = schema.map_err(DiskError::encode(path))?;
+        let writer = SerializedFileWriter::new(whole_file::begin(path)?, Arc::new(schema), Arc::new(properties))
+            .map_err(DiskError::encode(path))?;
+        Ok(ParquetFile {
+            path: path.to_path_buf(),
+            writer,
+            sealed,
+        })
+    }
+
+    /// Writes a row group, unless it has no rows. Its rows come in batches; only what is encoded is kept in memory.
+    pub(in crate::disk) fn write_group(
+        &mut self,
+        batches: impl IntoIterator<Item = Result<Vec<Column>, DiskError>>,
+    ) -> Result<(), DiskError> {
+        let encode = || DiskError::encode(&self.path);
+        let properties = Arc::clone(self.writer.properties());
+        let columns = self.writer.schema_descr().columns().to_vec();
+        let mut chunks: Vec<_> = columns.iter().map(|_| TrackedWrite::new(Vec::new())).collect();
+        let pages = chunks
+            .iter_mut()
+            .map(|chunk| Box::new(SerializedPageWriter::new(chunk)));
+        let mut writers: Vec<_> = columns
+            .into_iter()
+            .zip(pages)
+            .map(|(column, pages)| get_column_writer(column, Arc::clone(&properties), pages))
+            .collect();
+        let mut rows = 0;
+        for batch in batches {
+            let batch = batch?;
+            rows += batch.first().map_or(0, Column::count);
+            for (writer, column) in writers.iter_mut().zip(&batch) {
+                put(writer, column).map_err(encode())?;
+            }
+        }
+        if rows == 0 {
+            return Ok(());
+        }
+        let closed = writers
+            .into_iter()
+            .map(ColumnWriter::close)
+            .collect::<Result<Vec<_>, _>>();
+        let closed = closed.map_err(encode())?;
+        let path = &self.path;
+        let append = || -> Result<(), ParquetError> {
+            let mut group = self.writer.next_row_group()?;
+            for (chunk, closed) in chunks.into_iter().zip(closed) {
+                group.append_column(&Bytes::from(chunk.into_inner()?), closed)?;
+            }
+            group.close()?;
+            Ok(())
+        };
+        append().map_err(DiskError::encode(path))
+    }
+
+    /// Writes the footer and gives the file its name.
+    pub(in crate::disk) fn close(self) -> Result<(), DiskError> {
+        let mut temporary = self.writer.into_inner().map_err(DiskError::encode(&self.path))?;
+        let file = temporary.as_file_mut();
+        column_order::declare_usual(file)
+            .and_then(|()| if self.sealed { seal::seal(file) } else { Ok(()) })
+            .map_err(DiskError::io(&self.path, "write"))?;
+        whole_file::commit(temporary, &self.path)
+    }
+}
+
+/// Writes a table of one batch.
+pub(in crate::disk) fn write_table(
+    path: &Path,
+    columns: Vec<Column>,
+    key_values: impl IntoIterator<Item = (&'static str, String)>,
+) -> Result<(), DiskError> {
+    let mut file = ParquetFile::create(path, &columns, key_values)?;
+    file.write_group([Ok(columns)])?;
+    file.close()
+}
+
+/// Appends values to a column of a row group.
+fn put(writer: &mut ColumnWriter, column: &Column) -> Result<(), ParquetError> {
+    use ColumnWriter as To;
+    let rows = &column.rows;
+    match (writer, &column.values) {
+        (To::Int32ColumnWriter(to), Values::Int8(values)) => put_typed(to, values, rows, |value| i32::from(*value)),
+        (To::Int32ColumnWriter(to), Values::Int16(values)) => put_typed(to, values, rows, |value| i32::from(*value)),
+        (To::Int32ColumnWriter(to), Values::Int32(values)) => put_typed(to, values, rows, |value| *value),
+        (To::Int32ColumnWriter(to), Values::Uint32(values)) => put_typed(to, values, rows, |value| *value as i32),
+        (To::Int64ColumnWriter(to), Values::Int64(values)) => put_typed(to, values, rows, |value| *value),
+        (To::Int64ColumnWriter(to), Values::Uint64(values)) => put_typed(to, values, rows, |value| *value as i64),
+        (To::FloatColumnWriter(to), Values::Float32(values)) => put_typed(to, values, rows, |value| *value),
+        (To::DoubleColumnWriter(to), Values::Float64(values)) => put_typed(to, values, rows, |value| *value),
+        (To::BoolColumnWriter(to), Values::Bool(values)) => put_typed(to, values, rows, |value| *value),
+        (To::ByteArrayColumnWriter(to), Values::Text(values)) => {
+            let mut last: Option<(&Text, ByteArray)> = None;
+            put_typed(to, values, rows, |value| match &last {
+                Some((text, bytes)) if Text::ptr_eq(text, value) => bytes.clone(),
+                _ => last
+                    .insert((value, ByteArray::from(value.as_bytes().to_vec())))
+                    .1
+                    .clone(),
+            })
+        }
+        _ => Err(ParquetError::General(format!(
+            "a column {} of another type",
+            column.name
+        ))),
+    }
+}
+
+/// Appends values of one type. A definition level says whether a value is there: 1 if it is, in a plain column; in a
+/// column of lists 0 for no list, 1 for an empty list, and 3 for a value. A repetition level is 0 where a row begins.
+fn put_typed<'a, T: DataType, V>(
+    writer: &mut ColumnWriterImpl<T>,
+    values: &'a [V],
+    rows: &Rows,
+    mut convert: impl FnMut(&'a V) -> T::T,
+) -> Result<(), ParquetError> {
+    match rows {
+        Rows::Fixed(1) => {
+            for values in values.chunks(VALUES_PER_PAGE) {
+                let converted: Vec<_> = values.iter().map(&mut convert).collect();
+                writer.write_batch(&converted, Some(&vec![1; values.len()]), None)?;
+            }
+        }
+        Rows::Fixed(width) => {
+            let step = VALUES_PER_LOOK.div_ceil(*width) * width;
+            let definition = vec![3; step];
+            let repetition: Vec<i16> = (0..step).map(|place| i16::from(place % width > 0)).collect();
+            for values in values.chunks(step) {
+                let converted: Vec<_> = values.iter().map(&mut convert).collect();
+                let (definition, repetition) = (&definition[..values.len()], &repetition[..values.len()]);
+                writer.write_batch(&converted, Some(definition), Some(repetition))?;
+            }
+        }
+        Rows::Optional(present) => {
+            let mixed = present.contains(&true) && present.contains(&false);
+            let step = if mixed { VALUES_PER_LOOK } else { VALUES_PER_PAGE };
+            for (values, present) in values.chunks(step).zip(present.chunks(step)) {
+                let there = values.iter().zip(present).filter(|(_, present)| **present);
+                let converted: Vec<_> = there.map(|(value, _)| convert(value)).collect();
+                let definition: Vec<i16> = present.iter().map(|present| i16::from(*present)).collect();
+                writer.write_batch(&converted, Some(&definition), None)?;
+            }
+        }
+        Rows::Lists { ends, present } => {
+            let (mut definition, mut repetition, mut converted) = (Vec::new(), Vec::new(), Vec::new());
+            let mut start = 0;
+            for (row, (&end, &present)) in ends.iter().zip(present).enumerate() {
+                let list = &values[start..end];
+                start = end;
+                converted.extend(list.iter().map(&mut convert));
+                if list.is_empty() {
+                    definition.push(i16::from(present));
+                    repetition.push(0);
+                } else {
+                    definition.resize(definition.len() + list.len(), 3);
+                    repetition.push(0);
+                    repetition.resize(definition.len(), 1);
+                }
+                if definition.len() >= VALUES_PER_LOOK || row + 1 == ends.len() {
+                    writer.write_batch(&converted, Some(&definition), Some(&repetition))?;
+                    definition.clear();
+                    repetition.clear();
+                    converted.clear();
+                }
+            }
+        }
+    }
+    Ok(())
+}
