@@ -229,8 +229,8 @@ impl Column {
         }
     }
 
-    /// A column of numbers without nulls. `single` says whether numbers in double precision become single precision; if
-    /// it is not given, they stay double.
+    /// A column of numbers without nulls. `single` says whether floating-point numbers become single or double precision;
+    /// if it is not given, they stay as they are.
     ///
     /// # Errors
     /// [`Failure::Input`] for an unknown column, and one that does not hold numbers.
@@ -268,6 +268,10 @@ impl Column {
                 let single = |from: &[f64], to: &mut Vec<f32>| to.extend(from.iter().map(|number| *number as f32));
                 collect::<Float64Type, f32>(batches, name, single).map(|(numbers, width)| (numbers.into(), width))
             }
+            (DataType::Float32, Some(false)) => {
+                let double = |from: &[f32], to: &mut Vec<f64>| to.extend(from.iter().map(|number| f64::from(*number)));
+                collect::<Float32Type, f64>(batches, name, double).map(|(numbers, width)| (numbers.into(), width))
+            }
             (DataType::Float64, _) => plain!(Float64Type),
             (DataType::Float32, _) => plain!(Float32Type),
             (DataType::Int64, _) => plain!(Int64Type),
@@ -295,7 +299,7 @@ impl Column {
     /// # Errors
     /// As [`Column::of`], and those of reading.
     pub fn of_reaches(dataset: &Dataset, reaches: &[usize], name: &str, single: Option<bool>) -> Result<Self, Failure> {
-        let Some(width) = dataset.width_of_doubles(name) else {
+        let Some((width, stored_single)) = dataset.width_of_floats(name) else {
             let batches: Result<Vec<_>, Failure> = reaches
                 .par_iter()
                 .map(|reach| Ok(dataset.read_columns(*reach, &[name])?))
@@ -303,9 +307,9 @@ impl Column {
             let batches = batches?.concat().into_iter().map(record_batch);
             return Column::of(&batches.collect::<Result<Vec<_>, _>>()?, name, single);
         };
-        let numbers: Store = match single {
-            Some(true) => joined(dataset, reaches, (name, width), |number| number as f32)?.into(),
-            _ => joined(dataset, reaches, (name, width), |number| number)?.into(),
+        let numbers: Store = match single.unwrap_or(stored_single) {
+            true => joined(dataset, reaches, (name, width), |number| number as f32)?.into(),
+            false => joined(dataset, reaches, (name, width), |number| number)?.into(),
         };
         let rows = frames(dataset, reaches).sum();
         let shape = if width == 1 { vec![rows] } else { vec![rows, width] };
@@ -370,7 +374,7 @@ fn joined<N: Clone + Default + Send>(
         rest = after;
     }
     let read = |(reach, part): (usize, &mut [N])| -> Result<(), Failure> {
-        Ok(dataset.read_doubles(reach, name, &convert, part)?)
+        Ok(dataset.read_floats(reach, name, &convert, part)?)
     };
     parts.into_par_iter().try_for_each(read)?;
     Ok(numbers)

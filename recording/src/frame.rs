@@ -101,7 +101,7 @@ pub struct TaxelReading {
     pub true_normal_force_n: f64,
     /// Ground truth: force on the taxel along its two tangents (`tangent`, `normal × tangent`), N.
     pub true_shear_force_n: [f64; 2],
-    /// The sensor's reading of the normal force, N.
+    /// The sensor's reading of the normal force, N. Files keep it in single precision, and the simulated sensors report it so.
     pub sensed_force_n: f64,
     /// Ground truth: index in [`crate::reach::Recording::objects`] of the object that presses hardest on this taxel.
     /// `None` if nothing touches it, as when a reading comes from noise, crosstalk or creep.

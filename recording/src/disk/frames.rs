@@ -10,7 +10,7 @@ use glam::{DQuat, DVec3};
 
 use super::DiskError;
 use super::table::batch::Batch;
-use super::table::column::{Column, Rows, Type, Value};
+use super::table::column::{Column, Rows, Type, Value, Values};
 use super::table::read::Want;
 use super::table::row::{Described, Width};
 use crate::{Frame, Pose, Recording, SkinLayout, TaxelReading, TrackPoint};
@@ -212,13 +212,14 @@ pub(super) static FRAME_COLUMNS: &[FrameColumn] = frame_columns! {
         take |recording, place, from| {
             set(&mut recording.frames[place.frame].patch_pose_world[place.patch], pose(from))
         };
-    "observation.tactile.PATCH": Width::Taxels(1), f64, "N", "normal force that each taxel reports, by taxel index";
+    "observation.tactile.PATCH": Width::Taxels(1), f32, "N", "normal force that each taxel reports, by taxel index";
         give_rows give |rows, place, to| {
-            rows.readings(place).for_each(|reading| to[usize::from(reading.taxel)] = reading.sensed_force_n);
+            rows.readings(place).for_each(|reading| to[usize::from(reading.taxel)] = reading.sensed_force_n as f32);
         };
         take |recording, place, from| {
-            for (taxel, force_n) in from.iter().enumerate().filter(|(_, force_n)| !is_nothing(**force_n)) {
-                reading_of(recording, place, taxel).sensed_force_n = *force_n;
+            let forces = from.iter().map(|force_n| f64::from(*force_n)).enumerate();
+            for (taxel, force_n) in forces.filter(|(_, force_n)| !is_nothing(*force_n)) {
+                reading_of(recording, place, taxel).sensed_force_n = force_n;
             }
             Ok(())
         };
@@ -279,6 +280,19 @@ impl Feature {
         let Some(take) = self.column.take else { return Ok(()) };
         let column = batch.column(&self.name)?;
         let described = &self.column.described;
+        let single;
+        let column = match (&column.values, described.value) {
+            // Sets of version 0.1.0 have forces in double precision, and other programs may write all numbers so.
+            (Values::Float64(values), Type::Float32) => {
+                single = Column {
+                    name: column.name.clone(),
+                    values: Values::Float32(values.iter().map(|number| *number as f32).collect()),
+                    rows: column.rows.clone(),
+                };
+                &single
+            }
+            _ => column,
+        };
         let fits = match self.width {
             Some(width) if column.rows != Rows::Fixed(width) || column.values.type_of() != described.value => {
                 let nulls = column.missing();

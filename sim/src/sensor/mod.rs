@@ -108,9 +108,8 @@ impl Sensor {
             }
         }
         for (reading, dead) in newest.iter_mut().zip(&self.dead) {
-            if *dead {
-                *reading = 0.0;
-            }
+            // Data sets store readings in single precision. Who feels them while the arm moves gets the same numbers.
+            *reading = if *dead { 0.0 } else { f64::from(*reading as f32) };
         }
         self.true_force_n.fill(0.0);
     }

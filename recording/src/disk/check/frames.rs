@@ -62,7 +62,8 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
             reading.true_normal_force_n,
             first_shear,
             second_shear,
-            reading.sensed_force_n,
+            // As files store it.
+            f64::from(reading.sensed_force_n as f32),
         ];
         finite(forces, field)?;
         let something = reading.object.is_some() || forces.iter().any(|&force| force != 0.0);

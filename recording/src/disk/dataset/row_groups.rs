@@ -149,7 +149,9 @@ impl Footers {
         let ParquetTable { file, footer } = self.open(path)?;
         match row_groups_of(&footer, episode)[..] {
             [group] if holds_one_episode(&footer, group) => {
-                plain_pages::read(&file, footer.row_group(group), column, convert, to)
+                let group = footer.row_group(group);
+                Ok(plain_pages::read(&file, group, column, &convert, to)?
+                    || plain_pages::read(&file, group, column, |number: f32| convert(number.into()), to)?)
             }
             _ => Ok(false),
         }

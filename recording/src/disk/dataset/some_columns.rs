@@ -29,19 +29,24 @@ impl Dataset {
         self.read_rows(index, &FRAMES, Some(columns))
     }
 
-    /// How many numbers each row of a column of `data/` has; `None` for an unknown column, and for numbers that are not
-    /// double precision.
-    pub fn width_of_doubles(&self, column: &str) -> Option<usize> {
+    /// How many floating-point numbers each row of a column of `data/` has, and whether they are single precision; `None`
+    /// for an unknown column and one of integers.
+    pub fn width_of_floats(&self, column: &str) -> Option<(usize, bool)> {
         let found = self.features().into_iter().find(|feature| feature.name == column)?;
-        found.width.filter(|_| found.number() == Type::Float64)
+        let single = match found.number() {
+            Type::Float32 => true,
+            Type::Float64 => false,
+            _ => return None,
+        };
+        Some((found.width?, single))
     }
 
-    /// Reads a column of double precision of a reach into `to`, row after row, and converts each number. This is
+    /// Reads a column of floating-point numbers of a reach into `to`, row after row, and converts each number. This is
     /// several times as fast as [`Dataset::read_columns`].
     ///
     /// # Errors
     /// As [`Dataset::read_columns`]; also [`DiskError::Input`] if the column does not have as many numbers as `to` has places.
-    pub fn read_doubles<N>(
+    pub fn read_floats<N>(
         &self,
         index: usize,
         column: &str,
@@ -58,10 +63,18 @@ impl Dataset {
         let places = to.len();
         let mut found = 0;
         for batch in self.read_columns(index, &[column])? {
-            let numbers = batch.fixed::<f64>(column, self.width_of_doubles(column).unwrap_or(1))?;
+            let (width, single) = self.width_of_floats(column).unwrap_or((1, false));
+            let numbers: Vec<f64> = match single {
+                true => batch
+                    .fixed::<f32>(column, width)?
+                    .iter()
+                    .map(|number| f64::from(*number))
+                    .collect(),
+                false => batch.fixed::<f64>(column, width)?.to_vec(),
+            };
             // Numbers beyond the end of `to` are only counted.
             let own = to.iter_mut().skip(found);
-            own.zip(numbers).for_each(|(place, number)| *place = convert(*number));
+            own.zip(&numbers).for_each(|(place, number)| *place = convert(*number));
             found += numbers.len();
         }
         if found == places {

@@ -1,4 +1,4 @@
-//! Reads a column of double precision straight from the pages of a Parquet file.
+//! Reads a column of floating-point numbers straight from the pages of a Parquet file.
 //!
 //! For every number, a list column stores two levels, which say whether the number is there and whether a row begins
 //! with it. Decoding them takes several times as long as decompressing the numbers. In the columns that this program
@@ -21,10 +21,35 @@ fn chunk_of<'a>(group: &'a RowGroupMetaData, column: &str) -> Option<&'a ColumnC
     group.columns().iter().find(is_it)
 }
 
-/// How many bytes a column of double precision takes before compression, according to the footer.
-pub(in crate::disk) fn bytes_of_doubles(group: &RowGroupMetaData, column: &str) -> u64 {
-    let chunk = chunk_of(group, column).filter(|chunk| chunk.column_type() == Type::DOUBLE);
-    chunk.map_or(0, |chunk| u64::try_from(chunk.uncompressed_size()).unwrap_or(0))
+/// A floating-point number of a file.
+pub(in crate::disk) trait Float: Into<f64> + Copy + Default {
+    /// Its type in Parquet.
+    const TYPE: Type;
+    /// The numbers in the bytes of a page; `None` if some bytes are left.
+    fn all(bytes: &[u8]) -> Option<impl ExactSizeIterator<Item = Self>>;
+}
+
+macro_rules! float {
+    ($number:ty, $kind:ident, $bytes:literal) => {
+        impl Float for $number {
+            const TYPE: Type = Type::$kind;
+
+            fn all(bytes: &[u8]) -> Option<impl ExactSizeIterator<Item = Self>> {
+                let (numbers, rest) = bytes.as_chunks::<$bytes>();
+                let numbers = numbers.iter().map(|number| <$number>::from_le_bytes(*number));
+                rest.is_empty().then_some(numbers)
+            }
+        }
+    };
+}
+float!(f32, FLOAT, 4);
+float!(f64, DOUBLE, 8);
+
+/// The largest number of values of a column of this type, according to its size in the footer; zero for other types.
+pub(in crate::disk) fn most_numbers<F: Float>(group: &RowGroupMetaData, column: &str) -> usize {
+    let chunk = chunk_of(group, column).filter(|chunk| chunk.column_type() == F::TYPE);
+    let bytes = chunk.map_or(0, |chunk| usize::try_from(chunk.uncompressed_size()).unwrap_or(0));
+    bytes / size_of::<F>()
 }
 
 /// Writes the numbers of a column in a row group into `to`, in their order. Returns `false` if there are more or fewer
@@ -33,11 +58,11 @@ pub(in crate::disk) fn bytes_of_doubles(group: &RowGroupMetaData, column: &str) 
 ///
 /// # Errors
 /// [`DiskError::Input`] for damaged files.
-pub(in crate::disk) fn read<N>(
+pub(in crate::disk) fn read<F: Float, N>(
     file: &ParquetInput,
     group: &RowGroupMetaData,
     column: &str,
-    convert: impl Fn(f64) -> N,
+    convert: impl Fn(F) -> N,
     to: &mut [N],
 ) -> Result<bool, DiskError> {
     let Some(chunk) = chunk_of(group, column) else {
@@ -46,21 +71,21 @@ pub(in crate::disk) fn read<N>(
     let Ok(rows) = usize::try_from(group.num_rows()) else {
         return Ok(false);
     };
-    if chunk.column_type() != Type::DOUBLE {
+    if chunk.column_type() != F::TYPE {
         return Ok(false);
     }
     file.decode(|| -> Result<bool, ParquetError> {
         let mut left = to;
         for page in SerializedPageReader::new(Arc::new(file.clone()), chunk, rows, None)? {
             let page = page?;
-            let Some(numbers) = numbers_of(&page, chunk) else {
+            let Some(numbers) = numbers_of::<F>(&page, chunk) else {
                 return Ok(false);
             };
             let Some((own, rest)) = left.split_at_mut_checked(numbers.len()) else {
                 return Ok(false);
             };
             for (place, number) in own.iter_mut().zip(numbers) {
-                *place = convert(f64::from_le_bytes(*number));
+                *place = convert(number);
             }
             left = rest;
         }
@@ -69,7 +94,7 @@ pub(in crate::disk) fn read<N>(
 }
 
 /// The numbers of a page; `None` unless it holds plain numbers without nulls.
-fn numbers_of<'a>(page: &'a Page, chunk: &ColumnChunkMetaData) -> Option<&'a [[u8; 8]]> {
+fn numbers_of<F: Float>(page: &Page, chunk: &ColumnChunkMetaData) -> Option<impl ExactSizeIterator<Item = F>> {
     let Page::DataPage {
         buf,
         num_values,
@@ -90,6 +115,6 @@ fn numbers_of<'a>(page: &'a Page, chunk: &ColumnChunkMetaData) -> Option<&'a [[u
         }
     }
     // The page's count includes missing numbers, which have no bytes.
-    let (numbers, rest) = bytes.as_chunks::<8>();
-    (rest.is_empty() && numbers.len() == usize::try_from(*num_values).ok()?).then_some(numbers)
+    let count = usize::try_from(*num_values).ok()?;
+    F::all(bytes).filter(|numbers| numbers.len() == count)
 }

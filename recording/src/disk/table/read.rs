@@ -15,7 +15,7 @@ use parquet::schema::types::ColumnDescriptor;
 use super::batch::Batch;
 use super::column::{Column, Rows, Type, Value, Values};
 use super::parquet_input::{ParquetInput, broken, is_text};
-use super::plain_pages;
+use super::plain_pages::{self, Float};
 use super::row::Shared;
 use super::write::ROWS_PER_BATCH;
 use crate::InputError;
@@ -113,13 +113,19 @@ impl ParquetTable {
         let whole = rows == (0..self.rows_of(group));
         let mut columns = Vec::new();
         for mut values in self.open_columns(group, want)? {
-            let plain = match values.want {
-                Want::Fixed(width) if whole => self.plain(metadata, &values.name, width * rows.len())?,
+            let name = &values.name;
+            let plain = match (values.want, values.kind) {
+                (Want::Fixed(width), Some(Type::Float64)) if whole => self
+                    .plain::<f64>(metadata, name, width * rows.len())?
+                    .map(|numbers| Column::fixed(name, width, numbers)),
+                (Want::Fixed(width), Some(Type::Float32)) if whole => self
+                    .plain::<f32>(metadata, name, width * rows.len())?
+                    .map(|numbers| Column::fixed(name, width, numbers)),
                 _ => None,
             };
-            columns.push(match (plain, values.want) {
-                (Some(numbers), Want::Fixed(width)) => Column::fixed(values.name, width, numbers),
-                _ => {
+            columns.push(match plain {
+                Some(column) => column,
+                None => {
                     // The rows before are decoded in vain.
                     values.next(rows.start)?;
                     values.next(rows.len())?
@@ -152,13 +158,13 @@ impl ParquetTable {
         rows.clamp(1, ROWS_PER_BATCH)
     }
 
-    /// The numbers of a column of double precision, if they are stored plainly.
-    fn plain(&self, group: &RowGroupMetaData, name: &str, count: usize) -> Result<Option<Vec<f64>>, DiskError> {
+    /// The numbers of a column of this type, if they are stored plainly.
+    fn plain<F: Float>(&self, group: &RowGroupMetaData, name: &str, count: usize) -> Result<Option<Vec<F>>, DiskError> {
         // A footer may promise more rows than the file can have.
-        if u64::try_from(count).unwrap_or(u64::MAX).saturating_mul(8) > plain_pages::bytes_of_doubles(group, name) {
+        if count > plain_pages::most_numbers::<F>(group, name) {
             return Ok(None);
         }
-        let mut numbers = vec![0.0; count];
+        let mut numbers = vec![F::default(); count];
         let done = plain_pages::read(&self.file, group, name, |number| number, &mut numbers)?;
         Ok(done.then_some(numbers))
     }

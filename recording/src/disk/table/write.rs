@@ -64,9 +64,12 @@ fn schema_of(column: &Column) -> Result<TypePtr, ParquetError> {
     Ok(Arc::new(lists))
 }
 
+/// What the names of columns with poses of moving bodies have in common.
+const POSE_COLUMNS: [&str; 3] = ["position_world_", "orientation_world_", "moved_pose"];
+
 /// How the columns are encoded before compression: integers, which mostly count up, as differences; text by dictionary,
-/// because it repeats; single precision, which is used for poses that change little from row to row, by byte streams.
-/// fastparquet cannot read byte streams, but a set of leaves would be 13 % larger without them.
+/// because it repeats; poses of moving bodies, which change little from row to row, by byte streams. fastparquet cannot
+/// read byte streams, but a set of leaves would be 13 % larger without them.
 fn encodings(columns: &[Column]) -> WriterPropertiesBuilder {
     let mut builder = WriterProperties::builder();
     for column in columns {
@@ -79,9 +82,11 @@ fn encodings(columns: &[Column]) -> WriterPropertiesBuilder {
             Type::Int8 | Type::Int16 | Type::Int32 | Type::Int64 => {
                 builder.set_column_encoding(path, Encoding::DELTA_BINARY_PACKED)
             }
-            Type::Float32 => builder.set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT),
+            Type::Float32 if POSE_COLUMNS.iter().any(|part| column.name.contains(part)) => {
+                builder.set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT)
+            }
             Type::Text => builder.set_column_dictionary_enabled(path, true),
-            Type::Uint32 | Type::Uint64 | Type::Float64 | Type::Bool => builder,
+            Type::Uint32 | Type::Uint64 | Type::Float32 | Type::Float64 | Type::Bool => builder,
         };
     }
     builder

@@ -214,7 +214,7 @@ fn episodes_say_where_their_frames_are_and_how_they_ended() {
         (5, 1608, 2, 100.0)
     );
     assert_eq!(info.features["observation.tactile.forearm"].shape, [12]);
-    assert_eq!(info.features["observation.tactile.tip"].dtype, "float64");
+    assert_eq!(info.features["observation.tactile.tip"].dtype, "float32");
     assert!(
         fs::read_to_string(folder.path().join("meta/info.json"))
             .unwrap()

@@ -138,6 +138,7 @@ fn readings_of(layout: &SkinLayout, raw: &[RawReading], objects: usize) -> Vec<T
                 .filter(|_| objects > 0)
                 .map(|object| object.index(objects) as u16);
             let [true_normal_force_n, first_shear, second_shear, sensed_force_n] = *forces;
+            let sensed_force_n = f64::from(sensed_force_n.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32);
             TaxelReading {
                 patch: patch as u16,
                 taxel: taxel as u16,

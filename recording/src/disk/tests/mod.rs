@@ -99,7 +99,7 @@ pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
             taxel,
             true_normal_force_n: force,
             true_shear_force_n: [0.1 * force, -0.2 * force],
-            sensed_force_n: (force * 100.0).round() / 100.0,
+            sensed_force_n: f64::from((force * 100.0).round() as f32 / 100.0),
             object: Some(object),
         };
         let pose = Pose {

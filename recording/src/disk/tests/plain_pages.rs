@@ -2,13 +2,14 @@ use std::fs;
 use std::sync::Arc;
 
 use parquet::basic::Encoding;
-use parquet::data_type::DoubleType;
+use parquet::data_type::FloatType;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 
 use super::dataset::plan;
 use super::reach;
+use crate::disk::table::batch::Batch;
 use crate::disk::table::plain_pages;
 use crate::disk::table::read::{ParquetTable, Want};
 use crate::disk::{Dataset, DatasetWriter, Rows};
@@ -31,16 +32,16 @@ fn make(dir: &std::path::Path) -> Dataset {
     writer.finish().unwrap()
 }
 
-/// Pins that columns read straight from the pages have the numbers of the column reader, converted, for every column of
-/// double precision and reaches of one and of several pages. Other columns have no width.
+/// Tests that columns read straight from the pages have the numbers of the column reader, converted, for every column of
+/// floating-point numbers and reaches of one and of several pages. Other columns have no width.
 #[test]
 fn pages_have_the_numbers_of_the_columns() {
     let folder = tempfile::tempdir().unwrap();
     let set = make(folder.path());
     let mut wide = 0;
     for name in set.frame_columns() {
-        let Some(width) = set.width_of_doubles(&name) else {
-            assert!(name.ends_with("index") || name == "timestamp", "{name}");
+        let Some((width, single)) = set.width_of_floats(&name) else {
+            assert!(name.ends_with("index"), "{name}");
             continue;
         };
         wide += usize::from(width > 1);
@@ -58,12 +59,18 @@ fn pages_have_the_numbers_of_the_columns() {
             }
             let batches = set.read_columns(index, &[&name]).unwrap();
             assert_eq!(batches[0].columns, [slowly]);
-            let expected: Vec<f64> = batches
-                .iter()
-                .flat_map(|batch| batch.fixed::<f64>(&name, width).unwrap().to_vec())
-                .collect();
+            let numbers = |batch: &Batch| match single {
+                true => batch
+                    .fixed::<f32>(&name, width)
+                    .unwrap()
+                    .iter()
+                    .map(|number| f64::from(*number))
+                    .collect(),
+                false => batch.fixed::<f64>(&name, width).unwrap().to_vec(),
+            };
+            let expected: Vec<f64> = batches.iter().flat_map(numbers).collect();
             let mut found = vec![f64::NAN; episode.frames * width];
-            set.read_doubles(index, &name, |number| 2.0 * number, &mut found)
+            set.read_floats(index, &name, |number| 2.0 * number, &mut found)
                 .unwrap();
             assert_eq!(found.len(), expected.len(), "{name}");
             assert!(
@@ -74,18 +81,18 @@ fn pages_have_the_numbers_of_the_columns() {
     }
     assert!(wide > 5, "{wide} columns of several numbers");
     // If there is one place too few, the column reader fills the others and then returns an error.
-    let (width, frames) = (set.width_of_doubles(COLUMN).unwrap(), set.episodes()[1].frames);
+    let (width, frames) = (set.width_of_floats(COLUMN).unwrap().0, set.episodes()[1].frames);
     let mut whole = vec![0.0; frames * width];
-    set.read_doubles(1, COLUMN, |number| number, &mut whole).unwrap();
+    set.read_floats(1, COLUMN, |number| number, &mut whole).unwrap();
     let mut short = vec![0.0; frames * width - 1];
-    assert!(set.read_doubles(1, COLUMN, |number| number, &mut short).is_err());
+    assert!(set.read_floats(1, COLUMN, |number| number, &mut short).is_err());
     assert_eq!(short, whole[..short.len()]);
     assert!(
-        set.read_doubles(2, COLUMN, |number| number, &mut []).is_err(),
+        set.read_floats(2, COLUMN, |number| number, &mut []).is_err(),
         "no such reach"
     );
     assert!(
-        set.read_doubles(0, COLUMN, |number| number, &mut [0.0]).is_err(),
+        set.read_floats(0, COLUMN, |number| number, &mut [0.0]).is_err(),
         "not one number"
     );
 }
@@ -98,11 +105,11 @@ fn other_encodings_are_left_to_the_column_reader() {
     let folder = tempfile::tempdir().unwrap();
     let set = make(folder.path());
     let path = folder.path().join("data/chunk-000/file-000.parquet");
-    let width = set.width_of_doubles(COLUMN).unwrap();
+    let (width, _) = set.width_of_floats(COLUMN).unwrap();
     let count = set.episodes()[1].frames * width;
     let read = |path: &std::path::Path, group: usize, count: usize| {
         let table = ParquetTable::open(path).unwrap();
-        let mut to = vec![0.0_f64; count];
+        let mut to = vec![0.0_f32; count];
         let group = table.footer.row_group(group);
         let done = plain_pages::read(&table.file, group, COLUMN, |number| number, &mut to);
         done.map(|done| done.then_some(to))
@@ -112,7 +119,7 @@ fn other_encodings_are_left_to_the_column_reader() {
     assert_eq!(read(&path, 1, count - 1).unwrap(), None);
     assert_eq!(read(&path, 1, count + 1).unwrap(), None);
     let other = folder.path().join("other.parquet");
-    let schema = format!("message schema {{ optional double {COLUMN}; }}");
+    let schema = format!("message schema {{ optional float {COLUMN}; }}");
     let properties = WriterProperties::builder()
         .set_dictionary_enabled(false)
         .set_encoding(Encoding::BYTE_STREAM_SPLIT)
@@ -123,7 +130,7 @@ fn other_encodings_are_left_to_the_column_reader() {
     let mut group = writer.next_row_group().unwrap();
     let mut column = group.next_column().unwrap().unwrap();
     column
-        .typed::<DoubleType>()
+        .typed::<FloatType>()
         .write_batch(&numbers, Some(&vec![1; count]), None)
         .unwrap();
     column.close().unwrap();
