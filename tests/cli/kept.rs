@@ -1,5 +1,7 @@
-//! Files of earlier versions, in `tests/kept/VERSION/`. Every later version reads them.
+//! Files of earlier versions, in `tests/kept/VERSION/`, and a set with forces in double precision. Every later version
+//! reads them.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -39,17 +41,20 @@ fn sets_and_recordings_of_all_versions_are_read() {
 /// Tests that the models of every version are used without a warning, and judge contacts of today.
 #[test]
 fn models_of_all_versions_are_used() {
+    let mut kinds = BTreeSet::new();
     for version in versions() {
-        let table = fixture().table_csv();
-        let call = underbrush!["classify", version.join("hmm.json"), table];
-        assert_eq!((call.status, call.stderr.as_str()), (0, ""), "{}", version.display());
-        assert!(
-            call.stdout.contains(",leaf") && call.stdout.contains(",trunk"),
-            "{}",
-            call.stdout
-        );
-        let touch = version.join("touch.json");
-        let call = underbrush!["evaluate", fixture().dataset(), "--model", touch, "--json"];
-        assert_eq!((call.status, call.stderr.as_str()), (0, ""), "{}", version.display());
+        let entries = fs::read_dir(version).unwrap().map(|entry| entry.unwrap().path());
+        for model in entries.filter(|path| path.extension().is_some_and(|ending| ending == "json")) {
+            kinds.insert(model.file_stem().unwrap().to_owned());
+            let call = if model.ends_with("touch.json") {
+                underbrush!["evaluate", fixture().dataset(), "--model", &model, "--json"]
+            } else {
+                underbrush!["classify", &model, fixture().table_csv()]
+            };
+            assert_eq!((call.status, call.stderr.as_str()), (0, ""), "{}", model.display());
+            let judged = call.stdout.contains("leaf") && call.stdout.contains("trunk");
+            assert!(judged, "{}: {}", model.display(), call.stdout);
+        }
     }
+    assert_eq!(kinds.len(), 7, "{kinds:?}");
 }

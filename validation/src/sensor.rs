@@ -83,7 +83,9 @@ const WIDE_LOOP: Falsification = Falsification {
 const NOISE_N: f64 = 0.005;
 const TAXELS: usize = 384;
 const FRAMES: usize = 1000;
-const ROUNDING: &str = "1e-9: the updates are exact up to rounding";
+/// The largest relative error of rounding to single precision, in which readings are reported.
+const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
+const ROUNDING_REASON: &str = "6.0e-8: readings are rounded to single precision, 2⁻²⁴";
 
 /// A sensor whose taxels are pressed one by one.
 struct Bench {
@@ -154,7 +156,7 @@ fn noise(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     ])
 }
 
-/// Counts the readings that are not the double nearest to a whole number of millinewtons.
+/// Counts the readings that are not the number in single precision nearest to a whole number of millinewtons.
 fn quantum(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let options = SensorOptions {
         quantum_n: 0.001 * simulated.with(COARSE_STEPS, 1.0, 2.0),
@@ -165,7 +167,8 @@ fn quantum(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     for step in 0..5000 {
         let force = f64::from(step) * 0.00337;
         let reading = bench.press(bench.forearm, 7, force);
-        wrong += f64::from(reading != (force * 1000.0).round() / 1000.0);
+        let nearest = (force * 1000.0).round() / 1000.0;
+        wrong += f64::from(reading != f64::from(nearest as f32));
     }
     Ok(vec![Comparison::absolute(
         "readings, of 5000, that are not the number nearest to count / 1000",
@@ -222,9 +225,9 @@ fn crosstalk(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let inner = kernel(INNER_TAXEL);
     let others = inner.iter().enumerate().filter(|(other, _)| *other != INNER_TAXEL);
     let largest = others.map(|(_, reading)| *reading).fold(0.0, f64::max);
-    let reason = "1e-12: crosstalk conserves force up to rounding";
-    let compare =
-        |quantity: &str, expected: f64, found: f64| Comparison::absolute(quantity, "", expected, found, 1e-12, reason);
+    let compare = |quantity: &str, expected: f64, found: f64| {
+        Comparison::absolute(quantity, "", expected, found, ROUNDING, ROUNDING_REASON)
+    };
     Ok(vec![
         compare(
             "sum of a crosstalk kernel, worst of 384",
@@ -261,8 +264,8 @@ fn creep(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         "N",
         expected,
         reading.unwrap_or(f64::NAN),
-        1e-9,
         ROUNDING,
+        ROUNDING_REASON,
     )])
 }
 
