@@ -208,7 +208,7 @@ mod tests {
         TrialArguments::from_arg_matches(&command.get_matches_from(words)).unwrap()
     }
 
-    /// Pins the defaults, the preset, and that other options override the preset.
+    /// Tests the defaults, the preset, and that other options override the preset.
     #[test]
     fn the_preset_is_the_papers_and_gives_way() {
         assert_eq!(parse(&[]).options(), TrialOptions::default());
@@ -221,7 +221,7 @@ mod tests {
         assert_eq!(mixed, expected);
     }
 
-    /// Pins that the help states the default threshold.
+    /// Tests that the help states the default threshold.
     #[test]
     fn the_help_states_the_threshold() {
         let mut command = TrialArguments::augment_args(Command::new("trials"));

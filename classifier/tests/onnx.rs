@@ -48,7 +48,7 @@ fn expected(window: [f64; 2]) -> Vec<f64> {
     odds.map(|own| own - sum).to_vec()
 }
 
-/// Pins the scores after each sample against the formula, the padding of a short contact, and that samples after the
+/// Tests the scores after each sample against the formula, the padding of a short contact, and that samples after the
 /// window are ignored. The tolerance allows for 32-bit floats, which have 24 significant bits.
 #[test]
 fn scores_are_those_of_the_formula() {
@@ -62,7 +62,7 @@ fn scores_are_those_of_the_formula() {
     }
 }
 
-/// Pins that files that do not fit are refused with an error that names the file and what is wrong.
+/// Tests that files that do not fit are refused with an error that names the file and what is wrong.
 #[test]
 fn files_that_do_not_fit_are_refused() {
     let broken = std::env::temp_dir().join(format!("underbrush-{}.onnx", std::process::id()));
@@ -132,8 +132,8 @@ const FAILING: [(&str, [f64; 2], [&str; 2]); 5] = [
     ("no_such_row.onnx", [1.0, 2.5], ["network", "a network that runs"]),
 ];
 
-/// Pins that a network that fails while it runs gives an error with the file, the reason and a remedy, as a typed error
-/// of scores, of an evaluation and of online verdicts, and that the samples before are judged.
+/// Tests that a network that fails while it runs gives an error with the file, the reason and a remedy, as a typed
+/// error of scores, of an evaluation and of online verdicts, and that the samples before are judged.
 #[test]
 fn networks_that_fail_while_they_run_are_errors() {
     for (name, [good_n, bad_n], parts) in FAILING {

@@ -125,30 +125,30 @@ fn check(configuration: &str) {
 
 #[test]
 fn five_states_force_left_right() {
-    // Pins scores (1e-9) and training (1e-6) against the oracle.
+    // Tests scores (1e-9) and training (1e-6) against the oracle.
     check("5-states-force-left-right");
 }
 
 #[test]
 fn ten_states_force_left_right() {
-    // Pins scores (1e-9) and training (1e-6) against the oracle.
+    // Tests scores (1e-9) and training (1e-6) against the oracle.
     check("10-states-force-left-right");
 }
 
 #[test]
 fn ten_states_force_ergodic() {
-    // Pins scores (1e-9) and training (1e-6) against the oracle.
+    // Tests scores (1e-9) and training (1e-6) against the oracle.
     check("10-states-force-ergodic");
 }
 
 #[test]
 fn ten_states_force_and_motion_left_right() {
-    // Pins scores (1e-9) and training (1e-6) against the oracle, with full covariances.
+    // Tests scores (1e-9) and training (1e-6) against the oracle, with full covariances.
     check("10-states-force-and-motion-left-right");
 }
 
 #[test]
 fn twenty_states_force_left_right() {
-    // Pins scores (1e-9) and training (1e-6) against the oracle.
+    // Tests scores (1e-9) and training (1e-6) against the oracle.
     check("20-states-force-left-right");
 }

@@ -120,7 +120,7 @@ fn passed_bounds(reaches: &[Audited], layout: &SkinLayout) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// Pins that the worst of several reaches that exceed a bound is named with residual, bound and value, and that
+    /// Tests that the worst of several reaches that exceed a bound is named with residual, bound and value, and that
     /// reaches within all bounds are not mentioned.
     #[test]
     fn every_broken_bound_is_named() {

@@ -58,7 +58,7 @@ mod tests {
         super::read(path, &Silent)
     }
 
-    /// Pins that content is read back as it was written, and that a file with an edited number or a single flipped bit
+    /// Tests that content is read back as it was written, and that a file with an edited number or a single flipped bit
     /// never gives other content.
     #[test]
     fn an_edited_file_is_not_taken() {

@@ -11,7 +11,7 @@ from underbrush import _core
 
 
 def test_a_row_is_that_of_the_command_line(tmp_path: Path, command) -> None:
-    """Pins that Python and the command line write the same bytes, even if the set was made in parts, and that the
+    """Tests that Python and the command line write the same bytes, even if the set was made in parts, and that the
     result is what the command line prints."""
     options = {"controller": "cody-2013", "quick": True}
     found = ub.benchmark("reaching", tmp_path / "ours", progress=False, **options)
@@ -39,7 +39,7 @@ class Still:
 
 
 def test_a_controller_of_ones_own_has_a_row(tmp_path: Path) -> None:
-    """Pins that a controller written in Python is judged under its name. One that does nothing reaches no goal and
+    """Tests that a controller written in Python is judged under its name. One that does nothing reaches no goal and
     presses on no trunk."""
     row = ub.benchmark("reaching", tmp_path, controller=Still(), quick=True, progress=False)
     figures = row["figures"]["reaching"]
@@ -49,7 +49,7 @@ def test_a_controller_of_ones_own_has_a_row(tmp_path: Path) -> None:
 
 
 def test_what_does_not_go_with_a_track_is_refused(tmp_path: Path) -> None:
-    """Pins that arguments that do not belong to a track are refused by name, and that nothing is written."""
+    """Tests that arguments that do not belong to a track are refused by name, and that nothing is written."""
     for track, options, argument in (
         ("speed", {}, "track"),
         ("verdicts", {}, "model"),

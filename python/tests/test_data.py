@@ -17,7 +17,8 @@ TACTILE = "observation.tactile.forearm"
 
 
 def test_columns_are_those_of_the_files(data: ub.Dataset) -> None:
-    """Pins that every column, of the whole set and of a reach, holds what another reader finds in the Parquet files."""
+    """Tests that every column, of the whole set and of a reach, holds what another reader finds in the Parquet
+    files."""
     files = polars.read_parquet(f"{data.path}/data/**/*.parquet")
     for name in data.column_names:
         expected = files[name].to_numpy()
@@ -30,7 +31,7 @@ def test_columns_are_those_of_the_files(data: ub.Dataset) -> None:
 
 
 def test_long_reaches_have_several_pages(tmp_path: Path) -> None:
-    """Pins the columns of a reach so long that its numbers are in several pages of the Parquet file."""
+    """Tests the columns of a reach so long that its numbers are in several pages of the Parquet file."""
     data = ub.generate("leaf", 1, tmp_path / "set", seed=1, progress=False)
     files = polars.read_parquet(f"{data.path}/data/**/*.parquet")
     assert len(files) > 2048
@@ -40,8 +41,8 @@ def test_long_reaches_have_several_pages(tmp_path: Path) -> None:
 
 
 def test_arrays_view_the_native_numbers(data: ub.Dataset) -> None:
-    """Pins that an array is a view without a copy: it owns no data, its base holds the numbers, it is read-only, and it
-    outlives the reach."""
+    """Tests that an array is a view without a copy: it owns no data, its base holds the numbers, it is read-only, and
+    it outlives the reach."""
     reach = data[0]
     force = reach.sensed_force_n("forearm")
     assert force.shape == (len(reach), data.skin.taxels("forearm")) and force.dtype == np.float32
@@ -59,7 +60,7 @@ def test_arrays_view_the_native_numbers(data: ub.Dataset) -> None:
 
 
 def test_ground_truth_is_apart(data: ub.Dataset) -> None:
-    """Pins that the frames hold no ground truth, and that the ground truth of a reach agrees with its table."""
+    """Tests that the frames hold no ground truth, and that the ground truth of a reach agrees with its table."""
     assert not [name for name in data.column_names if name.startswith("truth")]
     reach = data[0]
     true = reach.true_normal_force_n("forearm", "float64")
@@ -72,7 +73,7 @@ def test_ground_truth_is_apart(data: ub.Dataset) -> None:
 
 
 def test_tables_reach_other_libraries(data: ub.Dataset, trials: ub.Trials) -> None:
-    """Pins that Polars, pyarrow and pandas read tables through Arrow's C stream interface with the same content."""
+    """Tests that Polars, pyarrow and pandas read tables through Arrow's C stream interface with the same content."""
     table = data.table("truth/contacts")
     frame = polars.DataFrame(table)
     assert frame.height == len(table) == sum(episode["contacts"] for episode in data.episodes)
@@ -85,7 +86,7 @@ def test_tables_reach_other_libraries(data: ub.Dataset, trials: ub.Trials) -> No
 
 
 def test_a_data_set_is_a_sequence(data: ub.Dataset) -> None:
-    """Pins length, indices from both ends, slices, and the end of iteration."""
+    """Tests length, indices from both ends, slices, and the end of iteration."""
     assert len(data) == 8
     assert data[-1].seed_and_index == data[7].seed_and_index
     assert [reach.scene for reach in data[3:5]] == ["leaf-quick", "trunk-quick"]
@@ -96,13 +97,13 @@ def test_a_data_set_is_a_sequence(data: ub.Dataset) -> None:
 
 
 def test_pickled_sets_and_reaches_read_the_same_files(data: ub.Dataset) -> None:
-    """Pins that a pickled data set, and a reach of it, read the same data."""
+    """Tests that a pickled data set, and a reach of it, read the same data."""
     again, reach = pickle.loads(pickle.dumps(data)), pickle.loads(pickle.dumps(data[1]))
     assert again.path == data.path and np.array_equal(reach.time_s, data[1].time_s)
 
 
 def test_unknown_names_are_refused(data: ub.Dataset) -> None:
-    """Pins that unknown columns, tables, patches and data types are refused with the known ones."""
+    """Tests that unknown columns, tables, patches and data types are refused with the known ones."""
     for call, text in (
         (lambda: data.column("force"), TACTILE),
         (lambda: data[0].column("force"), TACTILE),
@@ -116,7 +117,7 @@ def test_unknown_names_are_refused(data: ub.Dataset) -> None:
 
 
 def test_damage_is_found(data: ub.Dataset, tmp_path: Path) -> None:
-    """Pins that a changed byte in a table is an error that names the file, and that a removed set is an error."""
+    """Tests that a changed byte in a table is an error that names the file, and that a removed set is an error."""
     folder = tmp_path / "copy"
     shutil.copytree(data.path, folder)
     copy = ub.Dataset(folder)
@@ -137,7 +138,7 @@ def test_damage_is_found(data: ub.Dataset, tmp_path: Path) -> None:
 
 
 def test_map_style_data_sets(data: ub.Dataset, trials: ub.Trials) -> None:
-    """Pins what a PyTorch data loader needs: float32 arrays of one length with labels, and frames that may be
+    """Tests what a PyTorch data loader needs: float32 arrays of one length with labels, and frames that may be
     changed."""
     pairs = ub.TrialDataset(trials, samples=30)
     assert pairs.categories == ["leaf", "trunk"] and len(pairs) == len(trials)

@@ -13,8 +13,8 @@ from underbrush import distributed
 
 
 def test_parts_of_another_call_are_refused(tmp_path: Path) -> None:
-    """Pins that a folder is taken as long as it holds no finished part, that the same call continues with as many parts
-    as before, and that another call is told in what it differs from the one whose parts are there."""
+    """Tests that a folder is taken as long as it holds no finished part, that the same call continues with as many
+    parts as before, and that another call is told in what it differs from the one whose parts are there."""
     folder, model = tmp_path / "set.parts", tmp_path / "touch.json"
     model.write_text("a model")
 
@@ -47,7 +47,8 @@ def test_parts_of_another_call_are_refused(tmp_path: Path) -> None:
 
 
 def test_a_finished_set_is_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Pins that a call whose set is finished opens it without any task, and that the set of another call is refused."""
+    """Tests that a call whose set is finished opens it without any task, and that the set of another call is
+    refused."""
     monkeypatch.setattr(distributed, "_connect", lambda address: pytest.fail("a cluster was asked for"))
     scene, out = quick("leaf"), tmp_path / "set"
     made = ub.generate(scene, 1, out, seed=3, progress=False)
@@ -57,7 +58,7 @@ def test_a_finished_set_is_opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 
 def test_only_a_missing_or_begun_set_is_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Pins that a set is made on a cluster if its folder is missing, empty or begun, and that a folder that the disk
+    """Tests that a set is made on a cluster if its folder is missing, empty or begun, and that a folder that the disk
     cannot read, a damaged set, other files and a file are refused before any task is run."""
 
     class Asked(Exception):

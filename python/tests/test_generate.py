@@ -22,7 +22,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 def test_a_set_equals_that_of_the_command_line(tmp_path: Path, data: ub.Dataset, command) -> None:
-    """Pins that a data set from Python is the same, byte for byte, as one from the command line, and one made again
+    """Tests that a data set from Python is the same, byte for byte, as one from the command line, and one made again
     from itself."""
     files = []
     for name in ("leaf", "trunk"):
@@ -35,7 +35,7 @@ def test_a_set_equals_that_of_the_command_line(tmp_path: Path, data: ub.Dataset,
 
 
 def test_progress_is_reported(tmp_path: Path) -> None:
-    """Pins that a progress function sees the count rise to the total, on the calling thread."""
+    """Tests that a progress function sees the count rise to the total, on the calling thread."""
     seen, threads = [], set()
 
     def progress(done: int, total: int, text: str) -> None:
@@ -49,7 +49,7 @@ def test_progress_is_reported(tmp_path: Path) -> None:
 
 
 def test_an_interrupted_set_is_resumed(tmp_path: Path) -> None:
-    """Pins that Ctrl-C ends a run soon, that finished reaches are kept and the set is reported as unfinished, and that
+    """Tests that Ctrl-C ends a run soon, that finished reaches are kept and the set is reported as unfinished, and that
     resuming gives the bytes of a run that was not interrupted."""
     scene, out = quick("mixed"), tmp_path / "set"
 
@@ -72,7 +72,7 @@ def test_an_interrupted_set_is_resumed(tmp_path: Path) -> None:
 
 
 def test_a_failing_controller_leaves_the_set_sound(tmp_path: Path) -> None:
-    """Pins that a controller that raises ends the run with its exception, and that the set can be finished once the
+    """Tests that a controller that raises ends the run with its exception, and that the set can be finished once the
     controller is mended."""
     scene, out = quick("leaf"), tmp_path / "set"
     broken = True
@@ -98,7 +98,7 @@ def test_a_failing_controller_leaves_the_set_sound(tmp_path: Path) -> None:
 
 
 def test_parts_share_a_folder(tmp_path: Path) -> None:
-    """Pins that parts in one folder make the set of one call, byte for byte. The part that ends last returns the set,
+    """Tests that parts in one folder make the set of one call, byte for byte. The part that ends last returns the set,
     the other returns None. A part that is run again finds the set. Parts of other campaigns and bad parts are
     refused."""
     whole = ub.generate(quick("leaf"), 2, tmp_path / "whole", seed=3, progress=False)
@@ -124,7 +124,7 @@ def test_parts_share_a_folder(tmp_path: Path) -> None:
 
 
 def test_shards_make_the_whole(tmp_path: Path) -> None:
-    """Pins that two shards hold the reaches of the whole set and merge into it byte for byte, and that bad shards,
+    """Tests that two shards hold the reaches of the whole set and merge into it byte for byte, and that bad shards,
     scenes with equal names and bad numbers of threads are refused."""
     whole = ub.generate(quick("leaf"), 2, tmp_path / "whole", seed=3, progress=False)
     parts = [ub.generate(quick("leaf"), 2, tmp_path / str(part), seed=3, shard=(part, 2), progress=False) for part in (1, 2)]
@@ -145,7 +145,7 @@ def test_shards_make_the_whole(tmp_path: Path) -> None:
 
 
 def test_an_interpreter_that_is_killed_leaves_a_set_to_resume(tmp_path: Path) -> None:
-    """Pins that a process that is killed in the middle leaves a set that is refused and can be finished."""
+    """Tests that a process that is killed in the middle leaves a set that is refused and can be finished."""
     out = tmp_path / "set"
     program = (
         "import sys; sys.path.insert(0, sys.argv[2]); from conftest import quick; import underbrush as ub;"

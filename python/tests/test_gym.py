@@ -24,7 +24,7 @@ def same(first: dict[str, np.ndarray], second: dict[str, np.ndarray]) -> bool:
 
 @pytest.mark.parametrize("action", ["equilibrium", "waypoint"])
 def test_check_env(action: str) -> None:
-    """Pins that the environment passes Gymnasium's own checks without a warning."""
+    """Tests that the environment passes Gymnasium's own checks without a warning."""
     env = gymnasium.make("underbrush/Reach-v0", scene=SCENE, action=action, disable_env_checker=True)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -34,7 +34,7 @@ def test_check_env(action: str) -> None:
 
 
 def test_vector_numbers_are_single_numbers() -> None:
-    """Pins that a vector environment gives the numbers of single environments with consecutive seeds, for one thread
+    """Tests that a vector environment gives the numbers of single environments with consecutive seeds, for one thread
     and for two, and beyond the end of an episode."""
     options: dict[str, Any] = {"scene": SCENE, "time_limit_s": 0.6}
     steps = actions(40, 3)
@@ -65,7 +65,7 @@ def test_vector_numbers_are_single_numbers() -> None:
 
 
 def test_truth_is_in_info_only() -> None:
-    """Pins the keys of observations and of info: ground truth is not observed."""
+    """Tests the keys of observations and of info: ground truth is not observed."""
     env = gymnasium.make("underbrush/Reach-v0", scene=SCENE)
     observation, info = env.reset(seed=1)
     assert set(observation) == {
@@ -84,7 +84,7 @@ def test_truth_is_in_info_only() -> None:
 
 
 def test_episodes_follow_the_seed() -> None:
-    """Pins that a reset with a seed begins with its first reach, that a reset without one takes the next reach, and
+    """Tests that a reset with a seed begins with its first reach, that a reset without one takes the next reach, and
     that episodes end at their time limit."""
     env = gymnasium.make("underbrush/Reach-v0", scene=SCENE, time_limit_s=0.2)
     first = [env.reset(seed=3)[1], env.reset()[1], env.reset()[1]]
@@ -98,7 +98,7 @@ def test_episodes_follow_the_seed() -> None:
 
 
 def test_the_waypoint_controller_reaches_goals() -> None:
-    """Pins that waypoints towards the goal bring the hand there: the episode ends as `reached`, with the reward for
+    """Tests that waypoints towards the goal bring the hand there: the episode ends as `reached`, with the reward for
     it."""
     env = gymnasium.make("underbrush/Reach-v0", scene=_free(), action="waypoint", time_limit_s=20.0)
     observation, _ = env.reset(seed=0)
@@ -116,7 +116,7 @@ def _free() -> ub.Scene:
 
 
 def test_masked_resets() -> None:
-    """Pins that a reset with a mask begins only the episodes that the mask selects."""
+    """Tests that a reset with a mask begins only the episodes that the mask selects."""
     many = gymnasium.make_vec("underbrush/Reach-v0", num_envs=2, scene=SCENE)
     many.reset(seed=1)
     before = many.step(actions(1, 2)[0])[0]
@@ -126,7 +126,7 @@ def test_masked_resets() -> None:
 
 
 def test_bad_use_is_refused() -> None:
-    """Pins that bad options, shapes and NaN are refused with what is allowed."""
+    """Tests that bad options, shapes and NaN are refused with what is allowed."""
     for options, text in (
         ({"goals": 2}, "fewer goals"),
         ({"action": "torque"}, "waypoint"),

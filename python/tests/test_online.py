@@ -16,7 +16,7 @@ def stream(online: ub.Online, reach: ub.Reach) -> list[list[dict]]:
 
 
 def test_online_scores_are_those_of_trials(data: ub.Dataset) -> None:
-    """Pins that after k samples of a contact, the scores equal those of the first k samples of its trial, bit for
+    """Tests that after k samples of a contact, the scores equal those of the first k samples of its trial, bit for
     bit."""
     trials = data.trials()
     model = ub.fit(trials, states=4)
@@ -36,7 +36,8 @@ def test_online_scores_are_those_of_trials(data: ub.Dataset) -> None:
 
 
 def test_frames_of_an_own_robot(data: ub.Dataset) -> None:
-    """Pins that frames built from arrays, as for a real robot, and pickled give the verdicts of the recorded frames."""
+    """Tests that frames built from arrays, as for a real robot, and pickled give the verdicts of the recorded
+    frames."""
     model = ub.fit(data.trials(), states=4, features="force,motion")
     reach = data[1]
     recorded, built = model.online(data.skin), model.online(data.skin)
@@ -56,7 +57,7 @@ def test_frames_of_an_own_robot(data: ub.Dataset) -> None:
 
 
 def test_scikit_learn_classifies_online(data: ub.Dataset) -> None:
-    """Pins that a scikit-learn classifier gives the same scores in a stream as when it is called with the samples so
+    """Tests that a scikit-learn classifier gives the same scores in a stream as when it is called with the samples so
     far."""
     trials = data.trials(min_samples=5)
     fitted = FixedWindow(LogisticRegression(max_iter=300), samples=10).fit_trials(trials)
@@ -77,7 +78,7 @@ def test_scikit_learn_classifies_online(data: ub.Dataset) -> None:
 
 
 def test_a_classifier_that_raises_ends_the_stream(data: ub.Dataset) -> None:
-    """Pins that an exception of a Python classifier reaches the caller of `update`."""
+    """Tests that an exception of a Python classifier reaches the caller of `update`."""
 
     class Broken:
         categories = ["leaf", "trunk"]
@@ -91,7 +92,7 @@ def test_a_classifier_that_raises_ends_the_stream(data: ub.Dataset) -> None:
 
 
 def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:
-    """Pins that a touch model fitted from Python equals the command line's file, that a pickled model gives the same
+    """Tests that a touch model fitted from Python equals the command line's file, that a pickled model gives the same
     verdicts, and that its probabilities of the known categories add up to 1."""
     model = ub.TouchModel.fit(list(data))
     command("train", data.path, "--classifier", "touch", "--out", tmp_path / "touch.json")
@@ -107,7 +108,7 @@ def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:
 
 
 def test_model_files_of_the_other_kind_are_named(data: ub.Dataset, tmp_path) -> None:
-    """Pins that reading a touch model as a classifier of trials, or the other way round, is refused with what the file
+    """Tests that reading a touch model as a classifier of trials, or the other way round, is refused with what the file
     is and which call reads it."""
     touch, own = ub.TouchModel.fit(list(data)), ub.fit(data.trials(), states=2)
     kinds = (
@@ -126,8 +127,8 @@ def test_model_files_of_the_other_kind_are_named(data: ub.Dataset, tmp_path) -> 
 
 
 def test_models_are_sealed_and_say_where_they_come_from(data: ub.Dataset, tmp_path) -> None:
-    """Tests that models of both kinds name the data set that they were fitted to, that a changed file is refused, and that
-    one without a seal gives a Python warning."""
+    """Tests that models of both kinds name the data set that they were fitted to, that a changed file is refused, and
+    that one without a seal gives a Python warning."""
     for model, kind in ((ub.TouchModel.fit(list(data)), ub.TouchModel), (ub.fit(data.trials(), states=2), ub.Model)):
         source = model.provenance["data"][0]
         assert (source["kind"], source["name"]) == ("data-set", data.path.name)
@@ -142,7 +143,7 @@ def test_models_are_sealed_and_say_where_they_come_from(data: ub.Dataset, tmp_pa
 
 
 def test_limits_of_risk_choose_the_decision(data: ub.Dataset, tmp_path, command) -> None:
-    """Pins that a model fitted within limits of risk equals the command line's, and that too few reaches for a limit
+    """Tests that a model fitted within limits of risk equals the command line's, and that too few reaches for a limit
     are refused."""
     model = ub.TouchModel.fit(list(data), limit_wrong=0.4, limit_false_alarms=0.3)
     limits = ("--limit-wrong", "0.4", "--limit-false-alarms", "0.3")
@@ -154,8 +155,8 @@ def test_limits_of_risk_choose_the_decision(data: ub.Dataset, tmp_path, command)
 
 
 def test_touch_models_are_evaluated_as_by_the_command_line(data: ub.Dataset, tmp_path, command) -> None:
-    """Pins that judging a touch model, and cross-validating touch models with one thread and with two, give the command
-    line's figures, and that numbers of folds that are not possible are refused."""
+    """Tests that judging a touch model, and cross-validating touch models with one thread and with two, give the
+    command line's figures, and that numbers of folds that are not possible are refused."""
     reaches = list(data)
     model = ub.TouchModel.fit(reaches)
     model.save(tmp_path / "touch.json")
@@ -177,7 +178,7 @@ def test_touch_models_are_evaluated_as_by_the_command_line(data: ub.Dataset, tmp
 
 
 def test_bad_frames_are_refused(data: ub.Dataset) -> None:
-    """Pins that a frame of another skin, of a wrong shape, with NaN, or without a pose that is needed is refused."""
+    """Tests that a frame of another skin, of a wrong shape, with NaN, or without a pose that is needed is refused."""
     model = ub.fit(data.trials(), states=2)
     assert model.online(data.skin).update(ub.Frame(data.skin, 0.0, {})) == []
     moving = ub.fit(data.trials(), states=2, features="force,motion")
@@ -205,8 +206,8 @@ def test_bad_frames_are_refused(data: ub.Dataset) -> None:
 
 
 def test_frames_must_follow_each_other(data: ub.Dataset) -> None:
-    """Pins that a frame that is given twice, or after a later one, is refused, counts nothing and leaves the next good one
-    its verdicts."""
+    """Tests that a frame that is given twice, or after a later one, is refused, counts nothing and leaves the next
+    good one its verdicts."""
     forces = np.zeros(384)
     forces[3] = 2.0
     pose = {name: [0, 0, 0, 0, 0, 0, 1] for name in data.skin.patches}

@@ -24,7 +24,7 @@ def scores_of(given: tuple[ub.Model, ub.Trials]) -> np.ndarray:
 @pytest.mark.parametrize("method", ["spawn", "fork"])
 @pytest.mark.filterwarnings("ignore:.*multi-threaded.*:DeprecationWarning")
 def test_processes_give_the_same(method: str, trials: ub.Trials) -> None:
-    """Pins that processes that are spawned or forked after threads were used simulate and score the same, without
+    """Tests that processes that are spawned or forked after threads were used simulate and score the same, without
     hanging."""
     model = ub.fit(trials, states=3)
     expected = [reach_of(seed) for seed in (1, 2)]
@@ -35,7 +35,7 @@ def test_processes_give_the_same(method: str, trials: ub.Trials) -> None:
 
 
 def test_the_interpreter_runs_meanwhile(trials: ub.Trials) -> None:
-    """Pins that other Python threads run while a model is fitted. If the interpreter's lock were held, they could
+    """Tests that other Python threads run while a model is fitted. If the interpreter's lock were held, they could
     not."""
     ticks, done = [], threading.Event()
 
@@ -55,7 +55,7 @@ def test_the_interpreter_runs_meanwhile(trials: ub.Trials) -> None:
 
 
 def test_threads_may_share_what_does_not_change(data: ub.Dataset, trials: ub.Trials) -> None:
-    """Pins that several threads that read one data set and score with one model get the same numbers as one thread."""
+    """Tests that several threads that read one data set and score with one model get the same numbers as one thread."""
     model = ub.fit(trials, states=3)
     expected = model.scores(trials)
     columns = [reach.column("action").copy() for reach in data]

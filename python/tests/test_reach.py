@@ -13,7 +13,7 @@ import underbrush as ub
 
 
 def test_the_shipped_controller_called_from_python_gives_the_same_bytes(tmp_path: Path) -> None:
-    """Pins that a reach with the shipped controller called through Python is the same file, byte for byte, as with the
+    """Tests that a reach with the shipped controller called through Python is the same file, byte for byte, as with the
     controller itself."""
     scene = quick("mixed")
     for name in ("cody-2013", "ijrr-foliage"):
@@ -40,7 +40,7 @@ def test_the_shipped_controller_called_from_python_gives_the_same_bytes(tmp_path
 
 
 def test_an_own_controller_moves_the_hand() -> None:
-    """Pins that a controller in ten lines of NumPy reaches a goal in free space, and that its name is recorded."""
+    """Tests that a controller in ten lines of NumPy reaches a goal in free space, and that its name is recorded."""
     scene = ub.Scene.parse('summary = "Free space"\ngoals = { count = 1, x_m = 0.6, y_m = 0.0, z_m = -0.2 }\n', "free.toml")
 
     def straight(given: ub.ControllerInput) -> np.ndarray:
@@ -55,7 +55,7 @@ def test_an_own_controller_moves_the_hand() -> None:
 
 
 def test_a_controller_that_raises_ends_the_reach() -> None:
-    """Pins that an exception of a controller reaches the caller with its traceback, and that bad answers and bad
+    """Tests that an exception of a controller reaches the caller with its traceback, and that bad answers and bad
     controllers are refused with what was found or what is allowed."""
 
     def broken(_: ub.ControllerInput) -> np.ndarray:
@@ -87,7 +87,7 @@ def test_a_controller_that_raises_ends_the_reach() -> None:
 
 
 def test_a_class_is_called_for_every_reach(tmp_path: Path) -> None:
-    """Pins that every reach of a data set has a controller of its own that is made with the arm, that the set records
+    """Tests that every reach of a data set has a controller of its own that is made with the arm, that the set records
     its name, and that the set is the same for any number of threads."""
 
     class Counter:
@@ -116,7 +116,7 @@ def test_a_class_is_called_for_every_reach(tmp_path: Path) -> None:
 
 
 def test_reaches_are_saved_and_pickled(tmp_path: Path) -> None:
-    """Pins that a reach that is written and read, or pickled, is the same in every column and in its ground truth."""
+    """Tests that a reach that is written and read, or pickled, is the same in every column and in its ground truth."""
     reach = ub.reach(quick("mixed"), seed=1)
     reach.save(tmp_path / "reach.parquet")
     for other in (ub.Reach.load(tmp_path / "reach.parquet"), pickle.loads(pickle.dumps(reach))):
@@ -131,7 +131,7 @@ def test_reaches_are_saved_and_pickled(tmp_path: Path) -> None:
 
 
 def test_a_reach_equals_that_of_the_command_line(tmp_path: Path, command) -> None:
-    """Pins that a reach from Python is the same file as one from the command line."""
+    """Tests that a reach from Python is the same file as one from the command line."""
     command("reach", _scene_file(tmp_path), "--seed", 5, "--out", tmp_path / "cli.parquet")
     ub.reach(tmp_path / "leaf-quick.toml", seed=5).save(tmp_path / "python.parquet")
     assert (tmp_path / "cli.parquet").read_bytes() == (tmp_path / "python.parquet").read_bytes()
@@ -144,7 +144,7 @@ def _scene_file(folder: Path) -> Path:
 
 
 def test_verdicts_reach_a_controller_in_python(data: ub.Dataset, tmp_path: Path, command) -> None:
-    """Pins that a touch model works with a controller in Python: the shipped controller called from Python gives the
+    """Tests that a touch model works with a controller in Python: the shipped controller called from Python gives the
     same file, byte for byte, as the controller itself, in Python and on the command line, and sees the forces that
     verdicts allow."""
     touch, scene = tmp_path / "touch.json", quick("mixed")

@@ -29,7 +29,7 @@ def columns(path: Path) -> dict[str, dict[str, list[Any]]]:
 
 
 def test_a_reach_comes_back_from_rerun(tmp_path: Path) -> None:
-    """Pins that forces, taxels, poses of the arm and goals are in the file with the numbers of the reach."""
+    """Tests that forces, taxels, poses of the arm and goals are in the file with the numbers of the reach."""
     reach = ub.reach(quick("leaf"), seed=3)
     path = tmp_path / "reach.rrd"
     with rr.RecordingStream("underbrush") as recording:
@@ -60,7 +60,7 @@ def test_a_reach_comes_back_from_rerun(tmp_path: Path) -> None:
 
 
 def test_bodies_are_where_the_patches_are() -> None:
-    """Pins that the link under the forearm's patch has the pose that the last frame gives it, within the step in which
+    """Tests that the link under the forearm's patch has the pose that the last frame gives it, within the step in which
     poses are stored, and that every object has a shape."""
     reach = ub.reach(quick("leaf"), seed=3)
     bodies = reach.bodies

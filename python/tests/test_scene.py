@@ -11,7 +11,7 @@ import underbrush as ub
 
 
 def test_shipped_scenes_are_those_of_the_repository() -> None:
-    """Pins that every scene that ships loads by its name, with the text of its file."""
+    """Tests that every scene that ships loads by its name, with the text of its file."""
     folder = Path(__file__).parents[2] / "scenes"
     files = {path.stem: path for path in [*folder.glob("*.toml"), *folder.glob("engineered/*.toml")]}
     assert sorted(ub.Scene.names()) == sorted(files)
@@ -21,7 +21,7 @@ def test_shipped_scenes_are_those_of_the_repository() -> None:
 
 
 def test_changes_are_merged() -> None:
-    """Pins that a change of one key leaves its neighbours, and that a new name makes another scene."""
+    """Tests that a change of one key leaves its neighbours, and that a new name makes another scene."""
     scene = ub.Scene("mixed")
     changed = scene.changed({"goals": {"count": 2}}, name="two")
     assert (changed.name, changed.to_dict()["goals"]["count"]) == ("two", 2)
@@ -39,7 +39,7 @@ def test_infinity_stays_infinity() -> None:
 
 
 def test_pictures_are_svg(tmp_path: Path) -> None:
-    """Pins that scenes and simulations can be drawn as SVG, which a notebook shows."""
+    """Tests that scenes and simulations can be drawn as SVG, which a notebook shows."""
     scene = ub.Scene("leaf")
     assert scene._repr_svg_().lstrip().startswith("<svg")
     scene.draw(seed=2).save(tmp_path / "leaf.svg")
@@ -48,7 +48,7 @@ def test_pictures_are_svg(tmp_path: Path) -> None:
 
 
 def test_clutter_is_drawn_by_seed() -> None:
-    """Pins that the same seed and index draw the same clutter, and that another index draws another."""
+    """Tests that the same seed and index draw the same clutter, and that another index draws another."""
     scene = ub.Scene("mixed")
     first, again, other = scene.clutter(1, 0), scene.clutter(1, 0), scene.clutter(1, 1)
     assert first["objects"] == again["objects"] != other["objects"]
@@ -58,7 +58,7 @@ def test_clutter_is_drawn_by_seed() -> None:
 
 
 def test_bad_scenes_are_refused_with_their_place(tmp_path: Path) -> None:
-    """Pins that an error names file, line, field, what was found, what is allowed and the remedy."""
+    """Tests that an error names file, line, field, what was found, what is allowed and the remedy."""
     path = tmp_path / "bad.toml"
     path.write_text('summary = "x"\n[[objects.leaf]]\ncount = 5\nwidth_m = { uniform = [0.02, -0.05] }\n')
     with pytest.raises(ub.InputError) as found:
@@ -77,14 +77,15 @@ def test_bad_scenes_are_refused_with_their_place(tmp_path: Path) -> None:
 
 
 def test_scenes_are_pickled() -> None:
-    """Pins that a scene survives pickling with its text and name."""
+    """Tests that a scene survives pickling with its text and name."""
     scene = ub.Scene("leaf").changed({"goals": {"count": 1}}, name="one")
     copied = pickle.loads(pickle.dumps(scene))
     assert (copied.text, copied.name) == (scene.text, scene.name)
 
 
 def test_a_pickled_scene_finds_its_own_arm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Pins that a scene that was loaded by a relative path finds the arm beside it when it is unpickled in another folder."""
+    """Tests that a scene that was loaded by a relative path finds the arm beside it when it is unpickled in another
+    folder."""
     (tmp_path / "else").mkdir()
     (tmp_path / "own.toml").write_text('summary = "x"\narm = "cody/cody.toml"\ngoals = { count = 1 }\n')
     shutil.copytree(Path(__file__).parents[2] / "sim/arms/cody", tmp_path / "cody")

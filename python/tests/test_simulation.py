@@ -20,7 +20,7 @@ def state(frame: ub.Frame) -> tuple[bytes, bytes, bytes]:
 
 
 def test_a_saved_state_continues_bit_for_bit() -> None:
-    """Pins that a restored simulation, and a copy, continue with the same bits."""
+    """Tests that a restored simulation, and a copy, continue with the same bits."""
     first = ub.Simulation("mixed", seed=1)
     for step in range(40):
         first.step(angles(first, step))
@@ -38,7 +38,7 @@ def test_a_saved_state_continues_bit_for_bit() -> None:
 
 
 def test_many_at_once_equal_one_by_one() -> None:
-    """Pins that simulations stepped together, with one thread and with two, give the same bits as each one alone."""
+    """Tests that simulations stepped together, with one thread and with two, give the same bits as each one alone."""
     alone = [ub.Simulation("leaf", seed=seed) for seed in range(3)]
     expected = [[state(own.step(angles(own, step))) for own in alone] for step in range(25)]
     for jobs in (None, 1, 2):
@@ -65,7 +65,7 @@ def test_many_at_once_equal_one_by_one() -> None:
     ],
 )
 def test_bad_angles_are_refused(value: object, found: str) -> None:
-    """Pins that angles of a wrong shape or type, NaN and infinity are refused with what was expected, and that nothing
+    """Tests that angles of a wrong shape or type, NaN and infinity are refused with what was expected, and that nothing
     moves."""
     simulation = ub.Simulation("leaf", seed=1)
     with pytest.raises(ub.InputError, match=found) as error:
@@ -75,7 +75,7 @@ def test_bad_angles_are_refused(value: object, found: str) -> None:
 
 
 def test_any_array_of_numbers_will_do() -> None:
-    """Pins that lists, and arrays that are not contiguous, read-only, of another number type or in another byte order,
+    """Tests that lists, and arrays that are not contiguous, read-only, of another number type or in another byte order,
     all give the same step."""
     wanted = np.round(ub.Arm.cody().start_posture_rad, 1).astype(np.float32).astype(np.float64)
     spread = np.zeros((7, 3))
@@ -89,7 +89,7 @@ def test_any_array_of_numbers_will_do() -> None:
 
 
 def test_two_threads_cannot_step_one_simulation() -> None:
-    """Pins that a simulation refuses to step while another thread is stepping it, and that it can continue
+    """Tests that a simulation refuses to step while another thread is stepping it, and that it can continue
     afterwards."""
     simulation = ub.Simulation("mixed", seed=1)
     refused, stepped = [], []
@@ -115,7 +115,7 @@ def test_two_threads_cannot_step_one_simulation() -> None:
 
 
 def test_the_jacobian_is_that_of_the_end_effector() -> None:
-    """Pins the Jacobian of an arm against central differences of the position, within their error."""
+    """Tests the Jacobian of an arm against central differences of the position, within their error."""
     arm = ub.Arm.cody()
     angles = arm.start_posture_rad + 0.1
     _, jacobian = arm.end_effector(angles)

@@ -24,7 +24,7 @@ ESTIMATORS = [
 
 @pytest.mark.parametrize("estimator", ESTIMATORS, ids=lambda own: type(own).__name__)
 def test_check_estimator(estimator: object) -> None:
-    """Pins that an estimator passes scikit-learn's own checks."""
+    """Tests that an estimator passes scikit-learn's own checks."""
     results = check_estimator(estimator, on_fail=None)
     failed = [(found["check_name"], str(found["exception"])) for found in results if found["status"] == "failed"]
     assert failed == []
@@ -33,7 +33,7 @@ def test_check_estimator(estimator: object) -> None:
 
 @pytest.mark.parametrize("name", ["hmm", "naive-bayes", "logistic", "logistic-taxel", "echo-state-network", "nearest-neighbours"])
 def test_scores_are_those_of_the_model(name: str, trials: ub.Trials) -> None:
-    """Pins that an estimator fitted to trials, to sequences and to padded rows gives the scores of the model, bit for
+    """Tests that an estimator fitted to trials, to sequences and to padded rows gives the scores of the model, bit for
     bit. The times of sequences begin at 0, which changes statistics over time in their last bits."""
     estimator = next(type(own) for own in ESTIMATORS if own._classifier == name)(features="force")
     y = np.array(trials.categories)
@@ -52,7 +52,7 @@ def test_scores_are_those_of_the_model(name: str, trials: ub.Trials) -> None:
 
 
 def test_model_selection_works(trials: ub.Trials) -> None:
-    """Pins that estimators work in cross_val_score with grouped folds, GridSearchCV and Pipeline."""
+    """Tests that estimators work in cross_val_score with grouped folds, GridSearchCV and Pipeline."""
     rows, y, groups = trials.padded(samples=60), np.array(trials.categories), np.array(trials.reaches)
     own = ours.HiddenMarkovClassifier(states=3, iterations=10)
     scores = cross_val_score(own, rows, y, groups=groups, cv=GroupKFold(2))
@@ -64,7 +64,7 @@ def test_model_selection_works(trials: ub.Trials) -> None:
 
 
 def test_labels_may_be_anything() -> None:
-    """Pins that predictions have the original labels, even if these are numbers or names of categories that are never
+    """Tests that predictions have the original labels, even if these are numbers or names of categories that are never
     fitted."""
     rng = np.random.default_rng(1)
     rows = np.concatenate([rng.normal(1.0, 0.1, (20, 8)), rng.normal(5.0, 0.1, (20, 8))])
@@ -75,7 +75,7 @@ def test_labels_may_be_anything() -> None:
 
 
 def test_missing_samples_are_left_out() -> None:
-    """Pins that NaN is a missing sample at any place, and that infinity and trials of only NaN are refused."""
+    """Tests that NaN is a missing sample at any place, and that infinity and trials of only NaN are refused."""
     rng = np.random.default_rng(2)
     rows = rng.normal(1.0, 0.3, (20, 6)) + np.repeat([0.0, 2.0], 10)[:, np.newaxis]
     y = np.repeat(["a", "b"], 10)
@@ -92,7 +92,7 @@ def test_missing_samples_are_left_out() -> None:
 
 
 def test_scikit_learn_takes_part_in_evaluate(trials: ub.Trials) -> None:
-    """Pins that a scikit-learn classifier in `evaluate` gives the verdicts that it gives by itself on the same
+    """Tests that a scikit-learn classifier in `evaluate` gives the verdicts that it gives by itself on the same
     folds."""
     window = ours.FixedWindow(LogisticRegression(max_iter=500), samples=20)
     found = ub.evaluate(trials, window, folds=2, group="position")
@@ -110,7 +110,7 @@ def test_scikit_learn_takes_part_in_evaluate(trials: ub.Trials) -> None:
 
 
 def test_a_python_classifier_that_raises_is_heard(trials: ub.Trials) -> None:
-    """Pins that an exception of a Python classifier reaches the caller, whether it is raised in fitting or in scoring,
+    """Tests that an exception of a Python classifier reaches the caller, whether it is raised in fitting or in scoring,
     and that bad scores are refused."""
 
     class Broken:
@@ -142,7 +142,8 @@ def test_a_python_classifier_that_raises_is_heard(trials: ub.Trials) -> None:
 
 
 def test_a_classifier_that_raises_for_the_first_samples_is_heard(trials: ub.Trials) -> None:
-    """Pins that an exception of a Python classifier that only short trials raise ends an evaluation by numbers of samples."""
+    """Tests that an exception of a Python classifier that only short trials raise ends an evaluation by numbers of
+    samples."""
 
     class Impatient:
         categories = ["leaf", "trunk"]
@@ -163,7 +164,7 @@ def test_a_classifier_that_raises_for_the_first_samples_is_heard(trials: ub.Tria
 
 
 def test_hmmlearn_agrees(trials: ub.Trials) -> None:
-    """Pins that forward and Viterbi scores agree with hmmlearn's for the same models, to 1e-9 of their size."""
+    """Tests that forward and Viterbi scores agree with hmmlearn's for the same models, to 1e-9 of their size."""
     from hmmlearn.hmm import GaussianHMM
 
     import json

@@ -26,7 +26,7 @@ mean_force_n.leaf = { at_least = 0.0, at_most = 0.001 }
 
 
 def test_inspect_says_what_the_command_line_says(data: ub.Dataset, trials: ub.Trials, tmp_path: Path, command) -> None:
-    """Pins that every kind of file is inspected with the command line's result, and that other files are refused."""
+    """Tests that every kind of file is inspected with the command line's result, and that other files are refused."""
     scene, model, table = tmp_path / "leaf.toml", tmp_path / "model.json", tmp_path / "trials.csv"
     scene.write_text(quick("leaf").text)
     ub.fit(trials, "logistic-taxel").save(model)
@@ -51,7 +51,7 @@ def suite(folder: Path) -> Path:
 
 
 def test_suites_are_checked_as_by_the_command_line(tmp_path: Path, command) -> None:
-    """Pins that blessing writes the command line's bounds, that the results and both result files equal the command
+    """Tests that blessing writes the command line's bounds, that the results and both result files equal the command
     line's, and that a broken bound is a result and not an error."""
     ours, theirs = suite(tmp_path / "ours"), suite(tmp_path / "theirs")
     broken = ub.check(ours, progress=False)
@@ -74,7 +74,7 @@ def test_suites_are_checked_as_by_the_command_line(tmp_path: Path, command) -> N
 
 
 def test_an_interrupted_suite_is_not_blessed(tmp_path: Path) -> None:
-    """Pins that Ctrl-C ends a check, which then writes neither bounds nor results."""
+    """Tests that Ctrl-C ends a check, which then writes neither bounds nor results."""
     file = suite(tmp_path / "suite")
 
     def interrupt(done: int, total: int, text: str) -> None:
@@ -93,7 +93,7 @@ def at(found: dict[str, Any], file: Path) -> dict[str, Any]:
 
 
 def test_a_study_is_that_of_the_command_line(tmp_path: Path, command) -> None:
-    """Pins that an experiment that Ctrl-C ended and that was continued writes the command line's data, models, trials
+    """Tests that an experiment that Ctrl-C ended and that was continued writes the command line's data, models, trials
     and tables, byte for byte, that another experiment cannot continue in its folder, and that progress is reported."""
     folder = tmp_path / "experiment"
     folder.mkdir()

@@ -12,7 +12,7 @@ import underbrush as ub
 
 
 def test_trials_equal_those_of_the_command_line(data: ub.Dataset, trials: ub.Trials, tmp_path: Path, command) -> None:
-    """Pins that trials from Python equal those that the command line writes, and that both write the same table."""
+    """Tests that trials from Python equal those that the command line writes, and that both write the same table."""
     options = ["--labels", "environment", "--min-samples", 20]
     command("trials", data.path, *options, "--out", tmp_path / "cli.csv")
     trials.save(tmp_path / "python.csv")
@@ -24,7 +24,7 @@ def test_trials_equal_those_of_the_command_line(data: ub.Dataset, trials: ub.Tri
 
 
 def test_trials_are_a_sequence(trials: ub.Trials) -> None:
-    """Pins the length of trials, indexing by numbers, slices, lists and truth values, and that padded rows hold the
+    """Tests the length of trials, indexing by numbers, slices, lists and truth values, and that padded rows hold the
     sequences."""
     assert len(trials) == len(trials.categories) == len(trials.reaches) == len(trials.lengths)
     long = trials[trials.lengths > 50]
@@ -58,7 +58,7 @@ def _fitted(text: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize("name", [name for name, _ in ub.classifiers()])
 def test_models_equal_those_of_the_command_line(name: str, trials: ub.Trials, tmp_path: Path, command) -> None:
-    """Pins for every classifier that the model file, the scores and the evaluation from Python equal those of the
+    """Tests for every classifier that the model file, the scores and the evaluation from Python equal those of the
     command line, number for number, and that a saved and a pickled model give the same scores."""
     table, file = tmp_path / "trials.parquet", tmp_path / "model.json"
     trials.save(table)
@@ -76,7 +76,7 @@ def test_models_equal_those_of_the_command_line(name: str, trials: ub.Trials, tm
 
 
 def test_options_are_those_of_the_command_line(trials: ub.Trials, tmp_path: Path, command) -> None:
-    """Pins that options of hidden Markov models and thresholds give the command line's model file."""
+    """Tests that options of hidden Markov models and thresholds give the command line's model file."""
     table, file = tmp_path / "trials.parquet", tmp_path / "model.json"
     trials.save(table)
     options = ["--states", 5, "--recipe", "modern", "--features", "force,motion", "--max-samples", 60]
@@ -93,7 +93,7 @@ def test_options_are_those_of_the_command_line(trials: ub.Trials, tmp_path: Path
 
 
 def test_bad_options_are_refused(data: ub.Dataset, trials: ub.Trials) -> None:
-    """Pins that options that do not exist, do not apply or are out of range are refused by name."""
+    """Tests that options that do not exist, do not apply or are out of range are refused by name."""
     for call, text in (
         (lambda: ub.fit(trials, "svm"), "nearest-neighbours"),
         (lambda: ub.fit(trials, "naive-bayes", states=3), "only for the classifier hmm"),
@@ -135,15 +135,15 @@ def data_with(option: str):
 
 
 def test_results_do_not_depend_on_threads(trials: ub.Trials) -> None:
-    """Pins that fitting and evaluating give the same bits with one thread and with two."""
+    """Tests that fitting and evaluating give the same bits with one thread and with two."""
     one, two = (ub.fit(trials, states=4, jobs=jobs).to_json() for jobs in (1, 2))
     assert one == two
     assert ub.evaluate(trials, ub.Options(states=4), jobs=1) == ub.evaluate(trials, ub.Options(states=4), jobs=2)
 
 
 def test_the_papers_thresholds_are_for_their_scores(trials: ub.Trials, tmp_path: Path, command) -> None:
-    """Pins that decision="paper" gives the command line's verdicts on Viterbi scores of unscaled force, and is refused, with the
-    reason, on all other scores, where its thresholds mean nothing."""
+    """Tests that decision="paper" gives the command line's verdicts on Viterbi scores of unscaled force, and is
+    refused, with the reason, on all other scores, where its thresholds mean nothing."""
     table = tmp_path / "trials.parquet"
     trials.save(table)
     found = ub.evaluate(trials, ub.Options(states=5), decision="paper")

@@ -8,7 +8,7 @@ import underbrush as ub
 
 
 def test_checks_pass_and_can_fail() -> None:
-    """Pins that a check passes and that it fails with a tolerance of 0, and that bad names and scales are refused."""
+    """Tests that a check passes and that it fails with a tolerance of 0, and that bad names and scales are refused."""
     name = next(name for name in ub.checks() if "leaf" in name)
     (passed,) = ub.validate([name])
     assert passed["name"] == name and passed["verdict"] == "pass" and passed["comparisons"]
@@ -21,7 +21,7 @@ def test_checks_pass_and_can_fail() -> None:
 
 
 def test_the_replay_page_holds_the_reach(data: ub.Dataset, tmp_path: Path) -> None:
-    """Pins that the page of a data set, and of a reach in memory, is one HTML file with the reaches inside."""
+    """Tests that the page of a data set, and of a reach in memory, is one HTML file with the reaches inside."""
     page = ub.replay(data, [0, 1])
     page.save(tmp_path / "page.html")
     text = (tmp_path / "page.html").read_text()

@@ -199,7 +199,7 @@ impl<'de> Deserialize<'de> for Category {
 mod tests {
     use super::*;
 
-    /// Pins names and codes of the built-in categories, which existing data sets contain.
+    /// Tests names and codes of the built-in categories, which existing data sets contain.
     #[test]
     fn built_in_categories_keep_their_codes() {
         let found = Category::BUILT_IN.map(|category| (category.name().to_owned(), category.code()));
@@ -213,7 +213,7 @@ mod tests {
         }
     }
 
-    /// Pins which names and codes further categories can have, and that a reader that does not know such a category
+    /// Tests which names and codes further categories can have, and that a reader that does not know such a category
     /// gets both.
     #[test]
     fn further_categories_have_valid_names_and_free_codes() {

@@ -84,7 +84,7 @@ impl std::error::Error for InputError {}
 mod tests {
     use super::InputError;
 
-    /// Pins that an error about a cell of a megabyte is a few lines long, and is cut between characters.
+    /// Tests that an error about a cell of a megabyte is a few lines long, and is cut between characters.
     #[test]
     fn long_texts_are_shortened() {
         let long = "ü".repeat(1_000_000);

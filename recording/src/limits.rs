@@ -238,7 +238,7 @@ pub const CEILINGS: [&Ceiling; 10] = [
 mod tests {
     use super::*;
 
-    /// Pins that both ends and the value for "off" are allowed, and that everything else is refused, including NaN and
+    /// Tests that both ends and the value for "off" are allowed, and that everything else is refused, including NaN and
     /// infinity.
     #[test]
     fn ends_are_inside_and_all_else_is_outside() {
@@ -253,7 +253,7 @@ mod tests {
         assert!(Limits::new(1.0, 2.0, "").or_off_at(f64::INFINITY).hold(f64::INFINITY));
     }
 
-    /// Pins that numbers stay short as text: 1e300 does not become three hundred zeros.
+    /// Tests that numbers stay short as text: 1e300 does not become three hundred zeros.
     #[test]
     fn numbers_are_short() {
         for (value, text) in [

@@ -166,7 +166,7 @@ impl fmt::Display for NamedStop {
 mod tests {
     use super::*;
 
-    /// Pins that counts add up, and that the text leaves out outcomes with a count of zero.
+    /// Tests that counts add up, and that the text leaves out outcomes with a count of zero.
     #[test]
     fn goals_are_counted_by_outcome() {
         let count = |outcomes: &[Outcome]| {

@@ -105,7 +105,7 @@ impl CategoryLooks {
 mod tests {
     use super::*;
 
-    /// Pins that no two categories look alike, whether they are the paper's or further ones, and that naming one twice
+    /// Tests that no two categories look alike, whether they are the paper's or further ones, and that naming one twice
     /// changes nothing.
     #[test]
     fn every_category_looks_different() {

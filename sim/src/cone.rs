@@ -176,7 +176,7 @@ mod tests {
     const MU: f64 = 0.35;
 
     proptest! {
-        /// Pins that the forces end up in their cones to 1e-6, with their sum kept to 1e-9, whenever such a set of
+        /// Tests that the forces end up in their cones to 1e-6, with their sum kept to 1e-9, whenever such a set of
         /// forces exists (each case is made from one), and that they change no more than they would to reach that set.
         #[test]
         fn forces_move_into_their_cones(taxels in prop::collection::vec(taxel(), 2..20)) {
@@ -210,7 +210,7 @@ mod tests {
         }
     }
 
-    /// Pins that a force outside all cones changes nothing and is reported.
+    /// Tests that a force outside all cones changes nothing and is reported.
     #[test]
     fn what_cannot_be_carried_stays() {
         let force = DVec3::new(1.0, 0.0, 1.0);

@@ -73,7 +73,7 @@ mod tests {
         format!("link {link}")
     }
 
-    /// Pins that a contact which breaks and returns gives two rows, each with the peak and the mean over its own
+    /// Tests that a contact which breaks and returns gives two rows, each with the peak and the mean over its own
     /// frames.
     #[test]
     fn a_broken_contact_is_two() {
@@ -91,8 +91,8 @@ mod tests {
         assert_eq!(summary, [(5, 6, 3.0, 2.0), (8, 8, 2.0, 2.0)]);
     }
 
-    /// Pins that an object on two bare links gives two contacts, each with the name of its link, and that contacts with
-    /// the same first frame are sorted by patch, link and object.
+    /// Tests that an object on two bare links gives two contacts, each with the name of its link, and that contacts
+    /// with the same first frame are sorted by patch, link and object.
     #[test]
     fn contacts_name_their_links() {
         let bare = |link, object| ContactPair {

@@ -257,7 +257,7 @@ mod tests {
     }
 
     proptest! {
-        /// Pins the distance between segments, also if one is a point and if they are parallel or overlap, against the
+        /// Tests the distance between segments, also if one is a point and if they are parallel or overlap, against the
         /// minimum of five elementary distances, in either order.
         #[test]
         fn segment_distance_is_the_minimum(
@@ -277,7 +277,7 @@ mod tests {
         }
     }
 
-    /// Pins the case that goals depend on: the distance of a point to a trunk is that to its nearest part, not to its
+    /// Tests the case that goals depend on: the distance of a point to a trunk is that to its nearest part, not to its
     /// foot.
     #[test]
     fn a_point_is_near_the_middle_of_a_segment() {
@@ -290,7 +290,7 @@ mod tests {
         assert!((between + 0.025).abs() < 1e-12);
     }
 
-    /// Pins that the clearance of a link is measured from its true shape, including the rim of a cylinder and the
+    /// Tests that the clearance of a link is measured from its true shape, including the rim of a cylinder and the
     /// corner of a box, which extend beyond the capsule around them.
     #[test]
     fn placed_shapes_are_measured_with_their_corners() {
@@ -310,7 +310,7 @@ mod tests {
         assert!((corner.extent_m(DVec3::Z) - 0.03).abs() < 1e-9);
     }
 
-    /// Pins the overlap of rectangles and discs on hand-made cases.
+    /// Tests the overlap of rectangles and discs on hand-made cases.
     #[test]
     fn footprints_overlap_where_they_do() {
         let rectangle = |x, y, yaw_rad| LaidFootprint {

@@ -48,7 +48,7 @@ mod tests {
         (found, looked.get())
     }
 
-    /// Pins that the line search leads to the minimum from starts at which the undamped method diverges. For ln cosh x
+    /// Tests that the line search leads to the minimum from starts at which the undamped method diverges. For ln cosh x
     /// these are |x| > 1.09, where each full step goes farther away.
     #[test]
     fn a_step_that_overshoots_is_shortened() {
@@ -60,7 +60,7 @@ mod tests {
         }
     }
 
-    /// Pins when the search ends: at once if the slope is zero, if no share of a step is lower, and at the limit.
+    /// Tests when the search ends: at once if the slope is zero, if no share of a step is lower, and at the limit.
     #[test]
     fn the_search_ends() {
         assert_eq!(log_cosh(0.0), (0.0, 0));

@@ -27,7 +27,7 @@ pub fn gauss_legendre(n: u32) -> Vec<(f64, f64)> {
 mod tests {
     use super::*;
 
-    /// Pins that the quadrature integrates all powers below 2n exactly, and that it has the published nodes for n = 3.
+    /// Tests that the quadrature integrates all powers below 2n exactly, and that it has the published nodes for n = 3.
     #[test]
     fn quadrature_is_exact_to_its_order() {
         for n in [2, 4, 7, 40] {

@@ -57,7 +57,7 @@ mod tests {
         }
     }
 
-    /// Pins that a change of any of the four arguments gives another stream, and that the same arguments give the same
+    /// Tests that a change of any of the four arguments gives another stream, and that the same arguments give the same
     /// stream.
     #[test]
     fn streams_differ_in_every_part() {

@@ -45,7 +45,7 @@ pub(crate) fn sets_key(line: &str, key: &str) -> bool {
 mod tests {
     use super::*;
 
-    /// Pins that a key is found under its earlier name as well, and that a longer key is not taken for it.
+    /// Tests that a key is found under its earlier name as well, and that a longer key is not taken for it.
     #[test]
     fn keys_are_found_under_their_earlier_names() {
         assert!(sets_key("  spurious_share = 0.1", "spurious_share"));
@@ -54,7 +54,7 @@ mod tests {
         assert!(!sets_key("spurious_share_of_all = 0.1", "spurious_share"));
     }
 
-    /// Pins the key of a line of a table, of one before all tables, of a header, and of an inline table.
+    /// Tests the key of a line of a table, of one before all tables, of a header, and of an inline table.
     #[test]
     fn keys_are_named_with_their_table() {
         let text = "name = 1\n\n[[objects.leaf]]\n  count = 2\npoints = [\n    { position_m = 3 },\n]\n";

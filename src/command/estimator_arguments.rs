@@ -244,8 +244,8 @@ mod tests {
         EstimatorArguments::from_arg_matches(&matches).unwrap()
     }
 
-    /// Pins that every classifier of the list has its name and aliases on the command line, and every feature is in the
-    /// help.
+    /// Tests that every classifier of the list has its name and aliases on the command line, and every feature is in
+    /// the help.
     #[test]
     fn the_lists_are_the_options() {
         for kind in CLASSIFIERS {
@@ -260,7 +260,7 @@ mod tests {
         }
     }
 
-    /// Pins that features are a list for every classifier, and that the old way to write them still works.
+    /// Tests that features are a list for every classifier, and that the old way to write them still works.
     #[test]
     fn features_are_a_list() {
         let recipe = |words: &[&str]| parse(words).hmm().unwrap().unwrap();
@@ -277,7 +277,7 @@ mod tests {
         assert_eq!(area.features.columns(), ["force_n", "region_taxels"]);
     }
 
-    /// Pins that the defaults in the help are those of the authors' recipe.
+    /// Tests that the defaults in the help are those of the authors' recipe.
     #[test]
     fn the_help_states_the_defaults() {
         let mut command = EstimatorArguments::augment_args(Command::new("train"));

@@ -8,7 +8,7 @@ mod parsers;
 
 use parsers::PARSERS;
 
-/// Pins that every parser either reads or refuses each file of its corpus without a panic, that each corpus has at
+/// Tests that every parser either reads or refuses each file of its corpus without a panic, that each corpus has at
 /// least one file that is read, and that every corpus belongs to a parser.
 #[test]
 fn every_parser_survives_its_corpus() {

@@ -37,7 +37,7 @@ fn refused_when_truncated(whole: &[u8], file: &Path) {
     }
 }
 
-/// Pins that a recording truncated at any length is refused by every command that reads it.
+/// Tests that a recording truncated at any length is refused by every command that reads it.
 #[test]
 fn truncated_recording() {
     let folder = tempfile::tempdir().unwrap();
@@ -46,7 +46,7 @@ fn truncated_recording() {
     refused_when_truncated(&std::fs::read(&file).unwrap(), &file);
 }
 
-/// Pins that a table of trials truncated at any length is refused by every command that reads it.
+/// Tests that a table of trials truncated at any length is refused by every command that reads it.
 #[test]
 fn truncated_trials() {
     let folder = tempfile::tempdir().unwrap();
@@ -54,7 +54,7 @@ fn truncated_trials() {
     refused_when_truncated(&std::fs::read(fixture().table_parquet()).unwrap(), &file);
 }
 
-/// Pins that a footer with any damaged byte is either read or refused as bad input, without showing a panic message,
+/// Tests that a footer with any damaged byte is either read or refused as bad input, without showing a panic message,
 /// and that some of this damage does make the Parquet decoder panic.
 #[test]
 fn a_changed_footer_never_shows_a_panic() {

@@ -33,7 +33,7 @@ fn refuses(place: &str, value: Value, parts: &[&str]) {
     refuses_text(&model.to_string(), None, parts);
 }
 
-/// Pins that transitions and initial probabilities must sum to 1, and that the row and its sum are named.
+/// Tests that transitions and initial probabilities must sum to 1, and that the row and its sum are named.
 #[test]
 fn rows_that_do_not_sum_to_one() {
     let parts = [
@@ -50,7 +50,7 @@ fn rows_that_do_not_sum_to_one() {
     refuses("/models/trunk/initial", json!([0.25, 0.25, 0.25]), &parts);
 }
 
-/// Pins that a negative probability is refused even if the row sums to 1.
+/// Tests that a negative probability is refused even if the row sums to 1.
 #[test]
 fn negative_probability() {
     refuses(
@@ -60,7 +60,7 @@ fn negative_probability() {
     );
 }
 
-/// Pins that a model of a later format is refused.
+/// Tests that a model of a later format is refused.
 #[test]
 fn unknown_format() {
     let parts = [
@@ -71,7 +71,7 @@ fn unknown_format() {
     refuses("/format", json!("underbrush-model/9"), &parts);
 }
 
-/// Pins that unknown features are refused.
+/// Tests that unknown features are refused.
 #[test]
 fn unknown_feature() {
     refuses(
@@ -86,7 +86,7 @@ fn unknown_feature() {
     );
 }
 
-/// Pins that covariances must be positive definite.
+/// Tests that covariances must be positive definite.
 #[test]
 fn variance_below_zero() {
     let parts = [
@@ -97,7 +97,7 @@ fn variance_below_zero() {
     refuses("/models/leaf/covariance/1", json!([[-1.0]]), &parts);
 }
 
-/// Pins that every array of a model must have one row per state.
+/// Tests that every array of a model must have one row per state.
 #[test]
 fn wrong_shape() {
     refuses("/models/leaf/mean", json!([[1.0]]), &["models.leaf.mean"]);
@@ -108,13 +108,13 @@ fn wrong_shape() {
     );
 }
 
-/// Pins that a file without models is refused.
+/// Tests that a file without models is refused.
 #[test]
 fn no_models() {
     refuses("/models", json!({}), &["models: found", "one model per category"]);
 }
 
-/// Pins that text that is not JSON is refused with its line, and so is a JSON file of another program.
+/// Tests that text that is not JSON is refused with its line, and so is a JSON file of another program.
 #[test]
 fn no_json() {
     refuses_text(
@@ -129,7 +129,7 @@ fn no_json() {
     );
 }
 
-/// Pins that a model of force and motion needs a table with motion, and that the error names the trial without it.
+/// Tests that a model of force and motion needs a table with motion, and that the error names the trial without it.
 #[test]
 fn missing_motion() {
     let folder = tempfile::tempdir().unwrap();
@@ -151,7 +151,7 @@ fn missing_motion() {
     underbrush!["classify", model, bare].refused(&[&bare.display().to_string(), "motion"]);
 }
 
-/// Pins that a missing model file is reported as such.
+/// Tests that a missing model file is reported as such.
 #[test]
 fn missing_model() {
     let folder = tempfile::tempdir().unwrap();

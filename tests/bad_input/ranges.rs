@@ -219,7 +219,7 @@ fn write(path: &Path, text: &str) -> PathBuf {
     path.to_path_buf()
 }
 
-/// Pins that every number in every file is accepted within its range, that it is refused outside it with an error that
+/// Tests that every number in every file is accepted within its range, that it is refused outside it with an error that
 /// names file and field, and that no number makes the program panic.
 #[test]
 fn every_number_has_a_range() {
@@ -283,7 +283,7 @@ fn every_number_has_a_range() {
     assert_eq!(keys, 135, "rows for a key were added or removed");
 }
 
-/// Pins that the error about a line of one megabyte is short, in scene files and in tables.
+/// Tests that the error about a line of one megabyte is short, in scene files and in tables.
 #[test]
 fn faults_in_long_lines_are_shown_shortly() {
     let folder = tempfile::tempdir().unwrap();

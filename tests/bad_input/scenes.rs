@@ -26,7 +26,7 @@ fn refuses(text: &str, line: Option<usize>, parts: &[&str]) {
     assert_empty(outputs.path());
 }
 
-/// Pins that a misspelled key is an error and not a silent default, both at the top and in a group.
+/// Tests that a misspelled key is an error and not a silent default, both at the top and in a group.
 #[test]
 fn unknown_key() {
     refuses(
@@ -52,7 +52,7 @@ fn unknown_key() {
     );
 }
 
-/// Pins that text that is not TOML is refused with its line.
+/// Tests that text that is not TOML is refused with its line.
 #[test]
 fn no_toml() {
     refuses(
@@ -62,14 +62,14 @@ fn no_toml() {
     );
 }
 
-/// Pins that a group of objects needs a count.
+/// Tests that a group of objects needs a count.
 #[test]
 fn missing_key() {
     let parts = ["missing field `count`", "underbrush schema", "correct this line"];
     refuses(&format!("{HEAD}[[objects.trunk]]\n"), Some(3), &parts);
 }
 
-/// Pins that a negative stiffness is refused.
+/// Tests that a negative stiffness is refused.
 #[test]
 fn negative_rigidity() {
     let parts = [
@@ -84,7 +84,7 @@ fn negative_rigidity() {
     );
 }
 
-/// Pins that NaN is refused as a value, in a range and as a standard deviation.
+/// Tests that NaN is refused as a value, in a range and as a standard deviation.
 #[test]
 fn not_a_number() {
     for (value, found) in [
@@ -117,7 +117,7 @@ fn not_a_number() {
     );
 }
 
-/// Pins that dead taxels are checked against the arm's skin.
+/// Tests that dead taxels are checked against the arm's skin.
 #[test]
 fn dead_taxels_that_are_not_there() {
     let text = format!("{HEAD}[sensor]\ndead_taxels = {{ forearm = [0, 384] }}\n");
@@ -134,7 +134,7 @@ fn dead_taxels_that_are_not_there() {
     );
 }
 
-/// Pins that bounds in the wrong order are refused and not swapped silently.
+/// Tests that bounds in the wrong order are refused and not swapped silently.
 #[test]
 fn reversed_range() {
     let text = format!("{HEAD}{LEAF}height_m = {{ uniform = [0.4, 0.3] }}\n");
@@ -159,7 +159,7 @@ fn reversed_range() {
     );
 }
 
-/// Pins that a reach needs at least one goal, and that the error shows the line in `[goals]`, although groups of
+/// Tests that a reach needs at least one goal, and that the error shows the line in `[goals]`, although groups of
 /// objects also have a `count`.
 #[test]
 fn no_goals() {
@@ -167,7 +167,7 @@ fn no_goals() {
     refuses(&text, Some(9), &["goals.count: found 0", "1 to 1000 goals", "change"]);
 }
 
-/// Pins that two trunks in one place are refused with the reason, at the line of the second.
+/// Tests that two trunks in one place are refused with the reason, at the line of the second.
 #[test]
 fn overlapping_trunks() {
     let place = "place = { x_m = 0.6, y_m = -0.2 }";
@@ -179,7 +179,7 @@ fn overlapping_trunks() {
     );
 }
 
-/// Pins that more objects than there is room for, or than a scene may have, are refused, and that no data set is left
+/// Tests that more objects than there is room for, or than a scene may have, are refused, and that no data set is left
 /// behind.
 #[test]
 fn more_trunks_than_room() {
@@ -203,7 +203,7 @@ fn more_trunks_than_room() {
     );
 }
 
-/// Pins that a scene with leaves but without foam is refused with the reason.
+/// Tests that a scene with leaves but without foam is refused with the reason.
 #[test]
 fn leaves_without_foam() {
     let text = format!("{HEAD}[[objects.leaf]]\ncount = 3\n");
@@ -214,7 +214,7 @@ fn leaves_without_foam() {
     );
 }
 
-/// Pins that goals out of reach of the arm are refused.
+/// Tests that goals out of reach of the arm are refused.
 #[test]
 fn goals_out_of_reach() {
     let text = format!("{HEAD}[goals]\nx_m = 4.0\n\n[[objects.trunk]]\ncount = 1\n");
@@ -225,7 +225,7 @@ fn goals_out_of_reach() {
     );
 }
 
-/// Pins that an unknown controller is refused with the names of all controllers.
+/// Tests that an unknown controller is refused with the names of all controllers.
 #[test]
 fn unknown_controller() {
     let text = format!("{HEAD}controller = \"clever\"\n");
@@ -240,7 +240,7 @@ fn unknown_controller() {
     );
 }
 
-/// Pins that a missing scene file is reported as such.
+/// Tests that a missing scene file is reported as such.
 #[test]
 fn missing_scene() {
     let outputs = tempfile::tempdir().unwrap();
@@ -258,7 +258,7 @@ fn missing_scene() {
     assert_empty(outputs.path());
 }
 
-/// Pins that the path of an arm is relative to the scene file, and that a missing arm file is reported by its own
+/// Tests that the path of an arm is relative to the scene file, and that a missing arm file is reported by its own
 /// path.
 #[test]
 fn missing_arm() {
@@ -277,7 +277,7 @@ fn missing_arm() {
     assert_empty(outputs.path());
 }
 
-/// Pins that an arm file with a negative stiffness is refused with its line when a scene uses it.
+/// Tests that an arm file with a negative stiffness is refused with its line when a scene uses it.
 #[test]
 fn bad_arm() {
     let folder = tempfile::tempdir().unwrap();

@@ -44,7 +44,7 @@ fn refuses_change(from: &str, to: &str, line: usize, parts: &[&str]) {
     refuses(&SUITE.replace(from, to), Some(line), parts);
 }
 
-/// Pins that unknown keys, metrics and categories are refused with their line and the names that exist.
+/// Tests that unknown keys, metrics and categories are refused with their line and the names that exist.
 #[test]
 fn unknown_names() {
     refuses_change(
@@ -75,7 +75,7 @@ fn unknown_names() {
     refuses_change("at_least", "at_leest", 6, &["goals_reached", "expected a bound"]);
 }
 
-/// Pins that a metric by category needs a category, and that other metrics take none.
+/// Tests that a metric by category needs a category, and that other metrics take none.
 #[test]
 fn categories_where_they_do_not_belong() {
     refuses_change(
@@ -92,7 +92,7 @@ fn categories_where_they_do_not_belong() {
     );
 }
 
-/// Pins that numbers outside their range are refused.
+/// Tests that numbers outside their range are refused.
 #[test]
 fn numbers_out_of_range() {
     refuses_change(
@@ -125,7 +125,7 @@ fn numbers_out_of_range() {
     }
 }
 
-/// Pins that verdicts need a model, that the model must exist, that its patch must be one of the skin's, and that a
+/// Tests that verdicts need a model, that the model must exist, that its patch must be one of the skin's, and that a
 /// touch model takes only its own options.
 #[test]
 fn models_that_do_not_fit() {
@@ -167,7 +167,7 @@ fn models_that_do_not_fit() {
     fault.check(&underbrush!["check", &file]);
 }
 
-/// Pins that a suite without scenes or bounds, or with a scene twice, is refused.
+/// Tests that a suite without scenes or bounds, or with a scene twice, is refused.
 #[test]
 fn nothing_to_check() {
     refuses(
@@ -184,7 +184,7 @@ fn nothing_to_check() {
     refuses(&twice, Some(3), &["scene files with different names"]);
 }
 
-/// Pins that a suite or a scene that cannot be read is named, and that the remaining suites are not run.
+/// Tests that a suite or a scene that cannot be read is named, and that the remaining suites are not run.
 #[test]
 fn missing_files() {
     let folder = tempfile::tempdir().unwrap();

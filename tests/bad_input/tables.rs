@@ -31,7 +31,7 @@ fn refuses(text: &str, line: Option<usize>, parts: &[&str]) {
     refuses_file(&file, line, parts);
 }
 
-/// Pins that a table with only a header and an empty file are refused.
+/// Tests that a table with only a header and an empty file are refused.
 #[test]
 fn empty() {
     refuses(
@@ -42,7 +42,7 @@ fn empty() {
     refuses("", None, &["trial: found", "one column each of trial, time_s, force_n"]);
 }
 
-/// Pins that a missing column is named together with the columns found.
+/// Tests that a missing column is named together with the columns found.
 #[test]
 fn missing_column() {
     let parts = [
@@ -53,14 +53,14 @@ fn missing_column() {
     refuses("trial,category,time_s\n0,leaf,0.0\n", None, &parts);
 }
 
-/// Pins that an incomplete row is refused with its line.
+/// Tests that an incomplete row is refused with its line.
 #[test]
 fn missing_cell() {
     let parts = ["row: found 3 cells", "4 cells, as in the header", "correct the line"];
     refuses(&format!("{HEADER}\n0,leaf,0.0,1\n0,leaf,0.01\n"), Some(3), &parts);
 }
 
-/// Pins that NaN, infinity and text are refused as forces, with their line.
+/// Tests that NaN, infinity and text are refused as forces, with their line.
 #[test]
 fn bad_force() {
     for force in ["NaN", "inf", "much"] {
@@ -77,7 +77,7 @@ fn bad_force() {
     }
 }
 
-/// Pins that repeated or decreasing times within a trial are refused, while another trial may start again from any
+/// Tests that repeated or decreasing times within a trial are refused, while another trial may start again from any
 /// time.
 #[test]
 fn time_that_does_not_increase() {
@@ -96,7 +96,7 @@ fn time_that_does_not_increase() {
     underbrush!["inspect", file].success();
 }
 
-/// Pins that a trial with two categories is refused.
+/// Tests that a trial with two categories is refused.
 #[test]
 fn two_categories_in_one_trial() {
     let text = format!("{HEADER}\n0,leaf,0.0,1\n0,trunk,0.01,1\n");
@@ -111,7 +111,7 @@ fn two_categories_in_one_trial() {
     );
 }
 
-/// Pins that a table without categories can be scored but not used for training or evaluation, and that the error
+/// Tests that a table without categories can be scored but not used for training or evaluation, and that the error
 /// names the table.
 #[test]
 fn no_ground_truth() {
@@ -129,7 +129,7 @@ fn no_ground_truth() {
     assert!(!model.exists());
 }
 
-/// Pins that missing tables, recordings and data sets are reported as missing, not as the wrong kind of file.
+/// Tests that missing tables, recordings and data sets are reported as missing, not as the wrong kind of file.
 #[test]
 fn missing_file() {
     let folder = tempfile::tempdir().unwrap();
@@ -151,7 +151,7 @@ fn missing_file() {
     .check(&online);
 }
 
-/// Pins that a folder that is not a data set is refused.
+/// Tests that a folder that is not a data set is refused.
 #[test]
 fn foreign_folder() {
     let folder = tempfile::tempdir().unwrap();
@@ -162,7 +162,7 @@ fn foreign_folder() {
     );
 }
 
-/// Pins that --online refuses a table of trials, which has no frames.
+/// Tests that --online refuses a table of trials, which has no frames.
 #[test]
 fn table_given_for_frames() {
     let fixture = fixture();

@@ -23,7 +23,7 @@ fn refuses_text(text: &str, line: Option<usize>, parts: &[&str]) {
     fault.check(&underbrush!["inspect", file]);
 }
 
-/// Pins that each fault of a model file is refused with its field, what was found, what is allowed and a remedy.
+/// Tests that each fault of a model file is refused with its field, what was found, what is allowed and a remedy.
 #[test]
 fn broken_models() {
     let text = std::fs::read_to_string(model()).unwrap();
@@ -91,7 +91,7 @@ fn broken_models() {
     }
 }
 
-/// Pins that wrong types, unknown keys and truncated text are refused with their line, and that the error names the
+/// Tests that wrong types, unknown keys and truncated text are refused with their line, and that the error names the
 /// format of touch models.
 #[test]
 fn broken_text() {
@@ -115,7 +115,7 @@ fn broken_text() {
     refuses_text(half, Some(half.lines().count()), &["JSON", allowed]);
 }
 
-/// Pins that commands that need a model of trials refuse a touch model with its format and a remedy.
+/// Tests that commands that need a model of trials refuse a touch model with its format and a remedy.
 #[test]
 fn a_touch_model_is_no_model_of_trials() {
     let outputs = tempfile::tempdir().unwrap();
@@ -145,7 +145,7 @@ fn a_touch_model_is_no_model_of_trials() {
     assert_empty(outputs.path());
 }
 
-/// Pins that options of the other kind of classifier are refused by name and not ignored.
+/// Tests that options of the other kind of classifier are refused by name and not ignored.
 #[test]
 fn options_that_do_not_apply() {
     let outputs = tempfile::tempdir().unwrap();
@@ -215,7 +215,7 @@ fn options_that_do_not_apply() {
     assert_empty(outputs.path());
 }
 
-/// Pins that too few reaches, a patch that nothing touches and wrong folds are refused with a remedy.
+/// Tests that too few reaches, a patch that nothing touches and wrong folds are refused with a remedy.
 #[test]
 fn too_little_to_learn_from() {
     let outputs = tempfile::tempdir().unwrap();
@@ -253,7 +253,7 @@ fn too_little_to_learn_from() {
     assert_empty(outputs.path());
 }
 
-/// Pins that an input that is given twice, under whatever name, is refused: its reaches would be in training and test
+/// Tests that an input that is given twice, under whatever name, is refused: its reaches would be in training and test
 /// at once.
 #[test]
 fn no_input_counts_twice() {

@@ -4,7 +4,7 @@ use super::assert_empty;
 use crate::support::fixture::fixture;
 use crate::support::{scenes, tree, underbrush};
 
-/// Pins that `reach` and `generate` refuse an unknown controller with the names of all controllers, before anything
+/// Tests that `reach` and `generate` refuse an unknown controller with the names of all controllers, before anything
 /// is written.
 #[test]
 fn unknown_controller() {
@@ -26,8 +26,8 @@ fn unknown_controller() {
     assert_empty(outputs.path());
 }
 
-/// Pins that shards are counted from 1, and that more shards than reaches are refused, also for a shard that would have
-/// a reach: it could not be merged with one that has none.
+/// Tests that shards are counted from 1, and that more shards than reaches are refused, also for a shard that would
+/// have a reach: it could not be merged with one that has none.
 #[test]
 fn bad_shard() {
     let outputs = tempfile::tempdir().unwrap();
@@ -47,7 +47,7 @@ fn bad_shard() {
     assert_empty(outputs.path());
 }
 
-/// Pins that a data set is written only to a new or an empty folder, and that existing files are not touched.
+/// Tests that a data set is written only to a new or an empty folder, and that existing files are not touched.
 #[test]
 fn folder_that_holds_something() {
     let folder = tempfile::tempdir().unwrap();
@@ -77,7 +77,7 @@ fn folder_that_holds_something() {
     assert!(before == tree(folder.path()));
 }
 
-/// Pins that the scenes of a data set must share one controller and have different names, and that errors come before
+/// Tests that the scenes of a data set must share one controller and have different names, and that errors come before
 /// anything is run.
 #[test]
 fn scenes_that_do_not_go_together() {
@@ -113,7 +113,7 @@ fn scenes_that_do_not_go_together() {
     chosen.success();
 }
 
-/// Pins that numbers that make no sense are refused with the name of the option.
+/// Tests that numbers that make no sense are refused with the name of the option.
 #[test]
 fn numbers_out_of_range() {
     let fixture = fixture();
@@ -146,7 +146,7 @@ fn numbers_out_of_range() {
     assert_empty(outputs.path());
 }
 
-/// Pins that an option is refused, not ignored, if the option that it needs is excluded by another.
+/// Tests that an option is refused, not ignored, if the option that it needs is excluded by another.
 #[test]
 fn options_whose_need_is_excluded() {
     let fixture = fixture();
@@ -168,7 +168,7 @@ fn options_whose_need_is_excluded() {
     assert_empty(outputs.path());
 }
 
-/// Pins that no command writes its output over its input, under whatever name, but that models may be replaced by what
+/// Tests that no command writes its output over its input, under whatever name, but that models may be replaced by what
 /// they are trained to.
 #[test]
 fn outputs_that_are_inputs() {
@@ -210,7 +210,7 @@ fn outputs_that_are_inputs() {
     .success();
 }
 
-/// Pins that an output that cannot be written is refused before the work, and so before what is wrong with the trials
+/// Tests that an output that cannot be written is refused before the work, and so before what is wrong with the trials
 /// is found, and that missing folders around an output are made.
 #[test]
 fn outputs_that_cannot_be_written() {
@@ -238,8 +238,8 @@ fn outputs_that_cannot_be_written() {
     assert!(recording.exists());
 }
 
-/// Pins that a threshold above every force is reported as leaving no trials, not as missing categories, and that advice
-/// about a table of trials has only what applies to tables.
+/// Tests that a threshold above every force is reported as leaving no trials, not as missing categories, and that
+/// advice about a table of trials has only what applies to tables.
 #[test]
 fn nothing_to_fit() {
     let fixture = fixture();
@@ -263,8 +263,8 @@ fn nothing_to_fit() {
     assert_empty(outputs.path());
 }
 
-/// Pins that an unknown patch, table format or file type is refused with the known ones, and that a prior of an unknown
-/// category or two of one category are refused.
+/// Tests that an unknown patch, table format or file type is refused with the known ones, and that a prior of an
+/// unknown category or two of one category are refused.
 #[test]
 fn unknown_names() {
     let fixture = fixture();

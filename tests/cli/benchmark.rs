@@ -9,7 +9,7 @@ use crate::support::underbrush;
 /// The frozen scenes as files.
 const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benchmarks/incidental-contact-1/scenes");
 
-/// Pins that a row is the same, byte for byte, for any number of threads and from parts that were made elsewhere, that
+/// Tests that a row is the same, byte for byte, for any number of threads and from parts that were made elsewhere, that
 /// `--json` prints this row, and that the scene files beside the benchmark's description are the ones built into the
 /// program.
 #[test]
@@ -88,7 +88,7 @@ fn a_row_does_not_depend_on_who_made_the_reaches() {
     assert_eq!(printed["complete"], false);
 }
 
-/// Pins that the accuracy after one sample equals the accuracy that `evaluate` finds on trials cut to one sample, and
+/// Tests that the accuracy after one sample equals the accuracy that `evaluate` finds on trials cut to one sample, and
 /// that there are as many contacts as such trials.
 #[test]
 fn accuracies_after_one_sample_are_those_of_trials_of_one_sample() {
@@ -153,7 +153,7 @@ fn accuracies_after_one_sample_are_those_of_trials_of_one_sample() {
     assert!(verdicts["moments"][9]["samples"].is_null());
 }
 
-/// Pins that options that do not belong to a track are refused, and that the message names the option that is needed.
+/// Tests that options that do not belong to a track are refused, and that the message names the option that is needed.
 #[test]
 fn what_does_not_go_with_a_track_is_refused() {
     underbrush!["benchmark", "verdicts"].refused(&["--model <MODEL>"]);

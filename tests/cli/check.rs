@@ -62,7 +62,7 @@ fn broken(answer: &Answer) -> Vec<String> {
     names
 }
 
-/// Pins that suites tell a harmless change from a real one. A blessed suite passes again, also on other draws of the
+/// Tests that suites tell a harmless change from a real one. A blessed suite passes again, also on other draws of the
 /// same scenes, which stand for a harmless change of the program. A leaf that is a fifth stiffer or softer breaks the
 /// bound on its force, and an allowed force that is a fifth higher or lower breaks the bound on the trunk's force.
 /// After the changed scenes are blessed, they pass.
@@ -110,7 +110,7 @@ fn small(folder: &Path) -> PathBuf {
     file
 }
 
-/// Pins that a suite can have a touch model, and that its verdict `nothing` has metrics of its own.
+/// Tests that a suite can have a touch model, and that its verdict `nothing` has metrics of its own.
 #[test]
 fn touch_models_judge_suites() {
     let folder = tempfile::tempdir().unwrap();
@@ -151,7 +151,7 @@ fn elements(document: &str) -> Vec<(String, Vec<(String, String)>)> {
     events.filter_map(|event| start(event.unwrap())).collect()
 }
 
-/// Pins that a broken bound gives exit status 1 and names the reach to look at, and that the command shown for this
+/// Tests that a broken bound gives exit status 1 and names the reach to look at, and that the command shown for this
 /// reach runs and gives the reported value.
 #[test]
 fn a_broken_bound_names_a_reach() {
@@ -196,7 +196,7 @@ fn a_broken_bound_names_a_reach() {
     assert!((found / peak - 1.0).abs() < 1e-3, "{found} {peak}");
 }
 
-/// Pins the files of `--out`: JUnit XML with a test for each bound and one failure, JSON with the values of all
+/// Tests the files of `--out`: JUnit XML with a test for each bound and one failure, JSON with the values of all
 /// reaches, and the same bytes from one thread and from two.
 #[test]
 fn results_are_written_for_ci() {

@@ -43,7 +43,7 @@ pub(super) fn online_ends_where_score_does(model: &Path, recording: &Path, trial
     }
 }
 
-/// Pins that every classifier of the list is trained, inspected, scored, evaluated and run online from its model file,
+/// Tests that every classifier of the list is trained, inspected, scored, evaluated and run online from its model file,
 /// and that each verdict is the category with the best score.
 #[test]
 fn every_classifier_is_a_model_like_any_other() {
@@ -78,7 +78,7 @@ fn every_classifier_is_a_model_like_any_other() {
     }
 }
 
-/// Pins that hidden Markov models also take a list of features: models of force and contact area are trained, scored
+/// Tests that hidden Markov models also take a list of features: models of force and contact area are trained, scored
 /// and run online, and a table without the column is refused with the trial, the feature and a remedy.
 #[test]
 fn markov_models_of_force_and_area() {
@@ -106,7 +106,7 @@ fn markov_models_of_force_and_area() {
     underbrush!["score", model, bare].refused(&["trial 4", "the feature area", "region_taxels", "fill the columns"]);
 }
 
-/// Pins that lists of features that make no sense are refused, and that the error about an unknown feature lists the
+/// Tests that lists of features that make no sense are refused, and that the error about an unknown feature lists the
 /// known ones.
 #[test]
 fn bad_lists_of_features() {
@@ -122,7 +122,7 @@ fn bad_lists_of_features() {
     assert!(!out.exists());
 }
 
-/// Pins that thresholds are chosen, stored and used for a classifier that is not a hidden Markov model.
+/// Tests that thresholds are chosen, stored and used for a classifier that is not a hidden Markov model.
 #[test]
 fn thresholds_of_another_classifier() {
     let folder = tempfile::tempdir().unwrap();
@@ -161,7 +161,7 @@ fn thresholds_of_another_classifier() {
     assert_ne!(own, of("argmax"));
 }
 
-/// Pins that options that only hidden Markov models have are refused by name for other classifiers.
+/// Tests that options that only hidden Markov models have are refused by name for other classifiers.
 #[test]
 fn options_of_markov_models_are_refused_for_others() {
     let folder = tempfile::tempdir().unwrap();

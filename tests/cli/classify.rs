@@ -8,7 +8,7 @@ use underbrush_recording::disk::read_recording;
 use crate::support::fixture::{fixture, recording_with_trials};
 use crate::support::{call, table, underbrush};
 
-/// Pins that the verdict of `classify` on each trial is the category with the largest log-likelihood in the output of
+/// Tests that the verdict of `classify` on each trial is the category with the largest log-likelihood in the output of
 /// `score`, with the model's own kind of score, that the truth is that of the table, and that both commands give
 /// the same output for a data set and for its table.
 #[test]
@@ -42,7 +42,7 @@ fn the_verdict_is_the_best_score() {
     }
 }
 
-/// Pins that `classify` and `score` need only trial, time_s and force_n, and give the same result with more columns.
+/// Tests that `classify` and `score` need only trial, time_s and force_n, and give the same result with more columns.
 #[test]
 fn a_table_without_category_is_classified() {
     let fixture = fixture();
@@ -70,7 +70,7 @@ fn lines(text: &str) -> Vec<Value> {
     text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
 }
 
-/// Pins that after the last sample of each contact the online log-likelihoods equal those of the batch score bit for
+/// Tests that after the last sample of each contact the online log-likelihoods equal those of the batch score bit for
 /// bit, for both kinds of score, and that each sample is answered in its own frame and nothing else is answered.
 #[test]
 fn online_ends_where_batch_does() {
@@ -115,7 +115,7 @@ fn online_ends_where_batch_does() {
     }
 }
 
-/// Pins that `classify MODEL -`, given the frames of a recording as JSON lines, prints the same as --online for the
+/// Tests that `classify MODEL -`, given the frames of a recording as JSON lines, prints the same as --online for the
 /// file, and prints the latency on stderr.
 #[test]
 fn frames_on_standard_input_are_answered_alike() {
@@ -136,8 +136,8 @@ fn frames_on_standard_input_are_answered_alike() {
     assert!(piped == underbrush!["classify", model, recording, "--online"].success());
 }
 
-/// Pins that a prior of almost 1 decides trials of a single sample, and that a margin larger than any trial's makes all
-/// verdicts uncertain.
+/// Tests that a prior of almost 1 decides trials of a single sample, and that a margin larger than any trial's makes
+/// all verdicts uncertain.
 #[test]
 fn priors_and_rules_change_verdicts() {
     let fixture = fixture();
@@ -157,7 +157,7 @@ fn priors_and_rules_change_verdicts() {
     assert_eq!(count(&doubtful, "uncertain"), even.len());
 }
 
-/// Pins that category names that must be quoted in CSV survive `score` and `classify`.
+/// Tests that category names that must be quoted in CSV survive `score` and `classify`.
 #[test]
 fn names_are_quoted_in_csv() {
     let folder = tempfile::tempdir().unwrap();

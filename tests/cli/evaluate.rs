@@ -7,7 +7,7 @@ use underbrush_recording::disk::{read_trials, write_trials};
 use crate::support::fixture::fixture;
 use crate::support::{copy_tree, underbrush};
 
-/// Pins that cross-validation gives the same result for the data set and for both tables.
+/// Tests that cross-validation gives the same result for the data set and for both tables.
 #[test]
 fn data_set_and_tables_are_judged_alike() {
     let fixture = fixture();
@@ -18,7 +18,7 @@ fn data_set_and_tables_are_judged_alike() {
     assert_eq!(figures[1], figures[2]);
 }
 
-/// Pins that the counts by true category agree with the table, that recall follows from the confusion matrix, and that
+/// Tests that the counts by true category agree with the table, that recall follows from the confusion matrix, and that
 /// the intervals contain it.
 #[test]
 fn the_confusion_matrix_counts_each_trial_once() {
@@ -56,7 +56,7 @@ fn the_confusion_matrix_counts_each_trial_once() {
     }
 }
 
-/// Pins that the text output is a table with recall, precision and intervals, and that the accuracy comes with the
+/// Tests that the text output is a table with recall, precision and intervals, and that the accuracy comes with the
 /// majority baseline and the balanced accuracy.
 #[test]
 fn text_names_the_figures() {
@@ -84,7 +84,7 @@ fn text_names_the_figures() {
     }
 }
 
-/// Pins that every classifier name is known and judges all trials, that the last point of --by-samples equals the
+/// Tests that every classifier name is known and judges all trials, that the last point of --by-samples equals the
 /// evaluation itself, and that a point beyond the longest trial has no result.
 #[test]
 fn every_classifier_is_evaluated_and_asked_while_contacts_last() {
@@ -127,7 +127,7 @@ fn every_classifier_is_evaluated_and_asked_while_contacts_last() {
     }
 }
 
-/// Pins that --train fits on the other table only: for hidden Markov models the result equals that of `train`
+/// Tests that --train fits on the other table only: for hidden Markov models the result equals that of `train`
 /// followed by --model, and the order of the two tables matters.
 #[test]
 fn fitted_to_one_table_and_tested_on_another() {
@@ -154,8 +154,9 @@ fn fitted_to_one_table_and_tested_on_another() {
     assert_ne!(logistic(odd, even)["predictions"], logistic(even, odd)["predictions"]);
 }
 
-/// Pins that an input is not judged by what was fitted to it, under whatever name and in whatever copy, and that cross-validation is named
-/// as the remedy: a table by a classifier of trials, and a data set, also beside others, by the classifier touch.
+/// Tests that an input is not judged by what was fitted to it, under whatever name and in whatever copy, and that
+/// cross-validation is named as the remedy: a table by a classifier of trials, and a data set, also beside others, by
+/// the classifier touch.
 #[test]
 fn an_input_is_not_fitted_to_and_tested_on() {
     let (set, table) = (fixture().dataset(), fixture().table_csv());
@@ -188,7 +189,7 @@ fn table_with_reaches(folder: &std::path::Path) -> std::path::PathBuf {
     path
 }
 
-/// Pins the default grouping: by reach if every trial names its reach, otherwise by position. Also pins that the
+/// Tests the default grouping: by reach if every trial names its reach, otherwise by position. Also tests that the
 /// paper's preset groups by position, and that the old name of the option still works.
 #[test]
 fn the_advised_grouping_is_the_default() {
@@ -223,7 +224,7 @@ fn the_advised_grouping_is_the_default() {
     assert_eq!(figures["folds"]["by"], "position");
 }
 
-/// Pins that options that do not apply are refused by name, with the reason.
+/// Tests that options that do not apply are refused by name, with the reason.
 #[test]
 fn options_that_do_not_apply_are_refused() {
     let (table, model) = (fixture().table_csv(), fixture().model());
@@ -263,7 +264,7 @@ fn options_that_do_not_apply_are_refused() {
     underbrush!["classify", model, fixture().dataset(), "--online", "--min-samples", "3"].refused(&["--min-samples"]);
 }
 
-/// Pins that thresholds are refused for scores that they are not meant for: the paper's for anything but Viterbi
+/// Tests that thresholds are refused for scores that they are not meant for: the paper's for anything but Viterbi
 /// scores of unscaled force, and --margin without the rule that uses it.
 #[test]
 fn thresholds_are_refused_for_other_scores() {
@@ -289,7 +290,7 @@ fn thresholds_are_refused_for_other_scores() {
     assert_eq!(uncertain("--margin"), uncertain("--lead"));
 }
 
-/// Pins the series over all contacts: every trial counts at every point, short ones too, and both texts state which
+/// Tests the series over all contacts: every trial counts at every point, short ones too, and both texts state which
 /// trials they cover.
 #[test]
 fn by_samples_is_also_about_short_contacts() {
@@ -324,7 +325,7 @@ fn by_samples_is_also_about_short_contacts() {
     assert!(text.contains("over all contacts, including short ones"), "{text}");
 }
 
-/// Pins that the smallest model file shown in docs/classifiers.md can be read and gives a verdict on every trial.
+/// Tests that the smallest model file shown in docs/classifiers.md can be read and gives a verdict on every trial.
 #[test]
 fn the_documented_model_file_classifies() {
     let text = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/classifiers.md")).unwrap();

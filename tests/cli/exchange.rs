@@ -35,7 +35,7 @@ fn mapping(folder: &Path, text: &str) -> std::path::PathBuf {
     path
 }
 
-/// Pins that a data set exported as HDF5 and imported again has the trials that `trials` cuts from the set itself,
+/// Tests that a data set exported as HDF5 and imported again has the trials that `trials` cuts from the set itself,
 /// labelled by the scene; that a classifier can be trained on these trials and classifies them; and that `replay`
 /// writes each reach with verdicts, but refuses a model that needs motion, which was not imported.
 #[cfg(feature = "hdf5")]
@@ -89,7 +89,7 @@ fn trials_through_hdf5_are_those_of_the_data_set() {
     ]);
 }
 
-/// Pins that a recording exported as MCAP and imported again has the trials that `trials` cuts from the recording, and
+/// Tests that a recording exported as MCAP and imported again has the trials that `trials` cuts from the recording, and
 /// that a data set becomes one file for each reach, again and again, but not among other files of a larger export.
 #[test]
 fn trials_through_mcap_are_those_of_the_recording() {
@@ -129,7 +129,7 @@ fn trials_through_mcap_are_those_of_the_recording() {
     assert_eq!(tree(&many).len(), 2);
 }
 
-/// Pins that inputs and formats that cannot be exchanged are refused by name, and that an error in the mapping shows
+/// Tests that inputs and formats that cannot be exchanged are refused by name, and that an error in the mapping shows
 /// its line.
 #[test]
 fn what_cannot_be_exchanged_is_refused() {

@@ -33,8 +33,9 @@ fn stage(line: &str) -> Option<(usize, usize)> {
     Some((number.parse().ok()?, rest.split_once(": ")?.0.parse().ok()?))
 }
 
-/// Pins the example of a Panda and three categories, made small, from scenes to report, with numbered stages: trials of all three labels, a
-/// confusion matrix of three categories, every classifier and setting of the file, and no mention of the paper.
+/// Tests the example of a Panda and three categories, made small, from scenes to report, with numbered stages: trials
+/// of all three labels, a confusion matrix of three categories, every classifier and setting of the file, and no
+/// mention of the paper.
 #[test]
 fn an_experiment_with_another_arm_and_three_categories_runs() {
     let folder = tempfile::tempdir().unwrap();
@@ -100,7 +101,7 @@ fn an_experiment_with_another_arm_and_three_categories_runs() {
     underbrush!["reproduce", "--out", &out, "--quick"].refused(&["another run"]);
 }
 
-/// Pins that a mistake in an experiment file is reported with its key, the value found and a remedy.
+/// Tests that a mistake in an experiment file is reported with its key, the value found and a remedy.
 #[test]
 fn a_mistake_in_an_experiment_file_is_shown() {
     let folder = tempfile::tempdir().unwrap();
@@ -114,7 +115,7 @@ fn a_mistake_in_an_experiment_file_is_shown() {
     assert!(!out.exists());
 }
 
-/// Pins that the schema of experiment files is printed and has the main keys of the example.
+/// Tests that the schema of experiment files is printed and has the main keys of the example.
 #[test]
 fn the_schema_has_the_main_keys() {
     let schema: serde_json::Value = serde_json::from_str(&underbrush!["schema", "experiment"].success()).unwrap();

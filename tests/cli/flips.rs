@@ -29,7 +29,7 @@ fn flip(path: &Path, whole: &[u8], number: u64) -> String {
     format!("{}, bit {bit}", path.display())
 }
 
-/// Pins that `trials` and `inspect` report an error for each of 200 bits flipped in the files of a data set, and that
+/// Tests that `trials` and `inspect` report an error for each of 200 bits flipped in the files of a data set, and that
 /// `generate --from`, which needs only the provenance, reports one for each bit flipped there.
 #[test]
 #[ignore = "takes minutes: the program is called four hundred times"]
@@ -62,7 +62,7 @@ fn no_flipped_bit_of_a_set_is_read_without_a_word() {
     underbrush!["inspect", set].success();
 }
 
-/// Pins that `inspect` reports an error for each of 200 bits flipped in a recording, and in a table of trials in
+/// Tests that `inspect` reports an error for each of 200 bits flipped in a recording, and in a table of trials in
 /// Parquet.
 #[test]
 #[ignore = "takes minutes: the program is called four hundred times"]

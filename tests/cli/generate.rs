@@ -2,7 +2,7 @@
 
 use crate::support::{assert_same_trees, scenes, underbrush};
 
-/// Pins that the same scenes and seed give the same files with one thread and with two, and that another seed does
+/// Tests that the same scenes and seed give the same files with one thread and with two, and that another seed does
 /// not.
 #[test]
 fn threads_do_not_change_a_byte() {
@@ -35,7 +35,7 @@ fn threads_do_not_change_a_byte() {
     );
 }
 
-/// Pins that the largest difference between taxel forces and solver forces in the summary is rounding error, that
+/// Tests that the largest difference between taxel forces and solver forces in the summary is rounding error, that
 /// results go to stdout, and that nothing goes to stderr unless it is a terminal.
 #[test]
 fn taxel_forces_add_up_to_contact_forces() {

@@ -24,7 +24,7 @@ fn keys_are_names() {
     }
 }
 
-/// Pins that scenes, data sets, recordings, both kinds of table and models are recognized, checked and described.
+/// Tests that scenes, data sets, recordings, both kinds of table and models are recognized, checked and described.
 #[test]
 fn each_kind_of_thing_is_recognized() {
     let fixture = fixture();

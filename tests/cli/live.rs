@@ -34,7 +34,7 @@ fn classify(model: &Path, options: &[&str], stdin: &str) -> Answer {
     call(arguments, stdin)
 }
 
-/// Pins that each line, even an invalid one, is answered while stdin stays open and before the next line is written.
+/// Tests that each line, even an invalid one, is answered while stdin stays open and before the next line is written.
 #[test]
 fn each_line_is_answered_before_the_next_is_sent() {
     let folder = tempfile::tempdir().unwrap();
@@ -66,9 +66,9 @@ fn each_line_is_answered_before_the_next_is_sent() {
     assert!(robot.wait().unwrap().success());
 }
 
-/// Pins that a stream continues after any invalid line and keeps the history of every contact: the answers to the valid
-/// lines equal those of a stream without the invalid lines. A model of force needs neither ground truth nor poses nor
-/// joints.
+/// Tests that a stream continues after any invalid line and keeps the history of every contact: the answers to the
+/// valid lines equal those of a stream without the invalid lines. A model of force needs neither ground truth nor poses
+/// nor joints.
 #[test]
 fn bad_lines_are_answered_and_change_nothing() {
     let folder = tempfile::tempdir().unwrap();
@@ -153,7 +153,7 @@ fn bad_lines_are_answered_and_change_nothing() {
     assert!(good == underbrush!["classify", fixture().model(), recording, "--online"].success());
 }
 
-/// Pins that bytes that are not UTF-8 make an invalid line like any other.
+/// Tests that bytes that are not UTF-8 make an invalid line like any other.
 #[test]
 fn bytes_that_are_no_text() {
     let arguments = vec!["classify".into(), fixture().model().into(), "-".into()];
@@ -168,7 +168,7 @@ fn bytes_that_are_no_text() {
     assert_eq!((answers.len(), output.status), (2, 0));
 }
 
-/// Pins that `--strict` also answers an invalid line, and then ends with exit status 2 and the number of the line.
+/// Tests that `--strict` also answers an invalid line, and then ends with exit status 2 and the number of the line.
 #[test]
 fn strict_ends_at_the_first_bad_line() {
     let good = "{\"time_s\":1,\"taxels\":[]}\n";
@@ -191,7 +191,7 @@ fn strict_ends_at_the_first_bad_line() {
     }
 }
 
-/// Pins that a model that uses motion needs only the pose of its own patch, and gives the same answers as for the
+/// Tests that a model that uses motion needs only the pose of its own patch, and gives the same answers as for the
 /// recording.
 #[test]
 fn motion_needs_a_pose() {
@@ -223,7 +223,7 @@ fn motion_needs_a_pose() {
     assert!(classify(&model, &[], &stdin).success() == underbrush!["classify", model, recording, "--online"].success());
 }
 
-/// Pins that the skin of a stream comes from the given data set, recording, arm file or skin file, and is Cody's only
+/// Tests that the skin of a stream comes from the given data set, recording, arm file or skin file, and is Cody's only
 /// by default.
 #[test]
 fn the_skin_is_told() {

@@ -29,7 +29,7 @@ fn merge(parts: &[PathBuf], out: &Path, further: &[&str]) -> Answer {
     call(arguments, "")
 }
 
-/// Pins that three and seven parts merge into the files that one process makes, byte for byte, that the result can be
+/// Tests that three and seven parts merge into the files that one process makes, byte for byte, that the result can be
 /// used like any other set, and that merging again reports that there is nothing to do.
 #[test]
 fn parts_merge_into_the_bytes_of_one_process() {
@@ -53,8 +53,8 @@ fn parts_merge_into_the_bytes_of_one_process() {
     }
 }
 
-/// Pins that missing, repeated and foreign parts, whole sets and unfinished parts are refused by name, and that nothing
-/// is written.
+/// Tests that missing, repeated and foreign parts, whole sets and unfinished parts are refused by name, and that
+/// nothing is written.
 #[test]
 fn what_does_not_fit_together_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();

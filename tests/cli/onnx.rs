@@ -22,7 +22,7 @@ fn expected(first_n: f64, second_n: f64) -> [f64; 2] {
     odds.map(|own| own - sum)
 }
 
-/// Pins that a network is scored, classified and evaluated like any other model: its scores follow from its formula,
+/// Tests that a network is scored, classified and evaluated like any other model: its scores follow from its formula,
 /// each verdict is the category with the best score, the accuracy is the share of right verdicts, and the last online
 /// scores of a contact are the scores of its trial.
 #[test]
@@ -71,8 +71,8 @@ fn a_network_is_a_model_like_any_other() {
     online_ends_where_score_does(&model, &recording, &trials);
 }
 
-/// Pins that a network that fails while it runs ends every command with exit status 2 and an error that names its file,
-/// what it gave or where it failed, and a remedy, and that online the frames before the failure are answered.
+/// Tests that a network that fails while it runs ends every command with exit status 2 and an error that names its
+/// file, what it gave or where it failed, and a remedy, and that online the frames before the failure are answered.
 #[test]
 fn a_network_that_fails_while_it_runs_is_an_error() {
     let folder = tempfile::tempdir().unwrap();

@@ -65,27 +65,27 @@ fn check(configuration: &str) {
     }
 }
 
-/// Pins the scores of initial and trained models with 10 left-to-right states over force, forward and Viterbi,
+/// Tests the scores of initial and trained models with 10 left-to-right states over force, forward and Viterbi,
 /// through the command line.
 #[test]
 fn one_feature() {
     check("10-states-force-left-right");
 }
 
-/// Pins the scores of initial and trained models with 10 fully connected states over force.
+/// Tests the scores of initial and trained models with 10 fully connected states over force.
 #[test]
 fn one_feature_ergodic() {
     check("10-states-force-ergodic");
 }
 
-/// Pins the scores of initial and trained models with 10 left-to-right states over force and motion, with full
+/// Tests the scores of initial and trained models with 10 left-to-right states over force and motion, with full
 /// covariances.
 #[test]
 fn two_features() {
     check("10-states-force-and-motion-left-right");
 }
 
-/// Pins the scores of initial and trained models with 5 and with 20 left-to-right states over force.
+/// Tests the scores of initial and trained models with 5 and with 20 left-to-right states over force.
 #[test]
 fn few_and_many_states() {
     check("5-states-force-left-right");

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use crate::support::fixture::fixture;
 use crate::support::{copy_tree, scenes, underbrush};
 
-/// Pins that every command reads and writes paths that are not UTF-8, even with --json, and shows invalid bytes as
+/// Tests that every command reads and writes paths that are not UTF-8, even with --json, and shows invalid bytes as
 /// U+FFFD.
 #[test]
 fn any_path_is_read_and_written() {

@@ -34,7 +34,7 @@ fn scene_with_own_arm(folder: &Path, scale: f64) -> PathBuf {
     scenes::write(folder, "trunk.toml", &scene)
 }
 
-/// Pins that a set that was started with a user's arm cannot be resumed after the arm's springs were changed, that
+/// Tests that a set that was started with a user's arm cannot be resumed after the arm's springs were changed, that
 /// the changed file is named, and that `inspect` names the arm's files.
 #[test]
 fn a_changed_arm_is_refused_on_resume() {
@@ -70,7 +70,7 @@ fn a_changed_arm_is_refused_on_resume() {
     }
 }
 
-/// Pins that a set can be generated again, byte for byte, from its own content: with a user's arm whose files are
+/// Tests that a set can be generated again, byte for byte, from its own content: with a user's arm whose files are
 /// gone, with two scenes, one of them with a saturation that is switched off by `inf`, and for one shard.
 #[test]
 fn a_set_is_made_again_from_itself() {
@@ -98,7 +98,7 @@ fn a_set_is_made_again_from_itself() {
     assert!(again.provenance().scenes[0].file.text.contains("saturation_n = inf"));
 }
 
-/// Pins the keys of the controller's parameters in a set's provenance, whatever the fields are called in the program.
+/// Tests the keys of the controller's parameters in a set's provenance, whatever the fields are called in the program.
 #[test]
 fn the_controllers_parameters_keep_their_keys() {
     let text = fs::read_to_string(fixture().dataset().join("meta/provenance.json")).unwrap();
@@ -136,7 +136,7 @@ fn the_controllers_parameters_keep_their_keys() {
     }
 }
 
-/// Pins that options that contradict the set are refused, not ignored.
+/// Tests that options that contradict the set are refused, not ignored.
 #[test]
 fn options_beside_from_are_refused() {
     let folder = tempfile::tempdir().unwrap();

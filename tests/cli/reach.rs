@@ -4,7 +4,7 @@ use underbrush_recording::disk::read_recording;
 
 use crate::support::{arm, scenes, underbrush};
 
-/// Pins that the same seed gives the same recording byte for byte, and that another seed or index gives another
+/// Tests that the same seed gives the same recording byte for byte, and that another seed or index gives another
 /// clutter.
 #[test]
 fn a_seed_decides_a_reach() {
@@ -25,7 +25,7 @@ fn a_seed_decides_a_reach() {
     }
 }
 
-/// Pins that `reach --seed --index` runs the same reach as `generate`.
+/// Tests that `reach --seed --index` runs the same reach as `generate`.
 #[test]
 fn a_reach_is_that_of_its_campaign() {
     let folder = tempfile::tempdir().unwrap();
@@ -40,8 +40,8 @@ fn a_reach_is_that_of_its_campaign() {
     assert!(in_set == read_recording(file).unwrap());
 }
 
-/// Pins that goals reached, true contact, contacts and peak force in the JSON output agree with the recording, and that
-/// the picture is an SVG.
+/// Tests that goals reached, true contact, contacts and peak force in the JSON output agree with the recording, and
+/// that the picture is an SVG.
 #[test]
 fn the_report_agrees_with_the_recording() {
     let folder = tempfile::tempdir().unwrap();
@@ -66,7 +66,7 @@ fn the_report_agrees_with_the_recording() {
     assert!(std::fs::read_to_string(picture).unwrap().starts_with("<svg"));
 }
 
-/// Pins that an animation is an SVG that moves and is not too large for a README, and that outputs under the names of
+/// Tests that an animation is an SVG that moves and is not too large for a README, and that outputs under the names of
 /// other formats are refused before anything is simulated.
 #[test]
 fn an_animation_moves() {
@@ -89,7 +89,7 @@ fn an_animation_moves() {
     }
 }
 
-/// Pins that --controller replaces the controller of the scene, and that the recording names it.
+/// Tests that --controller replaces the controller of the scene, and that the recording names it.
 #[test]
 fn the_blind_controller_pushes_on() {
     let folder = tempfile::tempdir().unwrap();
@@ -100,7 +100,7 @@ fn the_blind_controller_pushes_on() {
     assert_eq!(read_recording(file).unwrap().controller, "blind");
 }
 
-/// Pins that arms without a patch called `forearm` work: trials are those of the first patch unless another is named,
+/// Tests that arms without a patch called `forearm` work: trials are those of the first patch unless another is named,
 /// a patch without a grid has no components, and bare arms have no trials.
 #[test]
 fn any_skin_is_summed_up() {
@@ -145,7 +145,7 @@ fn any_skin_is_summed_up() {
     assert!(out.exists());
 }
 
-/// Pins that trials are extracted, scored and classified on the first patch whatever its name, and that the table
+/// Tests that trials are extracted, scored and classified on the first patch whatever its name, and that the table
 /// names it.
 #[test]
 fn the_first_patch_is_the_default_everywhere() {

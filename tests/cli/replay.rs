@@ -4,7 +4,7 @@ use super::touch;
 use crate::support::fixture::fixture;
 use crate::support::underbrush;
 
-/// Pins that the chosen reaches of a data set are written with verdicts to one file, and that the size of this file is
+/// Tests that the chosen reaches of a data set are written with verdicts to one file, and that the size of this file is
 /// reported.
 #[test]
 fn reaches_are_written_as_one_file() {
@@ -34,7 +34,7 @@ fn reaches_are_written_as_one_file() {
     }
 }
 
-/// Pins that options that do not fit together, missing files, files of another kind and numbers outside the list are
+/// Tests that options that do not fit together, missing files, files of another kind and numbers outside the list are
 /// refused with the reason, and that nothing is written.
 #[test]
 fn bad_usage_is_refused() {
@@ -62,7 +62,7 @@ fn bad_usage_is_refused() {
     assert!(!page.exists());
 }
 
-/// Pins that a touch model's verdicts are written into the page, that its own options change them, and that options
+/// Tests that a touch model's verdicts are written into the page, that its own options change them, and that options
 /// which one of the two kinds of model would ignore are refused.
 #[test]
 fn touch_models_judge_too() {

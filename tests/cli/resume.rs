@@ -45,8 +45,8 @@ fn staged(out: &Path) -> Vec<PathBuf> {
     staged
 }
 
-/// Pins that a killed run leaves a set that is refused as unfinished, can only be continued with --resume, and then has
-/// the same bytes as after an uninterrupted run. A truncated staged reach is run again.
+/// Tests that a killed run leaves a set that is refused as unfinished, can only be continued with --resume, and then
+/// has the same bytes as after an uninterrupted run. A truncated staged reach is run again.
 #[test]
 fn a_killed_run_resumes_to_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
@@ -93,7 +93,7 @@ fn a_killed_run_resumes_to_the_same_bytes() {
     assert!(!broken.join("incomplete").exists());
 }
 
-/// Pins that no run changes a finished data set, that `--resume` with the same plan reports that there is nothing to
+/// Tests that no run changes a finished data set, that `--resume` with the same plan reports that there is nothing to
 /// do, and that with another plan it reports the difference.
 #[test]
 fn a_finished_set_is_not_written_again() {

@@ -12,7 +12,7 @@ fn schema(file: &str) -> Value {
     serde_json::from_str(&underbrush!["schema", file].success()).unwrap()
 }
 
-/// Pins that the schema of scenes is the default, forbids unknown keys and knows every kind of object.
+/// Tests that the schema of scenes is the default, forbids unknown keys and knows every kind of object.
 #[test]
 fn the_schema_lists_the_keys_of_a_scene() {
     let scene = schema("scene");
@@ -27,7 +27,7 @@ fn the_schema_lists_the_keys_of_a_scene() {
     assert_eq!(kinds, ["foam_block", "foam_roll", "leaf", "trunk", "water_bottle"]);
 }
 
-/// Pins that arm and skin files have schemas, which forbid unknown keys and give ranges.
+/// Tests that arm and skin files have schemas, which forbid unknown keys and give ranges.
 #[test]
 fn arm_and_skin_files_have_schemas() {
     for file in ["arm", "skin"] {
@@ -40,7 +40,7 @@ fn arm_and_skin_files_have_schemas() {
     );
 }
 
-/// Pins that the schema of suites lists every metric, with bounds by category where the metric has one.
+/// Tests that the schema of suites lists every metric, with bounds by category where the metric has one.
 #[test]
 fn the_schema_lists_the_metrics_of_a_suite() {
     let suite = schema("suite");
@@ -63,13 +63,13 @@ fn the_schema_lists_the_metrics_of_a_suite() {
     );
 }
 
-/// Pins that an unknown kind of file is refused with the known kinds.
+/// Tests that an unknown kind of file is refused with the known kinds.
 #[test]
 fn an_unknown_kind_is_refused() {
     underbrush!["schema", "robot"].refused(&["robot", "scene", "arm", "skin", "model"]);
 }
 
-/// Pins that the model file of every classifier follows the schema, and that a file with a missing or wrong entry does
+/// Tests that the model file of every classifier follows the schema, and that a file with a missing or wrong entry does
 /// not. The validator shares no code with the schema or the reader, and the reader must accept and refuse the same
 /// files.
 #[test]

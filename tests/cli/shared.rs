@@ -34,7 +34,7 @@ fn start(scene: &Path, out: &Path, shard: &str) -> Child {
         .unwrap()
 }
 
-/// Pins that parts that run at the same time, one of them twice and one killed and run again, make the set of one
+/// Tests that parts that run at the same time, one of them twice and one killed and run again, make the set of one
 /// process, byte for byte, and that every part then has nothing to do.
 #[test]
 fn processes_make_one_set_together() {
@@ -92,7 +92,7 @@ fn processes_make_one_set_together() {
     assert!(before == tree(&shared));
 }
 
-/// Pins what a part says when others are still to come, and that parts of another campaign, folders with other files,
+/// Tests what a part says when others are still to come, and that parts of another campaign, folders with other files,
 /// parts without reaches and options that do not apply are refused.
 #[test]
 fn what_does_not_belong_into_the_folder_is_refused() {

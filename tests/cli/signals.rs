@@ -45,8 +45,8 @@ fn unfinished(folder: &Path) -> Vec<PathBuf> {
     tree(folder).into_keys().filter(is_unfinished).collect()
 }
 
-/// Pins that an interrupted `generate` ends by the signal that it received (130, 143 and 129 for a shell), prints how to
-/// continue, keeps staged reaches and leaves no temporary file, and that it can be continued to the same bytes.
+/// Tests that an interrupted `generate` ends by the signal that it received (130, 143 and 129 for a shell), prints how
+/// to continue, keeps staged reaches and leaves no temporary file, and that it can be continued to the same bytes.
 #[test]
 fn generate_can_be_interrupted_and_resumed() {
     let folder = tempfile::tempdir().unwrap();
@@ -107,7 +107,7 @@ fn long_table(folder: &Path) -> PathBuf {
     path
 }
 
-/// Pins that `trials` leaves no temporary file when SIGINT or SIGTERM ends it, that SIGKILL leaves one, and that the
+/// Tests that `trials` leaves no temporary file when SIGINT or SIGTERM ends it, that SIGKILL leaves one, and that the
 /// next run with the same output removes it.
 #[test]
 fn trials_leave_nothing_behind() {
@@ -132,7 +132,7 @@ fn trials_leave_nothing_behind() {
     );
 }
 
-/// Pins that a shell sees exit status 130.
+/// Tests that a shell sees exit status 130.
 #[test]
 fn a_shell_sees_the_signal() {
     let folder = tempfile::tempdir().unwrap();

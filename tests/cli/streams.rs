@@ -29,7 +29,7 @@ fn call(arguments: &[PathBuf], stderr: Stdio) -> Output {
     program(arguments).stderr(stderr).output().unwrap()
 }
 
-/// Pins that errors keep their exit status if stderr is full or its reader is gone.
+/// Tests that errors keep their exit status if stderr is full or its reader is gone.
 #[test]
 fn an_error_that_cannot_be_shown_keeps_its_status() {
     let arguments = ["inspect".into(), "no-such-scene.toml".into()];
@@ -48,7 +48,7 @@ fn an_error_that_cannot_be_shown_keeps_its_status() {
     }
 }
 
-/// Pins that remarks and warnings that cannot be printed change neither the exit status nor the result: an online
+/// Tests that remarks and warnings that cannot be printed change neither the exit status nor the result: an online
 /// classification, which prints its latency on stderr, prints the same, and a data set has the same bytes.
 #[test]
 fn the_loss_of_stderr_changes_no_result() {
@@ -86,7 +86,7 @@ fn the_loss_of_stderr_changes_no_result() {
     assert_same_trees(&sets[0], &sets[2]);
 }
 
-/// Pins that the program ends quietly if the reader of stdout goes away, and that a full disk is reported as an
+/// Tests that the program ends quietly if the reader of stdout goes away, and that a full disk is reported as an
 /// error.
 #[test]
 fn stdout_that_cannot_be_written() {

@@ -20,7 +20,7 @@ fn model() -> (tempfile::TempDir, PathBuf, Value) {
     (folder, path, result)
 }
 
-/// Pins that the model file holds the thresholds that `train` reports, that the verdicts of `classify` follow from
+/// Tests that the model file holds the thresholds that `train` reports, that the verdicts of `classify` follow from
 /// them and from the scores of `score`, and that --decision overrides them.
 #[test]
 fn classify_follows_the_thresholds_in_the_model() {
@@ -71,7 +71,7 @@ fn classify_follows_the_thresholds_in_the_model() {
     assert!(!argmax.contains("outlier") && argmax == underbrush!["classify", fixture().model(), table_csv].success());
 }
 
-/// Pins that `evaluate --model` counts the verdicts of `classify` on trials with ground truth, and writes curves from
+/// Tests that `evaluate --model` counts the verdicts of `classify` on trials with ground truth, and writes curves from
 /// (0, 0) to (1, 1).
 #[test]
 fn given_models_are_evaluated_with_their_thresholds() {
@@ -103,7 +103,7 @@ fn given_models_are_evaluated_with_their_thresholds() {
     underbrush!["evaluate", table_csv, "--model", path, "--folds", "3"].refused(&["--model", "--folds"]);
 }
 
-/// Pins that a rate that is too small for the number of trials is refused with the number that it takes, and that a
+/// Tests that a rate that is too small for the number of trials is refused with the number that it takes, and that a
 /// rate of 0 is refused.
 #[test]
 fn rates_that_the_data_cannot_hold_are_refused() {
@@ -126,7 +126,7 @@ fn rates_that_the_data_cannot_hold_are_refused() {
     assert!(!out.exists());
 }
 
-/// Pins the warning of `train`: if both categories give the same forces, thresholds that hold the rate leave nearly
+/// Tests the warning of `train`: if both categories give the same forces, thresholds that hold the rate leave nearly
 /// every held-out trial uncertain. There is no warning if the categories are easy to tell apart.
 #[test]
 fn thresholds_that_decide_nothing_are_warned_of() {

@@ -31,14 +31,14 @@ fn refused_everywhere(set: &Path, parts: &[&str]) {
     assert_eq!(std::fs::read_dir(outputs.path()).unwrap().count(), 0);
 }
 
-/// Pins that a copied data set is still valid, so that the errors below come from the damage.
+/// Tests that a copied data set is still valid, so that the errors below come from the damage.
 #[test]
 fn a_whole_copy_is_sound() {
     let (_folder, set) = copy();
     assert!(underbrush!["inspect", set].success().contains("sound"));
 }
 
-/// Pins that a set without meta/info.json is refused with its path.
+/// Tests that a set without meta/info.json is refused with its path.
 #[test]
 fn without_info_it_is_no_data_set() {
     let (_folder, set) = copy();
@@ -49,7 +49,7 @@ fn without_info_it_is_no_data_set() {
     );
 }
 
-/// Pins that every command names a truncated file before it reads any of it.
+/// Tests that every command names a truncated file before it reads any of it.
 #[test]
 fn a_truncated_data_file_is_named() {
     let (_folder, set) = copy();
@@ -58,7 +58,7 @@ fn a_truncated_data_file_is_named() {
     refused_everywhere(&set, &[DATA]);
 }
 
-/// Pins that a missing file is named.
+/// Tests that a missing file is named.
 #[test]
 fn a_missing_data_file_is_named() {
     let (_folder, set) = copy();
@@ -66,7 +66,7 @@ fn a_missing_data_file_is_named() {
     refused_everywhere(&set, &[DATA]);
 }
 
-/// Pins that every command detects damage that keeps the size of a file, not only `inspect`.
+/// Tests that every command detects damage that keeps the size of a file, not only `inspect`.
 #[test]
 fn a_changed_byte_is_named_by_every_command() {
     let (_folder, set) = copy();
@@ -77,7 +77,7 @@ fn a_changed_byte_is_named_by_every_command() {
     refused_everywhere(&set, &[DATA, "checksum"]);
 }
 
-/// Pins that a missing metadata file of this program is named, and that the set is not taken for one of another
+/// Tests that a missing metadata file of this program is named, and that the set is not taken for one of another
 /// program.
 #[test]
 fn a_lost_provenance_is_named() {
@@ -86,7 +86,7 @@ fn a_lost_provenance_is_named() {
     refused_everywhere(&set, &["without meta/provenance.json", "copy the data set again"]);
 }
 
-/// Pins that "every file matches its checksum" is not reported for a set with a file that is not in its list.
+/// Tests that "every file matches its checksum" is not reported for a set with a file that is not in its list.
 #[test]
 fn an_extra_file_is_named() {
     let (_folder, set) = copy();
@@ -95,7 +95,7 @@ fn an_extra_file_is_named() {
     refused_everywhere(&set, &[extra, "does not list"]);
 }
 
-/// Pins that every command also names a changed metadata file of this program.
+/// Tests that every command also names a changed metadata file of this program.
 #[test]
 fn changed_metadata_is_named_by_every_command() {
     let (_folder, set) = copy();

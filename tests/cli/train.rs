@@ -20,7 +20,7 @@ fn without_origin(path: &Path) -> Value {
     model
 }
 
-/// Pins that a model is the same whether its trials come from the data set or from either table.
+/// Tests that a model is the same whether its trials come from the data set or from either table.
 #[test]
 fn data_set_and_tables_train_the_same_model() {
     let fixture = fixture();
@@ -35,7 +35,7 @@ fn data_set_and_tables_train_the_same_model() {
     assert_eq!(models[1], without_origin(&fixture.model()));
 }
 
-/// Pins that `train` says that the paper's preset does not change the labels of a table, and that it does not say so
+/// Tests that `train` says that the paper's preset does not change the labels of a table, and that it does not say so
 /// without the preset, or for a data set, whose labels the preset does change.
 #[test]
 fn the_preset_does_not_relabel_a_table() {
@@ -61,7 +61,7 @@ fn the_preset_does_not_relabel_a_table() {
     assert!(!train(&fixture().dataset(), &paper).stderr.contains(remark));
 }
 
-/// Pins the format, features and shapes of the model file, that rows sum to 1, and that a left-to-right model has no
+/// Tests the format, features and shapes of the model file, that rows sum to 1, and that a left-to-right model has no
 /// transitions back.
 #[test]
 fn the_model_file_is_the_documented_one() {
@@ -104,7 +104,7 @@ fn the_model_file_is_the_documented_one() {
     }
 }
 
-/// Pins that --json gives the log-likelihood after each iteration, that --tolerance 0 runs all iterations, and that
+/// Tests that --json gives the log-likelihood after each iteration, that --tolerance 0 runs all iterations, and that
 /// the model is the same with one thread and with two.
 #[test]
 fn the_history_is_reported_and_threads_do_not_matter() {

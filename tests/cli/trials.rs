@@ -14,7 +14,7 @@ fn is_in_contact(reading: &TaxelReading) -> bool {
     reading.sensed_force_n > TrialOptions::default().threshold_n
 }
 
-/// Pins that both tables hold the same trials to the last bit, and that the CSV has the documented columns.
+/// Tests that both tables hold the same trials to the last bit, and that the CSV has the documented columns.
 #[test]
 fn csv_and_parquet_hold_the_same_rows() {
     let fixture = fixture();
@@ -35,7 +35,7 @@ fn csv_and_parquet_hold_the_same_rows() {
     assert_eq!(text.lines().count(), 1 + samples);
 }
 
-/// Pins that the force of each row is the sensed force of its taxel at that time, that each sensed force of the patch
+/// Tests that the force of each row is the sensed force of its taxel at that time, that each sensed force of the patch
 /// is in exactly one row, and that the category is the category of an object of the reach.
 #[test]
 fn rows_are_what_the_taxels_sensed() {
@@ -98,7 +98,7 @@ fn frame_at(recording: &Recording, time_s: f64) -> &Frame {
     &recording.frames[place]
 }
 
-/// Pins that contact motion is the length of the taxel's path in the world frame since the contact began, computed
+/// Tests that contact motion is the length of the taxel's path in the world frame since the contact began, computed
 /// here from the poses of its patch.
 #[test]
 fn motion_is_the_length_of_the_path() {
@@ -123,7 +123,7 @@ fn motion_is_the_length_of_the_path() {
     assert!(compared > 100, "{compared} samples");
 }
 
-/// Pins that the table holds for each sample whether an object truly pressed its taxel, and that the program reports
+/// Tests that the table holds for each sample whether an object truly pressed its taxel, and that the program reports
 /// how many trials were never touched.
 #[test]
 fn untouched_trials_are_counted() {
@@ -159,7 +159,7 @@ fn untouched_trials_are_counted() {
     );
 }
 
-/// Pins that components join taxels, that --min-samples and --threshold-n drop trials, and that components are
+/// Tests that components join taxels, that --min-samples and --threshold-n drop trials, and that components are
 /// refused on the flipper, whose taxels form no grid.
 #[test]
 fn components_are_fewer_and_options_hold() {
@@ -217,7 +217,7 @@ fn components_are_fewer_and_options_hold() {
     .refused(&["flipper", "grid", "use trials by taxel"]);
 }
 
-/// Pins that trials can be extracted from a single recording, numbered from 0.
+/// Tests that trials can be extracted from a single recording, numbered from 0.
 #[test]
 fn a_recording_gives_the_trials_of_its_reach() {
     let folder = tempfile::tempdir().unwrap();

@@ -21,7 +21,7 @@ fn verdicts(report: &Value) -> Vec<(String, String, Vec<Found>)> {
         .collect()
 }
 
-/// Pins that no check fails, that the known shortfalls are exactly those in the list, and that every comparison of
+/// Tests that no check fails, that the known shortfalls are exactly those in the list, and that every comparison of
 /// every check fails under at least one wrong parameter.
 #[test]
 fn every_check_holds_and_every_comparison_can_fail() {
@@ -62,7 +62,7 @@ fn every_check_holds_and_every_comparison_can_fail() {
     assert_eq!(falsified["broken"], all.len());
 }
 
-/// Pins that `--falsify` fails and names the check if a wrong parameter is not noticed, as with a huge tolerance.
+/// Tests that `--falsify` fails and names the check if a wrong parameter is not noticed, as with a huge tolerance.
 #[test]
 fn unnoticed_mistakes_are_an_error() {
     let answer = underbrush![
@@ -84,7 +84,7 @@ fn unnoticed_mistakes_are_an_error() {
     assert!(answer.stderr.contains("resting-load"), "{}", answer.stderr);
 }
 
-/// Pins that every comparison of every check fails at scale 0, that the table is still printed, and that the exit
+/// Tests that every comparison of every check fails at scale 0, that the table is still printed, and that the exit
 /// status is 1.
 #[test]
 fn a_scale_of_zero_fails_everything() {
@@ -102,7 +102,7 @@ fn a_scale_of_zero_fails_everything() {
     );
 }
 
-/// Pins that `--only` takes several names, keeps the order of the list, and prints closed form, residual and reason.
+/// Tests that `--only` takes several names, keeps the order of the list, and prints closed form, residual and reason.
 #[test]
 fn only_what_is_named_runs() {
     let text = underbrush!["validate", "--only", "hmm", "--only", "resting-load"].success();
@@ -119,7 +119,7 @@ fn only_what_is_named_runs() {
     assert!(!text.contains("leaf"), "{text}");
 }
 
-/// Pins that an unknown name is a usage error that lists the names, and that the scale must be a number, zero or
+/// Tests that an unknown name is a usage error that lists the names, and that the scale must be a number, zero or
 /// more.
 #[test]
 fn unknown_checks_and_scales_are_refused() {
@@ -130,7 +130,7 @@ fn unknown_checks_and_scales_are_refused() {
     }
 }
 
-/// Pins that both pictures are written, and that the picture of the skin names its three objects, each with a force
+/// Tests that both pictures are written, and that the picture of the skin names its three objects, each with a force
 /// on some taxels.
 #[test]
 fn pictures_show_three_objects_and_a_loop() {

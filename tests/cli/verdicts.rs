@@ -21,7 +21,7 @@ fn touch_model(folder: &Path) -> PathBuf {
     path
 }
 
-/// Pins that `reach --verdicts` runs the same reach as `generate --verdicts` and names its controller, that a data set
+/// Tests that `reach --verdicts` runs the same reach as `generate --verdicts` and names its controller, that a data set
 /// stores the hash of the model, and that the set can be made again only with the same model.
 #[test]
 fn a_set_with_verdicts_is_made_again_with_its_model() {
@@ -62,7 +62,7 @@ fn blake3_of(set: &Path) -> String {
     parameters["touch_model_blake3"].as_str().unwrap().to_owned()
 }
 
-/// Pins that a model of the other kind and a missing file are refused.
+/// Tests that a model of the other kind and a missing file are refused.
 #[test]
 fn verdicts_without_a_touch_model_are_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -90,7 +90,7 @@ fn listed<'a>(page: &'a str, heading: &str) -> BTreeSet<String> {
     rows.skip(2).map(str::to_string).collect()
 }
 
-/// Pins that `docs/arms.md` lists every key of arm and skin files with its type, unit, range, default and meaning as
+/// Tests that `docs/arms.md` lists every key of arm and skin files with its type, unit, range, default and meaning as
 /// the program that reads the files has them, and no other key.
 #[test]
 fn the_page_lists_every_key() {
@@ -138,7 +138,7 @@ fn panda() -> PathBuf {
     docs().join("arms/panda")
 }
 
-/// Pins the kinematics of the Panda that ships with the page against Franka's published Denavit-Hartenberg parameters:
+/// Tests the kinematics of the Panda that ships with the page against Franka's published Denavit-Hartenberg parameters:
 /// at zero joint angles the flange is 88 mm in front of the base's axis and 926 mm above it (333 + 316 + 384 − 107),
 /// turned upside down.
 #[test]
@@ -153,8 +153,8 @@ fn the_pandas_flange_is_where_franka_says() {
     assert!((down + glam::DVec3::Z).length() < 1e-9, "{flange:?}");
 }
 
-/// Pins that the Panda of the page works: nothing about its skin is doubtful, it reaches goals through foliage, and its
-/// skin feels the leaves.
+/// Tests that the Panda of the page works: nothing about its skin is doubtful, it reaches goals through foliage, and
+/// its skin feels the leaves.
 #[test]
 fn the_panda_reaches_goals_through_foliage() {
     let scene = panda().join("foliage.toml");

@@ -27,7 +27,7 @@ fn mean_torques(leaves: usize) -> (DVector<f64>, DVector<f64>) {
     (springs, contacts)
 }
 
-/// Pins that only real contact forces are counted: while the arm moves through leaves, contacts balance the joints'
+/// Tests that only real contact forces are counted: while the arm moves through leaves, contacts balance the joints'
 /// springs and dampers, as they do at rest, after the torques of the same sweep without leaves are subtracted.
 ///
 /// The tolerance is 5 %. The leaves push the arm off its free motion by some hundredths of a radian, which changes the

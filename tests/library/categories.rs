@@ -49,7 +49,7 @@ fn reaches(folder: &Path) -> (Dataset, Vec<Recording>) {
     (set, recordings)
 }
 
-/// Pins that reaches with a further category are written to a data set and read back, that trials are cut and models
+/// Tests that reaches with a further category are written to a data set and read back, that trials are cut and models
 /// trained under its name, and that online verdicts are counted under it.
 #[test]
 fn a_further_category_goes_from_a_reach_to_verdicts() {

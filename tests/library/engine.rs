@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Pins that a data set names the engine version in Cargo.lock, so that an update cannot be forgotten.
+/// Tests that a data set names the engine version in Cargo.lock, so that an update cannot be forgotten.
 #[test]
 fn provenance_names_the_engine_of_the_lock_file() {
     let lock = include_str!("../../Cargo.lock");
@@ -38,7 +38,7 @@ fn naming_the_engine(root: &Path, folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Pins that the engine is sealed: of all sources (crates, tests, benches, examples) only those of `sim`'s module
+/// Tests that the engine is sealed: of all sources (crates, tests, benches, examples) only those of `sim`'s module
 /// `simulation` use the engine's crate.
 #[test]
 fn only_the_simulation_uses_the_engine() {

@@ -71,7 +71,7 @@ fn read(source_root: &Path) -> Sources {
     sources
 }
 
-/// Pins that the modules of every crate depend one way.
+/// Tests that the modules of every crate depend one way.
 #[test]
 fn modules_depend_one_way() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -4,7 +4,7 @@
 #[allow(dead_code, reason = "the example's own `main`")]
 mod example;
 
-/// Pins that the example's controller reaches a goal behind leaves, or comes most of the way to it, and feels them.
+/// Tests that the example's controller reaches a goal behind leaves, or comes most of the way to it, and feels them.
 #[test]
 fn a_controller_of_ones_own_reaches_through_leaves() {
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/leaf.toml");

@@ -75,8 +75,8 @@ fn run(plan: &ReachPlan, clutter: Clutter, what: &str) {
     }
 }
 
-/// Pins that both ends of the ranges of numbers in a scene file are accepted, that ten simulated frames with them give only
-/// finite numbers, and which ends cannot be drawn.
+/// Tests that both ends of the ranges of numbers in a scene file are accepted, that ten simulated frames with them give
+/// only finite numbers, and which ends cannot be drawn.
 #[test]
 fn ends_of_a_scene_s_ranges_can_be_simulated() {
     let roll = "[[objects.foam_roll]]\ncount = 1\nplace = { x_m = 0.25, y_m = 0.1 }\n";
@@ -146,8 +146,8 @@ fn ends_of_a_scene_s_ranges_can_be_simulated() {
     assert_eq!(cannot_be_drawn, expected);
 }
 
-/// Pins that both ends of the ranges of numbers in an arm's files are accepted, and that ten simulated frames with them
-/// give only finite numbers.
+/// Tests that both ends of the ranges of numbers in an arm's files are accepted, and that ten simulated frames with
+/// them give only finite numbers.
 #[test]
 fn ends_of_an_arm_s_ranges_can_be_simulated() {
     let cody = Path::new(env!("CARGO_MANIFEST_DIR")).join("sim/arms/cody");
@@ -185,7 +185,7 @@ fn ends_of_an_arm_s_ranges_can_be_simulated() {
     }
 }
 
-/// Pins that the JSON Schema holds the ranges: of a number, of the values and deviation of a drawn quantity, and of
+/// Tests that the JSON Schema holds the ranges: of a number, of the values and deviation of a drawn quantity, and of
 /// an optional key.
 #[test]
 fn the_schema_tells_the_ranges() {

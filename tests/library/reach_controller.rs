@@ -62,7 +62,7 @@ impl Controller for Gradient {
     }
 }
 
-/// Pins that a controller from outside the crate runs a reach: it sees every frame, is then called at its own rate and
+/// Tests that a controller from outside the crate runs a reach: it sees every frame, is then called at its own rate and
 /// told the joints' angles and velocities, reaches a goal in free space, names the recording, and starts afresh in
 /// every reach.
 #[test]
@@ -112,7 +112,7 @@ impl Controller for Miscounting {
     }
 }
 
-/// Pins that a controller that returns too few or too many equilibrium angles ends the reach with an error that names
+/// Tests that a controller that returns too few or too many equilibrium angles ends the reach with an error that names
 /// the controller, the number of angles and the number of joints.
 #[test]
 fn a_wrong_number_of_angles_is_an_error() {

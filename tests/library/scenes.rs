@@ -32,7 +32,7 @@ fn plan(path: &Path, seed: u64) -> ReachPlan {
     ReachPlan::new(Scene::load(path).unwrap(), None, seed).unwrap()
 }
 
-/// Pins that the four environments of the paper, the second outlier and the ten engineered scenes exist, five per
+/// Tests that the four environments of the paper, the second outlier and the ten engineered scenes exist, five per
 /// category.
 #[test]
 fn all_that_the_readers_are_told_of_are_there() {
@@ -52,7 +52,7 @@ fn all_that_the_readers_are_told_of_are_there() {
     }
 }
 
-/// Pins that the objects of each scene find room in six draws, that no two of them overlap except what stands in or
+/// Tests that the objects of each scene find room in six draws, that no two of them overlap except what stands in or
 /// passes through foam, and that nothing touches the arm in the first frame, with every object in the solver.
 #[test]
 fn every_scene_draws_and_stands_free() {
@@ -172,7 +172,7 @@ fn distance_to_cylinder([x, y, z]: [f64; 3], foot: [f64; 3], [radius, height, _]
     beside.hypot(above)
 }
 
-/// Pins that the arm truly touches only leaves or foam in engineered leaf scenes and only trunks or foam in engineered
+/// Tests that the arm truly touches only leaves or foam in engineered leaf scenes and only trunks or foam in engineered
 /// trunk scenes, and that it touches that category in at least one of its five scenes.
 #[test]
 fn engineered_scenes_touch_their_own_category() {

@@ -9,7 +9,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).to_path_buf()
 }
 
-/// Pins that every suite that ships can be read and has no bound without numbers. `.ci/run` runs them.
+/// Tests that every suite that ships can be read and has no bound without numbers. `.ci/run` runs them.
 #[test]
 fn shipped_suites_are_blessed() {
     for name in ["leaf", "trunk", "outlier"] {
@@ -27,7 +27,7 @@ fn shipped_suites_are_blessed() {
     }
 }
 
-/// Pins that docs/suites.md lists every metric with the sentence of the program, and no other.
+/// Tests that docs/suites.md lists every metric with the sentence of the program, and no other.
 #[test]
 fn the_page_lists_every_metric() {
     let page = std::fs::read_to_string(root().join("docs/suites.md")).unwrap();

@@ -109,7 +109,7 @@ fn check(root: &Value, schema: &Value, value: &Value, place: &str, found: &mut V
     }
 }
 
-/// Pins that the validator finds each kind of fault, and panics at a keyword that it does not know instead of ignoring
+/// Tests that the validator finds each kind of fault, and panics at a keyword that it does not know instead of ignoring
 /// it.
 #[test]
 fn the_judge_finds_faults() {

@@ -194,7 +194,7 @@ mod tests {
     use super::*;
     use crate::CHECKS;
 
-    /// Pins that a check fails when it compares nothing, and when one of its cases ends with an error although the
+    /// Tests that a check fails when it compares nothing, and when one of its cases ends with an error although the
     /// others pass.
     #[test]
     fn a_check_without_comparisons_fails() {

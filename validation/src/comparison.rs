@@ -89,7 +89,7 @@ impl Comparison {
 mod tests {
     use super::*;
 
-    /// Pins that equality passes except at scale 0, and that NaN never passes.
+    /// Tests that equality passes except at scale 0, and that NaN never passes.
     #[test]
     fn only_numbers_under_the_tolerance_pass() {
         let compare = |expected, found| Comparison::relative("x", "m", expected, found, 0.01, "none");

@@ -182,7 +182,7 @@ mod tests {
         }
     }
 
-    /// Pins that a comparison that no falsification breaks is a fault, even if another comparison of its case is
+    /// Tests that a comparison that no falsification breaks is a fault, even if another comparison of its case is
     /// broken.
     #[test]
     fn each_comparison_must_be_broken() {
@@ -196,7 +196,7 @@ mod tests {
         assert_eq!(outcome.faults, ["mass holds under every falsification"]);
     }
 
-    /// Pins that a falsification must break every comparison that it names, and not only some.
+    /// Tests that a falsification must break every comparison that it names, and not only some.
     #[test]
     fn a_falsification_must_break_what_it_names() {
         const BOTH: Check = check(&[Case {
@@ -208,7 +208,7 @@ mod tests {
         assert_eq!(outcome.faults, ["with mass, 1 % too high: length does not fail"]);
     }
 
-    /// Pins that a case that ends with an error, a case without comparisons, and a name that no comparison has are
+    /// Tests that a case that ends with an error, a case without comparisons, and a name that no comparison has are
     /// faults.
     #[test]
     fn what_cannot_be_judged_is_a_fault() {

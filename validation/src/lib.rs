@@ -71,7 +71,8 @@ pub const CHECKS: &[Check] = &[
 mod tests {
     use super::*;
 
-    /// Pins that checks are listed by number, each with a name of its own, and that every shortfall belongs to a check.
+    /// Tests that checks are listed by number, each with a name of its own, and that every shortfall belongs to a
+    /// check.
     #[test]
     fn checks_are_listed_once_by_number() {
         assert!(CHECKS.windows(2).all(|pair| pair[0].number < pair[1].number));
@@ -83,7 +84,7 @@ mod tests {
         }
     }
 
-    /// Pins that every case has a falsification, and that the falsifications of one case can be told apart by what is
+    /// Tests that every case has a falsification, and that the falsifications of one case can be told apart by what is
     /// wrong.
     #[test]
     fn every_case_can_be_falsified() {

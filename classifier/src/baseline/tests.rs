@@ -132,8 +132,8 @@ fn frequent_categories_have_no_advantage() {
 
 #[test]
 fn logistic_regression_is_at_its_minimum() {
-    // Pins that the solver finds the minimum of the convex objective: all its derivatives are zero, computed by central
-    // differences from its definition in the documentation. Also pins that posteriors sum to one.
+    // Tests that the solver finds the minimum of the convex objective: all its derivatives are zero, computed by
+    // central differences from its definition in the documentation. Also tests that posteriors sum to one.
     let trials: Vec<Trial> = trials();
     let known: Vec<&Trial> = trials.iter().collect();
     let estimator = Logistic::default();
@@ -147,7 +147,7 @@ fn logistic_regression_is_at_its_minimum() {
 
 #[test]
 fn windows_are_padded_with_their_last_sample() {
-    // Pins the fixed window: a press that ended after 10 samples and one that went on unchanged have the same scores,
+    // Tests the fixed window: a press that ended after 10 samples and one that went on unchanged have the same scores,
     // and samples after the window are ignored.
     let trials = trials();
     let classifier = NearestNeighbours::default()
@@ -168,7 +168,7 @@ fn windows_are_padded_with_their_last_sample() {
     assert_ne!(classifier.scores(&held).unwrap(), scores);
 }
 
-/// Pins that a feature that never varies has no influence on nearest neighbours, although the rounding of its mean
+/// Tests that a feature that never varies has no influence on nearest neighbours, although the rounding of its mean
 /// leaves a variance, and that the model can be saved.
 #[test]
 fn a_constant_feature_is_left_out_of_the_neighbours() {
@@ -190,7 +190,7 @@ fn a_constant_feature_is_left_out_of_the_neighbours() {
 
 #[test]
 fn trials_that_cannot_be_fitted_are_refused() {
-    // Pins the errors for trials without categories, for trials that lack the region, and for one without samples.
+    // Tests the errors for trials without categories, for trials that lack the region, and for one without samples.
     let mut trials = trials();
     for (name, estimator) in estimators().into_iter().skip(1) {
         let blind: Vec<Trial> = trials
@@ -230,7 +230,7 @@ fn trials_that_cannot_be_fitted_are_refused() {
     assert_eq!(EchoStateNetwork::default().fit(&known).err(), Some(missing));
 }
 
-/// Pins that every option of the baselines has a range, and that the error names the option.
+/// Tests that every option of the baselines has a range, and that the error names the option.
 #[test]
 fn options_outside_their_range_are_refused() {
     let trials = trials();

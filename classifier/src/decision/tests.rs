@@ -4,7 +4,7 @@ fn categories() -> Vec<String> {
     vec!["leaf".into(), "trunk".into()]
 }
 
-/// Pins the thresholds of section V-D: a category above 80, an outlier from 15 to 80, uncertain below 15, whichever
+/// Tests the thresholds of section V-D: a category above 80, an outlier from 15 to 80, uncertain below 15, whichever
 /// category is best.
 #[test]
 fn the_papers_thresholds_cut_where_it_says() {
@@ -24,7 +24,7 @@ fn the_papers_thresholds_cut_where_it_says() {
     }
 }
 
-/// Pins eq. 3: a prior of 0.9 against 0.1 adds ln 9 = 2.197 nats to the margin, whatever the priors' unit.
+/// Tests eq. 3: a prior of 0.9 against 0.1 adds ln 9 = 2.197 nats to the margin, whatever the priors' unit.
 #[test]
 fn priors_shift_the_margin() {
     for unit in [1.0, 50.0] {
@@ -40,7 +40,7 @@ fn priors_shift_the_margin() {
     }
 }
 
-/// Pins that ties, and scores that are all −inf, give no category, and that a single model always wins.
+/// Tests that ties, and scores that are all −inf, give no category, and that a single model always wins.
 #[test]
 fn impossible_data_are_uncertain() {
     let judge = Decision::argmax().prepare(&categories()).unwrap();
@@ -54,7 +54,7 @@ fn impossible_data_are_uncertain() {
     );
 }
 
-/// Pins the rule of section V-B at its threshold.
+/// Tests the rule of section V-B at its threshold.
 #[test]
 fn plain_threshold() {
     let judge = Decision::new(Rule::UncertainBelow { margin: 2.0 })
@@ -64,7 +64,7 @@ fn plain_threshold() {
     assert_eq!(judge.choose(&[1.999, 0.0]), Choice::Uncertain);
 }
 
-/// Pins which priors and thresholds are refused.
+/// Tests which priors and thresholds are refused.
 #[test]
 fn invalid_decisions_are_refused() {
     let with_prior = |prior: &[(&str, f64)]| Decision {
@@ -91,7 +91,7 @@ fn invalid_decisions_are_refused() {
     }
 }
 
-/// Pins the JSON of verdicts and of the paper's decision.
+/// Tests the JSON of verdicts and of the paper's decision.
 #[test]
 fn verdicts_are_written_in_words() {
     let json = |verdict: &Verdict| serde_json::to_string(verdict).unwrap();
@@ -105,7 +105,7 @@ fn verdicts_are_written_in_words() {
     assert_eq!(serde_json::from_str::<Decision>(&text).unwrap(), Decision::paper());
 }
 
-/// Pins that model files written before `lead` was renamed to `margin` still load, and that new files say `margin`.
+/// Tests that model files written before `lead` was renamed to `margin` still load, and that new files say `margin`.
 #[test]
 fn the_old_key_of_the_margin_still_loads() {
     let rule = Rule::UncertainBelow { margin: 3.5 };

@@ -97,7 +97,7 @@ fn recipe() -> Recipe {
     }
 }
 
-/// Pins that folds by position are the first and second half of each category, even if the categories alternate in the
+/// Tests that folds by position are the first and second half of each category, even if the categories alternate in the
 /// table or have an odd number of trials.
 #[test]
 fn positions_split_each_category_in_order() {
@@ -112,7 +112,7 @@ fn positions_split_each_category_in_order() {
     assert_eq!(Folds::paper().assign(&table), Ok(vec![0, 0, 0, 0, 0, 1, 1, 1]));
 }
 
-/// Pins that folds by reach keep each reach in one fold and divide the reaches of each category.
+/// Tests that folds by reach keep each reach in one fold and divide the reaches of each category.
 #[test]
 fn reaches_stay_together() {
     let table = trials(12, 9);
@@ -130,7 +130,7 @@ fn reaches_stay_together() {
     assert_eq!(fold_of.into_values().collect::<Vec<_>>(), [0, 0, 1, 2, 0, 1, 2]);
 }
 
-/// Pins the errors for one fold, categories smaller than the folds, missing reaches and missing truth.
+/// Tests the errors for one fold, categories smaller than the folds, missing reaches and missing truth.
 #[test]
 fn impossible_splits_are_named() {
     let error = |trials: &[Trial], count, by| {
@@ -163,7 +163,7 @@ fn impossible_splits_are_named() {
     assert_eq!(error(&[], 2, FoldBy::Position), EvaluateError::NoTruth);
 }
 
-/// Pins that a category that is a minority in the only reach that has it is not silently left out of the fit of one
+/// Tests that a category that is a minority in the only reach that has it is not silently left out of the fit of one
 /// fold, in any kind of cross-validation, and that it is no obstacle if it is in reaches of both folds.
 #[test]
 fn a_category_in_one_fold_only_is_refused() {
@@ -192,7 +192,7 @@ fn a_category_in_one_fold_only_is_refused() {
     assert!(result.predictions.iter().all(|prediction| prediction.scores.len() == 2));
 }
 
-/// Pins that the remedy for a category that is too small is possible wherever the error occurs: there are never fewer
+/// Tests that the remedy for a category that is too small is possible wherever the error occurs: there are never fewer
 /// than two folds, and those for thresholds cannot be chosen.
 #[test]
 fn the_remedy_for_a_small_category_is_possible() {
@@ -227,7 +227,7 @@ fn the_remedy_for_a_small_category_is_possible() {
     );
 }
 
-/// Pins order, folds and figures against a cross-validation assembled by hand from two fits.
+/// Tests order, folds and figures against a cross-validation assembled by hand from two fits.
 #[test]
 fn cross_validation_tests_each_trial_once_on_the_other_fold() {
     let mut table = trials(9, 8);
@@ -319,7 +319,7 @@ pub(super) fn scored(rows: &[(&str, [f64; 2])]) -> Evaluation {
     Evaluation::of(predictions.collect(), &names, vec![]).unwrap()
 }
 
-/// Pins rows, columns, recall, precision and F1 on hand-made counts that include an outlier.
+/// Tests rows, columns, recall, precision and F1 on hand-made counts that include an outlier.
 #[test]
 fn figures_follow_from_the_counts() {
     let rows = [
@@ -354,7 +354,7 @@ fn figures_follow_from_the_counts() {
     assert_eq!((block.recall, block.precision, block.f1), (0.0, None, 0.0));
 }
 
-/// Pins Wilson's interval of 81 of 263 (Newcombe 1998, table I, method 3: 0.2553 to 0.3662), and the ends.
+/// Tests Wilson's interval of 81 of 263 (Newcombe 1998, table I, method 3: 0.2553 to 0.3662), and the ends.
 #[test]
 fn wilson_intervals_match_published_figures() {
     let interval = wilson(81, 263);
@@ -367,7 +367,7 @@ fn wilson_intervals_match_published_figures() {
     assert_eq!(wilson(0, 0), Interval { low: 0.0, high: 1.0 });
 }
 
-/// Pins that the bootstrap over reaches accounts for dependence within them: in each of 20 reaches, all 50 trials are
+/// Tests that the bootstrap over reaches accounts for dependence within them: in each of 20 reaches, all 50 trials are
 /// right or all are wrong. The accuracy has the standard error of 20 draws, sqrt(0.25/20) = 0.112, not of 1000.
 #[test]
 fn clusters_widen_the_interval() {

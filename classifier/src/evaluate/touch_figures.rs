@@ -235,7 +235,7 @@ mod tests {
         }
     }
 
-    /// Pins every figure of a small evaluation against values counted by hand.
+    /// Tests every figure of a small evaluation against values counted by hand.
     #[test]
     fn figures_are_those_counted_by_hand() {
         let tally = |right, wrong, uncertain, nothing, unknown| TouchTally {
@@ -316,7 +316,7 @@ mod tests {
         assert!((outliers.found_at_5_percent - 2.0 / 3.0).abs() < 1e-12, "{outliers:?}");
     }
 
-    /// Pins that an empty evaluation has no figures, rather than zeros.
+    /// Tests that an empty evaluation has no figures, rather than zeros.
     #[test]
     fn nothing_has_no_figures() {
         let figures = TouchFigures::of(&TouchEvaluation::default(), &["leaf".to_owned()]);

@@ -24,7 +24,7 @@ fn trial(samples: &[(f64, Option<f64>)]) -> Trial {
     }
 }
 
-/// Pins that names, columns and text give the same list in the same order, and that lists joined by `+` are read and
+/// Tests that names, columns and text give the same list in the same order, and that lists joined by `+` are read and
 /// written.
 #[test]
 fn names_columns_and_text_agree() {
@@ -43,7 +43,7 @@ fn names_columns_and_text_agree() {
     assert_eq!(FeatureSet::FORCE_AND_MOTION.to_string(), "force+motion");
 }
 
-/// Pins the errors for invalid lists, including a list longer than [`FEATURES`].
+/// Tests the errors for invalid lists, including a list longer than [`FEATURES`].
 #[test]
 fn bad_lists_are_refused() {
     let unknown = FeatureError::Unknown { found: "warmth".into() };
@@ -61,7 +61,7 @@ fn bad_lists_are_refused() {
     assert_eq!(FeatureSet::from_names::<&str>(&[]), Err(FeatureError::NoFeatures));
 }
 
-/// Pins that no two features share a name or a column, that columns with a unit end in it, and that each reads its own
+/// Tests that no two features share a name or a column, that columns with a unit end in it, and that each reads its own
 /// value of a sample.
 #[test]
 fn every_feature_reads_its_own_column() {
@@ -104,7 +104,7 @@ fn every_feature_reads_its_own_column() {
     }
 }
 
-/// Pins the row-major order (force, motion) and that truncation keeps the first samples.
+/// Tests the row-major order (force, motion) and that truncation keeps the first samples.
 #[test]
 fn observations_interleave_and_truncate() {
     let trial = trial(&[(1.0, Some(0.1)), (2.0, Some(0.2)), (3.0, Some(0.3))]);
@@ -114,7 +114,7 @@ fn observations_interleave_and_truncate() {
     assert_eq!(two, Observations::new(1, vec![1.0, 2.0]).unwrap());
 }
 
-/// Pins which trial, sample, feature and column an error names, and the remedy.
+/// Tests which trial, sample, feature and column an error names, and the remedy.
 #[test]
 fn bad_trials_are_named() {
     let missing = trial(&[(1.0, Some(0.0)), (2.0, None)]);
@@ -154,7 +154,7 @@ fn bad_trials_are_named() {
 
 #[test]
 fn scaling_gives_zero_mean_and_unit_deviation() {
-    // Pins z-scoring by hand-computed figures: values 1, 2, 3, 6 have mean 3 and variance (4+1+0+9)/4.
+    // Tests z-scoring by hand-computed figures: values 1, 2, 3, 6 have mean 3 and variance (4+1+0+9)/4.
     let parts = [
         Observations::new(1, vec![1.0, 2.0]).unwrap(),
         Observations::new(1, vec![3.0, 6.0]).unwrap(),

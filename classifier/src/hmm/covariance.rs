@@ -47,7 +47,7 @@ pub(super) fn is_singular(covariance: &[f64], dimension: usize, largest_observat
 mod tests {
     use super::*;
 
-    /// Pins the floored matrix by its eigenvectors: (1, 1) keeps 3, and (1, −1) goes from 1e-9 to the floor.
+    /// Tests the floored matrix by its eigenvectors: (1, 1) keeps 3, and (1, −1) goes from 1e-9 to the floor.
     #[test]
     fn the_floor_raises_small_eigenvalues_only() {
         let (large, small, floor) = (3.0, 1e-9, 1e-4);

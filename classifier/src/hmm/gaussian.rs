@@ -125,7 +125,7 @@ impl Gaussians {
 mod tests {
     use super::*;
 
-    /// Pins a bivariate density against its closed form with the correlation written out, in every way of evaluating
+    /// Tests a bivariate density against its closed form with the correlation written out, in every way of evaluating
     /// it.
     #[test]
     fn log_density_matches_the_textbook_formula() {
@@ -150,7 +150,7 @@ mod tests {
         assert_eq!(of_states.to_bits(), of_samples.to_bits());
     }
 
-    /// Pins that an invalid covariance of the second state is found, and that extreme samples give −inf, not NaN.
+    /// Tests that an invalid covariance of the second state is found, and that extreme samples give −inf, not NaN.
     #[test]
     fn a_matrix_that_is_not_positive_definite_is_refused_by_state() {
         let covariance = [1.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 1.0];

@@ -228,7 +228,7 @@ mod tests {
         }
     }
 
-    /// Pins that every kind of invalid parameter is refused, and that the error names the field.
+    /// Tests that every kind of invalid parameter is refused, and that the error names the field.
     #[test]
     fn each_fault_names_its_field() {
         type Break = fn(&mut HmmParameters);
@@ -258,7 +258,7 @@ mod tests {
         }
     }
 
-    /// Pins that checking changes no number.
+    /// Tests that checking changes no number.
     #[test]
     fn parameters_come_back_as_they_went_in() {
         let model = GaussianHmm::new(valid()).unwrap();

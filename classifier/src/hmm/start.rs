@@ -84,7 +84,7 @@ fn slice_moments(sequences: &[Observations], dimension: usize, slice: usize, sli
 mod tests {
     use super::*;
 
-    /// Pins means and variances of two slices over sequences of 4 and 2 samples, computed by hand.
+    /// Tests means and variances of two slices over sequences of 4 and 2 samples, computed by hand.
     #[test]
     fn slices_are_pooled_over_sequences() {
         let sequences = [
@@ -100,7 +100,7 @@ mod tests {
         }
     }
 
-    /// Pins that short sequences are stretched: two samples over four states give the means 1, 1, 2 and 2. The slices
+    /// Tests that short sequences are stretched: two samples over four states give the means 1, 1, 2 and 2. The slices
     /// have no spread, so training needs the variance floor.
     #[test]
     fn short_sequences_reach_every_state() {

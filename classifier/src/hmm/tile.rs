@@ -162,7 +162,7 @@ pub(super) fn logarithm(x: f64) -> (f64, f64) {
 mod tests {
     use super::*;
 
-    /// Pins exp2 against the standard library over its range, and that powers of two and exponents are exact.
+    /// Tests exp2 against the standard library over its range, and that powers of two and exponents are exact.
     #[test]
     fn powers_of_two_are_exact_to_the_last_place() {
         for step in -102_200..102_200 {
@@ -182,7 +182,7 @@ mod tests {
         }
     }
 
-    /// Pins ln against the standard library from 1 to 2^20. The tolerance of 4e-16 is relative for logarithms above 1
+    /// Tests ln against the standard library from 1 to 2^20. The tolerance of 4e-16 is relative for logarithms above 1
     /// and absolute below.
     #[test]
     fn logarithms_are_exact_to_the_last_place() {

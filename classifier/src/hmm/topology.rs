@@ -97,7 +97,7 @@ fn self_loop(state: usize, states: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// Pins that every initial matrix is stochastic, left-to-right ones upper triangular with an absorbing last state.
+    /// Tests that every initial matrix is stochastic, left-to-right ones upper triangular with an absorbing last state.
     #[test]
     fn rows_sum_to_one_and_nothing_goes_back() {
         for states in 1..=40 {
@@ -119,7 +119,7 @@ mod tests {
         }
     }
 
-    /// Pins the published figures: the self-transitions of each state; with 10 states, 0.25 to the next state and 0.05
+    /// Tests the published figures: the self-transitions of each state; with 10 states, 0.25 to the next state and 0.05
     /// to far ones; with 20 states, 0.25 to 0.4 to the next two states and 0.01 to 0.02 to farther ones.
     #[test]
     fn self_loops_and_skips_follow_the_published_pattern() {
@@ -148,7 +148,7 @@ mod tests {
         assert!(first_of_20[3..].iter().all(|p| (0.01..=0.02).contains(p)));
     }
 
-    /// Pins both initial distributions.
+    /// Tests both initial distributions.
     #[test]
     fn initial_distributions_sum_to_one() {
         assert_eq!(InitialDistribution::Uniform.probabilities(4), [0.25; 4]);

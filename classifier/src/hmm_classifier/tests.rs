@@ -35,7 +35,7 @@ fn fault(from: &str, to: &str) -> InputError {
 
 #[test]
 fn three_keys_are_enough_and_unknown_ones_are_passed_over() {
-    // Pins that models made elsewhere load, with and without additional keys.
+    // Tests that models made elsewhere load, with and without additional keys.
     let minimal = read(MINIMAL).unwrap();
     assert_eq!(minimal.categories(), ["leaf"]);
     assert_eq!(minimal.recipe, None);
@@ -45,7 +45,7 @@ fn three_keys_are_enough_and_unknown_ones_are_passed_over() {
 
 #[test]
 fn what_is_written_is_read_back_bit_for_bit() {
-    // Pins that a written model is read back exactly, with every optional key filled.
+    // Tests that a written model is read back exactly, with every optional key filled.
     let mut set = read(MINIMAL).unwrap();
     set.scaling = Some(Scaling {
         mean: vec![1.0 / 3.0],
@@ -87,7 +87,7 @@ fn what_is_written_is_read_back_bit_for_bit() {
     );
 }
 
-/// Pins that options that a model file may not hold are refused before training starts, not when the model is saved.
+/// Tests that options that a model file may not hold are refused before training starts, not when the model is saved.
 #[test]
 fn options_are_checked_before_training_continues() {
     let usual = TrainingOptions::default();
@@ -123,7 +123,7 @@ fn options_are_checked_before_training_continues() {
     }
 }
 
-/// Pins that an infinite threshold set by hand is refused when it is written: JSON cannot hold it.
+/// Tests that an infinite threshold set by hand is refused when it is written: JSON cannot hold it.
 #[test]
 fn numbers_that_json_cannot_hold_are_refused_on_reading_back() {
     let mut model = Model::from_json("m.json", MINIMAL).unwrap();
@@ -135,7 +135,7 @@ fn numbers_that_json_cannot_hold_are_refused_on_reading_back() {
 
 #[test]
 fn faults_name_field_and_line() {
-    // Pins that errors name the field of invalid numbers, and the field and line of wrong types and broken JSON.
+    // Tests that errors name the field of invalid numbers, and the field and line of wrong types and broken JSON.
     assert_eq!(fault("[0.0, 1.0]", "[0.0, 0.9]").field, "models.leaf.transition[1]");
     assert_eq!(fault("[[1e-4]]", "[[-1e-4]]").field, "models.leaf.covariance[1]");
     assert_eq!(fault("model/1", "model/2").field, "format");
@@ -163,7 +163,7 @@ fn faults_name_field_and_line() {
     assert_eq!(fault("[0.1]", "[1e999]").line, Some(8));
 }
 
-/// Pins that a recipe that contradicts the models is refused, for each key that must agree with them.
+/// Tests that a recipe that contradicts the models is refused, for each key that must agree with them.
 #[test]
 fn recipes_that_contradict_the_models_are_refused() {
     let recipe = Recipe {
@@ -193,7 +193,7 @@ fn recipes_that_contradict_the_models_are_refused() {
 }
 
 proptest::proptest! {
-    // Pins that no text makes the reader panic, even if it is almost a model file.
+    // Tests that no text makes the reader panic, even if it is almost a model file.
     #[test]
     fn damaged_files_never_panic(position in 0usize..300, junk in "[0-9eE+.,\\[\\]{}\":a-z-]{0,6}", cut in 0usize..8) {
         let start = position.min(MINIMAL.len());

@@ -47,7 +47,7 @@ fn fitted(name: &str) -> Model {
     Model::new(estimator.fit(&trials().iter().collect::<Vec<_>>()).unwrap())
 }
 
-/// Pins that every classifier of the list gives the same bits after it was saved and loaded, and the same text when it
+/// Tests that every classifier of the list gives the same bits after it was saved and loaded, and the same text when it
 /// is saved again.
 #[test]
 fn every_classifier_is_saved_and_loaded_bit_for_bit() {
@@ -66,7 +66,7 @@ fn every_classifier_is_saved_and_loaded_bit_for_bit() {
     }
 }
 
-/// Pins that files without the key `classifier` are hidden Markov models, that the key may name them, and that an
+/// Tests that files without the key `classifier` are hidden Markov models, that the key may name them, and that an
 /// unknown name is refused with the known ones.
 #[test]
 fn the_tag_names_the_classifier() {
@@ -108,7 +108,7 @@ fn each_number(value: &Value, path: &str, found: &mut Vec<String>) {
     }
 }
 
-/// Pins that in the files of all classifiers a number out of range, a number that is text, and a list without its last
+/// Tests that in the files of all classifiers a number out of range, a number that is text, and a list without its last
 /// entry are refused by an error that names the field.
 #[test]
 fn damaged_files_are_refused_by_field() {
@@ -156,7 +156,7 @@ fn refused(file: &Value, field: &str, kind: &str) {
     }
 }
 
-/// Pins that a model of another classifier cannot be used as hidden Markov models.
+/// Tests that a model of another classifier cannot be used as hidden Markov models.
 #[test]
 fn kinds_are_not_confused() {
     let mut model = fitted("naive-bayes");
@@ -166,7 +166,7 @@ fn kinds_are_not_confused() {
     assert!(fitted("hmm").into_hmm().is_ok());
 }
 
-/// Pins that the path of a missing file is named.
+/// Tests that the path of a missing file is named.
 #[test]
 fn a_missing_file_is_an_input_error() {
     let error = Model::load("no/such/model.json").unwrap_err();

@@ -83,7 +83,7 @@ fn online_equals_offline(classifier: &dyn Classifier, recording: &Recording, opt
     assert!(compared > 100, "{compared} comparisons");
 }
 
-/// Pins that online and offline scores of hidden Markov models are the same bits, for scaled, truncated and plain
+/// Tests that online and offline scores of hidden Markov models are the same bits, for scaled, truncated and plain
 /// features, both kinds of score, and features of the contact region.
 #[test]
 fn running_scores_are_those_of_the_trial_so_far() {
@@ -115,7 +115,7 @@ fn running_scores_are_those_of_the_trial_so_far() {
     }
 }
 
-/// Pins that online and offline scores of every classifier of the list are the same bits, before and after it is saved
+/// Tests that online and offline scores of every classifier of the list are the same bits, before and after it is saved
 /// and loaded.
 #[test]
 fn every_classifier_runs_online_as_offline() {
@@ -138,7 +138,7 @@ fn every_classifier_runs_online_as_offline() {
     }
 }
 
-/// Pins that a feature of the contact region is refused, by name, if the taxels form no grid.
+/// Tests that a feature of the contact region is refused, by name, if the taxels form no grid.
 #[test]
 fn regions_need_a_grid() {
     let mut recording = reach();
@@ -162,7 +162,7 @@ fn regions_need_a_grid() {
 
 #[test]
 fn a_frame_allocates_nothing() {
-    // Pins that nothing is allocated when contacts begin, continue and end, from the first frame on. A change of
+    // Tests that nothing is allocated when contacts begin, continue and end, from the first frame on. A change of
     // verdict copies the category's name, so here all verdicts stay uncertain.
     let recording = reach();
     let mut models = models(
@@ -193,7 +193,7 @@ fn a_frame_allocates_nothing() {
 
 #[test]
 fn wrong_streams_are_refused() {
-    // Pins the errors for an unknown patch and for a frame with NaN.
+    // Tests the errors for an unknown patch and for a frame with NaN.
     let mut recording = reach();
     let models = models(
         &recording,

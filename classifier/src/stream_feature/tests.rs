@@ -36,7 +36,7 @@ fn expand(value: f64, knee: f64) -> f64 {
 
 #[test]
 fn features_are_those_of_the_whole_computed_at_once() {
-    // Pins the recursions against sums over the whole trial, for samples at uneven times.
+    // Tests the recursions against sums over the whole trial, for samples at uneven times.
     let rows = [
         (2.00, 0.2, 0.0, 1, 0.2, 0.2),
         (2.01, 0.5, 0.001, 3, 1.0, 1.7),
@@ -84,7 +84,7 @@ fn features_are_those_of_the_whole_computed_at_once() {
 
 #[test]
 fn nothing_looks_ahead() {
-    // Pins that the features after k samples are those of a trial of k samples, and that larger counts mean the whole
+    // Tests that the features after k samples are those of a trial of k samples, and that larger counts mean the whole
     // trial.
     let rows = [
         (0.00, 0.2, 0.0, 1, 0.2, 0.2),
@@ -105,7 +105,7 @@ fn nothing_looks_ahead() {
     }
 }
 
-/// Pins which stream features each list of inputs gives: force and motion give all features of the taxel, and all
+/// Tests which stream features each list of inputs gives: force and motion give all features of the taxel, and all
 /// inputs give all features.
 #[test]
 fn inputs_select_stream_features() {
@@ -125,7 +125,7 @@ fn inputs_select_stream_features() {
     );
 }
 
-/// Pins that unselected inputs have no influence: with force alone, motion and region may have any values or be
+/// Tests that unselected inputs have no influence: with force alone, motion and region may have any values or be
 /// missing.
 #[test]
 fn inputs_that_are_not_selected_do_not_matter() {
@@ -139,7 +139,7 @@ fn inputs_that_are_not_selected_do_not_matter() {
     assert_eq!(selection.after(&bare, &[1, 2]).unwrap(), expected);
 }
 
-/// Pins the errors for samples without motion or region, with NaN, and for no samples at all.
+/// Tests the errors for samples without motion or region, with NaN, and for no samples at all.
 #[test]
 fn what_is_missing_is_named() {
     let mut bare = trial(&[(0.0, 0.2, 0.0, 1, 0.2, 0.2), (0.01, 0.2, 0.0, 1, 0.2, 0.2)]);

@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Pins the logarithm against the standard function, over all sizes that features have.
+        /// Tests the logarithm against the standard function, over all sizes that features have.
         #[test]
         fn the_logarithm_is_right(exponent in -20.0f64..20.0, sign in prop::bool::ANY, knee in 1e-4f64..10.0) {
             let value = if sign { exponent.exp() } else { -exponent.exp() };
@@ -88,7 +88,7 @@ mod tests {
             prop_assert!((found - expected).abs() < 1e-9, "{value} {knee}");
         }
 
-        /// Pins that counts start at zero and keep their order.
+        /// Tests that counts start at zero and keep their order.
         #[test]
         fn counts_keep_their_order(count in 0u32..1_000_000) {
             let [now, next] = compress([count, count + 1].map(f64::from), &[COUNT_KNEE; 2]);

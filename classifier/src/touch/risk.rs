@@ -104,7 +104,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Pins the rule against its definition: at the limit the losses satisfy the bound, and just above it they do
+        /// Tests the rule against its definition: at the limit the losses satisfy the bound, and just above it they do
         /// not.
         #[test]
         fn limits_are_the_largest_that_keep_to_the_bound(
@@ -127,8 +127,8 @@ mod tests {
         }
     }
 
-    /// Pins that the mean loss of a new reach is at most the allowed share, and not much less, for reaches whose losses
-    /// are drawn from the same distribution. The mean of 4,000 draws is known to about a hundredth.
+    /// Tests that the mean loss of a new reach is at most the allowed share, and not much less, for reaches whose
+    /// losses are drawn from the same distribution. The mean of 4,000 draws is known to about a hundredth.
     #[test]
     fn new_reaches_keep_to_the_allowed_share() {
         use rand::{RngExt, SeedableRng};
@@ -151,7 +151,7 @@ mod tests {
         assert!(mean > allowed - 1.0 / (reaches + 1) as f64 - error, "{mean}");
     }
 
-    /// Pins that shares out of range, and shares that need more reaches, are refused with what is needed.
+    /// Tests that shares out of range, and shares that need more reaches, are refused with what is needed.
     #[test]
     fn shares_need_reaches() {
         let limits = RiskLimits {

@@ -189,7 +189,7 @@ mod tests {
         dealt(&touched.iter().map(set).collect::<Vec<_>>())
     }
 
-    /// Pins that reaches that touch the same categories go to the folds in turn, also beside a category in a single
+    /// Tests that reaches that touch the same categories go to the folds in turn, also beside a category in a single
     /// reach, which one fold must lack.
     #[test]
     fn reaches_are_dealt_in_turn() {
@@ -198,7 +198,7 @@ mod tests {
         assert_eq!(folds(&[trunk, leaf, trunk, trunk]), [0, 0, 1, 0]);
     }
 
-    /// Pins that no fold is without rows if two reaches have some, and that a category in two reaches is in both folds
+    /// Tests that no fold is without rows if two reaches have some, and that a category in two reaches is in both folds
     /// if that is possible.
     #[test]
     fn few_reaches_fill_both_folds() {

@@ -146,7 +146,7 @@ impl Losses {
 mod tests {
     use super::*;
 
-    /// Pins that shuffling the feature that decides brings the accuracy down to chance, and that an uninformative
+    /// Tests that shuffling the feature that decides brings the accuracy down to chance, and that an uninformative
     /// feature is worth nothing.
     #[test]
     fn the_feature_that_decides_is_worth_the_accuracy() {

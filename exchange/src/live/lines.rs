@@ -76,7 +76,7 @@ mod tests {
         found
     }
 
-    /// Pins that blank lines are skipped but counted, that the last line needs no newline, and that both kinds of line
+    /// Tests that blank lines are skipped but counted, that the last line needs no newline, and that both kinds of line
     /// endings work.
     #[test]
     fn lines_keep_their_numbers() {
@@ -85,8 +85,8 @@ mod tests {
         assert_eq!(found, expected.map(|(number, text)| (number, Ok(text.to_owned()))));
     }
 
-    /// Pins that a line that is too long, and bytes that are not UTF-8, are errors of that line alone, and that no more
-    /// than the maximum length is kept in memory.
+    /// Tests that a line that is too long, and bytes that are not UTF-8, are errors of that line alone, and that no
+    /// more than the maximum length is kept in memory.
     #[test]
     fn a_bad_line_ends_at_its_end() {
         let long = "x".repeat(1_000_000);

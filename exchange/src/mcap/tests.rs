@@ -30,8 +30,8 @@ fn record(bytes: &[u8], place: usize) -> (u8, &[u8], usize) {
     (bytes[place], &bytes[place + 9..end], end)
 }
 
-/// Pins that schemas, channels and messages come back in their order, and that channels with the same schema name share
-/// one schema.
+/// Tests that schemas, channels and messages come back in their order, and that channels with the same schema name
+/// share one schema.
 #[test]
 fn messages_come_back() {
     let bytes = example();
@@ -69,8 +69,8 @@ fn messages_come_back() {
     }
 }
 
-/// Pins that the summary leads to every chunk, every message index and the metadata, and that its counts are right. The
-/// test follows the offsets as a viewer does.
+/// Tests that the summary leads to every chunk, every message index and the metadata, and that its counts are right.
+/// The test follows the offsets as a viewer does.
 #[test]
 fn the_summary_leads_to_everything() {
     let bytes = example();
@@ -133,7 +133,7 @@ fn the_summary_leads_to_everything() {
     assert_eq!(found, groups);
 }
 
-/// Pins that a file that is cut off anywhere, or has a changed chunk, is refused and not silently read in part.
+/// Tests that a file that is cut off anywhere, or has a changed chunk, is refused and not silently read in part.
 #[test]
 fn a_damaged_file_is_refused() {
     let bytes = example();

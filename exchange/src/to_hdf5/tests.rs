@@ -9,7 +9,7 @@ fn write(path: &std::path::Path, reaches: &[Recording]) -> Result<(), ExchangeEr
     write_hdf5::<ExchangeError>(path, |writer| reaches.iter().try_for_each(|reach| writer.push(reach)))
 }
 
-/// Pins that every number of a reach comes back from the file unchanged, in the shapes that robomimic reads.
+/// Tests that every number of a reach comes back from the file unchanged, in the shapes that robomimic reads.
 #[test]
 fn every_number_comes_back() {
     let (_folder, path) = file("reaches.hdf5");
@@ -78,7 +78,7 @@ fn every_number_comes_back() {
     }
 }
 
-/// Pins that a scene called like a part does not add its demonstrations to the mask of that part.
+/// Tests that a scene called like a part does not add its demonstrations to the mask of that part.
 #[test]
 fn a_scene_called_train_has_a_mask_of_its_own() {
     let (_folder, path) = file("reaches.hdf5");
@@ -95,7 +95,7 @@ fn a_scene_called_train_has_a_mask_of_its_own() {
     assert_eq!((count("train"), count("valid"), count("train-scene")), (9, 1, 10));
 }
 
-/// Pins that fewer than ten demonstrations are split, too: the last is in valid, unless it is the only one.
+/// Tests that fewer than ten demonstrations are split, too: the last is in valid, unless it is the only one.
 #[test]
 fn few_demonstrations_are_split() {
     for count in [1, 2, 9] {
@@ -116,7 +116,7 @@ fn few_demonstrations_are_split() {
     }
 }
 
-/// Pins attributes and masks: each demonstration is in either train or valid, and in the mask of its scene.
+/// Tests attributes and masks: each demonstration is in either train or valid, and in the mask of its scene.
 #[test]
 fn attributes_and_masks_are_as_robomimic_reads_them() {
     let (_folder, path) = file("reaches.hdf5");
@@ -149,7 +149,7 @@ fn attributes_and_masks_are_as_robomimic_reads_them() {
     assert_eq!(mask("trunks"), names(7..12));
 }
 
-/// Pins that an export that fails leaves no file, and that the same reaches give the same bytes.
+/// Tests that an export that fails leaves no file, and that the same reaches give the same bytes.
 #[test]
 fn a_failed_export_leaves_nothing() {
     let (folder, path) = file("reaches.hdf5");

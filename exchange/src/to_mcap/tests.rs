@@ -73,7 +73,7 @@ fn joint_state(bytes: &[u8]) -> (u64, Vec<String>, Vec<Vec<f64>>) {
     (nanoseconds, names, lists)
 }
 
-/// Pins that joint states and forces come back from the file in full precision, at their times.
+/// Tests that joint states and forces come back from the file in full precision, at their times.
 #[test]
 fn joints_and_forces_come_back_exactly() {
     let recording = reach("foliage", 2, 90);
@@ -114,7 +114,7 @@ fn joints_and_forces_come_back_exactly() {
     assert!((10..80).contains(&pressed), "{pressed} frames with force");
 }
 
-/// Pins that the poses of all bodies can be followed from the transforms, that all poses are sent again at regular
+/// Tests that the poses of all bodies can be followed from the transforms, that all poses are sent again at regular
 /// intervals, and that shapes and goals are in the scene.
 #[test]
 fn poses_shapes_and_goals_come_back() {
@@ -160,7 +160,7 @@ fn poses_shapes_and_goals_come_back() {
     assert_eq!(goals.iter().map(place).collect::<Vec<_>>(), [0.0, 0.1, 0.2, 0.1 * 3.0]);
 }
 
-/// Pins that a link that is called like the root frame does not make this frame its own parent.
+/// Tests that a link that is called like the root frame does not make this frame its own parent.
 #[test]
 fn a_link_called_world_is_no_transform() {
     let mut recording = reach("foliage", 0, 30);
@@ -175,7 +175,7 @@ fn a_link_called_world_is_no_transform() {
     assert_eq!(json(&bytes, "/scene")[0]["entities"][0]["frame_id"], "world");
 }
 
-/// Pins that the file names its schemas as Foxglove and ROS 2 do, without references in them, and has the same bytes
+/// Tests that the file names its schemas as Foxglove and ROS 2 do, without references in them, and has the same bytes
 /// each time.
 #[test]
 fn the_file_has_known_schemas() {

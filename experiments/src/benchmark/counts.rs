@@ -99,7 +99,7 @@ mod tests {
         }
     }
 
-    /// Pins both accuracies of seven contacts against values counted by hand.
+    /// Tests both accuracies of seven contacts against values counted by hand.
     #[test]
     fn accuracies_are_those_counted_by_hand() {
         use Class::{Leaf, Nothing, Other, Trunk};

@@ -62,8 +62,8 @@ mod tests {
 
     use super::*;
 
-    /// Pins that the area equals, bit for bit, the area under the curve of contacts that are repeated as often as their
-    /// reach counts, with many ties, infinities and both zeros.
+    /// Tests that the area equals, bit for bit, the area under the curve of contacts that are repeated as often as
+    /// their reach counts, with many ties, infinities and both zeros.
     #[test]
     fn areas_are_those_of_repeated_contacts() {
         const SCORES: [f64; 7] = [f64::NEG_INFINITY, -1.5, -0.0, 0.0, 1.0 / 3.0, 1.0, f64::INFINITY];
@@ -90,7 +90,7 @@ mod tests {
         assert!(areas > 1000, "{areas}");
     }
 
-    /// Pins that a score that is not a number gives no area.
+    /// Tests that a score that is not a number gives no area.
     #[test]
     fn scores_are_numbers() {
         assert!(Ranked::of(&[[vec![1.0], vec![f64::NAN]]]).is_none());

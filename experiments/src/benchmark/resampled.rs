@@ -77,7 +77,7 @@ mod tests {
         (!own.is_empty()).then(|| own.iter().copied().sum::<f64>() / own.len() as f64)
     }
 
-    /// Pins that the interval of a mean is the one that the normal distribution gives, within the error of 1000
+    /// Tests that the interval of a mean is the one that the normal distribution gives, within the error of 1000
     /// resamples.
     #[test]
     fn the_interval_of_a_mean_is_that_of_the_normal_distribution() {
@@ -91,7 +91,7 @@ mod tests {
         assert!((high - (9.5 + 1.96 * error)).abs() < 0.3 * error, "{high}");
     }
 
-    /// Pins that groups are resampled separately: the difference of two constant groups has no spread.
+    /// Tests that groups are resampled separately: the difference of two constant groups has no spread.
     #[test]
     fn groups_are_not_mixed() {
         let (ones, threes) = ([1.0; 9], [3.0; 5]);
@@ -99,7 +99,7 @@ mod tests {
         assert_eq!((found.value, found.interval), (Some(2.0), Some([2.0, 2.0])));
     }
 
-    /// Pins that there is neither a value nor an interval without reaches.
+    /// Tests that there is neither a value nor an interval without reaches.
     #[test]
     fn no_reaches_give_no_value() {
         assert_eq!(Estimate::of(&[], mean), Estimate::default());

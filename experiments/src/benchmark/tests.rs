@@ -31,7 +31,7 @@ fn drawn(path: &str) -> (ReachPlan, String) {
     (plan, text)
 }
 
-/// Pins that the frozen scenes draw what they drew when the benchmark was published, with the same options of physics
+/// Tests that the frozen scenes draw what they drew when the benchmark was published, with the same options of physics
 /// and sensor. If the defaults of scene files change later, the frozen files must state the old values.
 #[test]
 fn frozen_scenes_draw_what_they_drew() {
@@ -54,7 +54,7 @@ fn frozen_scenes_draw_what_they_drew() {
     );
 }
 
-/// Pins that all settings except the one with another arm have the same clutter and goals.
+/// Tests that all settings except the one with another arm have the same clutter and goals.
 #[test]
 fn settings_differ_in_nothing_but_arm_speed_and_sensor() {
     let (_, usual) = drawn(frozen::SETTINGS[0].1);
@@ -71,7 +71,7 @@ fn answer(likeliest: Class) -> Answer {
     }
 }
 
-/// Pins which frame of a contact stands for each moment, that shorter contacts keep their last answer, that answers
+/// Tests which frame of a contact stands for each moment, that shorter contacts keep their last answer, that answers
 /// after the end of the touch are kept apart, and that the truth of a contact is what pressed most often.
 #[test]
 fn moments_are_those_samples_of_the_contact() {
@@ -98,7 +98,7 @@ fn moments_are_those_samples_of_the_contact() {
     assert_eq!(found[6..], [(Class::Leaf, Class::Trunk, over); 4]);
 }
 
-/// Pins that a contact on which a foam block pressed most often is left out of the benchmark, and that a reading
+/// Tests that a contact on which a foam block pressed most often is left out of the benchmark, and that a reading
 /// without any touch is not.
 #[test]
 fn blocks_are_left_out_and_readings_without_a_touch_are_not() {
@@ -117,7 +117,7 @@ fn blocks_are_left_out_and_readings_without_a_touch_are_not() {
     assert_eq!(closed(&[None, Some(Category::OUTLIER)]), Some(Class::Other));
 }
 
-/// Pins that a row is not written over the row of another model, and that this is found before anything is simulated.
+/// Tests that a row is not written over the row of another model, and that this is found before anything is simulated.
 /// A row of the same model, and a file that is no row, are replaced.
 #[test]
 fn the_row_of_another_model_stays() {
@@ -147,7 +147,7 @@ fn the_row_of_another_model_stays() {
     of_model(None).check_earlier_row(&file).unwrap();
 }
 
-/// Pins the figures of two reaches against values worked out by hand.
+/// Tests the figures of two reaches against values worked out by hand.
 #[test]
 fn reaching_figures_are_those_worked_out_by_hand() {
     let goal = |outcome, seconds: f64| GoalRecord {

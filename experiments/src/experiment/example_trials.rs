@@ -135,7 +135,7 @@ mod tests {
 
     use super::medians;
 
-    /// Pins that trials that end before 0.1 s do not count in the force after 0.1 s, and do in the other medians.
+    /// Tests that trials that end before 0.1 s do not count in the force after 0.1 s, and do in the other medians.
     #[test]
     fn short_trials_have_no_force_after_100_ms() {
         let trial = |samples: usize| Trial {

@@ -155,7 +155,7 @@ mod tests {
 
     const REED: Category = Category::new("reed", 4).unwrap();
 
-    /// Pins that taxels under an object of a further category are counted in a row of their own, even if only one of
+    /// Tests that taxels under an object of a further category are counted in a row of their own, even if only one of
     /// the reaches has such an object.
     #[test]
     fn a_further_category_has_a_row_of_its_own() {

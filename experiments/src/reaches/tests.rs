@@ -11,7 +11,7 @@ use crate::progress::{Counter, Silent};
 #[expect(dead_code, reason = "two scenes are enough here")]
 mod scenes;
 
-/// Pins that a reach counts as touching one category alone only if the category presses on a taxel in some trial. The
+/// Tests that a reach counts as touching one category alone only if the category presses on a taxel in some trial. The
 /// same reach does not count once nothing presses on its taxels.
 #[test]
 fn a_reach_with_spurious_trials_alone_is_not_wanted() {
@@ -44,7 +44,7 @@ impl Progress for Remarks {
     }
 }
 
-/// Pins that a cached reach whose file is damaged or missing is drawn again with a remark, and equals the first one;
+/// Tests that a cached reach whose file is damaged or missing is drawn again with a remark, and equals the first one;
 /// and that an undamaged one is read without a remark.
 #[test]
 fn a_damaged_reach_is_drawn_again() {

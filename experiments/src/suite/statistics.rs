@@ -80,7 +80,7 @@ mod tests {
 
     use super::*;
 
-    /// Pins the quantiles against a published table (Abramowitz and Stegun, table 26.10).
+    /// Tests the quantiles against a published table (Abramowitz and Stegun, table 26.10).
     #[test]
     fn quantiles_are_those_of_the_table() {
         for (probability, degrees, published) in [
@@ -100,7 +100,7 @@ mod tests {
         }
     }
 
-    /// Pins that new means exceed the margin as often as promised: among 20000 pairs of means of 12 normal values, the
+    /// Tests that new means exceed the margin as often as promised: among 20000 pairs of means of 12 normal values, the
     /// second mean lies above the first by more than the margin in 5 % of the pairs. The tolerance of 0.6 % is four
     /// standard errors.
     #[test]
@@ -120,7 +120,7 @@ mod tests {
         assert!((share - 0.05).abs() < 0.006, "{share}");
     }
 
-    /// Pins that equal values still leave a margin: one per cent for a force, and for counted values the margin with
+    /// Tests that equal values still leave a margin: one per cent for a force, and for counted values the margin with
     /// one more reach that differs. One value alone has no margin.
     #[test]
     fn equal_values_leave_a_margin() {

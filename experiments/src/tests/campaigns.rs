@@ -63,8 +63,8 @@ fn campaign(table_1: Vec<Cell>, classifiers: &[(&str, f64)]) -> OneOfMany {
     }
 }
 
-/// Pins the three statements on the paper's own Table I, where all pairs hold, and on the table with the sign reversed,
-/// where none does; and that pairs without one of their cells do not count.
+/// Tests the three statements on the paper's own Table I, where all pairs hold, and on the table with the sign
+/// reversed, where none does; and that pairs without one of their cells do not count.
 #[test]
 fn orderings_are_found_as_they_are() {
     let counts = |sign: f64, without_states: usize| -> Vec<(bool, usize, usize)> {
@@ -93,7 +93,7 @@ fn orderings_are_found_as_they_are() {
     assert_eq!(counts(1.0, 20), [(true, 4, 4), (true, 4, 4), (true, 4, 4)]);
 }
 
-/// Pins that the statement on the number of states names the numbers that the experiment has.
+/// Tests that the statement on the number of states names the numbers that the experiment has.
 #[test]
 fn the_statement_on_states_names_them() {
     let statement = |states: &[usize]| {
@@ -112,7 +112,7 @@ fn the_statement_on_states_names_them() {
     assert_eq!(statement(&[2, 4, 8, 16]), "4, 8 and 16 states are better than 2");
 }
 
-/// Pins mean, sample standard deviation and range of accuracy, balanced accuracy and majority baseline of three
+/// Tests mean, sample standard deviation and range of accuracy, balanced accuracy and majority baseline of three
 /// campaigns against numbers worked out by hand.
 #[test]
 fn campaigns_have_mean_and_spread() {
@@ -144,7 +144,7 @@ fn campaigns_have_mean_and_spread() {
     assert!(of(&[]).unwrap().is_none());
 }
 
-/// Pins that cells and classifiers of campaigns are matched by name, whatever their order, and that a missing or
+/// Tests that cells and classifiers of campaigns are matched by name, whatever their order, and that a missing or
 /// doubled name is an error that names it.
 #[test]
 fn campaigns_are_matched_by_name() {
@@ -176,8 +176,8 @@ fn campaigns_are_matched_by_name() {
     assert!(double.contains("several results"), "{double}");
 }
 
-/// Pins the row of an ablation on the paper's own Table I, and on the same table with cells alternately 2 points higher
-/// and lower.
+/// Tests the row of an ablation on the paper's own Table I, and on the same table with cells alternately 2 points
+/// higher and lower.
 #[test]
 fn the_papers_own_table_is_no_distance_from_itself() {
     let table = |shift: f64| {

@@ -8,7 +8,7 @@ use underbrush_recording::InputError;
 use crate::definition::Experiment;
 use crate::training;
 
-/// Pins that the file that ships is the paper's experiment: its Table I, its numbers of trials and reaches, and its
+/// Tests that the file that ships is the paper's experiment: its Table I, its numbers of trials and reaches, and its
 /// trial options.
 #[test]
 fn the_file_that_ships_is_the_papers() {
@@ -57,7 +57,7 @@ fn error(text: &str) -> InputError {
     Experiment::load(&path).unwrap_err()
 }
 
-/// Pins that each fault of an experiment file is named with its line, its field, what was found and what is allowed.
+/// Tests that each fault of an experiment file is named with its line, its field, what was found and what is allowed.
 #[test]
 fn faults_name_line_and_field() {
     let (_folder, path) = written(SMALL);
@@ -115,8 +115,8 @@ fn faults_name_line_and_field() {
     );
 }
 
-/// Pins that numbers outside their ranges and a patch that no arm has are refused when the file is read, with the line,
-/// the field, what was found and what is allowed.
+/// Tests that numbers outside their ranges and a patch that no arm has are refused when the file is read, with the
+/// line, the field, what was found and what is allowed.
 #[test]
 fn numbers_and_patch_are_checked_when_the_file_is_read() {
     for (section, line, field, found, allowed) in [
@@ -193,7 +193,7 @@ fn numbers_and_patch_are_checked_when_the_file_is_read() {
     }
 }
 
-/// Pins that values and names by which results are found are refused if they are given twice.
+/// Tests that values and names by which results are found are refused if they are given twice.
 #[test]
 fn nothing_that_names_a_result_is_given_twice() {
     let entry = |table: &str| format!("[[{table}]]\nname = \"same\"\nmethod = \"naive-bayes\"\n");
@@ -239,14 +239,14 @@ fn nothing_that_names_a_result_is_given_twice() {
     Experiment::load(&path).unwrap();
 }
 
-/// Pins that a scene that does not exist is an error that names the scene file.
+/// Tests that a scene that does not exist is an error that names the scene file.
 #[test]
 fn faults_of_scenes_name_the_scene() {
     let missing = error(&SMALL.replace("other.toml", "nowhere.toml"));
     assert!(missing.file.ends_with("nowhere.toml"), "{missing}");
 }
 
-/// Pins that labels without an object of that name are refused if verdicts are compared with objects, and allowed
+/// Tests that labels without an object of that name are refused if verdicts are compared with objects, and allowed
 /// otherwise.
 #[test]
 fn labels_are_categories_where_reaches_are_judged_by_objects() {
@@ -261,7 +261,7 @@ fn labels_are_categories_where_reaches_are_judged_by_objects() {
     );
 }
 
-/// Pins that the hash of an experiment follows its file and the scenes that it names.
+/// Tests that the hash of an experiment follows its file and the scenes that it names.
 #[test]
 fn the_hash_follows_file_and_scenes() {
     let (folder, path) = written(SMALL);

@@ -25,7 +25,7 @@ fn folder() -> (tempfile::TempDir, PathBuf) {
     (folder, path)
 }
 
-/// Pins that a cached result is used only by the run that made it: another seed, size, experiment, name or build
+/// Tests that a cached result is used only by the run that made it: another seed, size, experiment, name or build
 /// computes it again.
 #[test]
 fn only_the_same_run_takes_a_kept_result() {
@@ -57,7 +57,7 @@ fn only_the_same_run_takes_a_kept_result() {
     }
 }
 
-/// Pins that a result whose numbers were edited, or that is truncated, is not used but computed and cached again.
+/// Tests that a result whose numbers were edited, or that is truncated, is not used but computed and cached again.
 #[test]
 fn an_edited_result_is_made_again() {
     let (_folder, path) = folder();

@@ -1,7 +1,7 @@
 use crate::definition::Experiment;
 use crate::plan::Plan;
 
-/// Pins that results of another seed or size are refused with the reason; that the same plan continues; and that
+/// Tests that results of another seed or size are refused with the reason; that the same plan continues; and that
 /// `--force` removes what a run creates, and nothing else.
 #[test]
 fn only_the_same_plan_goes_on() {
@@ -25,7 +25,7 @@ fn only_the_same_plan_goes_on() {
     plan(4, true).settle(out, false).unwrap();
 }
 
-/// Pins that files under the names of results are refused and kept, even with `--force`, if no plan says that a run
+/// Tests that files under the names of results are refused and kept, even with `--force`, if no plan says that a run
 /// made them, and that the message does not advise `--force`.
 #[test]
 fn files_that_no_run_made_are_kept() {

@@ -3,7 +3,7 @@ use std::collections::BTreeSet;
 use crate::definition::Experiment;
 use crate::experiment::settings::{Folded, splits};
 
-/// Pins that a setting with 3 + 4 reaches takes the first reaches of each scene from a campaign of 4 + 6, half of them
+/// Tests that a setting with 3 + 4 reaches takes the first reaches of each scene from a campaign of 4 + 6, half of them
 /// in each fold; and that at two settings with the forces of leaf and trunk swapped, each classifier is always right at
 /// its own setting and always wrong at the other. A half without a category is refused.
 #[test]

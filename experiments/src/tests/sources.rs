@@ -21,7 +21,7 @@ fn side_by_side(root: &Path) -> Folders {
     }
 }
 
-/// Pins which sources each hash covers. The hash for results changes with this crate and with the classifier, also for
+/// Tests which sources each hash covers. The hash for results changes with this crate and with the classifier, also for
 /// a new file, but not with the report or the simulator. The hash for data changes with the simulator, but not with the
 /// classifier.
 #[test]
@@ -86,7 +86,7 @@ fn each_hash_follows_its_sources() {
     assert_eq!(locks(root, &[["glam", "1.0.3"]]), (false, false));
 }
 
-/// Pins that no library which may decide data is forgotten: every dependency of the simulator and of the recordings is
+/// Tests that no library which may decide data is forgotten: every dependency of the simulator and of the recordings is
 /// among those whose versions are hashed, or is known to decide nothing. A name that is not in the lock file is
 /// misspelt.
 #[test]
@@ -113,7 +113,7 @@ fn the_hash_covers_the_libraries_that_decide_data() {
     }
 }
 
-/// Pins that the hashes built into the program are those of the sources beside this test.
+/// Tests that the hashes built into the program are those of the sources beside this test.
 #[test]
 fn the_program_holds_the_hashes_of_its_sources() {
     let folders = side_by_side(&Path::new(env!("CARGO_MANIFEST_DIR")).join(".."));

@@ -22,7 +22,7 @@ fn trial(category: &str, touched: &[bool]) -> Trial {
     }
 }
 
-/// Pins that trials, and those in which nothing touched the skin, are counted by unit and label.
+/// Tests that trials, and those in which nothing touched the skin, are counted by unit and label.
 #[test]
 fn trials_that_nothing_touched_are_counted() {
     let trials = Trials {
@@ -38,7 +38,7 @@ fn trials_that_nothing_touched_are_counted() {
     assert_eq!(counts, [(0, 0), (0, 0), (2, 1), (1, 1)]);
 }
 
-/// Pins that trials of a minimum length keep their order and are numbered from zero, and that a label replaces a
+/// Tests that trials of a minimum length keep their order and are numbered from zero, and that a label replaces a
 /// category.
 #[test]
 fn longer_trials_are_numbered_anew() {

@@ -98,7 +98,7 @@ fn run(verdicts: Option<&VerdictControl>) -> (Recording, Vec<TaxelContact>) {
     (recording, contacts)
 }
 
-/// Pins the limit for each verdict: the limit of its category if it has one, the limit for unknown objects, or the
+/// Tests the limit for each verdict: the limit of its category if it has one, the limit for unknown objects, or the
 /// usual limit; and that a spurious reading is ignored.
 #[test]
 fn each_verdict_has_its_limit() {
@@ -119,7 +119,7 @@ fn each_verdict_has_its_limit() {
     }
 }
 
-/// Pins which contacts the inner controller is given in a whole reach, for models that always give the same verdict.
+/// Tests which contacts the inner controller is given in a whole reach, for models that always give the same verdict.
 /// Contacts on the model's patch above its threshold have the verdict's limit, or are missing if the verdict is
 /// nothing. All other contacts are unchanged. A verdict of uncertain changes no bit of the reach.
 #[test]
@@ -150,7 +150,7 @@ fn contacts_get_the_limits_of_their_verdicts() {
     assert!(!contacts.is_empty() && !contacts.iter().any(|contact| judged(&contact)));
 }
 
-/// Pins that a reach with verdicts repeats bit for bit and keeps nothing of the previous reach; and that a limit on
+/// Tests that a reach with verdicts repeats bit for bit and keeps nothing of the previous reach; and that a limit on
 /// trunks changes the reach.
 #[test]
 fn reaches_with_verdicts_repeat() {
@@ -163,7 +163,7 @@ fn reaches_with_verdicts_repeat() {
     assert!(first != plain);
 }
 
-/// Pins that verdicts are refused for a controller that ignores contacts, and for a skin without the model's patch.
+/// Tests that verdicts are refused for a controller that ignores contacts, and for a skin without the model's patch.
 #[test]
 fn verdicts_need_contacts_and_their_patch() {
     let verdicts = always(Touch::Uncertain);

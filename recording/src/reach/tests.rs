@@ -39,7 +39,7 @@ fn contact(patch: Option<u16>, object: u16, [first_frame, last_frame]: [u32; 2],
     }
 }
 
-/// Pins that frames with true contact are counted by patch, each frame once, without contacts on bare links and
+/// Tests that frames with true contact are counted by patch, each frame once, without contacts on bare links and
 /// contacts without force.
 #[test]
 fn only_true_contact_counts() {
@@ -56,8 +56,8 @@ fn only_true_contact_counts() {
     assert_eq!((frames["forearm"], frames["flipper"]), (16, 0));
 }
 
-/// Pins the forces of all contacts and of those with one category: the largest peak, and the mean over the frames of all
-/// contacts. Without contacts both are 0.
+/// Tests the forces of all contacts and of those with one category: the largest peak, and the mean over the frames of
+/// all contacts. Without contacts both are 0.
 #[test]
 fn forces_are_summed_up_by_category() {
     let object = |category| ObjectRecord {

@@ -78,8 +78,8 @@ impl News {
     }
 }
 
-/// Pins that a reach waits for the page, is listed as running, is packed as far as it has been simulated, pauses, steps
-/// one and several frames, goes on, and ends with the whole recording.
+/// Tests that a reach waits for the page, is listed as running, is packed as far as it has been simulated, pauses,
+/// steps one and several frames, goes on, and ends with the whole recording.
 #[test]
 fn a_running_reach_is_told_paused_and_stepped() {
     let (place, simulation, count) = start();
@@ -113,7 +113,7 @@ fn a_running_reach_is_told_paused_and_stepped() {
     assert_eq!(list[0]["running"], false);
 }
 
-/// Pins that commands are accepted only from the server's own page, as POST, and that unknown commands are refused.
+/// Tests that commands are accepted only from the server's own page, as POST, and that unknown commands are refused.
 #[test]
 fn commands_of_others_are_refused() {
     let (place, _, count) = start();
@@ -133,7 +133,7 @@ fn commands_of_others_are_refused() {
     assert_eq!(count.load(Ordering::SeqCst), 1, "a refused command does nothing");
 }
 
-/// Pins that recordings in memory are listed and packed like recordings in files.
+/// Tests that recordings in memory are listed and packed like recordings in files.
 #[test]
 fn recordings_in_memory_are_packed_too() {
     let held = |index| Held {

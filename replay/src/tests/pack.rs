@@ -51,7 +51,7 @@ impl Packed {
     }
 }
 
-/// Pins that readings, poses, times and contact trials arrive with their frames, and that the header holds what the
+/// Tests that readings, poses, times and contact trials arrive with their frames, and that the header holds what the
 /// page shows as text, including the seed to its last digit.
 #[test]
 fn a_packed_reach_holds_what_was_recorded() {
@@ -89,7 +89,7 @@ fn a_packed_reach_holds_what_was_recorded() {
     assert!((motion[14] - 14.0 / 1024.0).abs() < 1e-7, "{motion:?}");
 }
 
-/// Pins that the bytes for the frames after the first eight have the rows of the other twelve, counted from the first
+/// Tests that the bytes for the frames after the first eight have the rows of the other twelve, counted from the first
 /// of these, the new samples of a trial that goes on, and nothing that does not change.
 #[test]
 fn what_follows_holds_only_what_is_new() {
@@ -136,7 +136,7 @@ fn what_follows_holds_only_what_is_new() {
     );
 }
 
-/// Pins that the list has one line per recording, with its peak force, and that a number outside the list is refused.
+/// Tests that the list has one line per recording, with its peak force, and that a number outside the list is refused.
 #[test]
 fn a_source_lists_its_reaches() {
     let folder = tempfile::tempdir().unwrap();

@@ -67,7 +67,7 @@ pub fn get(place: &Place, method: &str, path: &str) -> Answer {
     ask(*port, &[&line, &format!("Host: 127.0.0.1:{port}")])
 }
 
-/// Pins that the page, the list and the reaches are served, with headers that keep other sites away.
+/// Tests that the page, the list and the reaches are served, with headers that keep other sites away.
 #[test]
 fn the_server_gives_out_page_list_and_reaches() {
     let folder = tempfile::tempdir().unwrap();
@@ -96,7 +96,7 @@ fn the_server_gives_out_page_list_and_reaches() {
     );
 }
 
-/// Pins that paths outside the set, other methods and the names of other hosts are refused, and that the server still
+/// Tests that paths outside the set, other methods and the names of other hosts are refused, and that the server still
 /// answers afterwards.
 #[test]
 fn everything_else_is_refused() {
@@ -140,15 +140,15 @@ fn everything_else_is_refused() {
     assert_eq!(ask(port, &[&line, &format!("Host: LOCALHOST:{port}")]).status, 200);
 }
 
-/// Pins that the addresses of port 80 count with and without the port, which browsers leave out.
+/// Tests that the addresses of port 80 count with and without the port, which browsers leave out.
 #[test]
 fn port_80_may_be_left_out() {
     assert_eq!(hosts(80), ["127.0.0.1:80", "localhost:80", "127.0.0.1", "localhost"]);
     assert_eq!(hosts(8080), ["127.0.0.1:8080", "localhost:8080"]);
 }
 
-/// Pins that a request for a range, however large, is answered with the whole content, and that the server says that it
-/// does not support ranges.
+/// Tests that a request for a range, however large, is answered with the whole content, and that the server says that
+/// it does not support ranges.
 #[test]
 fn ranges_are_ignored() {
     let folder = tempfile::tempdir().unwrap();
@@ -235,7 +235,7 @@ fn the_policy_names_script_and_style_by_hash() {
     assert!(!policy.contains("unsafe"), "{policy}");
 }
 
-/// Pins that a port that is taken is an error that names it.
+/// Tests that a port that is taken is an error that names it.
 #[test]
 fn a_taken_port_is_an_error() {
     let folder = tempfile::tempdir().unwrap();

@@ -13,7 +13,7 @@ fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
     &text[from..from + text[from..].find(end).unwrap()]
 }
 
-/// Pins that the file holds the bytes that the server would send, for the chosen reaches, which are renumbered.
+/// Tests that the file holds the bytes that the server would send, for the chosen reaches, which are renumbered.
 #[test]
 fn a_single_file_holds_the_packed_reaches() {
     let folder = tempfile::tempdir().unwrap();
@@ -28,7 +28,7 @@ fn a_single_file_holds_the_packed_reaches() {
     assert_eq!((&list[0]["number"], &list[0]["reach_index"]), (&0.into(), &1.into()));
 }
 
-/// Pins that a file that no browser could open is refused, with the number of reaches that would fit.
+/// Tests that a file that no browser could open is refused, with the number of reaches that would fit.
 #[test]
 fn a_file_that_is_too_large_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -38,7 +38,8 @@ fn a_file_that_is_too_large_is_refused() {
     assert!(matches!(error, ReplayError::FileTooLarge { fitting: 1, .. }), "{error}");
 }
 
-/// Pins that the built page is one file: it has the place for data, its own script and style, and refers to nothing else.
+/// Tests that the built page is one file: it has the place for data, its own script and style, and refers to nothing
+/// else.
 #[test]
 fn the_page_needs_no_other_file() {
     assert_eq!(PAGE.matches("<!--underbrush-data-->").count(), 1);

@@ -48,8 +48,8 @@ fn judging() -> Judging {
     }
 }
 
-/// Pins that the packed verdicts, probabilities and regions are those of the online classifier frame by frame, sorted by taxel,
-/// and that the header says how to read them.
+/// Tests that the packed verdicts, probabilities and regions are those of the online classifier frame by frame, sorted
+/// by taxel, and that the header says how to read them.
 #[test]
 fn verdicts_of_touch_models_are_packed() {
     let recording = pressed_by(Category::TRUNK, 1.1, 40);
@@ -109,7 +109,7 @@ fn verdicts_of_touch_models_are_packed() {
     assert_eq!(names[codes[codes.len() - 1] as usize], "trunk");
 }
 
-/// Pins that the bytes for the frames after the first eight have the verdicts and regions of these frames, with rows
+/// Tests that the bytes for the frames after the first eight have the verdicts and regions of these frames, with rows
 /// that are counted from the first of them.
 #[test]
 fn what_follows_has_the_regions_of_a_touch_model() {
@@ -142,7 +142,7 @@ fn what_follows_has_the_regions_of_a_touch_model() {
     );
 }
 
-/// Pins that a patch other than the one that the touch model was trained for is refused, and so is a patch without a
+/// Tests that a patch other than the one that the touch model was trained for is refused, and so is a patch without a
 /// grid.
 #[test]
 fn another_patch_is_refused() {

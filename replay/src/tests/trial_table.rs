@@ -39,7 +39,7 @@ fn felt(reach: &Recording) -> Vec<(f64, Vec<(u16, f64)>)> {
     frames.map(|frame| (periods(frame.time_s), forces(frame))).collect()
 }
 
-/// Pins what is shown of a table: the forces at their times from the start of each reach; silent frames between
+/// Tests what is shown of a table: the forces at their times from the start of each reach; silent frames between
 /// contacts, even if the next contact of the same taxel follows at once; and the category as the object.
 #[test]
 fn a_table_of_trials_becomes_frames() {
@@ -81,7 +81,7 @@ fn a_table_of_trials_becomes_frames() {
     assert_eq!(second.frames[0].taxels[0].object, None);
 }
 
-/// Pins that the contacts that the page gets from these frames are the trials of the table.
+/// Tests that the contacts that the page gets from these frames are the trials of the table.
 #[test]
 fn the_trials_of_the_page_are_those_of_the_table() {
     let trials = [
@@ -100,7 +100,8 @@ fn the_trials_of_the_page_are_those_of_the_table() {
     assert_eq!(found, trials.iter().map(seen).collect::<Vec<_>>());
 }
 
-/// Pins that a table is listed, as what it is, and packed like other reaches, in whatever case its extension is written.
+/// Tests that a table is listed, as what it is, and packed like other reaches, in whatever case its extension is
+/// written.
 #[test]
 fn a_table_is_a_source() {
     let folder = tempfile::tempdir().unwrap();
@@ -120,7 +121,7 @@ fn a_table_is_a_source() {
     assert_eq!(source.reaches()[0].reach_index, 5);
 }
 
-/// Pins that trials that frames would change are refused: trials that overlap on a taxel, trials of taxels that are
+/// Tests that trials that frames would change are refused: trials that overlap on a taxel, trials of taxels that are
 /// sampled at different times, and a trial that follows another of its taxel without a frame between them. They used to
 /// be merged or to get further releases.
 #[test]
@@ -151,7 +152,7 @@ fn trials_that_frames_would_change_are_refused() {
     assert!(error.found.contains("right after trial 0"), "{error}");
 }
 
-/// Pins that trials that cannot be shown are refused with the field: trials of contact regions, trials of categories
+/// Tests that trials that cannot be shown are refused with the field: trials of contact regions, trials of categories
 /// that recordings cannot hold, and trials of a reach with so long a gap that silent frames would fill the memory.
 #[test]
 fn what_cannot_be_shown_is_refused() {

@@ -87,7 +87,7 @@ proptest! {
     fn any_data_make_well_formed_svg(
         x in axis(), y in axis(), shapes in prop::collection::vec((shape(), 0..3_usize, "\\PC{0,12}"), 0..4)
     ) {
-        // Pins that with any data (none, NaN, infinity, huge), a chart is XML that an independent parser reads, no
+        // Tests that with any data (none, NaN, infinity, huge), a chart is XML that an independent parser reads, no
         // coordinate is NaN or infinite, and everything lies within the view box.
         let layers = shapes.into_iter().map(|(shape, style, name)| Layer::new(name, STYLES[style], shape)).collect();
         let svg = chart(x, y, layers).svg();
@@ -105,7 +105,7 @@ proptest! {
 
     #[test]
     fn csv_is_read_back(texts in prop::collection::vec("[ -~\\n]{0,9}", 1..5), value in number()) {
-        // Pins that an independent reader (the csv crate, RFC 4180) finds the same words and the same number, bit for
+        // Tests that an independent reader (the csv crate, RFC 4180) finds the same words and the same number, bit for
         // bit.
         let columns: Vec<&str> = texts.iter().map(String::as_str).chain(["value"]).collect();
         let mut table = Table::new("t", "caption", &columns);
@@ -125,7 +125,7 @@ proptest! {
 
 #[test]
 fn a_chart_says_what_it_shows() {
-    // Pins the alternative text: role, title and description with the names that aria-labelledby refers to.
+    // Tests the alternative text: role, title and description with the names that aria-labelledby refers to.
     let svg = chart(Axis::linear("t / s"), Axis::linear("force / N"), Vec::new()).svg();
     let elements = elements(&svg);
     assert_eq!(attribute(&elements[0], "role"), Some("img"));
@@ -148,7 +148,7 @@ fn a_chart_says_what_it_shows() {
 
 #[test]
 fn a_line_lies_where_its_axes_say() {
-    // Pins that scales and ticks agree: a line through (0, 0) and (10, 100) passes through the positions of these
+    // Tests that scales and ticks agree: a line through (0, 0) and (10, 100) passes through the positions of these
     // ticks.
     let line = Shape::Line(vec![(0.0, 0.0), (10.0, 100.0)]);
     let svg = chart(
@@ -183,7 +183,7 @@ fn a_line_lies_where_its_axes_say() {
 
 #[test]
 fn bars_stand_on_each_other() {
-    // Pins stacking: the second layer's bars begin where the first layer's end, and heights match values.
+    // Tests stacking: the second layer's bars begin where the first layer's end, and heights match values.
     let bars = |heights: [f64; 2]| Layer::new("share", STYLES[0], Shape::Bars(heights.to_vec()));
     let svg = chart(
         Axis::names("reach", ["1", "2"]),
@@ -206,7 +206,7 @@ fn bars_stand_on_each_other() {
 
 #[test]
 fn areas_stand_on_each_other_and_bands_under_them() {
-    // Pins that the lower outline of the second area is the upper one of the first, at the height of its values; and
+    // Tests that the lower outline of the second area is the upper one of the first, at the height of its values; and
     // that the strips of two layers of bands overlap neither the areas nor each other, and are at the right times.
     let area = |heights: [f64; 3]| {
         let points = heights.into_iter().enumerate().map(|(x, y)| (x as f64, y));
@@ -257,7 +257,7 @@ fn areas_stand_on_each_other_and_bands_under_them() {
 
 #[test]
 fn a_column_of_numbers_stands_right() {
-    // Pins that a heading, its numbers and a word among them are aligned right, and that a column of words or of
+    // Tests that a heading, its numbers and a word among them are aligned right, and that a column of words or of
     // unknown values is aligned left.
     let mut table = Table::new("t", "caption", &["words", "numbers", "nothing"]);
     table.rows.push(vec!["a".into(), "all".into(), Cell::Missing]);
@@ -274,7 +274,7 @@ fn a_column_of_numbers_stands_right() {
 
 #[test]
 fn no_peak_is_lost() {
-    // Pins that a drawing of 100 000 samples with one peak keeps the peak, with far fewer points.
+    // Tests that a drawing of 100 000 samples with one peak keeps the peak, with far fewer points.
     let mut points: Vec<(f64, f64)> = (0..100_000).map(|i| (f64::from(i), 0.0)).collect();
     points[31_416].1 = 1.0;
     let svg = |points: &[(f64, f64)]| {
@@ -299,7 +299,7 @@ fn no_peak_is_lost() {
 
 #[test]
 fn a_page_is_well_formed_and_escapes() {
-    // Pins that text cannot break out of the page, every section is in the contents, and tables link to their numbers.
+    // Tests that text cannot break out of the page, every section is in the contents, and tables link to their numbers.
     let mut page = Page::new("Leaf <or> trunk");
     page.section("Table I & more");
     page.paragraph("a < b");

@@ -105,7 +105,7 @@ fn words(svg: &str) -> String {
     words
 }
 
-/// Pins that every panel shows all of an arm of any size, the objects, the goal and the workspace.
+/// Tests that every panel shows all of an arm of any size, the objects, the goal and the workspace.
 #[test]
 fn the_frame_holds_arm_and_scene() {
     for (hand, goal) in [
@@ -135,7 +135,7 @@ fn the_frame_holds_arm_and_scene() {
     }
 }
 
-/// Pins that text from a scene cannot break the SVG and is read back as it was written.
+/// Tests that text from a scene cannot break the SVG and is read back as it was written.
 #[test]
 fn captions_are_escaped() {
     let caption = "leaves & <trunks> \"5 > 3\" ]]> 'x'";
@@ -143,7 +143,7 @@ fn captions_are_escaped() {
     assert!(text.contains(caption), "{text}");
 }
 
-/// Pins that the legend explains every kind of mark that is drawn, and no category that is not in the picture.
+/// Tests that the legend explains every kind of mark that is drawn, and no category that is not in the picture.
 #[test]
 fn every_mark_is_explained() {
     let text = words(&drawn([0.8, 0.0, 0.2], [0.7, -0.2, -0.3], "caption"));
@@ -169,7 +169,7 @@ fn numbers(path: &str) -> Vec<f64> {
     path.split(split).filter_map(|word| word.parse().ok()).collect()
 }
 
-/// Pins that the outline of a leaf passes through every hinge and is smooth there, and that it is as wide as the leaf.
+/// Tests that the outline of a leaf passes through every hinge and is smooth there, and that it is as wide as the leaf.
 #[test]
 fn a_leaf_is_a_smooth_curve_through_its_hinges() {
     let (panel, foot) = (&PANELS[0], DVec3::new(0.4, 0.0, 0.0));
@@ -205,7 +205,7 @@ fn a_leaf_is_a_smooth_curve_through_its_hinges() {
     assert!((width - 50.0).abs() < 0.2, "{width} px");
 }
 
-/// Pins that an animation moves only the shapes that move, shows the taxels only while they report a force, and is
+/// Tests that an animation moves only the shapes that move, shows the taxels only while they report a force, and is
 /// well-formed.
 #[test]
 fn an_animation_shows_the_moments_in_turn() {

@@ -66,7 +66,7 @@ fn has(svg: &str, colour: &str) -> bool {
     values.into_iter().any(|(_, value)| value == colour)
 }
 
-/// Pins that the chart of an outlier reach has a strip for a further category that presses, in its own colour, and one
+/// Tests that the chart of an outlier reach has a strip for a further category that presses, in its own colour, and one
 /// for each label and for outliers, but none for foam blocks; and that without the further category the strips are the
 /// paper's.
 #[test]
@@ -91,8 +91,8 @@ fn the_outlier_chart_has_a_strip_for_it() {
     assert!(has(&svg, looks().look("reed").colour), "{svg}");
 }
 
-/// Pins that the table of frames has a column for touches of a further category, even if only a later reach has it, and
-/// a column of its own for verdicts on it.
+/// Tests that the table of frames has a column for touches of a further category, even if only a later reach has it,
+/// and a column of its own for verdicts on it.
 #[test]
 fn the_table_of_frames_has_a_column_for_it() {
     let online = Online {
@@ -118,7 +118,7 @@ fn the_table_of_frames_has_a_column_for_it() {
     assert_eq!(column("trunk"), ["0"; 4]);
 }
 
-/// Pins that the skin map marks a further category in its own colour and names it in the legend, and that the legend
+/// Tests that the skin map marks a further category in its own colour and names it in the legend, and that the legend
 /// takes more rows if one is too short.
 #[test]
 fn the_skin_map_names_it() {
@@ -151,7 +151,7 @@ fn the_skin_map_names_it() {
     assert_eq!(rows(&draw(24, &["leaf", "trunk"])), [5, 0, 0]);
 }
 
-/// Pins the caption that explains the marks, for the paper's categories and with a further one.
+/// Tests the caption that explains the marks, for the paper's categories and with a further one.
 #[test]
 fn the_caption_of_a_moment_names_its_mark() {
     let paper = moments::marks_in_words(&["leaf", "trunk"], &looks());
@@ -166,7 +166,7 @@ fn the_caption_of_a_moment_names_its_mark() {
     );
 }
 
-/// Pins that the curves of example trials are in the categories' own styles.
+/// Tests that the curves of example trials are in the categories' own styles.
 #[test]
 fn the_trial_figure_draws_it_in_its_own_style() {
     let sample = |time_s| Sample {

@@ -122,7 +122,7 @@ fn faults(html: &str) -> Vec<&str> {
     bad.into_iter().filter(|bad| outside_svg.contains(bad)).collect()
 }
 
-/// Pins that the check of a page finds each fault that it looks for, also beside charts.
+/// Tests that the check of a page finds each fault that it looks for, also beside charts.
 #[test]
 fn the_check_of_a_page_can_fail() {
     let chart = "<svg xmlns=\"http://www.w3.org/2000/svg\"></svg>";

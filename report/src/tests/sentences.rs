@@ -29,7 +29,7 @@ fn compared(key: &CellKey, accuracy: f64, published: Option<f64>) -> Compared<'_
     }
 }
 
-/// Pins the agreement with published cells against differences worked out by hand, and that cells below the majority
+/// Tests the agreement with published cells against differences worked out by hand, and that cells below the majority
 /// baseline are named with their baseline.
 #[test]
 fn the_page_says_how_cells_agree() {
@@ -63,8 +63,8 @@ fn the_page_says_how_cells_agree() {
     assert_eq!(without, "The only cell is at or above the majority baseline.");
 }
 
-/// Pins that the page says when the chosen thresholds leave nearly all taxel frames uncertain, and only then. The share
-/// is weighted by frames: 3 · 100 % and 1 · 80 % are 95 %.
+/// Tests that the page says when the chosen thresholds leave nearly all taxel frames uncertain, and only then. The
+/// share is weighted by frames: 3 · 100 % and 1 · 80 % are 95 %.
 #[test]
 fn the_page_says_when_its_rule_fails() {
     let row = |rule: &str, taxel_frames, uncertain: f64| Detection {
@@ -86,7 +86,7 @@ fn the_page_says_when_its_rule_fails() {
     assert_eq!(outliers::chosen_rule_online(&[papers]), None);
 }
 
-/// Pins that each statement of the paper on Fig. 5 is compared with the medians, in both directions.
+/// Tests that each statement of the paper on Fig. 5 is compared with the medians, in both directions.
 #[test]
 fn the_page_says_where_typical_trials_contradict_the_paper() {
     let typical = |category: &str, force_after_100_ms_n, peak_force_n, motion_m| Typical {
@@ -113,7 +113,7 @@ fn the_page_says_where_typical_trials_contradict_the_paper() {
     assert_eq!(example_trials::against_paper(&[trunk()]), None);
 }
 
-/// Pins that the counts of untouched trials are named, and that a category without trials is left out.
+/// Tests that the counts of untouched trials are named, and that a category without trials is left out.
 #[test]
 fn the_page_counts_trials_that_nothing_touched() {
     let row = |category: &str, trials, untouched| TrialsPerReach {
@@ -129,7 +129,7 @@ fn the_page_counts_trials_that_nothing_touched() {
     assert!(text.contains(expected) && !text.contains("NaN"), "{text}");
 }
 
-/// Pins that classifiers with the same features are compared with each other, and that a method is compared with and
+/// Tests that classifiers with the same features are compared with each other, and that a method is compared with and
 /// without a feature.
 #[test]
 fn classifiers_are_compared_like_with_like() {

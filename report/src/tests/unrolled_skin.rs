@@ -47,7 +47,7 @@ fn heights(svg: &str, label: &str) -> (f64, Vec<f64>) {
     (y.parse().unwrap(), marks.collect())
 }
 
-/// Pins that the taxels nearest to the hand are drawn nearest to the word "hand": on Cody's forearm this is the row
+/// Tests that the taxels nearest to the hand are drawn nearest to the word "hand": on Cody's forearm this is the row
 /// farthest along the arm, by the positions in the skin file and not by row numbers.
 #[test]
 fn the_hand_is_where_the_picture_says() {
@@ -73,8 +73,8 @@ fn the_hand_is_where_the_picture_says() {
     assert!(hand > elbow, "{hand} {elbow}");
 }
 
-/// Pins that a taxel that nothing presses on is drawn grey and counted in the description, and that a name with special
-/// characters of XML gives a document that can be read.
+/// Tests that a taxel that nothing presses on is drawn grey and counted in the description, and that a name with
+/// special characters of XML gives a document that can be read.
 #[test]
 fn spurious_readings_are_marked() {
     let svg = drawn("a <\"scene\"> & more", GRID, &leaf_on(&[0, 5]), &BTreeSet::from([5]));

@@ -24,9 +24,9 @@ fn free_arm(step_s: f64) -> Simulation {
     })
 }
 
-/// Pins the energy balance of the free arm after a step δ of its actuators: they do the work Σ ½ K δ², and once the arm
-/// is at rest again, dampers and integrator have taken all of it. The unexplained part and the integrator's part are
-/// both first order in the time step.
+/// Tests the energy balance of the free arm after a step δ of its actuators: they do the work Σ ½ K δ², and once the
+/// arm is at rest again, dampers and integrator have taken all of it. The unexplained part and the integrator's part
+/// are both first order in the time step.
 #[test]
 fn a_step_of_the_actuators_ends_in_dampers_and_integrator() {
     let mut found = Vec::new();
@@ -62,8 +62,8 @@ fn a_step_of_the_actuators_ends_in_dampers_and_integrator() {
     );
 }
 
-/// Pins that every bound belongs to a known figure, and that every figure has one except the jump within a step: a link
-/// that meets a trunk is stopped within one step.
+/// Tests that every bound belongs to a known figure, and that every figure has one except the jump within a step: a
+/// link that meets a trunk is stopped within one step.
 #[test]
 fn every_figure_has_its_bound() {
     let layout = Arm::cody().unwrap().skin.layout;
@@ -77,7 +77,7 @@ fn every_figure_has_its_bound() {
     assert!(bounds(&layout).all(|bound| bound.max >= 0.0 && !bound.reason.is_empty()));
 }
 
-/// Pins that the bound of the moment and the smallest torque that is compared follow the arm. For Cody they are about
+/// Tests that the bound of the moment and the smallest torque that is compared follow the arm. For Cody they are about
 /// 4 cm, the spacing of the flipper's sparsest taxels, and 0.7 Nm. A skin larger by a fifth raises the first by a
 /// fifth, and dampers twice as strong double the second.
 #[test]
@@ -115,7 +115,7 @@ fn bounds_follow_the_arm_and_its_skin() {
     assert!(moment_m(&forearm) < 0.015, "{}", moment_m(&forearm));
 }
 
-/// Pins the jump of a force: the largest change of the summed and scaled force on one link.
+/// Tests the jump of a force: the largest change of the summed and scaled force on one link.
 #[test]
 fn jumps_are_changes_of_a_links_force() {
     let contact = |link: usize, force: f64| Contact {

@@ -55,7 +55,7 @@ fn bodies_of(recording: &Recording, object: usize) -> Vec<&Body> {
     recording.bodies.iter().filter(own).collect()
 }
 
-/// Pins that the stored pose of every body equals the engine's in every frame, within the tolerances, in the scenes
+/// Tests that the stored pose of every body equals the engine's in every frame, within the tolerances, in the scenes
 /// with leaves, foam and a foam roll; and that objects that are left out of the engine stay as they were built.
 #[test]
 fn stored_poses_are_the_engines() {
@@ -76,7 +76,7 @@ fn stored_poses_are_the_engines() {
     }
 }
 
-/// Pins that the stored poses of the links equal the forward kinematics of the stored joint angles.
+/// Tests that the stored poses of the links equal the forward kinematics of the stored joint angles.
 #[test]
 fn stored_link_poses_follow_from_the_joint_angles() {
     let (plan, recording, _) = watched("trunk.toml");
@@ -91,7 +91,7 @@ fn stored_link_poses_follow_from_the_joint_angles() {
     assert!(recording.bodies[1].track.len() > 10, "the arm moves");
 }
 
-/// Pins the bodies of each object: a leaf has all of its pieces, a trunk is one fixed capsule of its height and
+/// Tests the bodies of each object: a leaf has all of its pieces, a trunk is one fixed capsule of its height and
 /// diameter, and a block is one box of its size.
 #[test]
 fn bodies_have_the_shapes_of_their_objects() {

@@ -117,7 +117,7 @@ fn no_drawn_goal_is_out_of_reach() {
     }
 }
 
-/// Pins the clearance between objects and the arm's start at its limit: 2 cm from the true shape.
+/// Tests the clearance between objects and the arm's start at its limit: 2 cm from the true shape.
 #[test]
 fn objects_keep_their_distance_from_the_arm() {
     // A ball of 5 cm, 2 cm of room and 2 cm of trunk make 9 cm from the trunk's axis at x = 0.5.
@@ -150,7 +150,7 @@ fn on_a_block(other: &str) -> String {
     )
 }
 
-/// Pins which objects may share ground: leaves stand in foam, trunks go through it, and a roll stands on the bare
+/// Tests which objects may share ground: leaves stand in foam, trunks go through it, and a roll stands on the bare
 /// table.
 #[test]
 fn leaves_and_trunks_stand_in_foam() {
@@ -172,7 +172,7 @@ fn leaves_and_trunks_stand_in_foam() {
     assert!(error.contains("1000 overlapped another object"), "{error}");
 }
 
-/// Pins the errors for a group without room and for leaves without foam, each with its numbers.
+/// Tests the errors for a group without room and for leaves without foam, each with its numbers.
 #[test]
 fn groups_without_room_are_refused() {
     let crowd = "[workspace]\ntable_height_m = -0.3\n[[objects.trunk]]\ncount = 40\ndiameter_m = 0.04\nheight_m = 0.6\n\
@@ -235,7 +235,7 @@ fn streams_are_apart() {
     assert_ne!(thin.1, thick.1);
 }
 
-/// Pins the properties of the arm on which goals depend. According to Cody's files, the rows of the forearm's skin are
+/// Tests the properties of the arm on which goals depend. According to Cody's files, the rows of the forearm's skin are
 /// 94.2 to 256.2 mm from the elbow axis, which is 278.53 mm from the wrist; the wrist is 270 mm behind the end
 /// effector. The skin's radius is 46.04 mm.
 #[test]
@@ -282,7 +282,7 @@ fn goals_know_the_arm_and_its_skin() {
     assert!(doubles && close(wide, 2.0 * radius_m), "{doubled:?} {wide}");
 }
 
-/// Pins that places that are drawn from a normal distribution are within the limits of places.
+/// Tests that places that are drawn from a normal distribution are within the limits of places.
 #[test]
 fn normal_places_are_within_the_limits() {
     let far = "[[objects.trunk]]\ncount = 20\nplace = { x_m = { normal = [4.5, 3.0] } }\n";

@@ -117,7 +117,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Pins solutions against nalgebra's dense LU, for random matrices with rows of random lengths.
+        /// Tests solutions against nalgebra's dense LU, for random matrices with rows of random lengths.
         #[test]
         fn solutions_are_those_of_the_dense_matrix(
             rows in prop::collection::vec((0.0..1.0f64, prop::collection::vec(-1.0..1.0f64, 24)), 1..24),

@@ -53,7 +53,7 @@ fn lying(radius_m: f64, angle_rad: f64, height_m: f64) -> (SharedShape, Pose) {
 }
 
 proptest! {
-    /// Pins force against depth for a ball on a plane, k π R d², and for crossed cylinders, k π √(R₁R₂) d² / sin α.
+    /// Tests force against depth for a ball on a plane, k π R d², and for crossed cylinders, k π √(R₁R₂) d² / sin α.
     /// Both are the first term of a series in d / R, and the quadrature of an ellipse is within 0.3 %.
     #[test]
     fn balls_and_crossed_cylinders_press_with_the_closed_form(
@@ -74,7 +74,7 @@ proptest! {
         prop_assert!(relative.abs() < 5e-3 + slender, "crossed: {relative}");
     }
 
-    /// Pins a blade of width w across a cylinder, k w (4/3) √(2R) d^1.5, however the blade lies around it, and a flat
+    /// Tests a blade of width w across a cylinder, k w (4/3) √(2R) d^1.5, however the blade lies around it, and a flat
     /// box, k d times its area. The first is exact up to the error of a parabola in place of the circle.
     #[test]
     fn blades_and_flats_press_with_the_closed_form(
@@ -96,10 +96,10 @@ proptest! {
         prop_assert!((force_n(&flat) / expected - 1.0).abs() < 3e-3);
     }
 
-    /// Pins the force of a flat face of radius R that is tilted by θ in any direction and stands on a segment of height
-    /// s, with the plane's origin at any place in the segment: k tan θ (2/3 (R² − c²)^1.5 − c A), where c = R − s and A
-    /// is the segment's area. The quadrature of a segment is within 1.1 %. The search for the ends of a region may stop
-    /// a little before a sharp corner: up to 3 % of the force was missing in 2000 cases.
+    /// Tests the force of a flat face of radius R that is tilted by θ in any direction and stands on a segment of
+    /// height s, with the plane's origin at any place in the segment: k tan θ (2/3 (R² − c²)^1.5 − c A), where c = R −
+    /// s and A is the segment's area. The quadrature of a segment is within 1.1 %. The search for the ends of a region
+    /// may stop a little before a sharp corner: up to 3 % of the force was missing in 2000 cases.
     #[test]
     fn a_tilted_face_presses_with_its_whole_segment(
         tilt_rad in 0.003..0.02f64,
@@ -127,8 +127,8 @@ proptest! {
         prop_assert!((found / expected - 1.0).abs() < 0.06, "{}", found / expected);
     }
 
-    /// Pins that the law's stiffness is minus the derivative of its impulse, by central differences, for the normal part and
-    /// for friction.
+    /// Tests that the law's stiffness is minus the derivative of its impulse, by central differences, for the normal
+    /// part and for friction.
     #[test]
     fn the_stiffness_is_the_slope_of_the_impulse(
         speeds in prop::array::uniform3(-0.1..0.1f64),
@@ -158,7 +158,7 @@ proptest! {
         }
     }
 
-    /// Pins Coulomb's law for a sliding block with any mass matrix: the solver's friction opposes the slip at the end
+    /// Tests Coulomb's law for a sliding block with any mass matrix: the solver's friction opposes the slip at the end
     /// of the step to 5e-5 rad, and is μ times the normal force to 1e-5, whatever the coupling between the tangents.
     #[test]
     fn friction_opposes_the_slip_for_any_mass_matrix(
@@ -196,8 +196,8 @@ proptest! {
     }
 }
 
-/// Pins that a patch which sticks does not creep: under a steady push below the friction limit the displacement stays within
-/// the stiction distance for ten thousand steps.
+/// Tests that a patch which sticks does not creep: under a steady push below the friction limit the displacement stays
+/// within the stiction distance for ten thousand steps.
 #[test]
 fn a_patch_that_sticks_does_not_creep() {
     let nodes = nodes(
@@ -226,7 +226,7 @@ fn a_patch_that_sticks_does_not_creep() {
     assert!(place.abs() < STICTION_M, "crept by {place} m");
 }
 
-/// Pins that the solver leaves an unstable solution for a stable one, even if it starts near the unstable one and
+/// Tests that the solver leaves an unstable solution for a stable one, even if it starts near the unstable one and
 /// therefore needs hundreds of iterations. A body slides while its friction presses it into the other: N = K (h − r v),
 /// with v = v* + (a − μ b) N as long as it slides. If 1 + K r (a − μ b) is negative, there are three solutions: the
 /// body parts (N = 0), it slides (unstable), or it sticks, where slip = 0 gives N = K (h − r (v* − b s*/d)) / (1 + K r

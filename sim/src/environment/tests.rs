@@ -23,7 +23,7 @@ fn options(action: ActionKind) -> EnvironmentOptions {
 
 #[test]
 fn many_give_the_numbers_of_one() {
-    // Pins that environments that step at once give, bit for bit, what each gives alone, with and without helping
+    // Tests that environments that step at once give, bit for bit, what each gives alone, with and without helping
     // threads. This also holds across the end of an episode: the next step begins another one, ignores the action and
     // has a reward of 0.
     let steps = 60;
@@ -68,8 +68,8 @@ fn many_give_the_numbers_of_one() {
 
 #[test]
 fn rewards_follow_their_definition() {
-    // Pins the reward of every step against its definition, computed from what the step reports. A step is one frame, so
-    // that its largest force is that of the frame.
+    // Tests the reward of every step against its definition, computed from what the step reports. A step is one frame,
+    // so that its largest force is that of the frame.
     let reward = Reward {
         free_force_n: 0.02,
         force_per_n_s: 2.0,
@@ -121,7 +121,7 @@ fn towards(environment: &Environment, row: &[f32]) -> Vec<f64> {
 
 #[test]
 fn observations_hold_what_the_skin_senses() {
-    // Pins that an observation's tactile images are the sensed forces of the simulation, taxel by taxel, and that its
+    // Tests that an observation's tactile images are the sensed forces of the simulation, taxel by taxel, and that its
     // parts fill the row without gaps.
     let mut environment = Environment::new(plan(2), options(ActionKind::Waypoint)).unwrap();
     let mut row = vec![f32::NAN; environment.observation_size()];
@@ -152,7 +152,7 @@ fn observations_hold_what_the_skin_senses() {
 
 #[test]
 fn bad_options_are_named() {
-    // Pins that an option outside its limits is refused by name, and that an episode has no more goals than the scene.
+    // Tests that an option outside its limits is refused by name, and that an episode has no more goals than the scene.
     let refused = |options: EnvironmentOptions| Environment::new(plan(0), options).err().unwrap().field;
     let base = EnvironmentOptions::default;
     assert_eq!(refused(EnvironmentOptions { goals: 3, ..base() }), "goals");
@@ -179,7 +179,7 @@ fn bad_options_are_named() {
 
 #[test]
 fn an_impossible_draw_is_not_tried_again() {
-    // Pins that after a draw without room for all trunks, the next reset draws the next reach.
+    // Tests that after a draw without room for all trunks, the next reset draws the next reach.
     let text = "summary = \"Tight\"\n[goals]\ncount = 1\nx_m = 0.6\ny_m = { uniform = [-0.4, 0.0] }\nz_m = -0.2\n\
                 [[objects.trunk]]\ncount = 6\ndiameter_m = 0.1\n\
                 place = { x_m = { uniform = [0.35, 0.5] }, y_m = { uniform = [-0.6, -0.25] } }\n";

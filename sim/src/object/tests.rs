@@ -24,7 +24,7 @@ fn one_of_each() -> Objects {
     toml::from_str(&text).unwrap()
 }
 
-/// Pins that the categories of all objects in the list can be told apart by name and by code in one data set.
+/// Tests that the categories of all objects in the list can be told apart by name and by code in one data set.
 #[test]
 fn no_two_categories_share_a_name_or_a_code() {
     let objects = one_of_each();
@@ -38,7 +38,7 @@ fn no_two_categories_share_a_name_or_a_code() {
     }
 }
 
-/// Pins that an added object with a category of its own is read from a scene file, placed, simulated, touched and
+/// Tests that an added object with a category of its own is read from a scene file, placed, simulated, touched and
 /// recorded with its category, and that the arm moves it.
 #[test]
 fn an_added_object_goes_through_a_reach() {
@@ -74,7 +74,7 @@ fn an_added_object_goes_through_a_reach() {
     assert!(felt > 0 && moved > 0, "{felt} taxels felt a wand, {moved} wands moved");
 }
 
-/// Pins that a drawn object has the kind and the category of its group.
+/// Tests that a drawn object has the kind and the category of its group.
 #[test]
 fn drawn_objects_are_what_their_group_says() {
     let mut random = crate::seed::stream(0, "objects", 0, "clutter");
@@ -94,7 +94,8 @@ fn drawn_objects_are_what_their_group_says() {
     }
 }
 
-/// Pins that a trunk is as high as it says: those lower than their radius are drawn again, or refused if there are no others.
+/// Tests that a trunk is as high as it says: those lower than their radius are drawn again, or refused if there are no
+/// others.
 #[test]
 fn trunks_are_not_lower_than_their_radius() {
     let footing = Footing {

@@ -67,7 +67,7 @@ mod tests {
         (taken, outcome)
     }
 
-    /// Pins that only a stuck arm tries again, as often as allowed, whether or not it reached the points behind and
+    /// Tests that only a stuck arm tries again, as often as allowed, whether or not it reached the points behind and
     /// beside.
     #[test]
     fn a_stuck_arm_tries_again() {
@@ -83,7 +83,7 @@ mod tests {
         assert_eq!(ways(2, &ends), (thrice, TimedOut));
     }
 
-    /// Pins that an abort on the way back or to the side ends the reach.
+    /// Tests that an abort on the way back or to the side ends the reach.
     #[test]
     fn an_abort_while_backing_off_ends_all() {
         assert_eq!(ways(2, &[Stuck, Aborted]), (vec![ToGoal, Back], Aborted));
@@ -93,7 +93,7 @@ mod tests {
         );
     }
 
-    /// Pins the two points: 5 cm back from the goal, measured horizontally, and then 10 cm to the left.
+    /// Tests the two points: 5 cm back from the goal, measured horizontally, and then 10 cm to the left.
     #[test]
     fn points_lie_behind_and_to_the_left() {
         let stuck_at = DVec3::new(0.3, 0.1, 0.2);

@@ -129,7 +129,7 @@ fn is_due(frame: u32, rate_hz: f64) -> bool {
 mod tests {
     use super::is_due;
 
-    /// Pins in which frames controllers of several rates are called, also if the period is not a whole number of
+    /// Tests in which frames controllers of several rates are called, also if the period is not a whole number of
     /// frames: at most once per frame.
     #[test]
     fn controllers_are_called_at_their_rate() {

@@ -19,7 +19,7 @@ fn plan(robot: &str) -> ReachPlan {
 
 #[test]
 fn a_stiffer_arm_keeps_its_damping_ratio() {
-    // Pins what `stiffness_scale = 4` does to each joint: four times the stiffness, of the joint and of the
+    // Tests what `stiffness_scale = 4` does to each joint: four times the stiffness, of the joint and of the
     // controller's model, and the same D²/K.
     let (published, scaled) = (Arm::cody().unwrap(), plan("stiffness_scale = 4.0").arm);
     let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
@@ -35,7 +35,7 @@ fn a_stiffer_arm_keeps_its_damping_ratio() {
 
 #[test]
 fn a_free_hand_moves_as_fast_as_it_is_told() {
-    // Pins that the mean speed of a free hand, from start to goal, is proportional to `hand_speed_scale` within a
+    // Tests that the mean speed of a free hand, from start to goal, is proportional to `hand_speed_scale` within a
     // tenth: the arm's lag behind its equilibrium angles takes the same time at each speed.
     let mean_speed = |scale: f64| {
         let recording = plan(&format!("hand_speed_scale = {scale:?}"))
@@ -59,7 +59,7 @@ fn a_free_hand_moves_as_fast_as_it_is_told() {
 
 #[test]
 fn the_allowed_force_is_scaled() {
-    // Pins that `force_limit_scale` scales the f_max of each published controller and none of its other parameters.
+    // Tests that `force_limit_scale` scales the f_max of each published controller and none of its other parameters.
     for kind in [ControllerKind::Cody2013, ControllerKind::IjrrFoliage] {
         let published = kind.preset();
         let text = "summary = \"x\"\n[robot]\nforce_limit_scale = 1.25\n";
@@ -74,7 +74,7 @@ fn the_allowed_force_is_scaled() {
 
 #[test]
 fn scales_have_limits() {
-    // Pins that a scale outside 0.1 to 10, or one that is not a number, is refused with its key and line.
+    // Tests that a scale outside 0.1 to 10, or one that is not a number, is refused with its key and line.
     for (key, value) in [
         ("stiffness_scale", "0.0"),
         ("hand_speed_scale", "11.0"),
@@ -105,7 +105,7 @@ fn through_trunks(controller: &str, retries: u32) -> ReachPlan {
 
 #[test]
 fn a_force_over_the_stop_force_ends_the_reach() {
-    // Pins on simulated reaches that a goal is aborted in the first frame with more than the stop force between one
+    // Tests on simulated reaches that a goal is aborted in the first frame with more than the stop force between one
     // link and one object, that the recording names both with that force, and that no other goal follows. The second
     // published controller stops at 15 N, which impacts on a trunk exceed within a few reaches.
     let plan = through_trunks("ijrr-foliage", 0);
@@ -144,7 +144,7 @@ fn a_force_over_the_stop_force_ends_the_reach() {
 
 #[test]
 fn a_stuck_arm_backs_off_and_tries_again() {
-    // Pins what `retries = 1` adds to a reach that gets stuck: the frames until then are the same; then the end
+    // Tests what `retries = 1` adds to a reach that gets stuck: the frames until then are the same; then the end
     // effector is drawn back, away from the goal, and the goal is tried again. A trunk may hold the arm before it has
     // gone the 5 cm, so in each reach the end effector must go back a centimetre, ten times what counts as stuck, and
     // in one the whole way.
@@ -182,7 +182,7 @@ fn a_stuck_arm_backs_off_and_tries_again() {
 
 #[test]
 fn a_watched_reach_is_the_recorded_one() {
-    // Pins that the recording so far has exactly the frames, poses and contacts that the finished one begins with, and
+    // Tests that the recording so far has exactly the frames, poses and contacts that the finished one begins with, and
     // that there is none before the first frame.
     let plan = plan("");
     let mut so_far = ReachSoFar::new(&plan, 0);
@@ -211,8 +211,8 @@ fn a_watched_reach_is_the_recorded_one() {
 
 #[test]
 fn a_reach_stops_when_it_is_told() {
-    // Pins that a reach that is stopped ends before its next frame, without a recording, and that the frames until then
-    // are those of a reach that is not stopped.
+    // Tests that a reach that is stopped ends before its next frame, without a recording, and that the frames until
+    // then are those of a reach that is not stopped.
     let plan = plan("");
     let whole = plan.run(0, &mut |_, _| {}).unwrap();
     let seen = std::cell::RefCell::new(Vec::new());

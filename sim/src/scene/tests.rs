@@ -4,8 +4,8 @@
 
 use super::Scene;
 
-/// Pins that keys under their earlier names mean the same as under the present ones, and that an error about such a key
-/// still names its line.
+/// Tests that keys under their earlier names mean the same as under the present ones, and that an error about such a
+/// key still names its line.
 #[test]
 fn earlier_keys_are_still_read() {
     let scene = |prefix: &str, share: f64| {
@@ -21,7 +21,7 @@ fn earlier_keys_are_still_read() {
     assert_eq!((error.field.as_str(), error.line), ("sensor.spurious_share", Some(3)));
 }
 
-/// Pins that the line of an error about a group that is an inline table, or has dotted keys, is the group's own.
+/// Tests that the line of an error about a group that is an inline table, or has dotted keys, is the group's own.
 #[test]
 fn groups_without_a_header_have_their_own_lines() {
     for text in [

@@ -75,7 +75,7 @@ mod tests {
     }
 
     proptest! {
-        /// Pins that the bound never exceeds the distance that parry finds, and equals the distance where a face is
+        /// Tests that the bound never exceeds the distance that parry finds, and equals the distance where a face is
         /// nearest.
         #[test]
         fn the_bound_is_at_most_the_distance(

@@ -230,7 +230,7 @@ fn residuals(wrenches: &[PatchWrenches]) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Pins that a taxel's object is the one that presses most in sum: two pieces of a leaf count more than a trunk
+    /// Tests that a taxel's object is the one that presses most in sum: two pieces of a leaf count more than a trunk
     /// that presses harder than either, and of two equal objects the first is named.
     #[test]
     fn a_taxel_names_the_object_that_presses_most_in_sum() {

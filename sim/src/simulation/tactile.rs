@@ -93,7 +93,7 @@ pub(super) fn entry<K: Ord, V: Default>(list: &mut Vec<(K, V)>, key: K) -> &mut 
 mod tests {
     use super::*;
 
-    /// Pins the force that is compared with the stop force: the force between one link and one object, skin and bare
+    /// Tests the force that is compared with the stop force: the force between one link and one object, skin and bare
     /// parts together. Forces of other links or other objects are not added, and the patch named is the one that feels
     /// most of it.
     #[test]

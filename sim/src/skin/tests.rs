@@ -68,7 +68,7 @@ fn largest_slip(forces: &[TaxelForce]) -> f64 {
 }
 
 proptest! {
-    /// Pins that, for a trunk in any pose on the sleeve with any friction inside its cone, the force is conserved to
+    /// Tests that, for a trunk in any pose on the sleeve with any friction inside its cone, the force is conserved to
     /// 1e-9, its moment to half a pitch (a taxel measures how much presses on it, not where), and every taxel stays in
     /// its own cone to 1e-6 if there are taxels on both sides of the contact's normal.
     #[test]
@@ -99,7 +99,7 @@ proptest! {
     }
 }
 
-/// Pins the similarity to a stored frame of the real skin, one broad contact of 8.99 N on 4 × 2 taxels of 0.56 to 1.53
+/// Tests the similarity to a stored frame of the real skin, one broad contact of 8.99 N on 4 × 2 taxels of 0.56 to 1.53
 /// N: for a trunk of 4 cm across the forearm with the same force, the number of pressed taxels and the largest force
 /// agree within a factor of two. (The frame does not say what touched the skin.)
 #[test]
@@ -119,8 +119,8 @@ fn a_broad_contact_looks_like_the_real_one() {
     assert!((1.53 / 2.0..=1.53 * 2.0).contains(&strongest), "{strongest} N: {lit:?}");
 }
 
-/// Pins that objects look different on the skin: the edge of a leaf presses a line one taxel wide, its face and a trunk
-/// a wider patch, and a trunk under more force a larger patch.
+/// Tests that objects look different on the skin: the edge of a leaf presses a line one taxel wide, its face and a
+/// trunk a wider patch, and a trunk under more force a larger patch.
 #[test]
 fn edge_and_round_differ() {
     let skin = forearm();
@@ -149,8 +149,8 @@ fn edge_and_round_differ() {
     assert!(round(1.0).iter().product::<usize>() < rows * columns);
 }
 
-/// Pins that a patch of one taxel works: contacts over its middle and near its corner are on it, and it takes the whole
-/// force of both; a contact beside it is on the bare link.
+/// Tests that a patch of one taxel works: contacts over its middle and near its corner are on it, and it takes the
+/// whole force of both; a contact beside it is on the bare link.
 #[test]
 fn a_lone_taxel_feels_the_whole_force() {
     let mut arm = Arm::cody().unwrap();
@@ -177,9 +177,9 @@ fn a_lone_taxel_feels_the_whole_force() {
     assert!(!skin.covers(&contact(&whole, 0.008, 0.0, 2.0, 0.0, 0.0)));
 }
 
-/// Pins that the force of a small contact goes to the taxel on which it lies, however coarse the skin is: a ball with a
-/// radius of 5 mm that presses with 1 mN on a square of 1 to 20 cm, anywhere within its outermost sub-points, is felt by
-/// that taxel alone, whether the square beside it is as large or has a width of 1 cm.
+/// Tests that the force of a small contact goes to the taxel on which it lies, however coarse the skin is: a ball with
+/// a radius of 5 mm that presses with 1 mN on a square of 1 to 20 cm, anywhere within its outermost sub-points, is felt
+/// by that taxel alone, whether the square beside it is as large or has a width of 1 cm.
 #[test]
 fn a_coarse_taxel_keeps_its_force() {
     let mut arm = Arm::cody().unwrap();

@@ -70,7 +70,7 @@ impl Latency {
 mod tests {
     use super::*;
 
-    /// Pins the quantiles of known times: never too small, and at most 9 %, the width of a bin, too large.
+    /// Tests the quantiles of known times: never too small, and at most 9 %, the width of a bin, too large.
     #[test]
     fn quantiles_are_near_the_true_ones() {
         let mut latency = Latency::new();

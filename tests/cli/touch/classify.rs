@@ -13,7 +13,7 @@ fn sum(probabilities: &Value) -> f64 {
     own.map(|probability| probability.as_f64().unwrap()).sum()
 }
 
-/// Pins that every frame is answered, that taxels refer to regions, that probabilities sum to 1, and that verdicts
+/// Tests that every frame is answered, that taxels refer to regions, that probabilities sum to 1, and that verdicts
 /// follow from them by the model's decision.
 #[test]
 fn verdicts_follow_from_the_probabilities() {
@@ -82,7 +82,7 @@ fn verdicts_follow_from_the_probabilities() {
     assert!(seen > 0, "the reach has contacts");
 }
 
-/// Pins that frames on standard input give the same lines as the recording, byte for byte and for any number of
+/// Tests that frames on standard input give the same lines as the recording, byte for byte and for any number of
 /// threads, that only times, forces and the pose of the patch are needed, and that a line without the pose is refused.
 #[test]
 fn frames_on_standard_input_are_answered_alike() {
@@ -128,7 +128,7 @@ fn frames_on_standard_input_are_answered_alike() {
     assert_eq!(twice[..50], twice[51..]);
 }
 
-/// Pins that each option of the decision changes the verdicts as described.
+/// Tests that each option of the decision changes the verdicts as described.
 #[test]
 fn the_decision_can_be_chosen() {
     let folder = tempfile::tempdir().unwrap();

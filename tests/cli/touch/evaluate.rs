@@ -9,7 +9,7 @@ use super::{lines, model, recording, touched};
 use crate::support::fixture::fixture;
 use crate::support::{call, underbrush};
 
-/// Pins that the evaluation of a stored model counts the verdicts of `classify`, compared with ground truth that is
+/// Tests that the evaluation of a stored model counts the verdicts of `classify`, compared with ground truth that is
 /// read independently here.
 #[test]
 fn the_evaluation_counts_the_verdicts() {
@@ -50,7 +50,7 @@ fn the_evaluation_counts_the_verdicts() {
     }
 }
 
-/// Pins that cross-validation judges every reach once, whatever the number of threads, prints all figures as text, and
+/// Tests that cross-validation judges every reach once, whatever the number of threads, prints all figures as text, and
 /// fits to another data set with --train.
 #[test]
 fn reaches_are_cross_validated() {

@@ -4,7 +4,7 @@ use super::{TRAINED, read};
 use crate::support::fixture::fixture;
 use crate::support::underbrush;
 
-/// Pins that limits of risk choose the decision that is stored, that a limit is refused if it is too small for the
+/// Tests that limits of risk choose the decision that is stored, that a limit is refused if it is too small for the
 /// number of reaches, and that limits are refused where they would be ignored or contradict another option.
 #[test]
 fn limits_of_risk_choose_the_decision() {

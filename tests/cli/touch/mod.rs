@@ -75,7 +75,7 @@ fn recording(folder: &Path) -> PathBuf {
     recording
 }
 
-/// Pins that training reports its rows and the chosen decision, that the file holds that decision, and that the file
+/// Tests that training reports its rows and the chosen decision, that the file holds that decision, and that the file
 /// has the same bytes with one thread and with two.
 #[test]
 fn the_model_is_the_same_for_any_number_of_threads() {
@@ -103,8 +103,8 @@ fn the_model_is_the_same_for_any_number_of_threads() {
     assert_eq!(model["decision"], report["decision"]);
 }
 
-/// Pins that the text of training names what was held out and the decision, and that recordings can be given instead of
-/// a data set, with the options of contacts.
+/// Tests that the text of training names what was held out and the decision, and that recordings can be given instead
+/// of a data set, with the options of contacts.
 #[test]
 fn several_recordings_train_a_model() {
     let folder = tempfile::tempdir().unwrap();
@@ -142,7 +142,7 @@ fn several_recordings_train_a_model() {
     );
 }
 
-/// Pins that `inspect` shows the model, and that its file follows the schema while broken ones do not.
+/// Tests that `inspect` shows the model, and that its file follows the schema while broken ones do not.
 #[test]
 fn the_file_follows_its_schema() {
     let shown = underbrush!["inspect", model(), "--json"].json();

@@ -21,7 +21,7 @@ fn named(files: &[(&str, &str)]) -> Vec<String> {
         .collect()
 }
 
-/// Pins that every way in which a module can name another module of its crate is read.
+/// Tests that every way in which a module can name another module of its crate is read.
 #[test]
 fn every_style_of_import_is_read() {
     for text in [
@@ -55,7 +55,7 @@ fn every_style_of_import_is_read() {
     }
 }
 
-/// Pins that these are not read as dependencies between siblings: tests, comments, strings, other crates, and a parent
+/// Tests that these are not read as dependencies between siblings: tests, comments, strings, other crates, and a parent
 /// and its own submodules.
 #[test]
 fn what_is_no_import_is_not_read() {
@@ -78,7 +78,7 @@ fn what_is_no_import_is_not_read() {
     assert_eq!(named(&parent), [""; 0]);
 }
 
-/// Pins that a cycle is found wherever it closes: between two files, through a third, deep in folders, and through a
+/// Tests that a cycle is found wherever it closes: between two files, through a third, deep in folders, and through a
 /// re-export; and that a graph without one has none.
 #[test]
 fn cycles_are_found_and_named() {
@@ -141,7 +141,7 @@ fn cycles_are_found_and_named() {
     );
 }
 
-/// Pins that the sources of the project itself are read: every crate, and arrows that are known to be there.
+/// Tests that the sources of the project itself are read: every crate, and arrows that are known to be there.
 #[test]
 fn the_projects_own_imports_are_read() {
     let crates = crates(Path::new(env!("CARGO_MANIFEST_DIR")));

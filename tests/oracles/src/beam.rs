@@ -25,13 +25,13 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// Pins the first root of cos β cosh β = −1.
+    /// Tests the first root of cos β cosh β = −1.
     #[test]
     fn first_root_solves_its_equation() {
         assert!((FIRST_ROOT.cos() * FIRST_ROOT.cosh() + 1.0).abs() < 1e-14);
     }
 
-    /// Pins the deflection against two integrations of the curvature P (a − x) / E I in small steps.
+    /// Tests the deflection against two integrations of the curvature P (a − x) / E I in small steps.
     #[test]
     fn deflection_is_the_double_integral_of_curvature() {
         let (load, height, rigidity) = (0.7, 0.3, 0.02);
@@ -51,7 +51,7 @@ mod tests {
         );
     }
 
-    /// Pins the first frequency against the table of Blevins (*Formulas for Natural Frequency and Mode Shape*, table
+    /// Tests the first frequency against the table of Blevins (*Formulas for Natural Frequency and Mode Shape*, table
     /// 8-1: β² = 3.51602), and against Rayleigh's quotient of the mode by numerical integration.
     #[test]
     fn first_frequency_is_rayleighs_quotient_of_its_mode() {

@@ -88,7 +88,7 @@ mod tests {
     use crate::beam::beam_deflection_m;
     use approx::assert_relative_eq;
 
-    /// Pins the table: n nodes integrate every power up to 2n − 1 over 0 to 1 to 1 / (power + 1).
+    /// Tests the table: n nodes integrate every power up to 2n − 1 over 0 to 1 to 1 / (power + 1).
     #[test]
     fn nodes_integrate_polynomials() {
         for (count, _) in TABLE {
@@ -102,7 +102,7 @@ mod tests {
         assert!(hinges(5).is_none());
     }
 
-    /// Pins that a load at the tip bends the chain exactly like the beam, for any number of hinges, and that a load
+    /// Tests that a load at the tip bends the chain exactly like the beam, for any number of hinges, and that a load
     /// below the tip does not.
     #[test]
     fn tip_load_is_exact() {
@@ -118,7 +118,7 @@ mod tests {
         }
     }
 
-    /// Pins that hinges above the load do not bend. By hand, for two hinges and a load at half the height:
+    /// Tests that hinges above the load do not bend. By hand, for two hinges and a load at half the height:
     /// (1/2 − (1 − 1/√3)/2)² / 2 = 1/24, which for two hinges is the beam's own 1/24.
     #[test]
     fn load_below_the_tip_bends_what_is_below_it() {
@@ -156,7 +156,7 @@ mod tests {
         tip
     }
 
-    /// Pins the leading error under large deflections: chains in equilibrium under a tip load, and chains bent by an
+    /// Tests the leading error under large deflections: chains in equilibrium under a tip load, and chains bent by an
     /// end moment, have at most one and a half times this error, and at least a third of it in one of the two
     /// directions.
     #[test]
@@ -186,7 +186,7 @@ mod tests {
         }
     }
 
-    /// Pins ∫ s (1 − s) κ² ds under a small tip load, where κ = load · (1 − s): load² / 20.
+    /// Tests ∫ s (1 − s) κ² ds under a small tip load, where κ = load · (1 − s): load² / 20.
     #[test]
     fn small_tip_load_bends_in_proportion() {
         assert_relative_eq!(tip_load_bending(0.01), 0.01_f64.powi(2) / 20.0, max_relative = 1e-3);

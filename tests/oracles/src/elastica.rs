@@ -86,8 +86,8 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// Pins the table of Mattiasson ("Numerical results from large deflection beam and frame problems analysed by means
-    /// of elliptic integrals", 1981) for P L² / E I of 1, 2 and 3.
+    /// Tests the table of Mattiasson ("Numerical results from large deflection beam and frame problems analysed by
+    /// means of elliptic integrals", 1981) for P L² / E I of 1, 2 and 3.
     #[test]
     fn tip_load_gives_the_published_table() {
         let published = [
@@ -102,7 +102,7 @@ mod tests {
         }
     }
 
-    /// Pins the first integral of the elastica: the tip's slope θ₁ gives θ′(0)² = 2 (P L² / E I) sin θ₁, and the
+    /// Tests the first integral of the elastica: the tip's slope θ₁ gives θ′(0)² = 2 (P L² / E I) sin θ₁, and the
     /// clamp's moment is the load times the tip's height.
     #[test]
     fn moment_at_the_clamp_is_load_times_lever() {
@@ -115,7 +115,7 @@ mod tests {
         }
     }
 
-    /// Pins that a small load bends by P L³ / 3 E I less the next term of the series, a share of [`small_load_error`],
+    /// Tests that a small load bends by P L³ / 3 E I less the next term of the series, a share of [`small_load_error`],
     /// and shortens by half the square of the slope: 3/5 · (w/L)².
     #[test]
     fn small_load_is_linear() {
@@ -126,7 +126,7 @@ mod tests {
         assert_relative_eq!(missing, small_load_error(0.05), max_relative = 1e-2);
     }
 
-    /// Pins the arc: a moment of 2π E I / L closes the circle, and one of π E I / L makes a half circle of diameter
+    /// Tests the arc: a moment of 2π E I / L closes the circle, and one of π E I / L makes a half circle of diameter
     /// 2 L / π.
     #[test]
     fn end_moment_makes_a_circle() {

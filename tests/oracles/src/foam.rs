@@ -80,7 +80,7 @@ mod tests {
         relaxation_time_s: 1.7,
     };
 
-    /// Pins relaxation, creep and loop area against the dashpot's equation ż = (x − z)/τ integrated in small steps.
+    /// Tests relaxation, creep and loop area against the dashpot's equation ż = (x − z)/τ integrated in small steps.
     #[test]
     fn closed_forms_solve_the_dashpot() {
         let (k0, share, tau) = (5000.0, 0.45, 1.7);
@@ -118,7 +118,7 @@ mod tests {
         assert_relative_eq!(area, EXAMPLE.loop_area(1.0, frequency), max_relative = 1e-3);
     }
 
-    /// Pins the force during loading and unloading against the dashpot's equation integrated in small steps.
+    /// Tests the force during loading and unloading against the dashpot's equation integrated in small steps.
     #[test]
     fn there_and_back_solves_the_dashpot() {
         let (k0, share, tau) = (5000.0, 0.45, 1.7);
@@ -135,7 +135,7 @@ mod tests {
         }
     }
 
-    /// Pins sag as the integral of the strain under the weight above, ∫ ρ g (H − z) / E dz, and a bar's stiffness.
+    /// Tests sag as the integral of the strain under the weight above, ∫ ρ g (H − z) / E dz, and a bar's stiffness.
     #[test]
     fn sag_is_the_integral_of_strain() {
         let (density, gravity, height, modulus) = (30.0, 9.81, 0.1, 5e4);

@@ -118,8 +118,8 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// Pins volume and area against their first terms, π R d² and (4/3) √(2R) d^1.5, and against half a ball and half a
-    /// disc.
+    /// Tests volume and area against their first terms, π R d² and (4/3) √(2R) d^1.5, and against half a ball and half
+    /// a disc.
     #[test]
     fn caps_and_segments() {
         let (radius, depth) = (0.03_f64, 1e-6_f64);
@@ -145,7 +145,7 @@ mod tests {
         );
     }
 
-    /// Pins the forces against the integral of the pressure over the contact, by the midpoint rule.
+    /// Tests the forces against the integral of the pressure over the contact, by the midpoint rule.
     #[test]
     fn force_is_the_integral_of_pressure() {
         let (stiffness, depth) = (3e7_f64, 1e-3_f64);
@@ -168,7 +168,7 @@ mod tests {
         );
     }
 
-    /// Pins the bounce without loss of a ball, whose depth follows from ½ m v² = π k R d³ / 3 and which keeps its
+    /// Tests the bounce without loss of a ball, whose depth follows from ½ m v² = π k R d³ / 3 and which keeps its
     /// speed, and of a flat punch, which lasts half a period of an oscillator.
     #[test]
     fn bounces_without_loss_keep_their_energy() {
@@ -185,7 +185,7 @@ mod tests {
         );
     }
 
-    /// Pins depth and speed of a flat punch with loss against the damped oscillator, which leaves at the moment when
+    /// Tests depth and speed of a flat punch with loss against the damped oscillator, which leaves at the moment when
     /// the force vanishes.
     #[test]
     fn a_punch_with_loss_rebounds_as_the_oscillator() {

@@ -35,7 +35,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// Pins an example in the form of Rabiner's tutorial, computed by hand: two states, two samples, four paths.
+    /// Tests an example in the form of Rabiner's tutorial, computed by hand: two states, two samples, four paths.
     #[test]
     fn four_paths_by_hand() {
         let initial = [0.6, 0.4];
@@ -52,7 +52,7 @@ mod tests {
         assert_eq!(log_sum_over_paths(&[0.0, 0.0], &transition, &logs), f64::NEG_INFINITY);
     }
 
-    /// Pins the normal density: 1/√(2πσ²) at the mean, and the integral over all values is 1.
+    /// Tests the normal density: 1/√(2πσ²) at the mean, and the integral over all values is 1.
     #[test]
     fn normal_density_adds_up_to_one() {
         let sum: f64 = (-4000..4000)

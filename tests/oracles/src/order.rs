@@ -16,7 +16,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// Pins the slope of a power law, and of the trapezoidal rule's error, which is of second order.
+    /// Tests the slope of a power law, and of the trapezoidal rule's error, which is of second order.
     #[test]
     fn power_laws_have_their_power() {
         let cubic: Vec<_> = [0.1, 0.2, 0.7].map(|x: f64| (x, 5.0 * x.powi(3))).into();

@@ -95,7 +95,7 @@ mod tests {
         damping_ratio: 0.12,
     };
 
-    /// Pins the step response against a fine Runge-Kutta integration of ẍ + 2ζω ẋ + ω² (x − 1) = 0.
+    /// Tests the step response against a fine Runge-Kutta integration of ẍ + 2ζω ẋ + ω² (x − 1) = 0.
     #[test]
     fn step_response_solves_its_equation() {
         let (w, z) = (EXAMPLE.frequency_rad_per_s, EXAMPLE.damping_ratio);
@@ -113,7 +113,7 @@ mod tests {
         }
     }
 
-    /// Pins the rebound: with hardly any loss, the speed returns and the depth is v/ω₀; with loss, both agree with a
+    /// Tests the rebound: with hardly any loss, the speed returns and the depth is v/ω₀; with loss, both agree with a
     /// fine numerical integration.
     #[test]
     fn a_rebound_keeps_what_the_loss_leaves() {
@@ -133,7 +133,7 @@ mod tests {
         assert_relative_eq!(speed, -v, max_relative = 1e-4);
     }
 
-    /// Pins overshoot and decrement as extremes of the step response half a period apart.
+    /// Tests overshoot and decrement as extremes of the step response half a period apart.
     #[test]
     fn overshoot_is_the_first_extreme() {
         let half = EXAMPLE.period_s() / 2.0;
@@ -146,7 +146,7 @@ mod tests {
         );
     }
 
-    /// Pins the oscillator that implicit Euler simulates against steps of implicit Euler: period and decay of the free
+    /// Tests the oscillator that implicit Euler simulates against steps of implicit Euler: period and decay of the free
     /// vibration.
     #[test]
     fn implicit_euler_is_an_oscillator_of_its_own() {

@@ -34,7 +34,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// Pins that a body just begins to slide at the slip angle, and by hand 30° with μ = 0.3: 9.81 (0.5 − 0.2598).
+    /// Tests that a body just begins to slide at the slip angle, and by hand 30° with μ = 0.3: 9.81 (0.5 − 0.2598).
     #[test]
     fn slope_and_acceleration_agree() {
         assert!(sliding_acceleration_m_per_s2(9.81, slip_angle_rad(0.4), 0.4).abs() < 1e-14);
@@ -42,14 +42,14 @@ mod tests {
         assert_relative_eq!(found, 2.3563, epsilon = 1e-4);
     }
 
-    /// Pins two springs: k₁ k₂ / (k₁ + k₂).
+    /// Tests two springs: k₁ k₂ / (k₁ + k₂).
     #[test]
     fn two_springs_in_series() {
         assert_relative_eq!(in_series(&[300.0, 60.0]), 50.0, epsilon = 1e-12);
         assert_relative_eq!(in_series(&[300.0, f64::INFINITY]), 300.0, epsilon = 1e-12);
     }
 
-    /// Pins the tipping moment against a full disc, with the segment integrated numerically and every width tried; and
+    /// Tests the tipping moment against a full disc, with the segment integrated numerically and every width tried; and
     /// that it is W r on rigid ground.
     #[test]
     fn a_cylinder_tips_as_a_disc_on_an_elastic_foundation() {

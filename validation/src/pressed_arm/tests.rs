@@ -40,8 +40,8 @@ fn trunk() -> Box<dyn Object> {
     })
 }
 
-/// Pins that contact forces balance the joints' springs, K (φ − q) = −Σ Jᵀ f, to 1e-3 once the arm is at rest, and that
-/// the taxel forces add up to the contact forces to 1e-9.
+/// Tests that contact forces balance the joints' springs, K (φ − q) = −Σ Jᵀ f, to 1e-3 once the arm is at rest, and
+/// that the taxel forces add up to the contact forces to 1e-9.
 #[test]
 fn springs_balance_contact_forces() {
     for force in [2.0, 9.0] {
@@ -72,7 +72,7 @@ fn springs_balance_contact_forces() {
     }
 }
 
-/// Pins that a trunk presses about as many taxels as in a stored frame of the real skin (nine newtons on 4 × 2 taxels
+/// Tests that a trunk presses about as many taxels as in a stored frame of the real skin (nine newtons on 4 × 2 taxels
 /// of 0.6–1.5 N), and that a larger force presses at least as many.
 #[test]
 fn a_broad_contact_lights_a_patch() {
@@ -88,7 +88,7 @@ fn a_broad_contact_lights_a_patch() {
     );
 }
 
-/// Pins that an arm that starts 5 mm deep in a trunk is pushed out, and after two seconds rests against the trunk on
+/// Tests that an arm that starts 5 mm deep in a trunk is pushed out, and after two seconds rests against the trunk on
 /// its springs. The skin gives 65 N at first, π k √(R₁R₂) d². The trunk is too low to touch the upper arm.
 #[test]
 fn an_arm_that_starts_in_contact_is_pushed_out() {
@@ -103,8 +103,8 @@ fn an_arm_that_starts_in_contact_is_pushed_out() {
     assert!((0.1..10.0).contains(&force), "{force} N");
 }
 
-/// Pins that a bare upper arm that starts inside a trunk is pushed out by its shell with at most π k √(R₁R₂) d² at 5 mm
-/// depth, and not with the kilonewtons of a contact that is stiffer on heavier bodies.
+/// Tests that a bare upper arm that starts inside a trunk is pushed out by its shell with at most π k √(R₁R₂) d² at 5
+/// mm depth, and not with the kilonewtons of a contact that is stiffer on heavier bodies.
 #[test]
 fn a_bare_upper_arm_in_a_trunk_meets_its_shell() {
     const HARD_N_PER_M3: f64 = 3e8;
@@ -125,7 +125,7 @@ fn a_bare_upper_arm_in_a_trunk_meets_its_shell() {
     assert!(force < law_n && depth_m < 0.005, "{force} N, {depth_m} m");
 }
 
-/// Pins that a leaf gives way where a trunk does not: under the same push, its largest taxel force is less than 0.3 of
+/// Tests that a leaf gives way where a trunk does not: under the same push, its largest taxel force is less than 0.3 of
 /// the trunk's.
 #[test]
 fn a_leaf_pushes_back_less_than_a_trunk() {
@@ -145,7 +145,7 @@ fn a_leaf_pushes_back_less_than_a_trunk() {
     assert!(soft < 0.3 * hard, "{} N, {} N", soft, hard);
 }
 
-/// Pins the energy balance of an arm that is pressed on a trunk and dragged along it with friction. Less than 0.2 % of
+/// Tests the energy balance of an arm that is pressed on a trunk and dragged along it with friction. Less than 0.2 % of
 /// the exchanged work is unexplained at steps of 1 ms, and the contacts take more than a fifth of the actuators' work.
 #[test]
 fn dragging_along_a_trunk_keeps_the_balance() {

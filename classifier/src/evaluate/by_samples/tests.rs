@@ -61,7 +61,7 @@ const FOLDS: Folds = Folds {
     by: FoldBy::Position,
 };
 
-/// Pins the series over all contacts on trials that can be counted by hand: short contacts count at every point with
+/// Tests the series over all contacts on trials that can be counted by hand: short contacts count at every point with
 /// their last verdict, although none was used for fitting. Leaving them out overestimates the accuracy.
 #[test]
 fn short_contacts_count_although_none_is_fitted_on() {
@@ -82,7 +82,7 @@ fn short_contacts_count_although_none_is_fitted_on() {
     assert_eq!(series[2].accuracy, 1.0);
 }
 
-/// Pins the accuracy by touch at each point: of the four untouched trials the two leaves are right, because leaf
+/// Tests the accuracy by touch at each point: of the four untouched trials the two leaves are right, because leaf
 /// happens to be the verdict without evidence.
 #[test]
 fn the_series_is_split_by_touch() {
@@ -95,7 +95,7 @@ fn the_series_is_split_by_touch() {
     assert_eq!(series[0].by_touch.unwrap().touched.unwrap().accuracy, 2.0 / 12.0);
 }
 
-/// Pins that the error names a category whose trials are all too short for fitting.
+/// Tests that the error names a category whose trials are all too short for fitting.
 #[test]
 fn nothing_long_enough_to_fit_on_is_refused() {
     let mut all = trials();

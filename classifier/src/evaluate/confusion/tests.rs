@@ -16,7 +16,7 @@ fn evaluation(rows: &[(&str, &str, usize)]) -> Evaluation {
     Evaluation::of(predictions(&rows), &["leaf".into(), "trunk".into()], vec![]).unwrap()
 }
 
-/// Pins the definitions on hand-made counts, 24 of 30 leaves and 4 of 10 trunks found, and that the evaluation has the
+/// Tests the definitions on hand-made counts, 24 of 30 leaves and 4 of 10 trunks found, and that the evaluation has the
 /// same figures.
 #[test]
 fn baseline_and_balance_follow_from_the_counts() {
@@ -39,7 +39,7 @@ fn baseline_and_balance_follow_from_the_counts() {
     assert_eq!(found.balanced_accuracy, expected.balanced_accuracy);
 }
 
-/// Pins that a classifier that always says trunk reaches exactly the majority baseline, and a balanced accuracy of one
+/// Tests that a classifier that always says trunk reaches exactly the majority baseline, and a balanced accuracy of one
 /// half, whatever the fraction of trunks.
 #[test]
 fn one_verdict_for_all_is_the_baseline() {
@@ -50,7 +50,7 @@ fn one_verdict_for_all_is_the_baseline() {
     }
 }
 
-/// Pins that uncertain counts as wrong, and that outlier is wrong for a known category.
+/// Tests that uncertain counts as wrong, and that outlier is wrong for a known category.
 #[test]
 fn uncertain_and_outlier_are_wrong() {
     let found = accuracy(&[
@@ -64,7 +64,7 @@ fn uncertain_and_outlier_are_wrong() {
     assert_eq!(found.majority_baseline, 0.5);
 }
 
-/// Pins that outliers count in accuracy and baseline but not in the balanced accuracy, which covers known categories
+/// Tests that outliers count in accuracy and baseline but not in the balanced accuracy, which covers known categories
 /// only, and that no verdict is right for a block, not even outlier.
 #[test]
 fn a_block_is_no_outlier() {
@@ -82,7 +82,7 @@ fn a_block_is_no_outlier() {
     assert_eq!(found.balanced_accuracy, Some(0.5));
 }
 
-/// Pins that there is no balanced accuracy without a trial of a known category, and no accuracy without any trial.
+/// Tests that there is no balanced accuracy without a trial of a known category, and no accuracy without any trial.
 #[test]
 fn without_trials_there_are_no_figures() {
     assert_eq!(accuracy(&[("outlier", "leaf", 3)]).balanced_accuracy, None);
@@ -92,7 +92,7 @@ fn without_trials_there_are_no_figures() {
     assert_eq!(Evaluation::of(vec![], &models, vec![]), Err(EvaluateError::NoTruth));
 }
 
-/// Pins the accuracy of touched and untouched trials, each with its own baseline and balanced accuracy, and that there
+/// Tests the accuracy of touched and untouched trials, each with its own baseline and balanced accuracy, and that there
 /// is none by touch if it is unknown for all trials.
 #[test]
 fn touched_and_untouched_are_judged_apart() {

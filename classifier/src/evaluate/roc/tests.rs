@@ -2,7 +2,7 @@ use super::*;
 use crate::decision::Decision;
 use crate::evaluate::tests::scored;
 
-/// Pins the area against a count of all pairs, with ties counted half, on scores with ties and infinities.
+/// Tests the area against a count of all pairs, with ties counted half, on scores with ties and infinities.
 #[test]
 fn the_area_is_the_chance_to_rank_a_pair_rightly() {
     let positives = [3.0, 1.0, 1.0, f64::INFINITY, -2.0, 0.0];
@@ -25,7 +25,7 @@ fn the_area_is_the_chance_to_rank_a_pair_rightly() {
     assert!((curve.area + swapped.area - 1.0).abs() < 1e-15);
 }
 
-/// Pins both ends of the curve, that it never decreases, and each point against a count of the scores at or above its
+/// Tests both ends of the curve, that it never decreases, and each point against a count of the scores at or above its
 /// threshold.
 #[test]
 fn points_are_the_counts_at_their_thresholds() {
@@ -52,7 +52,7 @@ fn points_are_the_counts_at_their_thresholds() {
     assert_eq!(RocCurve::of(&[f64::NAN], &negatives), None);
 }
 
-/// Pins the signed margin as score: leaf margins of 2, −1 and 0 (no category admits the trial) against 1 and −5.
+/// Tests the signed margin as score: leaf margins of 2, −1 and 0 (no category admits the trial) against 1 and −5.
 #[test]
 fn a_category_is_set_against_all_others() {
     let never = f64::NEG_INFINITY;
@@ -76,7 +76,7 @@ fn rates(curve: &RocCurve) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Pins that the smallest margins are called outliers first, on scores whose answer is worked out by hand.
+/// Tests that the smallest margins are called outliers first, on scores whose answer is worked out by hand.
 #[test]
 fn the_smallest_leads_are_called_outliers_first() {
     let judge = Decision::argmax().prepare(&["leaf".into(), "trunk".into()]).unwrap();
@@ -118,7 +118,7 @@ fn the_smallest_leads_are_called_outliers_first() {
     assert_eq!(area(excluded), 1.0);
 }
 
-/// Pins that the curve passes through the verdicts of the paper's rule, and that uncertain trials are never found.
+/// Tests that the curve passes through the verdicts of the paper's rule, and that uncertain trials are never found.
 #[test]
 fn the_curve_passes_through_the_rule() {
     let evaluation = scored(&[

@@ -45,8 +45,8 @@ fn reach() -> Recording {
     recording(&frames)
 }
 
-/// Pins the counts with argmax on a reach that can be counted by hand: one leaf right, one lightly touched trunk wrong,
-/// one firmly touched trunk right except in the frame of its break, and one taxel without truth.
+/// Tests the counts with argmax on a reach that can be counted by hand: one leaf right, one lightly touched trunk
+/// wrong, one firmly touched trunk right except in the frame of its break, and one taxel without truth.
 #[test]
 fn verdicts_are_tallied_by_truth() {
     let stream = classify_stream(&models(), &reach(), &options(Rule::Argmax), StreamTruth::Object).unwrap();
@@ -76,8 +76,8 @@ fn verdicts_are_tallied_by_truth() {
     assert_eq!(stream.seconds.len(), 6);
 }
 
-/// Pins when each contact of [`reach`] is judged rightly for the first time. A sample adds 3.125 nats to the margin, so
-/// a margin of 5 takes two samples. A break begins a new contact, and contacts without an object are left out.
+/// Tests when each contact of [`reach`] is judged rightly for the first time. A sample adds 3.125 nats to the margin,
+/// so a margin of 5 takes two samples. A break begins a new contact, and contacts without an object are left out.
 #[test]
 fn the_first_right_verdict_of_each_contact_is_found() {
     let rule = Rule::UncertainBelow { margin: 5.0 };
@@ -96,7 +96,7 @@ fn the_first_right_verdict_of_each_contact_is_found() {
     assert_eq!(stream.contacts, expected);
 }
 
-/// Pins that the tally of one category is its row of the matrix, and that the rows of all categories add up to the
+/// Tests that the tally of one category is its row of the matrix, and that the rows of all categories add up to the
 /// total.
 #[test]
 fn a_category_has_a_tally_of_its_own() {
@@ -116,7 +116,8 @@ fn a_category_has_a_tally_of_its_own() {
     assert_eq!(leaf.judged() + trunk.judged(), stream.total().judged());
 }
 
-/// Pins StreamTruth::Environment: in a trunk-only environment, trunk is the truth even for the taxel without an object.
+/// Tests StreamTruth::Environment: in a trunk-only environment, trunk is the truth even for the taxel without an
+/// object.
 #[test]
 fn an_environment_is_everyones_truth() {
     let truth = StreamTruth::Environment(Category::TRUNK);
@@ -130,9 +131,9 @@ fn an_environment_is_everyones_truth() {
     assert_eq!(stream.total(), total);
 }
 
-/// Pins the quantity of Fig. 9: with a required margin of 10 nats and 3.125 nats per sample, a verdict needs 4 samples.
-/// It is 0 before that and stays 4 afterwards, while the samples since contact increase. A new contact starts again
-/// at 0.
+/// Tests the quantity of Fig. 9: with a required margin of 10 nats and 3.125 nats per sample, a verdict needs 4
+/// samples. It is 0 before that and stays 4 afterwards, while the samples since contact increase. A new contact starts
+/// again at 0.
 #[test]
 fn samples_used_are_those_at_the_verdict() {
     let rule = Rule::UncertainBelow { margin: 10.0 };
@@ -149,7 +150,7 @@ fn samples_used_are_those_at_the_verdict() {
     assert_eq!(stream.frames[5].tally.uncertain, 1);
 }
 
-/// Pins that, for a category without a model, outlier is the right verdict and a known category is wrong, and that a
+/// Tests that, for a category without a model, outlier is the right verdict and a known category is wrong, and that a
 /// known category called outlier is wrong.
 #[test]
 fn a_foreign_object_is_rightly_an_outlier() {
@@ -171,7 +172,7 @@ fn a_foreign_object_is_rightly_an_outlier() {
     assert_eq!(stream.total().misclassified, 3 + 4);
 }
 
-/// Pins that the same verdicts are right in a stream and for a whole trial, for each category and verdict. A block
+/// Tests that the same verdicts are right in a stream and for a whole trial, for each category and verdict. A block
 /// called outlier was once right in a stream and wrong as a trial.
 #[test]
 fn right_in_a_stream_is_right_as_a_trial() {
@@ -214,7 +215,7 @@ fn right_in_a_stream_is_right_as_a_trial() {
     assert_eq!(right, expected);
 }
 
-/// Pins that a reach without contact does not divide zero by zero.
+/// Tests that a reach without contact does not divide zero by zero.
 #[test]
 fn no_contact_has_no_means() {
     let nothing: &[(u16, f64, Option<u16>)] = &[];

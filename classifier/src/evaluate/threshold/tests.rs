@@ -42,7 +42,7 @@ fn band(chosen: &ChosenThresholds) -> (f64, f64) {
     }
 }
 
-/// Pins both thresholds against the normal distribution they are drawn from: a mistake of more than t nats has
+/// Tests both thresholds against the normal distribution they are drawn from: a mistake of more than t nats has
 /// probability Φ(−(t + 3)/3) = α, so t = 3·z(1 − α) − 3; the band holds β = π/(1 − π) of the known trials.
 #[test]
 fn thresholds_are_the_quantiles_of_the_distribution() {
@@ -67,9 +67,9 @@ fn thresholds_are_the_quantiles_of_the_distribution() {
     );
 }
 
-/// Pins the rate where its conditions hold, with independent trials and a single scoring rule: over many small training
-/// sets, a new trial of another category is classified as a category with at most this probability. With 40 trials per
-/// category, counting k/n instead of (k+1)/(n+1) would fail.
+/// Tests the rate where its conditions hold, with independent trials and a single scoring rule: over many small
+/// training sets, a new trial of another category is classified as a category with at most this probability. With 40
+/// trials per category, counting k/n instead of (k+1)/(n+1) would fail.
 #[test]
 fn new_trials_keep_the_rate_on_average() {
     let (mut mistakes, mut trials) = (0, 0);
@@ -90,7 +90,7 @@ fn new_trials_keep_the_rate_on_average() {
     assert!(rate <= 0.1 && rate > 0.06, "{rate}");
 }
 
-/// Pins the counting on eleven hand-made trials per category: at a rate of 0.25, (k + 1) / 12 ≤ 0.25 allows two
+/// Tests the counting on eleven hand-made trials per category: at a rate of 0.25, (k + 1) / 12 ≤ 0.25 allows two
 /// mistakes above the threshold.
 #[test]
 fn counts_stand_at_the_border() {
@@ -112,7 +112,7 @@ fn counts_stand_at_the_border() {
     assert_eq!((chosen.outlier, chosen.uncertain), (4.0 / 22.0, 1.0 / 22.0));
 }
 
-/// Pins that with an outlier prior of zero the band contains only a margin equal to the threshold.
+/// Tests that with an outlier prior of zero the band contains only a margin equal to the threshold.
 #[test]
 fn no_outliers_expected_leaves_no_band() {
     let targets = ThresholdTargets {
@@ -126,7 +126,7 @@ fn no_outliers_expected_leaves_no_band() {
     assert!(band(&wide).0 < band(&wide).1);
 }
 
-/// Pins the errors for rates out of range, too few trials, mistakes with infinite margin, and priors of other
+/// Tests the errors for rates out of range, too few trials, mistakes with infinite margin, and priors of other
 /// categories.
 #[test]
 fn what_cannot_be_held_is_refused() {
@@ -183,7 +183,7 @@ impl Estimator for Sum {
     }
 }
 
-/// Pins the effect of whole-trial thresholds sample by sample, on trials of 10 samples that can be counted by hand.
+/// Tests the effect of whole-trial thresholds sample by sample, on trials of 10 samples that can be counted by hand.
 /// Trials that are judged rightly have a margin of 1 nat per sample. Three leaves are judged wrongly, by 0.5 nats per
 /// sample; a rate of 0.25 allows two mistakes, (k + 1) / 13 ≤ 0.25, so the threshold is 5. No whole trial is uncertain,
 /// but trials that are judged rightly are uncertain for their first 4 samples, and the others for their first 9.

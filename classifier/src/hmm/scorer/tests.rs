@@ -80,7 +80,7 @@ fn path_log_probabilities(parameters: &HmmParameters, observations: &Observation
 }
 
 proptest! {
-    // Pins both scores against the sum and the maximum over all state paths, including zero probabilities (−inf, not
+    // Tests both scores against the sum and the maximum over all state paths, including zero probabilities (−inf, not
     // NaN).
     #[test]
     fn scores_are_sum_and_maximum_over_all_paths((parameters, samples) in small_problem()) {
@@ -100,7 +100,7 @@ proptest! {
     }
 }
 
-/// Pins scores where plain scaling fails, against a log-space recursion over all pairs of states: models with
+/// Tests scores where plain scaling fails, against a log-space recursion over all pairs of states: models with
 /// transition probabilities that training drove to 0 or 1e-150, on long sequences that fit no state.
 #[test]
 fn left_to_right_models_score_foreign_data_exactly() {
@@ -206,8 +206,8 @@ fn trained_left_to_right(rng: &mut ChaCha8Rng) -> HmmParameters {
     }
 }
 
-/// Pins forward scores within 1e-9 of a log-space recursion, for oscillations, outliers, a single sample, and a hold of
-/// 20 000 samples after which the force decreases again. By then the weights of early states have fallen behind by
+/// Tests forward scores within 1e-9 of a log-space recursion, for oscillations, outliers, a single sample, and a hold
+/// of 20 000 samples after which the force decreases again. By then the weights of early states have fallen behind by
 /// thousands of powers of 2.
 #[test]
 fn holds_oscillations_and_outliers_are_exact() {
@@ -244,7 +244,7 @@ fn holds_oscillations_and_outliers_are_exact() {
     }
 }
 
-/// Pins that scores do not depend on which sequences share a filter, or on whether samples arrive one by one.
+/// Tests that scores do not depend on which sequences share a filter, or on whether samples arrive one by one.
 #[test]
 fn one_by_one_and_together_are_the_same_bits() {
     let mut rng = ChaCha8Rng::seed_from_u64(9);

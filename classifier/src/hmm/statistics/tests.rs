@@ -57,7 +57,7 @@ fn exactly(model: &GaussianHmm, sequence: &Observations) -> Statistics {
     exact
 }
 
-/// Pins every expected count of the scaled pass against the log-space pass, for one and two features, padded and full
+/// Tests every expected count of the scaled pass against the log-space pass, for one and two features, padded and full
 /// tiles, and sequences of 1 to 20 000 samples; and that the scaled pass handles nearly all of them. The tolerance is
 /// 1e-9 (absolute below 1, else relative) up to 2000 samples. Beyond that the log-space pass itself is off by about
 /// 1e-8, because it subtracts numbers of size 1e7.
@@ -116,9 +116,9 @@ fn the_scaled_pass_counts_what_log_space_counts() {
     assert!(10 * counted >= 9 * tried, "{counted} of {tried}");
 }
 
-/// Pins that the scaled pass returns `None` for a sequence whose likely path runs through a weight below its range: the
-/// states are narrow, there are no transitions between them, and the data rule out the right state by 10 000 nats and
-/// then the other one by 15 000.
+/// Tests that the scaled pass returns `None` for a sequence whose likely path runs through a weight below its range:
+/// the states are narrow, there are no transitions between them, and the data rule out the right state by 10 000 nats
+/// and then the other one by 15 000.
 #[test]
 fn a_state_ruled_out_that_returns_is_left_to_log_space() {
     let variance = 1e-4;
@@ -145,7 +145,7 @@ fn a_state_ruled_out_that_returns_is_left_to_log_space() {
     assert!((statistics.occupancy[1] - 5.0).abs() < 1e-9);
 }
 
-/// Pins that code with and without this processor's vector instructions gives the same scores and counts to the last
+/// Tests that code with and without this processor's vector instructions gives the same scores and counts to the last
 /// bit, on data that fit the model and on data that fit no state.
 #[test]
 fn every_processor_gets_the_same_bits() {

@@ -35,7 +35,7 @@ fn univariate(initial: &[f64], transition: &[&[f64]], mean: &[f64], variance: &[
     }
 }
 
-/// Pins that training on 400 × 100 samples of a known model recovers every parameter within 5 % (0.05 for
+/// Tests that training on 400 × 100 samples of a known model recovers every parameter within 5 % (0.05 for
 /// probabilities).
 #[test]
 fn known_parameters_are_recovered() {
@@ -67,7 +67,7 @@ fn known_parameters_are_recovered() {
     }
 }
 
-/// Pins the update of every parameter against expected counts from an enumeration of all state paths.
+/// Tests the update of every parameter against expected counts from an enumeration of all state paths.
 #[test]
 fn one_iteration_matches_counting_by_hand() {
     let start = univariate(&[0.6, 0.4], &[&[0.7, 0.3], &[0.2, 0.8]], &[0.0, 1.0], &[0.5, 0.3]);
@@ -127,7 +127,7 @@ fn one_iteration_matches_counting_by_hand() {
     }
 }
 
-/// Pins that zero transitions of the left-to-right start stay zero, and that no eigenvalue ends below the floor while
+/// Tests that zero transitions of the left-to-right start stay zero, and that no eigenvalue ends below the floor while
 /// the likelihood still increases in every iteration, although quantized samples push the variance down.
 #[test]
 fn zeros_stay_zero_and_the_floor_holds() {
@@ -197,7 +197,7 @@ fn zeros_stay_zero_and_the_floor_holds() {
     );
 }
 
-/// Pins each reason to stop: a gain above or below the tolerance, any decrease however small, and tolerance 0.
+/// Tests each reason to stop: a gain above or below the tolerance, any decrease however small, and tolerance 0.
 #[test]
 fn a_decrease_is_never_convergence() {
     assert_eq!(judge(-100.0, -99.0, 3, 1e-4), None);
@@ -212,7 +212,7 @@ fn a_decrease_is_never_convergence() {
     assert_eq!(judge(-100.0, -101.0, 3, 0.0), None);
 }
 
-/// Pins that a state that no sample supports keeps its parameters and is reported.
+/// Tests that a state that no sample supports keeps its parameters and is reported.
 #[test]
 fn an_empty_state_is_named_and_kept() {
     let start = univariate(&[1.0, 0.0], &[&[1.0, 0.0], &[0.5, 0.5]], &[0.0, 9.0], &[1.0, 2.0]);
@@ -231,7 +231,7 @@ fn an_empty_state_is_named_and_kept() {
     assert!((parameters.mean[0][0] - 0.2).abs() < 1e-15);
 }
 
-/// Pins the errors for no sequences, mixed dimensions, invalid options and samples that no state can produce.
+/// Tests the errors for no sequences, mixed dimensions, invalid options and samples that no state can produce.
 #[test]
 fn invalid_requests_are_refused() {
     let model = GaussianHmm::new(univariate(&[1.0], &[&[1.0]], &[0.0], &[1.0])).unwrap();
@@ -271,7 +271,7 @@ fn invalid_requests_are_refused() {
 }
 
 proptest! {
-    // Pins that no iteration makes a sequence less likely, for any start, including extreme ones.
+    // Tests that no iteration makes a sequence less likely, for any start, including extreme ones.
     #[test]
     fn training_never_falls((parameters, samples) in small_problem()) {
         let observations = Observations::new(parameters.mean[0].len(), samples).unwrap();

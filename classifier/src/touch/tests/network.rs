@@ -14,7 +14,7 @@ fn checkerboard() -> Vec<Row<2>> {
     points.map(row).collect()
 }
 
-/// Pins that a network learns what a linear classifier cannot, and that a fit depends only on its rows.
+/// Tests that a network learns what a linear classifier cannot, and that a fit depends only on its rows.
 #[test]
 fn a_network_learns_a_checkerboard() {
     let rows = checkerboard();
@@ -30,7 +30,7 @@ fn a_network_learns_a_checkerboard() {
     assert!(network.is_sound(2, 2) && !network.is_sound(3, 2) && !network.is_sound(2, 3));
 }
 
-/// Pins that a feature that never varies has no influence, and that weights of rows shift the odds: with the same
+/// Tests that a feature that never varies has no influence, and that weights of rows shift the odds: with the same
 /// features for both classes, the probability is the share of the weights.
 #[test]
 fn weights_are_odds() {
@@ -54,8 +54,8 @@ fn weights_are_odds() {
     }
 }
 
-/// Pins the scores against the sums that the model file describes, and that they have the same bits for one row and for
-/// several side by side, and with the instructions of this processor and those that every processor has.
+/// Tests the scores against the sums that the model file describes, and that they have the same bits for one row and
+/// for several side by side, and with the instructions of this processor and those that every processor has.
 #[test]
 fn rows_side_by_side_have_the_scores_of_one_row() {
     let rows = checkerboard();

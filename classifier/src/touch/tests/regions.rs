@@ -12,7 +12,7 @@ fn feature(tracker: &SkinTracker, name: &str) -> f64 {
     tracker.regions()[0].course.features()[place]
 }
 
-/// Pins that a contact keeps its number and its course while it slides to a neighbour, that a contact elsewhere is a
+/// Tests that a contact keeps its number and its course while it slides to a neighbour, that a contact elsewhere is a
 /// new one, and that a contact that breaks is over.
 #[test]
 fn a_contact_is_followed_over_the_skin() {
@@ -48,7 +48,7 @@ fn a_contact_is_followed_over_the_skin() {
     );
 }
 
-/// Pins that both parts of a region that splits keep its course and the larger part keeps its number, and that the
+/// Tests that both parts of a region that splits keep its course and the larger part keeps its number, and that the
 /// course of the larger part continues when they merge.
 #[test]
 fn parts_of_a_region_keep_its_course() {
@@ -94,7 +94,7 @@ fn the_slope_of_force_over_press_is_the_stiffness() {
     assert!((share - 0.75).abs() < 1e-12, "{share}");
 }
 
-/// Pins that a region's features do not depend on where the skin is and how it is turned.
+/// Tests that a region's features do not depend on where the skin is and how it is turned.
 #[test]
 fn features_do_not_depend_on_the_world_frame() {
     let plain = presses(1, 300.0, 0.02, 0.05);

@@ -31,7 +31,7 @@ fn mahalanobis(rows: &[[f64; 5]], point: &[f64; 5]) -> f64 {
     (deviation.transpose() * covariance.try_inverse().unwrap() * &deviation)[0].sqrt()
 }
 
-/// Pins the distance from the nearest of two categories against the definition.
+/// Tests the distance from the nearest of two categories against the definition.
 #[test]
 fn distances_are_those_of_mahalanobis() {
     let categories = [rows(0.0), rows(4.0)];
@@ -47,7 +47,7 @@ fn distances_are_those_of_mahalanobis() {
     }
 }
 
-/// Pins the share of known contacts beyond a distance: for the distances 0.001, 0.002, … 1 it is 1 minus the distance,
+/// Tests the share of known contacts beyond a distance: for the distances 0.001, 0.002, … 1 it is 1 minus the distance,
 /// down to the smallest share that is given.
 #[test]
 fn shares_beyond_are_those_of_the_distances() {

@@ -16,7 +16,7 @@ fn examples() -> TouchExamples {
     examples
 }
 
-/// Pins the errors for a single reach, and for reaches in which nothing known touches the skin, in all of them or in
+/// Tests the errors for a single reach, and for reaches in which nothing known touches the skin, in all of them or in
 /// all but one.
 #[test]
 fn too_little_to_fit_to_is_refused() {
@@ -37,7 +37,7 @@ fn too_little_to_fit_to_is_refused() {
     assert!(examples.feature_worth().is_empty());
 }
 
-/// Pins that the networks that judge held-out reaches are fitted to rows even if each category is in one reach only,
+/// Tests that the networks that judge held-out reaches are fitted to rows even if each category is in one reach only,
 /// and that reaches of each category go to the folds in turn if there are several.
 #[test]
 fn both_folds_have_rows() {
@@ -45,8 +45,8 @@ fn both_folds_have_rows() {
     assert_eq!(examples().some(|index| index < 2).folds(), [0, 1]);
 }
 
-/// Pins that soft, stiff and spurious readings are told apart in a new reach, that the model is the same for any number
-/// of threads, and that something unlike both is called unknown.
+/// Tests that soft, stiff and spurious readings are told apart in a new reach, that the model is the same for any
+/// number of threads, and that something unlike both is called unknown.
 #[test]
 fn springs_are_told_apart() {
     let model = examples().fit().unwrap();
@@ -81,8 +81,8 @@ fn springs_are_told_apart() {
     assert_eq!(touch, Some(Touch::Unknown));
 }
 
-/// Pins that the verdicts on a reach that is judged for a suite are those of the evaluation, counted by truth, and that
-/// the spurious taxel is counted separately.
+/// Tests that the verdicts on a reach that is judged for a suite are those of the evaluation, counted by truth, and
+/// that the spurious taxel is counted separately.
 #[test]
 fn streams_count_what_evaluations_count() {
     let model = Arc::new(examples().fit().unwrap());
@@ -104,7 +104,7 @@ fn streams_count_what_evaluations_count() {
     assert!(without_truth[4] > 180, "{without_truth:?}");
 }
 
-/// Pins that nothing is allocated for a frame once as many contacts were seen before.
+/// Tests that nothing is allocated for a frame once as many contacts were seen before.
 #[test]
 fn verdicts_allocate_nothing() {
     let reach = presses(0, 30.0, 0.03, 0.05);
@@ -124,7 +124,7 @@ fn verdicts_allocate_nothing() {
     assert_eq!(allocations.count_total, 0);
 }
 
-/// Pins that a model that is read back equals the model that was written, and that damaged files are refused with the
+/// Tests that a model that is read back equals the model that was written, and that damaged files are refused with the
 /// place of the damage.
 #[test]
 fn files_are_exact_and_checked() {
@@ -150,7 +150,7 @@ fn files_are_exact_and_checked() {
     }
 }
 
-/// Pins the rule: unknown comes first, then the likeliest category, if the expected cost of an error is below the cost
+/// Tests the rule: unknown comes first, then the likeliest category, if the expected cost of an error is below the cost
 /// of an uncertain verdict.
 #[test]
 fn verdicts_follow_the_costs() {

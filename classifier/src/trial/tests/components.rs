@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Pins 4-connectivity (no diagonals), wrap-around as the layout says, and the option that overrides it.
+/// Tests 4-connectivity (no diagonals), wrap-around as the layout says, and the option that overrides it.
 #[test]
 fn components_wrap_around_only_where_asked() {
     let recording = recording(&[(
@@ -21,7 +21,7 @@ fn components_wrap_around_only_where_asked() {
     assert_eq!(largest(Some(false)), [1.0, 2.0, 3.0, 4.0]);
 }
 
-/// Pins force and motion of a component: taxels 7 and 8 (centre at column 1.5), then 7, 8 and 9 (centre at column 2)
+/// Tests force and motion of a component: taxels 7 and 8 (centre at column 1.5), then 7, 8 and 9 (centre at column 2)
 /// with the patch moved by 1 mm.
 #[test]
 fn a_component_reports_its_largest_force_and_the_motion_of_its_centre() {
@@ -58,7 +58,7 @@ fn without_wrap(frames: &[Drawn]) -> Vec<ContactTrial> {
     component_trials(&recording(frames), &options).unwrap()
 }
 
-/// Pins merging: columns 0–1 and column 3 become 0–3 (centre 1.5). The first was 10 mm away, the second 15 mm.
+/// Tests merging: columns 0–1 and column 3 become 0–3 (centre 1.5). The first was 10 mm away, the second 15 mm.
 #[test]
 fn of_two_merging_components_the_nearer_goes_on() {
     let trials = without_wrap(&[APART, TOGETHER]);
@@ -69,7 +69,7 @@ fn of_two_merging_components_the_nearer_goes_on() {
     assert_eq!(motions_mm(&trials[0]), [0.0, 10.0]);
 }
 
-/// Pins splitting: columns 0–3 (centre 1.5) become 0–1 (10 mm away) and 3 (15 mm away), which starts with zero motion.
+/// Tests splitting: columns 0–3 (centre 1.5) become 0–1 (10 mm away) and 3 (15 mm away), which starts with zero motion.
 #[test]
 fn of_a_splitting_component_the_nearer_piece_goes_on() {
     let trials = without_wrap(&[TOGETHER, APART]);
@@ -80,8 +80,8 @@ fn of_a_splitting_component_the_nearer_piece_goes_on() {
     assert_eq!(motions_mm(&trials[1]), [0.0]);
 }
 
-/// Pins association: when a patch slides 10 mm in x under a fixed contact, the contact moves by one column and stays at
-/// rest in the world. If a contact jumps farther than allowed, its trial ends and a new one starts.
+/// Tests association: when a patch slides 10 mm in x under a fixed contact, the contact moves by one column and stays
+/// at rest in the world. If a contact jumps farther than allowed, its trial ends and a new one starts.
 #[test]
 fn tracking_is_greedy_by_world_distance() {
     let recording = recording(&[
@@ -100,7 +100,7 @@ fn tracking_is_greedy_by_world_distance() {
     assert_eq!(motions_mm(&trials[0]), [0.0; 3]);
 }
 
-/// Pins number of taxels, largest force and force sum of a taxel's region in each frame, in trials by taxel and by
+/// Tests number of taxels, largest force and force sum of a taxel's region in each frame, in trials by taxel and by
 /// component. In a grid with six columns, 1, 2 and 8 are connected and 11 is alone; then 2 loses contact and separates
 /// 1 and 8.
 #[test]

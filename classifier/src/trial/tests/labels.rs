@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Pins the majority vote, that samples without an object do not vote, and that there is no category without votes.
+/// Tests the majority vote, that samples without an object do not vote, and that there is no category without votes.
 #[test]
 fn truth_is_the_object_of_most_samples() {
     let recording = recording(&[
@@ -20,7 +20,7 @@ fn truth_is_the_object_of_most_samples() {
     assert_eq!((trials[1].object, &trials[1].trial.category), (None, &None));
 }
 
-/// Pins both kinds of label: by contact, a trial without an object has none; by environment, it has the only category
+/// Tests both kinds of label: by contact, a trial without an object has none; by environment, it has the only category
 /// other than that of foam blocks. In mixed clutter both are the same.
 #[test]
 fn the_environment_labels_what_nothing_touched() {
@@ -39,7 +39,7 @@ fn the_environment_labels_what_nothing_touched() {
     assert_eq!(labels(&reach, Labels::Environment), [trunk.clone(), trunk]);
 }
 
-/// Pins that a trial stores in which samples an object truly pressed: on the taxel itself, or on any taxel of a
+/// Tests that a trial stores in which samples an object truly pressed: on the taxel itself, or on any taxel of a
 /// component. A sensed force without a true one (a spurious reading, creep) is untouched even if the environment labels
 /// it. Without objects in the recording it is unknown.
 #[test]

@@ -119,7 +119,7 @@ fn motions_mm(contact: &ContactTrial) -> Vec<f64> {
         .collect()
 }
 
-/// Pins that trials start and end with contact, that motion is measured in the world frame from the start of each
+/// Tests that trials start and end with contact, that motion is measured in the world frame from the start of each
 /// contact, and the order and numbers of trials.
 #[test]
 fn a_taxel_makes_one_trial_per_contact() {
@@ -157,7 +157,7 @@ fn a_taxel_makes_one_trial_per_contact() {
     assert_eq!(trials[1].trial.samples[0].time_s, 0.01);
 }
 
-/// Pins that a force equal to the threshold is not contact, and that short trials are left out.
+/// Tests that a force equal to the threshold is not contact, and that short trials are left out.
 #[test]
 fn threshold_and_length_leave_out_trials() {
     let recording = recording(&[
@@ -181,7 +181,7 @@ fn threshold_and_length_leave_out_trials() {
     assert_eq!(found(&options), [[0.3, 0.3]]);
 }
 
-/// Pins the errors for unknown patches, missing grids, invalid options and frames that do not fit.
+/// Tests the errors for unknown patches, missing grids, invalid options and frames that do not fit.
 #[test]
 fn bad_input_is_named() {
     let sound = recording(&[(0.0, &[(0, 1.0, Some(0))])]);
@@ -238,7 +238,7 @@ fn bad_input_is_named() {
     }
 }
 
-/// Pins that the paper's trials have at least one sample for each of the 20 time slices of its largest models.
+/// Tests that the paper's trials have at least one sample for each of the 20 time slices of its largest models.
 #[test]
 fn the_papers_trials_fill_twenty_slices() {
     let lit: &[(u16, f64, Option<u16>)] = &[(0, 1.0, Some(1))];
@@ -249,7 +249,7 @@ fn the_papers_trials_fill_twenty_slices() {
     assert_eq!((count(19), count(20)), (0, 1));
 }
 
-/// Pins that a taxel carried 3 mm there and back has travelled 6 mm, while its distance from the start is 0.
+/// Tests that a taxel carried 3 mm there and back has travelled 6 mm, while its distance from the start is 0.
 #[test]
 fn motion_is_the_length_of_the_path() {
     let lit: &[(u16, f64, Option<u16>)] = &[(0, 1.0, Some(1))];

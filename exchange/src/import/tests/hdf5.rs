@@ -9,7 +9,7 @@ use super::{by_taxel, damage, expected, imported, refused};
 use crate::example::{file, reach};
 use crate::{ExchangeError, write_hdf5};
 
-/// Pins that reaches written as HDF5 come back as trials with the same forces, one reach for each demonstration in the
+/// Tests that reaches written as HDF5 come back as trials with the same forces, one reach for each demonstration in the
 /// order of their numbers, and with the categories of an attribute.
 #[test]
 fn trials_come_back_from_hdf5() {
@@ -61,7 +61,7 @@ fn hdf5_of(path: &Path, forces: (Datatype, &[u8]), times: (Datatype, &[u8])) {
     file.close().unwrap();
 }
 
-/// Pins that forces and times of a type that the reader of HDF5 cannot convert are refused. They used to be taken for
+/// Tests that forces and times of a type that the reader of HDF5 cannot convert are refused. They used to be taken for
 /// no frames, and for times that follow from a rate of 1 Hz.
 #[test]
 fn half_precision_in_hdf5_is_refused() {
@@ -101,7 +101,7 @@ fn half_precision_in_hdf5_is_refused() {
     assert_eq!(imported(&path, rate).unwrap().frames, 50);
 }
 
-/// Pins that an error about a row of an HDF5 file names the group of its reach.
+/// Tests that an error about a row of an HDF5 file names the group of its reach.
 #[test]
 fn an_error_in_hdf5_names_the_reach() {
     let (_folder, path) = file("reaches.h5");

@@ -11,7 +11,7 @@ use crate::example::{file, reach};
 use crate::mcap::Writer;
 use crate::write_mcap;
 
-/// Pins that a reach written as MCAP comes back as trials with the same forces, from its grid.
+/// Tests that a reach written as MCAP comes back as trials with the same forces, from its grid.
 #[test]
 fn trials_come_back_from_a_grid_in_mcap() {
     let (_folder, path) = file("reach.mcap");
@@ -56,7 +56,7 @@ fn multi_array(numbers: &[f64], single: bool) -> Vec<u8> {
     bytes
 }
 
-/// Pins that arrays of ROS 2 and lists in JSON are read, and that their times count from the first message.
+/// Tests that arrays of ROS 2 and lists in JSON are read, and that their times count from the first message.
 #[test]
 fn arrays_of_ros_and_lists_in_json_are_read() {
     let (_folder, path) = file("log.mcap");
@@ -97,8 +97,8 @@ fn arrays_of_ros_and_lists_in_json_are_read() {
     assert!(error.found.contains("sensor_msgs/msg/Image"), "{error}");
 }
 
-/// Pins that the bytes between the rows of a Foxglove grid are not taken for cells, and that rows that are too short for
-/// their cells, and incomplete rows, are refused.
+/// Tests that the bytes between the rows of a Foxglove grid are not taken for cells, and that rows that are too short
+/// for their cells, and incomplete rows, are refused.
 #[test]
 fn rows_of_a_grid_may_be_padded() {
     let (_folder, path) = file("log.mcap");
@@ -131,8 +131,8 @@ fn rows_of_a_grid_may_be_padded() {
     }
 }
 
-/// Pins that a message with fewer or more taxels than the first is refused: a contact of a taxel must not go on through
-/// messages without that taxel.
+/// Tests that a message with fewer or more taxels than the first is refused: a contact of a taxel must not go on
+/// through messages without that taxel.
 #[test]
 fn messages_have_the_same_number_of_taxels() {
     let (_folder, path) = file("log.mcap");

@@ -35,7 +35,7 @@ category_from = \"label\"
 reach_from = \"run\"
 ";
 
-/// Pins how rows of a CSV file become trials: a trial lasts while the force is above the threshold, units are
+/// Tests how rows of a CSV file become trials: a trial lasts while the force is above the threshold, units are
 /// converted, and a new reach ends all contacts.
 #[test]
 fn rows_become_trials() {
@@ -88,7 +88,7 @@ fn rows_become_trials() {
     );
 }
 
-/// Pins that a category that could be mistaken for the verdict `uncertain` is refused with its place.
+/// Tests that a category that could be mistaken for the verdict `uncertain` is refused with its place.
 #[test]
 fn a_category_called_uncertain_is_refused() {
     let (_folder, path) = file("log.csv");
@@ -104,7 +104,7 @@ fn a_category_called_uncertain_is_refused() {
     );
 }
 
-/// Pins that scale and offset are applied to raw readings, that times may follow from a rate, and that one taxel needs
+/// Tests that scale and offset are applied to raw readings, that times may follow from a rate, and that one taxel needs
 /// no placeholder.
 #[test]
 fn raw_readings_are_scaled() {
@@ -127,7 +127,7 @@ fn raw_readings_are_scaled() {
     );
 }
 
-/// Pins that a wrong mapping is refused with its line and field, and with what is allowed.
+/// Tests that a wrong mapping is refused with its line and field, and with what is allowed.
 #[test]
 fn a_wrong_mapping_is_refused_by_line_and_field() {
     let (_folder, path) = file("log.csv");
@@ -202,7 +202,7 @@ fn a_wrong_mapping_is_refused_by_line_and_field() {
     assert!(matches!(nowhere, Err(ExchangeError::Input(error)) if error.found == "no such file"));
 }
 
-/// Pins that wrong cells, times that do not rise, forces out of range and rows of a reach that are not adjacent are
+/// Tests that wrong cells, times that do not rise, forces out of range and rows of a reach that are not adjacent are
 /// refused with the line of the file, and that a file without a contact is refused, too.
 #[test]
 fn wrong_data_are_refused_by_line() {

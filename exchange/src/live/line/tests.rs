@@ -40,7 +40,7 @@ fn frame(parser: &mut LineParser, text: &str) -> Frame {
     }
 }
 
-/// Pins that models of force need only time and readings, with patches by name or index in any order, and that unused
+/// Tests that models of force need only time and readings, with patches by name or index in any order, and that unused
 /// fields of a recording's frame, such as ground truth, are ignored.
 #[test]
 fn only_what_is_used_is_asked_for() {
@@ -57,7 +57,7 @@ fn only_what_is_used_is_asked_for() {
     assert_eq!(frame(&mut force_alone(), r#"{"time_s":0,"taxels":[]}"#).taxels, []);
 }
 
-/// Pins that the patch need not be named if the skin has only one.
+/// Tests that the patch need not be named if the skin has only one.
 #[test]
 fn the_only_patch_need_not_be_named() {
     let mut layout = layout();
@@ -66,7 +66,7 @@ fn the_only_patch_need_not_be_named() {
     assert_eq!(frame(&mut LineParser::new(layout, None), line).taxels[0].patch, 0);
 }
 
-/// Pins that models of motion read the pose of their patch by name, or by index in a list of all patches; that a
+/// Tests that models of motion read the pose of their patch by name, or by index in a list of all patches; that a
 /// quaternion with three digits is normalized, and one of unit length up to rounding is kept bit for bit.
 #[test]
 fn poses_by_name_or_in_a_list() {
@@ -82,7 +82,7 @@ fn poses_by_name_or_in_a_list() {
     }
 }
 
-/// Pins what is refused, and that the error names the field, quotes its value and says what is allowed.
+/// Tests what is refused, and that the error names the field, quotes its value and says what is allowed.
 #[test]
 fn every_fault_is_named() {
     let reading =
@@ -345,7 +345,7 @@ fn every_fault_is_named() {
     }
 }
 
-/// Pins that time may start again with a new reach.
+/// Tests that time may start again with a new reach.
 #[test]
 fn a_reset_lets_time_begin_anew() {
     let mut parser = force_alone();
@@ -375,7 +375,7 @@ fn reading() -> impl Strategy<Value = String> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Pins that no text, JSON or not, makes the parser panic, that errors are short whatever the line is, and that a
+    /// Tests that no text, JSON or not, makes the parser panic, that errors are short whatever the line is, and that a
     /// good line after any of them is read as usual.
     #[test]
     fn anything_is_answered(

@@ -109,7 +109,7 @@ fn stream() -> Stream {
     }
 }
 
-/// Pins every metric on a reach whose values can be computed by hand, and that none has a value where it cannot be
+/// Tests every metric on a reach whose values can be computed by hand, and that none has a value where it cannot be
 /// measured.
 #[test]
 fn metrics_are_what_they_say() {

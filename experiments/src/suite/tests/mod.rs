@@ -69,7 +69,7 @@ fn result(suite: &Suite, values: &[&[f64]]) -> SuiteResult {
     result
 }
 
-/// Pins that bounds are read in the order of the file, whichever way TOML writes their tables.
+/// Tests that bounds are read in the order of the file, whichever way TOML writes their tables.
 #[test]
 fn bounds_keep_the_order_of_the_file() {
     let (_folder, file) = written(SUITE);
@@ -94,7 +94,7 @@ fn bounds_keep_the_order_of_the_file() {
     );
 }
 
-/// Pins every verdict on a bound, the standard error of a mean, and which reach is to be looked at: the smallest value
+/// Tests every verdict on a bound, the standard error of a mean, and which reach is to be looked at: the smallest value
 /// if the mean is too small, the largest if it is too large.
 #[test]
 fn values_are_held_against_bounds() {
@@ -122,7 +122,7 @@ fn values_are_held_against_bounds() {
     assert_eq!(verdicts.filter(|own| *own == BoundVerdict::Holds).count(), 4);
 }
 
-/// Pins that blessing changes the bounds and nothing else in the file, keeps the sides that a bound has, gives the
+/// Tests that blessing changes the bounds and nothing else in the file, keeps the sides that a bound has, gives the
 /// default sides to a bound without any, and writes bounds that hold, with the margin that the file asks for.
 #[test]
 fn blessing_changes_the_bounds_alone() {
@@ -169,7 +169,7 @@ fn blessing_changes_the_bounds_alone() {
     assert_eq!(bless::text(&blessed, &again).unwrap(), text);
 }
 
-/// Pins that a bound as a dotted key or under a table header is checked as any other but not blessed: the error names
+/// Tests that a bound as a dotted key or under a table header is checked as any other but not blessed: the error names
 /// its line before anything is run, and the file stays as it is.
 #[test]
 fn bounds_without_braces_are_not_blessed() {
@@ -203,7 +203,7 @@ fn bounds_without_braces_are_not_blessed() {
     }
 }
 
-/// Pins that a file is not replaced by a text that is no suite. Here the text of the bounds moved after it was read.
+/// Tests that a file is not replaced by a text that is no suite. Here the text of the bounds moved after it was read.
 #[test]
 fn a_file_is_not_replaced_by_one_that_cannot_be_read() {
     let (_folder, file) = written(SUITE);
@@ -218,7 +218,7 @@ fn a_file_is_not_replaced_by_one_that_cannot_be_read() {
     assert_eq!(std::fs::read_to_string(&file).unwrap(), SUITE);
 }
 
-/// Pins that a bound from values that differ too much is recognized as allowing everything, and that other bounds are
+/// Tests that a bound from values that differ too much is recognized as allowing everything, and that other bounds are
 /// not.
 #[test]
 fn bounds_that_allow_everything_are_noticed() {
@@ -245,7 +245,7 @@ fn bounds_that_allow_everything_are_noticed() {
     assert_eq!(everything, ["goals_reached"]);
 }
 
-/// Pins that a metric that was measured in only one reach is not blessed.
+/// Tests that a metric that was measured in only one reach is not blessed.
 #[test]
 fn one_value_is_not_blessed() {
     let (_folder, file) = written(SUITE);

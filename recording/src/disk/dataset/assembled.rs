@@ -159,7 +159,7 @@ impl Assembled {
 mod tests {
     use super::*;
 
-    /// Pins that a stored state is read back unchanged, and that every changed or missing byte is noticed.
+    /// Tests that a stored state is read back unchanged, and that every changed or missing byte is noticed.
     #[test]
     fn damage_to_the_stored_state_is_noticed() {
         let mut bytes = Vec::new();

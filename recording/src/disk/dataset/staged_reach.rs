@@ -80,7 +80,7 @@ mod tests {
     use super::*;
     use crate::disk::tests::dataset::recordings;
 
-    /// Pins that a reach comes back as it was, that a missing byte is noticed, and that a changed byte is noticed or
+    /// Tests that a reach comes back as it was, that a missing byte is noticed, and that a changed byte is noticed or
     /// has no effect.
     #[test]
     fn a_staged_reach_comes_back_unless_it_is_damaged() {

@@ -192,7 +192,7 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Pins that, compared with a full sort, quantiles are too small by less than 2⁻¹⁰ and never too large.
+        /// Tests that, compared with a full sort, quantiles are too small by less than 2⁻¹⁰ and never too large.
         #[test]
         fn quantiles_are_nearest_rank_within_a_thousandth(
             samples in prop::collection::vec(
@@ -214,7 +214,7 @@ mod tests {
             }
         }
 
-        /// Pins that one pass gives the textbook (population) statistics of each element of a list column.
+        /// Tests that one pass gives the textbook (population) statistics of each element of a list column.
         #[test]
         fn mean_and_deviation_match_two_passes(
             rows in prop::collection::vec([-1e3..1e3f64, -1e-3..1e-3f64], 1..100),
@@ -238,7 +238,7 @@ mod tests {
         }
     }
 
-    /// Pins that codes such as −1 ("no object") are not rounded.
+    /// Tests that codes such as −1 ("no object") are not rounded.
     #[test]
     fn whole_numbers_keep_their_value() {
         for number in (-2047..=2047).map(f64::from) {

@@ -175,7 +175,7 @@ pub(in crate::disk) fn broken(path: &Path, cause: impl ToString) -> DiskError {
 mod tests {
     use super::*;
 
-    /// Pins that a step that fails after an error of the operating system returns that error, whatever the decoder
+    /// Tests that a step that fails after an error of the operating system returns that error, whatever the decoder
     /// says, and that a step that fails without such an error reports a damaged file.
     #[test]
     fn a_failing_disk_is_no_damaged_file() {

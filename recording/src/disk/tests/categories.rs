@@ -24,7 +24,7 @@ fn plan_with(categories: &[Category]) -> DatasetPlan {
     }
 }
 
-/// Pins that a set with a further category is read back as it was, by a reader that knows the category from the set
+/// Tests that a set with a further category is read back as it was, by a reader that knows the category from the set
 /// alone, and that the lists of codes name its code.
 #[test]
 fn a_further_category_is_written_and_read() {
@@ -46,7 +46,7 @@ fn a_further_category_is_written_and_read() {
     assert!(card.contains("3 outlier, 4 reed."), "{card}");
 }
 
-/// Pins that a set of built-in categories names no others, and neither does its plan.
+/// Tests that a set of built-in categories names no others, and neither does its plan.
 #[test]
 fn without_further_categories_nothing_is_written_of_them() {
     let folder = tempfile::tempdir().unwrap();
@@ -55,7 +55,7 @@ fn without_further_categories_nothing_is_written_of_them() {
     assert!(!provenance.contains("categories"), "{provenance}");
 }
 
-/// Pins that the file of a single recording carries a further category with its code.
+/// Tests that the file of a single recording carries a further category with its code.
 #[test]
 fn a_recording_carries_a_further_category() {
     let folder = tempfile::tempdir().unwrap();
@@ -69,7 +69,7 @@ fn a_recording_carries_a_further_category() {
     assert!(codes.all(|(_, about)| about["codes"]["4"] == "reed"));
 }
 
-/// Pins that a category that the plan does not name is refused before anything is written, with its name and code.
+/// Tests that a category that the plan does not name is refused before anything is written, with its name and code.
 #[test]
 fn an_unplanned_category_is_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -83,7 +83,7 @@ fn an_unplanned_category_is_refused() {
     );
 }
 
-/// Pins that two categories of one name or of one code are refused, in a plan and in a recording.
+/// Tests that two categories of one name or of one code are refused, in a plan and in a recording.
 #[test]
 fn categories_that_clash_are_refused() {
     let folder = tempfile::tempdir().unwrap();

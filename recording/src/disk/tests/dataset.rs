@@ -143,7 +143,7 @@ fn input_error<T: std::fmt::Debug>(result: Result<T, DiskError>) -> InputError {
     }
 }
 
-/// Pins that frames, ground truth, layout and metadata of a reach survive a round trip through a data set.
+/// Tests that frames, ground truth, layout and metadata of a reach survive a round trip through a data set.
 #[test]
 fn every_reach_comes_back_as_it_was_staged() {
     let folder = tempfile::tempdir().unwrap();
@@ -160,7 +160,7 @@ fn every_reach_comes_back_as_it_was_staged() {
     set.verify().unwrap();
 }
 
-/// Pins the columns that LeRobot reads and those that this program adds.
+/// Tests the columns that LeRobot reads and those that this program adds.
 #[test]
 fn episodes_say_where_their_frames_are_and_how_they_ended() {
     let folder = tempfile::tempdir().unwrap();
@@ -222,7 +222,7 @@ fn episodes_say_where_their_frames_are_and_how_they_ended() {
     );
 }
 
-/// Pins stats.json against sums over the recordings themselves.
+/// Tests stats.json against sums over the recordings themselves.
 #[test]
 fn statistics_cover_every_feature_number_by_number() {
     let folder = tempfile::tempdir().unwrap();
@@ -258,7 +258,7 @@ fn statistics_cover_every_feature_number_by_number() {
     assert_eq!(stats["index"]["max"][0].as_f64(), Some(1607.0));
 }
 
-/// Pins that each kind of folder that is not a data set has its own message and remedy.
+/// Tests that each kind of folder that is not a data set has its own message and remedy.
 #[test]
 fn a_folder_that_is_no_finished_set_is_named_for_what_it_is() {
     let folder = tempfile::tempdir().unwrap();
@@ -315,7 +315,7 @@ fn a_folder_that_is_no_finished_set_is_named_for_what_it_is() {
     );
 }
 
-/// Pins that a missing or truncated file, and a file with one changed bit, is named.
+/// Tests that a missing or truncated file, and a file with one changed bit, is named.
 #[test]
 fn every_missing_torn_or_changed_file_is_named() {
     let folder = tempfile::tempdir().unwrap();
@@ -342,7 +342,7 @@ fn every_missing_torn_or_changed_file_is_named() {
     }
 }
 
-/// Pins that no file is read before its hash has been checked. If a bit of a large table flips after the set was
+/// Tests that no file is read before its hash has been checked. If a bit of a large table flips after the set was
 /// opened, reading the first reach that needs the table is an error that names it, without a call of `verify`.
 #[test]
 fn a_changed_table_is_named_when_it_is_first_read() {
@@ -364,7 +364,7 @@ fn a_changed_table_is_named_when_it_is_first_read() {
     assert_eq!(set.read_reach(0).unwrap(), recordings()[0]);
 }
 
-/// Pins that the check of the checksums covers all files. An empty list, a missing entry, an entry that was changed
+/// Tests that the check of the checksums covers all files. An empty list, a missing entry, an entry that was changed
 /// together with its file, and files that are not in the list are found when the set is opened.
 #[test]
 fn the_list_of_checksums_cannot_be_changed_unnoticed() {

@@ -43,8 +43,8 @@ fn described(path: &Path, tables: &[&Table]) {
     assert!(found.is_empty(), "{}: not described: {found:?}", path.display());
 }
 
-/// Pins that the dictionary describes every column of every table, of recordings and of trials, with its unit, and no other
-/// column.
+/// Tests that the dictionary describes every column of every table, of recordings and of trials, with its unit, and no
+/// other column.
 #[test]
 fn every_column_is_described_in_the_file_itself() {
     let folder = tempfile::tempdir().unwrap();
@@ -119,7 +119,7 @@ fn category_codes_stand_with_their_column() {
     assert_eq!(about["codes"], expected);
 }
 
-/// Pins that a learner cannot read ground truth by accident: neither the frames nor the features contain any, and the
+/// Tests that a learner cannot read ground truth by accident: neither the frames nor the features contain any, and the
 /// card makes the frames the default table.
 #[test]
 fn frames_hold_no_ground_truth() {
@@ -137,7 +137,7 @@ fn frames_hold_no_ground_truth() {
     assert!(card.contains("- config_name: frames\n  data_files: data/*/*.parquet\n  default: true\n"));
 }
 
-/// Pins that `docs/data.md` describes the tables as they are. After a change, the left side of the failing assertion
+/// Tests that `docs/data.md` describes the tables as they are. After a change, the left side of the failing assertion
 /// is the new text.
 #[test]
 fn the_document_lists_the_tables() {

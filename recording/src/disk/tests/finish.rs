@@ -7,7 +7,7 @@ use super::dataset::{begin, contents, copy, make, plan, recordings, scene_text};
 use crate::Recording;
 use crate::disk::{DatasetPlan, DatasetWriter, DiskError, FileText};
 
-/// Pins that reaches staged in reverse order, or by three threads at once, give the same bytes.
+/// Tests that reaches staged in reverse order, or by three threads at once, give the same bytes.
 #[test]
 fn order_and_threads_of_staging_leave_no_trace() {
     let folder = tempfile::tempdir().unwrap();
@@ -35,7 +35,7 @@ fn order_and_threads_of_staging_leave_no_trace() {
     assert_eq!(contents(&forwards), contents(&threads));
 }
 
-/// Pins that after a crash complete reaches are kept, truncated ones are run again, and the set ends in the same
+/// Tests that after a crash complete reaches are kept, truncated ones are run again, and the set ends in the same
 /// bytes.
 #[test]
 fn a_crash_costs_only_the_reaches_in_progress() {
@@ -76,7 +76,7 @@ fn a_crash_costs_only_the_reaches_in_progress() {
     assert_eq!(contents(&unbroken), contents(&broken));
 }
 
-/// Pins that a killed finish can be resumed whatever files it had written or removed, and ends in the same bytes.
+/// Tests that a killed finish can be resumed whatever files it had written or removed, and ends in the same bytes.
 #[test]
 fn a_finish_killed_at_any_file_is_taken_up_again() {
     let folder = tempfile::tempdir().unwrap();
@@ -128,7 +128,7 @@ fn a_finish_killed_at_any_file_is_taken_up_again() {
     }
 }
 
-/// Pins that a file that the operating system cannot read is an error and does not count as missing. Reaches in
+/// Tests that a file that the operating system cannot read is an error and does not count as missing. Reaches in
 /// complete files are no longer staged; if they counted as missing, they would be removed and simulated again. In this
 /// test, the unreadable file is a folder.
 #[test]
@@ -155,7 +155,7 @@ fn what_cannot_be_read_is_not_thrown_away() {
     }
 }
 
-/// Pins that neither a finished set nor other files can be overwritten, with or without resume. Resuming a finished
+/// Tests that neither a finished set nor other files can be overwritten, with or without resume. Resuming a finished
 /// set with another plan reports the difference.
 #[test]
 fn a_folder_that_holds_something_else_is_left_alone() {
@@ -184,7 +184,7 @@ fn a_folder_that_holds_something_else_is_left_alone() {
     assert_eq!(contents(&crashed), contents(&finished));
 }
 
-/// Pins that resuming with other options cannot mix two campaigns, and that the error names the difference.
+/// Tests that resuming with other options cannot mix two campaigns, and that the error names the difference.
 #[test]
 fn another_plan_is_refused_by_its_first_differing_field() {
     let changes: [Change<DatasetPlan>; 7] = [
@@ -222,7 +222,7 @@ fn another_plan_is_refused_by_its_first_differing_field() {
     assert_eq!(begin(folder.path(), true).missing().unwrap().len(), 5);
 }
 
-/// Pins that a recording of another scene, seed, reach, controller or skin is not accepted into a set.
+/// Tests that a recording of another scene, seed, reach, controller or skin is not accepted into a set.
 #[test]
 fn only_the_planned_reach_can_be_staged() {
     let changes: [Change<Recording>; 8] = [

@@ -23,7 +23,7 @@ fn read_all(dir: &std::path::Path) -> Result<(), DiskError> {
     (0..set.episodes().len()).try_for_each(|index| set.read_reach(index).map(drop))
 }
 
-/// Pins that opening and reading a data set detects a flipped bit in any file: at least five bits in every file, more
+/// Tests that opening and reading a data set detects a flipped bit in any file: at least five bits in every file, more
 /// than sixty in all.
 #[test]
 fn no_flipped_bit_of_a_data_set_is_read() {
@@ -44,7 +44,7 @@ fn no_flipped_bit_of_a_data_set_is_read() {
     read_all(folder.path()).unwrap();
 }
 
-/// Pins that a flipped bit in a recording is detected wherever it is: at 400 places from the first byte to the last,
+/// Tests that a flipped bit in a recording is detected wherever it is: at 400 places from the first byte to the last,
 /// and in every bit of the end of the footer.
 #[test]
 fn no_flipped_bit_of_a_recording_is_read() {

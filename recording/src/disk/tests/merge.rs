@@ -78,7 +78,7 @@ fn refused(parts: &[&PathBuf]) -> InputError {
     }
 }
 
-/// Pins that one, three or eleven parts, named in any order, merge into the bytes of the undivided set, and that a
+/// Tests that one, three or eleven parts, named in any order, merge into the bytes of the undivided set, and that a
 /// merge that is killed at any reach can be resumed and ends in the same bytes.
 #[test]
 fn parts_merge_into_the_undivided_set() {
@@ -118,7 +118,7 @@ fn parts_merge_into_the_undivided_set() {
     }
 }
 
-/// Pins that parts of another campaign, missing and duplicate parts and whole sets are refused, and that the error
+/// Tests that parts of another campaign, missing and duplicate parts and whole sets are refused, and that the error
 /// names the folder, what it holds and what is missing.
 #[test]
 fn what_is_not_every_part_once_is_refused() {
@@ -183,7 +183,7 @@ fn parts_of_other_campaigns_are_refused_by_the_field() {
     }
 }
 
-/// Pins that a damaged table of a part is named when it is read, and that the merge can be resumed once the part has
+/// Tests that a damaged table of a part is named when it is read, and that the merge can be resumed once the part has
 /// been repaired.
 #[test]
 fn a_damaged_part_is_named() {

@@ -1,7 +1,7 @@
 use super::dataset::{make, recordings};
 
-/// Pins that the list of largest contact forces has one entry per reach, in order, over several files, and 0 for the reach
-/// without contacts.
+/// Tests that the list of largest contact forces has one entry per reach, in order, over several files, and 0 for the
+/// reach without contacts.
 #[test]
 fn peak_forces_are_those_of_the_contacts() {
     let folder = tempfile::tempdir().unwrap();

@@ -17,7 +17,7 @@ fn misread(result: Result<Recording, DiskError>) -> InputError {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Pins that reading gives back what was written, down to the sign of a zero, for any layout.
+    /// Tests that reading gives back what was written, down to the sign of a zero, for any layout.
     #[test]
     fn any_recording_comes_back_bit_for_bit(recording in any_recording()) {
         let folder = tempfile::tempdir().unwrap();
@@ -29,7 +29,7 @@ proptest! {
     }
 }
 
-/// Pins that more frames than fit in one batch survive a round trip, and that writing is deterministic.
+/// Tests that more frames than fit in one batch survive a round trip, and that writing is deterministic.
 #[test]
 fn a_long_reach_comes_back_and_gives_the_same_bytes_twice() {
     let folder = tempfile::tempdir().unwrap();
@@ -47,7 +47,7 @@ fn a_long_reach_comes_back_and_gives_the_same_bytes_twice() {
     );
 }
 
-/// Pins that every rule is checked before a byte is written, and that the error names the field.
+/// Tests that every rule is checked before a byte is written, and that the error names the field.
 #[test]
 fn a_recording_that_breaks_a_rule_is_not_written() {
     let spoiled: [Change<Recording>; 21] = [
@@ -104,7 +104,7 @@ fn a_recording_that_breaks_a_rule_is_not_written() {
     }
 }
 
-/// Pins that a reading of zeros without an object is refused, because dense columns could not give it back.
+/// Tests that a reading of zeros without an object is refused, because dense columns could not give it back.
 #[test]
 fn a_silent_taxel_is_not_written() {
     let mut recording = reach(0, 20);
@@ -121,7 +121,7 @@ fn a_silent_taxel_is_not_written() {
     assert!(matches!(refused, Err(DiskError::Unwritable { field, .. }) if field == "frames[9].taxels[1]"));
 }
 
-/// Pins that a recording truncated at any length gives an error that names the file, never a panic or a shorter
+/// Tests that a recording truncated at any length gives an error that names the file, never a panic or a shorter
 /// recording.
 #[test]
 fn a_torn_file_is_named_whatever_is_missing() {
@@ -138,7 +138,7 @@ fn a_torn_file_is_named_whatever_is_missing() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
 
-    /// Pins that no damaged byte in data, metadata or footer makes the reader panic, even if the hash in the file was
+    /// Tests that no damaged byte in data, metadata or footer makes the reader panic, even if the hash in the file was
     /// computed anew, so that the decoder sees the damage.
     #[test]
     fn a_damaged_file_never_panics(place in any::<prop::sample::Index>(), mask in 1..=255u8) {
@@ -156,7 +156,7 @@ proptest! {
     }
 }
 
-/// Pins that a Parquet file of another program is distinguished from a truncated one.
+/// Tests that a Parquet file of another program is distinguished from a truncated one.
 #[test]
 fn a_foreign_parquet_file_is_refused_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();

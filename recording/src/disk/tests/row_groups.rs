@@ -38,7 +38,7 @@ fn tables() -> impl Iterator<Item = &'static Table> {
     TABLES.into_iter().filter(|table| !table.path.starts_with("meta/"))
 }
 
-/// Pins that a reach is within one row group of every table, that a group holds at most a given number of rows and
+/// Tests that a reach is within one row group of every table, that a group holds at most a given number of rows and
 /// one more reach, and that reading a reach uses no other group: the others are overwritten with garbage and the
 /// reach can still be read.
 #[test]

@@ -36,7 +36,7 @@ fn run(dir: &Path, part: Shard) -> bool {
     }
 }
 
-/// Pins that parts that run one after another, in any order and by different divisions, give the same bytes as one
+/// Tests that parts that run one after another, in any order and by different divisions, give the same bytes as one
 /// process, that only the last part makes the set, and that every part may run again at any time.
 #[test]
 fn the_last_part_makes_the_set() {
@@ -66,7 +66,7 @@ fn the_last_part_makes_the_set() {
     assert_eq!(contents(&whole), contents(&shared));
 }
 
-/// Pins that parts that begin and end at the same moment, each run by two processes, give the same bytes as one
+/// Tests that parts that begin and end at the same moment, each run by two processes, give the same bytes as one
 /// process, without leftovers, whichever is last. Locks belong to open files, so threads can stand for processes.
 #[test]
 fn parts_that_end_at_the_same_moment_make_one_set() {
@@ -91,7 +91,7 @@ fn parts_that_end_at_the_same_moment_make_one_set() {
     }
 }
 
-/// Pins that if two processes begin different sets in one folder at the same moment, one of them is refused with the
+/// Tests that if two processes begin different sets in one folder at the same moment, one of them is refused with the
 /// field that differs, and the set of the other is not disturbed.
 #[test]
 fn one_folder_takes_one_plan() {
@@ -119,7 +119,7 @@ fn one_folder_takes_one_plan() {
     }
 }
 
-/// Pins that processes that share a folder and a process that writes it alone exclude each other, and that a single
+/// Tests that processes that share a folder and a process that writes it alone exclude each other, and that a single
 /// process may finish what the parts have left.
 #[test]
 fn alone_and_shared_exclude_each_other() {
@@ -140,7 +140,7 @@ fn alone_and_shared_exclude_each_other() {
     assert_eq!(contents(&whole), contents(&shared));
 }
 
-/// Pins that the next process, shared or alone, removes the lock file that a crash in the last step leaves, and that
+/// Tests that the next process, shared or alone, removes the lock file that a crash in the last step leaves, and that
 /// the set counts as finished.
 #[test]
 fn what_the_last_step_leaves_is_removed() {

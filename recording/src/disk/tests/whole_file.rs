@@ -22,7 +22,7 @@ fn leftover(folder: &Path, output: &str, end: &str) -> String {
     name
 }
 
-/// Pins that writing a file removes what killed processes have left of it and nothing else: no leftovers of other
+/// Tests that writing a file removes what killed processes have left of it and nothing else: no leftovers of other
 /// files, no files that a living process is writing, no files of other programs.
 #[test]
 fn leftovers_of_an_output_go_with_its_next_run() {
@@ -47,7 +47,7 @@ fn leftovers_of_an_output_go_with_its_next_run() {
     assert_eq!(fs::read(folder.join("trials.csv")).unwrap(), b"anew");
 }
 
-/// Pins that a folder or a device is refused and not replaced.
+/// Tests that a folder or a device is refused and not replaced.
 #[test]
 fn only_files_are_replaced() {
     let folder = tempfile::tempdir().unwrap();
@@ -61,7 +61,7 @@ fn only_files_are_replaced() {
     }
 }
 
-/// Pins that names as long as the file system allows, and names that are not UTF-8, can be written.
+/// Tests that names as long as the file system allows, and names that are not UTF-8, can be written.
 #[cfg(unix)]
 #[test]
 fn any_name_can_be_written() {

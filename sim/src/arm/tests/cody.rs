@@ -38,8 +38,8 @@ const LINKS: [Published; 5] = [
 
 #[test]
 fn inertia_is_the_published_one_in_link_frames() {
-    // Pins the inertia in the URDF, which was converted from DH frames and includes the skin's shell on the forearm. It
-    // is compared in the base frame at the zero posture, so no frame convention is shared with the files.
+    // Tests the inertia in the URDF, which was converted from DH frames and includes the skin's shell on the forearm.
+    // It is compared in the base frame at the zero posture, so no frame convention is shared with the files.
     let arm = Arm::cody().unwrap();
     let frames = modified_dh_frames(&[0.0; 7]);
     let poses = arm.forward_kinematics(&[0.0; 7]);
@@ -78,7 +78,7 @@ fn inertia_is_the_published_one_in_link_frames() {
 
 #[test]
 fn forearm_skin_is_a_closed_sleeve_short_of_the_wrist() {
-    // Pins the published layout: 16 × 24 taxels of 9 × 9 mm on a cylinder of 46.04 mm, the first row 94.2 mm and the
+    // Tests the published layout: 16 × 24 taxels of 9 × 9 mm on a cylinder of 46.04 mm, the first row 94.2 mm and the
     // last 256.2 mm from the elbow axis, 14.8° to 15.9° between columns, all round.
     let arm = Arm::cody().unwrap();
     let patch = &arm.skin.layout.patches[0];
@@ -108,7 +108,7 @@ fn forearm_skin_is_a_closed_sleeve_short_of_the_wrist() {
 
 #[test]
 fn flipper_skin_has_its_69_taxels_on_the_flipper() {
-    // Pins count, area bounds and frame of the flipper's taxels: the tip taxel faces along the flipper at the tip, and
+    // Tests count, area bounds and frame of the flipper's taxels: the tip taxel faces along the flipper at the tip, and
     // every taxel is at most about 6 mm away from the surface of the collision shapes.
     let arm = Arm::cody().unwrap();
     let patch = &arm.skin.layout.patches[1];
@@ -146,7 +146,7 @@ fn flipper_skin_has_its_69_taxels_on_the_flipper() {
 
 #[test]
 fn tangents_are_unit_and_across_the_normal() {
-    // Pins the frames in which shear is given.
+    // Tests the frames in which shear is given.
     let arm = Arm::cody().unwrap();
     for taxel in arm.skin.layout.patches.iter().flat_map(|patch| &patch.taxels) {
         let frame = DMat3::from_cols(
@@ -160,7 +160,7 @@ fn tangents_are_unit_and_across_the_normal() {
 
 #[test]
 fn surface_points_tile_their_taxel() {
-    // Pins the pieces of a taxel: together they have its area and its middle; on the cylinder they lie on the surface
+    // Tests the pieces of a taxel: together they have its area and its middle; on the cylinder they lie on the surface
     // and their normals point from the axis.
     let arm = Arm::cody().unwrap();
     for (patch, surface) in arm.skin.surfaces.iter().enumerate() {

@@ -8,7 +8,7 @@ use super::altered_cody;
 
 #[test]
 fn cody_from_disk_is_cody() {
-    // Pins that a user's files are read like the embedded ones.
+    // Tests that a user's files are read like the embedded ones.
     let folder = tempfile::tempdir().unwrap();
     for name in ["cody.toml", "cody.urdf", "cody.skin.toml"] {
         fs::write(folder.path().join(name), cody_file(Path::new(name)).unwrap()).unwrap();
@@ -23,7 +23,7 @@ fn cody_from_disk_is_cody() {
 
 #[test]
 fn earlier_keys_are_still_read() {
-    // Pins that the model stiffness is read under its earlier key too, and that an error about it names its line.
+    // Tests that the model stiffness is read under its earlier key too, and that an error about it names its line.
     let earlier = |value: &str| {
         let (present, value) = (
             "model_stiffness_nm_per_rad = 3.2",
@@ -43,8 +43,8 @@ fn earlier_keys_are_still_read() {
 
 #[test]
 fn bad_values_are_refused_with_their_place() {
-    // Pins that every kind of bad value gives an error that names one of the arm's files and the field. Each case holds
-    // the file, the original text, its replacement, a part of the error's field, and a part of its text.
+    // Tests that every kind of bad value gives an error that names one of the arm's files and the field. Each case
+    // holds the file, the original text, its replacement, a part of the error's field, and a part of its text.
     #[rustfmt::skip]
     let cases = [
         ("cody.toml", "name = \"cody\"\n", "name = \"cody\"\ncolour = 1\n", "TOML", "colour"),
@@ -125,7 +125,7 @@ fn bad_values_are_refused_with_their_place() {
 
 #[test]
 fn errors_name_the_line() {
-    // Pins the line numbers of errors at a key of a later table, at an XML element and of a parse error. Each is the
+    // Tests the line numbers of errors at a key of a later table, at an XML element and of a parse error. Each is the
     // line of the altered text.
     for (name, from, to) in [
         (
@@ -160,7 +160,7 @@ fn errors_name_the_line() {
     }
 }
 
-/// Pins that a fault in a URDF is reported with the line of its element, also for tags that span several lines and for
+/// Tests that a fault in a URDF is reported with the line of its element, also for tags that span several lines and for
 /// a second shape.
 #[test]
 fn urdf_faults_name_the_line_of_the_element() {
@@ -180,7 +180,7 @@ fn urdf_faults_name_the_line_of_the_element() {
     }
 }
 
-/// Pins that a URDF with many nested elements is refused with its line and does not overflow the stack.
+/// Tests that a URDF with many nested elements is refused with its line and does not overflow the stack.
 #[test]
 fn deeply_nested_elements_are_refused() {
     let nested = format!("{}{}</robot>", "<a>".repeat(40_000), "</a>".repeat(40_000));
@@ -189,7 +189,8 @@ fn deeply_nested_elements_are_refused() {
     assert!(error.line.is_some());
 }
 
-/// Pins that a skin with more taxels than a frame can number is refused when it is read, whatever its rows and columns.
+/// Tests that a skin with more taxels than a frame can number is refused when it is read, whatever its rows and
+/// columns.
 #[test]
 fn skins_of_too_many_taxels_are_refused() {
     for rows in ["rows = 2800", "rows = 18446744073709551"] {
@@ -198,9 +199,9 @@ fn skins_of_too_many_taxels_are_refused() {
     }
 }
 
-/// Pins that a skin that cannot sense contact is refused when it is read: under the surface, off it, facing inwards, or
-/// on a link without a collision shape. Also pins that a patch that is slightly off is called doubtful, and Cody's own
-/// skin is not.
+/// Tests that a skin that cannot sense contact is refused when it is read: under the surface, off it, facing inwards,
+/// or on a link without a collision shape. Also tests that a patch that is slightly off is called doubtful, and Cody's
+/// own skin is not.
 #[test]
 fn skins_that_cannot_feel_are_refused() {
     let forearm = "<geometry><cylinder radius=\"0.04604\" length=\"0.237\"/></geometry>";
@@ -237,7 +238,7 @@ fn skins_that_cannot_feel_are_refused() {
 
 #[test]
 fn rigidly_joined_links_become_one() {
-    // Pins merging: a forearm that a fixed joint splits into two halves of known inertia has the mass, centre and
+    // Tests merging: a forearm that a fixed joint splits into two halves of known inertia has the mass, centre and
     // inertia that the parallel-axis theorem gives, and skin and shapes may still name the second half.
     let split = r#"<link name="forearm"><inertial><origin xyz="0 0 0.1"/><mass value="1"/>
         <inertia ixx="0.001" ixy="0" ixz="0" iyy="0.002" iyz="0" izz="0.0015"/></inertial></link>
@@ -283,7 +284,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
     #[test]
     fn damaged_files_never_panic(which in 0usize..3, at in 0.0..1.0f64, length in 0usize..40, insert in ".{0,6}") {
-        // Pins that a file with any damage gives an error or an arm, never a panic.
+        // Tests that a file with any damage gives an error or an arm, never a panic.
         let name = ["cody.toml", "cody.urdf", "cody.skin.toml"][which];
         let result = file::assemble(Path::new("cody.toml"), &|path: &Path| {
             let text = cody_file(path)?;

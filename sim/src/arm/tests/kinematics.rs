@@ -45,7 +45,7 @@ pub(crate) fn matrix(pose: &Pose) -> Matrix4<f64> {
 
 #[test]
 fn chain_is_that_of_the_modified_dh_table() {
-    // Pins joint order, axes, signs and offsets of the URDF: every link frame moves with its DH frame, from which it
+    // Tests joint order, axes, signs and offsets of the URDF: every link frame moves with its DH frame, from which it
     // differs by a constant.
     let arm = Arm::cody().unwrap();
     let at_zero = arm.forward_kinematics(&[0.0; 7]);
@@ -65,7 +65,7 @@ fn chain_is_that_of_the_modified_dh_table() {
 
 #[test]
 fn zero_posture_hangs_straight_down() {
-    // Pins the constants that the test above leaves open: link frames parallel to the base, each at its joint.
+    // Tests the constants that the test above leaves open: link frames parallel to the base, each at its joint.
     let arm = Arm::cody().unwrap();
     let links = arm.forward_kinematics(&[0.0; 7]);
     let elbow = DVec3::new(0.00635, -0.18493 - 0.03175, -0.27795);
@@ -90,7 +90,7 @@ fn zero_posture_hangs_straight_down() {
 
 #[test]
 fn positive_angles_swing_forward_outward_and_bend() {
-    // Pins the signs of the axes by the motions that a person would see.
+    // Tests the signs of the axes by the motions that a person would see.
     let arm = Arm::cody().unwrap();
     let end_effector = |joint: usize| {
         let mut posture = [0.0; 7];
@@ -109,7 +109,7 @@ fn positive_angles_swing_forward_outward_and_bend() {
 
 #[test]
 fn jacobians_are_the_derivatives_of_the_poses() {
-    // Pins position and angular Jacobians of a point on every link against central differences.
+    // Tests position and angular Jacobians of a point on every link against central differences.
     let arm = Arm::cody().unwrap();
     let step = 1e-6;
     for (round, posture) in random_postures(&arm, 1000).into_iter().enumerate() {

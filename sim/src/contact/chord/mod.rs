@@ -185,9 +185,10 @@ mod tests {
     }
 
     proptest! {
-        /// Pins entry and exit against parry's own ray casts from both sides, for every kind of shape. Parry's hulls have one
-        /// normal for triangles that are less than 1.8e-4 rad apart (it merges them where the cosine is within the root of
-        /// the machine epsilon of one), so an end may be off by that angle times the hull's size, along a slanted line.
+        /// Tests entry and exit against parry's own ray casts from both sides, for every kind of shape. Parry's hulls
+        /// have one normal for triangles that are less than 1.8e-4 rad apart (it merges them where the cosine is within
+        /// the root of the machine epsilon of one), so an end may be off by that angle times the hull's size, along a
+        /// slanted line.
         #[test]
         fn chords_are_what_rays_from_both_sides_hit(
             origin in vector(0.12),
@@ -232,7 +233,7 @@ mod tests {
             }
         }
 
-        /// Pins the gradients against central differences, inside and outside.
+        /// Tests the gradients against central differences, inside and outside.
         #[test]
         fn gradients_are_the_slopes(
             place in prop::array::uniform2(-0.12..0.12f64),

@@ -11,7 +11,7 @@ use crate::reach::ReachRules;
 
 #[test]
 fn reaches_goals_in_free_space() {
-    // Pins that the end effector of an arm that follows its equilibrium angles arrives at goals that it can reach, no
+    // Tests that the end effector of an arm that follows its equilibrium angles arrives at goals that it can reach, no
     // faster than the preset's hand speed.
     let arm = Arm::cody().unwrap();
     for kind in [ControllerKind::Cody2013, ControllerKind::IjrrFoliage] {
@@ -149,7 +149,7 @@ fn push(
 
 #[test]
 fn forces_over_the_limit_fall_below_it() {
-    // Pins that a contact pressed above the limit is relieved, both with the assumed stiffness and with a higher one.
+    // Tests that a contact pressed above the limit is relieved, both with the assumed stiffness and with a higher one.
     let arm = Arm::cody().unwrap();
     for preset in [Preset::cody_2013(), Preset::ijrr_foliage()] {
         let mut controller = ModelPredictive::new(preset.clone(), &arm);
@@ -173,7 +173,7 @@ fn forces_over_the_limit_fall_below_it() {
 
 #[test]
 fn goals_behind_a_wall_are_pushed_for_within_the_limit() {
-    // Pins the controller's purpose: on the way to a goal behind a wall of the assumed stiffness, the force approaches
+    // Tests the controller's purpose: on the way to a goal behind a wall of the assumed stiffness, the force approaches
     // the limit but does not exceed it, while a controller without skin pushes harder.
     let arm = Arm::cody().unwrap();
     for preset in [Preset::cody_2013(), Preset::ijrr_foliage()] {

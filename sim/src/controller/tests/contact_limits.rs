@@ -10,7 +10,7 @@ use crate::arm::Arm;
 
 #[test]
 fn the_usual_limit_given_to_each_contact_changes_nothing() {
-    // Pins that the answer is the same bit for bit whether contacts have no limit of their own or the limit of the
+    // Tests that the answer is the same bit for bit whether contacts have no limit of their own or the limit of the
     // parameter set, and that a lower limit changes it.
     let arm = Arm::cody().unwrap();
     let mut random = ChaCha8Rng::seed_from_u64(13);
@@ -37,7 +37,7 @@ fn the_usual_limit_given_to_each_contact_changes_nothing() {
 
 #[test]
 fn one_joint_presses_up_to_the_contacts_limit() {
-    // Pins the closed form for one joint of stiffness K whose skin presses at the distance r on a spring k, on the way
+    // Tests the closed form for one joint of stiffness K whose skin presses at the distance r on a spring k, on the way
     // to a goal beyond: Δq = K / (K + k r²) Δφ, and Δφ is such that the force k r Δq grows by 0.1 N, or up to the limit
     // of the contact, or not at all if the force is over that limit.
     let mut arm = Arm::cody().unwrap();

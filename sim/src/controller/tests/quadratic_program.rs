@@ -136,7 +136,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(3000))]
     #[test]
     fn agrees_with_an_interior_point_solver(program in programs()) {
-        // Pins status and minimum against an independent method, and the optimality conditions directly.
+        // Tests status and minimum against an independent method, and the optimality conditions directly.
         match (program.solve(), peer(&program)) {
             (Outcome::Optimal(solution), other) => {
                 prop_assert!(residual(&program, &solution) < 1e-7, "residual {:e}", residual(&program, &solution));
@@ -155,7 +155,7 @@ proptest! {
 
 #[test]
 fn example_by_hand() {
-    // Pins a program solved by hand: nearest point to (3, 4) with x + y ≤ 4, x ≤ 1 is (1, 3).
+    // Tests a program solved by hand: nearest point to (3, 4) with x + y ≤ 4, x ≤ 1 is (1, 3).
     let solution = optimum(&program(
         DMatrix::identity(2, 2),
         &[-3.0, -4.0],
@@ -170,7 +170,7 @@ fn example_by_hand() {
 
 #[test]
 fn without_constraints_it_is_the_newton_step() {
-    // Pins the unconstrained minimum −G⁻¹ a.
+    // Tests the unconstrained minimum −G⁻¹ a.
     let hessian = DMatrix::from_row_slice(2, 2, &[4.0, 1.0, 1.0, 3.0]);
     let solution = optimum(&program(hessian, &[1.0, 2.0], &[], &[]));
     assert!((solution.minimizer[0] + 1.0 / 11.0).abs() < 1e-15 && (solution.minimizer[1] + 7.0 / 11.0).abs() < 1e-15);
@@ -179,7 +179,7 @@ fn without_constraints_it_is_the_newton_step() {
 
 #[test]
 fn empty_boxes_are_infeasible() {
-    // Pins that contradictions are detected: x ≥ 1 with x ≤ 0, one hidden among other constraints, and 0 ≥ 1.
+    // Tests that contradictions are detected: x ≥ 1 with x ≤ 0, one hidden among other constraints, and 0 ≥ 1.
     let identity = DMatrix::identity(2, 2);
     let empty: [(&[&[f64]], &[f64]); 3] = [
         (&[&[1.0, 0.0], &[-1.0, 0.0]], &[1.0, 0.0]),
@@ -197,7 +197,7 @@ fn empty_boxes_are_infeasible() {
 
 #[test]
 fn degenerate_vertices_end() {
-    // Pins termination and optimality if many constraints, doubled and redundant, meet at the minimum.
+    // Tests termination and optimality if many constraints, doubled and redundant, meet at the minimum.
     let mut rows: Vec<Vec<f64>> = Vec::new();
     for step in 0..60 {
         let angle = f64::from(step % 30) * std::f64::consts::PI / 30.0;
@@ -212,7 +212,7 @@ fn degenerate_vertices_end() {
 
 #[test]
 fn bad_programs_are_told_apart() {
-    // Pins the outcomes without a solution: an indefinite or singular Hessian, NaN, wrong sizes.
+    // Tests the outcomes without a solution: an indefinite or singular Hessian, NaN, wrong sizes.
     let indefinite = DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 2.0, 1.0]);
     assert_eq!(
         program(indefinite, &[0.0, 0.0], &[], &[]).solve(),

@@ -123,7 +123,7 @@ fn change_of(situation: &Situation<'_>, controller: &mut dyn Controller) -> (Con
 
 #[test]
 fn steps_are_the_constrained_minimum_of_the_published_cost() {
-    // Pins cost and constraints against the published formulas with full matrices: each step keeps all bounds, and no
+    // Tests cost and constraints against the published formulas with full matrices: each step keeps all bounds, and no
     // other step that keeps them costs less.
     let arm = Arm::cody().unwrap();
     let mut random = ChaCha8Rng::seed_from_u64(3);
@@ -162,7 +162,7 @@ fn steps_are_the_constrained_minimum_of_the_published_cost() {
 
 #[test]
 fn opposed_forces_over_the_limit_leave_the_arm_where_it_is() {
-    // Pins the infeasible case: two forces at one place that push against each other cannot both fall.
+    // Tests the infeasible case: two forces at one place that push against each other cannot both fall.
     let arm = Arm::cody().unwrap();
     let mut situation = Situation::at(&arm, &middle());
     situation.press(0, 100, 8.0);
@@ -177,7 +177,7 @@ fn opposed_forces_over_the_limit_leave_the_arm_where_it_is() {
 
 #[test]
 fn numbers_that_are_none_leave_the_arm_where_it_is() {
-    // Pins the failed case: if the input holds NaN, φ stays as it was.
+    // Tests the failed case: if the input holds NaN, φ stays as it was.
     let arm = Arm::cody().unwrap();
     for preset in presets() {
         let mut situation = Situation::at(&arm, &middle());
@@ -190,7 +190,7 @@ fn numbers_that_are_none_leave_the_arm_where_it_is() {
 
 #[test]
 fn faint_forces_are_no_contacts() {
-    // Pins the threshold of 1.0 N: a taxel below it has no effect; one at or above it has.
+    // Tests the threshold of 1.0 N: a taxel below it has no effect; one at or above it has.
     let arm = Arm::cody().unwrap();
     for preset in presets() {
         let mut controller = ModelPredictive::new(preset, &arm);
@@ -212,7 +212,7 @@ fn faint_forces_are_no_contacts() {
 
 #[test]
 fn far_equilibrium_angles_are_reset() {
-    // Pins the 20° bound and the reset beyond 25° of `cody-2013`, and that the other set has neither.
+    // Tests the 20° bound and the reset beyond 25° of `cody-2013`, and that the other set has neither.
     let arm = Arm::cody().unwrap();
     let mut cody = ModelPredictive::new(Preset::cody_2013(), &arm);
     for (offset_deg, reset) in [(15.0, false), (22.0, false), (24.9, false), (25.1, true), (-30.0, true)] {
@@ -240,7 +240,7 @@ fn far_equilibrium_angles_are_reset() {
 
 #[test]
 fn joints_beyond_their_limits_do_not_stop_the_arm() {
-    // Pins that limits are clamped so that standing still is allowed: an elbow pushed past its limit may move back but
+    // Tests that limits are clamped so that standing still is allowed: an elbow pushed past its limit may move back but
     // not farther, and the other joints still move.
     let arm = Arm::cody().unwrap();
     for preset in presets() {
@@ -257,7 +257,7 @@ fn joints_beyond_their_limits_do_not_stop_the_arm() {
 
 #[test]
 fn blind_is_the_same_controller_without_skin() {
-    // Pins that the baseline answers as the same controller does without contacts, and that every name gives the
+    // Tests that the baseline answers as the same controller does without contacts, and that every name gives the
     // controller of that name.
     let arm = Arm::cody().unwrap();
     let mut situation = Situation::at(&arm, &middle());

@@ -3,7 +3,7 @@
 use super::*;
 use crate::object::{Footing, Specification};
 
-/// Pins that a group whose rolls would all topple is refused with the modulus that is needed, that only rolls that
+/// Tests that a group whose rolls would all topple is refused with the modulus that is needed, that only rolls that
 /// stand are drawn from a mixed group, and that all rolls of the default ranges stand.
 #[test]
 fn only_rolls_that_stand_are_drawn() {

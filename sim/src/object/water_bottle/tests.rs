@@ -8,7 +8,7 @@ const FOOTING: Footing = Footing {
     foam_modulus_pa: None,
 };
 
-/// Pins that a group of bottles that would overflow is refused with the mass of water that fits, and that no bottle of
+/// Tests that a group of bottles that would overflow is refused with the mass of water that fits, and that no bottle of
 /// a mixed group overflows.
 #[test]
 fn no_bottle_overflows() {
@@ -26,7 +26,7 @@ fn no_bottle_overflows() {
     }
 }
 
-/// Pins mass, centre of mass and inertia of a bottle against values computed by hand: 1 kg of wall, 0.2 m thick and
+/// Tests mass, centre of mass and inertia of a bottle against values computed by hand: 1 kg of wall, 0.2 m thick and
 /// 0.4 m high, and 3.1416 kg of water, which is 0.1 m deep.
 #[test]
 fn mass_and_inertia_are_those_of_wall_and_water() {

@@ -28,7 +28,7 @@ fn end(rules: ReachRules, position_m: impl Fn(usize) -> f64) -> Option<(usize, O
     })
 }
 
-/// Pins that only a force over the stop force aborts, and that it does so even at the goal.
+/// Tests that only a force over the stop force aborts, and that it does so even at the goal.
 #[test]
 fn a_force_over_the_stop_force_aborts() {
     let mut monitor = Monitor::new(rules(), DVec3::ZERO);
@@ -38,7 +38,7 @@ fn a_force_over_the_stop_force_aborts() {
     assert_eq!(monitor.observe(DVec3::ZERO, 17.0), Some(Outcome::Aborted));
 }
 
-/// Pins that a goal is reached at less than the distance, in any direction, and not exactly at it.
+/// Tests that a goal is reached at less than the distance, in any direction, and not exactly at it.
 #[test]
 fn a_goal_is_reached_within_the_distance() {
     let mut monitor = Monitor::new(rules(), DVec3::ZERO);
@@ -46,7 +46,7 @@ fn a_goal_is_reached_within_the_distance() {
     assert_eq!(monitor.observe(DVec3::Y * -0.0624, 16.0), Some(Outcome::Reached));
 }
 
-/// Pins that the arm is stuck if the means of the window's halves are closer than the distance, as soon as the window
+/// Tests that the arm is stuck if the means of the window's halves are closer than the distance, as soon as the window
 /// is full and no sooner. At a speed of v per frame, the means of 4 and 4 frames are 4 v apart.
 #[test]
 fn an_end_effector_without_progress_is_stuck() {
@@ -75,8 +75,8 @@ fn an_end_effector_without_progress_is_stuck() {
     );
 }
 
-/// Pins that an arm that shakes in place is stuck, and that an arm that stops after moving is stuck once it has been at
-/// rest for the whole window.
+/// Tests that an arm that shakes in place is stuck, and that an arm that stops after moving is stuck once it has been
+/// at rest for the whole window.
 #[test]
 fn shaking_is_no_headway() {
     let shaking = |frame: usize| if frame.is_multiple_of(2) { 0.5 } else { -0.5 };
@@ -87,7 +87,7 @@ fn shaking_is_no_headway() {
     assert_eq!(end(rules(), stopping), Some((17, Outcome::Stuck)));
 }
 
-/// Pins that an attempt ends in the frame in which its time is over, and that being stuck in that frame takes
+/// Tests that an attempt ends in the frame in which its time is over, and that being stuck in that frame takes
 /// precedence.
 #[test]
 fn time_runs_out() {

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Pins the crosstalk: the kernel of every taxel sums to 1 (to rounding), takes four equal parts, keeps the parts of
+/// Tests the crosstalk: the kernel of every taxel sums to 1 (to rounding), takes four equal parts, keeps the parts of
 /// neighbours that are missing at the rim, and wraps around the forearm; separate fabric has no crosstalk.
 #[test]
 fn crosstalk_moves_force_and_loses_none() {
@@ -36,7 +36,7 @@ fn crosstalk_moves_force_and_loses_none() {
     assert_eq!(sensor.reading_n(FLIPPER, 4), 0.0);
 }
 
-/// Pins the creep to its closed form: under a constant force F the reading after n frames is F (1 + c Σ (1 −
+/// Tests the creep to its closed form: under a constant force F the reading after n frames is F (1 + c Σ (1 −
 /// e^(−nΔt/τ))), τ = 0.1, 1, 10, 100 s, and, m frames after release, F c Σ (1 − e^(−nΔt/τ)) e^(−mΔt/τ). The update is
 /// exact, so they agree to rounding to single precision.
 #[test]
@@ -67,7 +67,7 @@ fn creep_follows_its_step_response() {
     }
 }
 
-/// Pins that creep follows the logarithm of time: from 0.1 to 1, 1 to 10 and 10 to 100 s under a force, the reading
+/// Tests that creep follows the logarithm of time: from 0.1 to 1, 1 to 10 and 10 to 100 s under a force, the reading
 /// grows by the share per decade, within 10 %. The last decade lacks the tenth that a further element would add.
 #[test]
 fn creep_goes_with_the_logarithm_of_time() {

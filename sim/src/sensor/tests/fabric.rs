@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Pins the fabric's hysteresis loop: up to F and back to 0 it encloses h F² / 2 at any speed, and a reading during
+/// Tests the fabric's hysteresis loop: up to F and back to 0 it encloses h F² / 2 at any speed, and a reading during
 /// unloading is never below that during loading.
 #[test]
 fn fabric_has_the_hysteresis_loop_asked_for() {
@@ -36,7 +36,7 @@ fn fabric_has_the_hysteresis_loop_asked_for() {
     }
 }
 
-/// Pins the fabric's response F S / (F + S): slope 1 at small forces, half the full scale at S, never over it, in
+/// Tests the fabric's response F S / (F + S): slope 1 at small forces, half the full scale at S, never over it, in
 /// counts of the converter.
 #[test]
 fn fabric_saturates_as_a_voltage_divider() {

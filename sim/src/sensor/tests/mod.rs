@@ -63,7 +63,7 @@ proptest! {
     }
 }
 
-/// Pins that an untouched taxel reads 0 with a gate of six sigmas (it fails with a probability of 2e-9 per reading),
+/// Tests that an untouched taxel reads 0 with a gate of six sigmas (it fails with a probability of 2e-9 per reading),
 /// that a force over the gate is read, and where floor and saturation cut.
 #[test]
 fn gate_floor_and_saturation_cut_where_they_say() {
@@ -87,7 +87,7 @@ fn gate_floor_and_saturation_cut_where_they_say() {
     assert_eq!(readings, [0.0, single(1.01), 16.5, 17.0]);
 }
 
-/// Pins that readings are delayed by the requested number of frames, and start at 0.
+/// Tests that readings are delayed by the requested number of frames, and start at 0.
 #[test]
 fn readings_are_late_by_whole_frames() {
     for delay_frames in [0, 1, 3] {
@@ -106,7 +106,7 @@ fn readings_are_late_by_whole_frames() {
     }
 }
 
-/// Pins dead taxels: those listed always, and the requested share of the others (within three sigmas of a binomial),
+/// Tests dead taxels: those listed always, and the requested share of the others (within three sigmas of a binomial),
 /// which differ from reach to reach and are the same for the same reach. The noise of the other taxels does not change.
 #[test]
 fn dead_taxels_read_nothing() {
@@ -156,7 +156,7 @@ fn dead_taxels_read_nothing() {
     assert_eq!(press(&mut broken, (FOREARM, 9), 1.0), 0.0);
 }
 
-/// Pins that listing a dead taxel does not change which others are dead.
+/// Tests that listing a dead taxel does not change which others are dead.
 #[test]
 fn a_listed_taxel_does_not_redraw_the_others() {
     let skin = Arm::cody().unwrap().skin;
@@ -175,7 +175,7 @@ fn a_listed_taxel_does_not_redraw_the_others() {
     assert_eq!(dead_with(&[living as u16]), expected);
 }
 
-/// Pins that options outside their limits and dead taxels that the skin does not have are found, by key.
+/// Tests that options outside their limits and dead taxels that the skin does not have are found, by key.
 #[test]
 fn faults_are_found() {
     let layout = Arm::cody().unwrap().skin.layout;

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Pins mean and variance of the noise within three standard errors of those of a normal distribution, that no two
+/// Tests mean and variance of the noise within three standard errors of those of a normal distribution, that no two
 /// taxels share their noise, and that gate, quantum and floor are off at 0.
 #[test]
 fn noise_has_the_variance_asked_for() {
@@ -40,7 +40,7 @@ fn noise_has_the_variance_asked_for() {
     }
 }
 
-/// Pins that a contact on one taxel does not change the noise of another taxel or of the other technology.
+/// Tests that a contact on one taxel does not change the noise of another taxel or of the other technology.
 #[test]
 fn noise_does_not_depend_on_other_taxels() {
     let options = SensorOptions {
@@ -66,7 +66,7 @@ fn noise_does_not_depend_on_other_taxels() {
     assert_eq!(readings(false), readings(true));
 }
 
-/// Pins that switching off the noise of one technology leaves the other's as it is.
+/// Tests that switching off the noise of one technology leaves the other's as it is.
 #[test]
 fn noise_does_not_depend_on_the_noise_of_the_other_technology() {
     let readings = |fabric_noise_n: f64| {

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Pins the long-run share and the mean duration of spurious readings within four standard errors, their range, that
+/// Tests the long-run share and the mean duration of spurious readings within four standard errors, their range, that
 /// there are none just after the skin was zeroed, and that they do not change the noise.
 #[test]
 fn spurious_readings_have_the_share_and_the_duration_asked_for() {

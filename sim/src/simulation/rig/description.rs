@@ -179,7 +179,7 @@ mod tests {
     use crate::physics::PhysicsOptions;
     use crate::simulation::rig::Rig;
 
-    /// Pins that the friction of a shape is the friction of its surface; the engine's own coefficients are not used.
+    /// Tests that the friction of a shape is the friction of its surface; the engine's own coefficients are not used.
     #[test]
     fn friction_is_that_of_the_surface() {
         let arm = Arm {

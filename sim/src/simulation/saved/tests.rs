@@ -29,7 +29,7 @@ fn go_on(simulation: &mut Simulation, angles: &[Vec<f64>]) -> Vec<FrameReport> {
     angles.iter().map(|angles| simulation.step(angles).clone()).collect()
 }
 
-/// Pins that a state saved at many moments of a reach, with contacts and with objects that are woken and put to rest,
+/// Tests that a state saved at many moments of a reach, with contacts and with objects that are woken and put to rest,
 /// is loaded into a fresh simulation which then continues bit for bit: every number of every report, the sensor's noise
 /// included.
 #[test]
@@ -70,7 +70,7 @@ fn a_loaded_simulation_continues_bit_for_bit() {
     }
 }
 
-/// Pins that bytes that are no state, a state with a changed or missing byte, and a state of another clutter are
+/// Tests that bytes that are no state, a state with a changed or missing byte, and a state of another clutter are
 /// refused, each with its own error, and leave the simulation as it was.
 #[test]
 fn bad_states_are_refused() {

@@ -69,7 +69,7 @@ fn advance(simulation: &mut Simulation, equilibrium_angle_rad: &[f64]) -> Alloca
     found
 }
 
-/// Pins that in a frame only the engine and parry's search for the depth of overlaps allocate memory, for an arm that
+/// Tests that in a frame only the engine and parry's search for the depth of overlaps allocate memory, for an arm that
 /// moves to and fro among leaves and trunks that it touches. The frames are those of [`Simulation::step`].
 #[test]
 fn only_the_engine_allocates_in_a_frame() {
@@ -125,8 +125,8 @@ fn only_the_engine_allocates_in_a_frame() {
     );
 }
 
-/// Pins that an object that touched the arm in a frame stays in the engine until the next one, even if it rests and the arm
-/// is already far away: the skin still reads its collision shapes.
+/// Tests that an object that touched the arm in a frame stays in the engine until the next one, even if it rests and
+/// the arm is already far away: the skin still reads its collision shapes.
 #[test]
 fn an_object_that_was_touched_is_not_taken_out() {
     let plan = ReachPlan::new(Scene::parse("many.toml", SCENE.into()).unwrap(), None, 1).unwrap();

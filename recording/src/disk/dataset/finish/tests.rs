@@ -12,8 +12,8 @@ fn staged(writer: &DatasetWriter) -> Vec<usize> {
         .collect()
 }
 
-/// Pins that a staged reach is removed as soon as it is in complete files, so that finishing does not take twice the
-/// disk space of the set. Also pins that a finish can be killed at any reach, before or after removing staged files,
+/// Tests that a staged reach is removed as soon as it is in complete files, so that finishing does not take twice the
+/// disk space of the set. Also tests that a finish can be killed at any reach, before or after removing staged files,
 /// and that its complete files can be damaged before it is resumed: nothing is lost, and the bytes are the same.
 #[test]
 fn reaches_are_freed_file_by_file() {

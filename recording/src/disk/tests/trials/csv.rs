@@ -13,7 +13,7 @@ fn read_text(text: &str) -> Result<Vec<Trial>, DiskError> {
     read_trials(&path)
 }
 
-/// Pins how other programs may write truth values, that `touched` is unknown in a table without them, that one sample
+/// Tests how other programs may write truth values, that `touched` is unknown in a table without them, that one sample
 /// in contact makes a trial touched, and that a trial with gaps does not count as untouched.
 #[test]
 fn touched_is_true_or_false_or_unknown() {
@@ -34,7 +34,7 @@ fn touched_is_true_or_false_or_unknown() {
     }
 }
 
-/// Pins that tables are read with columns in any order, unknown columns, interleaved trials, and integers as pandas
+/// Tests that tables are read with columns in any order, unknown columns, interleaved trials, and integers as pandas
 /// writes them in columns with gaps.
 #[test]
 fn a_table_of_another_hand_is_understood() {
@@ -64,7 +64,7 @@ fn a_table_of_another_hand_is_understood() {
     assert_eq!(read_text(text).unwrap(), expected);
 }
 
-/// Pins that each row has all three columns of a region or none, and that the missing one is named with its line.
+/// Tests that each row has all three columns of a region or none, and that the missing one is named with its line.
 #[test]
 fn a_region_is_whole_or_absent() {
     let head = "trial,time_s,force_n,region_taxels,region_largest_force_n,region_force_sum_n\n1,0.0,0.1,,,\n";
@@ -80,7 +80,7 @@ fn a_region_is_whole_or_absent() {
     assert_eq!((error.line, error.field.as_str()), (Some(3), "region_largest_force_n"));
 }
 
-/// Pins the line and column of each kind of fault.
+/// Tests the line and column of each kind of fault.
 #[test]
 fn every_fault_of_a_csv_table_is_named_with_its_line() {
     let head = "trial,category,reach,taxel,time_s,force_n\n1,leaf,0,5,0.0,0.1\n";
@@ -119,8 +119,8 @@ fn every_fault_of_a_csv_table_is_named_with_its_line() {
     }
 }
 
-/// Pins that a category that could be mistaken for the verdict `uncertain` is refused with line, column and reason, and
-/// that an outlier, the other verdict, is a category as well.
+/// Tests that a category that could be mistaken for the verdict `uncertain` is refused with line, column and reason,
+/// and that an outlier, the other verdict, is a category as well.
 #[test]
 fn a_category_called_like_a_verdict_is_refused() {
     let head = "trial,category,time_s,force_n\n1,outlier,0.0,0.1\n";
@@ -154,7 +154,7 @@ fn names_that_change_a_terminal_are_refused() {
     }
 }
 
-/// Pins that blank lines, line breaks in quotes and Windows line ends do not shift the line number of a fault, both
+/// Tests that blank lines, line breaks in quotes and Windows line ends do not shift the line number of a fault, both
 /// in cells and in errors of the CSV parser.
 #[test]
 fn blank_lines_do_not_shift_the_line_of_a_fault() {
@@ -175,7 +175,7 @@ fn blank_lines_do_not_shift_the_line_of_a_fault() {
     }
 }
 
-/// Pins that numbers that no sensor can report are refused with line and column, and that both ends of each range are
+/// Tests that numbers that no sensor can report are refused with line and column, and that both ends of each range are
 /// read.
 #[test]
 fn numbers_out_of_range_are_refused() {

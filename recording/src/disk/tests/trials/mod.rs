@@ -73,7 +73,7 @@ fn any_trials() -> impl Strategy<Value = Vec<Trial>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Pins that reading gives back what was written, down to the sign of a zero, and with quotes and line breaks in
+    /// Tests that reading gives back what was written, down to the sign of a zero, and with quotes and line breaks in
     /// names.
     #[test]
     fn any_trials_come_back_from_both_formats(trials in any_trials()) {
@@ -85,7 +85,7 @@ proptest! {
         }
     }
 
-    /// Pins that any text is either a table or an error, and that no trial of a table is empty.
+    /// Tests that any text is either a table or an error, and that no trial of a table is empty.
     #[test]
     fn no_text_panics_the_reader(text in "(trial,time_s,force_n\n)?([0-9.,\"\n\r-]|\\PC){0,60}") {
         let folder = tempfile::tempdir().unwrap();
@@ -104,7 +104,7 @@ fn refused(result: Result<Vec<Trial>, DiskError>) -> InputError {
     }
 }
 
-/// Pins that the file's extension alone decides its format, and that a missing file is bad input.
+/// Tests that the file's extension alone decides its format, and that a missing file is bad input.
 #[test]
 fn other_extensions_and_absent_files_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -119,7 +119,7 @@ fn other_extensions_and_absent_files_are_refused() {
     }
 }
 
-/// Pins that each rule for tables of trials is checked before the file appears.
+/// Tests that each rule for tables of trials is checked before the file appears.
 #[test]
 fn trials_that_could_not_be_read_back_are_not_written() {
     let sample = Sample {

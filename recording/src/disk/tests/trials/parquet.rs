@@ -155,7 +155,7 @@ fn types_that_pandas_and_polars_write_are_accepted() {
     }
 }
 
-/// Pins the row and column of each kind of fault in Parquet.
+/// Tests the row and column of each kind of fault in Parquet.
 #[test]
 fn every_fault_of_a_parquet_table_is_named_with_its_row() {
     let folder = tempfile::tempdir().unwrap();
@@ -198,7 +198,7 @@ fn every_fault_of_a_parquet_table_is_named_with_its_row() {
     }
 }
 
-/// Pins that truth values, numbers and a column without values are read, as in CSV files.
+/// Tests that truth values, numbers and a column without values are read, as in CSV files.
 #[test]
 fn touched_in_parquet_may_be_a_flag_or_a_number() {
     let folder = tempfile::tempdir().unwrap();

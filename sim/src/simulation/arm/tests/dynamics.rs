@@ -43,7 +43,7 @@ fn one_joint_arm() -> Arm {
 
 #[test]
 fn step_of_the_equilibrium_angle_gives_the_second_order_response() {
-    // Pins stiffness, damping, inertia and armature together: I = m r² + I_c + armature = 0.15 kg m²,
+    // Tests stiffness, damping, inertia and armature together: I = m r² + I_c + armature = 0.15 kg m²,
     // ω₀ = sqrt(K/I), ζ = D / (2 sqrt(K I)); period 2π/(ω₀ sqrt(1 − ζ²)), overshoot exp(−π ζ / sqrt(1 − ζ²)).
     let arm = one_joint_arm();
     let step_s = 1e-4;
@@ -89,7 +89,7 @@ fn step_of_the_equilibrium_angle_gives_the_second_order_response() {
 
 #[test]
 fn end_effector_force_at_rest_is_held_by_the_springs() {
-    // Pins statics: K (φ − q) + Jᵀ f = 0 for a known force at the end effector, to 1e-3 of the largest joint torque.
+    // Tests statics: K (φ − q) + Jᵀ f = 0 for a known force at the end effector, to 1e-3 of the largest joint torque.
     let arm = Arm::cody().unwrap();
     let options = PhysicsOptions {
         step_s: 0.005,

@@ -30,7 +30,7 @@ fn inserted(arm: &Arm, posture: &[f64]) -> (Engine, ArmBodies) {
 
 #[test]
 fn engine_has_the_same_poses_and_jacobians() {
-    // Pins that kinematics here and the engine's multibody are the same arm: link poses and the Jacobians of the
+    // Tests that kinematics here and the engine's multibody are the same arm: link poses and the Jacobians of the
     // centres of mass at random postures.
     let arm = Arm::cody().unwrap();
     for posture in random_postures(&arm, 1000) {
@@ -57,7 +57,7 @@ fn engine_has_the_same_poses_and_jacobians() {
 
 #[test]
 fn engine_has_the_same_inertia() {
-    // Pins mass, centre of mass and the whole inertia tensor of every link through the engine's principal axes.
+    // Tests mass, centre of mass and the whole inertia tensor of every link through the engine's principal axes.
     let arm = Arm::cody().unwrap();
     let (engine, bodies) = inserted(&arm, &arm.start_posture_rad());
     for ((handle, frame), link) in bodies.links.iter().zip(&bodies.inertia_frames).zip(&arm.links).skip(1) {
@@ -79,7 +79,7 @@ fn engine_has_the_same_inertia() {
 
 #[test]
 fn arm_stays_where_it_is_put() {
-    // Pins that nothing moves an untouched arm: gravity is compensated, springs rest at the posture, damping and
+    // Tests that nothing moves an untouched arm: gravity is compensated, springs rest at the posture, damping and
     // springs sit on the right joints.
     let arm = Arm::cody().unwrap();
     let posture = arm.start_posture_rad();
@@ -104,8 +104,8 @@ fn arm_stays_where_it_is_put() {
 
 #[test]
 fn torque_stays_within_the_actuator_limit() {
-    // Pins that an equilibrium angle far away pulls with the torque limit and no more, in both directions, and that the
-    // arm comes to its stops.
+    // Tests that an equilibrium angle far away pulls with the torque limit and no more, in both directions, and that
+    // the arm comes to its stops.
     let arm = Arm::cody().unwrap();
     let posture = arm.start_posture_rad();
     for sign in [-1.0, 1.0] {
@@ -148,7 +148,7 @@ fn torque_stays_within_the_actuator_limit() {
 
 #[test]
 fn shapes_sit_where_the_files_put_them() {
-    // Pins the rotation from the engine's y axis to the files' z axis: the forearm's cylinder spans its skin
+    // Tests the rotation from the engine's y axis to the files' z axis: the forearm's cylinder spans its skin
     // lengthwise, and the flipper's hulls end at the end effector.
     let arm = Arm::cody().unwrap();
     let (engine, bodies) = inserted(&arm, &[0.0; 7]);
@@ -179,7 +179,7 @@ fn shapes_sit_where_the_files_put_them() {
     );
 }
 
-/// Pins that an engine that has lost its numbers does not make the springs panic: NaN comes back as NaN.
+/// Tests that an engine that has lost its numbers does not make the springs panic: NaN comes back as NaN.
 #[test]
 fn an_engine_without_numbers_does_not_panic() {
     let arm = Arm::cody().unwrap();

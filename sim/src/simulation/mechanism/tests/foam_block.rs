@@ -8,7 +8,7 @@ use crate::object::foam_block::FoamBlock;
 use crate::physics::PhysicsOptions;
 use crate::simulation::engine::Engine;
 
-/// Pins that a load on the top presses a wet block in by F H / (E A (1 − share)) in the end, and that the block then
+/// Tests that a load on the top presses a wet block in by F H / (E A (1 − share)) in the end, and that the block then
 /// rises again and counts as at rest.
 #[test]
 fn a_load_presses_the_top_in() {

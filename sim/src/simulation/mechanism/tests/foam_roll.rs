@@ -7,7 +7,7 @@ use crate::object::foam_roll::FoamRoll;
 use crate::physics::PhysicsOptions;
 use crate::simulation::engine::Engine;
 
-/// Pins that a pushed roll creeps as a standard linear solid (from F/k to F/(k (1 − share)) with the retardation time
+/// Tests that a pushed roll creeps as a standard linear solid (from F/k to F/(k (1 − share)) with the retardation time
 /// τ/(1 − share)) and comes back slowly and completely.
 #[test]
 fn a_push_creeps_and_recovers() {
@@ -102,7 +102,7 @@ fn lean_after_a_push_m(roll: &FoamRoll, seconds: f64) -> f64 {
     tip.truncate().length()
 }
 
-/// Pins the load under which a roll topples: simulated with gravity, a roll 10 % stiffer than the critical one comes
+/// Tests the load under which a roll topples: simulated with gravity, a roll 10 % stiffer than the critical one comes
 /// back from a push, and one 10 % softer does not.
 #[test]
 fn a_roll_topples_at_the_load_that_is_derived() {

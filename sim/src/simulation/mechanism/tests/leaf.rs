@@ -41,7 +41,7 @@ fn example(segments: u32, root_stiffness_nm_per_rad: Option<f64>) -> Leaf {
     }
 }
 
-/// Pins the leaf's stiffness under a small tip load: the beam's P L³ / 3 E I to 0.1 %, in both directions.
+/// Tests the leaf's stiffness under a small tip load: the beam's P L³ / 3 E I to 0.1 %, in both directions.
 #[test]
 fn small_tip_load_bends_as_a_beam() {
     let leaf = example(4, None);
@@ -56,7 +56,7 @@ fn small_tip_load_bends_as_a_beam() {
     }
 }
 
-/// Pins that the foam under the root adds P L² / k, less at most 0.07² of it (the lowest of four nodes over the
+/// Tests that the foam under the root adds P L² / k, less at most 0.07² of it (the lowest of four nodes over the
 /// height, squared, by which the lowest hinge and the root are apart), and that sideways the leaf leans on stem and
 /// foam in series.
 #[test]

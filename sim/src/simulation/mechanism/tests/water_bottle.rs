@@ -43,7 +43,7 @@ fn push(engine: &mut Engine, mechanism: &Mechanism, force_n: DVec3, point_foot: 
     engine.bodies[bottle].position().transform_point(-center)
 }
 
-/// Pins that a bottle stands still, so that it may be left out of the engine, that it sinks into the table by m g / (k
+/// Tests that a bottle stands still, so that it may be left out of the engine, that it sinks into the table by m g / (k
 /// A), and that a push of 90 % of its friction does not make it creep.
 #[test]
 fn a_bottle_stands_still_until_it_slips() {
@@ -64,7 +64,7 @@ fn a_bottle_stands_still_until_it_slips() {
     assert!((late - early).length() < 1e-8, "{early} {late}");
 }
 
-/// Pins that a push beside the middle turns a bottle towards the side on which it is pushed, that it stays where it
+/// Tests that a push beside the middle turns a bottle towards the side on which it is pushed, that it stays where it
 /// stops, and that it then does not count as at rest.
 #[test]
 fn a_push_beside_the_middle_turns_it() {
@@ -83,7 +83,7 @@ fn a_push_beside_the_middle_turns_it() {
     assert!(!mechanism.is_at_rest(&engine));
 }
 
-/// Pins that a bottle that is pushed against a trunk stops there.
+/// Tests that a bottle that is pushed against a trunk stops there.
 #[test]
 fn a_trunk_stops_it() {
     let mut engine = Engine::new(OPTIONS);
@@ -104,7 +104,8 @@ fn a_trunk_stops_it() {
     assert!((base.x - 0.055).abs() < 1e-3, "{base}");
 }
 
-/// Pins that a bottle that is pushed at its top falls over and then lies on its side, half its diameter over the table.
+/// Tests that a bottle that is pushed at its top falls over and then lies on its side, half its diameter over the
+/// table.
 #[test]
 fn pushed_at_its_top_it_falls_over() {
     let mut engine = Engine::new(OPTIONS);
