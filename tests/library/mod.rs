@@ -3,6 +3,7 @@
 mod arms;
 mod balance;
 mod categories;
+mod documents;
 mod engine;
 mod imports;
 mod own_controller;
