@@ -59,7 +59,13 @@ pub struct Recipe {
     pub training: TrainingOptions,
 }
 
+/// Makes a recipe that has a name.
+pub type Preset = fn() -> Recipe;
+
 impl Recipe {
+    /// The presets, with their names as options. The first is the default.
+    pub const PRESETS: [(&'static str, Preset); 2] = [("authors", Recipe::authors), ("modern", Recipe::modern)];
+
     /// The recipe of the authors' nearest published code: left-to-right with skips, uniform start distribution,
     /// variance floor 1e-4, unscaled features, score by the Viterbi path; 10 states and force, as in the paper's online
     /// experiment (section V-B).

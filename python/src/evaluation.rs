@@ -3,11 +3,8 @@
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use serde::Serialize;
 use underbrush_classifier::estimator::{Classifier, Estimator};
-use underbrush_classifier::evaluate::{
-    AccuracyBySamples, Evaluation, FoldBy, Folds, accuracy_by_samples, cross_validate, evaluate,
-};
+use underbrush_classifier::evaluate::{EvaluationReport, FoldBy, Folds, accuracy_by_samples, cross_validate, evaluate};
 
 use crate::arguments::{self, decision, named};
 use crate::classifier::PyModel;
@@ -18,20 +15,6 @@ use crate::json;
 use crate::pool;
 use crate::python_classifier::PythonClassifier;
 use crate::trials::Trials;
-
-/// The result, with the same keys as `underbrush evaluate --json`.
-#[derive(Serialize)]
-struct Results {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    folds: Option<Folds>,
-    #[serde(flatten)]
-    evaluation: Evaluation,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    by_samples: Option<Vec<AccuracyBySamples>>,
-}
-
-/// Number of folds if it is not given.
-const FOLDS: usize = 2;
 
 /// How trials are grouped into folds.
 fn folds(trials: &Trials, count: usize, group: Option<&str>) -> Result<Folds, Failure> {
@@ -74,7 +57,7 @@ fn evaluate_trials<'py>(
         let decision = model.get().deciding(decision)?;
         let model = &model.get().model;
         let judged = pool::detached(py, jobs, || Ok(evaluate(model.classifier.as_ref(), list, &decision)?))?;
-        return json::to_python(py, &without_folds(judged));
+        return json::to_python(py, &EvaluationReport::from(judged));
     }
     let misfit = match classifier.cast::<Options>() {
         Ok(options) => options.get().misfit(),
@@ -87,28 +70,28 @@ fn evaluate_trials<'py>(
         let raised = Arc::new(Stop::default());
         let fitted = PythonClassifier::of(classifier, &raised)?;
         let judged = pool::detached(py, jobs, || Ok(evaluate(&fitted, list, &decision)?));
-        return json::to_python(py, &without_folds(raised.checked(judged)?));
+        return json::to_python(py, &EvaluationReport::from(raised.checked(judged)?));
     }
     let (estimator, raised) = estimator_of(classifier)?;
     let estimator: &dyn Estimator = estimator.as_ref();
     if train.is_some() {
         refuse("train", &of_folds)?;
     }
-    let own = self::folds(trials, folds.unwrap_or(FOLDS), group)?;
+    let own = self::folds(trials, folds.unwrap_or(Folds::COUNT), group)?;
     let judged = pool::detached(py, jobs, || match train {
         Some(train) => {
             let fitted: Box<dyn Classifier> = estimator.fit(&train.all())?;
-            Ok(without_folds(evaluate(fitted.as_ref(), list, &decision)?))
+            Ok(evaluate(fitted.as_ref(), list, &decision)?.into())
         }
         None => {
             let evaluation = cross_validate(list, estimator, own, &decision)?;
             let series = by_samples
                 .then(|| accuracy_by_samples(list, estimator, own))
                 .transpose()?;
-            Ok(Results {
+            Ok(EvaluationReport {
                 folds: Some(own),
-                evaluation,
                 by_samples: series,
+                ..evaluation.into()
             })
         }
     });
@@ -131,14 +114,6 @@ fn refuse(with: &str, arguments: &[(&str, bool)]) -> Result<(), Failure> {
                 "leave it out",
             ))
         }
-    }
-}
-
-fn without_folds(evaluation: Evaluation) -> Results {
-    Results {
-        folds: None,
-        evaluation,
-        by_samples: None,
     }
 }
 

@@ -24,9 +24,6 @@ use crate::trials::Trials;
 /// Name of the classifier whose options a recipe holds.
 const HMM: &str = "hmm";
 
-/// The fraction of contacts that thresholds expect to be outliers if it is not given, as on the command line.
-const OUTLIER_PRIOR: f64 = 0.05;
-
 /// Options of a classifier.
 #[pyclass(frozen, module = "underbrush._core")]
 pub struct Options {
@@ -82,29 +79,26 @@ impl Options {
     ) -> Result<Self, Failure> {
         let kind = registry::find(classifier).ok_or_else(|| unknown(classifier))?;
         let features = self::features(features)?;
-        let kept = [
-            ("classifier", kind.name != HMM),
-            ("features", features.is_some()),
-            ("recipe", recipe.is_some()),
-            ("states", states.is_some()),
-            ("topology", topology.is_some()),
-            ("initial", initial.is_some()),
-            ("max_samples", max_samples.is_some()),
+        // Whether each option is given, and whether models that are trained further keep it.
+        let of_hmm = [
+            ("recipe", recipe.is_some(), true),
+            ("states", states.is_some(), true),
+            ("topology", topology.is_some(), true),
+            ("initial", initial.is_some(), true),
+            ("score", score.is_some(), false),
+            ("iterations", iterations.is_some(), false),
+            ("tolerance", tolerance.is_some(), false),
+            ("variance_floor", variance_floor.is_some(), false),
+            ("max_samples", max_samples.is_some(), true),
         ];
-        let kept = kept.into_iter().find(|(_, given)| *given).map(|(option, _)| option);
+        let of_any = [
+            ("classifier", kind.name != HMM, true),
+            ("features", features.is_some(), true),
+        ];
+        let kept = of_any.iter().chain(&of_hmm).find(|(_, given, kept)| *given && *kept);
+        let kept = kept.map(|(option, ..)| *option);
         if kind.name != HMM {
-            let given = [
-                ("recipe", recipe.is_some()),
-                ("states", states.is_some()),
-                ("topology", topology.is_some()),
-                ("initial", initial.is_some()),
-                ("score", score.is_some()),
-                ("iterations", iterations.is_some()),
-                ("tolerance", tolerance.is_some()),
-                ("variance_floor", variance_floor.is_some()),
-                ("max_samples", max_samples.is_some()),
-            ];
-            if let Some((option, _)) = given.into_iter().find(|(_, given)| *given) {
+            if let Some((option, ..)) = of_hmm.into_iter().find(|(_, given, _)| *given) {
                 let found = format!("given for the classifier {}", kind.name);
                 return Err(Failure::argument(
                     option,
@@ -122,20 +116,14 @@ impl Options {
         }
         let mut own = match recipe {
             None => Recipe::authors(),
-            Some(name) => match named("recipe", name, &[("authors", false), ("modern", true)])? {
-                false => Recipe::authors(),
-                true => Recipe::modern(),
-            },
+            Some(name) => named("recipe", name, &Recipe::PRESETS)?(),
         };
         own.states = states.unwrap_or(own.states);
         own.features = features.unwrap_or(own.features);
-        let topologies = [("left-right", Topology::LeftToRight), ("ergodic", Topology::Ergodic)];
-        own.topology = topology.map_or(Ok(own.topology), |name| named("topology", name, &topologies))?;
-        let starts = [
-            ("uniform", InitialDistribution::Uniform),
-            ("first-state", InitialDistribution::FirstState),
-        ];
-        own.initial = initial.map_or(Ok(own.initial), |name| named("initial", name, &starts))?;
+        own.topology = topology.map_or(Ok(own.topology), |name| named("topology", name, &Topology::NAMED))?;
+        own.initial = initial.map_or(Ok(own.initial), |name| {
+            named("initial", name, &InitialDistribution::NAMED)
+        })?;
         own.score = score.map_or(Ok(own.score), score_kind)?;
         own.max_samples = max_samples.or(own.max_samples);
         own.training.iterations = iterations.unwrap_or(own.training.iterations);
@@ -194,7 +182,7 @@ fn fit(
         };
         let targets = ThresholdTargets {
             false_positive_rate,
-            outlier_prior: outlier_prior.unwrap_or(OUTLIER_PRIOR),
+            outlier_prior: outlier_prior.unwrap_or(ThresholdTargets::OUTLIER_PRIOR),
         };
         let folds = Folds::for_thresholds(&trials.list);
         let held_out = HeldOut::of(&trials.list, estimator()?.as_ref(), folds)?;
@@ -223,7 +211,7 @@ fn fit(
             "start": start.map(|start| &start.model.provenance),
             "training": start.and(options.recipe.as_ref()).map(|recipe| recipe.training),
             "false_positive_rate": false_positive_rate,
-            "outlier_prior": false_positive_rate.map(|_| outlier_prior.unwrap_or(OUTLIER_PRIOR)),
+            "outlier_prior": false_positive_rate.map(|_| outlier_prior.unwrap_or(ThresholdTargets::OUTLIER_PRIOR)),
         });
         model.provenance = model_data::provenance(options, data);
         Ok(model)

@@ -1,11 +1,11 @@
 //! Options that choose a classifier and how it is fitted; for every command that fits one.
 
+use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Args, ValueEnum};
 use underbrush_classifier::estimator::{ClassifierKind, Estimator};
 use underbrush_classifier::feature::{FEATURES, FeatureSet};
 use underbrush_classifier::hmm::{InitialDistribution, Topology, TrainingOptions};
-use underbrush_classifier::recipe::Recipe;
+use underbrush_classifier::recipe::{Preset, Recipe};
 use underbrush_classifier::registry::{self, CLASSIFIERS};
 
 use crate::failure::Failure;
@@ -129,17 +129,17 @@ impl EstimatorArguments {
 struct RecipeArguments {
     /// Preset; other options override it: the authors' recipe, or a modern one (forward score, z-scored features)
     /// [default: authors]
-    #[arg(long, value_enum)]
-    recipe: Option<RecipeName>,
+    #[arg(long, value_parser = named(&Recipe::PRESETS))]
+    recipe: Option<Preset>,
     /// Hidden states of each model [default: 10]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=500))]
     states: Option<u16>,
     /// Allowed transitions between states [default: left-right]
-    #[arg(long, value_enum)]
-    topology: Option<TopologyName>,
+    #[arg(long, value_parser = named(&Topology::NAMED))]
+    topology: Option<Topology>,
     /// Distribution of the first state [default: uniform]
-    #[arg(long, value_enum)]
-    initial: Option<Initial>,
+    #[arg(long, value_parser = named(&InitialDistribution::NAMED))]
+    initial: Option<InitialDistribution>,
     /// Maximum number of iterations of Baum-Welch [default: 500]
     #[arg(long, value_name = "N")]
     iterations: Option<usize>,
@@ -154,22 +154,13 @@ struct RecipeArguments {
     max_samples: Option<u32>,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum RecipeName {
-    Authors,
-    Modern,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum TopologyName {
-    LeftRight,
-    Ergodic,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Initial {
-    Uniform,
-    FirstState,
+/// The values that have these names.
+fn named<T: Copy + Send + Sync + 'static>(known: &'static [(&'static str, T)]) -> impl TypedValueParser<Value = T> {
+    let names = known.iter().map(|(name, _)| *name);
+    PossibleValuesParser::new(names).try_map(|name| {
+        let found = known.iter().find(|(own, _)| *own == name);
+        found.map(|(_, value)| *value).ok_or("unknown name")
+    })
 }
 
 fn not_negative(text: &str) -> Result<f64, String> {
@@ -202,20 +193,11 @@ impl RecipeArguments {
     }
 
     fn recipe(&self) -> Recipe {
-        let base = match self.recipe {
-            None | Some(RecipeName::Authors) => Recipe::authors(),
-            Some(RecipeName::Modern) => Recipe::modern(),
-        };
+        let base = self.recipe.map_or_else(Recipe::authors, |preset| preset());
         Recipe {
             states: self.states.map_or(base.states, usize::from),
-            topology: self.topology.map_or(base.topology, |topology| match topology {
-                TopologyName::LeftRight => Topology::LeftToRight,
-                TopologyName::Ergodic => Topology::Ergodic,
-            }),
-            initial: self.initial.map_or(base.initial, |initial| match initial {
-                Initial::Uniform => InitialDistribution::Uniform,
-                Initial::FirstState => InitialDistribution::FirstState,
-            }),
+            topology: self.topology.unwrap_or(base.topology),
+            initial: self.initial.unwrap_or(base.initial),
             max_samples: self.max_samples.map(|samples| samples as usize),
             training: self.training(),
             ..base

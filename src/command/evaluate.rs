@@ -6,12 +6,10 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use serde::Serialize;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::estimator::Classifier;
 use underbrush_classifier::evaluate::{
-    AccuracyBySamples, Evaluation, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
-    evaluate,
+    EvaluationReport, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate, evaluate,
 };
 use underbrush_experiments::model_data;
 use underbrush_recording::{InputError, Trial};
@@ -49,7 +47,7 @@ pub struct Options {
     #[arg(long, conflicts_with = "model")]
     by_samples: bool,
     /// Number of folds
-    #[arg(long, default_value_t = 2, value_name = "N")]
+    #[arg(long, default_value_t = Folds::COUNT, value_name = "N")]
     folds: usize,
     /// How trials are grouped into folds [default: reach if every trial names its reach, else position; position with
     /// --preset paper]
@@ -164,27 +162,13 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             by_samples_of_all = Some(series.map_err(|error| about(error.into()))?);
         }
     }
-    let results = Results {
+    let results = EvaluationReport {
         folds,
         evaluation,
         by_samples,
         by_samples_of_all,
     };
     output::result(json, &results, || text::of(&results))
-}
-
-#[derive(Serialize)]
-struct Results {
-    /// `None` without cross-validation.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    folds: Option<Folds>,
-    #[serde(flatten)]
-    evaluation: Evaluation,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    by_samples: Option<Vec<AccuracyBySamples>>,
-    /// Accuracy by samples over all contacts, including short ones; `None` if `by_samples` covers them already.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    by_samples_of_all: Option<Vec<AccuracyBySamples>>,
 }
 
 impl Options {

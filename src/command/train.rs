@@ -52,7 +52,7 @@ pub struct Options {
     #[arg(
         long,
         value_name = "X",
-        default_value_t = 0.05,
+        default_value_t = ThresholdTargets::OUTLIER_PRIOR,
         requires = "false_positive_rate",
         conflicts_with = "start"
     )]

@@ -45,10 +45,13 @@ impl FoldBy {
 }
 
 impl Folds {
+    /// Number of folds if it is not given: that of the paper (section V-A).
+    pub const COUNT: usize = 2;
+
     /// The paper's two folds, by position.
     pub fn paper() -> Self {
         Folds {
-            count: 2,
+            count: Folds::COUNT,
             by: FoldBy::Position,
         }
     }

@@ -51,6 +51,11 @@ pub struct ThresholdTargets {
     pub outlier_prior: f64,
 }
 
+impl ThresholdTargets {
+    /// The expected fraction of outliers if it is not given. Choice: one in twenty.
+    pub const OUTLIER_PRIOR: f64 = 0.05;
+}
+
 /// Thresholds, and their effect on the held-out trials on which they were chosen.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ChosenThresholds {

@@ -13,6 +13,12 @@ pub enum Topology {
     Ergodic,
 }
 
+impl Topology {
+    /// All topologies, with their names as options.
+    pub const NAMED: [(&'static str, Topology); 2] =
+        [("left-right", Topology::LeftToRight), ("ergodic", Topology::Ergodic)];
+}
+
 /// The initial distribution before training.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -24,6 +30,12 @@ pub enum InitialDistribution {
 }
 
 impl InitialDistribution {
+    /// All distributions, with their names as options.
+    pub const NAMED: [(&'static str, InitialDistribution); 2] = [
+        ("uniform", InitialDistribution::Uniform),
+        ("first-state", InitialDistribution::FirstState),
+    ];
+
     /// The N initial probabilities.
     pub fn probabilities(self, states: usize) -> Vec<f64> {
         match self {

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 use underbrush_classifier::estimator::ClassifierKind;
+use underbrush_classifier::evaluate::ThresholdTargets;
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
 use underbrush_sim::controller::ControllerKind;
@@ -254,7 +255,7 @@ impl Default for ThresholdSection {
         ThresholdSection {
             uncertain_below_nats: 15.0,
             false_positive_rate: 0.05,
-            outlier_prior: 0.05,
+            outlier_prior: ThresholdTargets::OUTLIER_PRIOR,
         }
     }
 }

@@ -1,12 +1,11 @@
 //! An evaluation as text.
 
-use underbrush_classifier::evaluate::{Accuracy, AccuracyBySamples, Evaluation, FoldBy};
+use underbrush_classifier::evaluate::{Accuracy, AccuracyBySamples, Evaluation, EvaluationReport, FoldBy};
 
-use super::Results;
 use crate::output;
 
 /// The whole evaluation.
-pub(super) fn of(results: &Results) -> String {
+pub(super) fn of(results: &EvaluationReport) -> String {
     let mut text = evaluation(&results.evaluation);
     if let Some(folds) = results.folds {
         let by = match folds.by {
