@@ -25,9 +25,13 @@ def test_columns_are_those_of_the_files(data: ub.Dataset) -> None:
         assert np.array_equal(data.column(name), expected), name
         first = files.filter(polars.col("episode_index") == 2)[name].to_numpy()
         assert np.array_equal(data[2].column(name), first), name
-    assert data.column(TACTILE).dtype == np.float64
-    single = data.column(TACTILE, "float32")
-    assert single.dtype == np.float32 and np.array_equal(single, files[TACTILE].to_numpy().astype(np.float32))
+    assert data.column(TACTILE).dtype == np.float32
+    double = data.column(TACTILE, "float64")
+    assert double.dtype == np.float64 and np.array_equal(double, files[TACTILE].to_numpy())
+    angles = "observation.state"
+    assert data.column(angles).dtype == np.float64
+    single = data.column(angles, "float32")
+    assert single.dtype == np.float32 and np.array_equal(single, files[angles].to_numpy().astype(np.float32))
 
 
 def test_long_reaches_have_several_pages(tmp_path: Path) -> None:
