@@ -4,10 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::by_samples::AccuracyBySamples;
 use super::confusion::{AccuracyByTouch, CategoryFigures, ConfusionMatrix};
 use super::error::EvaluateError;
-use super::fold::Folds;
 use super::interval::{BOOTSTRAP_RESAMPLES, Interval, bootstrap_by_reach, wilson};
 use super::prediction::Prediction;
 use crate::hmm::TrainingHistory;
@@ -39,35 +37,6 @@ pub struct Evaluation {
     /// For each fold, how the models were trained, by category. Empty for given models and for classifiers that are not
     /// trained iteratively.
     pub training: Vec<BTreeMap<String, TrainingHistory>>,
-}
-
-/// An evaluation and how it was done, as the command line prints it and Python returns it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct EvaluationReport {
-    /// `None` without cross-validation.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub folds: Option<Folds>,
-    /// The verdicts and figures.
-    #[serde(flatten)]
-    pub evaluation: Evaluation,
-    /// Accuracy by the number of samples since contact, if it is asked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub by_samples: Option<Vec<AccuracyBySamples>>,
-    /// The same over all contacts, including short ones; `None` if `by_samples` covers them already.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub by_samples_of_all: Option<Vec<AccuracyBySamples>>,
-}
-
-impl From<Evaluation> for EvaluationReport {
-    /// Without cross-validation.
-    fn from(evaluation: Evaluation) -> Self {
-        EvaluationReport {
-            folds: None,
-            evaluation,
-            by_samples: None,
-            by_samples_of_all: None,
-        }
-    }
 }
 
 impl Evaluation {

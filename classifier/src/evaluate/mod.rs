@@ -6,6 +6,7 @@ mod confusion;
 mod cross_validation;
 mod error;
 mod evaluation;
+mod evaluation_report;
 mod fold;
 mod held_out;
 mod interval;
@@ -23,7 +24,8 @@ pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples, accu
 pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix};
 pub use cross_validation::{cross_validate, evaluate};
 pub use error::EvaluateError;
-pub use evaluation::{Evaluation, EvaluationReport};
+pub use evaluation::Evaluation;
+pub use evaluation_report::EvaluationReport;
 pub use fold::{FoldBy, Folds};
 pub use held_out::HeldOut;
 pub use interval::{Interval, bootstrap_by_reach, wilson};
