@@ -1,7 +1,7 @@
 //! Ranges for the numbers in files, the ranges of a tactile sensor's quantities, and the most that a file may hold.
 //!
-//! A number outside its range cannot be intended: it is a typing error, a wrong unit or a damaged file. Every reader of
-//! files has one table of such ranges, each with its reason.
+//! A number outside its range is a mistake: a typing error, a wrong unit or a damaged file. Every reader of files
+//! has one table of such ranges, each with its reason.
 
 use std::fmt;
 use std::path::Path;

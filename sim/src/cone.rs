@@ -10,7 +10,7 @@ use crate::newton::minimize;
 pub struct Carrier {
     /// Inward unit normal, any frame.
     pub inward: DVec3,
-    /// Its share of the load, N: the larger, the more its force may change.
+    /// Normal load, N. The force may change in proportion to it.
     pub weight_n: f64,
     /// The force on it, N, same frame.
     pub force: DVec3,

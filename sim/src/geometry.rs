@@ -10,8 +10,8 @@ mod hull;
 
 pub use hull::{MAX_CORNERS, convex_hull};
 
-/// Parry's shape for a shape of a file or a recording, and the pose of parry's shape in the frame of the given shape;
-/// `None` for a hull without volume or with more than [`MAX_CORNERS`].
+/// Converts a shape of a body to a parry shape and its pose in the frame of the body's shape; `None` for a hull without
+/// volume or with more than [`MAX_CORNERS`].
 pub fn engine_shape(shape: &BodyShape) -> Option<(SharedShape, Pose)> {
     // Parry's cylinders and capsules lie along y, ours along z.
     let along_z = Pose::from_orientation(DQuat::from_scaled_axis(DVec3::X * std::f64::consts::FRAC_PI_2));

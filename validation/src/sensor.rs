@@ -269,7 +269,7 @@ fn creep(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     )])
 }
 
-/// The area of the fabric's hysteresis loop up to a force and back.
+/// Area of the fabric's hysteresis loop for a load from 0 to 8 N and back.
 fn hysteresis(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let (share, peak, steps) = (0.25, 8.0, 4000);
     let mut options = SensorOptions::off();

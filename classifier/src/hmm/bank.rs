@@ -97,8 +97,7 @@ impl FilterBank {
                     let Some(some) = group.waiting.iter().position(|&waiting| waiting) else {
                         continue;
                     };
-                    // Streams without a sample are given the sample of another stream, and start again with their own
-                    // next sample.
+                    // Idle streams run on another stream's sample. Their state is reset at their own next sample.
                     for stream in 0..STREAMS {
                         if !group.waiting[stream] {
                             group.spoiled[stream] = true;

@@ -34,7 +34,7 @@ pub fn check_places(suite: &Suite, path: &Path) -> Result<(), InputError> {
 /// The text of the suite's file with new bounds, from a result of the same suite. Everything else in the file stays as
 /// it is.
 ///
-/// A bound keeps its sides; a bound without any gets the sides of its metric. The false-alarm probability of the suite
+/// An existing bound stays one- or two-sided; a new one follows its metric. The false-alarm probability of the suite
 /// is shared equally among the sides of all means and shares.
 ///
 /// # Errors

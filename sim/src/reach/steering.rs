@@ -51,7 +51,7 @@ impl Steering {
         self.controller.observe(frame);
     }
 
-    /// Calls the controller if it is due in this frame, and takes over its equilibrium angles.
+    /// Calls the controller if it is due in this frame, and applies the equilibrium angles that it returns.
     ///
     /// # Errors
     /// [`ReachError::EquilibriumAngles`].

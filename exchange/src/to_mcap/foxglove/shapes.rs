@@ -62,7 +62,7 @@ pub(in crate::to_mcap) struct SceneEntity {
     pub(in crate::to_mcap) spheres: Vec<SpherePrimitive>,
     pub(in crate::to_mcap) cylinders: Vec<CylinderPrimitive>,
     pub(in crate::to_mcap) triangles: Vec<TriangleListPrimitive>,
-    // Kinds of shapes that are not used. A reader may demand that they are there.
+    // Lists of unused kinds of shapes. Some readers require these keys.
     pub(in crate::to_mcap) arrows: [u8; 0],
     pub(in crate::to_mcap) lines: [u8; 0],
     pub(in crate::to_mcap) texts: [u8; 0],

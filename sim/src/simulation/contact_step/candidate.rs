@@ -243,7 +243,7 @@ fn place(pair: &Pair, manifold: &ContactManifold<(), ()>, kept_normal: Option<DV
         .iter()
         .map(|point| point.dist)
         .fold(f64::INFINITY, f64::min);
-    // The mean of the points that are nearly as deep as the deepest: if the shapes overlap at all, they overlap there.
+    // The mean of the near-deepest points. It is inside the overlap whenever there is one.
     let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
     for point in &manifold.points {
         let weight = (1e-3 - (point.dist - deepest)).max(0.0);
