@@ -108,7 +108,7 @@ impl Sensor {
             }
         }
         for (reading, dead) in newest.iter_mut().zip(&self.dead) {
-            // Data sets store readings in single precision. Who feels them while the arm moves gets the same numbers.
+            // Data sets store readings in single precision. Controllers and online classifiers get the same numbers.
             *reading = if *dead { 0.0 } else { f64::from(*reading as f32) };
         }
         self.true_force_n.fill(0.0);

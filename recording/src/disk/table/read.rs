@@ -402,8 +402,8 @@ impl<T> Levels<T> {
         })
     }
 
-    /// The values row by row; `level` is the definition level of a value that is there. The error says what a value is
-    /// that `convert` cannot convert.
+    /// The values row by row. `level` is the definition level of a present value. The error names what `convert` does
+    /// not accept.
     fn spread<V: Value>(self, level: i16, convert: impl FnMut(T) -> Option<V>) -> Result<(Values, Rows), &'static str> {
         let values: Option<Vec<V>> = self.values.into_iter().map(convert).collect();
         let values = values.ok_or("values of another type")?;
