@@ -98,7 +98,7 @@ fn pages_have_the_numbers_of_the_columns() {
 }
 
 /// Tests when pages are read directly. Plain numbers are; the same numbers in another encoding are left to the column
-/// reader's reader, and so are numbers that do not fit the destination. A damaged page is an error or is left to the
+/// reader, and so are numbers that do not fit the destination. A damaged page is an error or is left to the
 /// column reader, and never a panic.
 #[test]
 fn other_encodings_are_left_to_the_column_reader() {
