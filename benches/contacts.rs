@@ -111,9 +111,7 @@ impl Survey {
         let mut met = None;
         for (frame, forces) in trace.iter().enumerate() {
             for pair in forces.keys() {
-                let is_new = touched
-                    .insert(*pair, frame)
-                    .is_none_or(|last| frame - last > IMPACT_FRAMES);
+                let is_new = touched.insert(*pair, frame).is_none_or(|last| frame - last > IMPACT_FRAMES);
                 if is_new {
                     met = Some(frame);
                     if is_trunk(pair.1) && forces.keys().filter(|other| other.0 == pair.0).count() == 1 {
@@ -154,11 +152,7 @@ impl Survey {
         let level = force[LEVEL].iter().sum::<f64>() / LEVEL.len() as f64;
         if let Some(at) = force.iter().position(|force| *force >= 0.63 * level) {
             let peak = force[..15].iter().copied().fold(0.0, f64::max);
-            self.onsets.push(Onset {
-                time_s: (at + 1) as f64 * 0.01,
-                overshoot: peak / level,
-                level_n: level,
-            });
+            self.onsets.push(Onset { time_s: (at + 1) as f64 * 0.01, overshoot: peak / level, level_n: level });
         }
     }
 }
@@ -268,9 +262,7 @@ fn survey(plan: &ReachPlan, reach: u64) -> Survey {
         survey.observe_friction_and_depth(&simulation);
     }
     let objects = &simulation.clutter().objects;
-    survey.observe_course(&trace, &steps_rad, |object| {
-        objects[object].object.category() == Category::TRUNK
-    });
+    survey.observe_course(&trace, &steps_rad, |object| objects[object].object.category() == Category::TRUNK);
     for jump in &mut survey.jumps {
         jump.at[0] = reach as usize;
     }
@@ -279,10 +271,7 @@ fn survey(plan: &ReachPlan, reach: u64) -> Survey {
 
 fn quantile(values: &mut [f64], share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
-    values
-        .get(((values.len().max(1) - 1) as f64 * share) as usize)
-        .copied()
-        .unwrap_or(f64::NAN)
+    values.get(((values.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or(f64::NAN)
 }
 
 /// The median over the onsets of a number computed from each.
@@ -307,16 +296,8 @@ fn main() {
         let surveys: Vec<Survey> = (0..reaches).into_par_iter().map(|reach| survey(&plan, reach)).collect();
         let mut all = surveys.into_iter().fold(Survey::default(), Survey::join);
         let angles = [0.5, 0.9].map(|share| quantile(&mut all.angles_deg, share));
-        let pressed: Vec<Onset> = all
-            .onsets
-            .iter()
-            .copied()
-            .filter(|own| own.level_n >= PRESSED_N)
-            .collect();
-        let deepest = all
-            .deepest_m
-            .iter()
-            .map(|(category, depth)| format!("{category} {:.1}", depth * 1e3));
+        let pressed: Vec<Onset> = all.onsets.iter().copied().filter(|own| own.level_n >= PRESSED_N).collect();
+        let deepest = all.deepest_m.iter().map(|(category, depth)| format!("{category} {:.1}", depth * 1e3));
         println!(
             "| {name} | {reaches} | {:.2}, {:.2} | {:.4} | {}, {} | {:.3}, {:.3} | {:.2}, {:.2} | {:.1}, {:.1} | {} | {:.1} |",
             angles[0],

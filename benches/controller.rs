@@ -103,19 +103,9 @@ impl Peer {
     /// Setting up is part of the work: the numbers are new in every step.
     fn solve(&self) -> Vec<f64> {
         let cones = [NonnegativeConeT(self.bounds.len())];
-        let settings = DefaultSettings {
-            verbose: false,
-            ..DefaultSettings::default()
-        };
-        let mut solver = DefaultSolver::new(
-            &self.hessian,
-            &self.gradient,
-            &self.rows,
-            &self.bounds,
-            &cones,
-            settings,
-        )
-        .expect("the program is well formed");
+        let settings = DefaultSettings { verbose: false, ..DefaultSettings::default() };
+        let mut solver = DefaultSolver::new(&self.hessian, &self.gradient, &self.rows, &self.bounds, &cones, settings)
+            .expect("the program is well formed");
         solver.solve();
         assert_eq!(solver.solution.status, SolverStatus::Solved);
         solver.solution.x.clone()
@@ -132,13 +122,9 @@ fn step(criterion: &mut Criterion) {
         group.bench_function(format!("step/{name}"), |bencher| {
             bencher.iter(|| controller.control(black_box(&situation.input())));
         });
-        let program = controller
-            .step_program(&situation.input())
-            .expect("the model has a factor");
+        let program = controller.step_program(&situation.input()).expect("the model has a factor");
         let peer = Peer::new(&program);
-        let Outcome::Optimal(solution) = program.solve() else {
-            panic!("the program has a minimum")
-        };
+        let Outcome::Optimal(solution) = program.solve() else { panic!("the program has a minimum") };
         // Both must solve the same problem: the solutions agree to the interior point's tolerance, in rad.
         for (ours, theirs) in solution.minimizer.iter().zip(peer.solve()) {
             assert!((ours - theirs).abs() < 1e-5, "{ours} rad here, {theirs} rad there");

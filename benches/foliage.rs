@@ -28,23 +28,13 @@ fn foliage(criterion: &mut Criterion) {
             sweep.simulation(options, true)
         };
         let mut felt = 0;
-        Sweep::run(&mut skinned(), |report| {
-            felt += usize::from(report.tactile.largest_force().is_some())
-        });
+        Sweep::run(&mut skinned(), |report| felt += usize::from(report.tactile.largest_force().is_some()));
         assert_eq!(felt > 0, leaves > 0, "the arm feels the leaves and nothing else");
         group.bench_function(BenchmarkId::new("physics", leaves), |bencher| {
-            bencher.iter_batched_ref(
-                bare,
-                |simulation| Sweep::run(simulation, |_| {}),
-                BatchSize::PerIteration,
-            );
+            bencher.iter_batched_ref(bare, |simulation| Sweep::run(simulation, |_| {}), BatchSize::PerIteration);
         });
         group.bench_function(BenchmarkId::new("physics_and_skin", leaves), |bencher| {
-            bencher.iter_batched_ref(
-                skinned,
-                |simulation| Sweep::run(simulation, |_| {}),
-                BatchSize::PerIteration,
-            );
+            bencher.iter_batched_ref(skinned, |simulation| Sweep::run(simulation, |_| {}), BatchSize::PerIteration);
         });
     }
 }

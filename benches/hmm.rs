@@ -37,38 +37,23 @@ fn press(category: &str, force_n: f64, number: u64) -> Trial {
             }
         })
         .collect();
-    Trial {
-        trial: number,
-        category: Some(category.into()),
-        reach: None,
-        patch: None,
-        taxel: None,
-        samples,
-    }
+    Trial { trial: number, category: Some(category.into()), reach: None, patch: None, taxel: None, samples }
 }
 
 fn trials() -> Vec<Trial> {
     let leaf = (0..50).map(|number| press("leaf", 0.5, number));
-    leaf.chain((50..100).map(|number| press("trunk", 3.0, number)))
-        .collect()
+    leaf.chain((50..100).map(|number| press("trunk", 3.0, number))).collect()
 }
 
 /// Models with this number of states, trained on the presses by the authors' recipe.
 fn models(states: usize) -> HmmClassifier {
-    let recipe = Recipe {
-        states,
-        ..Recipe::authors()
-    };
-    HmmClassifier::train(&trials(), &recipe)
-        .expect("the trials can be trained on")
-        .0
+    let recipe = Recipe { states, ..Recipe::authors() };
+    HmmClassifier::train(&trials(), &recipe).expect("the trials can be trained on").0
 }
 
 /// The presses of a category as the models see them.
 fn sequences(category: &str) -> Vec<Observations> {
-    let own = trials()
-        .into_iter()
-        .filter(|trial| trial.category.as_deref() == Some(category));
+    let own = trials().into_iter().filter(|trial| trial.category.as_deref() == Some(category));
     let forces = own.map(|trial| FeatureSet::FORCE.observations(&trial, None));
     forces.collect::<Result<_, _>>().expect("the trials have forces")
 }
@@ -98,26 +83,14 @@ fn score(criterion: &mut Criterion) {
 
 fn training(criterion: &mut Criterion) {
     let sequences = [sequences("leaf"), sequences("trunk")].concat();
-    let options = TrainingOptions {
-        iterations: ITERATIONS,
-        tolerance: 0.0,
-        ..TrainingOptions::default()
-    };
+    let options = TrainingOptions { iterations: ITERATIONS, tolerance: 0.0, ..TrainingOptions::default() };
     let mut group = criterion.benchmark_group("hmm/baum_welch");
     // The likelihood of the final model takes one pass more than there are iterations.
     let passes = ITERATIONS as u64 + 1;
-    group.sample_size(20).throughput(Throughput::Elements(
-        passes * u64::from(SAMPLES) * sequences.len() as u64,
-    ));
+    group.sample_size(20).throughput(Throughput::Elements(passes * u64::from(SAMPLES) * sequences.len() as u64));
     for states in STATES {
-        let start = equal_slice_start(
-            &sequences,
-            states,
-            Topology::LeftToRight,
-            InitialDistribution::Uniform,
-            1e-4,
-        )
-        .expect("the trials have spread");
+        let start = equal_slice_start(&sequences, states, Topology::LeftToRight, InitialDistribution::Uniform, 1e-4)
+            .expect("the trials have spread");
         group.bench_function(format!("{states} states"), |bencher| {
             bencher.iter(|| train(&start, black_box(&sequences), &options).expect("training runs through"));
         });
@@ -134,16 +107,8 @@ fn hundred_taxels() -> (SkinLayout, Frame) {
             area_m2: 1e-4,
         })
         .collect();
-    let patch = Patch {
-        name: "forearm".into(),
-        link: "forearm".into(),
-        grid: None,
-        taxels,
-    };
-    let pose = Pose {
-        position: DVec3::ZERO,
-        orientation: DQuat::IDENTITY,
-    };
+    let patch = Patch { name: "forearm".into(), link: "forearm".into(), grid: None, taxels };
+    let pose = Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY };
     let readings = (0..100).map(|taxel| TaxelReading {
         patch: 0,
         taxel,
@@ -175,20 +140,11 @@ fn online(criterion: &mut Criterion) {
     for states in STATES {
         let mut models = models(states);
         for (score, name) in [(ScoreKind::Forward, "forward"), (ScoreKind::Viterbi, "viterbi")] {
-            let options = OnlineOptions {
-                patch: None,
-                threshold_n: 0.0,
-                decision: Decision::argmax(),
-            };
+            let options = OnlineOptions { patch: None, threshold_n: 0.0, decision: Decision::argmax() };
             models.score_by(score);
             let mut classifier = OnlineClassifier::new(&models, &layout, &options).expect("models fit the skin");
             group.bench_function(format!("{name}/{states} states, 100 taxels, 2 models"), |bencher| {
-                bencher.iter(|| {
-                    classifier
-                        .update(black_box(&frame))
-                        .expect("the frame fits the skin")
-                        .count()
-                });
+                bencher.iter(|| classifier.update(black_box(&frame)).expect("the frame fits the skin").count());
             });
         }
     }

@@ -56,10 +56,7 @@ fn reach(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(recording.frames.len() as u64));
         let file = folder.path().join(format!("{name}.parquet"));
         group.bench_function(
-            format!(
-                "{name}/{:.2} simulated s",
-                recording.frames.len() as f64 / recording.rate_hz
-            ),
+            format!("{name}/{:.2} simulated s", recording.frames.len() as f64 / recording.rate_hz),
             |bencher| {
                 bencher.iter(|| write_recording(&file, &run(index)).unwrap());
             },
@@ -74,10 +71,7 @@ const JOBS: u64 = 8;
 fn campaign(criterion: &mut Criterion) {
     let plans = [plan("leaf", LEAF), plan("trunk", TRUNK)];
     let jobs: Vec<Job> = (0..JOBS)
-        .map(|number| Job {
-            plan: number as usize % plans.len(),
-            reach_index: number / plans.len() as u64,
-        })
+        .map(|number| Job { plan: number as usize % plans.len(), reach_index: number / plans.len() as u64 })
         .collect();
     let folder = tempfile::tempdir().unwrap();
     let run = || {
@@ -93,9 +87,7 @@ fn campaign(criterion: &mut Criterion) {
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
     group.throughput(Throughput::Elements(run()));
     let threads = rayon::current_num_threads();
-    group.bench_function(format!("{JOBS} reaches on {threads} threads"), |bencher| {
-        bencher.iter(run)
-    });
+    group.bench_function(format!("{JOBS} reaches on {threads} threads"), |bencher| bencher.iter(run));
     group.finish();
 }
 

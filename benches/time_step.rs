@@ -59,14 +59,10 @@ fn by_link(forces: &Forces) -> BTreeMap<usize, DVec3> {
 /// forces.
 fn squares(reference: &Forces, other: &Forces) -> [f64; 2] {
     let (reference, other) = (by_link(reference), by_link(other));
-    let links = reference
-        .keys()
-        .chain(other.keys().filter(|link| !reference.contains_key(link)));
+    let links = reference.keys().chain(other.keys().filter(|link| !reference.contains_key(link)));
     let of = |forces: &BTreeMap<usize, DVec3>, link| forces.get(link).copied().unwrap_or_default();
     let pairs = links.map(|link| (of(&reference, link), of(&other, link)));
-    pairs.fold([0.0; 2], |[error, own], (a, b)| {
-        [error + a.distance_squared(b), own + a.length_squared()]
-    })
+    pairs.fold([0.0; 2], |[error, own], (a, b)| [error + a.distance_squared(b), own + a.length_squared()])
 }
 
 /// Number of contacts and their mean length, s. A contact goes on if it is interrupted by at most this many frames.
@@ -89,9 +85,7 @@ fn contacts(trace: &[Forces], bridged: usize) -> [f64; 2] {
 /// Mean force of the frames with contact (N), largest force (N), number of contacts and their mean length (s), and the
 /// same two with short interruptions bridged.
 fn statistics(trace: &[Forces]) -> [f64; STATISTICS] {
-    let lengths = trace
-        .iter()
-        .flat_map(|frame| frame.values().map(|force| force.length()));
+    let lengths = trace.iter().flat_map(|frame| frame.values().map(|force| force.length()));
     let touching: Vec<f64> = lengths.filter(|length| *length >= TOUCHING_N).collect();
     let [count, length] = contacts(trace, 0);
     let [bridged_count, bridged_length] = contacts(trace, BRIDGED);
@@ -161,16 +155,10 @@ fn main() {
     for name in SCENES {
         let scene = Scene::load(format!("scenes/{name}.toml")).unwrap();
         let plan = ReachPlan::new(scene, None, 0).unwrap();
-        let outcomes: Vec<Outcome> = (0..REACHES)
-            .into_par_iter()
-            .map(|reach| outcome(&plan, reach))
-            .collect();
+        let outcomes: Vec<Outcome> = (0..REACHES).into_par_iter().map(|reach| outcome(&plan, reach)).collect();
         println!("\n{name}, windows\n\n| step / ms | windows | median | 75 % | 90 % |\n|---|---|---|---|---|");
         for (index, step_ms) in STEPS_MS.iter().enumerate() {
-            let mut errors: Vec<f64> = outcomes
-                .iter()
-                .flat_map(|outcome| outcome.windows[index].clone())
-                .collect();
+            let mut errors: Vec<f64> = outcomes.iter().flat_map(|outcome| outcome.windows[index].clone()).collect();
             errors.sort_by(f64::total_cmp);
             let at = |share: f64| 100.0 * errors[((errors.len() - 1) as f64 * share) as usize];
             let [half, three_quarters, nine_tenths] = [0.5, 0.75, 0.9].map(at);
@@ -185,9 +173,8 @@ fn main() {
             let own = outcomes.iter().map(|outcome| outcome.statistics[index][statistic]);
             own.collect()
         };
-        let row: Vec<String> = (0..STATISTICS)
-            .map(|statistic| format!("{:.3}", mean(&column(0, statistic))[0]))
-            .collect();
+        let row: Vec<String> =
+            (0..STATISTICS).map(|statistic| format!("{:.3}", mean(&column(0, statistic))[0])).collect();
         println!("| {REFERENCE_MS} | {} |", row.join(" | "));
         for (index, step_ms) in STEPS_MS.iter().enumerate() {
             let row: Vec<String> = (0..STATISTICS)

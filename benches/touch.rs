@@ -23,21 +23,13 @@ const OBJECTS: [(f64, f64); 2] = [(30.0, 0.03), (2000.0, 0.002)];
 
 fn layout() -> SkinLayout {
     let place = |index: usize| DVec3::new(0.0108 * (index / COLUMNS) as f64, 0.012 * (index % COLUMNS) as f64, 0.0);
-    let taxel = |index| Taxel {
-        position_link: place(index),
-        normal_link: DVec3::Z,
-        tangent_link: DVec3::X,
-        area_m2: 1.3e-4,
-    };
+    let taxel =
+        |index| Taxel { position_link: place(index), normal_link: DVec3::Z, tangent_link: DVec3::X, area_m2: 1.3e-4 };
     SkinLayout {
         patches: vec![Patch {
             name: "forearm".into(),
             link: "forearm".into(),
-            grid: Some(Grid {
-                rows: ROWS,
-                columns: COLUMNS,
-                wraps: true,
-            }),
+            grid: Some(Grid { rows: ROWS, columns: COLUMNS, wraps: true }),
             taxels: (0..ROWS * COLUMNS).map(taxel).collect(),
         }],
     }

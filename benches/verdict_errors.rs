@@ -85,21 +85,11 @@ fn judge(model: &Arc<TouchModel>, recording: &Recording, groups: &mut BTreeMap<S
         for touch in classifier.taxels() {
             let Some(object) = truth(touch.taxel) else { continue };
             let region = &classifier.tracker().regions()[touch.region];
-            let pressing: BTreeSet<u16> = classifier
-                .tracker()
-                .taxels(region)
-                .iter()
-                .filter_map(|taxel| truth(*taxel))
-                .collect();
-            let company = if pressing.len() > 1 {
-                ", others in its region"
-            } else {
-                ", alone in its region"
-            };
+            let pressing: BTreeSet<u16> =
+                classifier.tracker().taxels(region).iter().filter_map(|taxel| truth(*taxel)).collect();
+            let company = if pressing.len() > 1 { ", others in its region" } else { ", alone in its region" };
             let wedge = if wedged.contains(&object) { ", wedged" } else { "" };
-            let group = groups
-                .entry(format!("{}{wedge}{company}", category(object).name()))
-                .or_default();
+            let group = groups.entry(format!("{}{wedge}{company}", category(object).name())).or_default();
             group.frames += 1;
             group.force_n += force_n[&object];
             let verdict = match touch.touch {
@@ -135,10 +125,7 @@ fn parts(recording: &Recording, wanted: impl Fn(u16) -> bool) -> Vec<Part<'_>> {
 fn touch(some: &[Part<'_>], others: &[Part<'_>], frame: usize) -> bool {
     let place = |(body, shape, pose): &Part<'_>| {
         let pose = body.pose_world(frame as u32) * *pose;
-        (
-            parry3d::math::Pose::from_parts(pose.position, pose.orientation),
-            shape.clone(),
-        )
+        (parry3d::math::Pose::from_parts(pose.position, pose.orientation), shape.clone())
     };
     let others: Vec<_> = others.iter().map(place).collect();
     some.iter().map(place).any(|(pose, shape)| {

@@ -41,10 +41,7 @@ fn main() {
         }
     }
     println!("{} reaches, of which {training} are drawn to fit to", reaches.len());
-    println!(
-        "{:>5}  {:>14}  {:>14}  {:>7}  {:>9}",
-        "limit", "wrong", "false alarms", "right", "uncertain"
-    );
+    println!("{:>5}  {:>14}  {:>14}  {:>7}  {:>9}", "limit", "wrong", "false alarms", "right", "uncertain");
     for limit in LIMITS {
         let draw = |seed: u64| judged(&examples, &reaches, training, limit, seed);
         let found: Vec<[f64; 4]> = (0..draws).into_par_iter().map(draw).collect();
@@ -62,14 +59,8 @@ fn judged(examples: &TouchExamples, reaches: &[Recording], training: usize, limi
     let mut order: Vec<usize> = (0..reaches.len()).collect();
     order.shuffle(&mut rand_chacha::ChaCha8Rng::seed_from_u64(seed));
     let fitted: BTreeSet<usize> = order.drain(..training).collect();
-    let limits = RiskLimits {
-        wrong: Some(limit),
-        false_alarms: Some(limit),
-    };
-    let model = examples
-        .some(|index| fitted.contains(&index))
-        .fit_within(&limits)
-        .unwrap();
+    let limits = RiskLimits { wrong: Some(limit), false_alarms: Some(limit) };
+    let model = examples.some(|index| fitted.contains(&index)).fit_within(&limits).unwrap();
     let model = Arc::new(model);
     let mut evaluation = TouchEvaluation::default();
     for index in order {
@@ -78,12 +69,7 @@ fn judged(examples: &TouchExamples, reaches: &[Recording], training: usize, limi
     let known = evaluation.known();
     let share = |part: usize| part as f64 / known.total() as f64;
     let by_reach = TouchFigures::of(&evaluation, model.categories()).by_reach;
-    [
-        by_reach.wrong_category.unwrap(),
-        by_reach.called_unknown.unwrap(),
-        share(known.right),
-        share(known.uncertain),
-    ]
+    [by_reach.wrong_category.unwrap(), by_reach.called_unknown.unwrap(), share(known.right), share(known.uncertain)]
 }
 
 fn mean_and_deviation(found: &[[f64; 4]], index: usize) -> (f64, f64) {

@@ -29,21 +29,13 @@ fn digest(recording: &Recording) -> Digest {
     for frame in &recording.frames {
         let forces = frame.taxels.iter().map(|taxel| taxel.true_normal_force_n);
         let finite = frame.joint_angle_rad.iter().copied().chain(forces).all(f64::is_finite);
-        assert!(
-            finite,
-            "{} {}: not finite at {} s",
-            recording.scene, recording.reach_index, frame.time_s
-        );
+        assert!(finite, "{} {}: not finite at {} s", recording.scene, recording.reach_index, frame.time_s);
     }
     Digest {
         goals: recording.goal_outcomes(),
         seconds: recording.frames.len() as f64 / recording.rate_hz,
         touched: recording.touched_frames().values().any(|frames| *frames > 0),
-        peak_force_n: recording
-            .contacts
-            .iter()
-            .map(|contact| contact.peak_force_n)
-            .fold(0.0, f64::max),
+        peak_force_n: recording.contacts.iter().map(|contact| contact.peak_force_n).fold(0.0, f64::max),
         audit: recording.audit,
     }
 }
@@ -67,10 +59,7 @@ fn main() -> ExitCode {
 
 fn sweep(reaches: usize, scenes: &[String]) -> Result<(), ReachError> {
     let names: Vec<&str> = Audit::FIELDS.iter().map(|field| field.name).collect();
-    println!(
-        "| scene | reaches | simulated s | skin touched | goals | peak force / N | {} |",
-        names.join(" | ")
-    );
+    println!("| scene | reaches | simulated s | skin touched | goals | peak force / N | {} |", names.join(" | "));
     println!("|---|---|---|---|---|---|{}", "---|".repeat(names.len()));
     for path in scenes {
         let plan = ReachPlan::new(Scene::load(path)?, None, 0)?;
@@ -80,10 +69,8 @@ fn sweep(reaches: usize, scenes: &[String]) -> Result<(), ReachError> {
             .collect::<Result<_, ReachError>>()?;
         let goals: GoalOutcomes = digests.iter().map(|digest| digest.goals).sum();
         let worst = |get: &dyn Fn(&Digest) -> f64| digests.iter().map(get).fold(0.0, f64::max);
-        let audit: Vec<String> = Audit::FIELDS
-            .iter()
-            .map(|field| format!("{:.1e}", worst(&|digest| (field.get)(&digest.audit))))
-            .collect();
+        let audit: Vec<String> =
+            Audit::FIELDS.iter().map(|field| format!("{:.1e}", worst(&|digest| (field.get)(&digest.audit)))).collect();
         println!(
             "| {} | {reaches} | {:.0} | {} | {goals} | {:.0} | {} |",
             plan.scene.name,
@@ -92,15 +79,8 @@ fn sweep(reaches: usize, scenes: &[String]) -> Result<(), ReachError> {
             worst(&|digest| digest.peak_force_n),
             audit.join(" | ")
         );
-        for (index, digest) in digests
-            .iter()
-            .enumerate()
-            .filter(|(_, digest)| digest.peak_force_n > 1000.0)
-        {
-            println!(
-                "runaway: reach {index} of {}: {:.0} N",
-                plan.scene.name, digest.peak_force_n
-            );
+        for (index, digest) in digests.iter().enumerate().filter(|(_, digest)| digest.peak_force_n > 1000.0) {
+            println!("runaway: reach {index} of {}: {:.0} N", plan.scene.name, digest.peak_force_n);
         }
     }
     Ok(())

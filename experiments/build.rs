@@ -67,10 +67,7 @@ impl Folders {
     /// The sources that decide the results computed from the frames: all of this crate and all of the classifier. The
     /// report is a separate crate and is not included. Experiment files and scenes are hashed when they are read.
     pub fn analysis_sources(&self) -> Vec<(&'static str, PathBuf)> {
-        vec![
-            ("classifier/src", self.classifier.join("src")),
-            ("experiments/src", self.experiments.join("src")),
-        ]
+        vec![("classifier/src", self.classifier.join("src")), ("experiments/src", self.experiments.join("src"))]
     }
 
     /// The lock file with the versions of all dependencies: in a package the one that it was published with, otherwise
@@ -132,11 +129,7 @@ pub fn hash(sources: &[(&'static str, PathBuf)]) -> String {
 /// Name and version of each of `LIBRARIES` in the text of a lock file, one in a line.
 fn versions(lock: &str) -> String {
     let packages = lock.split("[[package]]").filter_map(|package| {
-        let value = |key| {
-            package
-                .lines()
-                .find_map(|line| line.strip_prefix(key)?.strip_prefix(" = "))
-        };
+        let value = |key| package.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(" = "));
         let (name, version) = (value("name")?.trim_matches('"'), value("version")?);
         LIBRARIES.contains(&name).then(|| format!("{name} {version}\n"))
     });

@@ -203,10 +203,7 @@ pub fn data_set(bytes: &[u8]) -> bool {
 
 /// Lines of a live stream, for a model that needs poses.
 pub fn frame_lines(bytes: &[u8]) -> bool {
-    let files = FINGER.map(|(name, text)| ArmSource {
-        name: name.to_owned(),
-        text: text.to_owned(),
-    });
+    let files = FINGER.map(|(name, text)| ArmSource { name: name.to_owned(), text: text.to_owned() });
     let layout = Arm::from_files(&files).expect("the arm of the seeds").skin.layout;
     let mut parser = LineParser::new(layout, Some(0));
     let mut lines = Lines::new(BufReader::new(bytes), parser.max_bytes());

@@ -65,30 +65,19 @@ struct Printed<'a> {
 impl Failure {
     /// Bad usage, or bad input that is not in a file.
     pub fn usage(text: impl Into<String>) -> Self {
-        Failure {
-            text: text.into(),
-            input: None,
-            kind: Kind::Usage,
-            closed_pipe: false,
-        }
+        Failure { text: text.into(), input: None, kind: Kind::Usage, closed_pipe: false }
     }
 
     /// A run that failed.
     pub fn run(text: impl Into<String>) -> Self {
-        Failure {
-            kind: Kind::Run,
-            ..Failure::usage(text)
-        }
+        Failure { kind: Kind::Run, ..Failure::usage(text) }
     }
 
     /// A bug in this program, as recorded by [`record_panics`].
     pub fn panic(last_panic: &Mutex<String>) -> Self {
         let what = last_panic.lock().map_or(String::new(), |what| what.clone());
         let text = format!("internal error: {what}; please report it with the command line and the input files");
-        Failure {
-            kind: Kind::Internal,
-            ..Failure::usage(text)
-        }
+        Failure { kind: Kind::Internal, ..Failure::usage(text) }
     }
 
     /// The same failure with the file that it is about, unless it names one already.
@@ -97,19 +86,13 @@ impl Failure {
         if self.input.is_some() {
             return self;
         }
-        Failure {
-            text: format!("{}: {}", path.display(), self.text),
-            ..self
-        }
+        Failure { text: format!("{}: {}", path.display(), self.text), ..self }
     }
 
     /// A failure to write to standard output.
     pub fn output(error: std::io::Error) -> Self {
         let closed_pipe = error.kind() == std::io::ErrorKind::BrokenPipe;
-        Failure {
-            closed_pipe,
-            ..Failure::run(format!("cannot write to standard output: {error}"))
-        }
+        Failure { closed_pipe, ..Failure::run(format!("cannot write to standard output: {error}")) }
     }
 
     /// Whether the reader of the output closed the pipe, as `| head` does. That is not a failure.
@@ -200,12 +183,9 @@ impl From<InputError> for Failure {
 impl From<Fault> for Failure {
     fn from(fault: Fault) -> Self {
         match fault {
-            Fault::Input(input) => Failure {
-                text: input.to_string(),
-                input: Some(*input),
-                kind: Kind::Input,
-                ..Failure::usage("")
-            },
+            Fault::Input(input) => {
+                Failure { text: input.to_string(), input: Some(*input), kind: Kind::Input, ..Failure::usage("") }
+            }
             Fault::Usage(text) => Failure::usage(text),
             Fault::Run(text) | Fault::Storage(text) => Failure::run(text),
         }

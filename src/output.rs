@@ -117,10 +117,7 @@ pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), Failure> {
 pub fn create_parents(path: &Path) -> Result<(), Failure> {
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(|error| {
-            Failure::run(format!(
-                "{}: cannot create: {error}; check the path and its permissions",
-                folder.display()
-            ))
+            Failure::run(format!("{}: cannot create: {error}; check the path and its permissions", folder.display()))
         })?;
     }
     Ok(())
@@ -140,9 +137,7 @@ pub fn csv_bytes(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -
     for row in rows {
         writer.write_record(row).map_err(refused)?;
     }
-    writer
-        .into_inner()
-        .map_err(|error| Failure::run(format!("cannot write CSV: {error}")))
+    writer.into_inner().map_err(|error| Failure::run(format!("cannot write CSV: {error}")))
 }
 
 /// A path as text in a result. Bytes that are not UTF-8 are replaced, which affects only what is shown.

@@ -27,10 +27,7 @@ impl Progress for Shown {
         let bar = bar(total, things);
         bar.set_position(done);
         bar.reset_eta();
-        Box::new(Bar {
-            bar,
-            goals: Mutex::default(),
-        })
+        Box::new(Bar { bar, goals: Mutex::default() })
     }
 }
 

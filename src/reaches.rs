@@ -38,9 +38,7 @@ impl Reaches {
                 Source::Recording
             } else {
                 let remedy = "give the data set or recording that the trials were taken from";
-                return Err(
-                    InputError::new(path, "input", "a table of trials or another file", ALLOWED, remedy).into(),
-                );
+                return Err(InputError::new(path, "input", "a table of trials or another file", ALLOWED, remedy).into());
             };
             // Two names of one file are one file.
             let place = std::fs::canonicalize(path).unwrap_or_else(|_| path.clone());
@@ -76,10 +74,7 @@ impl Reaches {
         keeps: impl Fn(usize) -> bool,
         mut each: impl FnMut(&Path, usize, &Recording) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        let bar = progress::bar(
-            (0..self.count()).filter(|position| keeps(*position)).count() as u64,
-            "reaches read",
-        );
+        let bar = progress::bar((0..self.count()).filter(|position| keeps(*position)).count() as u64, "reaches read");
         let mut position = 0;
         for (path, source) in &self.sources {
             let reaches = match source {

@@ -71,10 +71,7 @@ impl TrialArguments {
     /// The same options for trials of any length.
     #[must_use]
     pub fn of_any_length(&self) -> Self {
-        TrialArguments {
-            min_samples: Some(1),
-            ..self.clone()
-        }
+        TrialArguments { min_samples: Some(1), ..self.clone() }
     }
 
     /// Name of the patch; `None` for the first one.
@@ -117,9 +114,9 @@ impl TrialArguments {
     /// If `--no-wrap` is given for taxels.
     pub fn unit(&self) -> Result<contact_trials::Unit, Failure> {
         match self.by.unwrap_or(Unit::Taxel) {
-            Unit::Taxel if self.no_wrap => Err(Failure::usage(
-                "--no-wrap applies to components only; add --by component, or leave --no-wrap out",
-            )),
+            Unit::Taxel if self.no_wrap => {
+                Err(Failure::usage("--no-wrap applies to components only; add --by component, or leave --no-wrap out"))
+            }
             Unit::Taxel => Ok(contact_trials::Unit::Taxel),
             Unit::Component => Ok(contact_trials::Unit::Component),
         }
@@ -135,10 +132,7 @@ impl TrialArguments {
                 ("--labels", self.labels.is_some()),
                 ("--no-wrap", self.no_wrap),
             ],
-            &format!(
-                "a table of trials such as {}, whose trials are already extracted and labelled",
-                path.display()
-            ),
+            &format!("a table of trials such as {}, whose trials are already extracted and labelled", path.display()),
         )
     }
 
@@ -151,28 +145,19 @@ impl TrialArguments {
             &self.about_trials(),
             "the classifier touch, which learns from whole frames and their ground truth",
         )?;
-        Ok(TouchOptions {
-            patch: self.patch(),
-            threshold_n: self.threshold_n(),
-        })
+        Ok(TouchOptions { patch: self.patch(), threshold_n: self.threshold_n() })
     }
 
     /// Refuses all options, because a touch model knows its patch and threshold and judges frames.
     pub fn refuse_for_touch_model(&self) -> Result<(), Failure> {
-        let own = [
-            ("--patch", self.patch.is_some()),
-            ("--threshold-n", self.threshold_n.is_some()),
-        ];
+        let own = [("--patch", self.patch.is_some()), ("--threshold-n", self.threshold_n.is_some())];
         self.refuse(&own, "a touch model, which has a patch and a threshold of its own")?;
         self.refuse(&self.about_trials(), "a touch model, which judges frames, not trials")
     }
 
     /// Refuses options that do not apply to verdicts frame by frame.
     pub fn refuse_online(&self) -> Result<(), Failure> {
-        self.refuse(
-            &self.about_trials(),
-            "online verdicts, which are given for each taxel from its first sample on",
-        )
+        self.refuse(&self.about_trials(), "online verdicts, which are given for each taxel from its first sample on")
     }
 
     /// The options that are about trials only, and whether they are given.
@@ -189,9 +174,7 @@ impl TrialArguments {
     fn refuse(&self, options: &[(&str, bool)], what: &str) -> Result<(), Failure> {
         match options.iter().find(|(_, given)| *given) {
             None => Ok(()),
-            Some((option, _)) => Err(Failure::usage(format!(
-                "{option} does not apply to {what}; leave it out"
-            ))),
+            Some((option, _)) => Err(Failure::usage(format!("{option} does not apply to {what}; leave it out"))),
         }
     }
 }
@@ -214,10 +197,7 @@ mod tests {
         assert_eq!(parse(&[]).options(), TrialOptions::default());
         assert_eq!(parse(&["--preset", "paper"]).options(), TrialOptions::paper());
         let mixed = parse(&["--preset", "paper", "--min-samples", "3", "--labels", "contact"]).options();
-        let expected = TrialOptions {
-            min_samples: 3,
-            ..TrialOptions::default()
-        };
+        let expected = TrialOptions { min_samples: 3, ..TrialOptions::default() };
         assert_eq!(mixed, expected);
     }
 

@@ -43,10 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 ("", quickest(repeats, || black_box(together()).map(drop))?),
                 ("_single", quickest(repeats, || black_box(one_by_one()).map(drop))?),
             ] {
-                entry.insert(
-                    format!("{name}{way}_ns_per_sample"),
-                    json!(1e9 * seconds / samples as f64),
-                );
+                entry.insert(format!("{name}{way}_ns_per_sample"), json!(1e9 * seconds / samples as f64));
             }
         }
         let own = trials.iter().filter(|trial| trial.category.as_ref() == Some(category));
@@ -54,18 +51,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         let own_samples: usize = own.iter().map(Observations::sample_count).sum();
         // The difference between trainings of two lengths is the time of the iterations alone.
         let iterate = |iterations| {
-            let options = TrainingOptions {
-                iterations,
-                tolerance: 0.0,
-                ..TrainingOptions::default()
-            };
+            let options = TrainingOptions { iterations, tolerance: 0.0, ..TrainingOptions::default() };
             quickest(repeats, || black_box(train(scorer.model(), &own, &options)).map(drop))
         };
         let seconds = (iterate(11)? - iterate(1)?) / 10.0;
-        entry.insert(
-            "iteration_ns_per_sample".into(),
-            json!(1e9 * seconds / own_samples as f64),
-        );
+        entry.insert("iteration_ns_per_sample".into(), json!(1e9 * seconds / own_samples as f64));
         result.insert(category.clone(), entry.into());
     }
     println!("{}", serde_json::Value::from(result));
@@ -104,12 +94,8 @@ fn read(text: &str) -> Result<Vec<Trial>, Box<dyn Error>> {
         let place = header.iter().position(|found| *found == name);
         place.ok_or_else(|| format!("the table has no column {name}"))
     };
-    let (trial, category, time_s, force_n) = (
-        column("trial")?,
-        column("category")?,
-        column("time_s")?,
-        column("force_n")?,
-    );
+    let (trial, category, time_s, force_n) =
+        (column("trial")?, column("category")?, column("time_s")?, column("force_n")?);
     let mut trials: Vec<Trial> = Vec::new();
     for line in lines {
         let cells: Vec<&str> = line.split(',').collect();

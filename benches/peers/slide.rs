@@ -53,10 +53,7 @@ pub struct Case {
 /// on the forearm in each step. That force is derived from the change of the forearm's momentum, so it does not depend
 /// on what the contact solver reports.
 pub fn slide(case: &Case, step_s: f64) -> Value {
-    let options = PhysicsOptions {
-        step_s,
-        ..PhysicsSection::default().options()
-    };
+    let options = PhysicsOptions { step_s, ..PhysicsSection::default().options() };
     let arm = Arm::cody().expect("Cody's files are sound");
     let link = arm.link_index("forearm").expect("Cody has a forearm");
     let shape = arm.links[link].colliders[0].shape.clone();
@@ -70,20 +67,10 @@ pub fn slide(case: &Case, step_s: f64) -> Value {
     let start = DVec3::new(-radius_m - GAP_M, 0.0, HEIGHT_M);
     let velocity = DVec3::X * case.speed_m_per_s;
     let forearm = rig.add_free(&FreeBody {
-        part: BodyPart {
-            shape,
-            pose_body: Pose::IDENTITY,
-        },
+        part: BodyPart { shape, pose_body: Pose::IDENTITY },
         mass_kg: MASS_KG,
-        surface: if case.has_skin {
-            arm.surface(link)
-        } else {
-            Surface::hard(arm.friction)
-        },
-        pose_world: Pose {
-            position: start,
-            orientation: DQuat::from_rotation_arc(DVec3::Z, axis),
-        },
+        surface: if case.has_skin { arm.surface(link) } else { Surface::hard(arm.friction) },
+        pose_world: Pose { position: start, orientation: DQuat::from_rotation_arc(DVec3::Z, axis) },
         velocity_world: velocity,
         may_rotate: false,
     });

@@ -62,18 +62,10 @@ impl Sweep {
         let scene = Scene::parse("sweep.toml", SCENE.into()).expect("the scene is sound");
         let mut random = stream(layout, "sweep", 0, "clutter");
         let block = scene.file.objects.foam_block[0]
-            .draw(
-                &mut random,
-                &Footing {
-                    height_m: 0.0,
-                    foam_modulus_pa: None,
-                },
-            )
+            .draw(&mut random, &Footing { height_m: 0.0, foam_modulus_pa: None })
             .expect("the block is sound");
-        let footing = Footing {
-            height_m: FOAM_TOP_M,
-            foam_modulus_pa: block.foam_top().map(|(modulus_pa, _)| modulus_pa),
-        };
+        let footing =
+            Footing { height_m: FOAM_TOP_M, foam_modulus_pa: block.foam_top().map(|(modulus_pa, _)| modulus_pa) };
         let leaf = &scene.file.objects.leaf[0];
         let yaw_deg = Quantity::uniform(-180.0, 180.0);
         let mut objects = Vec::new();
@@ -84,23 +76,14 @@ impl Sweep {
             let placed = PlacedObject {
                 object: leaf.draw(&mut random, &footing).expect("the leaf stands"),
                 foot_world: foot.extend(FOAM_TOP_M),
-                yaw_rad: yaw_deg
-                    .draw(&mut random, (-180.0, 180.0))
-                    .expect("an angle")
-                    .to_radians(),
+                yaw_rad: yaw_deg.draw(&mut random, (-180.0, 180.0)).expect("an angle").to_radians(),
             };
             let capsule = placed.bounding_capsule();
             if links.iter().all(|link| link.distance(&capsule) > CLEARANCE_M) {
                 objects.push(placed);
             }
         }
-        Sweep {
-            arm,
-            clutter: Clutter {
-                objects,
-                goals: Vec::new(),
-            },
-        }
+        Sweep { arm, clutter: Clutter { objects, goals: Vec::new() } }
     }
 
     /// The simulation at the start of the sweep.
@@ -124,11 +107,7 @@ impl Sweep {
         let phase = frame as f64 / Sweep::frames() as f64;
         let share = (1.0 - (TAU * phase).cos()) / 2.0;
         let start = arm.start_posture_rad();
-        start
-            .iter()
-            .zip(SWEEP_DEG)
-            .map(|(start, sweep)| start + share * sweep.to_radians())
-            .collect()
+        start.iter().zip(SWEEP_DEG).map(|(start, sweep)| start + share * sweep.to_radians()).collect()
     }
 
     /// Runs the whole motion; `look` sees the report of each frame.
@@ -143,14 +122,9 @@ impl Sweep {
 /// The 33 × 33 points of a square grid, those nearest to the sweep's middle first.
 fn grid() -> Vec<DVec2> {
     let half = 16_i32;
-    let mut points: Vec<(i32, i32)> = (-half..=half)
-        .flat_map(|i| (-half..=half).map(move |j| (i, j)))
-        .collect();
+    let mut points: Vec<(i32, i32)> = (-half..=half).flat_map(|i| (-half..=half).map(move |j| (i, j))).collect();
     points.sort_by_key(|(i, j)| (i * i + j * j, *i, *j));
-    points
-        .into_iter()
-        .map(|(i, j)| CENTER_WORLD + DVec2::new(f64::from(i), f64::from(j)) * SPACING_M)
-        .collect()
+    points.into_iter().map(|(i, j)| CENTER_WORLD + DVec2::new(f64::from(i), f64::from(j)) * SPACING_M).collect()
 }
 
 /// Sum of the contact forces on each link in the reported frame, N, world frame.

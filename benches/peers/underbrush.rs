@@ -32,35 +32,17 @@ fn main() {
     let result = match words[..] {
         ["setup", leaves, layout] => setup(&sweep_of(leaves, layout)),
         ["run", leaves, layout, step_s, dormancy] => {
-            let options = PhysicsOptions {
-                step_s: step_s.parse().unwrap(),
-                ..PhysicsSection::default().options()
-            };
+            let options = PhysicsOptions { step_s: step_s.parse().unwrap(), ..PhysicsSection::default().options() };
             run(bare(sweep_of(leaves, layout)), options, dormancy.parse().unwrap())
         }
         ["windows", leaves, layout, frames, reference_step_s, ref steps_s @ ..] => {
-            let options = PhysicsOptions {
-                step_s: reference_step_s.parse().unwrap(),
-                ..PhysicsSection::default().options()
-            };
+            let options =
+                PhysicsOptions { step_s: reference_step_s.parse().unwrap(), ..PhysicsSection::default().options() };
             let steps_s: Vec<f64> = steps_s.iter().map(|step_s| step_s.parse().unwrap()).collect();
-            windows(
-                bare(sweep_of(leaves, layout)),
-                options,
-                frames.parse().unwrap(),
-                &steps_s,
-            )
+            windows(bare(sweep_of(leaves, layout)), options, frames.parse().unwrap(), &steps_s)
         }
         ["statics"] => statics(),
-        [
-            "slide",
-            segments,
-            step_s,
-            rotation_deg,
-            slope_deg,
-            speed_m_per_s,
-            has_skin,
-        ] => {
+        ["slide", segments, step_s, rotation_deg, slope_deg, speed_m_per_s, has_skin] => {
             let case = Case {
                 segments: segments.parse().unwrap(),
                 rotation_rad: rotation_deg.parse::<f64>().unwrap().to_radians(),
@@ -106,9 +88,8 @@ fn run(sweep: Sweep, options: PhysicsOptions, dormancy: bool) -> Value {
 fn windows(sweep: Sweep, options: PhysicsOptions, frames: usize, steps_s: &[f64]) -> Value {
     let mut reference = sweep.simulation(options, true);
     let (mut own, mut others) = (Vec::new(), vec![Vec::new(); steps_s.len()]);
-    let equilibrium_rad: Vec<Vec<f64>> = (0..Sweep::frames())
-        .map(|frame| Sweep::equilibrium_rad(reference.arm(), frame))
-        .collect();
+    let equilibrium_rad: Vec<Vec<f64>> =
+        (0..Sweep::frames()).map(|frame| Sweep::equilibrium_rad(reference.arm(), frame)).collect();
     let continued = |simulation: &mut Simulation, window: &[Vec<f64>], forces: &mut Vec<Vec<[f64; 3]>>| {
         for angles in window {
             let links = sweep::force_on_links(simulation.step(angles));
@@ -129,10 +110,7 @@ fn windows(sweep: Sweep, options: PhysicsOptions, frames: usize, steps_s: &[f64]
 /// How the first leaf of the sweep bends under a force at its tip, how fast it vibrates when released, and how far a
 /// force at the wrist moves the arm.
 fn statics() -> Value {
-    let options = PhysicsOptions {
-        step_s: 2.5e-4,
-        ..PhysicsSection::default().options()
-    };
+    let options = PhysicsOptions { step_s: 2.5e-4, ..PhysicsSection::default().options() };
     // The softest leaf's damping ratio is over 0.05 at about 3 Hz: after this time e^-9 of a vibration is left.
     let settle = (10.0 / options.step_s) as usize;
     let sweep = Sweep::new(1, 0);
@@ -157,9 +135,7 @@ fn statics() -> Value {
     let force = DVec3::new(-3.0, 4.0, 5.0);
     push(&mut rig, wrist, force, DVec3::ZERO, settle);
     let joints = links[1..].iter();
-    let angles: Vec<f64> = joints
-        .map(|link| rig.coordinate(*link, Axis::RotationX).unwrap())
-        .collect();
+    let angles: Vec<f64> = joints.map(|link| rig.coordinate(*link, Axis::RotationX).unwrap()).collect();
     json!({
         "step_s": options.step_s,
         "tip_body": tip.number(),
@@ -205,10 +181,7 @@ fn processor_time_s() -> f64 {
     std::fs::read_to_string("/proc/thread-self/schedstat")
         .ok()
         .and_then(|text| text.split_whitespace().next()?.parse::<f64>().ok())
-        .map_or_else(
-            || START.with(Instant::elapsed).as_secs_f64(),
-            |nanoseconds| nanoseconds * 1e-9,
-        )
+        .map_or_else(|| START.with(Instant::elapsed).as_secs_f64(), |nanoseconds| nanoseconds * 1e-9)
 }
 
 /// Everything that another engine needs to run the same sweep, read from the engine's own bodies and joints.
@@ -217,9 +190,7 @@ fn setup(sweep: &Sweep) -> Value {
     let (mut rig, links, _) = rig(sweep, options);
     let mut setup = bodies_and_joints(&mut rig);
     setup["arm"] = arm(sweep, &links);
-    setup["equilibrium_rad"] = (0..Sweep::frames())
-        .map(|frame| Sweep::equilibrium_rad(&sweep.arm, frame))
-        .collect();
+    setup["equilibrium_rad"] = (0..Sweep::frames()).map(|frame| Sweep::equilibrium_rad(&sweep.arm, frame)).collect();
     setup
 }
 

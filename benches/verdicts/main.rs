@@ -63,10 +63,7 @@ fn main() {
             let first: u64 = first.parse().unwrap();
             println!("reach,controller,{}", SUMS.join(","));
             let reaches: Vec<u64> = (first..first + count.parse::<u64>().unwrap()).collect();
-            reaches
-                .into_par_iter()
-                .with_max_len(1)
-                .for_each(|index| reach(&plan, &verdicts, &allowed, index));
+            reaches.into_par_iter().with_max_len(1).for_each(|index| reach(&plan, &verdicts, &allowed, index));
         }
         ["table", file] => table::print(&std::fs::read_to_string(file).unwrap()),
         _ => println!("usage: verdicts run MODEL SCENE SEED FIRST COUNT [LEAF_N TRUNK_N], or verdicts table FILE"),
@@ -141,10 +138,7 @@ impl Controller for Truth {
             self.allowed.of(touch, &names).apply(contact)
         };
         let contacts: Vec<TaxelContact> = input.contacts.iter().filter_map(allow).collect();
-        self.inner.control(&ControllerInput {
-            contacts: &contacts,
-            ..input.clone()
-        })
+        self.inner.control(&ControllerInput { contacts: &contacts, ..input.clone() })
     }
 }
 

@@ -13,17 +13,9 @@ const QUANTITIES: [(&str, &str, Option<&str>); 11] = [
     ("largest force of a taxel on a trunk, N", "trunk_peak_taxel_n", None),
     ("the same on the forearm, N", "trunk_peak_taxel_forearm_n", None),
     ("mean force on a trunk, N", "trunk_newton_frames", Some("trunk_frames")),
-    (
-        "mean force of a forearm taxel on a trunk, N",
-        "trunk_forearm_taxel_newtons",
-        Some("trunk_forearm_taxels"),
-    ),
+    ("mean force of a forearm taxel on a trunk, N", "trunk_forearm_taxel_newtons", Some("trunk_forearm_taxels")),
     ("largest force of a taxel on a leaf, N", "leaf_peak_taxel_n", None),
-    (
-        "mean force of a taxel on a leaf, N",
-        "leaf_taxel_newtons",
-        Some("leaf_taxels"),
-    ),
+    ("mean force of a taxel on a leaf, N", "leaf_taxel_newtons", Some("leaf_taxels")),
     ("steps without a solution", "infeasible_steps", None),
 ];
 
@@ -43,28 +35,21 @@ pub fn print(text: &str) {
         let of_reach = reaches.entry(index.parse().unwrap()).or_default();
         assert!(of_reach.insert(controller, sums).is_none(), "twice: {line}");
     }
-    let reaches: Vec<Rows> = reaches
-        .values()
-        .map(|of_reach| CONTROLLERS.map(|controller| of_reach[controller].clone()))
-        .collect();
+    let reaches: Vec<Rows> =
+        reaches.values().map(|of_reach| CONTROLLERS.map(|controller| of_reach[controller].clone())).collect();
     println!("{} reaches\n", reaches.len());
     println!(
         "| | {} | {} |",
         CONTROLLERS.join(" | "),
-        CONTROLLERS[1..]
-            .iter()
-            .map(|name| format!("{name} − without"))
-            .collect::<Vec<_>>()
-            .join(" | ")
+        CONTROLLERS[1..].iter().map(|name| format!("{name} − without")).collect::<Vec<_>>().join(" | ")
     );
     println!("|---{}", "|---".repeat(2 * CONTROLLERS.len() - 1) + "|");
     for (name, sum, divisor) in QUANTITIES {
         let all: Vec<&Rows> = reaches.iter().collect();
         let own = |controller: usize| format!("{:.3}", quotient(&all, controller, sum, divisor));
         let values: Vec<String> = (0..CONTROLLERS.len()).map(own).collect();
-        let differences: Vec<String> = (1..CONTROLLERS.len())
-            .map(|controller| difference(&all, controller, sum, divisor))
-            .collect();
+        let differences: Vec<String> =
+            (1..CONTROLLERS.len()).map(|controller| difference(&all, controller, sum, divisor)).collect();
         println!("| {name} | {} | {} |", values.join(" | "), differences.join(" | "));
     }
 }
@@ -88,9 +73,8 @@ fn difference(reaches: &[&Rows], controller: usize, sum: &str, divisor: Option<&
         state ^= state << 17;
         reaches[(state % reaches.len() as u64) as usize]
     };
-    let mut values: Vec<f64> = (0..RESAMPLES)
-        .map(|_| of(&(0..reaches.len()).map(|_| draw()).collect::<Vec<_>>()))
-        .collect();
+    let mut values: Vec<f64> =
+        (0..RESAMPLES).map(|_| of(&(0..reaches.len()).map(|_| draw()).collect::<Vec<_>>())).collect();
     values.sort_by(f64::total_cmp);
     let mean = values.iter().sum::<f64>() / RESAMPLES as f64;
     let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (RESAMPLES - 1) as f64;

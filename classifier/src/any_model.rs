@@ -56,13 +56,7 @@ fn load_onnx(path: &Path) -> Result<Model, ModelError> {
 fn load_onnx(path: &Path) -> Result<Model, ModelError> {
     let found = "an ONNX model, which this program was built without";
     let remedy = "build it with `cargo build --release --features onnx`";
-    Err(refused(InputError::new(
-        path,
-        "file",
-        found,
-        "a model file of underbrush",
-        remedy,
-    )))
+    Err(refused(InputError::new(path, "file", found, "a model file of underbrush", remedy)))
 }
 
 /// Reads a classifier of trials.

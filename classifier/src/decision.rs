@@ -116,10 +116,7 @@ pub struct Decision {
 impl Decision {
     /// This rule with equal priors.
     pub fn new(rule: Rule) -> Self {
-        Decision {
-            prior: BTreeMap::new(),
-            rule,
-        }
+        Decision { prior: BTreeMap::new(), rule }
     }
 
     /// The best category with equal priors: the rule of Table I.
@@ -130,10 +127,7 @@ impl Decision {
     /// The rule of the paper's outlier experiment (section V-D): a category above 80 nats, an outlier from 15 to 80,
     /// uncertain below 15. These thresholds apply to Viterbi scores of unscaled force.
     pub fn paper() -> Self {
-        Self::new(Rule::OutlierBand {
-            uncertain_below: 15.0,
-            category_above: 80.0,
-        })
+        Self::new(Rule::OutlierBand { uncertain_below: 15.0, category_above: 80.0 })
     }
 
     /// Checks the decision against the models' categories and prepares it.
@@ -143,24 +137,15 @@ impl Decision {
     pub fn prepare(&self, categories: &[String]) -> Result<Judge, DecisionError> {
         if !self.prior.is_empty() && !self.prior.keys().eq(categories) {
             let found = self.prior.keys().cloned().collect();
-            return Err(DecisionError::PriorCategories {
-                found,
-                expected: categories.to_vec(),
-            });
+            return Err(DecisionError::PriorCategories { found, expected: categories.to_vec() });
         }
         if let Some((category, &found)) = self.prior.iter().find(|(_, prior)| !PRIOR.hold(**prior)) {
-            return Err(DecisionError::BadPrior {
-                category: category.clone(),
-                found,
-            });
+            return Err(DecisionError::BadPrior { category: category.clone(), found });
         }
         let (low, high) = match self.rule {
             Rule::Argmax => (0.0, 0.0),
             Rule::UncertainBelow { margin } => (margin, margin),
-            Rule::OutlierBand {
-                uncertain_below,
-                category_above,
-            } => (uncertain_below, category_above),
+            Rule::OutlierBand { uncertain_below, category_above } => (uncertain_below, category_above),
         };
         if !(low >= 0.0 && high >= low && high.is_finite()) {
             return Err(DecisionError::BadThreshold { found: self.rule });
@@ -170,11 +155,7 @@ impl Decision {
             true => vec![0.0; categories.len()],
             false => self.prior.values().map(|prior| math::ln(prior / total)).collect(),
         };
-        Ok(Judge {
-            categories: categories.to_vec(),
-            log_prior,
-            rule: self.rule,
-        })
+        Ok(Judge { categories: categories.to_vec(), log_prior, rule: self.rule })
     }
 }
 
@@ -251,10 +232,7 @@ impl Judge {
     /// [`DecisionError::ScoreCount`] unless there is one score per category.
     pub fn judge(&self, scores: &[(String, f64)]) -> Result<Verdict, DecisionError> {
         if scores.len() != self.categories.len() {
-            return Err(DecisionError::ScoreCount {
-                found: scores.len(),
-                expected: self.categories.len(),
-            });
+            return Err(DecisionError::ScoreCount { found: scores.len(), expected: self.categories.len() });
         }
         let log_likelihood: Vec<f64> = scores.iter().map(|(_, score)| *score).collect();
         Ok(self.verdict(self.choose(&log_likelihood)))

@@ -37,11 +37,7 @@ impl Document {
 
     /// A text that should have this format, which errors name; the path is for errors only.
     pub(crate) fn of_format(path: impl AsRef<Path>, text: &str, format: &'static str) -> Self {
-        Document {
-            path: path.as_ref().to_owned(),
-            text: text.to_owned(),
-            format,
-        }
+        Document { path: path.as_ref().to_owned(), text: text.to_owned(), format }
     }
 
     /// Where the text comes from.
@@ -74,9 +70,7 @@ impl Document {
     fn broken(&self, place: &str, error: &serde_json::Error) -> InputError {
         let found = error.to_string();
         // For a missing key, serde gives its name, and the object that lacks it as the path.
-        let missing = found
-            .strip_prefix("missing field `")
-            .and_then(|rest| rest.split('`').next());
+        let missing = found.strip_prefix("missing field `").and_then(|rest| rest.split('`').next());
         let field = match (error.is_data(), place, missing) {
             (false, ..) => "JSON".to_owned(),
             (true, ".", Some(key)) => key.to_owned(),

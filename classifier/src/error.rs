@@ -98,11 +98,7 @@ pub(crate) struct Fault {
 
 impl Fault {
     pub(crate) fn new(field: impl Into<String>, found: impl Into<String>, allowed: impl Into<String>) -> Self {
-        Fault {
-            field: field.into(),
-            found: found.into(),
-            allowed: allowed.into(),
-        }
+        Fault { field: field.into(), found: found.into(), allowed: allowed.into() }
     }
 
     /// The same fault in a field of `parent`.
@@ -114,19 +110,11 @@ impl Fault {
 
 impl From<Fault> for ModelError {
     fn from(fault: Fault) -> Self {
-        ModelError::BadOption {
-            option: fault.field,
-            found: fault.found,
-            allowed: fault.allowed,
-        }
+        ModelError::BadOption { option: fault.field, found: fault.found, allowed: fault.allowed }
     }
 }
 
 /// Checks that a number lies within its limits.
 pub(crate) fn check_limits(field: impl Into<String>, value: f64, limits: Limits) -> Result<(), Fault> {
-    if limits.hold(value) {
-        Ok(())
-    } else {
-        Err(Fault::new(field, short(value), limits.to_string()))
-    }
+    if limits.hold(value) { Ok(()) } else { Err(Fault::new(field, short(value), limits.to_string())) }
 }

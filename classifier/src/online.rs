@@ -111,10 +111,7 @@ impl OnlineClassifier {
     pub fn new(classifier: &dyn Classifier, layout: &SkinLayout, options: &OnlineOptions) -> Result<Self, OnlineError> {
         let categories = classifier.categories();
         let image = PatchImage::new(layout, options.patch.as_deref(), options.threshold_n)?;
-        let no_region = |feature| OnlineError::NoRegion {
-            feature,
-            patch: image.patch().name.clone(),
-        };
+        let no_region = |feature| OnlineError::NoRegion { feature, patch: image.patch().name.clone() };
         let regions = match classifier.features().of_region().next() {
             None => None,
             Some(feature) => Some(Regions::new(&image, None).map_err(|_| no_region(feature.name))?),
@@ -168,11 +165,7 @@ impl OnlineClassifier {
                 contact.decide(&self.judge);
             }
         }
-        Ok(self
-            .contacts
-            .iter()
-            .filter(|contact| contact.slot.is_some())
-            .map(|contact| &contact.verdict))
+        Ok(self.contacts.iter().filter(|contact| contact.slot.is_some()).map(|contact| &contact.verdict))
     }
 
     /// Gives the scorer the sample of a taxel in contact.

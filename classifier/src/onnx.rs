@@ -84,22 +84,12 @@ pub fn load(path: &Path) -> Result<Box<dyn Classifier>, InputError> {
         output: 0,
     };
     let found = network.find_output(expected.categories.len()).map_err(|error| {
-        let allowed = format!(
-            "an output of {} 32-bit floats, one per category",
-            expected.categories.len()
-        );
+        let allowed = format!("an output of {} 32-bit floats, one per category", expected.categories.len());
         let remedy = "export probabilities as a plain tensor (skl2onnx: options={'zipmap': False})";
         fail("output", format!("{error:#}"), &allowed, remedy)
     })?;
-    let network = Network {
-        output: found,
-        ..network
-    };
-    Ok(Box::new(OnnxClassifier(Arc::new(Loaded {
-        path: path.to_owned(),
-        expected,
-        network,
-    }))))
+    let network = Network { output: found, ..network };
+    Ok(Box::new(OnnxClassifier(Arc::new(Loaded { path: path.to_owned(), expected, network }))))
 }
 
 /// Runs a step of tract and turns a panic into an error. Some files make tract panic, and bad input must never end the
@@ -108,9 +98,7 @@ fn guarded<T>(step: impl FnOnce() -> TractResult<T>) -> TractResult<T> {
     catch_unwind(AssertUnwindSafe(step)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         let text = text.or(panic.downcast_ref::<&str>().copied());
-        Err(TractError::msg(
-            text.unwrap_or("a failure that says nothing more").to_owned(),
-        ))
+        Err(TractError::msg(text.unwrap_or("a failure that says nothing more").to_owned()))
     })
 }
 
@@ -164,10 +152,7 @@ impl Loaded {
             let found = format!("shape {:?}, type {:?}", output.shape(), output.datum_type());
             fail("output", found, allowed, remedy)
         })?;
-        answer
-            .iter_mut()
-            .zip(values)
-            .for_each(|(place, value)| *place = f64::from(*value));
+        answer.iter_mut().zip(values).for_each(|(place, value)| *place = f64::from(*value));
         if self.expected.is_probability {
             let is_probability = |value: &f64| (-PROBABILITY_TOLERANCE..=1.0 + PROBABILITY_TOLERANCE).contains(value);
             if !answer.iter().all(is_probability) || (answer.iter().sum::<f64>() - 1.0).abs() > PROBABILITY_TOLERANCE {
@@ -208,10 +193,7 @@ impl Classifier for OnnxClassifier {
     }
 
     fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
-        let fresh = Contact {
-            model: Arc::clone(&self.0),
-            samples: Vec::new(),
-        };
+        let fresh = Contact { model: Arc::clone(&self.0), samples: Vec::new() };
         Box::new(Independent::new(fresh, contacts))
     }
 
@@ -231,10 +213,7 @@ struct Contact {
 
 impl std::fmt::Debug for Contact {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter
-            .debug_struct("Contact")
-            .field("samples", &self.samples)
-            .finish()
+        formatter.debug_struct("Contact").field("samples", &self.samples).finish()
     }
 }
 
@@ -254,12 +233,7 @@ impl ContactScorer for Contact {
     }
 
     fn scores(&self, scores: &mut [f64]) -> Result<(), ModelError> {
-        let Expected {
-            features,
-            window,
-            is_probability,
-            ..
-        } = &self.model.expected;
+        let Expected { features, window, is_probability, .. } = &self.model.expected;
         let dimension = features.dimension();
         let mut input: Vec<f32> = self.samples.iter().map(|value| *value as f32).collect();
         while !input.is_empty() && input.len() < window * dimension {
@@ -267,9 +241,7 @@ impl ContactScorer for Contact {
         }
         self.model.answer(&input, scores)?;
         if *is_probability {
-            scores
-                .iter_mut()
-                .for_each(|score| *score = math::ln(score.max(SMALLEST_PROBABILITY)));
+            scores.iter_mut().for_each(|score| *score = math::ln(score.max(SMALLEST_PROBABILITY)));
         }
         Ok(())
     }

@@ -87,22 +87,14 @@ impl Recipe {
     /// The recipe that one would choose today: the forward likelihood of eq. 2 as score, and z-scored features, so that
     /// the variance floor means the same (a hundredth of the data's deviation) for every feature.
     pub fn modern() -> Self {
-        Recipe {
-            score: ScoreKind::Forward,
-            scaling: ScalingKind::ZScore,
-            ..Recipe::authors()
-        }
+        Recipe { score: ScoreKind::Forward, scaling: ScalingKind::ZScore, ..Recipe::authors() }
     }
 
     /// Checks that every number is within its range.
     pub(crate) fn check(&self) -> Result<(), Fault> {
         for (option, value, limits) in [
             ("states", self.states as f64, STATES),
-            (
-                "max_samples",
-                self.max_samples.map_or(1.0, |count| count as f64),
-                SAMPLES,
-            ),
+            ("max_samples", self.max_samples.map_or(1.0, |count| count as f64), SAMPLES),
         ] {
             check_limits(option, value, limits)?;
         }

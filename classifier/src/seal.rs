@@ -132,10 +132,7 @@ mod tests {
             assert_ne!(hash(other), own, "{other}");
         }
         // Whole numbers that double precision cannot tell apart.
-        assert_ne!(
-            hash(r#"{"seed": 9007199254740993}"#),
-            hash(r#"{"seed": 9007199254740992}"#)
-        );
+        assert_ne!(hash(r#"{"seed": 9007199254740993}"#), hash(r#"{"seed": 9007199254740992}"#));
     }
 
     /// Tests that a wrong seal is refused with the key and the remedy.

@@ -67,11 +67,7 @@ fn scores_are_those_of_the_formula() {
 fn files_that_do_not_fit_are_refused() {
     let broken = std::env::temp_dir().join(format!("underbrush-{}.onnx", std::process::id()));
     std::fs::write(&broken, b"no protocol buffer").unwrap();
-    let cases = [
-        (file("other_window.onnx"), "input"),
-        (file("missing.onnx"), "file"),
-        (broken.clone(), "file"),
-    ];
+    let cases = [(file("other_window.onnx"), "input"), (file("missing.onnx"), "file"), (broken.clone(), "file")];
     for (path, field) in cases {
         let error = onnx::load(&path).unwrap_err().to_string();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
@@ -82,19 +78,9 @@ fn files_that_do_not_fit_are_refused() {
 
 /// A skin of one taxel.
 fn layout() -> SkinLayout {
-    let taxel = Taxel {
-        position_link: DVec3::ZERO,
-        normal_link: DVec3::Z,
-        tangent_link: DVec3::X,
-        area_m2: 1e-4,
-    };
+    let taxel = Taxel { position_link: DVec3::ZERO, normal_link: DVec3::Z, tangent_link: DVec3::X, area_m2: 1e-4 };
     SkinLayout {
-        patches: vec![Patch {
-            name: "forearm".into(),
-            link: "forearm".into(),
-            grid: None,
-            taxels: vec![taxel],
-        }],
+        patches: vec![Patch { name: "forearm".into(), link: "forearm".into(), grid: None, taxels: vec![taxel] }],
     }
 }
 
@@ -153,11 +139,7 @@ fn networks_that_fail_while_they_run_are_errors() {
         }
         let evaluation = evaluate(model.as_ref(), &[good, bad], &Decision::argmax());
         assert_eq!(evaluation.unwrap_err(), EvaluateError::Model(error.clone()));
-        let options = OnlineOptions {
-            patch: None,
-            threshold_n: 0.05,
-            decision: Decision::argmax(),
-        };
+        let options = OnlineOptions { patch: None, threshold_n: 0.05, decision: Decision::argmax() };
         let mut online = OnlineClassifier::new(model.as_ref(), &layout(), &options).unwrap();
         assert_eq!(online.update(&frame(0.0, good_n)).unwrap().count(), 1, "{name}");
         let failed = online.update(&frame(0.01, bad_n)).map(Iterator::count);

@@ -13,9 +13,7 @@ use underbrush_classifier::{HmmClassifier, Model};
 use underbrush_recording::{Sample, Trial};
 
 fn data(name: &str) -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("tests/data/hmm")
-        .join(name)
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/hmm").join(name)
 }
 
 fn read(name: &str) -> String {
@@ -29,23 +27,11 @@ fn trials() -> Vec<Trial> {
         let trial: u64 = cells[0].parse().unwrap();
         if trials.last().is_none_or(|last| last.trial != trial) {
             let category = Some(cells[1].to_owned());
-            trials.push(Trial {
-                trial,
-                category,
-                reach: None,
-                patch: None,
-                taxel: None,
-                samples: Vec::new(),
-            });
+            trials.push(Trial { trial, category, reach: None, patch: None, taxel: None, samples: Vec::new() });
         }
         let number = |column: usize| cells[column].parse::<f64>().unwrap();
-        let sample = Sample {
-            time_s: number(2),
-            force_n: number(3),
-            motion_m: Some(number(4)),
-            region: None,
-            touched: None,
-        };
+        let sample =
+            Sample { time_s: number(2), force_n: number(3), motion_m: Some(number(4)), region: None, touched: None };
         trials.last_mut().unwrap().samples.push(sample);
     }
     trials
@@ -61,19 +47,12 @@ struct Row {
 fn oracle(configuration: &str) -> Vec<Row> {
     let text = read(&format!("{configuration}.oracle.csv"));
     let mut lines = text.lines();
-    assert_eq!(
-        lines.next(),
-        Some("model,trial,forward_start,viterbi_start,forward_after_20,viterbi_after_20")
-    );
+    assert_eq!(lines.next(), Some("model,trial,forward_start,viterbi_start,forward_after_20,viterbi_after_20"));
     lines
         .map(|line| {
             let cells: Vec<&str> = line.split(',').collect();
             let expected = std::array::from_fn(|k| cells[k + 2].parse().unwrap());
-            Row {
-                model: cells[0].to_owned(),
-                trial: cells[1].parse().unwrap(),
-                expected,
-            }
+            Row { model: cells[0].to_owned(), trial: cells[1].parse().unwrap(), expected }
         })
         .collect()
 }
@@ -102,21 +81,12 @@ fn check(configuration: &str) {
     let at_start = worst(&start, &trials, &rows, 0);
     assert!(at_start < 1e-9, "{configuration}, start: {at_start:e}");
 
-    let options = TrainingOptions {
-        iterations: 20,
-        tolerance: 0.0,
-        variance_floor: 0.0,
-    };
+    let options = TrainingOptions { iterations: 20, tolerance: 0.0, variance_floor: 0.0 };
     let (trained, report) = HmmClassifier::train_from(start, &trials, &options).unwrap();
     for history in report.categories.values() {
         assert_eq!((history.log_likelihood.len(), history.stop), (21, Stop::MaxIterations));
         for pair in history.log_likelihood.windows(2) {
-            assert!(
-                pair[1] >= pair[0] - 1e-9 * pair[0].abs(),
-                "{configuration}: fell from {} to {}",
-                pair[0],
-                pair[1]
-            );
+            assert!(pair[1] >= pair[0] - 1e-9 * pair[0].abs(), "{configuration}: fell from {} to {}", pair[0], pair[1]);
         }
     }
     let after = worst(&trained, &trials, &rows, 2);

@@ -29,22 +29,14 @@ fn patch(name: &str, taxels: usize, grid: Option<Grid>) -> Patch {
         tangent_link: DVec3::Z,
         area_m2: 1e-4,
     };
-    Patch {
-        name: name.into(),
-        link: format!("{name}_link"),
-        grid,
-        taxels: (0..taxels).map(taxel).collect(),
-    }
+    Patch { name: name.into(), link: format!("{name}_link"), grid, taxels: (0..taxels).map(taxel).collect() }
 }
 
 fn body(owner: BodyOwner, shape: BodyShape, speed: f64, frames: usize) -> Body {
     let pose = |frame: usize| Pose::new(DVec3::new(0.0, speed * frame as f64, 0.3), DQuat::from_rotation_z(0.5));
     let mut body = Body {
         owner,
-        parts: vec![BodyPart {
-            shape,
-            pose_body: Pose::from_position(DVec3::Z),
-        }],
+        parts: vec![BodyPart { shape, pose_body: Pose::from_position(DVec3::Z) }],
         rest_pose_world: pose(0),
         track: Vec::new(),
     };
@@ -56,18 +48,7 @@ fn body(owner: BodyOwner, shape: BodyShape, speed: f64, frames: usize) -> Body {
 /// frames.
 pub(crate) fn reach(scene: &str, reach_index: u64, frames: usize) -> Recording {
     let layout = SkinLayout {
-        patches: vec![
-            patch(
-                "sleeve",
-                6,
-                Some(Grid {
-                    rows: 2,
-                    columns: 3,
-                    wraps: true,
-                }),
-            ),
-            patch("tip", 2, None),
-        ],
+        patches: vec![patch("sleeve", 6, Some(Grid { rows: 2, columns: 3, wraps: true })), patch("tip", 2, None)],
     };
     let frame = |index: usize| {
         let time_s = index as f64 / 100.0;
@@ -98,13 +79,8 @@ pub(crate) fn reach(scene: &str, reach_index: u64, frames: usize) -> Recording {
         }
     };
     let corner = |index: usize| DVec3::new((index & 1) as f64, (index >> 1 & 1) as f64, (index >> 2) as f64);
-    let hull = BodyShape::Hull {
-        points_m: (0..8).map(corner).collect(),
-    };
-    let capsule = BodyShape::Capsule {
-        radius_m: 0.04,
-        length_m: 0.2,
-    };
+    let hull = BodyShape::Hull { points_m: (0..8).map(corner).collect() };
+    let capsule = BodyShape::Capsule { radius_m: 0.04, length_m: 0.2 };
     let goal = |number: usize, outcome| GoalRecord {
         position_world: DVec3::new(0.5, 0.1 * number as f64, -0.1),
         start_time_s: 0.4 * number as f64,
@@ -129,12 +105,7 @@ pub(crate) fn reach(scene: &str, reach_index: u64, frames: usize) -> Recording {
         bodies: vec![
             body(BodyOwner::Link("sleeve_link".into()), capsule, 0.002, frames),
             body(BodyOwner::Object(0), hull, 0.0, frames),
-            body(
-                BodyOwner::Object(0),
-                BodyShape::Box { size_m: DVec3::ONE },
-                0.0005,
-                frames,
-            ),
+            body(BodyOwner::Object(0), BodyShape::Box { size_m: DVec3::ONE }, 0.0005, frames),
         ],
         goals: vec![goal(0, Outcome::Reached), goal(1, Outcome::Stuck)],
         contacts: Vec::new(),

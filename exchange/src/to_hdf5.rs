@@ -111,43 +111,24 @@ fn rewards(recording: &Recording) -> Vec<f64> {
 /// The observations by name.
 fn observations(recording: &Recording) -> Vec<(String, Vec<f64>)> {
     let mut observations: Vec<(String, Vec<f64>)> = vec![
-        (
-            "joint_pos".into(),
-            table(recording, |frame, row| row.extend(&frame.joint_angle_rad)),
-        ),
-        (
-            "joint_vel".into(),
-            table(recording, |frame, row| row.extend(&frame.joint_velocity_rad_per_s)),
-        ),
-        (
-            "joint_torque".into(),
-            table(recording, |frame, row| row.extend(&frame.joint_torque_nm)),
-        ),
+        ("joint_pos".into(), table(recording, |frame, row| row.extend(&frame.joint_angle_rad))),
+        ("joint_vel".into(), table(recording, |frame, row| row.extend(&frame.joint_velocity_rad_per_s))),
+        ("joint_torque".into(), table(recording, |frame, row| row.extend(&frame.joint_torque_nm))),
         (
             "eef_pos".into(),
-            table(recording, |frame, row| {
-                row.extend(frame.end_effector_pose_world.position.to_array())
-            }),
+            table(recording, |frame, row| row.extend(frame.end_effector_pose_world.position.to_array())),
         ),
         (
             "eef_quat".into(),
-            table(recording, |frame, row| {
-                row.extend(frame.end_effector_pose_world.orientation.to_array())
-            }),
+            table(recording, |frame, row| row.extend(frame.end_effector_pose_world.orientation.to_array())),
         ),
-        (
-            "goal_pos".into(),
-            table(recording, |frame, row| row.extend(frame.goal_position_world.to_array())),
-        ),
+        ("goal_pos".into(), table(recording, |frame, row| row.extend(frame.goal_position_world.to_array()))),
     ];
     for (place, patch) in recording.layout.patches.iter().enumerate() {
         let forces_n = table(recording, |frame, row| {
             let first = row.len();
             row.resize(first + patch.taxels.len(), 0.0);
-            let readings = frame
-                .taxels
-                .iter()
-                .filter(|reading| usize::from(reading.patch) == place);
+            let readings = frame.taxels.iter().filter(|reading| usize::from(reading.patch) == place);
             readings.for_each(|reading| row[first + usize::from(reading.taxel)] = reading.sensed_force_n);
         });
         observations.push((format!("tactile_{}", patch.name), forces_n));
@@ -196,10 +177,7 @@ impl ExchangeError {
     /// For `map_err` after calls of the library.
     fn hdf5(path: &Path) -> impl FnOnce(hdf5_pure::Error) -> ExchangeError {
         let path = path.to_path_buf();
-        move |source| ExchangeError::Hdf5 {
-            path,
-            source: Box::new(source),
-        }
+        move |source| ExchangeError::Hdf5 { path, source: Box::new(source) }
     }
 }
 
@@ -211,14 +189,7 @@ impl<'a> Hdf5Writer<'a> {
         let file = File::create_with_options(temporary, FileCreateProperties::new(), access);
         let file = file.map_err(ExchangeError::hdf5(path))?;
         file.root().create_group("data").map_err(ExchangeError::hdf5(path))?;
-        Ok(Hdf5Writer {
-            path,
-            file,
-            demonstrations: 0,
-            frames: 0,
-            staged: 0,
-            masks: Masks::new(),
-        })
+        Ok(Hdf5Writer { path, file, demonstrations: 0, frames: 0, staged: 0, masks: Masks::new() })
     }
 
     /// Appends a reach as the next demonstration.
@@ -230,8 +201,7 @@ impl<'a> Hdf5Writer<'a> {
         let name = format!("demo_{}", self.demonstrations);
         let mut numbers = 0;
         let data = self.file.group("data").map_err(error())?;
-        data.create_group_with(&name, |group| numbers = stage(group, recording))
-            .map_err(error())?;
+        data.create_group_with(&name, |group| numbers = stage(group, recording)).map_err(error())?;
         self.staged += numbers;
         if self.staged >= NUMBERS_PER_COMMIT {
             self.file.commit().map_err(error())?;
@@ -269,10 +239,8 @@ impl<'a> Hdf5Writer<'a> {
         // Gym.
         let environment = json!({ "env_name": "underbrush", "type": 2, "env_kwargs": {} }).to_string();
         let data = self.file.group("data").map_err(error())?;
-        data.set_attr("total", AttrValue::I64(self.frames as i64))
-            .map_err(error())?;
-        data.set_attr("env_args", AttrValue::String(environment))
-            .map_err(error())?;
+        data.set_attr("total", AttrValue::I64(self.frames as i64)).map_err(error())?;
+        data.set_attr("env_args", AttrValue::String(environment)).map_err(error())?;
         let mut unencodable = None;
         let mask = self.file.root().create_group_with("mask", |group| {
             for (name, demonstrations) in &self.masks {

@@ -52,9 +52,7 @@ impl Part {
 impl Accuracy {
     /// The figures of an evaluation.
     pub fn of(evaluation: &Evaluation) -> Self {
-        let interval = evaluation
-            .accuracy_interval_by_reach
-            .unwrap_or(evaluation.accuracy_interval_by_trial);
+        let interval = evaluation.accuracy_interval_by_reach.unwrap_or(evaluation.accuracy_interval_by_trial);
         Accuracy {
             trials: evaluation.predictions.len(),
             accuracy: 100.0 * evaluation.accuracy,

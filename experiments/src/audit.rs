@@ -26,17 +26,13 @@ pub fn worst(episodes: &[Episode], layout: &SkinLayout) -> BTreeMap<&'static str
         let worst = episodes.iter().max_by(|a, b| get(&a.audit).total_cmp(&get(&b.audit)))?;
         Some(Worst {
             value: get(&worst.audit),
-            bound: bounds(layout)
-                .find(|bound| bound.field.name == name)
-                .map(|bound| bound.max),
+            bound: bounds(layout).find(|bound| bound.field.name == name).map(|bound| bound.max),
             scene: worst.scene.clone(),
             reach_index: worst.reach_index,
         })
     };
     let fields = Audit::FIELDS.into_iter();
-    fields
-        .filter_map(|field| Some((field.name, of_field(field.name, field.get)?)))
-        .collect()
+    fields.filter_map(|field| Some((field.name, of_field(field.name, field.get)?))).collect()
 }
 
 /// The counts of the audit, summed over some reaches, by name.
@@ -76,11 +72,7 @@ pub fn warnings(episodes: &[Episode], layout: &SkinLayout) -> Vec<String> {
 
 /// Warnings about the bounds of the audit that a single reach exceeds.
 pub fn reach_warnings(recording: &Recording) -> Vec<String> {
-    let audited = Audited {
-        scene: &recording.scene,
-        reach_index: recording.reach_index,
-        audit: &recording.audit,
-    };
+    let audited = Audited { scene: &recording.scene, reach_index: recording.reach_index, audit: &recording.audit };
     passed_bounds(&[audited], &recording.layout)
 }
 
@@ -103,10 +95,7 @@ fn passed_bounds(reaches: &[Audited], layout: &SkinLayout) -> Vec<String> {
             bound.reason
         ))
     };
-    let failed: u64 = reaches
-        .iter()
-        .map(|reach| u64::from(reach.audit.failed_controller_steps))
-        .sum();
+    let failed: u64 = reaches.iter().map(|reach| u64::from(reach.audit.failed_controller_steps)).sum();
     let failed = (failed > 0).then(|| {
         format!(
             "warning: the controller's program could not be solved in {failed} steps; there the equilibrium angles stayed \
@@ -126,16 +115,9 @@ mod tests {
     fn every_broken_bound_is_named() {
         let layout = SkinLayout::default();
         let sound = Audit::default();
-        let deep = |deepest_penetration_m| Audit {
-            deepest_penetration_m,
-            ..Audit::default()
-        };
+        let deep = |deepest_penetration_m| Audit { deepest_penetration_m, ..Audit::default() };
         let (deeper, deepest) = (deep(0.5), deep(0.75));
-        let reach = |reach_index, audit| Audited {
-            scene: "leaf",
-            reach_index,
-            audit,
-        };
+        let reach = |reach_index, audit| Audited { scene: "leaf", reach_index, audit };
         assert_eq!(passed_bounds(&[reach(0, &sound)], &layout), Vec::<String>::new());
         let found = passed_bounds(&[reach(0, &sound), reach(1, &deepest), reach(2, &deeper)], &layout);
         assert_eq!(found.len(), 1, "{found:?}");
@@ -145,14 +127,8 @@ mod tests {
             ),
             "{found:?}"
         );
-        let failed = Audit {
-            failed_controller_steps: 3,
-            ..Audit::default()
-        };
+        let failed = Audit { failed_controller_steps: 3, ..Audit::default() };
         let found = passed_bounds(&[reach(0, &sound), reach(1, &failed)], &layout);
-        assert!(
-            found.len() == 1 && found[0].contains("could not be solved in 3 steps"),
-            "{found:?}"
-        );
+        assert!(found.len() == 1 && found[0].contains("could not be solved in 3 steps"), "{found:?}");
     }
 }

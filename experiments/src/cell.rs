@@ -96,18 +96,10 @@ pub fn orderings(statements: &[OrderingName], cells: &[KeyedAccuracy]) -> Vec<Or
         let (statement, strict) = statement(name, &own);
         let (mut pairs, mut failing) = (0, Vec::new());
         for (high_key, high) in own.iter().copied() {
-            for (low_key, low) in own
-                .iter()
-                .copied()
-                .filter(|(low_key, _)| is_pair(name, high_key, low_key, &own))
-            {
+            for (low_key, low) in own.iter().copied().filter(|(low_key, _)| is_pair(name, high_key, low_key, &own)) {
                 pairs += 1;
                 if !(high > low || (!strict && high == low)) {
-                    failing.push(format!(
-                        "{} {high:.1} %, {} {low:.1} %",
-                        high_key.name(),
-                        low_key.name()
-                    ));
+                    failing.push(format!("{} {high:.1} %, {} {low:.1} %", high_key.name(), low_key.name()));
                 }
             }
         }

@@ -70,10 +70,7 @@ pub fn require_same_reaches(made: &Dataset, source: &Dataset) -> Result<(), Expe
         return Ok(());
     };
     let (episode, dir) = (&made.episodes()[index], source.dir().display());
-    let difference = format!(
-        "reach {} of {} differs from the one in {dir}",
-        episode.reach_index, episode.scene
-    );
+    let difference = format!("reach {} of {} differs from the one in {dir}", episode.reach_index, episode.scene);
     let [own, other] = [made, source].map(|set| set.provenance().program_version.as_str());
     if own == other {
         return Err(ExperimentError::Differs { difference });
@@ -122,10 +119,7 @@ impl Campaign {
             let Some(arm) = provenance.arms.get(stored.arm) else {
                 return Err(fault(&field("arm"), stored.arm.to_string(), "the index of an arm"));
             };
-            let file = |file: &FileText| ArmSource {
-                name: file.name.clone(),
-                text: file.text.clone(),
-            };
+            let file = |file: &FileText| ArmSource { name: file.name.clone(), text: file.text.clone() };
             let files: Vec<ArmSource> = arm.files.iter().map(file).collect();
             campaign.arms.insert(scene.name.clone(), Arm::from_files(&files)?);
             campaign.scenes.push((scene, stored.reaches));
@@ -176,10 +170,7 @@ impl Campaign {
 
     /// Name of the first scene's controller.
     pub fn controller_name(&self) -> Result<String, ExperimentError> {
-        Ok(self
-            .plans()?
-            .first()
-            .map_or_else(String::new, ReachPlan::controller_name))
+        Ok(self.plans()?.first().map_or_else(String::new, ReachPlan::controller_name))
     }
 
     fn plans(&self) -> Result<Vec<ReachPlan>, ExperimentError> {
@@ -209,10 +200,7 @@ impl Campaign {
             .enumerate()
             .flat_map(|(plan, (_, reaches))| (0..*reaches).map(move |reach_index| Job { plan, reach_index }));
         let mine = |position: usize| self.shard.is_none_or(|shard| shard.holds(position as u64));
-        all.enumerate()
-            .filter(|(position, _)| mine(*position))
-            .map(|(_, job)| job)
-            .collect()
+        all.enumerate().filter(|(position, _)| mine(*position)).map(|(_, job)| job).collect()
     }
 
     /// Refuses more parts than reaches. A part without a reach could not be made, so the others could not be merged.
@@ -236,9 +224,7 @@ impl Campaign {
         };
         self.check_parts()?;
         if jobs.is_empty() {
-            return Err(ExperimentError::Request(
-                "no reach to run; ask for at least one reach".into(),
-            ));
+            return Err(ExperimentError::Request("no reach to run; ask for at least one reach".into()));
         }
         if let Some(other) = plans.iter().find(|plan| plan.arm.skin.layout != first.arm.skin.layout) {
             return Err(ExperimentError::Request(format!(
@@ -252,10 +238,7 @@ impl Campaign {
                 first.controller_name()
             )));
         }
-        if let Some(other) = plans
-            .iter()
-            .find(|plan| plan.controller_name() != first.controller_name())
-        {
+        if let Some(other) = plans.iter().find(|plan| plan.controller_name() != first.controller_name()) {
             return Err(ExperimentError::Request(format!(
                 "scenes {} and {} name different controllers, {} and {}; choose one with --controller, or generate a \
                  data set for each",
@@ -290,10 +273,8 @@ impl Campaign {
             let file = &scene.file;
             let own = json!({ "physics": file.physics, "sensor": file.sensor });
             options.insert(scene.name.clone(), own);
-            controller_parameters.insert(
-                scene.name.clone(),
-                json!(ControllerParameters::of(plan, self.verdicts.as_ref())),
-            );
+            controller_parameters
+                .insert(scene.name.clone(), json!(ControllerParameters::of(plan, self.verdicts.as_ref())));
             let files = plan.arm.files.iter();
             let arm = ArmText {
                 name: plan.arm.name.clone(),

@@ -59,21 +59,15 @@ impl Ends {
     /// What was truly touched, by patch: `true contact: forearm in 6 of 9 reaches, flipper in 9 of 9`.
     pub fn touched_text(&self) -> String {
         let patches = self.touched_reaches.iter();
-        let counts: Vec<String> = patches
-            .map(|(patch, reaches)| format!("{patch} in {reaches} of {} reaches", self.reaches))
-            .collect();
+        let counts: Vec<String> =
+            patches.map(|(patch, reaches)| format!("{patch} in {reaches} of {} reaches", self.reaches)).collect();
         format!("true contact: {}", counts.join(", "))
     }
 
     /// The summary as text of several lines.
     pub fn text(&self) -> String {
         let mut text = format!("{}\n{}", self.goals, self.touched_text());
-        for AbortedReach {
-            scene,
-            reach_index,
-            stop,
-        } in self.aborted.iter().take(LISTED)
-        {
+        for AbortedReach { scene, reach_index, stop } in self.aborted.iter().take(LISTED) {
             text.push_str(&format!("\naborted: reach {reach_index} of {scene}: {stop}"));
         }
         if self.aborted.len() > LISTED {

@@ -26,9 +26,7 @@ pub fn write(path: &Path, contents: &[u8]) -> Result<(), ExperimentError> {
 
 /// Writes a value as JSON.
 pub fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), ExperimentError> {
-    let json = serde_json::to_vec_pretty(value).map_err(|source| ExperimentError::Json {
-        path: path.into(),
-        source,
-    })?;
+    let json =
+        serde_json::to_vec_pretty(value).map_err(|source| ExperimentError::Json { path: path.into(), source })?;
     write(path, &json)
 }

@@ -28,10 +28,7 @@ pub fn inspect(path: &Path, seed: u64) -> Result<Value, ExperimentError> {
         let allowed = "a scene, data set (folder), recording, model or table of trials";
         return Err(InputError::new(path, "input", "no such file or folder", allowed, "check the path").into());
     }
-    let extension = path
-        .extension()
-        .and_then(|extension| extension.to_str())
-        .unwrap_or_default();
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     match extension {
         _ if is_folder(path)? => dataset(path),
         "toml" => scene(path, seed),
@@ -80,20 +77,12 @@ fn dataset(path: &Path) -> Result<Value, ExperimentError> {
         *scenes.entry(&episode.scene).or_default() += 1;
     }
     let provenance = dataset.provenance();
-    let patches: BTreeMap<&str, usize> = dataset
-        .layout()
-        .patches
-        .iter()
-        .map(|patch| (patch.name.as_str(), patch.taxels.len()))
-        .collect();
+    let patches: BTreeMap<&str, usize> =
+        dataset.layout().patches.iter().map(|patch| (patch.name.as_str(), patch.taxels.len())).collect();
     // Twelve digits are enough to distinguish files. The full hashes are in meta/provenance.json.
     let hash = |file: &FileText| (file.name.clone(), format!("{:.12}", file.blake3));
     let of_arm = |arm: &ArmText| arm.files.iter().map(hash).collect::<BTreeMap<_, _>>();
-    let arm_files: BTreeMap<&str, _> = provenance
-        .arms
-        .iter()
-        .map(|arm| (arm.name.as_str(), of_arm(arm)))
-        .collect();
+    let arm_files: BTreeMap<&str, _> = provenance.arms.iter().map(|arm| (arm.name.as_str(), of_arm(arm))).collect();
     let scene_files: BTreeMap<_, _> = provenance.scenes.iter().map(|scene| hash(&scene.file)).collect();
     Ok(json!({
         "dataset": path.display().to_string(),
@@ -146,9 +135,7 @@ fn trials(path: &Path) -> Result<Value, ExperimentError> {
     let trials = read_trials(path)?;
     let mut categories: BTreeMap<&str, usize> = BTreeMap::new();
     for trial in &trials {
-        *categories
-            .entry(trial.category.as_deref().unwrap_or("unknown"))
-            .or_default() += 1;
+        *categories.entry(trial.category.as_deref().unwrap_or("unknown")).or_default() += 1;
     }
     let mut lengths: Vec<usize> = trials.iter().map(|trial| trial.samples.len()).collect();
     lengths.sort_unstable();
@@ -187,10 +174,7 @@ fn model_of_trials(path: &Path, model: &Model) -> Value {
         ("features".to_owned(), json!(classifier.features().columns())),
         ("decision".to_owned(), json!(model.decision)),
         ("provenance".to_owned(), json!(model.provenance)),
-        (
-            "check".to_owned(),
-            json!("sound; all numbers are within their ranges and fit together"),
-        ),
+        ("check".to_owned(), json!("sound; all numbers are within their ranges and fit together")),
     ]);
     if let Some(models) = model.as_hmm() {
         let states: BTreeMap<&str, usize> = models

@@ -18,12 +18,7 @@ pub fn provenance(options: Value, data: Vec<DataSource>) -> Provenance {
         Value::Object(options) => options.into_iter().filter(|(_, value)| !value.is_null()).collect(),
         _ => BTreeMap::new(),
     };
-    Provenance {
-        program: Some(format!("underbrush {PROGRAM_VERSION}")),
-        options,
-        data,
-        further: BTreeMap::new(),
-    }
+    Provenance { program: Some(format!("underbrush {PROGRAM_VERSION}")), options, data, further: BTreeMap::new() }
 }
 
 /// A data set, a recording or a table of trials.
@@ -46,11 +41,7 @@ pub fn of_path(path: &Path) -> Result<DataSource, DiskError> {
         return Ok(source);
     }
     let own = of_recording(&read_recording(path)?);
-    Ok(DataSource {
-        name: source.name,
-        blake3: source.blake3,
-        ..own
-    })
+    Ok(DataSource { name: source.name, blake3: source.blake3, ..own })
 }
 
 /// Some reaches of a data set.

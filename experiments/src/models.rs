@@ -26,10 +26,7 @@ impl Models {
             "trials": session.experiment.trial_options(),
         });
         let source = model_data::of_reaches(dataset, dataset.episodes().iter());
-        Ok(Model {
-            provenance: model_data::provenance(options, vec![source]),
-            ..Model::new(Box::new(self.0.clone()))
-        })
+        Ok(Model { provenance: model_data::provenance(options, vec![source]), ..Model::new(Box::new(self.0.clone())) })
     }
 }
 
@@ -37,7 +34,5 @@ impl Models {
 pub fn run(session: &Session) -> Result<Models, ExperimentError> {
     let data = session.once(training::run)?;
     let recipe = estimators::main_recipe(session.experiment);
-    session.stage("Models", || {
-        Ok(Models(HmmClassifier::train(&data.trials.taxel, &recipe)?.0))
-    })
+    session.stage("Models", || Ok(Models(HmmClassifier::train(&data.trials.taxel, &recipe)?.0)))
 }

@@ -95,19 +95,13 @@ impl Online {
 
 /// Section V-B's rule: uncertain below a margin.
 pub fn uncertain_rule(experiment: &Experiment) -> Rule {
-    Rule::UncertainBelow {
-        margin: experiment.file.thresholds.uncertain_below_nats,
-    }
+    Rule::UncertainBelow { margin: experiment.file.thresholds.uncertain_below_nats }
 }
 
 /// Options for online classification in an experiment.
 pub fn options(experiment: &Experiment, rule: Rule) -> OnlineOptions {
     let cut = experiment.trial_options();
-    OnlineOptions {
-        patch: cut.patch,
-        threshold_n: cut.threshold_n,
-        decision: Decision::new(rule),
-    }
+    OnlineOptions { patch: cut.patch, threshold_n: cut.threshold_n, decision: Decision::new(rule) }
 }
 
 /// Classifies all test reaches online.
@@ -126,11 +120,7 @@ pub fn run(session: &Session) -> Result<Online, ExperimentError> {
                 stream: classify_stream(models, recording, &options, truth)?,
             })
         };
-        found
-            .reaches
-            .iter()
-            .map(one)
-            .collect::<Result<Vec<_>, ExperimentError>>()
+        found.reaches.iter().map(one).collect::<Result<Vec<_>, ExperimentError>>()
     };
     let classify_some = |found: &Option<Found>, rule: Rule| match found {
         Some(found) => classify(found, rule, StreamTruth::Object),

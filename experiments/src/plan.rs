@@ -61,10 +61,7 @@ impl Plan {
             if !force {
                 return match self.difference(&stored) {
                     None => Ok(()),
-                    Some(difference) => Err(ExperimentError::OtherRun {
-                        folder: out.into(),
-                        difference,
-                    }),
+                    Some(difference) => Err(ExperimentError::OtherRun { folder: out.into(), difference }),
                 };
             }
             clear(out)?;
@@ -75,19 +72,12 @@ impl Plan {
     /// The plan of the run whose results a folder holds.
     fn stored(out: &Path) -> Result<Self, ExperimentError> {
         let path = out.join(FILE);
-        let no_plan = |found: String| ExperimentError::NoPlan {
-            folder: out.into(),
-            found,
-        };
+        let no_plan = |found: String| ExperimentError::NoPlan { folder: out.into(), found };
         match std::fs::read(&path) {
             Ok(bytes) => serde_json::from_slice(&bytes)
                 .map_err(|error| no_plan(format!("a {FILE} that is not the plan of a run ({error})"))),
             Err(error) if error.kind() == ErrorKind::NotFound => Err(no_plan(format!("no {FILE}"))),
-            Err(source) => Err(ExperimentError::Io {
-                path,
-                action: "read",
-                source,
-            }),
+            Err(source) => Err(ExperimentError::Io { path, action: "read", source }),
         }
     }
 
@@ -112,11 +102,7 @@ fn clear(out: &Path) -> Result<(), ExperimentError> {
     };
     for name in FOLDERS.iter().chain(&FILES) {
         let path = out.join(name);
-        remove(&path).map_err(|source| ExperimentError::Io {
-            path,
-            action: "removed",
-            source,
-        })?;
+        remove(&path).map_err(|source| ExperimentError::Io { path, action: "removed", source })?;
     }
     Ok(())
 }

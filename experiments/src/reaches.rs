@@ -121,18 +121,10 @@ impl Search<'_> {
                 }
                 drawn += 1;
             }
-            let index = Index {
-                drawn,
-                found: reaches.iter().map(|recording| recording.reach_index).collect(),
-            };
+            let index = Index { drawn, found: reaches.iter().map(|recording| recording.reach_index).collect() };
             kept::store(&index_file, run, &index)?;
         }
-        Ok(Found {
-            scene,
-            source: self.source.to_owned(),
-            drawn,
-            reaches,
-        })
+        Ok(Found { scene, source: self.source.to_owned(), drawn, reaches })
     }
 
     /// The cached reach of an index. If its file is missing or damaged, the reach is drawn again.
@@ -140,9 +132,7 @@ impl Search<'_> {
         match read_recording(file) {
             Err(DiskError::Input(error)) if !error.storage => {
                 let (file, found) = (file.display(), &error.found);
-                progress.remark(&format!(
-                    "{file}: cannot be used ({found}), so the reach is drawn again"
-                ));
+                progress.remark(&format!("{file}: cannot be used ({found}), so the reach is drawn again"));
             }
             read => return Ok(read?),
         }
@@ -155,9 +145,7 @@ impl Search<'_> {
 /// The plan of the reaches of a scene, by its path in the experiment file.
 pub fn plan(experiment: &Experiment, source: &str, seed: u64) -> Result<ReachPlan, ExperimentError> {
     let Some(scene) = experiment.scene(source).cloned() else {
-        return Err(ExperimentError::Request(format!(
-            "{source}: the experiment has no such scene"
-        )));
+        return Err(ExperimentError::Request(format!("{source}: the experiment has no such scene")));
     };
     let controller = experiment.controller();
     Ok(match experiment.arm() {
@@ -170,11 +158,7 @@ pub fn plan(experiment: &Experiment, source: &str, seed: u64) -> Result<ReachPla
 pub fn run(session: &Session) -> Result<TestReaches, ExperimentError> {
     let (experiment, progress) = (session.experiment, session.progress);
     let file = &experiment.file;
-    let known: Vec<Category> = experiment
-        .labels()
-        .into_iter()
-        .filter_map(|label| experiment.category(label))
-        .collect();
+    let known: Vec<Category> = experiment.labels().into_iter().filter_map(|label| experiment.category(label)).collect();
     let search = |source, wanted, enough, max_draws| {
         Ok::<_, ExperimentError>(Search {
             source,
@@ -207,12 +191,7 @@ pub fn run(session: &Session) -> Result<TestReaches, ExperimentError> {
         searches.push(search(&own.scene, Wanted::Only(category), 1, own.draws(session.quick))?);
     }
     if searches.is_empty() {
-        return Ok(TestReaches {
-            engineered: Vec::new(),
-            general: None,
-            outlier: None,
-            second_outlier: None,
-        });
+        return Ok(TestReaches { engineered: Vec::new(), general: None, outlier: None, second_outlier: None });
     }
     session.stage("Engineered, general and outlier reaches", || {
         let folder = session.folder.join("reaches");

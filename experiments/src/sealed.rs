@@ -24,24 +24,16 @@ fn hash(content: &Value) -> String {
 
 /// Writes the content with its hash.
 pub fn write<T: Serialize>(path: &Path, content: &T) -> Result<(), ExperimentError> {
-    let fault = |source| ExperimentError::Json {
-        path: path.into(),
-        source,
-    };
+    let fault = |source| ExperimentError::Json { path: path.into(), source };
     let content = serde_json::to_value(content).map_err(fault)?;
-    let sealed = Sealed {
-        blake3: hash(&content),
-        content,
-    };
+    let sealed = Sealed { blake3: hash(&content), content };
     files::write(path, &serde_json::to_vec_pretty(&sealed).map_err(fault)?)
 }
 
 /// The content of a file that [`write()`] has written. A damaged file counts as missing, with a warning.
 pub fn read<T: DeserializeOwned>(path: &Path, progress: &dyn Progress) -> Option<T> {
     let bytes = std::fs::read(path).ok()?;
-    let sealed = serde_json::from_slice::<Sealed>(&bytes)
-        .ok()
-        .filter(|sealed| hash(&sealed.content) == sealed.blake3);
+    let sealed = serde_json::from_slice::<Sealed>(&bytes).ok().filter(|sealed| hash(&sealed.content) == sealed.blake3);
     if sealed.is_none() {
         let path = path.display();
         progress.remark(&format!("{path}: does not match its checksum, so it is computed again"));
@@ -77,10 +69,7 @@ mod tests {
                 flipped[place] ^= 1 << bit;
                 std::fs::write(&path, flipped).unwrap();
                 let taken = read::<Vec<f64>>(&path);
-                assert!(
-                    taken.is_none() || taken.as_ref() == Some(&content),
-                    "byte {place}, bit {bit}: {taken:?}"
-                );
+                assert!(taken.is_none() || taken.as_ref() == Some(&content), "byte {place}, bit {bit}: {taken:?}");
             }
         }
         assert_eq!(read::<Vec<f64>>(&folder.path().join("none.json")), None);

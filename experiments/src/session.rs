@@ -108,9 +108,7 @@ impl<'a> Session<'a> {
             return Err(ReachError::Stopped.into());
         }
         let place = STAGES.iter().position(|stage| *stage == name);
-        let place = place.map_or(String::new(), |place| {
-            format!("stage {} of {}: ", place + 1, STAGES.len())
-        });
+        let place = place.map_or(String::new(), |place| format!("stage {} of {}: ", place + 1, STAGES.len()));
         self.progress.stage(&format!("{place}{name}"));
         let start = Instant::now();
         let result = work()?;
@@ -132,11 +130,7 @@ impl<'a> Session<'a> {
 
     /// Everything that a cached result of a seed depends on.
     pub fn run_of(&self, seed: u64) -> Run {
-        Run {
-            seed,
-            quick: self.quick,
-            experiment: self.experiment.hash().into(),
-        }
+        Run { seed, quick: self.quick, experiment: self.experiment.hash().into() }
     }
 
     /// The result of a seed: cached by an earlier run, or computed now and then cached.

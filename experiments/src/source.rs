@@ -32,11 +32,7 @@ impl Source<'_> {
             let line = self.line_of(error.span().unwrap_or_default().start);
             let at = self.text.lines().nth(line - 1).unwrap_or_default();
             let key = at.split_once('=').map_or(at, |(key, _)| key).trim();
-            let field = if key.is_empty() {
-                kind.to_owned()
-            } else {
-                format!("{kind}, {key}")
-            };
+            let field = if key.is_empty() { kind.to_owned() } else { format!("{kind}, {key}") };
             let allowed = format!("the keys that `underbrush schema {kind}` lists");
             InputError::new(self.path, field, error.message(), allowed, "correct the line").at_line(line)
         })
@@ -66,20 +62,12 @@ impl Source<'_> {
 
     /// A field at an index of the lines, if it was found.
     fn found(&self, name: &str, index: Option<usize>) -> Field {
-        Field {
-            path: self.path.into(),
-            name: name.into(),
-            line: index.map(|index| index + 1),
-        }
+        Field { path: self.path.into(), name: name.into(), line: index.map(|index| index + 1) }
     }
 
     /// A field whose value begins at this byte of the text.
     pub fn field_at(&self, name: &str, start: usize) -> Field {
-        Field {
-            path: self.path.into(),
-            name: name.into(),
-            line: Some(self.line_of(start)),
-        }
+        Field { path: self.path.into(), name: name.into(), line: Some(self.line_of(start)) }
     }
 
     /// The line, counted from 1, of a byte of the text.

@@ -31,10 +31,7 @@ pub fn run(session: &Session) -> Result<Thresholds, ExperimentError> {
     let tested = session.once(reaches::run)?;
     session.stage("Thresholds", || {
         let (experiment, taxel_trials) = (session.experiment, &data.trials.taxel);
-        let folds = Folds {
-            count: 2,
-            by: FoldBy::Reach,
-        };
+        let folds = Folds { count: 2, by: FoldBy::Reach };
         let argmax = Decision::argmax();
         let held_out = cross_validate(taxel_trials, &estimators::main_recipe(experiment), folds, &argmax)?;
         let targets = ThresholdTargets {

@@ -68,14 +68,9 @@ pub fn run(session: &Session) -> Result<TrainingData, ExperimentError> {
             },
         }
     })?;
-    let contacts = session.stage("Trials", || {
-        Trials::of_dataset(session, &dataset, &experiment.any_length_options())
-    })?;
-    Ok(TrainingData {
-        trials: contacts.lasting(experiment.file.trials.min_samples),
-        contacts: contacts.taxel,
-        dataset,
-    })
+    let contacts =
+        session.stage("Trials", || Trials::of_dataset(session, &dataset, &experiment.any_length_options()))?;
+    Ok(TrainingData { trials: contacts.lasting(experiment.file.trials.min_samples), contacts: contacts.taxel, dataset })
 }
 
 /// Number of reaches of each training scene.
@@ -126,10 +121,7 @@ impl Trials {
             Err(TrialError::NoGrid { .. }) => Vec::new(),
             found => plain(found?),
         };
-        Ok(Trials {
-            component,
-            taxel: plain(taxel_trials(recording, options)?),
-        })
+        Ok(Trials { component, taxel: plain(taxel_trials(recording, options)?) })
     }
 
     /// Appends the trials of the reach at a position of the campaign and continues their numbers.
@@ -149,15 +141,9 @@ impl Trials {
 
     /// The trials of the run's training reaches, extracted with these options.
     pub fn of_dataset(session: &Session, dataset: &Dataset, options: &TrialOptions) -> Result<Self, ExperimentError> {
-        let (_, labelled) = campaign(
-            session.experiment,
-            session.seed,
-            &reaches(session.experiment, session.quick),
-            |_| {},
-        )?;
-        let count = session
-            .progress
-            .count("reaches read", dataset.episodes().len() as u64, 0);
+        let (_, labelled) =
+            campaign(session.experiment, session.seed, &reaches(session.experiment, session.quick), |_| {})?;
+        let count = session.progress.count("reaches read", dataset.episodes().len() as u64, 0);
         let mut trials = Trials::default();
         for episode in 0..dataset.episodes().len() {
             if session.progress.is_stopped() {
@@ -179,11 +165,7 @@ impl Trials {
         let options = experiment.trial_options();
         let mut trials = Trials::default();
         for (place, recording) in recordings.iter().enumerate() {
-            trials.append(
-                place,
-                label_by(&options, labelled, place),
-                Trials::cut(recording, &options)?,
-            );
+            trials.append(place, label_by(&options, labelled, place), Trials::cut(recording, &options)?);
         }
         Ok(trials)
     }
@@ -216,16 +198,10 @@ impl Trials {
     pub fn lasting(&self, min_samples: usize) -> Self {
         let renumbered = |trials: &[Trial]| {
             let long = trials.iter().filter(|trial| trial.samples.len() >= min_samples);
-            let numbered = long.zip(0..).map(|(trial, number)| Trial {
-                trial: number,
-                ..trial.clone()
-            });
+            let numbered = long.zip(0..).map(|(trial, number)| Trial { trial: number, ..trial.clone() });
             numbered.collect()
         };
-        Trials {
-            component: renumbered(&self.component),
-            taxel: renumbered(&self.taxel),
-        }
+        Trials { component: renumbered(&self.component), taxel: renumbered(&self.taxel) }
     }
 }
 

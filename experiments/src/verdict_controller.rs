@@ -36,10 +36,7 @@ impl Default for AllowedForces {
     /// limit of `cody-2013`. This limit must be above 1 N, the force at which the controller begins to take a reading
     /// for a contact, because the force of a contact over its limit may not rise at all.
     fn default() -> Self {
-        AllowedForces {
-            categories_n: [("leaf".to_owned(), 6.0), ("trunk".to_owned(), 1.5)].into(),
-            unknown_n: 1.5,
-        }
+        AllowedForces { categories_n: [("leaf".to_owned(), 6.0), ("trunk".to_owned(), 1.5)].into(), unknown_n: 1.5 }
     }
 }
 
@@ -77,10 +74,7 @@ impl Allowance {
             Allowance::Usual => contact.allowed_force_n,
             Allowance::AtMost(force_n) => Some(force_n),
         };
-        Some(TaxelContact {
-            allowed_force_n,
-            ..contact.clone()
-        })
+        Some(TaxelContact { allowed_force_n, ..contact.clone() })
     }
 }
 
@@ -109,12 +103,7 @@ impl VerdictControl {
     /// # Errors
     /// [`InputError`] if it cannot be read, or is no such model.
     pub fn load(path: &Path) -> Result<Self, InputError> {
-        let text = read_text(
-            path,
-            &JSON_BYTES,
-            "the readable file of a touch model",
-            "check the path",
-        )?;
+        let text = read_text(path, &JSON_BYTES, "the readable file of a touch model", "check the path")?;
         VerdictControl::from_json(path, &text)
     }
 
@@ -185,9 +174,7 @@ pub(crate) fn check_model(dataset: &Dataset, verdicts: Option<&VerdictControl>) 
         return Ok(());
     }
     let path = dataset.dir().join("meta/provenance.json");
-    let found = given.map_or("no touch model".into(), |hash| {
-        format!("a touch model with BLAKE3 hash {hash}")
-    });
+    let found = given.map_or("no touch model".into(), |hash| format!("a touch model with BLAKE3 hash {hash}"));
     let (allowed, remedy) = match stored {
         Some(hash) => (
             format!("the touch model that the controller used, with BLAKE3 hash {hash}"),
@@ -241,12 +228,8 @@ impl Controller for VerdictController {
 
     fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
         let contacts = input.contacts.iter();
-        let contacts: Vec<TaxelContact> = contacts
-            .filter_map(|contact| self.allowance(contact).apply(contact))
-            .collect();
-        self.inner.control(&ControllerInput {
-            contacts: &contacts,
-            ..input.clone()
-        })
+        let contacts: Vec<TaxelContact> =
+            contacts.filter_map(|contact| self.allowance(contact).apply(contact)).collect();
+        self.inner.control(&ControllerInput { contacts: &contacts, ..input.clone() })
     }
 }

@@ -59,8 +59,7 @@ struct Judged {
 
 impl Judged {
     fn accuracy(&self) -> Option<f64> {
-        self.evaluation
-            .balanced_accuracy(self.categories, |contact| contact.at_end)
+        self.evaluation.balanced_accuracy(self.categories, |contact| contact.at_end)
     }
 }
 

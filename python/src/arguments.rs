@@ -53,18 +53,9 @@ pub fn cutting(
     wrap: Option<bool>,
 ) -> Result<(Unit, TrialOptions), Failure> {
     let unit = named("by", by, &[("taxel", Unit::Taxel), ("component", Unit::Component)])?;
-    let labels = named(
-        "labels",
-        labels,
-        &[("contact", Labels::Contact), ("environment", Labels::Environment)],
-    )?;
+    let labels = named("labels", labels, &[("contact", Labels::Contact), ("environment", Labels::Environment)])?;
     if wrap.is_some() && matches!(unit, Unit::Taxel) {
-        return Err(Failure::argument(
-            "wrap",
-            "given with by=\"taxel\"",
-            "only for by=\"component\"",
-            "leave it out",
-        ));
+        return Err(Failure::argument("wrap", "given with by=\"taxel\"", "only for by=\"component\"", "leave it out"));
     }
     let default = TrialOptions::default();
     let options = TrialOptions {
@@ -102,29 +93,16 @@ pub fn decision(
         if let Some(misfit) = misfit.filter(|_| rule == Decision::paper().rule) {
             let allowed = "\"paper\" for Viterbi scores of hidden Markov models of unscaled force, to which 15 and 80 nats belong";
             let remedy = "give a margin in nats, or fit with false_positive_rate";
-            return Err(Failure::argument(
-                "decision",
-                format!("\"paper\", but {misfit}"),
-                allowed,
-                remedy,
-            ));
+            return Err(Failure::argument("decision", format!("\"paper\", but {misfit}"), allowed, remedy));
         }
         rule
     } else if let Ok(margin) = value.extract::<f64>() {
         Rule::UncertainBelow { margin }
     } else if let Ok((uncertain_below, category_above)) = value.extract::<(f64, f64)>() {
-        Rule::OutlierBand {
-            uncertain_below,
-            category_above,
-        }
+        Rule::OutlierBand { uncertain_below, category_above }
     } else {
         let allowed = "\"argmax\", \"paper\", a margin in nats, or a pair (uncertain below, category above)";
-        return Err(Failure::argument(
-            "decision",
-            value.to_string(),
-            allowed,
-            "choose one of them",
-        ));
+        return Err(Failure::argument("decision", value.to_string(), allowed, "choose one of them"));
     };
     Ok(Decision { prior, rule })
 }

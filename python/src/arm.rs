@@ -56,9 +56,7 @@ impl PyArm {
     /// The skin.
     #[getter]
     fn skin(&self) -> Skin {
-        Skin {
-            layout: Arc::new(self.arm.skin.layout.clone()),
-        }
+        Skin { layout: Arc::new(self.arm.skin.layout.clone()) }
     }
 
     /// Joint angles at the start of a reach, rad: (joints,).
@@ -76,12 +74,7 @@ impl PyArm {
     /// Limits of the joint angles that a controller observes, rad: (joints, 2).
     #[getter]
     fn limits_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let numbers: Vec<f64> = self
-            .arm
-            .joints
-            .iter()
-            .flat_map(|joint| joint.controller_limits_rad)
-            .collect();
+        let numbers: Vec<f64> = self.arm.joints.iter().flat_map(|joint| joint.controller_limits_rad).collect();
         array::copy(py, &numbers, &[self.arm.joints.len(), 2], "float64")
     }
 

@@ -96,11 +96,7 @@ fn numpy<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
 /// If NumPy cannot be imported.
 pub fn lend<'py>(py: Python<'py>, numbers: impl Into<Store>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
     let store = numbers.into();
-    debug_assert_eq!(
-        store.len(),
-        shape.iter().product::<usize>(),
-        "numbers of an array of shape {shape:?}"
-    );
+    debug_assert_eq!(store.len(), shape.iter().product::<usize>(), "numbers of an array of shape {shape:?}");
     let shape = shape.to_vec();
     numpy(py, "asarray")?.call1((Numbers { store, shape },))
 }
@@ -134,12 +130,7 @@ pub fn finite(
     let (numbers, found) = numbers(value, name, shape)?;
     if let Some(place) = numbers.iter().position(|number| !number.is_finite()) {
         let found = format!("{} at position {place}", numbers[place]);
-        return Err(Failure::argument(
-            name,
-            found,
-            "finite numbers",
-            "replace NaN and infinity",
-        ));
+        return Err(Failure::argument(name, found, "finite numbers", "replace NaN and infinity"));
     }
     Ok((numbers, found))
 }
@@ -155,19 +146,13 @@ pub fn numbers(
 ) -> Result<(Vec<f64>, Vec<usize>), Failure> {
     let py = value.py();
     let allowed = || {
-        let sizes = shape
-            .iter()
-            .map(|size| size.map_or("n".to_owned(), |size| size.to_string()));
+        let sizes = shape.iter().map(|size| size.map_or("n".to_owned(), |size| size.to_string()));
         format!("numbers of shape ({})", sizes.collect::<Vec<_>>().join(", "))
     };
     let array = numpy(py, "asarray")?.call1((value,)).and_then(|array| {
         let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
         let is_number = matches!(kind.as_str(), "f" | "i" | "u" | "b");
-        if is_number {
-            numpy(py, "asarray")?.call1((array, "float64"))
-        } else {
-            Ok(array)
-        }
+        if is_number { numpy(py, "asarray")?.call1((array, "float64")) } else { Ok(array) }
     });
     let Some((array, buffer)) = array.ok().and_then(|array| {
         let buffer = PyBuffer::<f64>::get(&array).ok()?;
@@ -182,10 +167,7 @@ pub fn numbers(
     };
     let found: Vec<usize> = array.getattr("shape")?.extract()?;
     let fits = found.len() == shape.len()
-        && found
-            .iter()
-            .zip(shape)
-            .all(|(found, allowed)| allowed.is_none_or(|allowed| allowed == *found));
+        && found.iter().zip(shape).all(|(found, allowed)| allowed.is_none_or(|allowed| allowed == *found));
     if !fits {
         let sizes: Vec<String> = found.iter().map(usize::to_string).collect();
         let found = format!("shape ({})", sizes.join(", "));

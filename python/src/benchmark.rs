@@ -94,12 +94,7 @@ fn entry(
 ) -> Result<Entry, Failure> {
     let refused = |argument: &str, found: &str, allowed: &str| {
         let remedy = "give a model for verdicts and transfer, a controller for reaching";
-        Err(Failure::argument(
-            argument,
-            found.to_owned(),
-            allowed.to_owned(),
-            remedy,
-        ))
+        Err(Failure::argument(argument, found.to_owned(), allowed.to_owned(), remedy))
     };
     if track == "reaching" {
         if model.is_some() {
@@ -116,11 +111,7 @@ fn entry(
         return refused("track", track, &Entry::TRACKS.join(", "));
     }
     if controller.is_some() || verdicts.is_some() {
-        return refused(
-            "controller",
-            "a controller or its verdicts",
-            "none in a track that judges models",
-        );
+        return refused("controller", "a controller or its verdicts", "none in a track that judges models");
     }
     let Some(model) = model else {
         return refused("model", "None", "a model file in a track that judges models");

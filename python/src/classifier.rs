@@ -34,11 +34,7 @@ pub struct PyModel {
 /// # Errors
 /// [`Failure::Input`] for an unknown name.
 pub fn score_kind(name: &str) -> Result<ScoreKind, Failure> {
-    named(
-        "score",
-        name,
-        &[("forward", ScoreKind::Forward), ("viterbi", ScoreKind::Viterbi)],
-    )
+    named("score", name, &[("forward", ScoreKind::Forward), ("viterbi", ScoreKind::Viterbi)])
 }
 
 /// Scores as an array with a row for each trial.
@@ -68,12 +64,7 @@ impl PyModel {
         {
             let found = "none, and the model's own thresholds, which were chosen on the other kind of score";
             let remedy = "give a decision, or leave with_score out";
-            return Err(Failure::argument(
-                "decision",
-                found,
-                "thresholds for these scores",
-                remedy,
-            ));
+            return Err(Failure::argument("decision", found, "thresholds for these scores", remedy));
         }
         decision(value, own, paper_rule::misfit_of_model(&self.model))
     }
@@ -166,17 +157,9 @@ impl PyModel {
         counts: Vec<usize>,
     ) -> Result<Bound<'py, PyAny>, Failure> {
         let length = trials.list.len();
-        let own = trials
-            .list
-            .get(trial)
-            .ok_or_else(|| Failure::index(trial as isize, length))?;
+        let own = trials.list.get(trial).ok_or_else(|| Failure::index(trial as isize, length))?;
         if !counts.is_sorted() || counts.first() == Some(&0) {
-            return Err(Failure::argument(
-                "counts",
-                format!("{counts:?}"),
-                "ascending numbers from 1",
-                "sort them",
-            ));
+            return Err(Failure::argument("counts", format!("{counts:?}"), "ascending numbers from 1", "sort them"));
         }
         let scores = self.model.classifier.scores_after(own, &counts)?;
         Ok(scores_array(py, scores, self.model.classifier.categories().len())?)
@@ -219,11 +202,7 @@ impl PyModel {
 
     fn __repr__(&self) -> String {
         let categories = self.categories().join(", ");
-        format!(
-            "Model({}, features={}, {categories})",
-            self.classifier(),
-            self.features().join(",")
-        )
+        format!("Model({}, features={}, {categories})", self.classifier(), self.features().join(","))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {

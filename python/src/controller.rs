@@ -57,12 +57,7 @@ impl ShippedController {
         if found != self.joints {
             let allowed = format!("that of an arm with {} joints", self.joints);
             let found = format!("that of an arm with {found} joints");
-            return Err(Failure::argument(
-                "input",
-                found,
-                allowed,
-                "make the controller for this arm",
-            ));
+            return Err(Failure::argument("input", found, allowed, "make the controller for this arm"));
         }
         let angles = {
             let mut controller = self.controller.lock().unwrap_or_else(PoisonError::into_inner);
@@ -102,10 +97,9 @@ impl Controller for PythonController {
             })
         });
         match answer {
-            Some(Ok(equilibrium_angle_rad)) => ControllerOutput {
-                equilibrium_angle_rad,
-                status: ControlStatus::Solved,
-            },
+            Some(Ok(equilibrium_angle_rad)) => {
+                ControllerOutput { equilibrium_angle_rad, status: ControlStatus::Solved }
+            }
             other => {
                 // The reach ends before the next frame.
                 if let Some(Err(failure)) = other {
@@ -123,9 +117,7 @@ impl Controller for PythonController {
 /// The attribute `name` of an object if it is a text, or else its name as a function or class.
 fn name_of(object: &Bound<'_, PyAny>) -> String {
     let named = |attribute: &str| object.getattr(attribute).ok()?.extract::<String>().ok();
-    named("name")
-        .or_else(|| named("__name__"))
-        .unwrap_or_else(|| "python".to_owned())
+    named("name").or_else(|| named("__name__")).unwrap_or_else(|| "python".to_owned())
 }
 
 /// The controller that an argument chooses: by its name, or one of the user's own ([`maker`]).

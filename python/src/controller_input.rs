@@ -63,23 +63,13 @@ impl PyControllerInput {
     /// Joint velocities, rad/s: (joints,).
     #[getter]
     fn joint_velocity_rad_per_s<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        array::copy(
-            py,
-            &self.joint_velocity_rad_per_s,
-            &[self.joint_velocity_rad_per_s.len()],
-            "float64",
-        )
+        array::copy(py, &self.joint_velocity_rad_per_s, &[self.joint_velocity_rad_per_s.len()], "float64")
     }
 
     /// Equilibrium angles, rad: (joints,).
     #[getter]
     fn equilibrium_angle_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        array::copy(
-            py,
-            &self.equilibrium_angle_rad,
-            &[self.equilibrium_angle_rad.len()],
-            "float64",
-        )
+        array::copy(py, &self.equilibrium_angle_rad, &[self.equilibrium_angle_rad.len()], "float64")
     }
 
     /// Pose of the end effector, world frame: x, y, z in m, and a quaternion x, y, z, w.
@@ -135,27 +125,15 @@ impl PyControllerInput {
     /// (contacts, 3).
     #[getter]
     fn contact_normal_world<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let normals = self
-            .contacts
-            .iter()
-            .flat_map(|contact| contact.inward_normal_world.to_array());
+        let normals = self.contacts.iter().flat_map(|contact| contact.inward_normal_world.to_array());
         array::copy(py, &normals.collect::<Vec<f64>>(), &[self.contacts.len(), 3], "float64")
     }
 
     /// Jacobian of the centre of every taxel that senses a force, m/rad, world frame: (contacts, 3, joints).
     #[getter]
     fn contact_jacobian<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let numbers: Vec<f64> = self
-            .contacts
-            .iter()
-            .flat_map(|contact| rows(&contact.position_jacobian))
-            .collect();
-        array::copy(
-            py,
-            &numbers,
-            &[self.contacts.len(), 3, self.joint_angle_rad.len()],
-            "float64",
-        )
+        let numbers: Vec<f64> = self.contacts.iter().flat_map(|contact| rows(&contact.position_jacobian)).collect();
+        array::copy(py, &numbers, &[self.contacts.len(), 3, self.joint_angle_rad.len()], "float64")
     }
 }
 

@@ -31,9 +31,7 @@ pub struct PyDataset {
 impl PyDataset {
     /// Wraps an open data set.
     pub fn new(dataset: Dataset) -> Self {
-        PyDataset {
-            dataset: Arc::new(dataset),
-        }
+        PyDataset { dataset: Arc::new(dataset) }
     }
 
     /// The set itself.
@@ -86,9 +84,7 @@ impl PyDataset {
     /// The skin, the same in every reach.
     #[getter]
     fn skin(&self) -> Skin {
-        Skin {
-            layout: Arc::new(self.dataset.layout().clone()),
-        }
+        Skin { layout: Arc::new(self.dataset.layout().clone()) }
     }
 
     /// The reaches: scene, seed, index, controller, frames, outcome, contacts, audit.
@@ -132,10 +128,8 @@ impl PyDataset {
             None => (0..self.__len__()).collect(),
         };
         let read = || {
-            let batches: Result<Vec<_>, Failure> = places
-                .into_par_iter()
-                .map(|place| Ok(self.dataset.read_table(place, name)?))
-                .collect();
+            let batches: Result<Vec<_>, Failure> =
+                places.into_par_iter().map(|place| Ok(self.dataset.read_table(place, name)?)).collect();
             Ok(batches?.concat())
         };
         PyTable::new(pool::detached(py, None, read)?)
@@ -176,11 +170,7 @@ impl PyDataset {
     }
 
     fn __repr__(&self) -> String {
-        format!(
-            "Dataset({:?}, {} reaches)",
-            self.dataset.dir().display().to_string(),
-            self.__len__()
-        )
+        format!("Dataset({:?}, {} reaches)", self.dataset.dir().display().to_string(), self.__len__())
     }
 
     fn _repr_html_(&self) -> String {

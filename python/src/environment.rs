@@ -62,13 +62,8 @@ impl PyEnvironments {
             "truncated",
             numbers(|own| f64::from(u8::from(own.truncated)))?.call_method1("astype", ("bool",))?,
         )?;
-        info.set_item(
-            "reach_index",
-            numbers(|own| own.reach_index as f64)?.call_method1("astype", ("int64",))?,
-        )?;
-        let outcomes = stepped
-            .iter()
-            .map(|own| own.and_then(|own| own.outcome).map_or("", |outcome| outcome.name()));
+        info.set_item("reach_index", numbers(|own| own.reach_index as f64)?.call_method1("astype", ("int64",))?)?;
+        let outcomes = stepped.iter().map(|own| own.and_then(|own| own.outcome).map_or("", |outcome| outcome.name()));
         info.set_item("outcome", outcomes.collect::<Vec<_>>())?;
         Ok((observations, info))
     }
@@ -118,12 +113,7 @@ impl PyEnvironments {
         let kind = controller.map(controller_kind).transpose()?;
         let plan = ReachPlan::new(self::scene(scene)?, kind, seed)?;
         if !(1..=4096).contains(&count) {
-            return Err(Failure::argument(
-                "num_envs",
-                count.to_string(),
-                "1 to 4096",
-                "use fewer",
-            ));
+            return Err(Failure::argument("num_envs", count.to_string(), "1 to 4096", "use fewer"));
         }
         let environments = Environments::new(&plan, &options, count)?;
         Ok(PyEnvironments {
@@ -132,25 +122,14 @@ impl PyEnvironments {
             action_size: environments.action_size(),
             jobs,
             helpers: Helpers::new(jobs)?,
-            state: Mutex::new(State {
-                observations: vec![0.0; count * environments.observation_size()],
-                environments,
-            }),
+            state: Mutex::new(State { observations: vec![0.0; count * environments.observation_size()], environments }),
         })
     }
 
     /// The parts of an observation: name, shape, first number, smallest and largest value.
     #[getter]
     fn parts(&self) -> Vec<(String, Vec<usize>, usize, f32, f32)> {
-        let part = |part: &Part| {
-            (
-                part.name.clone(),
-                part.shape.clone(),
-                part.first,
-                part.range[0],
-                part.range[1],
-            )
-        };
+        let part = |part: &Part| (part.name.clone(), part.shape.clone(), part.first, part.range[0], part.range[1]);
         self.parts.iter().map(part).collect()
     }
 
@@ -172,12 +151,7 @@ impl PyEnvironments {
         for (name, length) in [("seeds", Some(seeds.len())), ("mask", mask.as_ref().map(Vec::len))] {
             if let Some(length) = length.filter(|length| *length != self.count) {
                 let found = format!("{length} for {} environments", self.count);
-                return Err(Failure::argument(
-                    name,
-                    found,
-                    "one for each environment",
-                    "give as many",
-                ));
+                return Err(Failure::argument(name, found, "one for each environment", "give as many"));
             }
         }
         let mut state = self.lock()?;
@@ -248,12 +222,7 @@ fn seconds_without_python(
     if width == 0 || shape[2] != environments.action_size() {
         let allowed = format!("{} numbers for each environment", environments.action_size());
         let found = format!("{} for each of {}", shape[2], shape[1]);
-        return Err(Failure::argument(
-            "actions",
-            found,
-            allowed,
-            "give an array of this shape",
-        ));
+        return Err(Failure::argument("actions", found, allowed, "give an array of this shape"));
     }
     let mut observations = vec![0.0; shape[1] * environments.observation_size()];
     let reset = || Ok(environments.reset(&vec![None; shape[1]], |_| true, &mut observations)?);

@@ -20,11 +20,7 @@ use crate::trials::Trials;
 fn folds(trials: &Trials, count: usize, group: Option<&str>) -> Result<Folds, Failure> {
     let by = match group {
         None => FoldBy::advised(&trials.list),
-        Some(name) => named(
-            "group",
-            name,
-            &[("position", FoldBy::Position), ("reach", FoldBy::Reach)],
-        )?,
+        Some(name) => named("group", name, &[("position", FoldBy::Position), ("reach", FoldBy::Reach)])?,
     };
     Ok(Folds { count, by })
 }
@@ -46,11 +42,7 @@ fn evaluate_trials<'py>(
     jobs: Option<usize>,
 ) -> Result<Bound<'py, PyAny>, Failure> {
     let list = &trials.list;
-    let of_folds = [
-        ("folds", folds.is_some()),
-        ("group", group.is_some()),
-        ("by_samples", by_samples),
-    ];
+    let of_folds = [("folds", folds.is_some()), ("group", group.is_some()), ("by_samples", by_samples)];
     if let Ok(model) = classifier.cast::<PyModel>() {
         refuse("a fitted model", &of_folds)?;
         refuse("a fitted model", &[("train", train.is_some())])?;
@@ -85,14 +77,8 @@ fn evaluate_trials<'py>(
         }
         None => {
             let evaluation = cross_validate(list, estimator, own, &decision)?;
-            let series = by_samples
-                .then(|| accuracy_by_samples(list, estimator, own))
-                .transpose()?;
-            Ok(EvaluationReport {
-                folds: Some(own),
-                by_samples: series,
-                ..evaluation.into()
-            })
+            let series = by_samples.then(|| accuracy_by_samples(list, estimator, own)).transpose()?;
+            Ok(EvaluationReport { folds: Some(own), by_samples: series, ..evaluation.into() })
         }
     });
     json::to_python(py, &raised.checked(judged)?)
@@ -107,12 +93,7 @@ fn refuse(with: &str, arguments: &[(&str, bool)]) -> Result<(), Failure> {
         None => Ok(()),
         Some((name, _)) => {
             let allowed = "only for cross-validation, or train for a classifier to fit";
-            Err(Failure::argument(
-                *name,
-                format!("given with {with}"),
-                allowed,
-                "leave it out",
-            ))
+            Err(Failure::argument(*name, format!("given with {with}"), allowed, "leave it out"))
         }
     }
 }

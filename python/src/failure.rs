@@ -73,15 +73,7 @@ impl From<Failure> for PyErr {
             Failure::Input(error) => {
                 // A traceback prints the message; the other values are what they are.
                 let message = escaped(&error.to_string()).into_owned();
-                let InputError {
-                    file,
-                    line,
-                    field,
-                    found,
-                    allowed,
-                    remedy,
-                    storage: _,
-                } = *error;
+                let InputError { file, line, field, found, allowed, remedy, storage: _ } = *error;
                 let file = file.display().to_string();
                 raised::InputError::new_err((message, file, line, field, found, allowed, remedy))
             }

@@ -91,28 +91,15 @@ impl Options {
             ("variance_floor", variance_floor.is_some(), false),
             ("max_samples", max_samples.is_some(), true),
         ];
-        let of_any = [
-            ("classifier", kind.name != HMM, true),
-            ("features", features.is_some(), true),
-        ];
+        let of_any = [("classifier", kind.name != HMM, true), ("features", features.is_some(), true)];
         let kept = of_any.iter().chain(&of_hmm).find(|(_, given, kept)| *given && *kept);
         let kept = kept.map(|(option, ..)| *option);
         if kind.name != HMM {
             if let Some((option, ..)) = of_hmm.into_iter().find(|(_, given, _)| *given) {
                 let found = format!("given for the classifier {}", kind.name);
-                return Err(Failure::argument(
-                    option,
-                    found,
-                    "only for the classifier hmm",
-                    "leave it out",
-                ));
+                return Err(Failure::argument(option, found, "only for the classifier hmm", "leave it out"));
             }
-            return Ok(Options {
-                classifier: kind.name,
-                features,
-                recipe: None,
-                kept,
-            });
+            return Ok(Options { classifier: kind.name, features, recipe: None, kept });
         }
         let mut own = match recipe {
             None => Recipe::authors(),
@@ -121,20 +108,13 @@ impl Options {
         own.states = states.unwrap_or(own.states);
         own.features = features.unwrap_or(own.features);
         own.topology = topology.map_or(Ok(own.topology), |name| named("topology", name, &Topology::NAMED))?;
-        own.initial = initial.map_or(Ok(own.initial), |name| {
-            named("initial", name, &InitialDistribution::NAMED)
-        })?;
+        own.initial = initial.map_or(Ok(own.initial), |name| named("initial", name, &InitialDistribution::NAMED))?;
         own.score = score.map_or(Ok(own.score), score_kind)?;
         own.max_samples = max_samples.or(own.max_samples);
         own.training.iterations = iterations.unwrap_or(own.training.iterations);
         own.training.tolerance = tolerance.unwrap_or(own.training.tolerance);
         own.training.variance_floor = variance_floor.unwrap_or(own.training.variance_floor);
-        Ok(Options {
-            classifier: kind.name,
-            features,
-            recipe: Some(own),
-            kept,
-        })
+        Ok(Options { classifier: kind.name, features, recipe: Some(own), kept })
     }
 
     fn __repr__(&self) -> String {
@@ -160,12 +140,7 @@ fn fit(
     }
     if start.is_some() && false_positive_rate.is_some() {
         let allowed = "only without start, because thresholds are chosen on models that are fitted anew";
-        return Err(Failure::argument(
-            "false_positive_rate",
-            "given with start",
-            allowed,
-            "leave it out",
-        ));
+        return Err(Failure::argument("false_positive_rate", "given with start", allowed, "leave it out"));
     }
     if outlier_prior.is_some() && false_positive_rate.is_none() {
         return Err(Failure::argument(
@@ -192,11 +167,7 @@ fn fit(
         None => Ok(Model::new(estimator()?.fit(&trials.all())?)),
         Some(start) => {
             let models = Model::from_json("the start model", &start.model.save_string()?)?.into_hmm()?;
-            let training = options
-                .recipe
-                .as_ref()
-                .map(|recipe| recipe.training)
-                .unwrap_or_default();
+            let training = options.recipe.as_ref().map(|recipe| recipe.training).unwrap_or_default();
             let (models, _) = HmmClassifier::train_from(models, &trials.list, &training)?;
             Ok::<_, Failure>(Model::new(Box::new(models)))
         }

@@ -20,10 +20,7 @@ pub struct PyFrame {
 }
 
 /// The pose of a patch whose pose was not given. No rotation has this quaternion.
-const NO_POSE: Pose = Pose {
-    position: DVec3::ZERO,
-    orientation: DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0),
-};
+const NO_POSE: Pose = Pose { position: DVec3::ZERO, orientation: DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0) };
 
 /// How far the length of a given quaternion may be from 1. Choice: enough for one written with three digits.
 const QUATERNION_TOLERANCE: f64 = 2e-3;
@@ -54,11 +51,7 @@ impl PyFrame {
     ) -> Result<Vec<T>, Failure> {
         let index = patch_index(&self.layout, patch)?;
         let mut numbers = vec![none; self.layout.patches[index].taxels.len()];
-        let readings = self
-            .frame
-            .taxels
-            .iter()
-            .filter(|reading| usize::from(reading.patch) == index);
+        let readings = self.frame.taxels.iter().filter(|reading| usize::from(reading.patch) == index);
         readings.for_each(|reading| numbers[usize::from(reading.taxel)] = number(reading));
         Ok(numbers)
     }
@@ -115,22 +108,12 @@ impl PyFrame {
             if (length - 1.0).abs() > QUATERNION_TOLERANCE {
                 let found = format!("a quaternion of length {length} for the patch {name}");
                 let allowed = "x, y, z in metres, and a quaternion x, y, z, w of length 1";
-                return Err(Failure::argument(
-                    "patch_poses",
-                    found,
-                    allowed,
-                    "normalize the quaternion",
-                ));
+                return Err(Failure::argument("patch_poses", found, allowed, "normalize the quaternion"));
             }
             poses[index] = pose;
         }
         if !time_s.is_finite() {
-            return Err(Failure::argument(
-                "time_s",
-                time_s.to_string(),
-                "a finite time",
-                "give seconds",
-            ));
+            return Err(Failure::argument("time_s", time_s.to_string(), "a finite time", "give seconds"));
         }
         let frame = Frame {
             time_s,
@@ -198,12 +181,7 @@ impl PyFrame {
     #[pyo3(signature = (patch = None))]
     fn patch_pose_world<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
         let index = patch_index(&self.layout, patch)?;
-        Ok(array::copy(
-            py,
-            &self.frame.patch_pose_world[index].numbers(),
-            &[7],
-            "float64",
-        )?)
+        Ok(array::copy(py, &self.frame.patch_pose_world[index].numbers(), &[7], "float64")?)
     }
 
     /// What each taxel of a patch senses, N: (taxels,).
@@ -231,20 +209,11 @@ impl PyFrame {
     #[pyo3(signature = (patch = None))]
     fn contact_force_world<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
         let index = patch_index(&self.layout, patch)?;
-        Ok(array::copy(
-            py,
-            &self.frame.contact_force_world[index].to_array(),
-            &[3],
-            "float64",
-        )?)
+        Ok(array::copy(py, &self.frame.contact_force_world[index].to_array(), &[3], "float64")?)
     }
 
     fn __repr__(&self) -> String {
-        format!(
-            "Frame(time_s={}, {} taxels)",
-            self.frame.time_s,
-            self.frame.taxels.len()
-        )
+        format!("Frame(time_s={}, {} taxels)", self.frame.time_s, self.frame.taxels.len())
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {

@@ -122,12 +122,7 @@ fn described(
     names.sort_unstable();
     if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
         let found = format!("two scenes called {}", pair[0]);
-        return Err(Failure::argument(
-            "scenes",
-            found,
-            "scenes with names of their own",
-            "rename one of them",
-        ));
+        return Err(Failure::argument("scenes", found, "scenes with names of their own", "rename one of them"));
     }
     let (kind, own) = controller::chosen(controller, stop)?;
     Ok(Campaign {
@@ -149,10 +144,7 @@ pub fn shard(shard: Option<(u64, u64)>) -> Result<Option<Shard>, Failure> {
 /// Part I of N, counted from 1.
 fn part((number, count): (u64, u64)) -> Result<Shard, Failure> {
     if (1..=count).contains(&number) {
-        return Ok(Shard {
-            index: number - 1,
-            count,
-        });
+        return Ok(Shard { index: number - 1, count });
     }
     let found = format!("({number}, {count})");
     let allowed = "(I, N) with 1 <= I <= N";

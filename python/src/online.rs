@@ -109,12 +109,7 @@ impl Online {
     fn update<'py>(&self, py: Python<'py>, frame: &PyFrame) -> Result<Bound<'py, PyList>, Failure> {
         if !Arc::ptr_eq(&frame.layout, &self.layout) && frame.layout != self.layout {
             let allowed = "a frame of the skin that this classifier was made for";
-            return Err(Failure::argument(
-                "frame",
-                "a frame of another skin",
-                allowed,
-                "make a classifier for it",
-            ));
+            return Err(Failure::argument("frame", "a frame of another skin", allowed, "make a classifier for it"));
         }
         if let Some(patch) = self.needs_pose_of.filter(|patch| !frame.has_pose(*patch)) {
             let name = &self.layout.patches[patch].name;
@@ -199,10 +194,7 @@ fn online(
     };
     let made = OnlineClassifier::new(&own, &skin.layout, &options)?;
     let categories = underbrush_classifier::estimator::Classifier::categories(&own);
-    Ok(Online {
-        raised: Some(own.raised()),
-        ..Online::of_contacts(made, categories, skin, None)
-    })
+    Ok(Online { raised: Some(own.raised()), ..Online::of_contacts(made, categories, skin, None) })
 }
 
 /// Adds the class and the function of this file.

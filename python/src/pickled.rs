@@ -27,9 +27,7 @@ struct Temporary(tempfile::TempDir);
 impl Temporary {
     /// A folder that is removed with this value.
     fn new() -> Result<Self, Failure> {
-        tempfile::tempdir()
-            .map(Temporary)
-            .map_err(|error| Failure::Storage(error.to_string()))
+        tempfile::tempdir().map(Temporary).map_err(|error| Failure::Storage(error.to_string()))
     }
 
     /// The path of the file in it.

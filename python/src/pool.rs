@@ -80,10 +80,7 @@ impl Helpers {
             Some(jobs) => check(jobs)?,
             None => std::thread::available_parallelism().map_or(1, usize::from),
         };
-        Ok(Helpers {
-            threads: jobs - 1,
-            pool: Made::later(),
-        })
+        Ok(Helpers { threads: jobs - 1, pool: Made::later() })
     }
 
     /// The threads, if there are any.
@@ -127,8 +124,6 @@ pub fn guarded<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failur
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         let text = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
-        Err(Failure::Run(format!(
-            "internal error: {text}; please report it with the call and its input"
-        )))
+        Err(Failure::Run(format!("internal error: {text}; please report it with the call and its input")))
     })
 }

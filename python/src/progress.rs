@@ -28,33 +28,21 @@ pub struct Reported {
 impl Reported {
     /// Progress for this function, called as `callback(done, total, text)`.
     pub fn new(stop: &Arc<Stop>, callback: Option<Py<PyAny>>) -> Self {
-        Reported {
-            done: Arc::default(),
-            stop: Arc::clone(stop),
-            callback,
-        }
+        Reported { done: Arc::default(), stop: Arc::clone(stop), callback }
     }
 
     /// Shows what is new: remarks as warnings, and the count.
     pub fn show(&self, py: Python<'_>) -> PyResult<()> {
-        let remarks = self
-            .done
-            .remarks
-            .lock()
-            .map(|mut remarks| std::mem::take(&mut *remarks));
+        let remarks = self.done.remarks.lock().map(|mut remarks| std::mem::take(&mut *remarks));
         for remark in remarks.unwrap_or_default() {
             py.import("warnings")?.call_method1("warn", (remark,))?;
         }
         let total = self.done.total.load(Ordering::Relaxed);
         if let Some(callback) = self.callback.as_ref().filter(|_| total > 0) {
-            let goals = self
-                .done
-                .goals
-                .lock()
-                .map_or(String::new(), |goals| match goals.tried() {
-                    0 => String::new(),
-                    _ => goals.to_string(),
-                });
+            let goals = self.done.goals.lock().map_or(String::new(), |goals| match goals.tried() {
+                0 => String::new(),
+                _ => goals.to_string(),
+            });
             callback.call1(py, (self.done.things.load(Ordering::Relaxed), total, goals))?;
         }
         Ok(())

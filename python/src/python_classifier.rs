@@ -34,10 +34,7 @@ impl PythonEstimator {
             let remedy = "wrap it, as underbrush.sklearn.FixedWindow does with classifiers of scikit-learn";
             return Err(Failure::argument("classifier", found, ALLOWED, remedy));
         }
-        Ok(PythonEstimator {
-            object: object.clone().unbind(),
-            raised: Arc::clone(raised),
-        })
+        Ok(PythonEstimator { object: object.clone().unbind(), raised: Arc::clone(raised) })
     }
 }
 
@@ -65,10 +62,7 @@ fn kept(raised: &Stop, failure: Failure) -> ModelError {
     let error = PyErr::from(failure);
     let found = format!("the Python classifier raised {error}");
     raised.raise(error);
-    ModelError::Mismatch {
-        found,
-        allowed: "a classifier that fits and scores trials".into(),
-    }
+    ModelError::Mismatch { found, allowed: "a classifier that fits and scores trials".into() }
 }
 
 /// A fitted classifier: an object with `categories` and `scores(trials)`.
@@ -93,17 +87,11 @@ impl PythonClassifier {
     /// [`Failure::Input`] if the object has no categories, or if they are not in alphabetical order.
     pub fn of(object: &Bound<'_, PyAny>, raised: &Arc<Stop>) -> Result<Self, Failure> {
         let categories: Option<Vec<String>> = object.getattr("categories").ok().and_then(|own| own.extract().ok());
-        let categories = categories
-            .filter(|own| !own.is_empty() && own.is_sorted_by(|a, b| a < b))
-            .ok_or_else(|| {
+        let categories =
+            categories.filter(|own| !own.is_empty() && own.is_sorted_by(|a, b| a < b)).ok_or_else(|| {
                 let found = format!("an object of type {} without them", object.get_type());
                 let allowed = "a list of different names in alphabetical order";
-                Failure::argument(
-                    "categories",
-                    found,
-                    allowed,
-                    "give the fitted classifier such an attribute",
-                )
+                Failure::argument("categories", found, allowed, "give the fitted classifier such an attribute")
             })?;
         let features = crate::arguments::features(object.getattr("features").ok().as_ref())?;
         Ok(PythonClassifier {
@@ -129,12 +117,7 @@ fn scores(object: &Py<PyAny>, trials: Trials, categories: usize) -> Result<Vec<V
         let (numbers, _) = array::numbers(&answer, "the answer of scores", &shape)?;
         if numbers.iter().any(|number| number.is_nan()) {
             let allowed = "numbers; minus infinity for the impossible";
-            return Err(Failure::argument(
-                "the answer of scores",
-                "NaN",
-                allowed,
-                "correct the classifier",
-            ));
+            return Err(Failure::argument("the answer of scores", "NaN", allowed, "correct the classifier"));
         }
         Ok(numbers.chunks_exact(categories).map(<[f64]>::to_vec).collect())
     })

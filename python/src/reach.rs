@@ -38,12 +38,7 @@ pub struct Reach {
 impl Reach {
     /// A reach of this source.
     pub fn new(source: Source) -> Self {
-        Reach {
-            source,
-            whole: OnceLock::new(),
-            layout: OnceLock::new(),
-            columns: LentColumns::default(),
-        }
+        Reach { source, whole: OnceLock::new(), layout: OnceLock::new(), columns: LentColumns::default() }
     }
 
     /// The whole recording. If the reach is in a data set, it is read when it is first needed.
@@ -149,9 +144,8 @@ impl Reach {
     #[pyo3(signature = (name, dtype = None))]
     fn column<'py>(&self, py: Python<'py>, name: &str, dtype: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
         let single = dtype.map(Column::is_single).transpose()?;
-        self.columns.get(py, (name, single), || {
-            Ok(pool::detached(py, None, || self.read_column(name, single))?.lend(py)?)
-        })
+        self.columns
+            .get(py, (name, single), || Ok(pool::detached(py, None, || self.read_column(name, single))?.lend(py)?))
     }
 
     /// Names of the columns that `column` reads.
@@ -228,9 +222,7 @@ impl Reach {
     /// The skin.
     #[getter]
     fn skin(&self) -> Skin {
-        Skin {
-            layout: self.skin_layout(),
-        }
+        Skin { layout: self.skin_layout() }
     }
 
     /// The goals, each with its position, times and outcome.

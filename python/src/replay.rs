@@ -37,10 +37,7 @@ fn replay_page(
                 }
                 AnyModel::Touch(model) => JudgingModel::of_touch(*model, patch.as_deref())?,
             };
-            Ok(Judging {
-                name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-                by,
-            })
+            Ok(Judging { name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(), by })
         };
         let source = Source::open(&paths, known(), model.map(judging).transpose()?)?;
         let all = (0..source.reaches().len()).collect();

@@ -93,12 +93,7 @@ pub fn controller_kind(name: &str) -> Result<ControllerKind, Failure> {
 pub fn drawn(plan: &ReachPlan, simulation: &underbrush_sim::simulation::Simulation, caption: &str) -> Picture {
     let goal = simulation.clutter().goals.first().copied().unwrap_or_default();
     let frame = simulation.frame(0, goal);
-    let categories: Vec<_> = simulation
-        .clutter()
-        .objects
-        .iter()
-        .map(|placed| placed.object.category())
-        .collect();
+    let categories: Vec<_> = simulation.clutter().objects.iter().map(|placed| placed.object.category()).collect();
     let svg = picture::draw(
         &Snapshot::take(simulation, &frame),
         &plan.arm.skin.layout,
@@ -124,9 +119,7 @@ fn merge(table: &mut toml::Table, changes: toml::Table) {
 /// The keys of a dictionary. The error says what cannot be in a scene file.
 fn toml_table(dict: &Bound<'_, PyDict>) -> Result<toml::Table, String> {
     let key = |key: &Bound<'_, PyAny>| key.extract().map_err(|_| format!("the key {key}"));
-    dict.iter()
-        .map(|(name, value)| Ok((key(&name)?, toml_value(&value)?)))
-        .collect()
+    dict.iter().map(|(name, value)| Ok((key(&name)?, toml_value(&value)?))).collect()
 }
 
 fn toml_value(value: &Bound<'_, PyAny>) -> Result<toml::Value, String> {
@@ -141,9 +134,7 @@ fn toml_value(value: &Bound<'_, PyAny>) -> Result<toml::Value, String> {
         return Ok(plain);
     }
     match value.extract::<Vec<Bound<'_, PyAny>>>() {
-        Ok(items) => Ok(toml::Value::Array(
-            items.iter().map(toml_value).collect::<Result<_, _>>()?,
-        )),
+        Ok(items) => Ok(toml::Value::Array(items.iter().map(toml_value).collect::<Result<_, _>>()?)),
         Err(_) => Err(value.to_string()),
     }
 }

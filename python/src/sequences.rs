@@ -19,11 +19,7 @@ fn sample(name: &str, set: &FeatureSet, numbers: &[f64], place: usize) -> Result
         region: None,
         touched: None,
     };
-    let mut region = Region {
-        taxels: 1,
-        largest_force_n: 0.0,
-        force_sum_n: 0.0,
-    };
+    let mut region = Region { taxels: 1, largest_force_n: 0.0, force_sum_n: 0.0 };
     for (feature, number) in set.iter().zip(numbers) {
         match feature.column {
             "force_n" => sample.force_n = *number,
@@ -40,12 +36,7 @@ fn sample(name: &str, set: &FeatureSet, numbers: &[f64], place: usize) -> Result
             "region_largest_force_n" => region.largest_force_n = *number,
             "region_force_sum_n" => region.force_sum_n = *number,
             other => {
-                return Err(Failure::argument(
-                    "features",
-                    other,
-                    "force, motion",
-                    "give trials instead of sequences",
-                ));
+                return Err(Failure::argument("features", other, "force, motion", "give trials instead of sequences"));
             }
         }
     }
@@ -65,10 +56,8 @@ pub fn of_sequences(
     categories: Option<Vec<Option<String>>>,
     groups: Option<Vec<u64>>,
 ) -> Result<Vec<Trial>, Failure> {
-    for (name, length) in [
-        ("categories", categories.as_ref().map(Vec::len)),
-        ("groups", groups.as_ref().map(Vec::len)),
-    ] {
+    for (name, length) in [("categories", categories.as_ref().map(Vec::len)), ("groups", groups.as_ref().map(Vec::len))]
+    {
         if let Some(length) = length.filter(|length| *length != sequences.len()) {
             let found = format!("{length} for {} sequences", sequences.len());
             return Err(Failure::argument(name, found, "one for each sequence", "give as many"));
@@ -77,26 +66,13 @@ pub fn of_sequences(
     let width = set.dimension();
     let one = |(index, value): (usize, &Bound<'_, PyAny>)| {
         let name = format!("sequence {index}");
-        let is_flat = width == 1
-            && value
-                .getattr("ndim")
-                .and_then(|ndim| ndim.extract::<usize>())
-                .unwrap_or(1)
-                == 1;
+        let is_flat = width == 1 && value.getattr("ndim").and_then(|ndim| ndim.extract::<usize>()).unwrap_or(1) == 1;
         let shape: &[Option<usize>] = if is_flat { &[None] } else { &[None, Some(width)] };
         let (numbers, _) = array::finite(value, &name, shape)?;
         if numbers.is_empty() {
-            return Err(Failure::argument(
-                name,
-                "no samples",
-                "at least one sample",
-                "leave it out",
-            ));
+            return Err(Failure::argument(name, "no samples", "at least one sample", "leave it out"));
         }
-        let samples = numbers
-            .chunks_exact(width)
-            .enumerate()
-            .map(|(place, row)| sample(&name, set, row, place));
+        let samples = numbers.chunks_exact(width).enumerate().map(|(place, row)| sample(&name, set, row, place));
         Ok(Trial {
             trial: index as u64,
             category: categories.as_ref().and_then(|categories| categories[index].clone()),

@@ -35,9 +35,9 @@ impl PySimulation {
             Ok(state) => Ok(state),
             // After a panic of the engine, the state may be one from the middle of a frame, so the simulation cannot go
             // on.
-            Err(TryLockError::Poisoned(_)) => Err(Failure::Run(
-                "the physics engine failed in this simulation; make a new one".into(),
-            )),
+            Err(TryLockError::Poisoned(_)) => {
+                Err(Failure::Run("the physics engine failed in this simulation; make a new one".into()))
+            }
             Err(TryLockError::WouldBlock) => Err(Failure::Run(
                 "another thread is using this simulation; give each thread a simulation of its own, or use step_many"
                     .into(),
@@ -52,10 +52,7 @@ impl PySimulation {
 
     fn frame(&self, simulation: &Simulation) -> PyFrame {
         let goal = simulation.clutter().goals.first().copied().unwrap_or(DVec3::ZERO);
-        PyFrame {
-            frame: simulation.frame(0, goal),
-            layout: Arc::clone(&self.layout),
-        }
+        PyFrame { frame: simulation.frame(0, goal), layout: Arc::clone(&self.layout) }
     }
 }
 
@@ -122,17 +119,13 @@ impl PySimulation {
     /// The arm.
     #[getter]
     fn arm(&self) -> PyArm {
-        PyArm {
-            arm: self.plan.arm.clone(),
-        }
+        PyArm { arm: self.plan.arm.clone() }
     }
 
     /// The skin.
     #[getter]
     fn skin(&self) -> Skin {
-        Skin {
-            layout: Arc::clone(&self.layout),
-        }
+        Skin { layout: Arc::clone(&self.layout) }
     }
 
     /// The goals of the reach, m, world frame: (goals, 3).
@@ -183,27 +176,13 @@ fn step_many(
         return Ok(Vec::new());
     };
     let joints = first.get().plan.arm.joints.len();
-    if let Some(other) = simulations
-        .iter()
-        .find(|other| other.get().plan.arm.joints.len() != joints)
-    {
-        let found = format!(
-            "arms with {joints} and with {} joints",
-            other.get().plan.arm.joints.len()
-        );
+    if let Some(other) = simulations.iter().find(|other| other.get().plan.arm.joints.len() != joints) {
+        let found = format!("arms with {joints} and with {} joints", other.get().plan.arm.joints.len());
         return Err(Failure::argument("simulations", found, "arms alike", "step them apart"));
     }
     let mut known = HashSet::new();
-    if !simulations
-        .iter()
-        .all(|simulation| known.insert(simulation.as_ptr() as usize))
-    {
-        return Err(Failure::argument(
-            "simulations",
-            "one of them twice",
-            "each once",
-            "copy() it",
-        ));
+    if !simulations.iter().all(|simulation| known.insert(simulation.as_ptr() as usize)) {
+        return Err(Failure::argument("simulations", "one of them twice", "each once", "copy() it"));
     }
     let shape = [Some(simulations.len()), Some(joints)];
     let (angles, _) = array::finite(equilibrium_rad, "equilibrium_rad", &shape)?;

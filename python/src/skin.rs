@@ -77,16 +77,13 @@ impl Skin {
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
-        other
-            .cast::<Skin>()
-            .is_ok_and(|other| other.get().layout == self.layout)
+        other.cast::<Skin>().is_ok_and(|other| other.get().layout == self.layout)
     }
 
     fn __repr__(&self) -> String {
         let patches = self.layout.patches.iter();
-        let listed: Vec<String> = patches
-            .map(|patch| format!("{}: {} taxels", patch.name, patch.taxels.len()))
-            .collect();
+        let listed: Vec<String> =
+            patches.map(|patch| format!("{}: {} taxels", patch.name, patch.taxels.len())).collect();
         format!("Skin({})", listed.join(", "))
     }
 
@@ -98,9 +95,7 @@ impl Skin {
     #[staticmethod]
     fn _from_json(text: &str) -> Result<Self, Failure> {
         let layout = serde_json::from_str(text).map_err(|error| Failure::Usage(error.to_string()))?;
-        Ok(Skin {
-            layout: Arc::new(layout),
-        })
+        Ok(Skin { layout: Arc::new(layout) })
     }
 }
 

@@ -40,21 +40,11 @@ fn check<'py>(
     jobs: Option<usize>,
 ) -> Result<Bound<'py, PyAny>, Failure> {
     if suites.is_empty() {
-        return Err(Failure::argument(
-            "suites",
-            "none",
-            "one suite file or more",
-            "name one",
-        ));
+        return Err(Failure::argument("suites", "none", "one suite file or more", "name one"));
     }
     if bless && seed.is_some() {
         let allowed = "bounds from the seed of the file";
-        return Err(Failure::argument(
-            "bless",
-            "True with a seed",
-            allowed,
-            "leave the seed out",
-        ));
+        return Err(Failure::argument("bless", "True with a seed", allowed, "leave the seed out"));
     }
     for name in suite_text::FILES {
         if let Some(folder) = &out {
@@ -92,21 +82,11 @@ fn reproduce<'py>(
     jobs: Option<usize>,
 ) -> Result<Bound<'py, PyAny>, Failure> {
     if !(1..=10_000).contains(&campaigns) {
-        return Err(Failure::argument(
-            "campaigns",
-            campaigns.to_string(),
-            "1 to 10000",
-            "use 1",
-        ));
+        return Err(Failure::argument("campaigns", campaigns.to_string(), "1 to 10000", "use 1"));
     }
     let experiment = loaded(experiment)?;
-    let reproduction = Reproduction {
-        seed: seed.unwrap_or(experiment.file.seed),
-        experiment: &experiment,
-        quick,
-        campaigns,
-        force,
-    };
+    let reproduction =
+        Reproduction { seed: seed.unwrap_or(experiment.file.seed), experiment: &experiment, quick, campaigns, force };
     let stop = Arc::new(Stop::default());
     let reported = Reported::new(&stop, progress);
     // The results have parts that cannot leave their thread, so they are converted there.

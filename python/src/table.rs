@@ -68,12 +68,7 @@ fn array(column: disk::Column) -> Result<ArrayRef, ArrowError> {
             let starts = [0].into_iter().chain(ends.iter().copied());
             let lengths = ends.iter().zip(starts).map(|(end, start)| end - start);
             let offsets = OffsetBuffer::from_lengths(lengths);
-            Arc::new(ListArray::try_new(
-                item(&values),
-                offsets,
-                values,
-                Some(present.into()),
-            )?)
+            Arc::new(ListArray::try_new(item(&values), offsets, values, Some(present.into()))?)
         }
     })
 }
@@ -107,9 +102,7 @@ impl PyTable {
     /// As [`record_batch`].
     pub fn new(batches: Vec<Batch>) -> Result<Self, Failure> {
         let batches = batches.into_iter().map(record_batch).collect::<Result<Vec<_>, _>>()?;
-        let schema = batches
-            .first()
-            .map_or_else(|| Arc::new(Schema::empty()), RecordBatch::schema);
+        let schema = batches.first().map_or_else(|| Arc::new(Schema::empty()), RecordBatch::schema);
         Ok(PyTable { schema, batches })
     }
 
@@ -160,10 +153,7 @@ impl PyTable {
 
     /// The table as a pandas data frame. Needs pandas and pyarrow.
     fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.py()
-            .import("pyarrow")?
-            .call_method1("table", (slf,))?
-            .call_method0("to_pandas")
+        slf.py().import("pyarrow")?.call_method1("table", (slf,))?.call_method0("to_pandas")
     }
 
     /// The table as a Polars data frame. Needs Polars.
@@ -202,9 +192,7 @@ fn collect<T: ArrowPrimitiveType, N>(
         let (array, own) = values(batch, name)?;
         width = own;
         let column = batch.column_by_name(name)?;
-        let first = column
-            .as_fixed_size_list_opt()
-            .map_or(0, |lists| lists.value_offset_at(0));
+        let first = column.as_fixed_size_list_opt().map_or(0, |lists| lists.value_offset_at(0));
         let typed = array.as_primitive_opt::<T>().filter(|typed| typed.null_count() == 0)?;
         convert(&typed.values()[first..first + batch.num_rows() * width], &mut numbers);
     }
@@ -220,12 +208,7 @@ impl Column {
         match dtype {
             "float32" => Ok(true),
             "float64" => Ok(false),
-            other => Err(Failure::argument(
-                "dtype",
-                other,
-                "float32 or float64",
-                "choose one of them",
-            )),
+            other => Err(Failure::argument("dtype", other, "float32 or float64", "choose one of them")),
         }
     }
 
@@ -239,19 +222,9 @@ impl Column {
         let Some(column) = batches.first().and_then(|batch| batch.column_by_name(name)) else {
             let known = batches.first().map_or(String::new(), |batch| {
                 let schema = batch.schema();
-                schema
-                    .fields()
-                    .iter()
-                    .map(|field| field.name().as_str())
-                    .collect::<Vec<_>>()
-                    .join(", ")
+                schema.fields().iter().map(|field| field.name().as_str()).collect::<Vec<_>>().join(", ")
             });
-            return Err(Failure::argument(
-                "column",
-                format!("{name:?}"),
-                known,
-                "choose one of them",
-            ));
+            return Err(Failure::argument("column", format!("{name:?}"), known, "choose one of them"));
         };
         let kind = match column.data_type() {
             DataType::FixedSizeList(item, _) => item.data_type(),
@@ -283,12 +256,7 @@ impl Column {
         let Some((numbers, width)) = found else {
             let found = format!("{name:?} with {} ", column.data_type());
             let remedy = "read it as a table: to_polars, to_pandas, or anything that takes __arrow_c_stream__";
-            return Err(Failure::argument(
-                "column",
-                found,
-                "a column of numbers without nulls",
-                remedy,
-            ));
+            return Err(Failure::argument("column", found, "a column of numbers without nulls", remedy));
         };
         let shape = if width == 1 { vec![rows] } else { vec![rows, width] };
         Ok(Column { numbers, shape })
@@ -300,10 +268,8 @@ impl Column {
     /// As [`Column::of`], and those of reading.
     pub fn of_reaches(dataset: &Dataset, reaches: &[usize], name: &str, single: Option<bool>) -> Result<Self, Failure> {
         let Some((width, stored_single)) = dataset.width_of_floats(name) else {
-            let batches: Result<Vec<_>, Failure> = reaches
-                .par_iter()
-                .map(|reach| Ok(dataset.read_columns(*reach, &[name])?))
-                .collect();
+            let batches: Result<Vec<_>, Failure> =
+                reaches.par_iter().map(|reach| Ok(dataset.read_columns(*reach, &[name])?)).collect();
             let batches = batches?.concat().into_iter().map(record_batch);
             return Column::of(&batches.collect::<Result<Vec<_>, _>>()?, name, single);
         };

@@ -54,10 +54,7 @@ impl PyTouchModel {
         jobs: Option<usize>,
     ) -> Result<Self, Failure> {
         let options = options(patch, threshold_n);
-        let limits = RiskLimits {
-            wrong: limit_wrong,
-            false_alarms: limit_false_alarms,
-        };
+        let limits = RiskLimits { wrong: limit_wrong, false_alarms: limit_false_alarms };
         let reaches = Given(reaches.iter().map(Py::get).collect());
         let fit = || {
             let mut model = fitted(&reaches.examples(options)?, &limits)?;
@@ -89,10 +86,7 @@ impl PyTouchModel {
     ) -> Result<Bound<'py, PyAny>, Failure> {
         let options = options(patch, threshold_n);
         let reaches = Given(reaches.iter().map(Py::get).collect());
-        let limits = RiskLimits {
-            wrong: limit_wrong,
-            false_alarms: limit_false_alarms,
-        };
+        let limits = RiskLimits { wrong: limit_wrong, false_alarms: limit_false_alarms };
         let fit = |examples: &TouchExamples| fitted(examples, &limits);
         let judge = || {
             check_folds(folds, reaches.count())?;
@@ -146,10 +140,7 @@ impl PyTouchModel {
 
     /// Classify frame by frame.
     fn online(&self, skin: &Skin) -> Result<Online, Failure> {
-        Ok(Online::of_touch(
-            TouchClassifier::new(Arc::clone(&self.model), &skin.layout)?,
-            skin,
-        ))
+        Ok(Online::of_touch(TouchClassifier::new(Arc::clone(&self.model), &skin.layout)?, skin))
     }
 
     /// Judge the frames of reaches with ground truth.
@@ -170,10 +161,7 @@ impl PyTouchModel {
 
 fn options(patch: Option<String>, threshold_n: Option<f64>) -> TouchOptions {
     let default = TouchOptions::default();
-    TouchOptions {
-        patch,
-        threshold_n: threshold_n.unwrap_or(default.threshold_n),
-    }
+    TouchOptions { patch, threshold_n: threshold_n.unwrap_or(default.threshold_n) }
 }
 
 /// A model fitted to these rows.

@@ -30,10 +30,7 @@ pub struct Trials {
 impl Trials {
     /// These trials.
     pub fn new(list: Vec<Trial>) -> Self {
-        Trials {
-            list: Arc::new(list),
-            sources: Vec::new(),
-        }
+        Trials { list: Arc::new(list), sources: Vec::new() }
     }
 
     /// The same trials, which are from these data.
@@ -108,10 +105,7 @@ impl Trials {
             return Ok(Bound::new(py, self.some(places.map(|place| place as usize)))?.into_any());
         }
         if let Ok(index) = key.extract::<isize>() {
-            let trial = PyTrial {
-                list: Arc::clone(&self.list),
-                place: self.place(index)?,
-            };
+            let trial = PyTrial { list: Arc::clone(&self.list), place: self.place(index)? };
             return Ok(Bound::new(py, trial)?.into_any());
         }
         let key = key.call_method0("tolist").unwrap_or_else(|_| key.clone());
@@ -122,11 +116,7 @@ impl Trials {
                 let found = format!("{} truth values for {} trials", flags.len(), self.list.len());
                 return Err(Failure::argument("index", found, "one for each trial", "give as many"));
             }
-            let places = flags
-                .iter()
-                .enumerate()
-                .filter(|(_, flag)| **flag)
-                .map(|(place, _)| place);
+            let places = flags.iter().enumerate().filter(|(_, flag)| **flag).map(|(place, _)| place);
             return Ok(Bound::new(py, self.some(places))?.into_any());
         }
         let places: Vec<isize> = key.extract()?;
@@ -166,22 +156,10 @@ impl Trials {
     fn with_categories(&self, categories: Vec<Option<String>>) -> Result<Self, Failure> {
         if categories.len() != self.list.len() {
             let found = format!("{} for {} trials", categories.len(), self.list.len());
-            return Err(Failure::argument(
-                "categories",
-                found,
-                "one for each trial",
-                "give as many",
-            ));
+            return Err(Failure::argument("categories", found, "one for each trial", "give as many"));
         }
         let pairs = self.list.iter().zip(categories);
-        Ok(Trials::new(
-            pairs
-                .map(|(trial, category)| Trial {
-                    category,
-                    ..trial.clone()
-                })
-                .collect(),
-        ))
+        Ok(Trials::new(pairs.map(|(trial, category)| Trial { category, ..trial.clone() }).collect()))
     }
 
     /// The features of each trial: a list of arrays (samples, features), read only.
@@ -214,9 +192,7 @@ impl Trials {
         let mut numbers = vec![f64::NAN; self.list.len() * width];
         for (row, trial) in numbers.chunks_exact_mut(width.max(1)).zip(self.list.iter()) {
             let observations = set.observations(trial, Some(width))?;
-            row.iter_mut()
-                .zip(observations.samples())
-                .for_each(|(place, own)| *place = own[0]);
+            row.iter_mut().zip(observations.samples()).for_each(|(place, own)| *place = own[0]);
         }
         Ok(array::lend(py, numbers, &[self.list.len(), width])?)
     }
@@ -239,10 +215,7 @@ impl Trials {
 
     /// The table as a pandas data frame. Needs pandas and pyarrow.
     fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.py()
-            .import("pyarrow")?
-            .call_method1("table", (slf,))?
-            .call_method0("to_pandas")
+        slf.py().import("pyarrow")?.call_method1("table", (slf,))?.call_method0("to_pandas")
     }
 
     /// The table as a Polars data frame. Needs Polars.
@@ -261,10 +234,7 @@ impl Trials {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,)), Failure> {
         let bytes = serde_json::to_vec(&*self.list).map_err(|error| Failure::Run(error.to_string()))?;
-        Ok((
-            py.get_type::<Trials>().getattr("_from_json")?,
-            (PyBytes::new(py, &bytes),),
-        ))
+        Ok((py.get_type::<Trials>().getattr("_from_json")?, (PyBytes::new(py, &bytes),)))
     }
 
     #[staticmethod]

@@ -21,27 +21,14 @@ fn validate<'py>(
 ) -> Result<Bound<'py, PyAny>, Failure> {
     if !(0.0..=f64::MAX).contains(&tolerance_scale) {
         let found = tolerance_scale.to_string();
-        return Err(Failure::argument(
-            "tolerance_scale",
-            found,
-            "a number, zero or more",
-            "use 1",
-        ));
+        return Err(Failure::argument("tolerance_scale", found, "a number, zero or more", "use 1"));
     }
     for name in only.iter().flatten() {
         if !CHECKS.iter().any(|check| check.name == name) {
-            return Err(Failure::argument(
-                "only",
-                format!("{name:?}"),
-                checks().join(", "),
-                "choose some of them",
-            ));
+            return Err(Failure::argument("only", format!("{name:?}"), checks().join(", "), "choose some of them"));
         }
     }
-    let chosen = |check: &&Check| {
-        only.as_ref()
-            .is_none_or(|only| only.iter().any(|name| name == check.name))
-    };
+    let chosen = |check: &&Check| only.as_ref().is_none_or(|only| only.iter().any(|name| name == check.name));
     let chosen: Vec<&Check> = CHECKS.iter().filter(chosen).collect();
     let stop = Arc::new(Stop::default());
     let run = || Ok(underbrush_validation::run(&chosen, tolerance_scale, || {}));

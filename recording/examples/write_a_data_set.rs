@@ -36,20 +36,14 @@ fn layout() -> SkinLayout {
             area_m2: 81e-6,
         }
     };
-    let grid = Grid {
-        rows: ROWS,
-        columns: COLUMNS,
-        wraps: true,
-    };
+    let grid = Grid { rows: ROWS, columns: COLUMNS, wraps: true };
     let patch = |name: &str, grid, taxels: usize| Patch {
         name: name.into(),
         link: name.into(),
         grid,
         taxels: (0..taxels).map(taxel).collect(),
     };
-    SkinLayout {
-        patches: vec![patch("forearm", Some(grid), ROWS * COLUMNS), patch("tip", None, 1)],
-    }
+    SkinLayout { patches: vec![patch("forearm", Some(grid), ROWS * COLUMNS), patch("tip", None, 1)] }
 }
 
 /// One sample: a bump of up to 3 N moves along the sleeve.
@@ -70,16 +64,10 @@ fn frame(reach: u64, index: usize) -> Frame {
             object: Some((reach % 2) as u16),
         })
     });
-    let joints = |shift: f64| {
-        (0..7)
-            .map(|joint| (phase + shift + joint as f64).sin())
-            .collect::<Vec<_>>()
-    };
+    let joints = |shift: f64| (0..7).map(|joint| (phase + shift + joint as f64).sin()).collect::<Vec<_>>();
     let velocity = (0..7).map(|joint| 1.3 * (phase + joint as f64).cos()).collect();
-    let pose = Pose {
-        position: DVec3::new(0.3 + 0.05 * time_s, -0.2, 0.1),
-        orientation: DQuat::from_rotation_z(phase),
-    };
+    let pose =
+        Pose { position: DVec3::new(0.3 + 0.05 * time_s, -0.2, 0.1), orientation: DQuat::from_rotation_z(phase) };
     Frame {
         time_s,
         joint_angle_rad: joints(0.0),
@@ -110,9 +98,7 @@ fn forearm(frames: &[Frame]) -> Body {
 }
 
 fn recording(reach: u64) -> Recording {
-    let frames: Vec<Frame> = (0..400 + 20 * (reach as usize % 12))
-        .map(|index| frame(reach, index))
-        .collect();
+    let frames: Vec<Frame> = (0..400 + 20 * (reach as usize % 12)).map(|index| frame(reach, index)).collect();
     let object = |kind: &str, category, x_m| ObjectRecord {
         kind: kind.into(),
         category,
@@ -128,10 +114,7 @@ fn recording(reach: u64) -> Recording {
         rate_hz: RATE_HZ,
         joint_names: (0..7).map(|joint| format!("joint_{joint}")).collect(),
         layout: layout(),
-        objects: vec![
-            object("leaf", Category::LEAF, 0.4),
-            object("trunk", Category::TRUNK, 0.5),
-        ],
+        objects: vec![object("leaf", Category::LEAF, 0.4), object("trunk", Category::TRUNK, 0.5)],
         bodies: vec![forearm(&frames)],
         goals: vec![GoalRecord {
             position_world: DVec3::new(0.5, -0.2, 0.1),
@@ -206,13 +189,6 @@ fn main() -> Result<(), Box<dyn Error>> {
 /// Prints the duration of a step and, if the system reports it, the peak memory so far.
 fn report(step: &str, start: Instant) {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let memory = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))
-        .unwrap_or("unknown");
-    eprintln!(
-        "{step} in {:.2} s; largest memory {}",
-        start.elapsed().as_secs_f64(),
-        memory.trim()
-    );
+    let memory = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap_or("unknown");
+    eprintln!("{step} in {:.2} s; largest memory {}", start.elapsed().as_secs_f64(), memory.trim());
 }

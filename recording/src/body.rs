@@ -123,10 +123,7 @@ impl TrackPoint {
         TrackPoint {
             frame,
             position_world_m: pose.position.to_array().map(|number| round(number, POSITION_STEP_M)),
-            orientation_world: pose
-                .orientation
-                .to_array()
-                .map(|number| round(sign * number, ORIENTATION_STEP)),
+            orientation_world: pose.orientation.to_array().map(|number| round(sign * number, ORIENTATION_STEP)),
         }
     }
 
@@ -159,8 +156,6 @@ impl Body {
     /// The pose of the body in a frame, within [`POSITION_TOLERANCE_M`] and [`ORIENTATION_TOLERANCE_RAD`].
     pub fn pose_world(&self, frame: u32) -> Pose {
         let points = self.track.partition_point(|point| point.frame <= frame);
-        points
-            .checked_sub(1)
-            .map_or(self.rest_pose_world, |last| self.track[last].pose())
+        points.checked_sub(1).map_or(self.rest_pose_world, |last| self.track[last].pose())
     }
 }

@@ -35,10 +35,7 @@ impl Category {
     /// A foam block of the ground platform: an obstacle, never a training category.
     pub const BLOCK: Category = Category { code: 2, name: "block" };
     /// An object foreign to the foliage, such as the foam roll. Never in training data.
-    pub const OUTLIER: Category = Category {
-        code: 3,
-        name: "outlier",
-    };
+    pub const OUTLIER: Category = Category { code: 3, name: "outlier" };
 
     /// The built-in categories, in the order of their codes.
     pub const BUILT_IN: [Category; 4] = [Category::LEAF, Category::TRUNK, Category::BLOCK, Category::OUTLIER];
@@ -56,11 +53,7 @@ impl Category {
     /// begins with a letter, is not in use and is not one of [`Category::VERDICTS`], and the code is above those of the
     /// built-in categories.
     pub const fn new(name: &'static str, code: i8) -> Option<Category> {
-        if is_free(name, code) {
-            Some(Category { code, name })
-        } else {
-            None
-        }
+        if is_free(name, code) { Some(Category { code, name }) } else { None }
     }
 
     /// As [`Category::new`], with a name that was read from a file. Such names are kept until the program ends; a data
@@ -166,11 +159,8 @@ enum Written<'a> {
 impl Serialize for Category {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let name = self.name.into();
-        let written = if self.is_built_in() {
-            Written::BuiltIn(name)
-        } else {
-            Written::Further { name, code: self.code }
-        };
+        let written =
+            if self.is_built_in() { Written::BuiltIn(name) } else { Written::Further { name, code: self.code } };
         written.serialize(serializer)
     }
 }
@@ -220,10 +210,7 @@ mod tests {
         let longest = "a".repeat(Category::MAX_NAME_BYTES);
         for (name, code) in [("reed", 4), ("wet_rope_2", 127), (longest.as_str(), 5)] {
             let category = Category::from_file(name, code).unwrap();
-            assert_eq!(
-                (category.name(), category.code(), category.is_built_in()),
-                (name, code, false)
-            );
+            assert_eq!((category.name(), category.code(), category.is_built_in()), (name, code, false));
             let text = serde_json::to_string(&category).unwrap();
             assert_eq!(text, format!("{{\"name\":\"{name}\",\"code\":{code}}}"));
             assert_eq!(serde_json::from_str::<Category>(&text).unwrap(), category);

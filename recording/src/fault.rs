@@ -21,11 +21,7 @@ pub enum Fault {
 
 impl From<InputError> for Fault {
     fn from(error: InputError) -> Self {
-        if error.storage {
-            Fault::Storage(error.to_string())
-        } else {
-            Fault::Input(Box::new(error))
-        }
+        if error.storage { Fault::Storage(error.to_string()) } else { Fault::Input(Box::new(error)) }
     }
 }
 

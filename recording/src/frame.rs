@@ -19,10 +19,7 @@ pub struct Pose {
 
 impl Pose {
     /// The pose of a frame in itself.
-    pub const IDENTITY: Pose = Pose {
-        position: DVec3::ZERO,
-        orientation: DQuat::IDENTITY,
-    };
+    pub const IDENTITY: Pose = Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY };
 
     /// A pose with this origin and rotation.
     pub fn new(position: DVec3, orientation: DQuat) -> Self {

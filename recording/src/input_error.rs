@@ -70,11 +70,7 @@ impl fmt::Display for InputError {
         if let Some(line) = self.line {
             write!(f, ":{line}")?;
         }
-        write!(
-            f,
-            ": {}: found {}; allowed: {}; remedy: {}",
-            self.field, self.found, self.allowed, self.remedy
-        )
+        write!(f, ": {}: found {}; allowed: {}; remedy: {}", self.field, self.found, self.allowed, self.remedy)
     }
 }
 

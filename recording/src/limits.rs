@@ -24,12 +24,7 @@ pub struct Limits {
 impl Limits {
     /// The range from `min` to `max`.
     pub const fn new(min: f64, max: f64, unit: &'static str) -> Self {
-        Limits {
-            min,
-            max,
-            off: None,
-            unit,
-        }
+        Limits { min, max, off: None, unit }
     }
 
     /// The same range with a further value that switches the effect off.
@@ -59,11 +54,7 @@ impl fmt::Display for Limits {
 
 /// A number as text, with an exponent if it would otherwise be long.
 pub fn short(value: f64) -> String {
-    if value == 0.0 || (1e-5..1e7).contains(&value.abs()) {
-        value.to_string()
-    } else {
-        format!("{value:e}")
-    }
+    if value == 0.0 || (1e-5..1e7).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }
 }
 
 /// Time from any origin, such as the origin of Unix time: 300 years either way. The resolution of a double is then 2
@@ -151,12 +142,8 @@ pub const JSON_BYTES: Ceiling = Ceiling {
 };
 
 /// Tables of trials as CSV.
-pub const CSV_BYTES: Ceiling = Ceiling {
-    what: "CSV files",
-    most: 4 << 30,
-    unit: "bytes",
-    why: "the rows below, at 80 bytes each",
-};
+pub const CSV_BYTES: Ceiling =
+    Ceiling { what: "CSV files", most: 4 << 30, unit: "bytes", why: "the rows below, at 80 bytes each" };
 
 /// Rows of a table.
 pub const TABLE_ROWS: Ceiling = Ceiling {
@@ -186,12 +173,8 @@ pub const TRIAL_SAMPLES: Ceiling = Ceiling {
 };
 
 /// A name or category.
-pub const NAME_BYTES: Ceiling = Ceiling {
-    what: "a name or category in a table",
-    most: 1000,
-    unit: "bytes",
-    why: "names are read by people",
-};
+pub const NAME_BYTES: Ceiling =
+    Ceiling { what: "a name or category in a table", most: 1000, unit: "bytes", why: "names are read by people" };
 
 /// Text columns.
 pub const TEXT_COLUMN_BYTES: Ceiling = Ceiling {
@@ -256,13 +239,7 @@ mod tests {
     /// Tests that numbers stay short as text: 1e300 does not become three hundred zeros.
     #[test]
     fn numbers_are_short() {
-        for (value, text) in [
-            (1e300, "1e300"),
-            (-1e-300, "-1e-300"),
-            (0.1, "0.1"),
-            (10.0, "10"),
-            (0.0, "0"),
-        ] {
+        for (value, text) in [(1e300, "1e300"), (-1e-300, "-1e-300"), (0.1, "0.1"), (10.0, "10"), (0.0, "0")] {
             assert_eq!(short(value), text);
         }
         assert_eq!((short(f64::NAN), short(f64::INFINITY)), ("NaN".into(), "inf".into()));
@@ -281,15 +258,6 @@ mod tests {
         let document = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/data.md");
         let document = std::fs::read_to_string(document).unwrap();
         let (_, listed) = document.split_once("<!-- limits -->\n\n").unwrap();
-        assert_eq!(
-            expected,
-            listed
-                .split_inclusive("|\n\n")
-                .next()
-                .unwrap()
-                .trim_end_matches('\n')
-                .to_owned()
-                + "\n"
-        );
+        assert_eq!(expected, listed.split_inclusive("|\n\n").next().unwrap().trim_end_matches('\n').to_owned() + "\n");
     }
 }

@@ -100,11 +100,7 @@ impl fmt::Display for GoalOutcomes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let goals = if self.tried() == 1 { "goal" } else { "goals" };
         write!(f, "{} of {} {goals} reached", self.reached, self.tried())?;
-        for (count, name) in [
-            (self.stuck, "stuck"),
-            (self.timed_out, "timed out"),
-            (self.aborted, "aborted"),
-        ] {
+        for (count, name) in [(self.stuck, "stuck"), (self.timed_out, "timed out"), (self.aborted, "aborted")] {
             if count > 0 {
                 write!(f, ", {count} {name}")?;
             }
@@ -144,17 +140,8 @@ pub struct NamedStop {
 /// Readable text: `104 N between trunk (object 3) and link forearm, patch forearm`.
 impl fmt::Display for NamedStop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let NamedStop {
-            object_index,
-            object_kind,
-            link,
-            patch,
-            force_n,
-        } = self;
-        write!(
-            f,
-            "{force_n:.0} N between {object_kind} (object {object_index}) and link {link}, "
-        )?;
+        let NamedStop { object_index, object_kind, link, patch, force_n } = self;
+        write!(f, "{force_n:.0} N between {object_kind} (object {object_index}) and link {link}, ")?;
         match patch {
             Some(patch) => write!(f, "patch {patch}"),
             None => write!(f, "where it has no skin"),

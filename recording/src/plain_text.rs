@@ -44,11 +44,8 @@ mod tests {
     /// Tests that every control character of C0 and C1 and every bidirectional control is escaped, and no other text.
     #[test]
     fn what_changes_a_terminal_is_escaped() {
-        for code in (0..0x20)
-            .chain(0x7f..0xa0)
-            .chain([0x61c, 0x200e, 0x200f])
-            .chain(0x202a..=0x202e)
-            .chain(0x2066..=0x2069)
+        for code in
+            (0..0x20).chain(0x7f..0xa0).chain([0x61c, 0x200e, 0x200f]).chain(0x202a..=0x202e).chain(0x2066..=0x2069)
         {
             let character = char::from_u32(code).unwrap();
             assert!(!is_plain(&format!("a{character}b")), "{code:x}");

@@ -107,11 +107,7 @@ impl Recording {
 
     /// The outcome of the whole reach: the worst outcome of its goals.
     pub fn outcome(&self) -> Outcome {
-        self.goals
-            .iter()
-            .map(|goal| goal.outcome)
-            .max()
-            .unwrap_or(Outcome::Reached)
+        self.goals.iter().map(|goal| goal.outcome).max().unwrap_or(Outcome::Reached)
     }
 
     /// The number of goals with each outcome.
@@ -139,11 +135,7 @@ impl Recording {
 
     /// The forces of the contacts with objects of this category, or with any object.
     pub fn contact_forces(&self, category: Option<Category>) -> ContactForces {
-        let of = |contact: &&Contact| {
-            self.objects
-                .get(usize::from(contact.object))
-                .map(|object| object.category)
-        };
+        let of = |contact: &&Contact| self.objects.get(usize::from(contact.object)).map(|object| object.category);
         let wanted = |contact: &&Contact| category.is_none() || of(contact) == category;
         let (mut forces, mut frames, mut sum_n) = (ContactForces::default(), 0.0, 0.0);
         for contact in self.contacts.iter().filter(wanted) {
@@ -183,9 +175,7 @@ impl Recording {
             frames
         };
         let patches = self.layout.patches.iter().enumerate();
-        patches
-            .map(|(index, patch)| (patch.name.clone(), frames_of(index)))
-            .collect()
+        patches.map(|(index, patch)| (patch.name.clone(), frames_of(index))).collect()
     }
 }
 

@@ -16,10 +16,7 @@ pub fn open_regular(path: &Path, allowed: &str, remedy: &str) -> Result<File, In
     let refused = |found: &str| InputError::new(path, "file", found, allowed, remedy);
     let failed = |error: std::io::Error| match error.kind() {
         ErrorKind::NotFound | ErrorKind::NotADirectory => refused("no such file"),
-        _ => InputError {
-            storage: true,
-            ..refused(&error.to_string())
-        },
+        _ => InputError { storage: true, ..refused(&error.to_string()) },
     };
     // Opening a pipe would already wait, so its kind is found out before.
     let kind = fs::metadata(path).map_err(failed)?;
@@ -94,13 +91,7 @@ mod tests {
     fn devices_and_pipes_are_refused() {
         let folder = tempfile::tempdir().unwrap();
         let pipe = folder.path().join("pipe.toml");
-        assert!(
-            std::process::Command::new("mkfifo")
-                .arg(&pipe)
-                .status()
-                .unwrap()
-                .success()
-        );
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
         for path in ["/dev/zero", pipe.to_str().unwrap()] {
             assert_eq!(refused(path), ("a pipe or a device".to_owned(), false));
         }

@@ -24,11 +24,7 @@ pub struct Answer {
 impl Answer {
     /// An answer with this content.
     pub fn new(status: u16, kind: &'static str, bytes: impl Into<Vec<u8>>) -> Self {
-        Answer {
-            status,
-            kind,
-            bytes: Arc::new(bytes.into()),
-        }
+        Answer { status, kind, bytes: Arc::new(bytes.into()) }
     }
 
     /// An answer with a sentence as plain text.
@@ -38,11 +34,7 @@ impl Answer {
 
     /// A packed reach.
     pub fn reach(bytes: Arc<Vec<u8>>) -> Self {
-        Answer {
-            status: 200,
-            kind: "application/octet-stream",
-            bytes,
-        }
+        Answer { status: 200, kind: "application/octet-stream", bytes }
     }
 
     /// The list of reaches.

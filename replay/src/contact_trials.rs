@@ -16,11 +16,7 @@ pub fn add(recording: &Recording, threshold_n: f64, from: usize, sections: &mut 
     let (mut motions, mut regions, mut region_sums) = (Vec::new(), Vec::new(), Vec::new());
     let mut first_taxel = 0;
     for patch in &recording.layout.patches {
-        let options = TrialOptions {
-            patch: Some(patch.name.clone()),
-            threshold_n,
-            ..TrialOptions::default()
-        };
+        let options = TrialOptions { patch: Some(patch.name.clone()), threshold_n, ..TrialOptions::default() };
         for contact in taxel_trials(recording, &options)? {
             let samples = &contact.trial.samples;
             let Some(first) = samples.first() else { continue };

@@ -71,12 +71,7 @@ impl Sections {
             number.append(&mut self.bytes);
             count += 1;
         }
-        self.index.push(Section {
-            name,
-            kind: T::NAME,
-            offset,
-            count,
-        });
+        self.index.push(Section { name, kind: T::NAME, offset, count });
     }
 
     /// Adds an array of numbers that are stored in single precision.

@@ -106,12 +106,7 @@ fn converse(mut stream: TcpStream, limits: Limits, handle: &impl Fn(Request)) {
         return;
     }
     match read(&mut stream, &limits) {
-        Head::Complete { method, target, fields } => handle(Request {
-            method,
-            target,
-            fields,
-            stream,
-        }),
+        Head::Complete { method, target, fields } => handle(Request { method, target, fields, stream }),
         Head::Refused(status, text) => {
             if Answer::text(status, text).write(&mut stream, false).is_ok() {
                 close(stream, &limits);

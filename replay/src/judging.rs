@@ -75,10 +75,7 @@ impl Judging {
             JudgingModel::Touch(model) => VerdictHeader::of_touch(&self.name, model, patch),
         };
         let earlier = layout.patches.iter().take(patch);
-        Ok(VerdictLog {
-            online,
-            verdicts: Verdicts::new(header, earlier.map(|patch| patch.taxels.len()).sum()),
-        })
+        Ok(VerdictLog { online, verdicts: Verdicts::new(header, earlier.map(|patch| patch.taxels.len()).sum()) })
     }
 
     /// The verdicts on all frames of a recording.

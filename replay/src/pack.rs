@@ -62,10 +62,7 @@ struct PatchHeader<'a> {
 
 /// The name of a reach in errors.
 fn name(recording: &Recording) -> String {
-    format!(
-        "{}, seed {}, reach {}",
-        recording.scene, recording.seed, recording.reach_index
-    )
+    format!("{}, seed {}, reach {}", recording.scene, recording.seed, recording.reach_index)
 }
 
 /// The bytes of a reach, with its contact trials, and with verdicts if there is a model.
@@ -75,10 +72,7 @@ fn name(recording: &Recording) -> String {
 /// for a reach of more than 1 GiB, which is hours.
 pub fn pack(recording: &Recording, known: &Known, judging: Option<&Judging>) -> Result<Vec<u8>, ReplayError> {
     let verdicts = judging.map(|judging| judging.judge(recording)).transpose();
-    let verdicts = verdicts.map_err(|source| ReplayError::Verdicts {
-        reach: name(recording),
-        source,
-    })?;
+    let verdicts = verdicts.map_err(|source| ReplayError::Verdicts { reach: name(recording), source })?;
     pack_from(recording, known, verdicts.as_ref(), 0)
 }
 
@@ -103,14 +97,10 @@ pub fn pack_from(
     }
     add_readings(frames, &first_taxels(recording), &mut sections);
     add_tracks(&recording.bodies, from, &mut sections);
-    let threshold_n = verdicts.map_or_else(
-        || TrialOptions::default().threshold_n,
-        |verdicts| verdicts.header.threshold_n,
-    );
-    contact_trials::add(recording, threshold_n, from, &mut sections).map_err(|source| ReplayError::Trials {
-        reach: name(recording),
-        source,
-    })?;
+    let threshold_n =
+        verdicts.map_or_else(|| TrialOptions::default().threshold_n, |verdicts| verdicts.header.threshold_n);
+    contact_trials::add(recording, threshold_n, from, &mut sections)
+        .map_err(|source| ReplayError::Trials { reach: name(recording), source })?;
     if let Some(verdicts) = verdicts {
         verdicts.add(from, &mut sections);
     }
@@ -136,11 +126,7 @@ pub fn pack_from(
         threshold_n,
         verdicts: verdicts.map(|verdicts| &verdicts.header),
     };
-    sections.finish(&header).map_err(|bytes| ReplayError::TooLarge {
-        reach: name(recording),
-        bytes,
-        limit: MAX_BYTES,
-    })
+    sections.finish(&header).map_err(|bytes| ReplayError::TooLarge { reach: name(recording), bytes, limit: MAX_BYTES })
 }
 
 impl<'a> Fixed<'a> {

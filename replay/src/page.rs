@@ -32,29 +32,18 @@ pub fn single_file(source: &Source, numbers: &[usize], max_bytes: usize) -> Resu
         let bytes = source.pack(*number)?;
         // Base64 turns three bytes into four.
         if PAGE.len() + data.len() + bytes.len() / 3 * 4 > max_bytes {
-            return Err(ReplayError::FileTooLarge {
-                fitting: place,
-                max_bytes,
-            });
+            return Err(ReplayError::FileTooLarge { fitting: place, max_bytes });
         }
         listed.extend(source.reaches().get(*number).cloned().map(|mut reach| {
             reach.number = place;
             reach
         }));
-        let _ = write!(
-            data,
-            "<script type=\"application/octet-stream\" id=\"underbrush-reach-{place}\">"
-        );
+        let _ = write!(data, "<script type=\"application/octet-stream\" id=\"underbrush-reach-{place}\">");
         STANDARD.encode_string(bytes, &mut data);
         data += "</script>\n";
     }
     // Plain data can always be written. `<` is escaped, because a name could contain `</script>`.
-    let list = serde_json::to_string(&listed)
-        .unwrap_or_default()
-        .replace('<', "\\u003c");
-    let _ = writeln!(
-        data,
-        "<script type=\"application/json\" id=\"underbrush-reaches\">{list}</script>"
-    );
+    let list = serde_json::to_string(&listed).unwrap_or_default().replace('<', "\\u003c");
+    let _ = writeln!(data, "<script type=\"application/json\" id=\"underbrush-reaches\">{list}</script>");
     Ok(PAGE.replacen(MARKER, &data, 1))
 }

@@ -91,8 +91,5 @@ impl Running {
 }
 
 fn no_answer() -> Answer {
-    Answer::text(
-        500,
-        "the simulation does not answer; look at the terminal in which it runs",
-    )
+    Answer::text(500, "the simulation does not answer; look at the terminal in which it runs")
 }

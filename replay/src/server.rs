@@ -79,11 +79,7 @@ impl Server {
         Ok(Server {
             listener,
             address: format!("http://127.0.0.1:{port}/{key}/"),
-            shared: Shared {
-                content,
-                hosts: hosts(port),
-                key: blake3::hash(key.as_bytes()),
-            },
+            shared: Shared { content, hosts: hosts(port), key: blake3::hash(key.as_bytes()) },
         })
     }
 
@@ -111,9 +107,7 @@ impl Shared {
     fn serve(&self, request: Request, limits: &Limits) {
         let path = self.path(&request.target).map(str::to_owned);
         let answer = match &path {
-            Some(path) => self
-                .refusal(&request, path)
-                .unwrap_or_else(|| self.answer(&request, path)),
+            Some(path) => self.refusal(&request, path).unwrap_or_else(|| self.answer(&request, path)),
             None => Answer::text(
                 403,
                 "the address lacks the key of this server; open the whole address that the program has printed",
@@ -140,10 +134,7 @@ impl Shared {
         let known = |host: &str| self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host));
         let hosts = request.values("Host");
         if hosts.len() != 1 || !known(hosts[0]) {
-            return Some(Answer::text(
-                403,
-                "this server answers only for its own address on this machine",
-            ));
+            return Some(Answer::text(403, "this server answers only for its own address on this machine"));
         }
         let commands = matches!(self.content, Content::Running(_));
         match request.method.as_str() {

@@ -79,13 +79,7 @@ impl Source {
     /// [`ReplayError::Disk`] for a path that is none of these, and for damaged files; [`ReplayError::Verdicts`] if the model does
     /// not fit the skin.
     pub fn open(paths: &[PathBuf], known: Known, judging: Option<Judging>) -> Result<Self, ReplayError> {
-        let mut source = Source {
-            datasets: Vec::new(),
-            places: Vec::new(),
-            reaches: Vec::new(),
-            known,
-            judging,
-        };
+        let mut source = Source { datasets: Vec::new(), places: Vec::new(), reaches: Vec::new(), known, judging };
         for path in paths {
             let ends_with = |ending: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
             if is_folder(path)? {
@@ -104,13 +98,7 @@ impl Source {
     /// # Errors
     /// [`ReplayError::Verdicts`] if a model does not fit the skin.
     pub fn of(recordings: Vec<Held>, known: Known) -> Result<Self, ReplayError> {
-        let mut source = Source {
-            datasets: Vec::new(),
-            places: Vec::new(),
-            reaches: Vec::new(),
-            known,
-            judging: None,
-        };
+        let mut source = Source { datasets: Vec::new(), places: Vec::new(), reaches: Vec::new(), known, judging: None };
         for held in recordings {
             check(held.judging.as_ref(), &held.recording.scene, &held.recording.layout)?;
             source.list(&held.recording, String::new());
@@ -224,17 +212,12 @@ pub fn summary(number: usize, recording: &Recording, source: String, known: &Kno
 fn check(judging: Option<&Judging>, reach: &str, layout: &SkinLayout) -> Result<(), ReplayError> {
     judging
         .map_or(Ok(()), |judging| judging.check(layout))
-        .map_err(|source| ReplayError::Verdicts {
-            reach: reach.to_owned(),
-            source,
-        })
+        .map_err(|source| ReplayError::Verdicts { reach: reach.to_owned(), source })
 }
 
 /// The last part of a path, also for a path such as `.`.
 fn file_name(path: &Path) -> String {
     let whole = fs::canonicalize(path);
     let whole = whole.as_deref().unwrap_or(path);
-    whole
-        .file_name()
-        .map_or(String::new(), |name| name.to_string_lossy().into_owned())
+    whole.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned())
 }

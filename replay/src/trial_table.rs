@@ -40,10 +40,7 @@ pub fn reaches(path: &Path, trials: &[Trial]) -> Result<Vec<Recording>, InputErr
         let period_s = period_s(&trials);
         let spans = Spans::of(&trials);
         if spans.duration_s() > MOST_FRAMES * period_s {
-            let found = format!(
-                "{} s in reach {reach_index}, with a sample every {period_s} s",
-                spans.duration_s()
-            );
+            let found = format!("{} s in reach {reach_index}, with a sample every {period_s} s", spans.duration_s());
             let allowed = format!("at most {MOST_FRAMES} samples from the first to the last");
             let remedy = "number the reaches in the column reach, or correct the times";
             return Err(InputError::new(path, "time_s", found, allowed, remedy));
@@ -79,30 +76,18 @@ pub fn check_model(path: &Path, judging: &Judging) -> Result<(), InputError> {
     };
     let allowed = "a classifier of trials by force alone, because the replay of a table has no motion and no \
                    neighbours of taxels";
-    Err(InputError::new(
-        path,
-        "model",
-        found,
-        allowed,
-        "train one with --features force",
-    ))
+    Err(InputError::new(path, "model", found, allowed, "train one with --features force"))
 }
 
 /// Each patch with all taxels up to the largest number, and further taxels that fill its last row.
 fn layout(path: &Path, trials: &[Trial]) -> Result<SkinLayout, InputError> {
     let mut taxels: BTreeMap<&str, usize> = BTreeMap::new();
     for trial in trials {
-        let taxel = trial
-            .taxel
-            .map(|taxel| taxel as usize)
-            .filter(|taxel| *taxel < MAX_TAXELS);
+        let taxel = trial.taxel.map(|taxel| taxel as usize).filter(|taxel| *taxel < MAX_TAXELS);
         let Some(taxel) = taxel else {
             let found = trial.taxel.map_or("nothing".to_owned(), |taxel| taxel.to_string());
             let allowed = format!("the number of a taxel from 0 to {}, in all trials", MAX_TAXELS - 1);
-            let remedy = format!(
-                "fill it in for trial {}; trials of contact regions cannot be replayed",
-                trial.trial
-            );
+            let remedy = format!("fill it in for trial {}; trials of contact regions cannot be replayed", trial.trial);
             return Err(InputError::new(path, "taxel", found, allowed, remedy));
         };
         let count = taxels.entry(patch_name(trial)).or_default();
@@ -123,17 +108,11 @@ fn layout(path: &Path, trials: &[Trial]) -> Result<SkinLayout, InputError> {
             link: name.into(),
             // Only for the map. Taxels that are neighbours here need not be neighbours on the robot, so no contact
             // region is shown.
-            grid: Some(Grid {
-                rows,
-                columns,
-                wraps: false,
-            }),
+            grid: Some(Grid { rows, columns, wraps: false }),
             taxels: (0..rows * columns).map(taxel).collect(),
         }
     };
-    Ok(SkinLayout {
-        patches: taxels.into_iter().map(patch).collect(),
-    })
+    Ok(SkinLayout { patches: taxels.into_iter().map(patch).collect() })
 }
 
 /// One object for each category.
@@ -149,12 +128,7 @@ fn objects(path: &Path, trials: &[Trial]) -> Result<Vec<ObjectRecord>, InputErro
                 "at most 124 names of up to 24 lower-case letters, digits and underscores that begin with a letter";
             InputError::new(path, "category", name, allowed, "rename the category")
         })?;
-        Ok(ObjectRecord {
-            kind: name.into(),
-            category,
-            position_world: DVec3::ZERO,
-            parameters: BTreeMap::new(),
-        })
+        Ok(ObjectRecord { kind: name.into(), category, position_world: DVec3::ZERO, parameters: BTreeMap::new() })
     };
     names.into_iter().map(object).collect()
 }
@@ -183,9 +157,7 @@ fn frames(
     let mut readings: Vec<(f64, TaxelReading)> = Vec::new();
     for trial in trials {
         let patch = layout.patch_index(patch_name(trial)).unwrap_or_default() as u16;
-        let object = objects
-            .iter()
-            .position(|object| Some(object.kind.as_str()) == trial.category.as_deref());
+        let object = objects.iter().position(|object| Some(object.kind.as_str()) == trial.category.as_deref());
         readings.extend(trial.samples.iter().map(|sample| {
             let reading = TaxelReading {
                 patch,

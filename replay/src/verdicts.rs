@@ -145,8 +145,7 @@ impl Verdicts {
             self.push(own.taxel, own.samples, self.header.code(own.touch.name(categories)));
             let probabilities = judged.probabilities(own.region).iter();
             self.scores.push(own.nothing);
-            self.scores
-                .extend(probabilities.map(|share| (1.0 - own.nothing) * share));
+            self.scores.extend(probabilities.map(|share| (1.0 - own.nothing) * share));
         }
         let code = |name: &str| self.header.code(name);
         if let Some(regions) = &mut self.regions {

@@ -65,31 +65,21 @@ fn with_published(what: &str, cells: &[&Compared]) -> Option<String> {
     let farthest = pairs.iter().max_by(|a, b| difference(a).total_cmp(&difference(b)))?;
     let mean = pairs.iter().map(difference).sum::<f64>() / pairs.len() as f64;
     let close = pairs.iter().filter(|pair| difference(pair) <= CLOSE_POINTS).count();
-    let higher = pairs
-        .iter()
-        .filter(|(cell, published)| cell.accuracy > *published)
-        .count();
+    let higher = pairs.iter().filter(|(cell, published)| cell.accuracy > *published).count();
     let mut text = format!(
         "{what}, the {} from the paper's by {mean:.1} points on average. {} within {CLOSE_POINTS} points; {} higher than \
          the paper's and {} lower or equal.",
-        if pairs.len() == 1 {
-            "cell differs".to_owned()
-        } else {
-            format!("{} cells differ", pairs.len())
-        },
+        if pairs.len() == 1 { "cell differs".to_owned() } else { format!("{} cells differ", pairs.len()) },
         counted(close, "is", "are"),
         counted(higher, "is", "are"),
         pairs.len() - higher
     );
     if pairs.iter().all(|(cell, _)| cell.covers) {
-        let covered = pairs.iter().filter(|(cell, published)| {
-            cell.interval
-                .is_some_and(|(low, high)| (low..=high).contains(published))
-        });
-        text += &format!(
-            " The paper's figure lies within the interval of {}.",
-            counted(covered.count(), "cell", "cells")
-        );
+        let covered = pairs
+            .iter()
+            .filter(|(cell, published)| cell.interval.is_some_and(|(low, high)| (low..=high).contains(published)));
+        text +=
+            &format!(" The paper's figure lies within the interval of {}.", counted(covered.count(), "cell", "cells"));
     }
     let (cell, published) = farthest;
     text += &format!(
@@ -136,14 +126,7 @@ pub fn orderings(orderings: &[Ordering]) -> Vec<String> {
 
 /// The published orderings as a table.
 pub fn orderings_table(name: &str, caption: &str, orderings: &[Ordering]) -> Table {
-    let columns = [
-        "the paper's statement",
-        "recipe",
-        "holds",
-        "pairs",
-        "pairs holding",
-        "where not",
-    ];
+    let columns = ["the paper's statement", "recipe", "holds", "pairs", "pairs holding", "where not"];
     let mut table = Table::new(name, caption, &columns);
     for ordering in orderings {
         table.rows.push(vec![
@@ -164,17 +147,10 @@ pub fn charts(table: &str, suffix: &str, cells: &[Compared]) -> Vec<String> {
     let mut charts = Vec::new();
     for by in [TableOneUnit::Taxel, TableOneUnit::Component] {
         for features in [FeatureSet::FORCE, FeatureSet::FORCE_AND_MOTION] {
-            let own = cells
-                .iter()
-                .filter(|cell| (cell.key.by, cell.key.features) == (by, features));
+            let own = cells.iter().filter(|cell| (cell.key.by, cell.key.features) == (by, features));
             let own: Vec<&Compared> = own.collect();
             if !own.is_empty() {
-                charts.push(chart(
-                    table,
-                    format!("{}, {features}{suffix}", unit_name(by)),
-                    &own,
-                    lowest,
-                ));
+                charts.push(chart(table, format!("{}, {features}{suffix}", unit_name(by)), &own, lowest));
             }
         }
     }
@@ -193,20 +169,12 @@ fn chart(table: &str, title: String, cells: &[&Compared], lowest: f64) -> String
         if points.is_empty() {
             return;
         }
-        let values: Vec<String> = points
-            .iter()
-            .map(|(states, point)| format!("{states}: {:.1}", point.y))
-            .collect();
+        let values: Vec<String> = points.iter().map(|(states, point)| format!("{states}: {:.1}", point.y)).collect();
         description += &format!(" {name}: {}.", values.join(", "));
         let points = points.into_iter().map(|(_, point)| point).collect();
         layers.push(Layer::new(name, style, Shape::Points(points)));
     };
-    let place = |cell: &Compared| {
-        states
-            .iter()
-            .position(|own| *own == cell.key.states)
-            .unwrap_or_default() as f64
-    };
+    let place = |cell: &Compared| states.iter().position(|own| *own == cell.key.states).unwrap_or_default() as f64;
     for (number, recipe) in recipes.iter().enumerate() {
         let own = cells.iter().filter(|cell| cell.key.recipe == **recipe);
         let points = own.map(|cell| {
@@ -217,19 +185,11 @@ fn chart(table: &str, title: String, cells: &[&Compared], lowest: f64) -> String
             };
             (cell.key.states, point)
         });
-        layer(
-            format!("{} recipe", possessive(recipe)),
-            style::paired(number),
-            points.collect(),
-        );
+        layer(format!("{} recipe", possessive(recipe)), style::paired(number), points.collect());
     }
     let first = cells.iter().filter(|cell| Some(&&cell.key.recipe) == recipes.first());
     let published = first.filter_map(|cell| {
-        let point = Point {
-            x: place(cell),
-            y: cell.published?,
-            interval: None,
-        };
+        let point = Point { x: place(cell), y: cell.published?, interval: None };
         Some((cell.key.states, point))
     });
     layer("paper".into(), PUBLISHED, published.collect());
@@ -250,9 +210,7 @@ fn chart(table: &str, title: String, cells: &[&Compared], lowest: f64) -> String
 
 /// Lower end of the axes of accuracy, per cent: 40, or less if an interval begins lower.
 fn lowest(cells: &[Compared]) -> f64 {
-    let values = cells
-        .iter()
-        .flat_map(|cell| [cell.accuracy, cell.interval.map_or(cell.accuracy, |(low, _)| low)]);
+    let values = cells.iter().flat_map(|cell| [cell.accuracy, cell.interval.map_or(cell.accuracy, |(low, _)| low)]);
     let lowest = values.fold(40.0, f64::min);
     (lowest / 20.0).floor() * 20.0
 }

@@ -7,15 +7,8 @@ use crate::text::{counted, table};
 /// A sentence on what was judged, a table of the figures, and what they were measured on.
 pub fn of(row: &Row) -> String {
     let entry = &row.entry;
-    let classifier = entry
-        .classifier
-        .as_ref()
-        .map_or_else(String::new, |name| format!(" ({name})"));
-    let quick = if row.complete {
-        ""
-    } else {
-        ", a quick run that is no row of the table"
-    };
+    let classifier = entry.classifier.as_ref().map_or_else(String::new, |name| format!(" ({name})"));
+    let quick = if row.complete { "" } else { ", a quick run that is no row of the table" };
     let figures = match &row.figures {
         Figures::Verdicts(verdicts) => of_verdicts(verdicts),
         Figures::Transfer(transfer) => of_transfer(transfer),
@@ -32,10 +25,7 @@ pub fn of(row: &Row) -> String {
         )
     };
     let sets: String = row.sets.iter().map(set).collect();
-    format!(
-        "{}, {}: {}{classifier}{quick}\n\n{figures}\n{sets}",
-        row.benchmark, row.track, entry.name
-    )
+    format!("{}, {}: {}{classifier}{quick}\n\n{figures}\n{sets}", row.benchmark, row.track, entry.name)
 }
 
 fn of_verdicts(verdicts: &Verdicts) -> String {
@@ -86,14 +76,7 @@ fn of_transfer(transfer: &Transfer) -> String {
             ]
         })
         .collect();
-    let header = [
-        "setting",
-        "leaves",
-        "trunks",
-        "majority / %",
-        "leaf or trunk / %",
-        "difference / points",
-    ];
+    let header = ["setting", "leaves", "trunks", "majority / %", "leaf or trunk / %", "difference / points"];
     format!(
         "{}\nBalanced accuracies at the end of contacts: naming one category always gives 50 %. The first setting is as in \
          training.\nIn brackets: 95 % intervals over whole reaches.\n",
@@ -106,18 +89,9 @@ fn of_reaching(reaching: &Reaching) -> String {
     let rows = [
         row("goals reached / %", percent(&reaching.reached)),
         row("time for each goal reached / s", number(&reaching.seconds_for_each, 2)),
-        row(
-            "largest force on a trunk in a reach, mean / N",
-            number(&reaching.trunk_peak_n, 2),
-        ),
-        row(
-            "impulse on leaves in a reach, mean / N s",
-            number(&reaching.leaf_impulse_n_s, 2),
-        ),
-        row(
-            "largest force on a trunk in any reach / N",
-            format!("{:.1}", reaching.largest_on_trunk_n),
-        ),
+        row("largest force on a trunk in a reach, mean / N", number(&reaching.trunk_peak_n, 2)),
+        row("impulse on leaves in a reach, mean / N s", number(&reaching.leaf_impulse_n_s, 2)),
+        row("largest force on a trunk in any reach / N", format!("{:.1}", reaching.largest_on_trunk_n)),
     ];
     format!(
         "{}\n{} with {}. In brackets: 95 % intervals over whole reaches.\n",
@@ -136,21 +110,13 @@ fn majority(counts: &[usize]) -> f64 {
 
 fn percent(share: &Estimate) -> String {
     let of = |value: f64| 100.0 * value;
-    number(
-        &Estimate {
-            value: share.value.map(of),
-            interval: share.interval.map(|ends| ends.map(of)),
-        },
-        1,
-    )
+    number(&Estimate { value: share.value.map(of), interval: share.interval.map(|ends| ends.map(of)) }, 1)
 }
 
 fn number(estimate: &Estimate, digits: usize) -> String {
     let Some(value) = estimate.value else {
         return "-".into();
     };
-    let interval = estimate
-        .interval
-        .map(|[low, high]| format!(" ({low:.digits$} to {high:.digits$})"));
+    let interval = estimate.interval.map(|[low, high]| format!(" ({low:.digits$} to {high:.digits$})"));
     format!("{value:.digits$}{}", interval.unwrap_or_default())
 }

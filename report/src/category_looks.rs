@@ -23,12 +23,7 @@ pub struct Look {
 
 impl Look {
     const fn new((colour, colour_name): (&'static str, &'static str), mark: Mark, dash: Dash) -> Self {
-        Look {
-            colour,
-            colour_name,
-            mark,
-            dash,
-        }
+        Look { colour, colour_name, mark, dash }
     }
 
     /// A line of this colour and dash.
@@ -47,13 +42,8 @@ const PAPER: [(&str, Look); 4] = [
 
 /// Colours, marks and dashes of further categories. The numbers of these have no common factor, so the first 30
 /// categories differ in at least one of them.
-const COLOURS: [(&str, &str); 5] = [
-    ("#8c4fb3", "purple"),
-    ("#b58900", "ochre"),
-    ("#0b7285", "teal"),
-    ("#cc79a7", "pink"),
-    ("#000000", "black"),
-];
+const COLOURS: [(&str, &str); 5] =
+    [("#8c4fb3", "purple"), ("#b58900", "ochre"), ("#0b7285", "teal"), ("#cc79a7", "pink"), ("#000000", "black")];
 const MARKS: [Mark; 2] = [Mark::Diamond, Mark::Circle];
 const DASHES: [Dash; 3] = [Dash::Dotted, Dash::Dashed, Dash::Solid];
 
@@ -93,11 +83,7 @@ impl CategoryLooks {
         }
         let place = self.further.iter().position(|own| own == name);
         let place = place.unwrap_or(self.further.len());
-        Look::new(
-            COLOURS[place % COLOURS.len()],
-            MARKS[place % MARKS.len()],
-            DASHES[place % DASHES.len()],
-        )
+        Look::new(COLOURS[place % COLOURS.len()], MARKS[place % MARKS.len()], DASHES[place % DASHES.len()])
     }
 }
 

@@ -19,10 +19,7 @@ pub fn document(
     };
     let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
     let (tests, failures) = count(results);
-    let _ = writeln!(
-        text,
-        "<testsuites name=\"underbrush check\" tests=\"{tests}\" failures=\"{failures}\">"
-    );
+    let _ = writeln!(text, "<testsuites name=\"underbrush check\" tests=\"{tests}\" failures=\"{failures}\">");
     for result in results {
         for scene in &result.scenes {
             let class = escape(&format!("{}.{}", result.suite, scene.scene));

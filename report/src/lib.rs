@@ -53,18 +53,10 @@ impl Written {
         what_was_run(&mut report);
         section::add_all(&mut report);
         let terminal = terminal(&report);
-        let page = File {
-            path: "index.html".into(),
-            text: report.page.html(),
-        };
-        let tables = report.tables.iter().map(|table| File {
-            path: format!("csv/{}.csv", table.name),
-            text: table.csv(),
-        });
-        Written {
-            files: tables.chain([page]).collect(),
-            terminal,
-        }
+        let page = File { path: "index.html".into(), text: report.page.html() };
+        let tables =
+            report.tables.iter().map(|table| File { path: format!("csv/{}.csv", table.name), text: table.csv() });
+        Written { files: tables.chain([page]).collect(), terminal }
     }
 }
 
@@ -77,15 +69,9 @@ fn what_was_run(report: &mut Report) {
         report.page.paragraph(introduction);
     }
     if report.published().is_some() {
-        report
-            .page
-            .paragraph("Each section gives the paper's result, ours, and the difference.");
+        report.page.paragraph("Each section gives the paper's result, ours, and the difference.");
     }
-    let size = if results.quick {
-        ", with fewer reaches (--quick)"
-    } else {
-        ""
-    };
+    let size = if results.quick { ", with fewer reaches (--quick)" } else { "" };
     report.page.list(&[
         format!("program: underbrush {}", results.program),
         format!("experiment: {}", results.experiment),

@@ -35,11 +35,7 @@ pub fn skin(portraits: &[Portrait]) -> String {
     let forces = portraits.iter().flat_map(|portrait| &portrait.force_n);
     // If there is no force, everything is white.
     let largest_n = forces.fold(f64::MIN_POSITIVE, |a, b| a.max(*b));
-    let columns = portraits
-        .iter()
-        .map(|portrait| portrait.grid.columns)
-        .max()
-        .unwrap_or(0);
+    let columns = portraits.iter().map(|portrait| portrait.grid.columns).max().unwrap_or(0);
     let width = (columns as f64 * CELL_PX + 2.0 * MARGIN).max(600.0);
     let mut body = String::new();
     let text = |body: &mut String, y: f64, weight: &str, words: &str| {
@@ -54,19 +50,9 @@ pub fn skin(portraits: &[Portrait]) -> String {
     let mut y = MARGIN;
     text(&mut body, y, "bold", title);
     y += LINE;
-    text(
-        &mut body,
-        y,
-        "normal",
-        "columns around the forearm to the right, rows towards the tip down;",
-    );
+    text(&mut body, y, "normal", "columns around the forearm to the right, rows towards the tip down;");
     y += LINE;
-    text(
-        &mut body,
-        y,
-        "normal",
-        "below each, the object in the skin of 3 mm, to scale",
-    );
+    text(&mut body, y, "normal", "below each, the object in the skin of 3 mm, to scale");
     y += 1.2 * LINE;
     scale(&mut body, y, largest_n);
     y += 1.6 * LINE;
@@ -129,11 +115,9 @@ fn section(body: &mut String, portrait: &Portrait, top: f64, width: f64) {
     let (surface, middle) = (top + ABOVE, width / 2.0);
     let lowest = surface + px(portrait.depth_m);
     let outline = match portrait.section {
-        Section::Disc { radius_m } => format!(
-            "<circle cx=\"{middle:.1}\" cy=\"{:.1}\" r=\"{:.1}\"",
-            lowest - px(radius_m),
-            px(radius_m)
-        ),
+        Section::Disc { radius_m } => {
+            format!("<circle cx=\"{middle:.1}\" cy=\"{:.1}\" r=\"{:.1}\"", lowest - px(radius_m), px(radius_m))
+        }
         Section::Bar { along_m, away_m } => format!(
             "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"",
             middle - px(along_m) / 2.0,
@@ -173,16 +157,8 @@ pub fn roll_loop(points: &[(f64, f64)]) -> String {
         x: Axis::from_zero("way of the forearm since first contact / mm"),
         y: Axis::from_zero("force / N"),
         layers: vec![
-            Layer::new(
-                "pushed",
-                Style::line("#b23a4a", Dash::Solid),
-                in_mm(&points[..points.len().min(farthest + 1)]),
-            ),
-            Layer::new(
-                "let go",
-                Style::line("#1f4fd1", Dash::Dashed),
-                in_mm(&points[farthest..]),
-            ),
+            Layer::new("pushed", Style::line("#b23a4a", Dash::Solid), in_mm(&points[..points.len().min(farthest + 1)])),
+            Layer::new("let go", Style::line("#1f4fd1", Dash::Dashed), in_mm(&points[farthest..])),
         ],
     };
     chart.svg()

@@ -23,10 +23,7 @@ pub fn reach(file: &str, place: usize) -> String {
 /// The address of a moment of a reach, in seconds, and of a taxel of a patch.
 pub fn moment(file: &str, place: usize, time_s: f64, taxel: Option<(&str, usize)>) -> String {
     // A name with other characters could end the address.
-    let plain = |name: &str| {
-        name.chars()
-            .all(|letter| letter.is_ascii_alphanumeric() || "-_".contains(letter))
-    };
+    let plain = |name: &str| name.chars().all(|letter| letter.is_ascii_alphanumeric() || "-_".contains(letter));
     let taxel = taxel.filter(|(patch, _)| plain(patch));
     let taxel = taxel.map_or(String::new(), |(patch, taxel)| format!("&taxel={patch}.{taxel}"));
     format!("{file}#reach={place}&t={time_s:.2}&colour=verdict{taxel}")

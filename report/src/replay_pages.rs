@@ -23,8 +23,7 @@ pub fn write(session: &Session, folder: &Path) -> Result<(), ReproductionError> 
 
     let shown = online.shown().and_then(|shown| {
         let all = tested.general.iter().flat_map(|found| &found.reaches);
-        all.into_iter()
-            .find(|recording| recording.reach_index == shown.reach_index)
+        all.into_iter().find(|recording| recording.reach_index == shown.reach_index)
     });
     let general = shown.into_iter().map(|recording| judged(recording, uncertain));
     let outliers = tested.outlier.iter().flat_map(|found| &found.reaches);
@@ -32,22 +31,13 @@ pub fn write(session: &Session, folder: &Path) -> Result<(), ReproductionError> 
     page(session, general.chain(outliers), &folder.join(TEST_FILE))?;
 
     let engineered = tested.engineered.iter().filter_map(|(_, found)| found.reaches.last());
-    page(
-        session,
-        engineered.map(|recording| judged(recording, uncertain)),
-        &folder.join(ENGINEERED_FILE),
-    )?;
+    page(session, engineered.map(|recording| judged(recording, uncertain)), &folder.join(ENGINEERED_FILE))?;
 
     let data = session.once(training::run)?;
     let examples = session.once(example_trials::run)?;
     let places = examples.figure_5.iter().filter_map(|example| example.data.reach);
-    let examples = places.map(|place| {
-        held(
-            session,
-            data.dataset.read_reach(place as usize).map_err(ExperimentError::from)?,
-            uncertain,
-        )
-    });
+    let examples = places
+        .map(|place| held(session, data.dataset.read_reach(place as usize).map_err(ExperimentError::from)?, uncertain));
     page(session, examples, &folder.join(TRAINING_FILE))
 }
 
@@ -61,10 +51,7 @@ fn held(session: &Session, recording: Recording, rule: Rule) -> Result<Held, Exp
             online::options(session.experiment, rule),
         ),
     };
-    Ok(Held {
-        recording,
-        judging: Some(judging),
-    })
+    Ok(Held { recording, judging: Some(judging) })
 }
 
 /// Writes a page with these reaches. Reaches that do not fit are left out with a remark.

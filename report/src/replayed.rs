@@ -10,10 +10,7 @@ pub const MAX_PAGE_BYTES: usize = 400_000_000;
 
 /// The force limits of the controllers that ship, and the bounds of the audit.
 pub fn known() -> Known {
-    Known {
-        force_limit_n,
-        audit_warnings: audit::exceeded_bounds,
-    }
+    Known { force_limit_n, audit_warnings: audit::exceeded_bounds }
 }
 
 /// The force limit of a controller that ships.

@@ -56,8 +56,7 @@ impl<'a> Report<'a> {
     /// published.
     pub fn figure_name(&self, name: &str, heading: &str) -> String {
         let own = self.published().and_then(|published| published.sections.get(name));
-        own.and_then(|own| own.figure.clone())
-            .unwrap_or_else(|| heading.to_owned())
+        own.and_then(|own| own.figure.clone()).unwrap_or_else(|| heading.to_owned())
     }
 
     /// Shows a table and keeps it for its CSV file.
@@ -75,11 +74,8 @@ impl<'a> Report<'a> {
     /// Prints the first columns of a table on the terminal.
     pub fn print(&mut self, table: &Table, columns: usize) {
         let header: Vec<&str> = table.columns.iter().take(columns).map(String::as_str).collect();
-        let rows: Vec<Vec<String>> = table
-            .texts()
-            .into_iter()
-            .map(|row| row.into_iter().take(columns).collect())
-            .collect();
+        let rows: Vec<Vec<String>> =
+            table.texts().into_iter().map(|row| row.into_iter().take(columns).collect()).collect();
         self.terminal += &format!("{}\n{}\n", table.caption, text::table(&header, &rows));
     }
 }
@@ -110,34 +106,18 @@ pub fn seeds(seeds: &[u64]) -> String {
 
 /// Accuracy, ends of its interval, balanced accuracy and majority baseline: an accuracy is never shown without them.
 pub fn accuracy_cells(own: &Accuracy, decimals: usize) -> [Cell; 5] {
-    [
-        own.accuracy,
-        own.low,
-        own.high,
-        own.balanced_accuracy,
-        own.majority_baseline,
-    ]
-    .map(|value| Cell::Number(value, decimals))
+    [own.accuracy, own.low, own.high, own.balanced_accuracy, own.majority_baseline]
+        .map(|value| Cell::Number(value, decimals))
 }
 
 /// Column names of [`accuracy_cells`] in files of numbers.
-pub const ACCURACY_COLUMNS: [&str; 5] = [
-    "accuracy_percent",
-    "low_percent",
-    "high_percent",
-    "balanced_accuracy_percent",
-    "majority_baseline_percent",
-];
+pub const ACCURACY_COLUMNS: [&str; 5] =
+    ["accuracy_percent", "low_percent", "high_percent", "balanced_accuracy_percent", "majority_baseline_percent"];
 
 /// Figures over campaigns: mean, standard deviation, minimum and maximum of the accuracy, then mean and standard
 /// deviation of the balanced accuracy and of the majority baseline.
 pub fn campaign_cells(own: &CampaignFigures) -> [Cell; 8] {
-    let CampaignFigures {
-        accuracy,
-        balanced_accuracy,
-        majority_baseline,
-        ..
-    } = own;
+    let CampaignFigures { accuracy, balanced_accuracy, majority_baseline, .. } = own;
     [
         Cell::Number(accuracy.mean, 1),
         Cell::optional(accuracy.standard_deviation, 1),

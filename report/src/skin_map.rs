@@ -39,9 +39,7 @@ pub fn svg(
     let top = LEGEND + rows as f64 * LEGEND_ROW - 6.0;
     let height = top + grid.rows as f64 * CELL_PX + 28.0;
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    verdicts
-        .values()
-        .for_each(|verdict| *counts.entry(verdict.name()).or_default() += 1);
+    verdicts.values().for_each(|verdict| *counts.entry(verdict.name()).or_default() += 1);
     let counts: Vec<String> = counts.iter().map(|(name, count)| format!("{name} {count}")).collect();
     let untouched = verdicts.keys().filter(|taxel| !pressed.contains(taxel)).count();
     let patch = escape(patch);

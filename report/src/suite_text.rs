@@ -43,25 +43,16 @@ fn of_suite(result: &SuiteResult) -> String {
             scene.goals
         );
         let rows: Vec<Vec<String>> = scene.bounds.iter().map(row).collect();
-        text += &table(
-            &[
-                "metric", "found", "± SE", "reaches", "at least", "at most", "blessed", "",
-            ],
-            &rows,
-        );
+        text += &table(&["metric", "found", "± SE", "reaches", "at least", "at most", "blessed", ""], &rows);
     }
     let bounds: usize = result.scenes.iter().map(|scene| scene.bounds.len()).sum();
-    let (unbounded, broken): (Vec<_>, Vec<_>) = result
-        .broken()
-        .partition(|(_, bound)| bound.verdict == BoundVerdict::NoBound);
+    let (unbounded, broken): (Vec<_>, Vec<_>) =
+        result.broken().partition(|(_, bound)| bound.verdict == BoundVerdict::NoBound);
     for (scene, bound) in broken {
         text += &format!("\n{}", why(result, scene, bound));
     }
     if !unbounded.is_empty() {
-        text += &format!(
-            "\nmetrics without a bound: {}; --bless writes bounds for them\n",
-            unbounded.len()
-        );
+        text += &format!("\nmetrics without a bound: {}; --bless writes bounds for them\n", unbounded.len());
     }
     let broken = result.broken().count();
     let held = bounds - broken;

@@ -13,30 +13,18 @@ pub fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, one: &str, ma
 /// A table of columns padded to their widest entry. The first column is aligned left, the others right.
 pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
-        let entries = rows
-            .iter()
-            .filter_map(|row| row.get(column))
-            .map(|entry| entry.chars().count());
+        let entries = rows.iter().filter_map(|row| row.get(column)).map(|entry| entry.chars().count());
         entries.chain([header[column].chars().count()]).max().unwrap_or(0)
     };
     let widths: Vec<usize> = (0..header.len()).map(width).collect();
     let line = |row: Vec<&str>| {
         let cells = row.iter().zip(&widths).enumerate().map(|(column, (cell, width))| {
-            if column == 0 {
-                format!("{cell:<width$}")
-            } else {
-                format!("{cell:>width$}")
-            }
+            if column == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
         });
         cells.collect::<Vec<_>>().join("  ").trim_end().to_string() + "\n"
     };
     let mut text = line(header.to_vec());
-    text += &(widths
-        .iter()
-        .map(|width| "-".repeat(*width))
-        .collect::<Vec<_>>()
-        .join("  ")
-        + "\n");
+    text += &(widths.iter().map(|width| "-".repeat(*width)).collect::<Vec<_>>().join("  ") + "\n");
     text.extend(rows.iter().map(|row| line(row.iter().map(String::as_str).collect())));
     text
 }

@@ -24,10 +24,7 @@ impl BodyLog {
                 parts: link
                     .colliders
                     .iter()
-                    .map(|part| BodyPart {
-                        shape: part.shape.clone(),
-                        pose_body: part.pose_link,
-                    })
+                    .map(|part| BodyPart { shape: part.shape.clone(), pose_body: part.pose_link })
                     .collect(),
                 rest_pose_world: *pose,
                 track: Vec::new(),

@@ -67,27 +67,20 @@ pub fn run_until<E: std::error::Error + Send + 'static>(
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Result<(), CampaignError<E>> {
     // One job at a time: reaches differ tenfold in length, so larger batches would leave threads idle at the end.
-    jobs.par_iter()
-        .with_max_len(1)
-        .enumerate()
-        .try_for_each(|(position, job)| {
-            let plan = &plans[job.plan];
-            let outcome = catch_unwind(AssertUnwindSafe(|| {
-                plan.run_until(job.reach_index, &mut |_, _| {}, &stop)
-            }));
-            let recording = outcome.map_err(|panic| CampaignError::Engine {
-                scene: plan.scene.name.clone(),
-                reach_index: job.reach_index,
-                seed: plan.seed,
-                message: panic_message(panic.as_ref()),
-            })??;
-            receive(position, recording).map_err(CampaignError::Receiver)
-        })
+    jobs.par_iter().with_max_len(1).enumerate().try_for_each(|(position, job)| {
+        let plan = &plans[job.plan];
+        let outcome = catch_unwind(AssertUnwindSafe(|| plan.run_until(job.reach_index, &mut |_, _| {}, &stop)));
+        let recording = outcome.map_err(|panic| CampaignError::Engine {
+            scene: plan.scene.name.clone(),
+            reach_index: job.reach_index,
+            seed: plan.seed,
+            message: panic_message(panic.as_ref()),
+        })??;
+        receive(position, recording).map_err(CampaignError::Receiver)
+    })
 }
 
 fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str);
-    text.or(panic.downcast_ref::<&str>().copied())
-        .unwrap_or("no message")
-        .to_string()
+    text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no message").to_string()
 }

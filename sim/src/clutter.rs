@@ -67,19 +67,11 @@ impl PlacedObject {
             Footprint::Disc(radius) => radius,
             Footprint::Rectangle(x, y) => math::hypot(x, y),
         };
-        Capsule {
-            start: self.foot_world,
-            end: self.foot_world + DVec3::Z * self.object.height_m(),
-            radius_m,
-        }
+        Capsule { start: self.foot_world, end: self.foot_world + DVec3::Z * self.object.height_m(), radius_m }
     }
 
     fn laid(&self) -> LaidFootprint {
-        LaidFootprint {
-            footprint: self.object.footprint(),
-            center: self.foot_world.truncate(),
-            yaw_rad: self.yaw_rad,
-        }
+        LaidFootprint { footprint: self.object.footprint(), center: self.foot_world.truncate(), yaw_rad: self.yaw_rad }
     }
 }
 

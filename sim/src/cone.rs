@@ -38,11 +38,7 @@ pub fn within_cones(carriers: &mut [Carrier], friction: f64, total: DVec3) -> bo
             value += force.length_squared() / (2.0 * carrier.weight_n);
             slope += force;
         }
-        State {
-            multiplier,
-            value,
-            slope,
-        }
+        State { multiplier, value, slope }
     };
     let weight_n: f64 = carriers.iter().map(|carrier| carrier.weight_n).sum();
     let is_minimum = |state: &State| state.slope.length() <= 1e-13 * total.length();
@@ -87,10 +83,7 @@ const NEWTON_STEPS: usize = 60;
 
 /// Accepts the forces that a multiplier gives, if they add up.
 fn settle(carriers: &mut [Carrier], friction: f64, multiplier: DVec3, total: DVec3) -> bool {
-    let sum: DVec3 = carriers
-        .iter()
-        .map(|carrier| project(carrier, friction, multiplier).0)
-        .sum();
+    let sum: DVec3 = carriers.iter().map(|carrier| project(carrier, friction, multiplier).0).sum();
     let rest = total - sum;
     if rest.length() > 1e-10 * total.length() {
         return false;
@@ -99,10 +92,7 @@ fn settle(carriers: &mut [Carrier], friction: f64, multiplier: DVec3, total: DVe
         carrier.force = project(carrier, friction, multiplier).0;
     }
     // The rest is far below the tolerance of the cones; the taxel with the largest force takes it.
-    if let Some(strongest) = carriers
-        .iter_mut()
-        .max_by(|a, b| a.force.length().total_cmp(&b.force.length()))
-    {
+    if let Some(strongest) = carriers.iter_mut().max_by(|a, b| a.force.length().total_cmp(&b.force.length())) {
         strongest.force += rest;
     }
     true
@@ -214,11 +204,7 @@ mod tests {
     #[test]
     fn what_cannot_be_carried_stays() {
         let force = DVec3::new(1.0, 0.0, 1.0);
-        let start = [Carrier {
-            inward: DVec3::Z,
-            weight_n: 1.0,
-            force,
-        }];
+        let start = [Carrier { inward: DVec3::Z, weight_n: 1.0, force }];
         let mut carriers = start;
         assert!(!within_cones(&mut carriers, MU, force));
         assert_eq!(carriers, start);

@@ -38,8 +38,7 @@ impl ContactLog {
             course.peak_force_n = course.peak_force_n.max(force_n);
             course.force_sum_n += force_n;
         }
-        self.closed
-            .extend(self.open.extract_if(.., |_, course| course.last_frame < frame));
+        self.closed.extend(self.open.extract_if(.., |_, course| course.last_frame < frame));
     }
 
     /// All contacts, including those still open, sorted by first frame, then patch, link and object.
@@ -63,11 +62,7 @@ impl ContactLog {
 mod tests {
     use super::*;
 
-    const PAIR: ContactPair = ContactPair {
-        patch: Some(0),
-        link: 2,
-        object: 3,
-    };
+    const PAIR: ContactPair = ContactPair { patch: Some(0), link: 2, object: 3 };
 
     fn link_name(link: u16) -> String {
         format!("link {link}")
@@ -84,10 +79,8 @@ mod tests {
         log.observe(7, &[]);
         log.observe(8, &pressed(2.0));
         let contacts = log.finish(link_name);
-        let summary: Vec<_> = contacts
-            .iter()
-            .map(|c| (c.first_frame, c.last_frame, c.peak_force_n, c.mean_force_n))
-            .collect();
+        let summary: Vec<_> =
+            contacts.iter().map(|c| (c.first_frame, c.last_frame, c.peak_force_n, c.mean_force_n)).collect();
         assert_eq!(summary, [(5, 6, 3.0, 2.0), (8, 8, 2.0, 2.0)]);
     }
 
@@ -95,25 +88,14 @@ mod tests {
     /// with the same first frame are sorted by patch, link and object.
     #[test]
     fn contacts_name_their_links() {
-        let bare = |link, object| ContactPair {
-            patch: None,
-            link,
-            object,
-        };
+        let bare = |link, object| ContactPair { patch: None, link, object };
         let pairs = [PAIR, bare(4, 1), bare(1, 3), bare(4, 0)];
         let mut log = ContactLog::default();
         log.observe(0, &pairs.map(|pair| (pair, DVec3::X)));
         let contacts = log.finish(link_name);
-        let places: Vec<_> = contacts
-            .iter()
-            .map(|contact| (contact.patch, contact.link.as_str(), contact.object))
-            .collect();
-        let expected = [
-            (None, "link 1", 3),
-            (None, "link 4", 0),
-            (None, "link 4", 1),
-            (Some(0), "link 2", 3),
-        ];
+        let places: Vec<_> =
+            contacts.iter().map(|contact| (contact.patch, contact.link.as_str(), contact.object)).collect();
+        let expected = [(None, "link 1", 3), (None, "link 4", 0), (None, "link 4", 1), (Some(0), "link 2", 3)];
         assert_eq!(places, expected);
     }
 }

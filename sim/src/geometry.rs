@@ -19,10 +19,9 @@ pub fn engine_shape(shape: &BodyShape) -> Option<(SharedShape, Pose)> {
         BodyShape::Sphere { radius_m } => (SharedShape::ball(*radius_m), Pose::IDENTITY),
         BodyShape::Cylinder { radius_m, length_m } => (SharedShape::cylinder(length_m / 2.0, *radius_m), along_z),
         BodyShape::Capsule { radius_m, length_m } => (SharedShape::capsule_y(length_m / 2.0, *radius_m), along_z),
-        BodyShape::Box { size_m } => (
-            SharedShape::cuboid(size_m.x / 2.0, size_m.y / 2.0, size_m.z / 2.0),
-            Pose::IDENTITY,
-        ),
+        BodyShape::Box { size_m } => {
+            (SharedShape::cuboid(size_m.x / 2.0, size_m.y / 2.0, size_m.z / 2.0), Pose::IDENTITY)
+        }
         BodyShape::Hull { points_m } => (convex_hull(points_m)?, Pose::IDENTITY),
     })
 }
@@ -45,10 +44,7 @@ impl Capsule {
     pub fn around(shape: &dyn Shape, pose: &Pose) -> Self {
         let bounds = shape.compute_local_aabb();
         let half = bounds.half_extents();
-        let longest = DVec3::AXES
-            .into_iter()
-            .max_by(|a, b| half.dot(*a).total_cmp(&half.dot(*b)))
-            .unwrap_or(DVec3::Z);
+        let longest = DVec3::AXES.into_iter().max_by(|a, b| half.dot(*a).total_cmp(&half.dot(*b))).unwrap_or(DVec3::Z);
         let along = longest * half.dot(longest);
         let radius_m = (half - along).max_element();
         let reach = longest * (half.dot(longest) - radius_m);
@@ -116,9 +112,7 @@ impl PlacedShape {
     pub fn extent_m(&self, direction_world: DVec3) -> f64 {
         let farthest = self.shape.as_support_map();
         farthest.map_or(f64::NEG_INFINITY, |shape| {
-            shape
-                .support_point(&parry_pose(&self.pose), direction_world)
-                .dot(direction_world)
+            shape.support_point(&parry_pose(&self.pose), direction_world).dot(direction_world)
         })
     }
 
@@ -212,23 +206,14 @@ mod tests {
     /// Distance from a point to a segment, by projection.
     fn point_distance(p: DVec3, a: DVec3, b: DVec3) -> f64 {
         let along = b - a;
-        let share = if a == b {
-            0.0
-        } else {
-            ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0)
-        };
+        let share = if a == b { 0.0 } else { ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0) };
         p.distance(a + along * share)
     }
 
     /// Distance between two segments as the minimum of five: from each end to the other segment, and the length of the
     /// common perpendicular of the two lines if it meets both segments.
     fn min_of_five(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
-        let ends = [
-            point_distance(a, c, d),
-            point_distance(b, c, d),
-            point_distance(c, a, b),
-            point_distance(d, a, b),
-        ];
+        let ends = [point_distance(a, c, d), point_distance(b, c, d), point_distance(c, a, b), point_distance(d, a, b)];
         let (u, v) = (b - a, d - c);
         let across = u.cross(v);
         let mut min = ends.into_iter().fold(f64::INFINITY, f64::min);
@@ -294,11 +279,7 @@ mod tests {
     /// corner of a box, which extend beyond the capsule around them.
     #[test]
     fn placed_shapes_are_measured_with_their_corners() {
-        let wall = |x: f64| Capsule {
-            start: DVec3::new(x, 0.0, 0.0),
-            end: DVec3::new(x, 0.0, 1.0),
-            radius_m: 0.01,
-        };
+        let wall = |x: f64| Capsule { start: DVec3::new(x, 0.0, 0.0), end: DVec3::new(x, 0.0, 1.0), radius_m: 0.01 };
         let corner = PlacedShape {
             shape: SharedShape::cuboid(0.03, 0.03, 0.03),
             pose: Pose::from_orientation(glam::DQuat::from_rotation_z(std::f64::consts::FRAC_PI_4)),
@@ -318,11 +299,7 @@ mod tests {
             center: DVec2::new(x, y),
             yaw_rad,
         };
-        let disc = |x, y| LaidFootprint {
-            footprint: Footprint::Disc(0.02),
-            center: DVec2::new(x, y),
-            yaw_rad: 0.0,
-        };
+        let disc = |x, y| LaidFootprint { footprint: Footprint::Disc(0.02), center: DVec2::new(x, y), yaw_rad: 0.0 };
         assert!(rectangle(0.0, 0.0, 0.0).overlaps(&rectangle(0.24, 0.09, 0.0)));
         assert!(!rectangle(0.0, 0.0, 0.0).overlaps(&rectangle(0.26, 0.0, 0.0)));
         assert!(rectangle(0.0, 0.0, 0.0).overlaps(&rectangle(0.17, 0.0, std::f64::consts::FRAC_PI_2)));

@@ -23,12 +23,7 @@ pub fn arithmetic() -> String {
         add(&DQuat::from_rotation_z(0.37 * x).to_scaled_axis().to_array());
         let rotation = UnitQuaternion::from_scaled_axis(Vector3::new(x, -0.6 * x, 0.2));
         add(rotation.coords.as_slice());
-        add(&[
-            rotation.angle(),
-            nalgebra::ComplexField::hypot(x, 0.61),
-            math::exp(-x),
-            math::powf(x, 0.37),
-        ]);
+        add(&[rotation.angle(), nalgebra::ComplexField::hypot(x, 0.61), math::exp(-x), math::powf(x, 0.37)]);
     }
     hasher.finalize().to_hex()[..16].to_owned()
 }

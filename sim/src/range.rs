@@ -109,18 +109,12 @@ const DRAWS: usize = 1000;
 impl Quantity {
     /// Always `value`.
     pub fn fixed(value: f64) -> Self {
-        Quantity {
-            draw: Draw::Fixed(value),
-            span: 0..0,
-        }
+        Quantity { draw: Draw::Fixed(value), span: 0..0 }
     }
 
     /// Uniform between `low` and `high`.
     pub fn uniform(low: f64, high: f64) -> Self {
-        Quantity {
-            draw: Draw::Uniform(low, high),
-            span: 0..0,
-        }
+        Quantity { draw: Draw::Uniform(low, high), span: 0..0 }
     }
 
     /// Draws one value within `limits` (inclusive).
@@ -128,11 +122,7 @@ impl Quantity {
     /// # Errors
     /// When a fixed or uniform value lies outside the limits, or a normal one does so a thousand times in a row.
     pub fn draw(&self, random: &mut ChaCha8Rng, limits: (f64, f64)) -> Result<f64, DrawError> {
-        let error = DrawError {
-            draw: self.draw,
-            low: limits.0,
-            high: limits.1,
-        };
+        let error = DrawError { draw: self.draw, low: limits.0, high: limits.1 };
         let physical = |value: &f64| (limits.0..=limits.1).contains(value);
         match self.draw {
             Draw::Fixed(value) => Some(value).filter(physical).ok_or(error),
@@ -171,10 +161,7 @@ impl Quantity {
 impl<'de> Deserialize<'de> for Quantity {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let spanned = toml::Spanned::<Draw>::deserialize(deserializer)?;
-        Ok(Quantity {
-            span: spanned.span(),
-            draw: spanned.into_inner(),
-        })
+        Ok(Quantity { span: spanned.span(), draw: spanned.into_inner() })
     }
 }
 
@@ -199,9 +186,7 @@ impl<'de> Deserialize<'de> for Draw {
                 let key: String = map.next_key()?.ok_or_else(|| A::Error::custom("an empty range"))?;
                 let [first, second]: [f64; 2] = map.next_value()?;
                 if let Some(extra) = map.next_key::<String>()? {
-                    return Err(A::Error::custom(format!(
-                        "`{extra}` beside `{key}`: a range has one key"
-                    )));
+                    return Err(A::Error::custom(format!("`{extra}` beside `{key}`: a range has one key")));
                 }
                 match key.as_str() {
                     "uniform" => Ok(Draw::Uniform(first, second)),

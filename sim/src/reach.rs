@@ -87,10 +87,7 @@ impl<'a> Reach<'a> {
         if let Some(patience_s) = self.plan.scene.file.goals.patience_s {
             rules = rules.watched_for(patience_s);
         }
-        let backing_off = ReachRules {
-            time_out_s: back_off::TIME_S,
-            ..rules
-        };
+        let backing_off = ReachRules { time_out_s: back_off::TIME_S, ..rules };
         let mut waypoints = [goal.position_world; 2];
         back_off::pursue(self.plan.scene.file.goals.retries, |way| match way {
             Way::ToGoal => self.go(goal.position_world, goal, rules, observer),
@@ -130,8 +127,7 @@ impl<'a> Reach<'a> {
             let frame = self.log.record(&self.simulation, frame);
             observer(&self.simulation, frame);
             let log = &mut self.log;
-            self.simulation
-                .step_observed(equilibrium_rad, &mut |step| log.observe_step(step));
+            self.simulation.step_observed(equilibrium_rad, &mut |step| log.observe_step(step));
             if let Some(outcome) = ended {
                 let stop = largest.filter(|_| outcome == Outcome::Aborted);
                 self.safety_stop = stop.map(|force| self.safety_stop(&force));

@@ -50,10 +50,7 @@ mod tests {
             (mean(&|x| x * x * x * x), 3.0, 96.0),
             (mean(&|x| f64::from(u8::from(x.abs() > 2.0))), 0.045_500, 0.0434),
         ] {
-            assert!(
-                (found - expected).abs() < 5.0 * f64::sqrt(variance / count),
-                "{found} {expected}"
-            );
+            assert!((found - expected).abs() < 5.0 * f64::sqrt(variance / count), "{found} {expected}");
         }
     }
 

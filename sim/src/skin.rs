@@ -120,15 +120,12 @@ impl SkinPatch {
                 corners_m: layout.taxels.iter().map(corner_m).collect(),
                 sub_points: (0..layout.taxels.len())
                     .flat_map(|taxel| {
-                        arm.skin
-                            .surface_points(patch, taxel, POINTS_PER_SIDE)
-                            .into_iter()
-                            .map(move |point| SubPoint {
-                                taxel,
-                                position_link: point.position_link,
-                                normal_link: point.normal_link,
-                                area_m2: point.area_m2,
-                            })
+                        arm.skin.surface_points(patch, taxel, POINTS_PER_SIDE).into_iter().map(move |point| SubPoint {
+                            taxel,
+                            position_link: point.position_link,
+                            normal_link: point.normal_link,
+                            area_m2: point.area_m2,
+                        })
                     })
                     .collect(),
                 reach_m: reach_m(&layout.taxels),
@@ -167,23 +164,15 @@ impl SkinPatch {
         if weight <= 0.0 || inward == DVec3::ZERO {
             return &buffers.forces;
         }
-        let center = contacts
-            .iter()
-            .map(|contact| contact.position_link * load(contact))
-            .sum::<DVec3>()
-            / weight;
+        let center = contacts.iter().map(|contact| contact.position_link * load(contact)).sum::<DVec3>() / weight;
         let (across, along) = inward.any_orthonormal_pair();
         let view = View {
             origin: shape_pose.inverse_transform_point(center),
             axes: [across, along, inward].map(|axis| shape_pose.inverse_transform_vector(axis)),
         };
-        let SpreadBuffers {
-            faces, cells, taxels, ..
-        } = &mut *buffers;
+        let SpreadBuffers { faces, cells, taxels, .. } = &mut *buffers;
         let chords = Chords::new(shape, &view, faces);
-        let under = self
-            .nearby(contacts)
-            .filter(|point| is_facing(point.normal_link, inward));
+        let under = self.nearby(contacts).filter(|point| is_facing(point.normal_link, inward));
         cells.clear();
         cells.extend(under.map(|point| {
             let offset = point.position_link - center;
@@ -224,12 +213,7 @@ impl SkinPatch {
 
     /// Scales the normal forces of the taxels and adds shear so that the vector sum is `total`.
     fn balance(&self, total: DVec3, friction: f64, buffers: &mut SpreadBuffers) {
-        let SpreadBuffers {
-            taxels,
-            carriers,
-            forces,
-            ..
-        } = buffers;
+        let SpreadBuffers { taxels, carriers, forces, .. } = buffers;
         let normal = |taxel: usize| self.normals_link[taxel];
         let pressed: DVec3 = taxels.iter().map(|(taxel, force)| -normal(*taxel) * *force).sum();
         let direction = pressed.normalize_or_zero();
@@ -251,17 +235,10 @@ impl SkinPatch {
         }));
         // If that is impossible, the forces stay as they are.
         within_cones(carriers, friction, total);
-        let carried = taxels
-            .iter()
-            .zip(carriers)
-            .filter(|(_, carrier)| carrier.force != DVec3::ZERO);
+        let carried = taxels.iter().zip(carriers).filter(|(_, carrier)| carrier.force != DVec3::ZERO);
         forces.extend(carried.map(|((taxel, _), carrier)| {
             let normal_force_n = carrier.force.dot(carrier.inward);
-            TaxelForce {
-                taxel: *taxel,
-                normal_force_n,
-                shear_link: carrier.force - carrier.inward * normal_force_n,
-            }
+            TaxelForce { taxel: *taxel, normal_force_n, shear_link: carrier.force - carrier.inward * normal_force_n }
         }));
     }
 
@@ -283,9 +260,7 @@ impl SkinPatch {
     /// flat pad, it is the one nearest to a contact.
     fn facing_taxel(&self, contacts: &[ContactPoint], force_link: DVec3) -> Option<usize> {
         let squared_distance = |position: DVec3| {
-            let distances = contacts
-                .iter()
-                .map(|contact| contact.position_link.distance_squared(position));
+            let distances = contacts.iter().map(|contact| contact.position_link.distance_squared(position));
             distances.fold(f64::INFINITY, f64::min)
         };
         let taxel_distance = |points: &[SubPoint]| {

@@ -58,23 +58,12 @@ impl Snapshot {
         let placed = simulation.clutter().objects.iter().zip(&report.objects).enumerate();
         let objects = placed
             .map(|(index, (placed, state))| {
-                let poses = if state.active {
-                    &state.body_pose_world
-                } else {
-                    simulation.rest_pose_world(index)
-                };
+                let poses = if state.active { &state.body_pose_world } else { simulation.rest_pose_world(index) };
                 let bodies = simulation.structure(index).bodies.iter().zip(poses);
-                shapes(
-                    placed.object.category(),
-                    bodies.map(|(body, pose)| (body.parts.as_slice(), pose)),
-                )
+                shapes(placed.object.category(), bodies.map(|(body, pose)| (body.parts.as_slice(), pose)))
             })
             .collect();
-        Snapshot {
-            arm,
-            objects,
-            frame: frame.clone(),
-        }
+        Snapshot { arm, objects, frame: frame.clone() }
     }
 }
 
@@ -84,20 +73,13 @@ fn shapes<'a>(category: Category, bodies: impl Iterator<Item = (&'a [BodyPart], 
     for (parts, pose) in bodies {
         if let Some(size_m) = blade_piece(parts) {
             width_m = size_m.y;
-            pieces.push(BladePiece {
-                pose_world: *pose,
-                length_m: size_m.z,
-            });
+            pieces.push(BladePiece { pose_world: *pose, length_m: size_m.z });
         } else {
             let shapes = parts.iter();
             capsules.extend(shapes.filter_map(|part| capsule(&part.shape, &(*pose * part.pose_body))));
         }
     }
-    ObjectShapes {
-        category,
-        capsules,
-        blade: (!pieces.is_empty()).then_some(Blade { width_m, pieces }),
-    }
+    ObjectShapes { category, capsules, blade: (!pieces.is_empty()).then_some(Blade { width_m, pieces }) }
 }
 
 /// The size of a piece of a blade: one thin box that begins at its hinge and stands along z.

@@ -49,10 +49,7 @@ impl Summary {
     /// Readable text.
     pub(super) fn text(&self) -> String {
         let pace = self.wall_s.map_or(String::new(), |wall_s| {
-            format!(
-                " in {wall_s:.0} s ({:.0} times real time)",
-                self.simulated_s / wall_s.max(1e-9)
-            )
+            format!(" in {wall_s:.0} s ({:.0} times real time)", self.simulated_s / wall_s.max(1e-9))
         });
         format!(
             "{}, {:.0} s of simulated time{pace}\n\

@@ -57,20 +57,14 @@ impl<'a> Scores<'a> {
     pub fn of_model(model: &'a Model) -> Self {
         Scores {
             own: model.decision.as_ref(),
-            are_own: model
-                .as_hmm()
-                .is_none_or(|models| models.score_kind() == models.own_score_kind()),
+            are_own: model.as_hmm().is_none_or(|models| models.score_kind() == models.own_score_kind()),
             misfit: paper_rule::misfit_of_model(model),
         }
     }
 
     /// Scores of hidden Markov models by this recipe, or of another classifier.
     pub fn of_recipe(recipe: Option<&Recipe>) -> Self {
-        Scores {
-            own: None,
-            are_own: true,
-            misfit: paper_rule::misfit_of_recipe(recipe),
-        }
+        Scores { own: None, are_own: true, misfit: paper_rule::misfit_of_recipe(recipe) }
     }
 }
 
@@ -121,9 +115,7 @@ impl DecisionArguments {
             }
             (None, _) => own.rule,
             (Some(DecisionName::Argmax), _) => Rule::Argmax,
-            (Some(DecisionName::Uncertain), _) => Rule::UncertainBelow {
-                margin: self.margin.unwrap_or(15.0),
-            },
+            (Some(DecisionName::Uncertain), _) => Rule::UncertainBelow { margin: self.margin.unwrap_or(15.0) },
             (Some(DecisionName::Paper), Some(misfit)) => {
                 return Err(Failure::usage(format!(
                     "--decision paper does not apply: its thresholds of 15 and 80 nats belong to Viterbi scores of hidden \

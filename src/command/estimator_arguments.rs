@@ -165,11 +165,7 @@ fn named<T: Copy + Send + Sync + 'static>(known: &'static [(&'static str, T)]) -
 
 fn not_negative(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "not a number".to_string())?;
-    if value.is_finite() && value >= 0.0 {
-        Ok(value)
-    } else {
-        Err("must be zero or more".into())
-    }
+    if value.is_finite() && value >= 0.0 { Ok(value) } else { Err("must be zero or more".into()) }
 }
 
 impl RecipeArguments {
@@ -185,11 +181,7 @@ impl RecipeArguments {
             ("--variance-floor", self.variance_floor.is_some()),
             ("--max-samples", self.max_samples.is_some()),
         ];
-        options
-            .into_iter()
-            .filter(|(_, given)| *given)
-            .map(|(name, _)| name)
-            .collect()
+        options.into_iter().filter(|(_, given)| *given).map(|(name, _)| name).collect()
     }
 
     fn recipe(&self) -> Recipe {
@@ -246,14 +238,8 @@ mod tests {
     #[test]
     fn features_are_a_list() {
         let recipe = |words: &[&str]| parse(words).hmm().unwrap().unwrap();
-        assert_eq!(
-            recipe(&["--features", "force,motion"]).features,
-            FeatureSet::FORCE_AND_MOTION
-        );
-        assert_eq!(
-            recipe(&["--features", "force+motion"]).features,
-            FeatureSet::FORCE_AND_MOTION
-        );
+        assert_eq!(recipe(&["--features", "force,motion"]).features, FeatureSet::FORCE_AND_MOTION);
+        assert_eq!(recipe(&["--features", "force+motion"]).features, FeatureSet::FORCE_AND_MOTION);
         assert_eq!(recipe(&["--features", "force"]).features, FeatureSet::FORCE);
         let area = recipe(&["--features", "force,area", "--recipe", "modern"]);
         assert_eq!(area.features.columns(), ["force_n", "region_taxels"]);
@@ -266,17 +252,10 @@ mod tests {
         let help = command.render_long_help().to_string();
         let recipe = parse(&[]).hmm().unwrap().unwrap();
         assert_eq!(recipe, Recipe::authors());
-        let TrainingOptions {
-            iterations,
-            tolerance,
-            variance_floor,
-        } = recipe.training;
-        for number in [
-            recipe.states.to_string(),
-            iterations.to_string(),
-            tolerance.to_string(),
-            variance_floor.to_string(),
-        ] {
+        let TrainingOptions { iterations, tolerance, variance_floor } = recipe.training;
+        for number in
+            [recipe.states.to_string(), iterations.to_string(), tolerance.to_string(), variance_floor.to_string()]
+        {
             assert!(help.contains(&format!("[default: {number}]")), "{number} in:\n{help}");
         }
     }

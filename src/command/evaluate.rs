@@ -100,9 +100,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let model = match model {
         Some(AnyModel::Touch(model)) => {
             options.cut.refuse_for_touch_model()?;
-            options
-                .risk
-                .refuse("applies to models that are fitted, and the one of --model is fitted already")?;
+            options.risk.refuse("applies to models that are fitted, and the one of --model is fitted already")?;
             return options.frames(Judge::Model(model), json);
         }
         Some(AnyModel::OfTrials(model)) => Some(model),
@@ -117,9 +115,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         None => None,
     };
     options.touch.refuse_for_trials()?;
-    options
-        .risk
-        .refuse("applies to the classifier touch only, and this is a classifier of trials")?;
+    options.risk.refuse("applies to the classifier touch only, and this is a classifier of trials")?;
     let path = input::only(&options.trials)?;
     let trials = input::some_trials(path, &options.cut)?;
     let about = |failure: Failure| failure.about(path);
@@ -131,18 +127,12 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         }
         (None, Some(train)) => {
             let decision = options.decision.decision(&options.scores()?)?;
-            (
-                evaluate(fitted(&options, train)?.as_ref(), &trials, &decision),
-                decision,
-            )
+            (evaluate(fitted(&options, train)?.as_ref(), &trials, &decision), decision)
         }
         (None, None) => {
             let decision = options.decision.decision(&options.scores()?)?;
             let own = *folds.insert(options.folds(&trials));
-            (
-                cross_validate(&trials, options.estimator.estimator()?.as_ref(), own, &decision),
-                decision,
-            )
+            (cross_validate(&trials, options.estimator.estimator()?.as_ref(), own, &decision), decision)
         }
     };
     let evaluation = evaluation.map_err(|error| about(error.into()))?;
@@ -162,12 +152,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
             by_samples_of_all = Some(series.map_err(|error| about(error.into()))?);
         }
     }
-    let results = EvaluationReport {
-        folds,
-        evaluation,
-        by_samples,
-        by_samples_of_all,
-    };
+    let results = EvaluationReport { folds, evaluation, by_samples, by_samples_of_all };
     output::result(json, &results, || text::of(&results))
 }
 
@@ -220,12 +205,7 @@ impl Options {
         }
         let limits = self.risk.limits();
         self.touch.refuse_beside(&limits)?;
-        let evaluation = touch::Evaluation {
-            paths: &self.trials,
-            judge,
-            limits,
-            decision: &self.touch,
-        };
+        let evaluation = touch::Evaluation { paths: &self.trials, judge, limits, decision: &self.touch };
         evaluation.run(json)
     }
 

@@ -69,9 +69,7 @@ impl Written {
 fn failed(folder: &Path, action: &str) -> impl Fn(std::io::Error) -> Failure {
     move |error| {
         let folder = folder.display();
-        Failure::run(format!(
-            "{folder}: cannot {action}: {error}; check the path and its permissions"
-        ))
+        Failure::run(format!("{folder}: cannot {action}: {error}; check the path and its permissions"))
     }
 }
 
@@ -125,13 +123,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     check_not_input(&options.out, &options.data)?;
     let reaches = Reaches::open(&options.data)?;
     let out = options.out.as_path();
-    let mut written = Written {
-        out: out.to_path_buf(),
-        reaches: 0,
-        frames: 0,
-        files: 0,
-        bytes: 0,
-    };
+    let mut written = Written { out: out.to_path_buf(), reaches: 0, frames: 0, files: 0, bytes: 0 };
     if reaches.count() == 1 || matches!(options.to, Format::Hdf5) {
         overwrite.file(out, &options.data)?;
     }
@@ -158,15 +150,9 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         }
     }
     output::result(json, &written, || {
-        let Written {
-            reaches, frames, files, ..
-        } = written;
+        let Written { reaches, frames, files, .. } = written;
         let megabytes = written.bytes as f64 / 1e6;
-        let counts = [
-            (reaches, "reach", "reaches"),
-            (frames, "frame", "frames"),
-            (files, "file", "files"),
-        ];
+        let counts = [(reaches, "reach", "reaches"), (frames, "frame", "frames"), (files, "file", "files")];
         let [reaches, frames, files] = counts.map(|(count, one, many)| output::counted(count, one, many));
         format!("{reaches}, {frames} in {files}, {megabytes:.1} MB: {}", out.display())
     })

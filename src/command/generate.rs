@@ -86,10 +86,7 @@ fn shard(text: &str) -> Result<Shard, String> {
     let parse = || {
         let (index, count) = text.split_once('/')?;
         let (index, count): (u64, u64) = (index.parse().ok()?, count.parse().ok()?);
-        (1..=count).contains(&index).then_some(Shard {
-            index: index - 1,
-            count,
-        })
+        (1..=count).contains(&index).then_some(Shard { index: index - 1, count })
     };
     parse().ok_or_else(|| "must be I/N with 1 ≤ I ≤ N, such as 2/8".into())
 }
@@ -110,10 +107,7 @@ fn described(options: &Options) -> Result<Campaign, Failure> {
     let mut names: Vec<&str> = campaign.scenes.iter().map(|(scene, _)| scene.name.as_str()).collect();
     names.sort_unstable();
     match names.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => Err(Failure::usage(format!(
-            "two scenes are called {}; rename one file",
-            pair[0]
-        ))),
+        Some(pair) => Err(Failure::usage(format!("two scenes are called {}; rename one file", pair[0]))),
         None => Ok(campaign),
     }
 }
@@ -131,27 +125,14 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         None => described(&options)?,
     };
     let out = &options.out;
-    options
-        .overwrite
-        .dataset(out, options.scenes.iter().chain(&options.from).chain(&options.verdicts))?;
-    let again = if options.shared {
-        "run the same command again"
-    } else {
-        "run the same command with --resume"
-    };
-    interrupt::hint(format!(
-        "finished reaches are kept in {}; {again} to go on",
-        out.display()
-    ));
+    options.overwrite.dataset(out, options.scenes.iter().chain(&options.from).chain(&options.verdicts))?;
+    let again = if options.shared { "run the same command again" } else { "run the same command with --resume" };
+    interrupt::hint(format!("finished reaches are kept in {}; {again} to go on", out.display()));
     let written = match options.shard.filter(|_| options.shared) {
         Some(part) => match campaign.write_shared(out, part, &Shown)? {
             Some(written) => written,
             None => {
-                let summary = PartSummary {
-                    dataset: options.out,
-                    part: part.to_string(),
-                    finished: false,
-                };
+                let summary = PartSummary { dataset: options.out, part: part.to_string(), finished: false };
                 return output::result(json, &summary, || summary.text());
             }
         },

@@ -30,12 +30,7 @@ pub struct Options {
 
 /// Joins the parts.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let Options {
-        parts,
-        out,
-        resume,
-        overwrite,
-    } = options;
+    let Options { parts, out, resume, overwrite } = options;
     let inputs = parts.clone();
     let shards = Shards::open(parts)?;
     overwrite.dataset(&out, &inputs)?;
@@ -49,10 +44,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let dataset = match merged {
         // With `resume`, this means that the set has the same plan.
         Err(DiskError::Finished { .. }) if resume => {
-            output::remark(format!(
-                "{}: the data set is finished; there is nothing to do",
-                out.display()
-            ));
+            output::remark(format!("{}: the data set is finished; there is nothing to do", out.display()));
             Dataset::open(&out)?
         }
         merged => merged?,

@@ -36,10 +36,7 @@ impl Pictures {
         overwrite: Overwrite,
         inputs: &[PathBuf],
     ) -> Result<Self, Failure> {
-        let files = [
-            ("--picture", "a picture", &picture),
-            ("--animation", "an animation", &animation),
-        ];
+        let files = [("--picture", "a picture", &picture), ("--animation", "an animation", &animation)];
         for (option, what, path) in files {
             if let Some(path) = path.as_deref().filter(|path| !is_svg(path)) {
                 return Err(Failure::usage(format!(
@@ -51,13 +48,7 @@ impl Pictures {
         for path in picture.iter().chain(&animation) {
             overwrite.file(path, inputs)?;
         }
-        Ok(Pictures {
-            picture,
-            animation,
-            fullest: None,
-            moments: Vec::new(),
-            frames: 0,
-        })
+        Ok(Pictures { picture, animation, fullest: None, moments: Vec::new(), frames: 0 })
     }
 
     /// Keeps what the pictures need of a frame.
@@ -76,10 +67,7 @@ impl Pictures {
     pub fn write(&self, scene: &SceneFile, recording: &Recording) -> Result<(), Failure> {
         let categories = input::object_categories(recording);
         let (layout, workspace) = (&recording.layout, &scene.workspace);
-        let name = format!(
-            "{}, seed {}, reach {}",
-            scene.summary, recording.seed, recording.reach_index
-        );
+        let name = format!("{}, seed {}, reach {}", scene.summary, recording.seed, recording.reach_index);
         if let (Some(path), Some(snapshot)) = (&self.picture, &self.fullest) {
             let caption = format!("{name}: {:.2} s after the start", snapshot.frame.time_s);
             let svg = picture::draw(snapshot, layout, &categories, workspace, &caption);
@@ -97,6 +85,5 @@ impl Pictures {
 }
 
 fn is_svg(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("svg"))
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg"))
 }

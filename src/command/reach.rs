@@ -109,17 +109,10 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     if let Some(model) = &options.verdicts {
         plan = VerdictControl::load(model)?.applied_to(plan)?;
     }
-    let options_of_trials = TrialOptions {
-        patch: options.patch.clone(),
-        ..TrialOptions::default()
-    };
+    let options_of_trials = TrialOptions { patch: options.patch.clone(), ..TrialOptions::default() };
     // An unknown patch is refused before anything is computed.
     if options.patch.is_some() {
-        PatchImage::new(
-            &plan.arm.skin.layout,
-            options.patch.as_deref(),
-            options_of_trials.threshold_n,
-        )?;
+        PatchImage::new(&plan.arm.skin.layout, options.patch.as_deref(), options_of_trials.threshold_n)?;
     }
     dataset::say_doubts([&plan.arm], &Shown);
     let judging = options.model.as_deref();
@@ -170,9 +163,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
 impl Report {
     fn of(recording: &Recording, options: &TrialOptions, f_max_n: Option<f64>, wall_s: f64) -> Result<Self, Failure> {
         let layout = &recording.layout;
-        let patch = layout
-            .chosen_patch(options.patch.as_deref())
-            .map(|index| &layout.patches[index]);
+        let patch = layout.chosen_patch(options.patch.as_deref()).map(|index| &layout.patches[index]);
         let cut = |unit| contact_trials::of_recording(recording, unit, options, 0).map(|trials| trials.len());
         let simulated_s = recording.frames.len() as f64 / recording.rate_hz;
         let forces = recording.contact_forces(None);
@@ -203,10 +194,7 @@ impl Report {
             audit: recording.audit,
             patch: patch.map(|patch| patch.name.clone()),
             taxel_trials: patch.map(|_| cut(Unit::Taxel)).transpose()?,
-            component_trials: patch
-                .filter(|patch| patch.grid.is_some())
-                .map(|_| cut(Unit::Component))
-                .transpose()?,
+            component_trials: patch.filter(|patch| patch.grid.is_some()).map(|_| cut(Unit::Component)).transpose()?,
         })
     }
 
@@ -225,13 +213,9 @@ impl Report {
                 ]
             })
             .collect();
-        let aborted = self
-            .aborted_by
-            .as_ref()
-            .map_or(String::new(), |stop| format!(", then aborted: {stop}"));
-        let limit = self.f_max_n.map_or(String::new(), |f_max_n| {
-            format!("; the controller's f_max is {f_max_n} N a taxel")
-        });
+        let aborted = self.aborted_by.as_ref().map_or(String::new(), |stop| format!(", then aborted: {stop}"));
+        let limit =
+            self.f_max_n.map_or(String::new(), |f_max_n| format!("; the controller's f_max is {f_max_n} N a taxel"));
         let patches = self.touched_frames.iter();
         let touched: Vec<String> = patches
             .map(|(patch, frames)| format!("{patch} in {}", output::counted(*frames, "frame", "frames")))
@@ -272,10 +256,7 @@ impl Report {
                 format!("{} and {components} on patch {patch}", of_taxels(taxels))
             }
             (Some(patch), Some(taxels), None) => {
-                format!(
-                    "{} on patch {patch}; its taxels form no grid, so it has no components",
-                    of_taxels(taxels)
-                )
+                format!("{} on patch {patch}; its taxels form no grid, so it has no components", of_taxels(taxels))
             }
             _ => "the arm has no skin, so there are no trials".into(),
         }

@@ -82,9 +82,7 @@ struct Written {
 /// Serves the page or writes it.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     if let Some(out) = &options.out {
-        options
-            .overwrite
-            .file(out, options.inputs.iter().chain(&options.model))?;
+        options.overwrite.file(out, options.inputs.iter().chain(&options.model))?;
     }
     for path in &options.inputs {
         input::check_exists(path, "a data set (folder), recording or table of contact trials")?;
@@ -101,9 +99,7 @@ fn judging(options: &Options) -> Result<Option<Judging>, Failure> {
     let Some(path) = &options.model else {
         return match options.decision.given().or(options.touch.given()) {
             None => Ok(None),
-            Some(option) => Err(Failure::usage(format!(
-                "{option} is about verdicts; add --model, or leave it out"
-            ))),
+            Some(option) => Err(Failure::usage(format!("{option} is about verdicts; add --model, or leave it out"))),
         };
     };
     judging_by(path, options.patch.as_deref(), &options.decision, &options.touch).map(Some)
@@ -132,10 +128,7 @@ pub fn judging_by(
             JudgingModel::of_touch(*model, patch)?
         }
     };
-    Ok(Judging {
-        name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-        by,
-    })
+    Ok(Judging { name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(), by })
 }
 
 fn write(source: &Source, chosen: &[usize], path: &Path, json: bool) -> Result<(), Failure> {
@@ -144,18 +137,10 @@ fn write(source: &Source, chosen: &[usize], path: &Path, json: bool) -> Result<(
     let page = single_file(source, numbers, MAX_PAGE_BYTES)?;
     remove_leftovers(path);
     output::write_file(path, page.as_bytes())?;
-    let written = Written {
-        file: path.to_path_buf(),
-        reaches: numbers.len(),
-        bytes: page.len(),
-    };
+    let written = Written { file: path.to_path_buf(), reaches: numbers.len(), bytes: page.len() };
     output::result(json, &written, || {
         let megabytes = written.bytes as f64 / 1e6;
-        format!(
-            "{}: {} in {megabytes:.1} MB",
-            path.display(),
-            output::counted(written.reaches, "reach", "reaches")
-        )
+        format!("{}: {} in {megabytes:.1} MB", path.display(), output::counted(written.reaches, "reach", "reaches"))
     })
 }
 
@@ -163,15 +148,9 @@ fn serve(source: Source, port: u16, open: bool, json: bool) -> Result<(), Failur
     let served = source.reaches().len();
     let server = Server::start(source, port)?;
     let address = server.address().to_owned();
-    let report = Served {
-        address: address.clone(),
-        reaches: served,
-    };
+    let report = Served { address: address.clone(), reaches: served };
     output::result(json, &report, || {
-        format!(
-            "{} at {address} until Ctrl-C",
-            output::counted(served, "reach", "reaches")
-        )
+        format!("{} at {address} until Ctrl-C", output::counted(served, "reach", "reaches"))
     })?;
     if open {
         show(&address);
@@ -202,12 +181,8 @@ fn open_browser(address: &str) {
     } else {
         "xdg-open"
     };
-    let quiet = Command::new(program)
-        .arg(address)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn();
+    let quiet =
+        Command::new(program).arg(address).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
     if let Ok(mut child) = quiet {
         std::thread::spawn(move || child.wait());
     }

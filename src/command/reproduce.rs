@@ -61,11 +61,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         force: options.force,
     };
     let out = &options.out;
-    let command = if options.force {
-        "the same command without --force"
-    } else {
-        "the same command"
-    };
+    let command = if options.force { "the same command without --force" } else { "the same command" };
     interrupt::hint(format!(
         "finished stages are cached in {}; run {command} to go on (it needs no --resume)",
         out.display()

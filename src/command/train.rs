@@ -126,21 +126,13 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     model.provenance = options.provenance(path)?;
     model.warn_of_little_data();
     output::write_file(&options.out, model.save_string()?.as_bytes())?;
-    output::result(
-        json,
-        &Trained {
-            model: &options.out,
-            report: &report,
-            thresholds: thresholds.as_ref(),
-        },
-        || {
-            let report = match &report {
-                Report::Training(report) => text(report),
-                Report::Counts(counts) => counts_text(options.estimator.classifier_name(), counts),
-            };
-            report + &thresholds_text(thresholds.as_ref()) + &format!("Model written to {}", options.out.display())
-        },
-    )
+    output::result(json, &Trained { model: &options.out, report: &report, thresholds: thresholds.as_ref() }, || {
+        let report = match &report {
+            Report::Training(report) => text(report),
+            Report::Counts(counts) => counts_text(options.estimator.classifier_name(), counts),
+        };
+        report + &thresholds_text(thresholds.as_ref()) + &format!("Model written to {}", options.out.display())
+    })
 }
 
 impl Options {
@@ -186,11 +178,7 @@ fn report(classifier: &dyn Classifier, trials: &[Trial]) -> Report {
     let own = classifier.categories();
     let mut categories: BTreeMap<String, Count> = BTreeMap::new();
     for trial in trials {
-        let Some(category) = trial
-            .category
-            .as_ref()
-            .filter(|name| is_trained(name) && own.contains(name))
-        else {
+        let Some(category) = trial.category.as_ref().filter(|name| is_trained(name) && own.contains(name)) else {
             continue;
         };
         let count = categories.entry(category.clone()).or_default();
@@ -200,14 +188,8 @@ fn report(classifier: &dyn Classifier, trials: &[Trial]) -> Report {
     let used: usize = categories.values().map(|count| count.trials).sum();
     let skipped_trials = trials.len() - used;
     match classifier.training() {
-        Some(training) => Report::Training(TrainingReport {
-            categories: training.clone(),
-            skipped_trials,
-        }),
-        None => Report::Counts(Counts {
-            categories,
-            skipped_trials,
-        }),
+        Some(training) => Report::Training(TrainingReport { categories: training.clone(), skipped_trials }),
+        None => Report::Counts(Counts { categories, skipped_trials }),
     }
 }
 
@@ -221,20 +203,15 @@ fn thresholds(
     let Some(false_positive_rate) = options.false_positive_rate else {
         return Ok(None);
     };
-    let targets = ThresholdTargets {
-        false_positive_rate,
-        outlier_prior: options.outlier_prior,
-    };
+    let targets = ThresholdTargets { false_positive_rate, outlier_prior: options.outlier_prior };
     let about = |failure: Failure| failure.about(path);
     let held_out =
         HeldOut::of(trials, estimator, Folds::for_thresholds(trials)).map_err(|error| about(error.into()))?;
-    let chosen = held_out
-        .choose_thresholds(&BTreeMap::new(), targets)
-        .map_err(|error| match error {
-            // In this case the option is at fault, not the trials.
-            ThresholdError::BadTarget { .. } => error.into(),
-            _ => about(error.into()),
-        })?;
+    let chosen = held_out.choose_thresholds(&BTreeMap::new(), targets).map_err(|error| match error {
+        // In this case the option is at fault, not the trials.
+        ThresholdError::BadTarget { .. } => error.into(),
+        _ => about(error.into()),
+    })?;
     for warning in warnings(&chosen) {
         output::remark(warning);
     }
@@ -258,10 +235,7 @@ fn warnings(chosen: &ChosenThresholds) -> Vec<String> {
     };
     warn(chosen.uncertain, "the held-out trials");
     if let Some(rates) = &chosen.sample_by_sample {
-        warn(
-            rates.uncertain,
-            "the verdicts given sample by sample while held-out contacts last",
-        );
+        warn(rates.uncertain, "the verdicts given sample by sample while held-out contacts last");
     }
     warnings
 }
@@ -272,11 +246,7 @@ fn thresholds_text(chosen: Option<&ChosenThresholds>) -> String {
     };
     let percent = |fraction: f64| format!("{:.1} %", 100.0 * fraction);
     let mut text = String::new();
-    if let Rule::OutlierBand {
-        uncertain_below,
-        category_above,
-    } = chosen.decision.rule
-    {
+    if let Rule::OutlierBand { uncertain_below, category_above } = chosen.decision.rule {
         text += &format!(
             "A margin over {category_above:.2} nats is a category, from {uncertain_below:.2} an outlier, less is uncertain\n"
         );
@@ -290,11 +260,7 @@ fn thresholds_text(chosen: Option<&ChosenThresholds>) -> String {
             percent(others)
         );
     }
-    text += &format!(
-        " {} uncertain, {} outliers\n",
-        percent(chosen.uncertain),
-        percent(chosen.outlier)
-    );
+    text += &format!(" {} uncertain, {} outliers\n", percent(chosen.uncertain), percent(chosen.outlier));
     if let Some(rates) = &chosen.sample_by_sample {
         text += &format!(
             "Sample by sample, as online, {} of {} verdicts are uncertain, {} outliers\n",
@@ -327,22 +293,12 @@ fn text(report: &TrainingReport) -> String {
             ]
         })
         .collect();
-    let header = [
-        "category",
-        "trials",
-        "samples",
-        "iterations",
-        "log-likelihood at start",
-        "at end",
-        "stop",
-    ];
+    let header = ["category", "trials", "samples", "iterations", "log-likelihood at start", "at end", "stop"];
     let mut text = output::table(&header, &rows);
     for (category, history) in &report.categories {
         if !history.empty_states.is_empty() {
-            text += &format!(
-                "{category}: states {:?} explain no sample; fewer states would do\n",
-                history.empty_states
-            );
+            text +=
+                &format!("{category}: states {:?} explain no sample; fewer states would do\n", history.empty_states);
         }
     }
     text + &skipped_text(report.skipped_trials)
@@ -351,10 +307,7 @@ fn text(report: &TrainingReport) -> String {
 fn skipped_text(skipped: usize) -> String {
     match skipped {
         0 => String::new(),
-        _ => format!(
-            "left out: {} without a category to train\n",
-            output::counted(skipped, "trial", "trials")
-        ),
+        _ => format!("left out: {} without a category to train\n", output::counted(skipped, "trial", "trials")),
     }
 }
 
@@ -364,8 +317,5 @@ fn counts_text(classifier: &str, counts: &Counts) -> String {
     };
     let rows: Vec<Vec<String>> = counts.categories.iter().map(row).collect();
     let table = output::table(&["category", "trials", "samples"], &rows);
-    format!(
-        "Classifier {classifier}\n{table}{}",
-        skipped_text(counts.skipped_trials)
-    )
+    format!("Classifier {classifier}\n{table}{}", skipped_text(counts.skipped_trials))
 }

@@ -61,11 +61,7 @@ struct FalsifiedReport {
 }
 
 fn names() -> PossibleValuesParser {
-    PossibleValuesParser::new(
-        CHECKS
-            .iter()
-            .map(|check| PossibleValue::new(check.name).help(check.summary)),
-    )
+    PossibleValuesParser::new(CHECKS.iter().map(|check| PossibleValue::new(check.name).help(check.summary)))
 }
 
 fn scale(text: &str) -> Result<f64, String> {
@@ -101,15 +97,8 @@ fn run_as_described(checks: &[&Check], tolerance_scale: f64, json: bool) -> Resu
     let bar = progress::bar(cases as u64, "cases");
     let outcomes = underbrush_validation::run(checks, tolerance_scale, || bar.inc(1));
     bar.finish_and_clear();
-    let failing = names_of(&outcomes, |outcome| {
-        (outcome.verdict == Verdict::Fail).then_some(outcome.name)
-    });
-    let report = Report {
-        tolerance_scale,
-        falsified: false,
-        sound: failing.is_empty(),
-        checks: outcomes,
-    };
+    let failing = names_of(&outcomes, |outcome| (outcome.verdict == Verdict::Fail).then_some(outcome.name));
+    let report = Report { tolerance_scale, falsified: false, sound: failing.is_empty(), checks: outcomes };
     output::result(json, &report, || text::described(&report))?;
     if report.sound {
         return Ok(());
@@ -137,9 +126,7 @@ fn run_falsified(checks: &[&Check], tolerance_scale: f64, json: bool) -> Result<
     if report.sound {
         return Ok(());
     }
-    Err(Failure::run(format!(
-        "these checks do not notice a wrong parameter as they should: {unsound}"
-    )))
+    Err(Failure::run(format!("these checks do not notice a wrong parameter as they should: {unsound}")))
 }
 
 fn names_of<T>(outcomes: &[T], name: impl Fn(&T) -> Option<&'static str>) -> String {

@@ -33,13 +33,7 @@ impl<'a> Watched<'a> {
         let address = server.address();
         output::remark(format!("the reach begins when {address} is opened in a browser"));
         replay::show(address);
-        Ok(Watched {
-            so_far,
-            verdicts,
-            fault: None,
-            live,
-            server: std::thread::spawn(move || server.run()),
-        })
+        Ok(Watched { so_far, verdicts, fault: None, live, server: std::thread::spawn(move || server.run()) })
     }
 
     /// Shows one more frame. Waits while the reach is paused.
@@ -49,15 +43,11 @@ impl<'a> Watched<'a> {
             self.verdicts = None;
             self.fault = Some(fault(source));
         }
-        self.live
-            .frame(|| self.so_far.recording().map(|recording| self.with_verdicts(recording)));
+        self.live.frame(|| self.so_far.recording().map(|recording| self.with_verdicts(recording)));
     }
 
     fn with_verdicts(&self, recording: Recording) -> SoFar {
-        SoFar {
-            recording,
-            verdicts: self.verdicts.as_ref().map(|log| log.verdicts().clone()),
-        }
+        SoFar { recording, verdicts: self.verdicts.as_ref().map(|log| log.verdicts().clone()) }
     }
 
     /// Shows the whole reach until the program is ended.
@@ -74,8 +64,5 @@ impl<'a> Watched<'a> {
 
 /// The error of a model that does not fit.
 fn fault(source: OnlineError) -> ReplayError {
-    ReplayError::Verdicts {
-        reach: "this reach".into(),
-        source,
-    }
+    ReplayError::Verdicts { reach: "this reach".into(), source }
 }

@@ -13,11 +13,7 @@ const PARTS: [&str; 3] = ["Parquet: found", "a complete Parquet file", "copy the
 fn refused_everywhere(file: &Path) {
     let outputs = tempfile::tempdir().unwrap();
     let [model, table] = ["model.json", "trials.csv"].map(|name| outputs.path().join(name));
-    let fault = Fault {
-        file,
-        line: None,
-        parts: &PARTS,
-    };
+    let fault = Fault { file, line: None, parts: &PARTS };
     fault.check(&underbrush!["inspect", file]);
     fault.check(&underbrush!["train", file, "--out", model]);
     fault.check(&underbrush!["evaluate", file]);
@@ -60,11 +56,7 @@ fn truncated_trials() {
 fn a_changed_footer_never_shows_a_panic() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("trials.parquet");
-    std::fs::write(
-        folder.path().join("few.csv"),
-        "trial,time_s,force_n\n0,0.0,1\n0,0.01,2\n",
-    )
-    .unwrap();
+    std::fs::write(folder.path().join("few.csv"), "trial,time_s,force_n\n0,0.0,1\n0,0.01,2\n").unwrap();
     underbrush!["trials", folder.path().join("few.csv"), "--out", file].success();
     let mut whole = std::fs::read(&file).unwrap();
     // Without a checksum, as in tables of other programs; with one, most damage would not reach the decoder.
@@ -84,8 +76,5 @@ fn a_changed_footer_never_shows_a_panic() {
             panics += usize::from(answer.stderr.contains("damaged bytes that cannot be decoded"));
         }
     }
-    assert!(
-        panics > 0,
-        "no change makes the decoder panic any more: damage the file in another way"
-    );
+    assert!(panics > 0, "no change makes the decoder panic any more: damage the file in another way");
 }

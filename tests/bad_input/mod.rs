@@ -38,9 +38,6 @@ impl Fault<'_> {
 /// Demands that the folder for the output of a command is empty, without hidden files.
 #[track_caller]
 fn assert_empty(folder: &Path) {
-    let left: Vec<_> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .collect();
+    let left: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     assert!(left.is_empty(), "left behind: {left:?}");
 }

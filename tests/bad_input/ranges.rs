@@ -12,9 +12,7 @@ use underbrush_sim::scene::Scene;
 use crate::support::{scenes, underbrush};
 
 /// The values that every number is tried with.
-const VALUES: [&str; 11] = [
-    "nan", "inf", "-inf", "0", "-1", "1e-300", "1e300", "-1e30", "1e30", "1e308", "-1e308",
-];
+const VALUES: [&str; 11] = ["nan", "inf", "-inf", "0", "-1", "1e-300", "1e300", "-1e30", "1e30", "1e308", "-1e308"];
 
 /// One key: its text with `V` in place of the value; the field that an error names and, after `|`, others that it may
 /// name if the value contradicts the rest of the files; a valid value; and the [`VALUES`] that lie within its range.
@@ -204,11 +202,7 @@ fn try_all(key: &Key, read: &dyn Fn(&str) -> Result<(), InputError>) {
                 let named = names.any(|field| error.field.contains(field));
                 assert!(named, "{}: the error names {:?}: {error}", text(value), error.field);
                 assert!(error.to_string().len() < 1000, "{error}");
-                assert!(
-                    ![&error.found, &error.allowed, &error.remedy]
-                        .iter()
-                        .any(|part| part.is_empty())
-                );
+                assert!(![&error.found, &error.allowed, &error.remedy].iter().any(|part| part.is_empty()));
             }
         }
     }
@@ -257,10 +251,9 @@ fn every_number_has_a_range() {
             match Model::from_json(&path, &MODEL.replacen(from, text, 1)) {
                 Ok(_) => Ok(()),
                 // JSON has no NaN and no infinity; the error then has a line.
-                Err(ModelError::Input(error)) if error.field == "JSON" && error.line.is_some() => Err(InputError {
-                    field: key.1.split('|').next().unwrap_or_default().into(),
-                    ..*error
-                }),
+                Err(ModelError::Input(error)) if error.field == "JSON" && error.line.is_some() => {
+                    Err(InputError { field: key.1.split('|').next().unwrap_or_default().into(), ..*error })
+                }
                 Err(ModelError::Input(error)) => Err(*error),
                 Err(other) => panic!("{text}: {other}"),
             }
@@ -288,19 +281,11 @@ fn every_number_has_a_range() {
 fn faults_in_long_lines_are_shown_shortly() {
     let folder = tempfile::tempdir().unwrap();
     let long = "9".repeat(1_000_000);
-    let scene = scenes::write(
-        folder.path(),
-        "long.toml",
-        &format!("summary = \"A\"\ncolour_{long} = 3\n"),
-    );
+    let scene = scenes::write(folder.path(), "long.toml", &format!("summary = \"A\"\ncolour_{long} = 3\n"));
     let table = folder.path().join("long.csv");
     std::fs::write(&table, format!("trial,time_s,force_n\n1,0.0,{long}\n")).unwrap();
     let beside = folder.path().join("beside.csv");
-    std::fs::write(
-        &beside,
-        format!("trial,time_s,force_n,note\n1,0.0,-5,x\n1,0.1,0,{long}\n"),
-    )
-    .unwrap();
+    std::fs::write(&beside, format!("trial,time_s,force_n,note\n1,0.0,-5,x\n1,0.1,0,{long}\n")).unwrap();
     for (path, part) in [(scene, "long.toml:2"), (table, "long.csv:2"), (beside, "beside.csv:2")] {
         let answer = underbrush!["inspect", path];
         answer.refused(&[part]);

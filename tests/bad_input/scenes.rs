@@ -14,11 +14,7 @@ fn refuses(text: &str, line: Option<usize>, parts: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
     let outputs = tempfile::tempdir().unwrap();
     let file = scenes::write(folder.path(), "bad.toml", text);
-    let fault = Fault {
-        file: &file,
-        line,
-        parts,
-    };
+    let fault = Fault { file: &file, line, parts };
     let [set, recording, picture] = ["set", "reach.parquet", "reach.svg"].map(|name| outputs.path().join(name));
     fault.check(&underbrush!["inspect", file]);
     fault.check(&underbrush!["reach", file, "--out", recording, "--picture", picture]);
@@ -35,31 +31,14 @@ fn unknown_key() {
         &["unknown field `sumary`", "`summary`", "correct this line"],
     );
     let text = format!("{HEAD}{LEAF}heigth_m = 0.3\n");
-    refuses(
-        &text,
-        Some(8),
-        &[
-            "unknown field `heigth_m`",
-            "`height_m`",
-            "underbrush schema",
-            "correct this line",
-        ],
-    );
-    refuses(
-        &format!("{HEAD}[[objects.bush]]\ncount = 1\n"),
-        Some(3),
-        &["unknown field `bush`", "`leaf`"],
-    );
+    refuses(&text, Some(8), &["unknown field `heigth_m`", "`height_m`", "underbrush schema", "correct this line"]);
+    refuses(&format!("{HEAD}[[objects.bush]]\ncount = 1\n"), Some(3), &["unknown field `bush`", "`leaf`"]);
 }
 
 /// Tests that text that is not TOML is refused with its line.
 #[test]
 fn no_toml() {
-    refuses(
-        "summary = \"A scene\"\ncontroller = \n",
-        Some(2),
-        &["scene, controller: found", "correct this line"],
-    );
+    refuses("summary = \"A scene\"\ncontroller = \n", Some(2), &["scene, controller: found", "correct this line"]);
 }
 
 /// Tests that a group of objects needs a count.
@@ -72,16 +51,8 @@ fn missing_key() {
 /// Tests that a negative stiffness is refused.
 #[test]
 fn negative_rigidity() {
-    let parts = [
-        "objects.leaf[0].flexural_rigidity_n_m2: found -0.01",
-        "allowed: values from 0.00001 to 10",
-        "change",
-    ];
-    refuses(
-        &format!("{HEAD}{LEAF}flexural_rigidity_n_m2 = -0.01\n"),
-        Some(8),
-        &parts,
-    );
+    let parts = ["objects.leaf[0].flexural_rigidity_n_m2: found -0.01", "allowed: values from 0.00001 to 10", "change"];
+    refuses(&format!("{HEAD}{LEAF}flexural_rigidity_n_m2 = -0.01\n"), Some(8), &parts);
 }
 
 /// Tests that NaN is refused as a value, in a range and as a standard deviation.
@@ -95,68 +66,35 @@ fn not_a_number() {
         ("inf", "found inf"),
     ] {
         let text = format!("{HEAD}{LEAF}height_m = {value}\n");
-        refuses(
-            &text,
-            Some(8),
-            &["objects.leaf[0].height_m", found, "allowed:", "change the value"],
-        );
+        refuses(&text, Some(8), &["objects.leaf[0].height_m", found, "allowed:", "change the value"]);
     }
     let text = format!("{HEAD}[physics]\nstep_s = nan\n");
     refuses(&text, Some(4), &["physics.step_s: found NaN", "0.0001 to 0.01 s"]);
     let text = format!("{HEAD}[sensor]\nnoise_n = nan\n");
-    refuses(
-        &text,
-        Some(4),
-        &["sensor.noise_n: found NaN", "0 (off), or 1e-6 to 1 N"],
-    );
+    refuses(&text, Some(4), &["sensor.noise_n: found NaN", "0 (off), or 1e-6 to 1 N"]);
     let text = format!("{HEAD}[sensor]\nnoise_n = 0.01\n[sensor.fabric]\nnoise_n = nan\n");
-    refuses(
-        &text,
-        Some(6),
-        &["sensor.fabric.noise_n: found NaN", "0 (off), or 1e-6 to 1 N"],
-    );
+    refuses(&text, Some(6), &["sensor.fabric.noise_n: found NaN", "0 (off), or 1e-6 to 1 N"]);
 }
 
 /// Tests that dead taxels are checked against the arm's skin.
 #[test]
 fn dead_taxels_that_are_not_there() {
     let text = format!("{HEAD}[sensor]\ndead_taxels = {{ forearm = [0, 384] }}\n");
-    refuses(
-        &text,
-        Some(4),
-        &["sensor.dead_taxels: found 384", "0 to 383 on forearm"],
-    );
+    refuses(&text, Some(4), &["sensor.dead_taxels: found 384", "0 to 383 on forearm"]);
     let text = format!("{HEAD}[sensor]\ndead_taxels = {{ elbow = [0] }}\n");
-    refuses(
-        &text,
-        Some(4),
-        &["sensor.dead_taxels: found \"elbow\"", "forearm, flipper"],
-    );
+    refuses(&text, Some(4), &["sensor.dead_taxels: found \"elbow\"", "forearm, flipper"]);
 }
 
 /// Tests that bounds in the wrong order are refused and not swapped silently.
 #[test]
 fn reversed_range() {
     let text = format!("{HEAD}{LEAF}height_m = {{ uniform = [0.4, 0.3] }}\n");
-    let parts = [
-        "objects.leaf[0].height_m",
-        "found { uniform = [0.4, 0.3] }",
-        "the lower bound first",
-        "change",
-    ];
+    let parts = ["objects.leaf[0].height_m", "found { uniform = [0.4, 0.3] }", "the lower bound first", "change"];
     refuses(&text, Some(8), &parts);
     let text = format!("{HEAD}[workspace]\nx_m = [0.8, 0.2]\n");
-    refuses(
-        &text,
-        Some(4),
-        &["workspace.x_m: found [0.8, 0.2]", "the smaller first", "change"],
-    );
+    refuses(&text, Some(4), &["workspace.x_m: found [0.8, 0.2]", "the smaller first", "change"]);
     let text = format!("{HEAD}[sensor]\nspurious_force_n = [0.1, 0.02]\n");
-    refuses(
-        &text,
-        Some(4),
-        &["sensor.spurious_force_n: found [0.1, 0.02]", "the smaller first"],
-    );
+    refuses(&text, Some(4), &["sensor.spurious_force_n: found [0.1, 0.02]", "the smaller first"]);
 }
 
 /// Tests that a reach needs at least one goal, and that the error shows the line in `[goals]`, although groups of
@@ -172,11 +110,7 @@ fn no_goals() {
 fn overlapping_trunks() {
     let place = "place = { x_m = 0.6, y_m = -0.2 }";
     let text = format!("{HEAD}[[objects.trunk]]\ncount = 1\n{place}\n\n[[objects.trunk]]\ncount = 1\n{place}\n");
-    refuses(
-        &text,
-        Some(8),
-        &["objects.trunk[1].count", "1000 overlapped another object", "change"],
-    );
+    refuses(&text, Some(8), &["objects.trunk[1].count", "1000 overlapped another object", "change"]);
 }
 
 /// Tests that more objects than there is room for, or than a scene may have, are refused, and that no data set is left
@@ -184,45 +118,23 @@ fn overlapping_trunks() {
 #[test]
 fn more_trunks_than_room() {
     let text = format!("{HEAD}[[objects.trunk]]\ncount = 9000\n");
-    refuses(
-        &text,
-        Some(4),
-        &[
-            "objects.trunk[0].count: found 9000",
-            "no more objects than there is room for;",
-        ],
-    );
+    refuses(&text, Some(4), &["objects.trunk[0].count: found 9000", "no more objects than there is room for;"]);
     let text = format!("{HEAD}[[objects.trunk]]\ncount = 10001\n");
-    refuses(
-        &text,
-        Some(4),
-        &[
-            "objects.trunk[0].count: found 10001",
-            "0 to 10000 objects in all groups together",
-        ],
-    );
+    refuses(&text, Some(4), &["objects.trunk[0].count: found 10001", "0 to 10000 objects in all groups together"]);
 }
 
 /// Tests that a scene with leaves but without foam is refused with the reason.
 #[test]
 fn leaves_without_foam() {
     let text = format!("{HEAD}[[objects.leaf]]\ncount = 3\n");
-    refuses(
-        &text,
-        Some(4),
-        &["objects.leaf[0].count: found 3", "1000 had no foam to stand in"],
-    );
+    refuses(&text, Some(4), &["objects.leaf[0].count: found 3", "1000 had no foam to stand in"]);
 }
 
 /// Tests that goals out of reach of the arm are refused.
 #[test]
 fn goals_out_of_reach() {
     let text = format!("{HEAD}[goals]\nx_m = 4.0\n\n[[objects.trunk]]\ncount = 1\n");
-    refuses(
-        &text,
-        None,
-        &["goals: found no goal number 1", "out of the arm's reach", "change"],
-    );
+    refuses(&text, None, &["goals: found no goal number 1", "out of the arm's reach", "change"]);
 }
 
 /// Tests that an unknown controller is refused with the names of all controllers.
@@ -246,11 +158,7 @@ fn missing_scene() {
     let outputs = tempfile::tempdir().unwrap();
     let (file, set) = (outputs.path().join("absent.toml"), outputs.path().join("set"));
     let parts = ["no such file", "check the path"];
-    let fault = Fault {
-        file: &file,
-        line: None,
-        parts: &parts,
-    };
+    let fault = Fault { file: &file, line: None, parts: &parts };
     fault.check(&underbrush!["reach", file]);
     fault.check(&underbrush!["generate", file, "--reaches", "1", "--out", set]);
     let name = file.display().to_string();
@@ -267,11 +175,7 @@ fn missing_arm() {
     let scene = scenes::write(folder.path(), "scene.toml", &format!("{HEAD}arm = \"no-arm.toml\"\n"));
     let (arm, set) = (folder.path().join("no-arm.toml"), outputs.path().join("set"));
     let parts = ["no such file", "check the path"];
-    let fault = Fault {
-        file: &arm,
-        line: None,
-        parts: &parts,
-    };
+    let fault = Fault { file: &arm, line: None, parts: &parts };
     fault.check(&underbrush!["reach", scene]);
     fault.check(&underbrush!["generate", scene, "--reaches", "1", "--out", set]);
     assert_empty(outputs.path());
@@ -285,28 +189,14 @@ fn bad_arm() {
     crate::support::copy_tree(&cody, folder.path());
     let file = folder.path().join("cody.toml");
     let text = std::fs::read_to_string(&file).unwrap();
-    let line = text
-        .lines()
-        .position(|line| line.trim_start().starts_with("stiffness_nm_per_rad"))
-        .unwrap();
+    let line = text.lines().position(|line| line.trim_start().starts_with("stiffness_nm_per_rad")).unwrap();
     let changed: Vec<&str> = text
         .lines()
         .enumerate()
-        .map(|(number, old)| {
-            if number == line {
-                "stiffness_nm_per_rad = -30.0"
-            } else {
-                old
-            }
-        })
+        .map(|(number, old)| if number == line { "stiffness_nm_per_rad = -30.0" } else { old })
         .collect();
     std::fs::write(&file, changed.join("\n")).unwrap();
     let scene = scenes::write(folder.path(), "scene.toml", &format!("{HEAD}arm = \"cody.toml\"\n"));
     let parts = ["stiffness_nm_per_rad", "found -30", "allowed:", "change"];
-    Fault {
-        file: &file,
-        line: Some(line + 1),
-        parts: &parts,
-    }
-    .check(&underbrush!["reach", scene]);
+    Fault { file: &file, line: Some(line + 1), parts: &parts }.check(&underbrush!["reach", scene]);
 }

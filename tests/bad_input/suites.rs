@@ -26,11 +26,7 @@ fn refuses(text: &str, line: Option<usize>, parts: &[&str]) {
     std::fs::copy(fixture().model(), folder.path().join("model.json")).unwrap();
     std::fs::copy(touch_model(), folder.path().join("touch.json")).unwrap();
     std::fs::write(&file, text).unwrap();
-    let fault = Fault {
-        file: &file,
-        line,
-        parts,
-    };
+    let fault = Fault { file: &file, line, parts };
     fault.check(&underbrush!["check", &file, "--out", outputs.path()]);
     fault.check(&underbrush!["check", &file, "--bless"]);
     assert_eq!(std::fs::read_to_string(&file).unwrap(), text, "the file was changed");
@@ -47,30 +43,18 @@ fn refuses_change(from: &str, to: &str, line: usize, parts: &[&str]) {
 /// Tests that unknown keys, metrics and categories are refused with their line and the names that exist.
 #[test]
 fn unknown_names() {
-    refuses_change(
-        "summary",
-        "sumary",
-        1,
-        &["unknown field `sumary`", "underbrush schema suite"],
-    );
+    refuses_change("summary", "sumary", 1, &["unknown field `sumary`", "underbrush schema suite"]);
     refuses_change(
         "goals_reached =",
         "goals_found =",
         6,
-        &[
-            "bounds.goals_found",
-            "one of audit, overlap_without_patch_m, goals_reached, touched",
-            "taxels_per_frame",
-        ],
+        &["bounds.goals_found", "one of audit, overlap_without_patch_m, goals_reached, touched", "taxels_per_frame"],
     );
     refuses_change(
         "goals_reached = {",
         "peak_force_n.leaf = {",
         6,
-        &[
-            "bounds.peak_force_n: found leaf",
-            "a category of the scene's objects: trunk",
-        ],
+        &["bounds.peak_force_n: found leaf", "a category of the scene's objects: trunk"],
     );
     refuses_change("at_least", "at_leest", 6, &["goals_reached", "expected a bound"]);
 }
@@ -84,29 +68,14 @@ fn categories_where_they_do_not_belong() {
         6,
         &["a bound without a category", "peak_force_n.leaf = { at_most"],
     );
-    refuses_change(
-        "goals_reached = {",
-        "goals_reached.trunk = {",
-        6,
-        &["bounds for categories", "one bound"],
-    );
+    refuses_change("goals_reached = {", "goals_reached.trunk = {", 6, &["bounds for categories", "one bound"]);
 }
 
 /// Tests that numbers outside their range are refused.
 #[test]
 fn numbers_out_of_range() {
-    refuses_change(
-        "reaches = 2",
-        "reaches = 1",
-        4,
-        &["scenes.reaches: found 1", "2 to 100000"],
-    );
-    refuses_change(
-        "at_least = 0.5",
-        "at_least = nan",
-        6,
-        &["goals_reached", "NaN", "finite numbers"],
-    );
+    refuses_change("reaches = 2", "reaches = 1", 4, &["scenes.reaches: found 1", "2 to 100000"]);
+    refuses_change("at_least = 0.5", "at_least = nan", 6, &["goals_reached", "NaN", "finite numbers"]);
     refuses_change(
         "at_least = 0.5",
         "at_least = 0.5, at_most = 0.25",
@@ -129,52 +98,27 @@ fn numbers_out_of_range() {
 /// touch model takes only its own options.
 #[test]
 fn models_that_do_not_fit() {
-    refuses_change(
-        "goals_reached = {",
-        "right.trunk = {",
-        6,
-        &["bounds.right", "a suite without a model", "[model]"],
-    );
+    refuses_change("goals_reached = {", "right.trunk = {", 6, &["bounds.right", "a suite without a model", "[model]"]);
     let with_model = |section: &str| SUITE.replace("[[scenes]]", &format!("[model]\n{section}\n[[scenes]]"));
-    refuses(
-        &with_model("file = \"model.json\"\npatch = \"elbow\""),
-        Some(3),
-        &["model.file", "elbow", "forearm"],
-    );
-    refuses(
-        &with_model("file = \"model.json\"\nthreshold_n = -1"),
-        Some(3),
-        &["model.file", "threshold_n"],
-    );
+    refuses(&with_model("file = \"model.json\"\npatch = \"elbow\""), Some(3), &["model.file", "elbow", "forearm"]);
+    refuses(&with_model("file = \"model.json\"\nthreshold_n = -1"), Some(3), &["model.file", "threshold_n"]);
     for (key, value) in [("patch", "\"forearm\""), ("threshold_n", "0.1"), ("rule", "\"argmax\"")] {
         let text = with_model(&format!("file = \"touch.json\"\n{key} = {value}"));
-        refuses(
-            &text,
-            Some(4),
-            &[&format!("model.{key}"), "no such key with a touch model"],
-        );
+        refuses(&text, Some(4), &[&format!("model.{key}"), "no such key with a touch model"]);
     }
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("suite.toml");
     scenes::write(folder.path(), "trunks.toml", scenes::FEW_TRUNKS);
     std::fs::write(&file, with_model("file = \"missing.json\"")).unwrap();
     let missing = folder.path().join("missing.json");
-    let fault = Fault {
-        file: &missing,
-        line: None,
-        parts: &["a readable model file", "check the path"],
-    };
+    let fault = Fault { file: &missing, line: None, parts: &["a readable model file", "check the path"] };
     fault.check(&underbrush!["check", &file]);
 }
 
 /// Tests that a suite without scenes or bounds, or with a scene twice, is refused.
 #[test]
 fn nothing_to_check() {
-    refuses(
-        "summary = \"x\"\nscenes = []\n",
-        Some(2),
-        &["no scenes", "at least one [[scenes]]"],
-    );
+    refuses("summary = \"x\"\nscenes = []\n", Some(2), &["no scenes", "at least one [[scenes]]"]);
     refuses(
         "summary = \"x\"\n[[scenes]]\nscene = \"trunks.toml\"\nreaches = 2\n",
         Some(3),
@@ -191,21 +135,12 @@ fn missing_files() {
     let [file, missing] = ["suite.toml", "none.toml"].map(|name| folder.path().join(name));
     std::fs::write(&file, SUITE).unwrap();
     let fault = |file: &Path, parts: &[&str], answer| {
-        Fault {
-            file,
-            line: None,
-            parts,
-        }
-        .check(&answer);
+        Fault { file, line: None, parts }.check(&answer);
     };
     let scene = folder.path().join("trunks.toml");
     fault(&scene, &["a readable scene file"], underbrush!["check", &file]);
     scenes::write(folder.path(), "trunks.toml", scenes::FEW_TRUNKS);
-    fault(
-        &missing,
-        &["a readable suite file", "underbrush schema suite"],
-        underbrush!["check", &file, &missing],
-    );
+    fault(&missing, &["a readable suite file", "underbrush schema suite"], underbrush!["check", &file, &missing]);
     underbrush!["check"].refused(&["SUITE"]);
     underbrush!["check", &file, "--bless", "--seed", "3"].refused(&["--bless", "--seed"]);
 }

@@ -34,22 +34,14 @@ fn refuses(text: &str, line: Option<usize>, parts: &[&str]) {
 /// Tests that a table with only a header and an empty file are refused.
 #[test]
 fn empty() {
-    refuses(
-        &format!("{HEADER}\n"),
-        None,
-        &["rows: found none", "one row per sample", "at least one row"],
-    );
+    refuses(&format!("{HEADER}\n"), None, &["rows: found none", "one row per sample", "at least one row"]);
     refuses("", None, &["trial: found", "one column each of trial, time_s, force_n"]);
 }
 
 /// Tests that a missing column is named together with the columns found.
 #[test]
 fn missing_column() {
-    let parts = [
-        "force_n: found only the columns trial, category, time_s",
-        "force_n",
-        "case-sensitive",
-    ];
+    let parts = ["force_n: found only the columns trial, category, time_s", "force_n", "case-sensitive"];
     refuses("trial,category,time_s\n0,leaf,0.0\n", None, &parts);
 }
 
@@ -68,11 +60,7 @@ fn bad_force() {
         refuses(
             &text,
             Some(3),
-            &[
-                &format!("force_n: found \"{force}\""),
-                "a number from -1 to 10000 N",
-                "correct the cell",
-            ],
+            &[&format!("force_n: found \"{force}\""), "a number from -1 to 10000 N", "correct the cell"],
         );
     }
 }
@@ -84,11 +72,7 @@ fn time_that_does_not_increase() {
     for time in ["0.01", "0.0"] {
         let text = format!("{HEADER}\n7,leaf,0.0,1\n7,leaf,0.01,1\n7,leaf,{time},1\n");
         let found = format!("time_s: found {}", time.parse::<f64>().unwrap());
-        refuses(
-            &text,
-            Some(4),
-            &[&found, "more than 0.01, the previous time in trial 7", "sort the rows"],
-        );
+        refuses(&text, Some(4), &[&found, "more than 0.01, the previous time in trial 7", "sort the rows"]);
     }
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("trials.csv");
@@ -100,15 +84,7 @@ fn time_that_does_not_increase() {
 #[test]
 fn two_categories_in_one_trial() {
     let text = format!("{HEADER}\n0,leaf,0.0,1\n0,trunk,0.01,1\n");
-    refuses(
-        &text,
-        Some(3),
-        &[
-            "category: found trunk",
-            "leaf, as in earlier rows of trial 0",
-            "give each value",
-        ],
-    );
+    refuses(&text, Some(3), &["category: found trunk", "leaf, as in earlier rows of trial 0", "give each value"]);
 }
 
 /// Tests that a table without categories can be scored but not used for training or evaluation, and that the error
@@ -119,11 +95,7 @@ fn no_ground_truth() {
     let (file, model) = (folder.path().join("bare.csv"), folder.path().join("model.json"));
     std::fs::write(&file, "trial,time_s,force_n\n0,0.0,1\n0,0.01,1\n").unwrap();
     let parts = ["category", "use trials with ground truth"];
-    let fault = Fault {
-        file: &file,
-        line: None,
-        parts: &parts,
-    };
+    let fault = Fault { file: &file, line: None, parts: &parts };
     fault.check(&underbrush!["train", file, "--out", model]);
     fault.check(&underbrush!["evaluate", file]);
     assert!(!model.exists());
@@ -134,32 +106,19 @@ fn no_ground_truth() {
 fn missing_file() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["absent.csv", "absent.parquet", "absent-set"] {
-        refuses_file(
-            &folder.path().join(name),
-            None,
-            &["no such file or folder", "check the path"],
-        );
+        refuses_file(&folder.path().join(name), None, &["no such file or folder", "check the path"]);
     }
     let absent = folder.path().join("absent.parquet");
     let parts = ["no such file or folder", "check the path"];
     let online = underbrush!["classify", fixture().model(), absent, "--online"];
-    Fault {
-        file: &absent,
-        line: None,
-        parts: &parts,
-    }
-    .check(&online);
+    Fault { file: &absent, line: None, parts: &parts }.check(&online);
 }
 
 /// Tests that a folder that is not a data set is refused.
 #[test]
 fn foreign_folder() {
     let folder = tempfile::tempdir().unwrap();
-    refuses_file(
-        folder.path(),
-        None,
-        &["data set: found no meta/info.json", "check the path, or generate"],
-    );
+    refuses_file(folder.path(), None, &["data set: found no meta/info.json", "check the path, or generate"]);
 }
 
 /// Tests that --online refuses a table of trials, which has no frames.
@@ -167,10 +126,7 @@ fn foreign_folder() {
 fn table_given_for_frames() {
     let fixture = fixture();
     let online = |table| underbrush!["classify", fixture.model(), table, "--online"];
-    for (table, name) in [
-        (fixture.table_csv(), "trials.csv"),
-        (fixture.table_parquet(), "trials.parquet"),
-    ] {
+    for (table, name) in [(fixture.table_csv(), "trials.csv"), (fixture.table_parquet(), "trials.parquet")] {
         online(table).refused(&[name, "found a table of trials", "leave --online out"]);
     }
 }

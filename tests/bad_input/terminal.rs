@@ -11,10 +11,7 @@ const HOSTILE: [char; 3] = ['\u{1b}', '\u{9b}', '\u{202e}'];
 fn assert_escaped(answer: &Answer, character: char) {
     let said = format!("{}{}", answer.stdout, answer.stderr);
     assert!(!said.contains(HOSTILE), "{said:?}");
-    let escaped = [
-        format!("\\u{:04x}", u32::from(character)),
-        format!("\\u{{{:x}}}", u32::from(character)),
-    ];
+    let escaped = [format!("\\u{:04x}", u32::from(character)), format!("\\u{{{:x}}}", u32::from(character))];
     assert!(escaped.iter().any(|escaped| said.contains(escaped)), "{said}");
 }
 
@@ -38,10 +35,7 @@ fn names_are_refused() {
         let table = format!("trial,category,time_s,force_n\n0,le{character}[2Jaf,0,1\n");
         let table = write("trials.csv", &table);
         let model = std::fs::read_to_string(fixture().model()).unwrap();
-        let model = write(
-            "model.json",
-            &model.replace("\"trunk\"", &format!("\"tru\\u{code}nk\"")),
-        );
+        let model = write("model.json", &model.replace("\"trunk\"", &format!("\"tru\\u{code}nk\"")));
         for (field, answer) in [
             ("summary", underbrush!["inspect", scene]),
             ("file name", underbrush!["inspect", named]),
@@ -63,11 +57,7 @@ fn what_is_printed_is_escaped() {
     for character in HOSTILE {
         let absent = format!("ab{character}[31msent.toml");
         let broken = folder.path().join("broken.toml");
-        std::fs::write(
-            &broken,
-            format!("# {character}[2J\r\nsummary = 3 # {character}]0;title\n"),
-        )
-        .unwrap();
+        std::fs::write(&broken, format!("# {character}[2J\r\nsummary = 3 # {character}]0;title\n")).unwrap();
         let table = folder.path().join(format!("table{character}.csv"));
         std::fs::copy(fixture().table_csv(), &table).unwrap();
         for options in [&[][..], &["--json"]] {

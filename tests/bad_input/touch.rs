@@ -13,11 +13,7 @@ fn refuses_text(text: &str, line: Option<usize>, parts: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("bad.json");
     std::fs::write(&file, text).unwrap();
-    let fault = Fault {
-        file: &file,
-        line,
-        parts,
-    };
+    let fault = Fault { file: &file, line, parts };
     fault.check(&underbrush!["classify", file, "-"]);
     fault.check(&underbrush!["evaluate", fixture().dataset(), "--model", file]);
     fault.check(&underbrush!["inspect", file]);
@@ -33,56 +29,20 @@ fn broken_models() {
         (
             "/format",
             json!("underbrush-touch/9"),
-            [
-                "format: found underbrush-touch/9",
-                "allowed: underbrush-touch/1",
-                "use a touch model",
-            ],
+            ["format: found underbrush-touch/9", "allowed: underbrush-touch/1", "use a touch model"],
         ),
-        (
-            "/categories",
-            json!(["trunk", "leaf"]),
-            ["categories: found trunk, leaf", "in alphabetical order", remedy],
-        ),
-        (
-            "/decision/nothing_above",
-            json!(1.5),
-            ["decision.nothing_above: found 1.5", "0 to 1", remedy],
-        ),
-        (
-            "/decision/unknown_share",
-            json!(-0.1),
-            ["decision.unknown_share: found -0.1", "0 to 1", remedy],
-        ),
-        (
-            "/options/threshold_n",
-            json!(-1),
-            ["options.threshold_n: found -1", "0 to 10000 N", remedy],
-        ),
+        ("/categories", json!(["trunk", "leaf"]), ["categories: found trunk, leaf", "in alphabetical order", remedy]),
+        ("/decision/nothing_above", json!(1.5), ["decision.nothing_above: found 1.5", "0 to 1", remedy]),
+        ("/decision/unknown_share", json!(-0.1), ["decision.unknown_share: found -0.1", "0 to 1", remedy]),
+        ("/options/threshold_n", json!(-1), ["options.threshold_n: found -1", "0 to 10000 N", remedy]),
         ("/touched/network/mean", json!([1]), ["touched: found", sizes, remedy]),
         ("/category/sharpness", json!(-1), ["category: found", sizes, remedy]),
         ("/usual/distances", json!([]), ["usual: found", sizes, remedy]),
         // Scores and distances with such numbers overflow.
-        (
-            "/touched/network/mean/0",
-            json!(1e300),
-            ["touched: found", "-1e12 to 1e12", remedy],
-        ),
-        (
-            "/category/sharpness",
-            json!(1e13),
-            ["category: found", "-1e12 to 1e12", remedy],
-        ),
-        (
-            "/usual/normals/0/mean/0",
-            json!(-1e300),
-            ["usual: found", "-1e12 to 1e12", remedy],
-        ),
-        (
-            "/usual/distances/0",
-            json!(1e9),
-            ["usual.distances: found", "ascending order", remedy],
-        ),
+        ("/touched/network/mean/0", json!(1e300), ["touched: found", "-1e12 to 1e12", remedy]),
+        ("/category/sharpness", json!(1e13), ["category: found", "-1e12 to 1e12", remedy]),
+        ("/usual/normals/0/mean/0", json!(-1e300), ["usual: found", "-1e12 to 1e12", remedy]),
+        ("/usual/distances/0", json!(1e9), ["usual.distances: found", "ascending order", remedy]),
     ];
     for (place, value, parts) in cases {
         let mut broken: Value = serde_json::from_str(&text).unwrap();
@@ -100,17 +60,9 @@ fn broken_text() {
     let allowed = "a model file of format underbrush-touch/1";
     let wrong = text.replacen("\"threshold_n\": 0.03", "\"threshold_n\": \"little\"", 1);
     assert_ne!(wrong, text);
-    refuses_text(
-        &wrong,
-        Some(line("little", &wrong)),
-        &["options.threshold_n", "little", allowed],
-    );
+    refuses_text(&wrong, Some(line("little", &wrong)), &["options.threshold_n", "little", allowed]);
     let unknown = text.replacen("\"decision\": {", "\"decision\": {\n\"mood\": 1,", 1);
-    refuses_text(
-        &unknown,
-        Some(line("mood", &unknown)),
-        &["mood", "nothing_above", allowed],
-    );
+    refuses_text(&unknown, Some(line("mood", &unknown)), &["mood", "nothing_above", allowed]);
     let half = text[..text.len() / 2].trim_end();
     refuses_text(half, Some(half.lines().count()), &["JSON", allowed]);
 }
@@ -124,11 +76,7 @@ fn a_touch_model_is_no_model_of_trials() {
     let fault = Fault {
         file: &touch,
         line: None,
-        parts: &[
-            "format: found underbrush-touch/1",
-            "allowed: underbrush-model/1",
-            "use this model with classify",
-        ],
+        parts: &["format: found underbrush-touch/1", "allowed: underbrush-model/1", "use this model with classify"],
     };
     fault.check(&underbrush!["score", touch, table]);
     fault.check(&underbrush!["train", table, "--start", touch, "--out", out]);
@@ -186,21 +134,13 @@ fn options_that_do_not_apply() {
         run(&classify, options).refused(&[options[0], "does not apply", "touch model", "leave it out"]);
     }
     let evaluate = ["evaluate", &set_text, "--model", &touch_text];
-    for options in [
-        &["--roc", &out_text][..],
-        &["--decision", "argmax"],
-        &["--patch", "forearm"],
-        &["--min-samples", "3"],
-    ] {
+    for options in
+        [&["--roc", &out_text][..], &["--decision", "argmax"], &["--patch", "forearm"], &["--min-samples", "3"]]
+    {
         run(&evaluate, options).refused(&[options[0], "does not apply", "touch", "leave it out"]);
     }
     let cross = ["evaluate", &set_text, "--classifier", "touch"];
-    for options in [
-        &["--by-samples"][..],
-        &["--group", "position"],
-        &["--states", "3"],
-        &["--labels", "contact"],
-    ] {
+    for options in [&["--by-samples"][..], &["--group", "position"], &["--states", "3"], &["--labels", "contact"]] {
         run(&cross, options).refused(&[options[0], "does not apply", "touch", "leave it out"]);
     }
     for option in ["--nothing-above", "--unknown-share", "--cost-of-uncertain"] {
@@ -222,29 +162,11 @@ fn too_little_to_learn_from() {
     let [out, reach] = ["model.json", "reach.parquet"].map(|name| outputs.path().join(name));
     underbrush!["reach", fixture().trunk_scene(), "--seed", "1", "--out", reach].success();
     let one = underbrush!["train", reach, "--classifier", "touch", "--out", out];
-    one.refused(&[
-        &reach.display().to_string(),
-        "1 reach to fit to",
-        "2 or more",
-        "several recordings",
-    ]);
+    one.refused(&[&reach.display().to_string(), "1 reach to fit to", "2 or more", "several recordings"]);
     std::fs::remove_file(&reach).unwrap();
     let set = fixture().dataset();
-    let deaf = underbrush![
-        "train",
-        set,
-        "--classifier",
-        "touch",
-        "--threshold-n",
-        "1000",
-        "--out",
-        out
-    ];
-    deaf.refused(&[
-        "nothing of a category to fit",
-        "above 1000 N in 6 reaches",
-        "lower --threshold-n",
-    ]);
+    let deaf = underbrush!["train", set, "--classifier", "touch", "--threshold-n", "1000", "--out", out];
+    deaf.refused(&["nothing of a category to fit", "above 1000 N in 6 reaches", "lower --threshold-n"]);
     let elbow = underbrush!["train", set, "--classifier", "touch", "--patch", "elbow", "--out", out];
     elbow.refused(&["no patch named \"elbow\"", "forearm"]);
     let folds = |count: &str| underbrush!["evaluate", set, "--classifier", "touch", "--folds", count];

@@ -12,17 +12,7 @@ fn unknown_controller() {
     let (scene, set) = (fixture().trunk_scene(), outputs.path().join("set"));
     let parts = ["clever", "--controller", "cody-2013, ijrr-foliage, blind"];
     underbrush!["reach", scene, "--controller", "clever"].refused(&parts);
-    underbrush![
-        "generate",
-        scene,
-        "--reaches",
-        "1",
-        "--out",
-        set,
-        "--controller",
-        "clever"
-    ]
-    .refused(&parts);
+    underbrush!["generate", scene, "--reaches", "1", "--out", set, "--controller", "clever"].refused(&parts);
     assert_empty(outputs.path());
 }
 
@@ -38,11 +28,7 @@ fn bad_shard() {
     }
     for shard in ["1/2", "2/2"] {
         let empty = underbrush!["generate", scene, "--reaches", "1", "--out", set, "--shard", shard];
-        empty.refused(&[
-            "2 parts",
-            "as many parts as reaches",
-            "fewer parts, or for more reaches",
-        ]);
+        empty.refused(&["2 parts", "as many parts as reaches", "fewer parts, or for more reaches"]);
     }
     assert_empty(outputs.path());
 }
@@ -59,21 +45,13 @@ fn folder_that_holds_something() {
         arguments.extend(["--reaches", "1", "--out"].map(Into::into));
         arguments.push(folder.path().into());
         arguments.extend(resume.map(Into::into));
-        let parts = [
-            &folder.path().display().to_string(),
-            "is not empty and holds no data set",
-            "a new folder",
-        ];
+        let parts = [&folder.path().display().to_string(), "is not empty and holds no data set", "a new folder"];
         crate::support::call(arguments, "").refused(&parts);
         assert!(before == tree(folder.path()));
     }
     let file = folder.path().join("thesis.tex");
     let onto_file = underbrush!["generate", scene, "--reaches", "1", "--out", file];
-    onto_file.refused(&[
-        &file.display().to_string(),
-        "found a file",
-        "choose an empty or a new folder",
-    ]);
+    onto_file.refused(&[&file.display().to_string(), "found a file", "choose an empty or a new folder"]);
     assert!(before == tree(folder.path()));
 }
 
@@ -84,32 +62,14 @@ fn scenes_that_do_not_go_together() {
     let folder = tempfile::tempdir().unwrap();
     let outputs = tempfile::tempdir().unwrap();
     let set = outputs.path().join("set");
-    let blind = scenes::write(
-        folder.path(),
-        "blind.toml",
-        &format!("controller = \"blind\"\n{}", scenes::FEW_TRUNKS),
-    );
+    let blind = scenes::write(folder.path(), "blind.toml", &format!("controller = \"blind\"\n{}", scenes::FEW_TRUNKS));
     let feeling = scenes::write(folder.path(), "feeling.toml", scenes::FEW_TRUNKS);
-    let parts = [
-        "scenes blind and feeling",
-        "different controllers, blind and cody-2013",
-        "--controller",
-    ];
+    let parts = ["scenes blind and feeling", "different controllers, blind and cody-2013", "--controller"];
     underbrush!["generate", blind, feeling, "--reaches", "1", "--out", set].refused(&parts);
     let twice = underbrush!["generate", feeling, feeling, "--reaches", "1", "--out", set];
     twice.refused(&["two scenes are called feeling", "rename one file"]);
     assert_empty(outputs.path());
-    let chosen = underbrush![
-        "generate",
-        blind,
-        feeling,
-        "--reaches",
-        "1",
-        "--out",
-        set,
-        "--controller",
-        "blind"
-    ];
+    let chosen = underbrush!["generate", blind, feeling, "--reaches", "1", "--out", set, "--controller", "blind"];
     chosen.success();
 }
 
@@ -118,11 +78,7 @@ fn scenes_that_do_not_go_together() {
 fn numbers_out_of_range() {
     let fixture = fixture();
     let outputs = tempfile::tempdir().unwrap();
-    let (table, model, set) = (
-        fixture.table_csv(),
-        outputs.path().join("model.json"),
-        outputs.path().join("set"),
-    );
+    let (table, model, set) = (fixture.table_csv(), outputs.path().join("model.json"), outputs.path().join("set"));
     underbrush!["train", table, "--out", model, "--states", "0"].refused(&["--states", "1..=500"]);
     underbrush!["train", table, "--out", model, "--tolerance", "nan"].refused(&["--tolerance", "zero or more"]);
     underbrush!["evaluate", table, "--folds", "1"].refused(&["1 folds", "at least 2"]);
@@ -154,16 +110,7 @@ fn options_whose_need_is_excluded() {
     let (table, model, out) = (fixture.table_csv(), fixture.model(), outputs.path().join("out"));
     let train = underbrush!["train", table, "--out", out, "--start", model, "--outlier-prior", "0.2"];
     train.refused(&["--start", "--outlier-prior"]);
-    let benchmark = underbrush![
-        "benchmark",
-        "verdicts",
-        "--model",
-        model,
-        "--verdicts",
-        model,
-        "--out",
-        out
-    ];
+    let benchmark = underbrush!["benchmark", "verdicts", "--model", model, "--verdicts", model, "--out", out];
     benchmark.refused(&["--model", "--verdicts"]);
     assert_empty(outputs.path());
 }
@@ -196,18 +143,7 @@ fn outputs_that_are_inputs() {
         answer.refused(&["an input of this command", "choose another name"]);
     }
     assert!(before == tree(folder.path()));
-    underbrush![
-        "train",
-        table,
-        "--start",
-        model,
-        "--iterations",
-        "1",
-        "--out",
-        model,
-        "--force"
-    ]
-    .success();
+    underbrush!["train", table, "--start", model, "--iterations", "1", "--out", model, "--force"].success();
 }
 
 /// Tests that an output that cannot be written is refused before the work, and so before what is wrong with the trials
@@ -245,19 +181,13 @@ fn nothing_to_fit() {
     let fixture = fixture();
     let outputs = tempfile::tempdir().unwrap();
     let (set, out) = (fixture.dataset(), outputs.path().join("out.csv"));
-    let parts = [
-        "dataset: no contact on the first patch above 1000 N",
-        "lower --threshold-n",
-    ];
+    let parts = ["dataset: no contact on the first patch above 1000 N", "lower --threshold-n"];
     underbrush!["train", set, "--out", out, "--threshold-n", "1000"].refused(&parts);
     underbrush!["evaluate", set, "--threshold-n", "1000"].refused(&parts);
     underbrush!["trials", set, "--out", out, "--threshold-n", "1000"].refused(&parts);
     for table in [fixture.table_csv(), fixture.table_parquet()] {
         let short = underbrush!["evaluate", table, "--min-samples", "99999"];
-        short.refused(&[
-            "no trial in this table has 99999 samples or more",
-            "lower --min-samples",
-        ]);
+        short.refused(&["no trial in this table has 99999 samples or more", "lower --min-samples"]);
         assert!(!short.stderr.contains("--threshold-n"), "{}", short.stderr);
     }
     assert_empty(outputs.path());
@@ -281,14 +211,7 @@ fn unknown_names() {
     underbrush!["train", text, "--out", table].refused(&["trials.txt", "extension \"txt\""]);
     let prior = underbrush!["classify", fixture.model(), fixture.table_csv(), "--prior", "moss=0.5"];
     prior.refused(&["moss"]);
-    let twice = underbrush![
-        "classify",
-        fixture.model(),
-        fixture.table_csv(),
-        "--prior",
-        "leaf=0.7",
-        "--prior",
-        "leaf=0.1"
-    ];
+    let twice =
+        underbrush!["classify", fixture.model(), fixture.table_csv(), "--prior", "leaf=0.7", "--prior", "leaf=0.1"];
     twice.refused(&["--prior is given twice for leaf"]);
 }

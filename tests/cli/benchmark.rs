@@ -32,52 +32,21 @@ fn a_row_does_not_depend_on_who_made_the_reaches() {
     let scene = Path::new(SCENES).join("mixed.toml");
     for part in ["1/2", "2/2"] {
         let out = folder.path().join(part.replace('/', "-"));
-        underbrush![
-            "generate",
-            scene,
-            "--reaches",
-            "2",
-            "--seed",
-            "910002",
-            "--shard",
-            part,
-            "--out",
-            out
-        ]
-        .success();
+        underbrush!["generate", scene, "--reaches", "2", "--seed", "910002", "--shard", part, "--out", out].success();
     }
     let merged = parts.join("quick-sets/reaching-cody-2013");
     fs::create_dir_all(merged.parent().unwrap()).unwrap();
-    underbrush![
-        "merge",
-        folder.path().join("1-2"),
-        folder.path().join("2-2"),
-        "--out",
-        merged
-    ]
-    .success();
+    underbrush!["merge", folder.path().join("1-2"), folder.path().join("2-2"), "--out", merged].success();
     let before = fs::metadata(merged.join("meta/info.json")).unwrap().modified().unwrap();
     for (out, jobs) in [(&two, "2"), (&parts, "2")] {
-        let text = underbrush![
-            "benchmark",
-            "reaching",
-            "--controller",
-            "cody-2013",
-            "--quick",
-            "--jobs",
-            jobs,
-            "--out",
-            out
-        ]
-        .success();
+        let text =
+            underbrush!["benchmark", "reaching", "--controller", "cody-2013", "--quick", "--jobs", jobs, "--out", out]
+                .success();
         assert!(text.contains("a quick run that is no row of the table"), "{text}");
     }
     let row = |out: &Path| fs::read(out.join("quick-rows/reaching-cody-2013.json")).unwrap();
     assert!(row(&one) == row(&two) && row(&one) == row(&parts));
-    assert_eq!(
-        serde_json::from_slice::<serde_json::Value>(&row(&one)).unwrap(),
-        printed
-    );
+    assert_eq!(serde_json::from_slice::<serde_json::Value>(&row(&one)).unwrap(), printed);
     let after = fs::metadata(merged.join("meta/info.json")).unwrap().modified().unwrap();
     assert_eq!(before, after, "the set was made again");
     // The share of goals reached, computed from what `inspect` prints.
@@ -94,26 +63,8 @@ fn a_row_does_not_depend_on_who_made_the_reaches() {
 fn accuracies_after_one_sample_are_those_of_trials_of_one_sample() {
     let folder = tempfile::tempdir().unwrap();
     let [model, out, table, cut] = ["bayes.json", "out", "trials.csv", "cut.csv"].map(|name| folder.path().join(name));
-    underbrush![
-        "train",
-        fixture().dataset(),
-        "--classifier",
-        "naive-bayes",
-        "--out",
-        model
-    ]
-    .success();
-    let row = underbrush![
-        "benchmark",
-        "verdicts",
-        "--model",
-        model,
-        "--quick",
-        "--json",
-        "--out",
-        out
-    ]
-    .json();
+    underbrush!["train", fixture().dataset(), "--classifier", "naive-bayes", "--out", model].success();
+    let row = underbrush!["benchmark", "verdicts", "--model", model, "--quick", "--json", "--out", out].json();
     underbrush!["trials", out.join("quick-sets/verdicts"), "--out", table].success();
     let text = fs::read_to_string(table).unwrap();
     let mut lines = text.lines();
@@ -133,20 +84,14 @@ fn accuracies_after_one_sample_are_those_of_trials_of_one_sample() {
     let verdicts = &row["figures"]["verdicts"];
     let mut recalls = Vec::new();
     for category in evaluated["categories"].as_array().unwrap() {
-        let Some(name) = category["category"]
-            .as_str()
-            .filter(|name| ["leaf", "trunk"].contains(name))
-        else {
+        let Some(name) = category["category"].as_str().filter(|name| ["leaf", "trunk"].contains(name)) else {
             continue;
         };
         assert_eq!(verdicts["contacts"][name], category["trials"], "{category}");
         recalls.push(category["recall"].as_f64().unwrap());
     }
     let ours = verdicts["moments"][0]["leaf_or_trunk"]["value"].as_f64().unwrap();
-    assert_eq!(
-        (verdicts["moments"][0]["samples"].as_u64(), recalls.len()),
-        (Some(1), 2)
-    );
+    assert_eq!((verdicts["moments"][0]["samples"].as_u64(), recalls.len()), (Some(1), 2));
     let theirs = (recalls[0] + recalls[1]) / 2.0;
     assert!((ours - theirs).abs() < 1e-12, "{ours} {theirs}");
     // The last moment is the end of the contacts.

@@ -129,10 +129,7 @@ fn touch_models_judge_suites() {
         bound.and_then(|bound| bound["found"].as_f64()).unwrap()
     };
     let [right, wrong, uncertain] = ["right", "wrong", "uncertain"].map(|name| found(&format!("{name}.trunk")));
-    assert!(
-        (right + wrong + uncertain - 1.0).abs() < 1e-12,
-        "{right} {wrong} {uncertain}"
-    );
+    assert!((right + wrong + uncertain - 1.0).abs() < 1e-12, "{right} {wrong} {uncertain}");
     let nothing = found("called_nothing.trunk");
     assert!((0.0..=wrong).contains(&nothing), "{nothing} of {wrong}");
     assert!((0.0..=1.0).contains(&found("spurious_called_nothing")));
@@ -163,18 +160,9 @@ fn a_broken_bound_names_a_reach() {
         assert!(answer.stderr.contains(part), "{}", answer.stderr);
     }
     assert!(answer.stdout.contains("small: 2 of 3 bounds hold"), "{}", answer.stdout);
-    let shown = answer
-        .stdout
-        .lines()
-        .find(|line| line.contains("underbrush reach"))
-        .unwrap();
+    let shown = answer.stdout.lines().find(|line| line.contains("underbrush reach")).unwrap();
     // The path has a space and needs quotes.
-    let (path, options) = shown
-        .trim()
-        .strip_prefix("underbrush reach '")
-        .unwrap()
-        .split_once("' ")
-        .unwrap();
+    let (path, options) = shown.trim().strip_prefix("underbrush reach '").unwrap().split_once("' ").unwrap();
     let mut arguments = vec!["reach".into(), path.into(), "--json".into()];
     let picture = folder.path().join("reach.svg");
     arguments.extend(options.split(' ').map(|option| match option {
@@ -183,14 +171,7 @@ fn a_broken_bound_names_a_reach() {
     }));
     let reach = crate::support::call(arguments, "").json();
     assert!(picture.exists());
-    let found = answer
-        .stdout
-        .split("where it is ")
-        .nth(1)
-        .unwrap()
-        .split(':')
-        .next()
-        .unwrap();
+    let found = answer.stdout.split("where it is ").nth(1).unwrap().split(':').next().unwrap();
     let (found, peak): (f64, f64) = (found.parse().unwrap(), reach["peak_contact_force_n"].as_f64().unwrap());
     // The text has four digits.
     assert!((found / peak - 1.0).abs() < 1e-3, "{found} {peak}");

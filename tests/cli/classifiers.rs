@@ -33,12 +33,7 @@ pub(super) fn online_ends_where_score_does(model: &Path, recording: &Path, trial
         let answer = answers.iter().find(|answer| answer["taxel"] == trial.taxel.unwrap());
         for category in ["leaf", "trunk"] {
             let found = answer.unwrap()["scores"][category].as_f64();
-            assert_eq!(
-                found,
-                Some(scores[&(category.to_owned(), trial.trial)]),
-                "{}",
-                model.display()
-            );
+            assert_eq!(found, Some(scores[&(category.to_owned(), trial.trial)]), "{}", model.display());
         }
     }
 }
@@ -112,11 +107,7 @@ fn markov_models_of_force_and_area() {
 fn bad_lists_of_features() {
     let folder = tempfile::tempdir().unwrap();
     let (table, out) = (fixture().table_csv(), folder.path().join("model.json"));
-    for (list, part) in [
-        ("warmth", "region-max-force"),
-        ("force,force", "twice"),
-        ("", "unknown"),
-    ] {
+    for (list, part) in [("warmth", "region-max-force"), ("force,force", "twice"), ("", "unknown")] {
         underbrush!["train", table, "--out", out, "--features", list].refused(&["--features", part]);
     }
     assert!(!out.exists());
@@ -127,35 +118,11 @@ fn bad_lists_of_features() {
 fn thresholds_of_another_classifier() {
     let folder = tempfile::tempdir().unwrap();
     let (table, model) = (table_without_reaches(folder.path()), folder.path().join("model.json"));
-    let options = [
-        "--classifier",
-        "naive-bayes",
-        "--features",
-        "force",
-        "--false-positive-rate",
-        "0.3",
-    ];
+    let options = ["--classifier", "naive-bayes", "--features", "force", "--false-positive-rate", "0.3"];
     let [a, b, c, d, e, f] = options;
-    underbrush![
-        "train",
-        table,
-        a,
-        b,
-        c,
-        d,
-        e,
-        f,
-        "--outlier-prior",
-        "0.2",
-        "--out",
-        model
-    ]
-    .success();
+    underbrush!["train", table, a, b, c, d, e, f, "--outlier-prior", "0.2", "--out", model].success();
     let decision = underbrush!["inspect", model, "--json"].json()["decision"].clone();
-    assert!(
-        decision["rule"]["outlier_band"]["category_above"].is_number(),
-        "{decision}"
-    );
+    assert!(decision["rule"]["outlier_band"]["category_above"].is_number(), "{decision}");
     let of = |rule: &str| underbrush!["classify", model, table, "--decision", rule].success();
     let own = underbrush!["classify", model, table].success();
     assert_ne!(own, of("argmax"));
@@ -171,16 +138,7 @@ fn options_of_markov_models_are_refused_for_others() {
     underbrush!["score", model, table, "--by", "viterbi"].refused(&["--by", "logistic"]);
     underbrush!["classify", model, table, "--score", "viterbi"].refused(&["--score", "logistic"]);
     underbrush!["train", table, "--start", model, "--out", out].refused(&["--start", "hidden Markov models"]);
-    underbrush![
-        "train",
-        table,
-        "--classifier",
-        "logistic",
-        "--states",
-        "3",
-        "--out",
-        out
-    ]
-    .refused(&["--states", "hidden Markov models"]);
+    underbrush!["train", table, "--classifier", "logistic", "--states", "3", "--out", out]
+        .refused(&["--states", "hidden Markov models"]);
     assert!(!out.exists());
 }

@@ -15,14 +15,8 @@ use crate::support::{call, table, underbrush};
 fn the_verdict_is_the_best_score() {
     let fixture = fixture();
     let score = underbrush!["score", fixture.model(), fixture.table_csv()].success();
-    assert_eq!(
-        score,
-        underbrush!["score", fixture.model(), fixture.dataset()].success()
-    );
-    assert_eq!(
-        score,
-        underbrush!["score", fixture.model(), fixture.table_parquet()].success()
-    );
+    assert_eq!(score, underbrush!["score", fixture.model(), fixture.dataset()].success());
+    assert_eq!(score, underbrush!["score", fixture.model(), fixture.table_parquet()].success());
     let scores = table::scores(&score);
     let verdicts = underbrush!["classify", fixture.model(), fixture.table_csv()].success();
     let same = underbrush!["classify", fixture.model(), fixture.dataset()].success();
@@ -30,10 +24,8 @@ fn the_verdict_is_the_best_score() {
     let rows = table::rows(&verdicts);
     assert_eq!(2 * rows.len(), scores.len());
     let given = table::rows(&std::fs::read_to_string(fixture.table_csv()).unwrap());
-    let truth: BTreeMap<&str, &str> = given
-        .iter()
-        .map(|row| (row["trial"].as_str(), row["category"].as_str()))
-        .collect();
+    let truth: BTreeMap<&str, &str> =
+        given.iter().map(|row| (row["trial"].as_str(), row["category"].as_str())).collect();
     for row in rows {
         assert_eq!(row["truth"], truth[row["trial"].as_str()], "{row:?}");
         let of = |model: &str| scores[&(model.to_string(), row["trial"].parse().unwrap())];
@@ -50,19 +42,16 @@ fn a_table_without_category_is_classified() {
     let bare = folder.path().join("bare.csv");
     let text = std::fs::read_to_string(fixture.table_csv()).unwrap();
     let mut lines = vec!["force_n,time_s,trial".to_string()];
-    lines.extend(table::rows(&text).iter().map(|row| {
-        [&row["force_n"], &row["time_s"], &row["trial"]]
-            .map(String::as_str)
-            .join(",")
-    }));
+    lines.extend(
+        table::rows(&text)
+            .iter()
+            .map(|row| [&row["force_n"], &row["time_s"], &row["trial"]].map(String::as_str).join(",")),
+    );
     std::fs::write(&bare, lines.join("\n")).unwrap();
     let scores = |path| underbrush!["score", fixture.model(), path].success();
     assert_eq!(scores(&bare), scores(&fixture.table_csv()));
     let verdicts = underbrush!["classify", fixture.model(), bare].success();
-    assert!(
-        table::rows(&verdicts).iter().all(|row| row["truth"].is_empty()),
-        "{verdicts}"
-    );
+    assert!(table::rows(&verdicts).iter().all(|row| row["truth"].is_empty()), "{verdicts}");
 }
 
 /// The lines that `classify --online` prints for a recording.
@@ -84,12 +73,7 @@ fn online_ends_where_batch_does() {
         assert_eq!(online.len(), read_recording(&recording).unwrap().frames.len());
         let answer = |time_s: f64, taxel: u32| {
             let frame = online.iter().find(|frame| frame["time_s"] == time_s).unwrap();
-            frame["taxels"]
-                .as_array()
-                .unwrap()
-                .iter()
-                .find(|answer| answer["taxel"] == taxel)
-                .unwrap()
+            frame["taxels"].as_array().unwrap().iter().find(|answer| answer["taxel"] == taxel).unwrap()
         };
         for trial in &trials {
             let taxel = trial.taxel.unwrap();
@@ -99,18 +83,10 @@ fn online_ends_where_batch_does() {
             let last = answer(trial.samples.last().unwrap().time_s, taxel);
             for category in ["leaf", "trunk"] {
                 let batch = batch[&(category.to_string(), trial.trial)];
-                assert_eq!(
-                    last["scores"][category].as_f64(),
-                    Some(batch),
-                    "trial {}, {category}, {by}",
-                    trial.trial
-                );
+                assert_eq!(last["scores"][category].as_f64(), Some(batch), "trial {}, {category}, {by}", trial.trial);
             }
         }
-        let answers: usize = online
-            .iter()
-            .map(|frame| frame["taxels"].as_array().unwrap().len())
-            .sum();
+        let answers: usize = online.iter().map(|frame| frame["taxels"].as_array().unwrap().len()).sum();
         assert_eq!(answers, trials.iter().map(|trial| trial.samples.len()).sum::<usize>());
     }
 }
@@ -124,10 +100,7 @@ fn frames_on_standard_input_are_answered_alike() {
     let recording = folder.path().join("reach.parquet");
     recording_with_trials(&fixture().trunk_scene(), &recording);
     let frames = read_recording(&recording).unwrap().frames;
-    let stdin: String = frames
-        .iter()
-        .map(|frame| serde_json::to_string(frame).unwrap() + "\n")
-        .collect();
+    let stdin: String = frames.iter().map(|frame| serde_json::to_string(frame).unwrap() + "\n").collect();
     let answer = call(vec!["classify".into(), model.clone().into(), "-".into()], &stdin);
     let latency = format!("{} frames answered: median ", frames.len());
     assert!(answer.stderr.contains(&latency), "{}", answer.stderr);
@@ -144,10 +117,7 @@ fn priors_and_rules_change_verdicts() {
     let verdicts = |options: &[&str]| {
         let mut arguments = vec!["classify".into(), fixture.model().into(), fixture.table_csv().into()];
         arguments.extend(options.iter().map(Into::into));
-        table::rows(&call(arguments, "").success())
-            .iter()
-            .map(|row| row["verdict"].clone())
-            .collect::<Vec<_>>()
+        table::rows(&call(arguments, "").success()).iter().map(|row| row["verdict"].clone()).collect::<Vec<_>>()
     };
     let count = |verdicts: &[String], name: &str| verdicts.iter().filter(|verdict| *verdict == name).count();
     let even = verdicts(&[]);

@@ -23,23 +23,12 @@ fn data_set_and_tables_are_judged_alike() {
 #[test]
 fn the_confusion_matrix_counts_each_trial_once() {
     let trials = read_trials(fixture().table_csv()).unwrap();
-    let figures = underbrush![
-        "evaluate",
-        fixture().table_csv(),
-        "--states",
-        "2",
-        "--group",
-        "position",
-        "--json"
-    ]
-    .json();
+    let figures =
+        underbrush!["evaluate", fixture().table_csv(), "--states", "2", "--group", "position", "--json"].json();
     let truth = figures["confusion"]["truth"].as_array().unwrap();
     assert_eq!(truth, &["leaf", "trunk"]);
     for (row, category) in truth.iter().enumerate() {
-        let of_category = trials
-            .iter()
-            .filter(|trial| trial.category.as_deref() == category.as_str())
-            .count() as u64;
+        let of_category = trials.iter().filter(|trial| trial.category.as_deref() == category.as_str()).count() as u64;
         let counts = figures["confusion"]["count"][row].as_array().unwrap();
         let counts: Vec<u64> = counts.iter().map(|count| count.as_u64().unwrap()).collect();
         assert_eq!(counts.iter().sum::<u64>(), of_category);
@@ -49,10 +38,7 @@ fn the_confusion_matrix_counts_each_trial_once() {
         let recall = of["recall"].as_f64().unwrap();
         assert!((recall - right as f64 / of_category as f64).abs() < 1e-12, "{of}");
         let interval = &of["recall_interval"];
-        assert!(
-            interval["low"].as_f64().unwrap() <= recall && recall <= interval["high"].as_f64().unwrap(),
-            "{of}"
-        );
+        assert!(interval["low"].as_f64().unwrap() <= recall && recall <= interval["high"].as_f64().unwrap(), "{of}");
     }
 }
 
@@ -60,15 +46,7 @@ fn the_confusion_matrix_counts_each_trial_once() {
 /// majority baseline and the balanced accuracy.
 #[test]
 fn text_names_the_figures() {
-    let text = underbrush![
-        "evaluate",
-        fixture().table_csv(),
-        "--states",
-        "2",
-        "--group",
-        "position"
-    ]
-    .success();
+    let text = underbrush!["evaluate", fixture().table_csv(), "--states", "2", "--group", "position"].success();
     for part in [
         "truth \\ verdict",
         "recall %",
@@ -91,38 +69,18 @@ fn every_classifier_is_evaluated_and_asked_while_contacts_last() {
     let table = fixture().table_csv();
     let trials = read_trials(&table).unwrap();
     let count = trials.iter().filter(|trial| trial.category.is_some()).count() as u64;
-    for name in [
-        "hmm",
-        "nearest-neighbours",
-        "naive-bayes",
-        "echo-state-network",
-        "recursive",
-        "logistic",
-        "logistic-taxel",
-    ] {
-        let figures = underbrush![
-            "evaluate",
-            table,
-            "--classifier",
-            name,
-            "--group",
-            "position",
-            "--by-samples",
-            "--json"
-        ]
-        .json();
+    for name in
+        ["hmm", "nearest-neighbours", "naive-bayes", "echo-state-network", "recursive", "logistic", "logistic-taxel"]
+    {
+        let figures =
+            underbrush!["evaluate", table, "--classifier", name, "--group", "position", "--by-samples", "--json"]
+                .json();
         assert_eq!(figures["predictions"].as_array().unwrap().len() as u64, count, "{name}");
         let series = figures["by_samples"].as_array().unwrap();
         assert_eq!(series.len(), 10);
-        assert_eq!(
-            (&series[0]["samples"], &series[0]["lasting"]),
-            (&1.into(), &count.into())
-        );
+        assert_eq!((&series[0]["samples"], &series[0]["lasting"]), (&1.into(), &count.into()));
         assert_eq!(series[9]["accuracy"], figures["accuracy"], "{name}");
-        let lasting: Vec<u64> = series[..9]
-            .iter()
-            .map(|point| point["lasting"].as_u64().unwrap())
-            .collect();
+        let lasting: Vec<u64> = series[..9].iter().map(|point| point["lasting"].as_u64().unwrap()).collect();
         assert!(lasting.is_sorted_by(|a, b| a >= b), "{lasting:?}");
     }
 }
@@ -140,9 +98,7 @@ fn fitted_to_one_table_and_tested_on_another() {
         let trial: usize = line.split(',').next().unwrap().parse().unwrap();
         parts[trial % 2].1 += &format!("{line}\n");
     }
-    parts
-        .iter()
-        .for_each(|(path, part)| std::fs::write(path, part).unwrap());
+    parts.iter().for_each(|(path, part)| std::fs::write(path, part).unwrap());
     let [(even, _), (odd, _)] = &parts;
     let model = folder.path().join("model.json");
     underbrush!["train", even, "--out", model, "--states", "2"].success();
@@ -205,16 +161,10 @@ fn the_advised_grouping_is_the_default() {
     assert_eq!(by_default["folds"]["by"], "reach");
     assert_eq!(by_default, evaluate(&["--group", "reach"]));
     assert_eq!(by_default, evaluate(&["--split", "reach"]));
-    assert_ne!(
-        by_default["predictions"],
-        evaluate(&["--group", "position"])["predictions"]
-    );
+    assert_ne!(by_default["predictions"], evaluate(&["--group", "position"])["predictions"]);
     let paper = evaluate(&["--preset", "paper", "--min-samples", "1"]);
     assert_eq!(paper, evaluate(&["--group", "position"]));
-    assert_eq!(
-        evaluate(&["--preset", "paper", "--group", "reach", "--min-samples", "1"]),
-        by_default
-    );
+    assert_eq!(evaluate(&["--preset", "paper", "--group", "reach", "--min-samples", "1"]), by_default);
 
     let mut trials = read_trials(&table).unwrap();
     trials[0].reach = None;
@@ -228,35 +178,23 @@ fn the_advised_grouping_is_the_default() {
 #[test]
 fn options_that_do_not_apply_are_refused() {
     let (table, model) = (fixture().table_csv(), fixture().model());
-    for option in [
-        "--states",
-        "--iterations",
-        "--max-samples",
-        "--tolerance",
-        "--variance-floor",
-    ] {
+    for option in ["--states", "--iterations", "--max-samples", "--tolerance", "--variance-floor"] {
         underbrush!["evaluate", table, "--classifier", "logistic", option, "3"]
             .refused(&[option, "hidden Markov models"]);
         underbrush!["evaluate", table, "--model", model, option, "3"].refused(&[option, "trained already"]);
     }
-    for (option, value) in [
-        ("--features", "force"),
-        ("--recipe", "modern"),
-        ("--topology", "ergodic"),
-        ("--initial", "uniform"),
-    ] {
+    for (option, value) in
+        [("--features", "force"), ("--recipe", "modern"), ("--topology", "ergodic"), ("--initial", "uniform")]
+    {
         // Every classifier has features.
         if option != "--features" {
             underbrush!["evaluate", table, "--classifier", "recursive", option, value].refused(&[option]);
         }
         underbrush!["evaluate", table, "--model", model, option, value].refused(&[option]);
     }
-    for (option, value) in [
-        ("--by", "taxel"),
-        ("--patch", "forearm"),
-        ("--threshold-n", "0.1"),
-        ("--labels", "environment"),
-    ] {
+    for (option, value) in
+        [("--by", "taxel"), ("--patch", "forearm"), ("--threshold-n", "0.1"), ("--labels", "environment")]
+    {
         underbrush!["evaluate", table, option, value].refused(&[option, "a table of trials"]);
         underbrush!["classify", model, table, option, value].refused(&[option, "a table of trials"]);
     }

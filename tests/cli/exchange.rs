@@ -15,16 +15,9 @@ type Known = (Option<u64>, Option<u32>, Vec<(i64, f64)>);
 /// What an import can know about these trials.
 fn known(trials: &[Trial]) -> Vec<Known> {
     let samples = |trial: &Trial| {
-        trial
-            .samples
-            .iter()
-            .map(|sample| ((sample.time_s * 1e6).round() as i64, sample.force_n))
-            .collect()
+        trial.samples.iter().map(|sample| ((sample.time_s * 1e6).round() as i64, sample.force_n)).collect()
     };
-    let mut known: Vec<_> = trials
-        .iter()
-        .map(|trial| (trial.reach, trial.taxel, samples(trial)))
-        .collect();
+    let mut known: Vec<_> = trials.iter().map(|trial| (trial.reach, trial.taxel, samples(trial))).collect();
     known.sort_by(|a, b| a.partial_cmp(b).unwrap());
     known
 }
@@ -53,10 +46,7 @@ fn trials_through_hdf5_are_those_of_the_data_set() {
         "[time]\nrate_hz = 100\n[force]\nfrom = \"data/*/obs/tactile_forearm\"\n[trial]\ncategory_from = \"scene\"\n",
     );
     let imported = underbrush!["import", file, "--mapping", map, "--out", table, "--json"].json();
-    let (direct, imported_trials) = (
-        read_trials(fixture().table_csv()).unwrap(),
-        read_trials(&table).unwrap(),
-    );
+    let (direct, imported_trials) = (read_trials(fixture().table_csv()).unwrap(), read_trials(&table).unwrap());
     assert_eq!(imported["trials"], direct.len());
     assert_eq!(known(&direct), known(&imported_trials));
     let categories = imported["categories"].as_object().unwrap();
@@ -71,17 +61,8 @@ fn trials_through_hdf5_are_those_of_the_data_set() {
     assert_eq!(written["reaches"], reaches.len());
     let of_motion = folder.path().join("motion.json");
     let options = ["--features", "force,motion", "--states", "3"];
-    underbrush![
-        "train",
-        fixture().table_csv(),
-        "--out",
-        of_motion,
-        options[0],
-        options[1],
-        options[2],
-        options[3]
-    ]
-    .success();
+    underbrush!["train", fixture().table_csv(), "--out", of_motion, options[0], options[1], options[2], options[3]]
+        .success();
     underbrush!["replay", table, "--model", of_motion, "--out", page, "--force"].refused(&[
         "trials.csv",
         "motion.json with the features force+motion",
@@ -99,25 +80,17 @@ fn trials_through_mcap_are_those_of_the_recording() {
     let mut direct = recording_with_trials(&fixture().trunk_scene(), &recording);
     let text = underbrush!["export", recording, "--to", "mcap", "--out", file].success();
     assert!(text.starts_with("1 reach, ") && text.contains(" in 1 file, "), "{text}");
-    let map = mapping(
-        folder.path(),
-        "[force]\ntopic = \"/skin/forearm\"\nfrom = \"sensed_force_n\"\n",
-    );
+    let map = mapping(folder.path(), "[force]\ntopic = \"/skin/forearm\"\nfrom = \"sensed_force_n\"\n");
     underbrush!["import", file, "--mapping", map, "--out", table].success();
     direct.iter_mut().for_each(|trial| trial.reach = Some(0));
     assert_eq!(known(&direct), known(&read_trials(&table).unwrap()));
 
     let written = underbrush!["export", fixture().dataset(), "--to", "mcap", "--out", many, "--json"].json();
     assert_eq!(written["files"], 6);
-    let mut names: Vec<_> = std::fs::read_dir(&many)
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
+    let mut names: Vec<_> =
+        std::fs::read_dir(&many).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
-    assert_eq!(
-        names,
-        (0..6).map(|reach| format!("reach-{reach:06}.mcap")).collect::<Vec<_>>()
-    );
+    assert_eq!(names, (0..6).map(|reach| format!("reach-{reach:06}.mcap")).collect::<Vec<_>>());
     let before = tree(&many);
     let second = folder.path().join("second.parquet");
     std::fs::copy(&recording, &second).unwrap();
@@ -165,15 +138,7 @@ fn a_program_without_hdf5_says_how_to_get_it() {
     underbrush!["export", fixture().dataset(), "--to", "hdf5", "--out", out].refused(&["--features hdf5", "MCAP"]);
     std::fs::write(&log, "").unwrap();
     let map = mapping(folder.path(), "[time]\nrate_hz = 100\n[force]\nfrom = \"data/force\"\n");
-    underbrush![
-        "import",
-        log,
-        "--mapping",
-        map,
-        "--out",
-        folder.path().join("trials.csv")
-    ]
-    .refused(&[
+    underbrush!["import", log, "--mapping", map, "--out", folder.path().join("trials.csv")].refused(&[
         "log.h5",
         "HDF5, which this program was built without",
         "--features hdf5",

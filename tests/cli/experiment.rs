@@ -44,39 +44,25 @@ fn an_experiment_with_another_arm_and_three_categories_runs() {
     // In a pipe, lines tell how far the work is.
     let stages: Vec<(usize, usize)> = answer.stderr.lines().filter_map(stage).collect();
     assert_eq!(stages.first(), Some(&(1, 16)), "{}", answer.stderr);
-    assert!(
-        stages.is_sorted_by(|a, b| a.0 < b.0 && a.1 == b.1) && stages.len() > 10,
-        "{stages:?}"
-    );
+    assert!(stages.is_sorted_by(|a, b| a.0 < b.0 && a.1 == b.1) && stages.len() > 10, "{stages:?}");
     let summary = answer.json();
     assert_eq!(summary["experiment"], "three-categories");
     let labels = ["leaf", "trunk", "foam roll"];
     let rows = summary["trials_per_reach"].as_array().unwrap();
     for label in labels {
-        let own = rows
-            .iter()
-            .find(|row| row["category"] == label && row["by"] == "taxel")
-            .unwrap();
+        let own = rows.iter().find(|row| row["category"] == label && row["by"] == "taxel").unwrap();
         assert!(own["trials"].as_u64().unwrap() > 0, "no trial of {label}: {rows:?}");
         assert!(own["paper"].is_null());
     }
     let matrix = &summary["figure_7"];
-    let truths: Vec<&str> = matrix["truth"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|own| own.as_str().unwrap())
-        .collect();
+    let truths: Vec<&str> = matrix["truth"].as_array().unwrap().iter().map(|own| own.as_str().unwrap()).collect();
     assert_eq!(truths, ["foam roll", "leaf", "trunk"]);
     assert_eq!(summary["classifiers"].as_array().unwrap().len(), 3);
     // One classifier, trained and tested at two settings.
     assert_eq!(summary["splits"].as_array().unwrap().len(), 4);
     assert_eq!(summary["figure_11"].as_array().unwrap().len(), 0);
     let page = std::fs::read_to_string(out.join("report/index.html")).unwrap();
-    assert!(
-        page.contains("foam roll") && !page.contains("In the paper") && !page.contains("NaN"),
-        "{page}"
-    );
+    assert!(page.contains("foam roll") && !page.contains("In the paper") && !page.contains("NaN"), "{page}");
     assert!(!page.contains("the paper's experiment"));
     // The replay pages hold exactly the reaches that figures link to.
     let mut files = 0;
@@ -86,15 +72,10 @@ fn an_experiment_with_another_arm_and_three_categories_runs() {
         let places: BTreeSet<&str> = links.map(|rest| rest.split(['&', '"']).next().unwrap()).collect();
         let file = std::fs::read_to_string(out.join("report").join(name));
         files += usize::from(file.is_ok());
-        let held = file.map_or(0, |file| {
-            file.matches("<script type=\"application/octet-stream\"").count()
-        });
+        let held = file.map_or(0, |file| file.matches("<script type=\"application/octet-stream\"").count());
         assert_eq!(held, places.len(), "{name}");
         let expected: BTreeSet<String> = (0..held).map(|place| place.to_string()).collect();
-        assert!(
-            places.iter().all(|place| expected.contains(*place)),
-            "{name}: {places:?}"
-        );
+        assert!(places.iter().all(|place| expected.contains(*place)), "{name}: {places:?}");
     }
     assert!(files > 0);
     // A folder can be continued only with the same experiment.

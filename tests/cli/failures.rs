@@ -24,17 +24,11 @@ const FAILING: [(&[&str], &str); 16] = [
     (&["score", "absent.json", "absent.csv"], "input"),
     (&["validate", "--pictures", "FILE/pictures"], "run"),
     (&["check", "absent.toml"], "input"),
-    (
-        &["benchmark", "verdicts", "--model", "absent.json", "--out", "OUT"],
-        "input",
-    ),
+    (&["benchmark", "verdicts", "--model", "absent.json", "--out", "OUT"], "input"),
     (&["inspect", "absent"], "input"),
     (&["replay", "absent"], "input"),
     (&["export", "absent", "--to", "mcap", "--out", "OUT"], "input"),
-    (
-        &["import", "absent.csv", "--mapping", "absent.toml", "--out", "OUT.csv"],
-        "input",
-    ),
+    (&["import", "absent.csv", "--mapping", "absent.toml", "--out", "OUT.csv"], "input"),
 ];
 
 /// The error that a command printed as the only thing on stdout.
@@ -52,9 +46,7 @@ fn error(answer: &Answer) -> Value {
 fn subcommands() -> Vec<String> {
     let help = underbrush!["--help"].success();
     let list = help.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
-    let entries = list
-        .lines()
-        .filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    let entries = list.lines().filter(|line| line.starts_with("  ") && !line.starts_with("   "));
     let names = entries.map(|line| line.split_whitespace().next().unwrap().to_owned());
     names.filter(|name| name != "help").collect()
 }
@@ -68,12 +60,9 @@ fn every_command_prints_its_error_as_json() {
     std::fs::write(&file, "").unwrap();
     let out = folder.path().join("out").display().to_string();
     for (arguments, kind) in FAILING {
-        let filled = arguments.iter().map(|argument| {
-            argument
-                .replace("OUT", &out)
-                .replace("FILE", &file.display().to_string())
-                .into()
-        });
+        let filled = arguments
+            .iter()
+            .map(|argument| argument.replace("OUT", &out).replace("FILE", &file.display().to_string()).into());
         let plain: Vec<OsString> = filled.collect();
         let with_json = [plain.clone(), vec!["--json".into()]].concat();
         let [plain, with_json] = [plain, with_json].map(|arguments| call(arguments, ""));
@@ -103,10 +92,7 @@ fn usage_errors_are_json_too() {
         assert_eq!(answer.status, 2);
         let error = error(&answer);
         assert_eq!(error["kind"], "usage", "{name}");
-        assert!(
-            error["message"].as_str().unwrap().contains("--no-such-option"),
-            "{error}"
-        );
+        assert!(error["message"].as_str().unwrap().contains("--no-such-option"), "{error}");
         assert!(answer.stderr.contains("--no-such-option"));
         underbrush![name, "--no-such-option"].refused(&["--no-such-option"]);
     }
@@ -125,12 +111,7 @@ fn an_error_about_a_line_has_all_values() {
     assert_eq!(error["file"], table.display().to_string());
     assert_eq!((&error["line"], &error["field"]), (&2.into(), &"force_n".into()));
     for key in ["found", "allowed", "remedy"] {
-        assert!(
-            error["message"]
-                .as_str()
-                .unwrap()
-                .contains(error[key].as_str().unwrap())
-        );
+        assert!(error["message"].as_str().unwrap().contains(error[key].as_str().unwrap()));
     }
 }
 

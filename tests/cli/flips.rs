@@ -43,19 +43,12 @@ fn no_flipped_bit_of_a_set_is_read_without_a_word() {
         let (name, whole) = &files[number as usize % files.len()];
         let path = set.join(name);
         let place = flip(&path, whole, number);
-        let mut calls = vec![
-            ("trials", underbrush!["trials", set, "--out", table]),
-            ("inspect", underbrush!["inspect", set]),
-        ];
+        let mut calls =
+            vec![("trials", underbrush!["trials", set, "--out", table]), ("inspect", underbrush!["inspect", set])];
         if name.ends_with("provenance.json") {
             calls.push(("generate", underbrush!["generate", "--from", set, "--out", again]));
         }
-        unnoticed.extend(
-            calls
-                .iter()
-                .filter(|(_, call)| call.status == 0)
-                .map(|(call, _)| format!("{call}: {place}")),
-        );
+        unnoticed.extend(calls.iter().filter(|(_, call)| call.status == 0).map(|(call, _)| format!("{call}: {place}")));
         fs::write(&path, whole).unwrap();
     }
     assert_eq!(unnoticed, [""; 0], "of {FLIPS} flips");

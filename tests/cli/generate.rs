@@ -29,10 +29,7 @@ fn threads_do_not_change_a_byte() {
     }
     assert_same_trees(&one, &two);
     let data = "data/chunk-000/file-000.parquet";
-    assert_ne!(
-        std::fs::read(one.join(data)).unwrap(),
-        std::fs::read(other.join(data)).unwrap()
-    );
+    assert_ne!(std::fs::read(one.join(data)).unwrap(), std::fs::read(other.join(data)).unwrap());
 }
 
 /// Tests that the largest difference between taxel forces and solver forces in the summary is rounding error, that
@@ -41,20 +38,9 @@ fn threads_do_not_change_a_byte() {
 fn taxel_forces_add_up_to_contact_forces() {
     let folder = tempfile::tempdir().unwrap();
     let scene = scenes::write(folder.path(), "trunk.toml", scenes::TRUNKS_AT_FOREARM);
-    let call = underbrush![
-        "generate",
-        scene,
-        "--reaches",
-        "1",
-        "--out",
-        folder.path().join("set"),
-        "--json"
-    ];
+    let call = underbrush!["generate", scene, "--reaches", "1", "--out", folder.path().join("set"), "--json"];
     assert_eq!(call.stderr, "");
     let summary = call.json();
-    assert!(
-        summary["audit"]["largest_force_residual"]["value"].as_f64().unwrap() < 1e-9,
-        "{summary}"
-    );
+    assert!(summary["audit"]["largest_force_residual"]["value"].as_f64().unwrap() < 1e-9, "{summary}");
     assert_eq!(summary["touched_reaches"]["forearm"], 1, "{summary}");
 }

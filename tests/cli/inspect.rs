@@ -9,12 +9,7 @@ use crate::support::{scenes, underbrush};
 #[test]
 fn keys_are_names() {
     let fixture = fixture();
-    let inspected = [
-        fixture.leaf_scene(),
-        fixture.dataset(),
-        fixture.table_csv(),
-        fixture.model(),
-    ];
+    let inspected = [fixture.leaf_scene(), fixture.dataset(), fixture.table_csv(), fixture.model()];
     for path in inspected {
         let found = underbrush!["inspect", path, "--json"].json();
         for key in found.as_object().unwrap().keys() {
@@ -35,28 +30,16 @@ fn each_kind_of_thing_is_recognized() {
 
     let describe = |path: &Path| underbrush!["inspect", path, "--json"].json();
     let found = describe(&scene);
-    assert_eq!(
-        (&found["scene"], &found["objects"]["trunk"]),
-        (&"few".into(), &3.into())
-    );
+    assert_eq!((&found["scene"], &found["objects"]["trunk"]), (&"few".into(), &3.into()));
     let found = describe(&fixture.dataset());
-    assert_eq!(
-        (&found["reaches"], &found["reaches_by_scene"]["leaf"]),
-        (&6.into(), &3.into())
-    );
-    assert_eq!(
-        (&found["taxels"]["forearm"], &found["taxels"]["flipper"]),
-        (&384.into(), &69.into())
-    );
+    assert_eq!((&found["reaches"], &found["reaches_by_scene"]["leaf"]), (&6.into(), &3.into()));
+    assert_eq!((&found["taxels"]["forearm"], &found["taxels"]["flipper"]), (&384.into(), &69.into()));
     let found = describe(&recording);
     assert_eq!((&found["scene"], &found["objects"]), (&"few".into(), &3.into()));
     let tables = [fixture.table_csv(), fixture.table_parquet()].map(|table| describe(&table));
     assert_eq!(tables[0]["trials_by_category"], tables[1]["trials_by_category"]);
     assert!(tables[0]["trials_by_category"]["leaf"].as_u64().unwrap() >= 4);
     let found = describe(&fixture.model());
-    assert_eq!(
-        found["states_by_category"],
-        serde_json::json!({ "leaf": 3, "trunk": 3 })
-    );
+    assert_eq!(found["states_by_category"], serde_json::json!({ "leaf": 3, "trunk": 3 }));
     assert_eq!(found["features"], serde_json::json!(["force_n"]));
 }

@@ -80,26 +80,11 @@ fn bad_lines_are_answered_and_change_nothing() {
         (long, "line"),
         ("{\"time_s\":-1,\"taxels\":[]}".into(), "time_s"),
         ("{\"taxels\":[]}".into(), "time_s"),
-        (
-            reading("{\"patch\":\"elbow\",\"taxel\":1,\"sensed_force_n\":1}"),
-            "taxels[0].patch",
-        ),
-        (
-            reading("{\"patch\":7,\"taxel\":1,\"sensed_force_n\":1}"),
-            "taxels[0].patch",
-        ),
-        (
-            reading("{\"patch\":0,\"taxel\":384,\"sensed_force_n\":1}"),
-            "taxels[0].taxel",
-        ),
-        (
-            reading("{\"patch\":0,\"taxel\":1,\"sensed_force_n\":-1}"),
-            "taxels[0].sensed_force_n",
-        ),
-        (
-            reading("{\"patch\":0,\"taxel\":1,\"sensed_force_n\":1e300}"),
-            "taxels[0].sensed_force_n",
-        ),
+        (reading("{\"patch\":\"elbow\",\"taxel\":1,\"sensed_force_n\":1}"), "taxels[0].patch"),
+        (reading("{\"patch\":7,\"taxel\":1,\"sensed_force_n\":1}"), "taxels[0].patch"),
+        (reading("{\"patch\":0,\"taxel\":384,\"sensed_force_n\":1}"), "taxels[0].taxel"),
+        (reading("{\"patch\":0,\"taxel\":1,\"sensed_force_n\":-1}"), "taxels[0].sensed_force_n"),
+        (reading("{\"patch\":0,\"taxel\":1,\"sensed_force_n\":1e300}"), "taxels[0].sensed_force_n"),
         (
             reading(
                 "{\"patch\":0,\"taxel\":1,\"sensed_force_n\":1},{\"patch\":\"forearm\",\"taxel\":1,\"sensed_force_n\":2}",
@@ -125,11 +110,7 @@ fn bad_lines_are_answered_and_change_nothing() {
     }
     assert!(expected_errors.len() >= bad.len(), "a longer reach is needed");
     let answer = classify(&fixture().model(), &[], &stdin);
-    assert!(
-        answer.stderr.contains(&format!("{} bad lines", expected_errors.len())),
-        "{}",
-        answer.stderr
-    );
+    assert!(answer.stderr.contains(&format!("{} bad lines", expected_errors.len())), "{}", answer.stderr);
     let (mut good, mut errors) = (String::new(), Vec::new());
     let text = answer.success();
     for line in text.lines() {
@@ -138,17 +119,11 @@ fn bad_lines_are_answered_and_change_nothing() {
             None => good += &format!("{line}\n"),
             Some(error) => {
                 assert!(error["found"].is_string() && error["allowed"].is_string(), "{line}");
-                errors.push((
-                    value["line"].as_u64().unwrap(),
-                    error["field"].as_str().unwrap().to_owned(),
-                ));
+                errors.push((value["line"].as_u64().unwrap(), error["field"].as_str().unwrap().to_owned()));
             }
         }
     }
-    let expected_errors: Vec<_> = expected_errors
-        .into_iter()
-        .map(|(line, field)| (line, field.to_owned()))
-        .collect();
+    let expected_errors: Vec<_> = expected_errors.into_iter().map(|(line, field)| (line, field.to_owned())).collect();
     assert_eq!(errors, expected_errors);
     assert!(good == underbrush!["classify", fixture().model(), recording, "--online"].success());
 }
@@ -158,11 +133,7 @@ fn bad_lines_are_answered_and_change_nothing() {
 fn bytes_that_are_no_text() {
     let arguments = vec!["classify".into(), fixture().model().into(), "-".into()];
     let output = call_with_bytes(arguments, b"\xff\xfe\x00\n{\"time_s\":1,\"taxels\":[]}");
-    let answers: Vec<Value> = output
-        .stdout
-        .lines()
-        .map(|line| serde_json::from_str(line).unwrap())
-        .collect();
+    let answers: Vec<Value> = output.stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!(answers[0]["error"]["field"], "line");
     assert_eq!(answers[1], json!({ "time_s": 1.0, "taxels": [] }));
     assert_eq!((answers.len(), output.status), (2, 0));
@@ -172,17 +143,9 @@ fn bytes_that_are_no_text() {
 #[test]
 fn strict_ends_at_the_first_bad_line() {
     let good = "{\"time_s\":1,\"taxels\":[]}\n";
-    let answer = classify(
-        &fixture().model(),
-        &["--strict"],
-        &format!("{good}\n{{\"time_s\":2}}\n{good}"),
-    );
+    let answer = classify(&fixture().model(), &["--strict"], &format!("{good}\n{{\"time_s\":2}}\n{good}"));
     assert_eq!(answer.status, 2, "{}", answer.stderr);
-    assert!(
-        answer.stderr.contains("<stdin>:3") && answer.stderr.contains("--strict"),
-        "{}",
-        answer.stderr
-    );
+    assert!(answer.stderr.contains("<stdin>:3") && answer.stderr.contains("--strict"), "{}", answer.stderr);
     assert_eq!(answer.stdout.lines().count(), 2);
     assert!(answer.stdout.contains("\"line\":3"), "{}", answer.stdout);
     for option in ["--strict", "--skin=x"] {
@@ -198,22 +161,10 @@ fn motion_needs_a_pose() {
     let folder = tempfile::tempdir().unwrap();
     let (recording, frames) = frames(folder.path());
     let model = folder.path().join("motion.json");
-    underbrush![
-        "train",
-        fixture().table_csv(),
-        "--out",
-        model,
-        "--states",
-        "2",
-        "--features",
-        "force+motion"
-    ]
-    .success();
+    underbrush!["train", fixture().table_csv(), "--out", model, "--states", "2", "--features", "force+motion"]
+        .success();
     let without = classify(&model, &[], &robots_line(&frames[0])).success();
-    assert_eq!(
-        serde_json::from_str::<Value>(&without).unwrap()["error"]["field"],
-        "patch_pose_world"
-    );
+    assert_eq!(serde_json::from_str::<Value>(&without).unwrap()["error"]["field"], "patch_pose_world");
     let with_pose = |frame: &Frame| {
         let mut line: Value = serde_json::from_str(&robots_line(frame)).unwrap();
         line["patch_pose_world"] = json!({ "forearm": frame.patch_pose_world[0] });

@@ -7,10 +7,7 @@ use std::process::Command;
 use crate::support::{assert_same_trees, scenes, tree};
 
 /// Makes the GNU C library choose the variants of its functions that it has for processors without FMA and AVX.
-const OLD_PROCESSOR: (&str, &str) = (
-    "GLIBC_TUNABLES",
-    "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX,-AVX512F,-SSE4_1",
-);
+const OLD_PROCESSOR: (&str, &str) = ("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX,-AVX512F,-SSE4_1");
 
 /// Makes the same files in a folder with a variable of the environment: a recording, a data set, models of both kinds and
 /// their verdicts frame by frame.

@@ -9,13 +9,7 @@ fn generate(folder: &Path, name: &str, shard: Option<&str>, seed: &str) -> PathB
     let leaf = scenes::write(folder, "leaf.toml", scenes::FEW_LEAVES);
     let trunk = scenes::write(folder, "trunk.toml", scenes::FEW_TRUNKS);
     let out = folder.join(name);
-    let mut arguments = vec![
-        "generate".into(),
-        leaf.into(),
-        trunk.into(),
-        "--out".into(),
-        out.clone().into(),
-    ];
+    let mut arguments = vec!["generate".into(), leaf.into(), trunk.into(), "--out".into(), out.clone().into()];
     arguments.extend(["--reaches", "5", "--seed", seed].map(Into::into));
     arguments.extend(shard.into_iter().flat_map(|shard| ["--shard".into(), shard.into()]));
     call(arguments, "").success();
@@ -58,14 +52,7 @@ fn parts_merge_into_the_bytes_of_one_process() {
 #[test]
 fn what_does_not_fit_together_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
-    let part = |index: u32| {
-        generate(
-            folder.path(),
-            &format!("part-{index}"),
-            Some(&format!("{index}/3")),
-            "4",
-        )
-    };
+    let part = |index: u32| generate(folder.path(), &format!("part-{index}"), Some(&format!("{index}/3")), "4");
     let parts: Vec<PathBuf> = (1..=3).map(part).collect();
     let whole = generate(folder.path(), "whole", None, "4");
     let other_seed = generate(folder.path(), "other-seed", Some("3/3"), "5");
@@ -73,12 +60,11 @@ fn what_does_not_fit_together_is_refused_by_name() {
     let out = folder.path().join("merged");
 
     merge(&[first.clone(), third.clone()], &out, &[]).refused(&["2 of 3 parts, without 2/3", "--shard"]);
-    merge(
-        &[first.clone(), second.clone(), second.clone(), third.clone()],
-        &out,
-        &[],
-    )
-    .refused(&["part-2", "found 2/3, which", "each part once"]);
+    merge(&[first.clone(), second.clone(), second.clone(), third.clone()], &out, &[]).refused(&[
+        "part-2",
+        "found 2/3, which",
+        "each part once",
+    ]);
     merge(&[first.clone(), second.clone(), other_seed], &out, &[]).refused(&[
         "other-seed: provenance.seed: found 5",
         "allowed: 4, as in",

@@ -22,10 +22,7 @@ fn write(path: &Path, model: &Value) {
 fn a_wrong_seal_is_refused_and_a_missing_one_is_warned_of() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.json");
-    for (source, number) in [
-        (fixture().model(), "/models/leaf/mean/0/0"),
-        (touch::model(), "/category/sharpness"),
-    ] {
+    for (source, number) in [(fixture().model(), "/models/leaf/mean/0/0"), (touch::model(), "/category/sharpness")] {
         let whole = read(&source);
         let inspect = || underbrush!["inspect", path];
         write(&path, &whole);
@@ -40,11 +37,7 @@ fn a_wrong_seal_is_refused_and_a_missing_one_is_warned_of() {
         write(&path, &changed);
         let call = inspect();
         assert_eq!(call.status, 0, "{}", call.stderr);
-        assert!(
-            call.stderr.contains("warning") && call.stderr.contains("no seal"),
-            "{}",
-            call.stderr
-        );
+        assert!(call.stderr.contains("warning") && call.stderr.contains("no seal"), "{}", call.stderr);
     }
 }
 
@@ -54,17 +47,7 @@ fn a_wrong_seal_is_refused_and_a_missing_one_is_warned_of() {
 fn a_model_of_trials_says_where_it_comes_from() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.json");
-    underbrush![
-        "train",
-        fixture().dataset(),
-        "--min-samples",
-        "3",
-        "--states",
-        "2",
-        "--out",
-        path
-    ]
-    .success();
+    underbrush!["train", fixture().dataset(), "--min-samples", "3", "--states", "2", "--out", path].success();
     let provenance = &read(&path)["provenance"];
     let program = provenance["program"].as_str().unwrap();
     let version = underbrush!["--version"].success();
@@ -111,17 +94,7 @@ fn a_touch_model_says_where_it_comes_from() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("touch.json");
     let set = fixture().dataset();
-    underbrush![
-        "train",
-        set,
-        "--classifier",
-        "touch",
-        "--limit-wrong",
-        "0.4",
-        "--out",
-        path
-    ]
-    .success();
+    underbrush!["train", set, "--classifier", "touch", "--limit-wrong", "0.4", "--out", path].success();
     let shown = underbrush!["inspect", path, "--json"].json();
     let provenance = &shown["provenance"];
     assert_eq!(provenance, &read(&path)["provenance"]);
@@ -135,14 +108,7 @@ fn a_touch_model_says_where_it_comes_from() {
 fn too_little_data_is_warned_of() {
     let folder = tempfile::tempdir().unwrap();
     let [table, set, out] = ["leaf.csv", "set", "model.json"].map(|name| folder.path().join(name));
-    let row = |k: usize| {
-        format!(
-            "{},leaf,{},{}\n",
-            k / 6,
-            k as f64 * 0.01,
-            0.1 + 0.01 * (k * k % 7) as f64
-        )
-    };
+    let row = |k: usize| format!("{},leaf,{},{}\n", k / 6, k as f64 * 0.01, 0.1 + 0.01 * (k * k % 7) as f64);
     let one: String = (0..12).map(row).collect();
     std::fs::write(&table, format!("trial,category,time_s,force_n\n{one}")).unwrap();
     let call = underbrush!["train", table, "--states", "20", "--out", out];

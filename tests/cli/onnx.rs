@@ -9,9 +9,7 @@ use crate::support::fixture::{fixture, recording_with_trials};
 use crate::support::{call, table, underbrush};
 
 fn network(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("classifier/tests/onnx")
-        .join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("classifier/tests/onnx").join(name)
 }
 
 /// Logarithms of the probabilities of leaf and trunk after two samples of these forces, by the weights of
@@ -28,11 +26,8 @@ fn expected(first_n: f64, second_n: f64) -> [f64; 2] {
 #[test]
 fn a_network_is_a_model_like_any_other() {
     let folder = tempfile::tempdir().unwrap();
-    let (model, table, recording) = (
-        network("linear.onnx"),
-        fixture().table_csv(),
-        folder.path().join("reach.parquet"),
-    );
+    let (model, table, recording) =
+        (network("linear.onnx"), fixture().table_csv(), folder.path().join("reach.parquet"));
     let mut forces_n: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
     for row in table::rows(&std::fs::read_to_string(&table).unwrap()) {
         let own = forces_n.entry(row["trial"].parse().unwrap()).or_default();
@@ -50,23 +45,15 @@ fn a_network_is_a_model_like_any_other() {
         let expected = expected(own[0], *own.get(1).unwrap_or(&own[0]));
         for (category, expected) in ["leaf", "trunk"].into_iter().zip(expected) {
             let found = scores[&(category.to_owned(), trial)];
-            assert!(
-                (found - expected).abs() < 1e-6,
-                "{category}, trial {trial}: {found} against {expected}"
-            );
+            assert!((found - expected).abs() < 1e-6, "{category}, trial {trial}: {found} against {expected}");
         }
         assert_eq!(row["verdict"], if expected[0] > expected[1] { "leaf" } else { "trunk" });
         right += usize::from(row["verdict"] == row["truth"]);
     }
-    let known = verdicts
-        .iter()
-        .filter(|row| ["leaf", "trunk"].contains(&row["truth"].as_str()));
+    let known = verdicts.iter().filter(|row| ["leaf", "trunk"].contains(&row["truth"].as_str()));
     let figures = underbrush!["evaluate", table, "--model", model, "--json"].json();
     let accuracy = figures["accuracy"].as_f64().unwrap();
-    assert!(
-        (accuracy - right as f64 / known.count() as f64).abs() < 1e-12,
-        "{figures}"
-    );
+    assert!((accuracy - right as f64 / known.count() as f64).abs() < 1e-12, "{figures}");
     let trials = recording_with_trials(&fixture().trunk_scene(), &recording);
     online_ends_where_score_does(&model, &recording, &trials);
 }

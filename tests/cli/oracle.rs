@@ -11,9 +11,7 @@ const START_TOLERANCE: f64 = 1e-9;
 const TRAINED_TOLERANCE: f64 = 1e-6;
 
 fn data(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("classifier/tests/data/hmm")
-        .join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("classifier/tests/data/hmm").join(name)
 }
 
 /// Demands that `score` prints the oracle's value for every model and trial.
@@ -25,19 +23,13 @@ fn compare(model: &Path, configuration: &str, by: &str, column: &str, tolerance:
         let (name, trial) = (row["model"].clone(), row["trial"].parse().unwrap());
         let (found, expected) = (found[&(name, trial)], row[column].parse::<f64>().unwrap());
         let difference = ((found - expected) / expected).abs();
-        assert!(
-            difference <= tolerance,
-            "{configuration}, {column}: {row:?}, found {found}: {difference:e}"
-        );
+        assert!(difference <= tolerance, "{configuration}, {column}: {row:?}, found {found}: {difference:e}");
     }
 }
 
 fn check(configuration: &str) {
     let folder = tempfile::tempdir().unwrap();
-    let (start, trained) = (
-        data(&format!("{configuration}.start.json")),
-        folder.path().join("trained.json"),
-    );
+    let (start, trained) = (data(&format!("{configuration}.start.json")), folder.path().join("trained.json"));
     underbrush![
         "train",
         data("trials.csv"),
@@ -55,13 +47,7 @@ fn check(configuration: &str) {
     .success();
     for by in ["forward", "viterbi"] {
         compare(&start, configuration, by, &format!("{by}_start"), START_TOLERANCE);
-        compare(
-            &trained,
-            configuration,
-            by,
-            &format!("{by}_after_20"),
-            TRAINED_TOLERANCE,
-        );
+        compare(&trained, configuration, by, &format!("{by}_after_20"), TRAINED_TOLERANCE);
     }
 }
 

@@ -23,66 +23,29 @@ fn calls(folder: &Path) -> Vec<Vec<OsString>> {
     let parts = ["1", "2"].map(|part| {
         let out = folder.join("part").join(part).into_os_string();
         let shard = format!("--shard={part}/2").into();
-        let call_ = [
-            text("generate --reaches 2"),
-            vec![scene.clone(), shard, "--out".into(), out.clone()],
-        ]
-        .concat();
+        let call_ = [text("generate --reaches 2"), vec![scene.clone(), shard, "--out".into(), out.clone()]].concat();
         call(call_, "").success();
         out
     });
     let mut pieces: Vec<(Vec<OsString>, Vec<OsString>)> = vec![
-        (
-            text("train --states 2"),
-            vec![table.clone(), "--out".into(), named("new.json")],
-        ),
+        (text("train --states 2"), vec![table.clone(), "--out".into(), named("new.json")]),
         (text("reach"), vec![scene.clone(), "--out".into(), named("new.parquet")]),
         (text("reach"), vec![scene.clone(), "--picture".into(), named("new.svg")]),
-        (
-            text("reach"),
-            vec![scene.clone(), "--animation".into(), named("loop.svg")],
-        ),
+        (text("reach"), vec![scene.clone(), "--animation".into(), named("loop.svg")]),
         (text("trials"), vec![set.clone(), "--out".into(), named("new.csv")]),
-        (
-            text("import"),
-            vec![
-                log.into(),
-                "--mapping".into(),
-                mapping.into(),
-                "--out".into(),
-                named("palm.csv"),
-            ],
-        ),
-        (
-            text("evaluate"),
-            vec![table, "--model".into(), model, "--roc".into(), named("roc.csv")],
-        ),
-        (
-            text("replay --reaches 0"),
-            vec![set.clone(), "--out".into(), named("new.html")],
-        ),
-        (
-            text("export --to mcap"),
-            vec![set.clone(), "--out".into(), named("mcap")],
-        ),
+        (text("import"), vec![log.into(), "--mapping".into(), mapping.into(), "--out".into(), named("palm.csv")]),
+        (text("evaluate"), vec![table, "--model".into(), model, "--roc".into(), named("roc.csv")]),
+        (text("replay --reaches 0"), vec![set.clone(), "--out".into(), named("new.html")]),
+        (text("export --to mcap"), vec![set.clone(), "--out".into(), named("mcap")]),
         (text("check"), vec![suite.into(), "--out".into(), named("report")]),
-        (
-            text("validate --only hmm"),
-            vec!["--pictures".into(), named("pictures")],
-        ),
+        (text("validate --only hmm"), vec!["--pictures".into(), named("pictures")]),
         (text("generate --reaches 1"), vec![scene, "--out".into(), named("set")]),
-        (
-            text("merge"),
-            [parts.to_vec(), vec!["--out".into(), named("merged")]].concat(),
-        ),
+        (text("merge"), [parts.to_vec(), vec!["--out".into(), named("merged")]].concat()),
     ];
     if cfg!(feature = "hdf5") {
         pieces.push((text("export --to hdf5"), vec![set, "--out".into(), named("new.hdf5")]));
     }
-    pieces
-        .into_iter()
-        .map(|(words, paths)| [words, paths].concat())
-        .collect()
+    pieces.into_iter().map(|(words, paths)| [words, paths].concat()).collect()
 }
 
 /// Tests that every command refuses an output that exists, names `--force`, and leaves it as it is, and that `--force`

@@ -25,30 +25,17 @@ fn any_path_is_read_and_written() {
     copy_tree(&fixture().dataset(), &set);
     let shown = |answer: crate::support::Answer, key: &str| {
         let report = answer.json();
-        assert!(
-            report[key].as_str().is_some_and(|path| path.contains('\u{fffd}')),
-            "{report}"
-        );
+        assert!(report[key].as_str().is_some_and(|path| path.contains('\u{fffd}')), "{report}");
     };
     for out in [&table, &binary_table] {
         shown(underbrush!["trials", set, "--out", out, "--json"], "file");
     }
-    shown(
-        underbrush!["train", table, "--out", model, "--states", "2", "--json"],
-        "model",
-    );
+    shown(underbrush!["train", table, "--out", model, "--states", "2", "--json"], "model");
     underbrush!["reach", scene, "--out", recording, "--picture", picture, "--json"].success();
-    shown(
-        underbrush!["generate", scene, "--reaches", "1", "--out", named("new"), "--json"],
-        "dataset",
-    );
-    for (path, key) in [
-        (&set, "dataset"),
-        (&recording, "recording"),
-        (&table, "table"),
-        (&binary_table, "table"),
-        (&model, "model"),
-    ] {
+    shown(underbrush!["generate", scene, "--reaches", "1", "--out", named("new"), "--json"], "dataset");
+    for (path, key) in
+        [(&set, "dataset"), (&recording, "recording"), (&table, "table"), (&binary_table, "table"), (&model, "model")]
+    {
         shown(underbrush!["inspect", path, "--json"], key);
     }
     underbrush!["inspect", scene].success();

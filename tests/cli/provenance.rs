@@ -43,19 +43,7 @@ fn a_changed_arm_is_refused_on_resume() {
     let scene = scene_with_own_arm(folder.path(), 1.0);
     interrupted(&scene, &out);
     scene_with_own_arm(folder.path(), 0.5);
-    let resumed = || {
-        underbrush![
-            "generate",
-            scene,
-            "--reaches",
-            "8",
-            "--seed",
-            "3",
-            "--out",
-            out,
-            "--resume"
-        ]
-    };
+    let resumed = || underbrush!["generate", scene, "--reaches", "8", "--seed", "3", "--out", out, "--resume"];
     resumed().refused(&["another plan", "provenance.arms", "my-arm.toml"]);
     scene_with_own_arm(folder.path(), 1.0);
     let skin = folder.path().join("my-arm/cody.skin.toml");
@@ -149,13 +137,7 @@ fn options_beside_from_are_refused() {
         &["--controller", "blind"],
         &["scenes/leaf.toml"],
     ] {
-        let mut arguments = vec![
-            "generate".into(),
-            "--from".into(),
-            set.clone(),
-            "--out".into(),
-            out.clone(),
-        ];
+        let mut arguments = vec!["generate".into(), "--from".into(), set.clone(), "--out".into(), out.clone()];
         arguments.extend(contradiction.iter().map(PathBuf::from));
         let arguments = arguments.into_iter().map(Into::into).collect();
         crate::support::call(arguments, "").refused(&["cannot be used with", "--from"]);
@@ -208,11 +190,7 @@ fn a_set_made_again_is_compared_with_its_source() {
     altered(&set, &folder.path().join("older-other"), older, flipped);
     let call = again("older-other");
     assert_eq!(call.status, 0, "{}", call.stderr);
-    assert!(
-        call.stderr.contains(named) && call.stderr.contains("0.0.9"),
-        "{}",
-        call.stderr
-    );
+    assert!(call.stderr.contains(named) && call.stderr.contains("0.0.9"), "{}", call.stderr);
     altered(&set, &folder.path().join("other"), |_| {}, flipped);
     let call = again("other");
     assert_eq!(call.status, 1, "{}", call.stderr);

@@ -33,10 +33,7 @@ fn a_reach_is_that_of_its_campaign() {
     let [set, file] = ["set", "reach.parquet"].map(|name| folder.path().join(name));
     underbrush!["generate", scene, "--reaches", "2", "--seed", "6", "--out", set].success();
     underbrush!["reach", scene, "--seed", "6", "--index", "1", "--out", file].success();
-    let in_set = underbrush_recording::disk::Dataset::open(set)
-        .unwrap()
-        .read_reach(1)
-        .unwrap();
+    let in_set = underbrush_recording::disk::Dataset::open(set).unwrap().read_reach(1).unwrap();
     assert!(in_set == read_recording(file).unwrap());
 }
 
@@ -51,16 +48,9 @@ fn the_report_agrees_with_the_recording() {
     let recording = read_recording(file).unwrap();
     assert_eq!(report["goals_reached"], recording.goal_outcomes().reached);
     assert_eq!(report["goals"].as_array().unwrap().len(), recording.goals.len());
-    assert_eq!(
-        report["touched_frames"]["forearm"],
-        recording.touched_frames()["forearm"]
-    );
+    assert_eq!(report["touched_frames"]["forearm"], recording.touched_frames()["forearm"]);
     assert_eq!(report["contacts"], recording.contacts.len());
-    let peak = recording
-        .contacts
-        .iter()
-        .map(|contact| contact.peak_force_n)
-        .fold(0.0, f64::max);
+    let peak = recording.contacts.iter().map(|contact| contact.peak_force_n).fold(0.0, f64::max);
     assert_eq!(report["peak_contact_force_n"], peak);
     assert_eq!(report["simulated_s"], recording.frames.len() as f64 / 100.0);
     assert!(std::fs::read_to_string(picture).unwrap().starts_with("<svg"));
@@ -77,11 +67,8 @@ fn an_animation_moves() {
     let svg = std::fs::read_to_string(animation).unwrap();
     assert!(svg.starts_with("<svg") && svg.len() < 1_000_000, "{} bytes", svg.len());
     assert!(svg.matches("<animate ").count() > 10);
-    let wrong = [
-        ("--animation", "reach.mp4", ".svg"),
-        ("--picture", "reach.png", ".svg"),
-        ("--out", "reach.csv", ".parquet"),
-    ];
+    let wrong =
+        [("--animation", "reach.mp4", ".svg"), ("--picture", "reach.png", ".svg"), ("--out", "reach.csv", ".parquet")];
     for (option, name, right) in wrong {
         let path = folder.path().join(name);
         underbrush!["reach", scene, option, path].refused(&[option, name, &format!("ends in {right}")]);
@@ -108,13 +95,7 @@ fn any_skin_is_summed_up() {
     let out = folder.path().join("reach.parquet");
     let reach = |scene: &std::path::Path, patch: &[&str]| {
         let _ = std::fs::remove_file(&out);
-        let mut arguments = vec![
-            "reach".into(),
-            scene.into(),
-            "--out".into(),
-            out.clone().into(),
-            "--json".into(),
-        ];
+        let mut arguments = vec!["reach".into(), scene.into(), "--out".into(), out.clone().into(), "--json".into()];
         arguments.extend(patch.iter().map(Into::into));
         crate::support::call(arguments, "")
     };
@@ -125,10 +106,7 @@ fn any_skin_is_summed_up() {
     assert_eq!(read_recording(&out).unwrap().layout.patches[0].name, "sleeve");
     let report = reach(&scene, &["--patch", "flipper"]).json();
     assert_eq!(report["patch"], "flipper");
-    assert!(
-        report["taxel_trials"].is_u64() && report["component_trials"].is_null(),
-        "{report}"
-    );
+    assert!(report["taxel_trials"].is_u64() && report["component_trials"].is_null(), "{report}");
     let unknown = reach(&scene, &["--patch", "forearm"]);
     unknown.refused(&["no patch named \"forearm\"", "sleeve", "flipper"]);
     assert!(!out.exists(), "an unknown patch is refused before the reach is run");
@@ -138,10 +116,7 @@ fn any_skin_is_summed_up() {
     assert_eq!(report["patch"], "flipper");
     let scene = arm::write(folder.path(), arm::bare);
     let report = reach(&scene, &[]).json();
-    assert!(
-        report["patch"].is_null() && report["taxel_trials"].is_null(),
-        "{report}"
-    );
+    assert!(report["patch"].is_null() && report["taxel_trials"].is_null(), "{report}");
     assert!(out.exists());
 }
 
@@ -154,11 +129,7 @@ fn the_first_patch_is_the_default_everywhere() {
         let folder = folder.path().join(name);
         std::fs::create_dir(&folder).unwrap();
         let skin = |text: &str| {
-            if name == "cody" {
-                text.to_owned()
-            } else {
-                arm::renamed(text)
-            }
+            if name == "cody" { text.to_owned() } else { arm::renamed(text) }
         };
         let (scene, out) = (arm::write(&folder, skin), folder.join("reach.parquet"));
         underbrush!["reach", scene, "--seed", "1", "--out", out].success();

@@ -25,11 +25,7 @@ fn reaches_are_written_as_one_file() {
     let text = std::fs::read_to_string(&page).unwrap();
     assert_eq!(written["reaches"], 2);
     assert_eq!(written["bytes"], text.len());
-    for (id, count) in [
-        ("underbrush-reach-0\"", 1),
-        ("underbrush-reach-1\"", 1),
-        ("underbrush-reach-2\"", 0),
-    ] {
+    for (id, count) in [("underbrush-reach-0\"", 1), ("underbrush-reach-1\"", 1), ("underbrush-reach-2\"", 0)] {
         assert_eq!(text.matches(&format!("id=\"{id}>")).count(), count, "{id}");
     }
 }
@@ -45,17 +41,8 @@ fn bad_usage_is_refused() {
     underbrush!["replay", fixture().trunk_scene(), "--out", page].refused(&["Parquet"]);
     underbrush!["replay", set, "--reaches", "17", "--out", page].refused(&["no reach 17", "below 6"]);
     underbrush!["replay", set, "--margin", "3", "--out", page].refused(&["--margin", "--model"]);
-    underbrush![
-        "replay",
-        set,
-        "--model",
-        fixture().model(),
-        "--patch",
-        "hand",
-        "--out",
-        page
-    ]
-    .refused(&["hand", "forearm"]);
+    underbrush!["replay", set, "--model", fixture().model(), "--patch", "hand", "--out", page]
+        .refused(&["hand", "forearm"]);
     underbrush!["replay", set, "--reaches", "0"].refused(&["--out"]);
     underbrush!["replay", set, "--reaches", "0", "--no-open"].refused(&["--reaches", "--no-open"]);
     underbrush!["replay", set, "--reaches", "0", "--port", "0"].refused(&["--reaches", "--port"]);
@@ -72,19 +59,7 @@ fn touch_models_judge_too() {
     let (first, second, refused) = (page("first.html"), page("second.html"), page("refused.html"));
     let touch = touch::model();
     underbrush!["replay", set, "--reaches", "0", "--model", touch, "--out", first].success();
-    underbrush![
-        "replay",
-        set,
-        "--reaches",
-        "0",
-        "--model",
-        touch,
-        "--unknown-share",
-        "1",
-        "--out",
-        second
-    ]
-    .success();
+    underbrush!["replay", set, "--reaches", "0", "--model", touch, "--unknown-share", "1", "--out", second].success();
     let [first, second] = [first, second].map(|page| std::fs::read_to_string(page).unwrap());
     assert!(first != second, "the option changed no verdict");
     for (model, option, value, said) in [

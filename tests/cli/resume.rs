@@ -16,19 +16,13 @@ pub(super) fn interrupted(scene: &Path, out: &Path) {
         .unwrap();
     let start = Instant::now();
     // The checksum of a staged reach is written after the reach.
-    while !staged(out)
-        .iter()
-        .any(|path| path.extension().is_some_and(|extension| extension == "json"))
-    {
+    while !staged(out).iter().any(|path| path.extension().is_some_and(|extension| extension == "json")) {
         assert!(start.elapsed() < Duration::from_secs(120), "no reach was staged");
         std::thread::sleep(Duration::from_millis(1));
     }
     child.kill().unwrap();
     child.wait().unwrap();
-    assert!(
-        out.join("incomplete/plan.json").exists(),
-        "the campaign ended before it was killed"
-    );
+    assert!(out.join("incomplete/plan.json").exists(), "the campaign ended before it was killed");
     assert!(!out.join("meta/info.json").exists());
 }
 
@@ -38,9 +32,8 @@ fn staged(out: &Path) -> Vec<PathBuf> {
         return Vec::new();
     };
     let paths = entries.map(|entry| entry.unwrap().path());
-    let mut staged: Vec<_> = paths
-        .filter(|path| path.file_name().unwrap().to_string_lossy().starts_with("reach-"))
-        .collect();
+    let mut staged: Vec<_> =
+        paths.filter(|path| path.file_name().unwrap().to_string_lossy().starts_with("reach-")).collect();
     staged.sort();
     staged
 }
@@ -58,37 +51,13 @@ fn a_killed_run_resumes_to_the_same_bytes() {
     let name = broken.display().to_string();
     underbrush!["inspect", broken].refused(&[&name, "unfinished", "--resume"]);
     underbrush!["generate", scene, "--reaches", "8", "--seed", "3", "--out", broken].refused(&[&name, "--resume"]);
-    let other_seed = underbrush![
-        "generate",
-        scene,
-        "--reaches",
-        "8",
-        "--seed",
-        "9",
-        "--out",
-        broken,
-        "--resume"
-    ];
+    let other_seed = underbrush!["generate", scene, "--reaches", "8", "--seed", "9", "--out", broken, "--resume"];
     other_seed.refused(&[&name, "provenance.seed was 3, now 9"]);
 
-    let first = staged(&broken)
-        .into_iter()
-        .find(|path| path.extension().unwrap() == "bin")
-        .unwrap();
+    let first = staged(&broken).into_iter().find(|path| path.extension().unwrap() == "bin").unwrap();
     let bytes = std::fs::read(&first).unwrap();
     std::fs::write(&first, &bytes[..bytes.len() / 2]).unwrap();
-    underbrush![
-        "generate",
-        scene,
-        "--reaches",
-        "8",
-        "--seed",
-        "3",
-        "--out",
-        broken,
-        "--resume"
-    ]
-    .success();
+    underbrush!["generate", scene, "--reaches", "8", "--seed", "3", "--out", broken, "--resume"].success();
     assert_same_trees(&unbroken, &broken);
     assert!(!broken.join("incomplete").exists());
 }
@@ -104,17 +73,7 @@ fn a_finished_set_is_not_written_again() {
     let before = crate::support::tree(&out);
     underbrush!["generate", scene, "--reaches", "1", "--out", out]
         .refused(&["finished data set", "choose another folder"]);
-    let other = underbrush![
-        "generate",
-        scene,
-        "--reaches",
-        "1",
-        "--out",
-        out,
-        "--seed",
-        "5",
-        "--resume"
-    ];
+    let other = underbrush!["generate", scene, "--reaches", "1", "--out", out, "--seed", "5", "--resume"];
     other.refused(&["provenance.seed was 0, now 5"]);
     let same = underbrush!["generate", scene, "--reaches", "1", "--out", out, "--resume", "--json"];
     assert!(same.stderr.contains("nothing to do"), "{}", same.stderr);

@@ -16,10 +16,7 @@ fn schema(file: &str) -> Value {
 #[test]
 fn the_schema_lists_the_keys_of_a_scene() {
     let scene = schema("scene");
-    assert_eq!(
-        scene,
-        serde_json::from_str::<Value>(&underbrush!["schema"].success()).unwrap()
-    );
+    assert_eq!(scene, serde_json::from_str::<Value>(&underbrush!["schema"].success()).unwrap());
     assert_eq!(scene["additionalProperties"], false);
     let objects = scene["$defs"]["Objects"]["properties"].as_object().unwrap();
     let mut kinds: Vec<_> = objects.keys().map(String::as_str).collect();
@@ -34,10 +31,7 @@ fn arm_and_skin_files_have_schemas() {
         assert_eq!(schema(file)["additionalProperties"], false);
     }
     assert_eq!(schema("arm")["properties"]["friction"]["maximum"], 2.0);
-    assert_eq!(
-        schema("skin")["$defs"]["CylinderTable"]["properties"]["radius_m"]["unit"],
-        "m"
-    );
+    assert_eq!(schema("skin")["$defs"]["CylinderTable"]["properties"]["radius_m"]["unit"], "m");
 }
 
 /// Tests that the schema of suites lists every metric, with bounds by category where the metric has one.
@@ -50,17 +44,9 @@ fn the_schema_lists_the_metrics_of_a_suite() {
     let metrics = bounds["properties"].as_object().unwrap();
     assert_eq!(metrics.len(), METRICS.len());
     for metric in METRICS {
-        assert_eq!(
-            metrics[metric.name]["additionalProperties"].is_object(),
-            metric.by_category,
-            "{}",
-            metric.name
-        );
+        assert_eq!(metrics[metric.name]["additionalProperties"].is_object(), metric.by_category, "{}", metric.name);
     }
-    assert_eq!(
-        suite["$defs"]["Bound"]["properties"]["at_most"]["type"],
-        json!(["number", "null"])
-    );
+    assert_eq!(suite["$defs"]["Bound"]["properties"]["at_most"]["type"], json!(["number", "null"]));
 }
 
 /// Tests that an unknown kind of file is refused with the known kinds.

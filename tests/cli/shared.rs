@@ -7,18 +7,7 @@ use crate::support::{assert_same_trees, scenes, tree, underbrush};
 
 /// The arguments for part `shard` of ten reaches.
 fn arguments(scene: &Path, out: &Path, shard: &str) -> Vec<PathBuf> {
-    let options = [
-        "--reaches",
-        "10",
-        "--seed",
-        "4",
-        "--jobs",
-        "1",
-        "--shared",
-        "--shard",
-        shard,
-    ]
-    .map(PathBuf::from);
+    let options = ["--reaches", "10", "--seed", "4", "--jobs", "1", "--shared", "--shard", shard].map(PathBuf::from);
     let places = [PathBuf::from("--out"), out.into()];
     [&["generate".into(), scene.into()], &options[..], &places].concat()
 }
@@ -44,10 +33,7 @@ fn processes_make_one_set_together() {
     underbrush!["generate", scene, "--reaches", "10", "--seed", "4", "--out", whole].success();
     let mut killed = start(&scene, &shared, "3/3");
     while !shared.join("incomplete/plan.json").exists() {
-        assert!(
-            killed.try_wait().unwrap().is_none(),
-            "the part ended before it was killed"
-        );
+        assert!(killed.try_wait().unwrap().is_none(), "the part ended before it was killed");
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
     killed.kill().unwrap();
@@ -74,19 +60,8 @@ fn processes_make_one_set_together() {
     assert_eq!(last.json()["reaches"], 10);
     assert_same_trees(&whole, &shared);
     let before = tree(&shared);
-    let again = underbrush![
-        "generate",
-        scene,
-        "--reaches",
-        "10",
-        "--seed",
-        "4",
-        "--shared",
-        "--shard",
-        "2/3",
-        "--out",
-        shared
-    ];
+    let again =
+        underbrush!["generate", scene, "--reaches", "10", "--seed", "4", "--shared", "--shard", "2/3", "--out", shared];
     assert!(again.stderr.contains("there is nothing to do"), "{}", again.stderr);
     assert_eq!(again.status, 0);
     assert!(before == tree(&shared));
@@ -125,17 +100,6 @@ fn what_does_not_belong_into_the_folder_is_refused() {
     part("2", "4", "3/3", "--shared", &shared).refused(&["part 3/3 has no reach"]);
     part("2", "4", "1/2", "--shared", folder.path()).refused(&["is not empty and holds no data set"]);
     underbrush!["generate", scene, "--reaches", "2", "--shared", "--out", shared].refused(&["--shard"]);
-    underbrush![
-        "generate",
-        scene,
-        "--reaches",
-        "2",
-        "--shard",
-        "1/2",
-        "--shared",
-        "--resume",
-        "--out",
-        shared
-    ]
-    .refused(&["--shared", "--resume"]);
+    underbrush!["generate", scene, "--reaches", "2", "--shard", "1/2", "--shared", "--resume", "--out", shared]
+        .refused(&["--shared", "--resume"]);
 }

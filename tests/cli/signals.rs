@@ -18,24 +18,15 @@ fn interrupted(arguments: &[PathBuf], signal: &str, ready: impl Fn() -> bool) ->
     if cfg!(target_os = "linux") {
         program.args(["--default-signal=HUP", env!("CARGO_BIN_EXE_underbrush")]);
     }
-    let mut program = program
-        .args(arguments)
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut program =
+        program.args(arguments).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     while !ready() {
         if program.try_wait().unwrap().is_some() {
             return None;
         }
         std::thread::sleep(Duration::from_micros(200));
     }
-    Command::new("kill")
-        .arg(format!("-{signal}"))
-        .arg(program.id().to_string())
-        .status()
-        .unwrap();
+    Command::new("kill").arg(format!("-{signal}")).arg(program.id().to_string()).status().unwrap();
     Some(program.wait_with_output().unwrap())
 }
 
@@ -63,10 +54,7 @@ fn generate_can_be_interrupted_and_resumed() {
         let stderr = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.signal(), Some(number), "{stderr}");
         assert!(output.stdout.is_empty());
-        assert!(
-            stderr.contains("--resume") && stderr.contains(&set.display().to_string()),
-            "{stderr}"
-        );
+        assert!(stderr.contains("--resume") && stderr.contains(&set.display().to_string()), "{stderr}");
         assert!(first.exists() && set.join("incomplete/reach-000000.bin").exists());
         assert_eq!(unfinished(&set), Vec::<PathBuf>::new());
     }
@@ -126,10 +114,7 @@ fn trials_leave_nothing_behind() {
     assert_eq!(unfinished(outputs.path()).len(), 1, "SIGKILL cannot be answered");
     let small = fixture().table_csv();
     underbrush!["trials", small, "--out", out].success();
-    assert_eq!(
-        tree(outputs.path()).into_keys().collect::<Vec<_>>(),
-        [PathBuf::from("out.csv")]
-    );
+    assert_eq!(tree(outputs.path()).into_keys().collect::<Vec<_>>(), [PathBuf::from("out.csv")]);
 }
 
 /// Tests that a shell sees exit status 130.

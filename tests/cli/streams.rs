@@ -39,12 +39,7 @@ fn an_error_that_cannot_be_shown_keeps_its_status() {
     }
     // Errors of the option parser are printed by other code.
     for stderr in [closed(), full()] {
-        assert_eq!(
-            call(&["reach".into(), "--seed".into(), "x".into()], stderr)
-                .status
-                .code(),
-            Some(2)
-        );
+        assert_eq!(call(&["reach".into(), "--seed".into(), "x".into()], stderr).status.code(), Some(2));
     }
 }
 
@@ -54,12 +49,7 @@ fn an_error_that_cannot_be_shown_keeps_its_status() {
 fn the_loss_of_stderr_changes_no_result() {
     let folder = tempfile::tempdir().unwrap();
     let recording = folder.path().join("reach.parquet");
-    let reach = [
-        "reach".into(),
-        fixture().trunk_scene(),
-        "--out".into(),
-        recording.clone(),
-    ];
+    let reach = ["reach".into(), fixture().trunk_scene(), "--out".into(), recording.clone()];
     assert_eq!(call(&reach, full()).status.code(), Some(0));
     let classify = ["classify".into(), fixture().model(), recording, "--online".into()];
     let sound = call(&classify, Stdio::piped());
@@ -73,12 +63,7 @@ fn the_loss_of_stderr_changes_no_result() {
     let sets = [("sound", Stdio::piped()), ("closed", closed()), ("full", full())].map(|(name, stderr)| {
         let set = folder.path().join(name);
         let options = ["--reaches", "2", "--out"].map(PathBuf::from);
-        let arguments = [
-            &["generate".into(), scene.clone()],
-            &options[..],
-            std::slice::from_ref(&set),
-        ]
-        .concat();
+        let arguments = [&["generate".into(), scene.clone()], &options[..], std::slice::from_ref(&set)].concat();
         assert_eq!(call(&arguments, stderr).status.code(), Some(0));
         set
     });
@@ -91,17 +76,9 @@ fn the_loss_of_stderr_changes_no_result() {
 #[test]
 fn stdout_that_cannot_be_written() {
     let arguments = ["score".into(), fixture().model(), fixture().table_csv()];
-    let gone = program(&arguments)
-        .stdout(closed())
-        .stderr(Stdio::piped())
-        .output()
-        .unwrap();
+    let gone = program(&arguments).stdout(closed()).stderr(Stdio::piped()).output().unwrap();
     assert_eq!((gone.status.code(), &gone.stderr[..]), (Some(0), &b""[..]));
-    let no_room = program(&arguments)
-        .stdout(full())
-        .stderr(Stdio::piped())
-        .output()
-        .unwrap();
+    let no_room = program(&arguments).stdout(full()).stderr(Stdio::piped()).output().unwrap();
     let stderr = String::from_utf8(no_room.stderr).unwrap();
     assert_eq!(no_room.status.code(), Some(1));
     assert!(stderr.contains("cannot write to standard output"), "{stderr}");

@@ -27,11 +27,7 @@ fn classify_follows_the_thresholds_in_the_model() {
     let (_folder, path, result) = model();
     let mut file: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
     assert_eq!(file["decision"], result["thresholds"]["decision"]);
-    for rate in result["thresholds"]["false_positive_rate"]
-        .as_object()
-        .unwrap()
-        .values()
-    {
+    for rate in result["thresholds"]["false_positive_rate"].as_object().unwrap().values() {
         assert!(rate.as_f64().unwrap() <= 0.3, "{result}");
     }
     let table_csv = fixture().table_csv();
@@ -63,10 +59,7 @@ fn classify_follows_the_thresholds_in_the_model() {
         assert_eq!(row["verdict"], expected, "{row:?}");
         seen.insert(row["verdict"].clone());
     }
-    assert!(
-        seen.contains("uncertain") && seen.contains("outlier") && seen.len() > 2,
-        "{seen:?}"
-    );
+    assert!(seen.contains("uncertain") && seen.contains("outlier") && seen.len() > 2, "{seen:?}");
     let argmax = underbrush!["classify", path, table_csv, "--decision", "argmax"].success();
     assert!(!argmax.contains("outlier") && argmax == underbrush!["classify", fixture().model(), table_csv].success());
 }
@@ -85,10 +78,7 @@ fn given_models_are_evaluated_with_their_thresholds() {
                 Some(found["truth"].as_str()) == truth.as_str() && Some(found["verdict"].as_str()) == verdict.as_str()
             };
             let count = rows.iter().filter(same).count() as u64;
-            assert_eq!(
-                figures["confusion"]["count"][row][column], count,
-                "{truth} taken for {verdict}"
-            );
+            assert_eq!(figures["confusion"]["count"][row][column], count, "{truth} taken for {verdict}");
         }
     }
     let curves = table::rows(&std::fs::read_to_string(roc).unwrap());
@@ -109,18 +99,8 @@ fn given_models_are_evaluated_with_their_thresholds() {
 fn rates_that_the_data_cannot_hold_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let (table_csv, out) = (table_without_reaches(folder.path()), folder.path().join("model.json"));
-    let train = |rate: &str| {
-        underbrush![
-            "train",
-            table_csv,
-            "--out",
-            out,
-            "--states",
-            "2",
-            "--false-positive-rate",
-            rate
-        ]
-    };
+    let train =
+        |rate: &str| underbrush!["train", table_csv, "--out", out, "--states", "2", "--false-positive-rate", rate];
     train("1e-6").refused(&["999999", "held-out trials"]);
     train("0").refused(&["error: the false-positive rate is 0", "above 0"]);
     assert!(!out.exists());
@@ -134,11 +114,7 @@ fn thresholds_that_decide_nothing_are_warned_of() {
     let train = |name: &str, trunk_n: f64| {
         let mut lines = vec!["trial,category,time_s,force_n".to_string()];
         for trial in 0..80 {
-            let (category, base_n) = if trial % 2 == 0 {
-                ("leaf", 0.4)
-            } else {
-                ("trunk", trunk_n)
-            };
+            let (category, base_n) = if trial % 2 == 0 { ("leaf", 0.4) } else { ("trunk", trunk_n) };
             for sample in 0..6 {
                 let number = f64::from(6 * trial + sample);
                 let force_n = base_n * (1.0 + 0.3 * (12.9898 * number * number).sin());
@@ -154,11 +130,7 @@ fn thresholds_that_decide_nothing_are_warned_of() {
         ]
     };
     let alike = train("alike.csv", 0.4);
-    assert!(
-        alike.stderr.contains("warning: with these thresholds"),
-        "{}",
-        alike.stderr
-    );
+    assert!(alike.stderr.contains("warning: with these thresholds"), "{}", alike.stderr);
     let thresholds = &alike.json()["thresholds"];
     assert!(thresholds["uncertain"].as_f64().unwrap() > 0.9, "{thresholds}");
     assert_eq!(thresholds["sample_by_sample"]["verdicts"], 80 * 6);

@@ -43,10 +43,7 @@ fn a_whole_copy_is_sound() {
 fn without_info_it_is_no_data_set() {
     let (_folder, set) = copy();
     std::fs::remove_file(set.join("meta/info.json")).unwrap();
-    refused_everywhere(
-        &set,
-        &[&set.display().to_string(), "meta/info.json", "copy the data set again"],
-    );
+    refused_everywhere(&set, &[&set.display().to_string(), "meta/info.json", "copy the data set again"]);
 }
 
 /// Tests that every command names a truncated file before it reads any of it.

@@ -42,13 +42,7 @@ fn the_preset_does_not_relabel_a_table() {
     let folder = tempfile::tempdir().unwrap();
     let model = folder.path().join("model.json");
     let train = |source: &Path, options: &[&str]| {
-        let mut arguments = vec![
-            "train".into(),
-            source.into(),
-            "--force".into(),
-            "--out".into(),
-            model.clone().into(),
-        ];
+        let mut arguments = vec!["train".into(), source.into(), "--force".into(), "--out".into(), model.clone().into()];
         arguments.extend(["--classifier", "naive-bayes", "--min-samples", "1"].map(Into::into));
         arguments.extend(options.iter().map(Into::into));
         call(arguments, "")
@@ -68,17 +62,7 @@ fn the_model_file_is_the_documented_one() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("model.json");
     let (table, states) = (fixture().table_csv(), 4);
-    underbrush![
-        "train",
-        table,
-        "--out",
-        path,
-        "--states",
-        "4",
-        "--features",
-        "force+motion"
-    ]
-    .success();
+    underbrush!["train", table, "--out", path, "--states", "4", "--features", "force+motion"].success();
     let model = read(&path);
     assert_eq!(model["format"], "underbrush-model/1");
     assert_eq!(model["features"], serde_json::json!(["force_n", "motion_m"]));
@@ -86,18 +70,10 @@ fn the_model_file_is_the_documented_one() {
     assert_eq!(models.keys().collect::<Vec<_>>(), ["leaf", "trunk"]);
     for hmm in models.values() {
         let length = |value: &Value| value.as_array().unwrap().len();
-        assert_eq!(
-            [&hmm["initial"], &hmm["transition"], &hmm["mean"], &hmm["covariance"]].map(length),
-            [states; 4]
-        );
+        assert_eq!([&hmm["initial"], &hmm["transition"], &hmm["mean"], &hmm["covariance"]].map(length), [states; 4]);
         assert_eq!((length(&hmm["mean"][0]), length(&hmm["covariance"][0][1])), (2, 2));
         for (from, row) in hmm["transition"].as_array().unwrap().iter().enumerate() {
-            let row: Vec<f64> = row
-                .as_array()
-                .unwrap()
-                .iter()
-                .map(|number| number.as_f64().unwrap())
-                .collect();
+            let row: Vec<f64> = row.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect();
             assert!((row.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{row:?}");
             assert!(row[..from].iter().all(|back| *back == 0.0), "{row:?}");
         }
@@ -128,9 +104,7 @@ fn the_history_is_reported_and_threads_do_not_matter() {
         ];
         let report = train.json();
         for category in ["leaf", "trunk"] {
-            let history = report["report"]["categories"][category]["log_likelihood"]
-                .as_array()
-                .unwrap();
+            let history = report["report"]["categories"][category]["log_likelihood"].as_array().unwrap();
             assert_eq!(history.len(), 4, "{report}");
         }
         std::fs::read(path).unwrap()

@@ -26,10 +26,7 @@ fn csv_and_parquet_hold_the_same_rows() {
             "region_taxels,region_largest_force_n,region_force_sum_n,touched"
         ))
     );
-    let (csv, parquet) = (
-        read_trials(fixture.table_csv()).unwrap(),
-        read_trials(fixture.table_parquet()).unwrap(),
-    );
+    let (csv, parquet) = (read_trials(fixture.table_csv()).unwrap(), read_trials(fixture.table_parquet()).unwrap());
     assert_eq!(csv, parquet);
     let samples: usize = csv.iter().map(|trial| trial.samples.len()).sum();
     assert_eq!(text.lines().count(), 1 + samples);
@@ -51,40 +48,19 @@ fn rows_are_what_the_taxels_sensed() {
         let recording = dataset.read_reach(episode).unwrap();
         let mut sensed = BTreeMap::new();
         for frame in &recording.frames {
-            for reading in frame
-                .taxels
-                .iter()
-                .filter(|reading| reading.patch == 0 && is_in_contact(reading))
-            {
-                sensed.insert(
-                    (frame.time_s.to_bits(), u32::from(reading.taxel)),
-                    reading.sensed_force_n,
-                );
+            for reading in frame.taxels.iter().filter(|reading| reading.patch == 0 && is_in_contact(reading)) {
+                sensed.insert((frame.time_s.to_bits(), u32::from(reading.taxel)), reading.sensed_force_n);
             }
         }
         for row in by_reach.remove(&episode).unwrap_or_default() {
-            let key = (
-                row["time_s"].parse::<f64>().unwrap().to_bits(),
-                row["taxel"].parse().unwrap(),
-            );
+            let key = (row["time_s"].parse::<f64>().unwrap().to_bits(), row["taxel"].parse().unwrap());
             assert_eq!(sensed.remove(&key), Some(row["force_n"].parse().unwrap()), "{row:?}");
             let categories: Vec<&str> = recording.objects.iter().map(|object| object.category.name()).collect();
-            assert!(
-                row["category"].is_empty() || categories.contains(&row["category"].as_str()),
-                "{row:?}"
-            );
+            assert!(row["category"].is_empty() || categories.contains(&row["category"].as_str()), "{row:?}");
         }
-        assert!(
-            sensed.is_empty(),
-            "{} sensed forces of reach {episode} are in no trial",
-            sensed.len()
-        );
+        assert!(sensed.is_empty(), "{} sensed forces of reach {episode} are in no trial", sensed.len());
     }
-    assert!(
-        by_reach.is_empty(),
-        "reaches that are not in the data set: {:?}",
-        by_reach.keys()
-    );
+    assert!(by_reach.is_empty(), "reaches that are not in the data set: {:?}", by_reach.keys());
 }
 
 fn recordings(dataset: &Dataset) -> Vec<Recording> {
@@ -148,15 +124,8 @@ fn untouched_trials_are_counted() {
         }
         untouched += usize::from(!pressed);
     }
-    assert!(
-        untouched > 0 && untouched < trials.len(),
-        "{untouched} of {}",
-        trials.len()
-    );
-    assert!(
-        text.contains(&format!("{untouched} of the trials w")) && text.contains("never touched"),
-        "{text}"
-    );
+    assert!(untouched > 0 && untouched < trials.len(), "{untouched} of {}", trials.len());
+    assert!(text.contains(&format!("{untouched} of the trials w")) && text.contains("never touched"), "{text}");
 }
 
 /// Tests that components join taxels, that --min-samples and --threshold-n drop trials, and that components are
@@ -169,52 +138,15 @@ fn components_are_fewer_and_options_hold() {
     let taxels = read_trials(fixture.table_csv()).unwrap();
     underbrush!["trials", fixture.dataset(), "--out", file, "--by", "component"].success();
     let components = read_trials(&file).unwrap();
-    assert!(
-        (1..taxels.len()).contains(&components.len()),
-        "{} components",
-        components.len()
-    );
-    underbrush![
-        "trials",
-        fixture.dataset(),
-        "--out",
-        file,
-        "--force",
-        "--min-samples",
-        "5"
-    ]
-    .success();
+    assert!((1..taxels.len()).contains(&components.len()), "{} components", components.len());
+    underbrush!["trials", fixture.dataset(), "--out", file, "--force", "--min-samples", "5"].success();
     let long = taxels.iter().filter(|trial| trial.samples.len() >= 5).count();
     assert_eq!(read_trials(&file).unwrap().len(), long);
-    underbrush![
-        "trials",
-        fixture.dataset(),
-        "--out",
-        file,
-        "--force",
-        "--threshold-n",
-        "0.2"
-    ]
-    .success();
+    underbrush!["trials", fixture.dataset(), "--out", file, "--force", "--threshold-n", "0.2"].success();
     let strong = read_trials(&file).unwrap();
-    assert!(
-        strong
-            .iter()
-            .flat_map(|trial| &trial.samples)
-            .all(|sample| sample.force_n > 0.2)
-    );
-    underbrush![
-        "trials",
-        fixture.dataset(),
-        "--out",
-        file,
-        "--force",
-        "--by",
-        "component",
-        "--patch",
-        "flipper"
-    ]
-    .refused(&["flipper", "grid", "use trials by taxel"]);
+    assert!(strong.iter().flat_map(|trial| &trial.samples).all(|sample| sample.force_n > 0.2));
+    underbrush!["trials", fixture.dataset(), "--out", file, "--force", "--by", "component", "--patch", "flipper"]
+        .refused(&["flipper", "grid", "use trials by taxel"]);
 }
 
 /// Tests that trials can be extracted from a single recording, numbered from 0.
@@ -226,11 +158,7 @@ fn a_recording_gives_the_trials_of_its_reach() {
     assert!(trials.iter().map(|trial| trial.trial).eq(0..trials.len() as u64));
     let frames = read_recording(file).unwrap().frames;
     let sensed = |frame: &underbrush_recording::Frame| {
-        frame
-            .taxels
-            .iter()
-            .filter(|reading| reading.patch == 0 && is_in_contact(reading))
-            .count()
+        frame.taxels.iter().filter(|reading| reading.patch == 0 && is_in_contact(reading)).count()
     };
     let samples: usize = trials.iter().map(|trial| trial.samples.len()).sum();
     assert_eq!(samples, frames.iter().map(sensed).sum::<usize>());

@@ -54,9 +54,8 @@ fn every_check_holds_and_every_comparison_can_fail() {
             broken.map(|found| (check["name"].as_str().unwrap(), found["quantity"].as_str().unwrap()))
         })
         .collect();
-    let all: Vec<(&str, &str)> = comparisons()
-        .map(|(name, (quantity, _))| (name.as_str(), quantity.as_str()))
-        .collect();
+    let all: Vec<(&str, &str)> =
+        comparisons().map(|(name, (quantity, _))| (name.as_str(), quantity.as_str())).collect();
     assert_eq!(broken, all);
     assert_eq!(falsified["sound"], true);
     assert_eq!(falsified["broken"], all.len());
@@ -65,20 +64,10 @@ fn every_check_holds_and_every_comparison_can_fail() {
 /// Tests that `--falsify` fails and names the check if a wrong parameter is not noticed, as with a huge tolerance.
 #[test]
 fn unnoticed_mistakes_are_an_error() {
-    let answer = underbrush![
-        "validate",
-        "--falsify",
-        "--only",
-        "resting-load",
-        "--tolerance-scale",
-        "1e9"
-    ];
+    let answer = underbrush!["validate", "--falsify", "--only", "resting-load", "--tolerance-scale", "1e9"];
     assert_eq!(answer.status, 1, "{}", answer.stderr);
-    for part in [
-        "0 of 3 comparisons fail as they should",
-        "HOLDS",
-        "3 comparisons of 1 checks with 1 wrong parameters",
-    ] {
+    for part in ["0 of 3 comparisons fail as they should", "HOLDS", "3 comparisons of 1 checks with 1 wrong parameters"]
+    {
         assert!(answer.stdout.contains(part), "no {part:?} in:\n{}", answer.stdout);
     }
     assert!(answer.stderr.contains("resting-load"), "{}", answer.stderr);
@@ -95,11 +84,7 @@ fn a_scale_of_zero_fails_everything() {
         assert!(!comparisons.is_empty(), "{name} broke off");
         assert!(comparisons.iter().all(|(_, verdict)| verdict == "fail"), "{name}");
     }
-    assert!(
-        answer.stderr.contains("these checks fail: leaf-small-load"),
-        "{}",
-        answer.stderr
-    );
+    assert!(answer.stderr.contains("these checks fail: leaf-small-load"), "{}", answer.stderr);
 }
 
 /// Tests that `--only` takes several names, keeps the order of the list, and prints closed form, residual and reason.
@@ -108,12 +93,7 @@ fn only_what_is_named_runs() {
     let text = underbrush!["validate", "--only", "hmm", "--only", "resting-load"].success();
     let (load, hmm) = (text.find("4 resting-load: pass"), text.find("17 hmm: pass"));
     assert!(load.is_some() && load < hmm, "{text}");
-    for part in [
-        "closed form",
-        "residual",
-        "load under a ball / N",
-        "[1] 1e-6: a state of rest",
-    ] {
+    for part in ["closed form", "residual", "load under a ball / N", "[1] 1e-6: a state of rest"] {
         assert!(text.contains(part), "no {part:?} in:\n{text}");
     }
     assert!(!text.contains("leaf"), "{text}");

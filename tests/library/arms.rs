@@ -82,9 +82,7 @@ impl Schema {
 
 /// The rows of the table that follows a heading of the page.
 fn listed<'a>(page: &'a str, heading: &str) -> BTreeSet<String> {
-    let (_, rest) = page
-        .split_once(&format!("\n{heading}\n"))
-        .unwrap_or_else(|| panic!("no heading {heading:?}"));
+    let (_, rest) = page.split_once(&format!("\n{heading}\n")).unwrap_or_else(|| panic!("no heading {heading:?}"));
     let table = rest.lines().skip_while(|line: &&'a str| !line.starts_with('|'));
     let rows = table.take_while(|line| line.starts_with('|'));
     rows.skip(2).map(str::to_string).collect()
@@ -98,11 +96,7 @@ fn the_page_lists_every_key() {
     let files = [
         (
             arm::schema(),
-            &[
-                ("## The arm file", ""),
-                ("### `[[joint]]`", "JointTable"),
-                ("### `[[hull]]`", "HullTable"),
-            ][..],
+            &[("## The arm file", ""), ("### `[[joint]]`", "JointTable"), ("### `[[hull]]`", "HullTable")][..],
         ),
         (
             arm::skin_schema(),
@@ -126,11 +120,7 @@ fn the_page_lists_every_key() {
         }
         let objects = schema.0["$defs"].as_object().unwrap().values();
         let objects = objects.filter(|definition| definition["type"] == "object").count();
-        assert_eq!(
-            objects + 1,
-            tables.len(),
-            "a table of the file has no heading in the page"
-        );
+        assert_eq!(objects + 1, tables.len(), "a table of the file has no heading in the page");
     }
 }
 
@@ -159,15 +149,9 @@ fn the_pandas_flange_is_where_franka_says() {
 fn the_panda_reaches_goals_through_foliage() {
     let scene = panda().join("foliage.toml");
     let found = underbrush!["inspect", scene, "--json"].json();
-    assert_eq!(
-        (&found["arm"], &found["doubtful"]),
-        (&"panda".into(), &"nothing".into())
-    );
+    assert_eq!((&found["arm"], &found["doubtful"]), (&"panda".into(), &"nothing".into()));
     let reach = underbrush!["reach", scene, "--json"].json();
     assert!(reach["goals_reached"].as_u64().unwrap() >= 2, "{reach}");
     let touched = reach["touched_frames"].as_object().unwrap();
-    assert!(
-        touched.values().any(|frames| frames.as_u64().unwrap() > 100),
-        "{touched:?}"
-    );
+    assert!(touched.values().any(|frames| frames.as_u64().unwrap() > 100), "{touched:?}");
 }

@@ -40,8 +40,5 @@ fn contacts_balance_the_springs_on_the_move() {
     let needed = &free - springs;
     assert!(needed.norm() > 0.5, "the leaves hardly push: {needed}");
     let residual = (&needed - &contacts).norm() / needed.norm();
-    assert!(
-        residual < 0.05,
-        "relative residual {residual}: {needed} needed, {contacts} found"
-    );
+    assert!(residual < 0.05, "relative residual {residual}: {needed} needed, {contacts} found");
 }

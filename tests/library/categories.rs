@@ -27,10 +27,7 @@ fn reaches(folder: &Path) -> (Dataset, Vec<Recording>) {
         (scene.unwrap(), reaches)
     };
     let campaign = Campaign {
-        scenes: vec![
-            scene("leaves", LEAVES_AT_FOREARM, 6),
-            scene("posts", TRUNKS_AT_FOREARM, 2),
-        ],
+        scenes: vec![scene("leaves", LEAVES_AT_FOREARM, 6), scene("posts", TRUNKS_AT_FOREARM, 2)],
         arms: BTreeMap::new(),
         seed: 0,
         controller: None,
@@ -38,9 +35,7 @@ fn reaches(folder: &Path) -> (Dataset, Vec<Recording>) {
         verdicts: None,
         shard: None,
     };
-    let Written::New(set) = campaign.write(folder, false, &Silent).unwrap() else {
-        panic!("nothing was there before")
-    };
+    let Written::New(set) = campaign.write(folder, false, &Silent).unwrap() else { panic!("nothing was there before") };
     let mut recordings: Vec<Recording> = (0..8).map(|index| set.read_reach(index).unwrap()).collect();
     let objects = recordings.iter_mut().flat_map(|recording| &mut recording.objects);
     for object in objects.filter(|object| object.category == Category::TRUNK) {
@@ -68,26 +63,13 @@ fn a_further_category_goes_from_a_reach_to_verdicts() {
     let cut = |recording: &Recording| taxel_trials(recording, &TrialOptions::default()).unwrap();
     let trials: Vec<Trial> = read.iter().flat_map(cut).map(|found| found.trial).collect();
     let categories: BTreeSet<&str> = trials.iter().filter_map(|trial| trial.category.as_deref()).collect();
-    assert!(
-        categories.contains("leaf") && categories.contains("post"),
-        "{categories:?}"
-    );
+    assert!(categories.contains("leaf") && categories.contains("post"), "{categories:?}");
     assert!(!categories.contains("trunk") && is_trained("post"));
 
-    let (models, _) = HmmClassifier::train(
-        &trials,
-        &Recipe {
-            states: 3,
-            ..Recipe::modern()
-        },
-    )
-    .unwrap();
+    let (models, _) = HmmClassifier::train(&trials, &Recipe { states: 3, ..Recipe::modern() }).unwrap();
     assert_eq!(models.categories(), ["leaf", "post"]);
-    let options = OnlineOptions {
-        patch: None,
-        threshold_n: TrialOptions::default().threshold_n,
-        decision: Decision::argmax(),
-    };
+    let options =
+        OnlineOptions { patch: None, threshold_n: TrialOptions::default().threshold_n, decision: Decision::argmax() };
     let (mut judged, mut named, mut touched) = (0, 0, 0);
     for recording in &read[6..] {
         let stream = classify_stream(&models, recording, &options, StreamTruth::Object).unwrap();

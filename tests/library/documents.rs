@@ -8,12 +8,8 @@ use std::path::{Path, PathBuf};
 const SKIPPED: [&str; 6] = ["target", "node_modules", ".git", "kept", ".venv", "corpus"];
 
 /// Files that the program or a build makes.
-const MADE: [&str; 4] = [
-    "report/index.html",
-    "report/replay.html",
-    "python/underbrush/_core.abi3.so",
-    "fuzz/artifacts/",
-];
+const MADE: [&str; 4] =
+    ["report/index.html", "report/replay.html", "python/underbrush/_core.abi3.so", "fuzz/artifacts/"];
 
 /// All pages (`.md`) below a folder.
 fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -33,10 +29,7 @@ fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
 
 /// The targets of links to files.
 fn links(text: &str) -> impl Iterator<Item = &str> {
-    let targets = text
-        .split("](")
-        .skip(1)
-        .filter_map(|rest| Some(rest.split_once(')')?.0));
+    let targets = text.split("](").skip(1).filter_map(|rest| Some(rest.split_once(')')?.0));
     let files = targets.filter(|target| !target.contains("://") && !target.starts_with('#'));
     files.map(|target| target.split('#').next().unwrap_or(target))
 }
@@ -58,9 +51,8 @@ fn paths_in_the_pages_exist() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let entries = fs::read_dir(root).unwrap().map(|entry| entry.unwrap().path());
     let folders = entries.filter(|path| path.is_dir() && !path.ends_with("target"));
-    let folders: BTreeSet<String> = folders
-        .map(|path| path.file_name().unwrap().to_string_lossy().into_owned())
-        .collect();
+    let folders: BTreeSet<String> =
+        folders.map(|path| path.file_name().unwrap().to_string_lossy().into_owned()).collect();
     let (mut found, mut paths) = (Vec::new(), 0);
     pages(root, &mut found);
     let mut dead = Vec::new();

@@ -7,20 +7,10 @@ use std::path::{Path, PathBuf};
 #[test]
 fn provenance_names_the_engine_of_the_lock_file() {
     let lock = include_str!("../../Cargo.lock");
-    let package = lock
-        .split("[[package]]")
-        .find(|package| package.contains("\nname = \"rapier3d-f64\"\n"))
-        .unwrap();
-    let version = package
-        .lines()
-        .find_map(|line| line.strip_prefix("version = \"")?.strip_suffix('"'))
-        .unwrap();
+    let package = lock.split("[[package]]").find(|package| package.contains("\nname = \"rapier3d-f64\"\n")).unwrap();
+    let version = package.lines().find_map(|line| line.strip_prefix("version = \"")?.strip_suffix('"')).unwrap();
     let named = format!("rapier3d-f64 {version},");
-    assert!(
-        underbrush_sim::physics::ENGINE.starts_with(&named),
-        "{} is not {named}",
-        underbrush_sim::physics::ENGINE
-    );
+    assert!(underbrush_sim::physics::ENGINE.starts_with(&named), "{} is not {named}", underbrush_sim::physics::ENGINE);
 }
 
 /// Every Rust source below `folder` that mentions the engine's crate, relative to `root`.
@@ -45,9 +35,8 @@ fn only_the_simulation_uses_the_engine() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut found = Vec::new();
     naming_the_engine(root, root, &mut found);
-    let (inside, outside): (Vec<_>, Vec<_>) = found
-        .into_iter()
-        .partition(|path| path.starts_with("sim/src/simulation"));
+    let (inside, outside): (Vec<_>, Vec<_>) =
+        found.into_iter().partition(|path| path.starts_with("sim/src/simulation"));
     assert!(inside.len() > 3, "the test looks in the right place: {inside:?}");
     assert!(outside.is_empty(), "these name the engine, too: {outside:?}");
 }

@@ -58,11 +58,7 @@ fn read(source_root: &Path) -> Sources {
             } else if path.is_dir() {
                 folders.push((path, below()));
             } else if path.extension().is_some_and(|extension| extension == "rs") {
-                let module = if ["lib", "main", "mod"].contains(&stem.as_str()) {
-                    module.clone()
-                } else {
-                    below()
-                };
+                let module = if ["lib", "main", "mod"].contains(&stem.as_str()) { module.clone() } else { below() };
                 let text = fs::read_to_string(&path).unwrap();
                 sources.insert(module, (path, text));
             }

@@ -35,10 +35,7 @@ segments = 2
 fn stays_finite(plan: &ReachPlan, what: &str) -> bool {
     let drawn = plan.draw(0);
     let can_be_drawn = drawn.is_ok();
-    let clutter = drawn.unwrap_or(Clutter {
-        objects: Vec::new(),
-        goals: Vec::new(),
-    });
+    let clutter = drawn.unwrap_or(Clutter { objects: Vec::new(), goals: Vec::new() });
     run(plan, clutter, what);
     can_be_drawn
 }
@@ -58,20 +55,10 @@ fn run(plan: &ReachPlan, clutter: Clutter, what: &str) {
     posture[3] -= 0.3;
     for frame in 0..10 {
         let report = simulation.step(&posture);
-        let joints = report
-            .joints
-            .iter()
-            .flat_map(|joint| [joint.angle_rad, joint.torque_nm]);
-        let felt = report
-            .tactile
-            .taxels
-            .iter()
-            .flat_map(|taxel| [taxel.true_normal_force_n, taxel.sensed_force_n]);
+        let joints = report.joints.iter().flat_map(|joint| [joint.angle_rad, joint.torque_nm]);
+        let felt = report.tactile.taxels.iter().flat_map(|taxel| [taxel.true_normal_force_n, taxel.sensed_force_n]);
         let numbers: Vec<f64> = joints.chain(felt).collect();
-        assert!(
-            numbers.iter().all(|number| number.is_finite()),
-            "{what}, frame {frame}: {numbers:?}"
-        );
+        assert!(numbers.iter().all(|number| number.is_finite()), "{what}, frame {frame}: {numbers:?}");
     }
 }
 
@@ -139,10 +126,7 @@ fn ends_of_a_scene_s_ranges_can_be_simulated() {
         }
     }
     // No goal is within reach of the arm above such a table.
-    let expected = [
-        "[workspace]\ntable_height_m = -5\n",
-        "[workspace]\ntable_height_m = 5\n",
-    ];
+    let expected = ["[workspace]\ntable_height_m = -5\n", "[workspace]\ntable_height_m = 5\n"];
     assert_eq!(cannot_be_drawn, expected);
 }
 
@@ -169,11 +153,7 @@ fn ends_of_an_arm_s_ranges_can_be_simulated() {
             for file in names {
                 let text = std::fs::read_to_string(cody.join(file)).unwrap();
                 assert!(file != name || text.contains(from), "{name} has no {from}");
-                let text = if file == name {
-                    text.replacen(from, &to.replace('V', value), 1)
-                } else {
-                    text
-                };
+                let text = if file == name { text.replacen(from, &to.replace('V', value), 1) } else { text };
                 std::fs::write(folder.path().join(file), text).unwrap();
             }
             let arm = Arm::load(folder.path().join("cody.toml")).unwrap();
@@ -195,14 +175,8 @@ fn the_schema_tells_the_ranges() {
         ("/$defs/PhysicsSection/properties/step_s/minimum", 1e-4),
         ("/$defs/SensorOptions/properties/noise_n/maximum", 1.0),
         ("/$defs/LeafSpecification/properties/height_m/oneOf/0/maximum", 1.0),
-        (
-            "/$defs/Goals/properties/x_m/oneOf/1/properties/uniform/prefixItems/0/minimum",
-            -5.0,
-        ),
-        (
-            "/$defs/Goals/properties/x_m/oneOf/2/properties/normal/prefixItems/1/maximum",
-            10.0,
-        ),
+        ("/$defs/Goals/properties/x_m/oneOf/1/properties/uniform/prefixItems/0/minimum", -5.0),
+        ("/$defs/Goals/properties/x_m/oneOf/2/properties/normal/prefixItems/1/maximum", 10.0),
         ("/$defs/Placement/properties/yaw_deg/anyOf/0/oneOf/0/minimum", -360.0),
     ] {
         let found = schema.pointer(pointer).and_then(serde_json::Value::as_f64);

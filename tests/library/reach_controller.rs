@@ -70,19 +70,11 @@ fn a_users_controller_runs_a_reach() {
     let text = "summary = \"Free space\"\ngoals = { count = 1, retries = 0, x_m = 0.6, y_m = 0.0, z_m = -0.2 }\n";
     let scene = Scene::parse("free.toml", text.into()).unwrap();
     let make = |_: &Arm| -> Box<dyn Controller> {
-        Box::new(Gradient {
-            calls: 0,
-            last_angle_rad: None,
-            frames: 0,
-            seen_angle_rad: Vec::new(),
-        })
+        Box::new(Gradient { calls: 0, last_angle_rad: None, frames: 0, seen_angle_rad: Vec::new() })
     };
     let plan = ReachPlan::new(scene, None, 0).unwrap().with_controller(make);
     let recording = plan.run(0, &mut |_, _| {}).unwrap();
-    assert_eq!(
-        (recording.controller.as_str(), recording.outcome()),
-        ("gradient", Outcome::Reached)
-    );
+    assert_eq!((recording.controller.as_str(), recording.outcome()), ("gradient", Outcome::Reached));
     // Frames 0, 5, 10, …: a period of 50 ms is five frames.
     let frames = recording.frames.len() as u32;
     assert_eq!(recording.audit.controller_steps, frames.div_ceil(5));
@@ -105,10 +97,7 @@ impl Controller for Miscounting {
     }
 
     fn control(&mut self, _: &ControllerInput<'_>) -> ControllerOutput {
-        ControllerOutput {
-            equilibrium_angle_rad: vec![0.0; self.0],
-            status: ControlStatus::Solved,
-        }
+        ControllerOutput { equilibrium_angle_rad: vec![0.0; self.0], status: ControlStatus::Solved }
     }
 }
 
@@ -121,11 +110,9 @@ fn a_wrong_number_of_angles_is_an_error() {
         let make = move |_: &Arm| -> Box<dyn Controller> { Box::new(Miscounting(count)) };
         let plan = ReachPlan::new(Scene::load(scene).unwrap(), None, 0).unwrap();
         match plan.with_controller(make).run(0, &mut |_, _| {}) {
-            Err(ReachError::EquilibriumAngles {
-                controller,
-                found,
-                expected,
-            }) => assert_eq!((controller.as_str(), found, expected), ("miscounting", count, 7)),
+            Err(ReachError::EquilibriumAngles { controller, found, expected }) => {
+                assert_eq!((controller.as_str(), found, expected), ("miscounting", count, 7))
+            }
             other => panic!("{count} angles: {:?}", other.map(|recording| recording.outcome())),
         }
     }

@@ -36,19 +36,13 @@ fn plan(path: &Path, seed: u64) -> ReachPlan {
 /// category.
 #[test]
 fn all_that_the_readers_are_told_of_are_there() {
-    let names: Vec<String> = scenes()
-        .iter()
-        .map(|path| path.file_stem().unwrap().to_string_lossy().into_owned())
-        .collect();
+    let names: Vec<String> =
+        scenes().iter().map(|path| path.file_stem().unwrap().to_string_lossy().into_owned()).collect();
     for name in ["leaf", "trunk", "mixed", "outlier", "bottle"] {
         assert!(names.iter().any(|found| found == name), "no scene {name}");
     }
     for prefix in ["leaf-", "trunk-"] {
-        assert_eq!(
-            names.iter().filter(|name| name.starts_with(prefix)).count(),
-            5,
-            "{names:?}"
-        );
+        assert_eq!(names.iter().filter(|name| name.starts_with(prefix)).count(), 5, "{names:?}");
     }
 }
 
@@ -56,10 +50,8 @@ fn all_that_the_readers_are_told_of_are_there() {
 /// passes through foam, and that nothing touches the arm in the first frame, with every object in the solver.
 #[test]
 fn every_scene_draws_and_stands_free() {
-    let draws: Vec<(PathBuf, u64)> = scenes()
-        .into_iter()
-        .flat_map(|path| (0..6).map(move |seed| (path.clone(), seed)))
-        .collect();
+    let draws: Vec<(PathBuf, u64)> =
+        scenes().into_iter().flat_map(|path| (0..6).map(move |seed| (path.clone(), seed))).collect();
     draws.par_iter().for_each(|(path, seed)| {
         let plan = plan(path, *seed);
         let clutter = plan.draw(0).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
@@ -99,10 +91,7 @@ fn edge(placed: &PlacedObject) -> Vec<[f64; 2]> {
     });
     let (sine, cosine) = placed.yaw_rad.sin_cos();
     let foot = placed.foot_world;
-    local
-        .chain([[0.0, 0.0]])
-        .map(|[x, y]| [foot.x + cosine * x - sine * y, foot.y + sine * x + cosine * y])
-        .collect()
+    local.chain([[0.0, 0.0]]).map(|[x, y]| [foot.x + cosine * x - sine * y, foot.y + sine * x + cosine * y]).collect()
 }
 
 /// Whether a point on the ground, m, world frame, lies in a footprint.
@@ -131,9 +120,7 @@ fn goals_are_clear_of_trunks_and_rolls() {
         .map(|path| {
             let plan = plan(&path, 7);
             let nearest = (0..1000u64).into_par_iter().map(|reach_index| {
-                let clutter = plan
-                    .draw(reach_index)
-                    .unwrap_or_else(|error| panic!("reach {reach_index}: {error}"));
+                let clutter = plan.draw(reach_index).unwrap_or_else(|error| panic!("reach {reach_index}: {error}"));
                 let goals = clutter.goals.iter();
                 let distances = goals.flat_map(|goal| {
                     let obstacles = clutter.objects.iter().filter_map(cylinder);
@@ -149,10 +136,7 @@ fn goals_are_clear_of_trunks_and_rolls() {
         assert!(*nearest >= 0.02, "{}: {nearest} m", path.display());
     }
     let near = nearest.iter().filter(|(_, nearest)| *nearest < 0.04).count();
-    assert!(
-        near >= 6,
-        "in few scenes does any goal come near to a trunk or roll: {nearest:?}"
-    );
+    assert!(near >= 6, "in few scenes does any goal come near to a trunk or roll: {nearest:?}");
 }
 
 /// The foot of a trunk, roll or bottle, m, with its radius and height, m.
@@ -178,15 +162,9 @@ fn distance_to_cylinder([x, y, z]: [f64; 3], foot: [f64; 3], [radius, height, _]
 fn engineered_scenes_touch_their_own_category() {
     for (prefix, own) in [("leaf-", Category::LEAF), ("trunk-", Category::TRUNK)] {
         let name = |path: &Path| path.file_name().unwrap().to_string_lossy().into_owned();
-        let engineered: Vec<PathBuf> = scenes()
-            .into_iter()
-            .filter(|path| name(path).starts_with(prefix))
-            .collect();
+        let engineered: Vec<PathBuf> = scenes().into_iter().filter(|path| name(path).starts_with(prefix)).collect();
         let touched: Vec<Category> = engineered.par_iter().flat_map_iter(|path| touched(path)).collect();
-        let strange: Vec<_> = touched
-            .iter()
-            .filter(|found| ![own, Category::BLOCK].contains(found))
-            .collect();
+        let strange: Vec<_> = touched.iter().filter(|found| ![own, Category::BLOCK].contains(found)).collect();
         assert_eq!(strange, Vec::<&Category>::new(), "in {engineered:?}");
         assert!(touched.contains(&own), "{own:?} is not touched in {engineered:?}");
     }
@@ -199,14 +177,9 @@ fn touched(path: &Path) -> Vec<Category> {
     plan.scene.file.goals.count = 1;
     plan.scene.file.goals.retries = 0;
     let recording = plan.run(0, &mut |_, _| {}).unwrap();
-    let felt = recording
-        .frames
-        .iter()
-        .flat_map(|frame| &frame.taxels)
-        .filter_map(|reading| reading.object);
+    let felt = recording.frames.iter().flat_map(|frame| &frame.taxels).filter_map(|reading| reading.object);
     let objects = felt.chain(recording.contacts.iter().map(|contact| contact.object));
-    let categories: std::collections::BTreeSet<_> = objects
-        .map(|object| recording.objects[usize::from(object)].category)
-        .collect();
+    let categories: std::collections::BTreeSet<_> =
+        objects.map(|object| recording.objects[usize::from(object)].category).collect();
     categories.into_iter().collect()
 }

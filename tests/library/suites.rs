@@ -18,11 +18,7 @@ fn shipped_suites_are_blessed() {
         assert!(bounds.len() >= 5, "{name}");
         for bound in bounds {
             let numbers = bound.bound;
-            assert!(
-                numbers.at_least.is_some() || numbers.at_most.is_some(),
-                "{name}: {}",
-                bound.name()
-            );
+            assert!(numbers.at_least.is_some() || numbers.at_most.is_some(), "{name}: {}", bound.name());
         }
     }
 }
@@ -31,16 +27,10 @@ fn shipped_suites_are_blessed() {
 #[test]
 fn the_page_lists_every_metric() {
     let page = std::fs::read_to_string(root().join("docs/suites.md")).unwrap();
-    let rows = page
-        .lines()
-        .filter(|line| line.starts_with("| `") && line.matches('|').count() == 6);
+    let rows = page.lines().filter(|line| line.starts_with("| `") && line.matches('|').count() == 6);
     let listed: Vec<String> = rows.map(String::from).collect();
     let expected = METRICS.map(|metric| {
-        let name = if metric.by_category {
-            format!("{}.CATEGORY", metric.name)
-        } else {
-            metric.name.into()
-        };
+        let name = if metric.by_category { format!("{}.CATEGORY", metric.name) } else { metric.name.into() };
         let statistic = format!("{:?}", metric.statistic).to_lowercase();
         let sides = match metric.sides {
             Sides::Both => "both",

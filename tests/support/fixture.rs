@@ -23,31 +23,14 @@ static FIXTURE: LazyLock<Fixture> = LazyLock::new(|| {
     let fixture = Fixture { folder };
     let leaf = scenes::write(&fixture.folder, "leaf.toml", scenes::LEAVES_AT_FOREARM);
     let trunk = scenes::write(&fixture.folder, "trunk.toml", scenes::TRUNKS_AT_FOREARM);
-    underbrush![
-        "generate",
-        leaf,
-        trunk,
-        "--reaches",
-        "3",
-        "--seed",
-        "1",
-        "--out",
-        fixture.dataset()
-    ]
-    .success();
+    underbrush!["generate", leaf, trunk, "--reaches", "3", "--seed", "1", "--out", fixture.dataset()].success();
     for table in [fixture.table_csv(), fixture.table_parquet()] {
         underbrush!["trials", fixture.dataset(), "--out", table].success();
     }
     let trials = read_trials(fixture.table_csv()).unwrap();
     for category in ["leaf", "trunk"] {
-        let count = trials
-            .iter()
-            .filter(|trial| trial.category.as_deref() == Some(category))
-            .count();
-        assert!(
-            count >= 4,
-            "{count} {category} trials are too few for the tests: draw the scenes of the fixture anew"
-        );
+        let count = trials.iter().filter(|trial| trial.category.as_deref() == Some(category)).count();
+        assert!(count >= 4, "{count} {category} trials are too few for the tests: draw the scenes of the fixture anew");
     }
     underbrush!["train", fixture.table_csv(), "--out", fixture.model(), "--states", "3"].success();
     fixture
@@ -99,18 +82,12 @@ pub fn recording_with_trials(scene: &Path, recording: &Path) -> Vec<Trial> {
     let table = recording.with_extension("csv");
     for index in 0..20 {
         let index = index.to_string();
-        underbrush![
-            "reach", scene, "--seed", "1", "--index", index, "--out", recording, "--force"
-        ]
-        .success();
+        underbrush!["reach", scene, "--seed", "1", "--index", index, "--out", recording, "--force"].success();
         if underbrush!["trials", recording, "--out", table].status == 0 {
             return read_trials(&table).unwrap();
         }
     }
-    panic!(
-        "twenty reaches of {} leave the forearm untouched: draw the scene anew",
-        scene.display()
-    );
+    panic!("twenty reaches of {} leave the forearm untouched: draw the scene anew", scene.display());
 }
 
 /// The fixture's trials without their reaches, in a file in `folder`: one category is touched in a single reach, which is
@@ -119,10 +96,7 @@ pub fn table_without_reaches(folder: &Path) -> PathBuf {
     let rows = table::rows(&std::fs::read_to_string(fixture().table_csv()).unwrap());
     let columns = ["trial", "category", "time_s", "force_n"];
     let mut lines = vec![columns.join(",")];
-    lines.extend(
-        rows.iter()
-            .map(|row| columns.map(|column| row[column].as_str()).join(",")),
-    );
+    lines.extend(rows.iter().map(|row| columns.map(|column| row[column].as_str()).join(",")));
     let path = folder.join("without-reaches.csv");
     std::fs::write(&path, lines.join("\n")).unwrap();
     path

@@ -57,9 +57,7 @@ fn check(root: &Value, schema: &Value, value: &Value, place: &str, found: &mut V
             }
             "anyOf" => list().any(holds),
             "oneOf" => list().filter(|part| holds(part)).count() == 1,
-            "type" => argument
-                .as_array()
-                .map_or_else(|| is_kind(argument), |kinds| kinds.iter().any(is_kind)),
+            "type" => argument.as_array().map_or_else(|| is_kind(argument), |kinds| kinds.iter().any(is_kind)),
             "pattern" => {
                 let pattern = regex::Regex::new(argument.as_str().unwrap()).unwrap();
                 value.as_str().is_none_or(|text| pattern.is_match(text))
@@ -74,9 +72,9 @@ fn check(root: &Value, schema: &Value, value: &Value, place: &str, found: &mut V
             "uniqueItems" => value
                 .as_array()
                 .is_none_or(|items| (1..items.len()).all(|index| !items[..index].contains(&items[index]))),
-            "required" => value
-                .as_object()
-                .is_none_or(|entries| list().all(|key| entries.contains_key(key.as_str().unwrap()))),
+            "required" => {
+                value.as_object().is_none_or(|entries| list().all(|key| entries.contains_key(key.as_str().unwrap())))
+            }
             "items" => {
                 for (index, item) in value.as_array().into_iter().flatten().enumerate() {
                     check(root, argument, item, &format!("{place}/{index}"), found);
@@ -97,12 +95,7 @@ fn check(root: &Value, schema: &Value, value: &Value, place: &str, found: &mut V
             found.push(format!("{place}: {keyword} {argument}"));
         }
     }
-    for (key, part) in keywords
-        .get("properties")
-        .and_then(Value::as_object)
-        .into_iter()
-        .flatten()
-    {
+    for (key, part) in keywords.get("properties").and_then(Value::as_object).into_iter().flatten() {
         if let Some(entry) = value.get(key) {
             check(root, part, entry, &format!("{place}/{key}"), found);
         }
@@ -130,10 +123,7 @@ fn the_judge_finds_faults() {
         (json!([]), ""),
     ] {
         let found = faults(&schema, &broken);
-        assert!(
-            found.len() == 1 && found[0].starts_with(&format!("{place}:")),
-            "{broken}: {found:?}"
-        );
+        assert!(found.len() == 1 && found[0].starts_with(&format!("{place}:")), "{broken}: {found:?}");
     }
     let unknown = json!({ "exclusiveMinimum": 0 });
     assert!(std::panic::catch_unwind(|| faults(&unknown, &json!(1))).is_err());

@@ -74,10 +74,7 @@ pub fn call_with_bytes(arguments: Vec<OsString>, stdin: &[u8]) -> Answer {
     let (mut input, stdin) = (program.stdin.take().unwrap(), stdin.to_vec());
     // The program may end before it has read its input.
     let writer = thread::spawn(move || drop(input.write_all(&stdin)));
-    let [stdout, stderr] = [
-        text_of(program.stdout.take().unwrap()),
-        text_of(program.stderr.take().unwrap()),
-    ];
+    let [stdout, stderr] = [text_of(program.stdout.take().unwrap()), text_of(program.stderr.take().unwrap())];
     let start = Instant::now();
     let status = loop {
         if let Some(status) = program.try_wait().unwrap() {
@@ -90,11 +87,7 @@ pub fn call_with_bytes(arguments: Vec<OsString>, stdin: &[u8]) -> Answer {
         thread::sleep(Duration::from_millis(2));
     };
     writer.join().unwrap();
-    Answer {
-        status: status.code().unwrap_or(-1),
-        stdout: stdout.join().unwrap(),
-        stderr: stderr.join().unwrap(),
-    }
+    Answer { status: status.code().unwrap_or(-1), stdout: stdout.join().unwrap(), stderr: stderr.join().unwrap() }
 }
 
 /// Reads text to its end, beside the caller.

@@ -10,11 +10,7 @@ pub fn rows(text: &str) -> Vec<BTreeMap<String, String>> {
         .map(|line| {
             let cells: Vec<&str> = line.split(',').collect();
             assert_eq!(cells.len(), header.len(), "{line}");
-            header
-                .iter()
-                .zip(cells)
-                .map(|(name, cell)| (name.to_string(), cell.to_string()))
-                .collect()
+            header.iter().zip(cells).map(|(name, cell)| (name.to_string(), cell.to_string())).collect()
         })
         .collect()
 }

@@ -110,9 +110,7 @@ pub struct Judged {
 impl Judged {
     /// Judges a comparison of a check.
     pub(crate) fn new(check: &Check, comparison: Comparison, tolerance_scale: f64) -> Self {
-        let known = SHORTFALLS
-            .iter()
-            .find(|known| known.check == check.name && known.quantity == comparison.quantity);
+        let known = SHORTFALLS.iter().find(|known| known.check == check.name && known.quantity == comparison.quantity);
         let (verdict, cause) = match known {
             _ if comparison.passes(tolerance_scale) => (Verdict::Pass, None),
             Some(known) if comparison.residual < known.bound * tolerance_scale => {
@@ -120,11 +118,7 @@ impl Judged {
             }
             _ => (Verdict::Fail, None),
         };
-        Judged {
-            comparison,
-            verdict,
-            cause,
-        }
+        Judged { comparison, verdict, cause }
     }
 }
 
@@ -167,11 +161,9 @@ pub fn judge(check: &Check, found: Vec<Result<Vec<Comparison>, CheckError>>, tol
     let mut comparisons = Vec::new();
     for case in found {
         match case {
-            Ok(found) => comparisons.extend(
-                found
-                    .into_iter()
-                    .map(|comparison| Judged::new(check, comparison, tolerance_scale)),
-            ),
+            Ok(found) => {
+                comparisons.extend(found.into_iter().map(|comparison| Judged::new(check, comparison, tolerance_scale)))
+            }
             Err(error) => errors.push(error.to_string()),
         }
     }
@@ -203,9 +195,6 @@ mod tests {
         let good = || Ok(vec![Comparison::absolute("x", "m", 1.0, 1.0, 0.1, "none")]);
         assert_eq!(judge(check, vec![good()], 1.0).verdict, Verdict::Pass);
         let broken = judge(check, vec![good(), Err(CheckError::Case("no leaf".into()))], 1.0);
-        assert_eq!(
-            (broken.verdict, broken.errors),
-            (Verdict::Fail, vec!["no leaf".to_owned()])
-        );
+        assert_eq!((broken.verdict, broken.errors), (Verdict::Fail, vec!["no leaf".to_owned()]));
     }
 }

@@ -23,39 +23,23 @@ pub const CHECK: Check = Check {
     summary: "Bodies rest at the overlap of an elastic foundation whatever their mass, rebound as its loss says, and the \
               forearm has the same skin from wrist to elbow",
     cases: &[
-        Case {
-            compare: resting,
-            falsifications: &[STIFF_SURFACE],
-        },
+        Case { compare: resting, falsifications: &[STIFF_SURFACE] },
         thrown::REBOUND,
         thrown::FAST_TOUCH,
-        Case {
-            compare: along_the_forearm,
-            falsifications: &[STIFF_SKIN],
-        },
+        Case { compare: along_the_forearm, falsifications: &[STIFF_SKIN] },
     ],
 };
 
-const STIFF_SURFACE: Falsification = Falsification {
-    wrong: "stiffness of the simulated surface",
-    by: "10 % too high",
-    breaks: Breaks::Every,
-};
-const STIFF_SKIN: Falsification = Falsification {
-    wrong: "stiffness of the simulated skin",
-    by: "30 % too high",
-    breaks: Breaks::Every,
-};
+const STIFF_SURFACE: Falsification =
+    Falsification { wrong: "stiffness of the simulated surface", by: "10 % too high", breaks: Breaks::Every };
+const STIFF_SKIN: Falsification =
+    Falsification { wrong: "stiffness of the simulated skin", by: "30 % too high", breaks: Breaks::Every };
 
 const STIFFNESS_N_PER_M3: f64 = 3e7;
 const GRAVITY_M_PER_S2: f64 = 9.81;
 
 fn soft(stiffness_n_per_m3: f64, loss_time_s: f64) -> Surface {
-    Surface {
-        compliance_m3_per_n: 1.0 / stiffness_n_per_m3,
-        loss_time_s,
-        friction: 0.4,
-    }
+    Surface { compliance_m3_per_n: 1.0 / stiffness_n_per_m3, loss_time_s, friction: 0.4 }
 }
 
 fn part(shape: BodyShape, pose_body: Pose) -> BodyPart {
@@ -65,10 +49,7 @@ fn part(shape: BodyShape, pose_body: Pose) -> BodyPart {
 /// A cylinder that lies horizontally, with its axis at this angle from x.
 fn lying(radius_m: f64, angle_rad: f64) -> BodyPart {
     let axis = DQuat::from_rotation_z(angle_rad) * DQuat::from_rotation_y(FRAC_PI_2);
-    let shape = BodyShape::Cylinder {
-        radius_m,
-        length_m: 0.24,
-    };
+    let shape = BodyShape::Cylinder { radius_m, length_m: 0.24 };
     part(shape, Pose::from_orientation(axis))
 }
 
@@ -142,10 +123,7 @@ fn resting(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let mut comparisons = Vec::new();
     for body in bodies() {
         for mass_kg in [0.005, 1.0] {
-            let mut rig = Rig::new(PhysicsOptions {
-                step_s: 0.005,
-                gravity_m_per_s2: GRAVITY_M_PER_S2,
-            });
+            let mut rig = Rig::new(PhysicsOptions { step_s: 0.005, gravity_m_per_s2: GRAVITY_M_PER_S2 });
             let lower = rig.add_fixed(&body.lower, Surface::hard(0.4), &Pose::IDENTITY);
             let upper = rig.add_free(&FreeBody {
                 part: body.upper.clone(),
@@ -164,11 +142,7 @@ fn resting(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             }
             let depth_m = body.height_m - rig.pose_world(upper).position.z;
             comparisons.push(Comparison::relative(
-                format!(
-                    "{}, k times the overlap's volume at rest, {} g",
-                    body.name,
-                    mass_kg * 1e3
-                ),
+                format!("{}, k times the overlap's volume at rest, {} g", body.name, mass_kg * 1e3),
                 "N",
                 mass_kg * GRAVITY_M_PER_S2,
                 STIFFNESS_N_PER_M3 * (body.overlap_m3)(depth_m),
@@ -185,21 +159,11 @@ fn along_the_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError
     const RADIUS_M: f64 = 0.015;
     let arm = Arm::cody()?;
     let mut comparisons = Vec::new();
-    for (name, along_m) in [
-        ("near the wrist", -0.05),
-        ("in the middle", 0.0),
-        ("near the elbow", 0.07),
-    ] {
+    for (name, along_m) in [("near the wrist", -0.05), ("in the middle", 0.0), ("near the elbow", 0.07)] {
         let mut soft = arm.clone();
         soft.skin.stiffness_n_per_m3 *= simulated.with(STIFF_SKIN, 1.0, 1.3);
-        let trunk = Trunk {
-            diameter_m: 2.0 * RADIUS_M,
-            height_m: 0.6,
-        };
-        let beside = Beside {
-            along_m,
-            ..Beside::facing(Box::new(trunk), 0.017, 0.3)
-        };
+        let trunk = Trunk { diameter_m: 2.0 * RADIUS_M, height_m: 0.6 };
+        let beside = Beside { along_m, ..Beside::facing(Box::new(trunk), 0.017, 0.3) };
         let mut pressed = PressedArm::new(arm.clone(), soft, beside, pressed_arm::OPTIONS)?;
         let equilibrium = pressed.pressing_rad(9.0);
         pressed.hold(&equilibrium, 5.0);

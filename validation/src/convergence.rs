@@ -15,18 +15,9 @@ pub const CHECK: Check = Check {
     name: "convergence",
     summary: "Errors are first order in the time step, and fall with the number of hinges at the order of their quadrature",
     cases: &[
-        Case {
-            compare: leaf_in_step,
-            falsifications: &[LOSSY_BLADE],
-        },
-        Case {
-            compare: joint_in_step,
-            falsifications: &[STIFF_JOINT],
-        },
-        Case {
-            compare: leaf_in_hinges,
-            falsifications: &[STIFF_BLADE],
-        },
+        Case { compare: leaf_in_step, falsifications: &[LOSSY_BLADE] },
+        Case { compare: joint_in_step, falsifications: &[STIFF_JOINT] },
+        Case { compare: leaf_in_hinges, falsifications: &[STIFF_BLADE] },
     ],
 };
 

@@ -21,37 +21,22 @@ pub const CHECK: Check = Check {
     summary: "Reaches have the same bytes in every run and on any number of threads; a copied simulation, and one that was \
               saved and loaded, continue exactly as the original",
     cases: &[
-        Case {
-            compare: repeated,
-            falsifications: &[OTHER_SEED],
-        },
-        Case {
-            compare: copied,
-            falsifications: &[OTHER_PUSH],
-        },
-        Case {
-            compare: restored,
-            falsifications: &[LOST_VELOCITIES],
-        },
+        Case { compare: repeated, falsifications: &[OTHER_SEED] },
+        Case { compare: copied, falsifications: &[OTHER_PUSH] },
+        Case { compare: restored, falsifications: &[LOST_VELOCITIES] },
     ],
 };
 
-const OTHER_SEED: Falsification = Falsification {
-    wrong: "seed of the second run",
-    by: "1 instead of 0",
-    breaks: Breaks::Every,
-};
+const OTHER_SEED: Falsification =
+    Falsification { wrong: "seed of the second run", by: "1 instead of 0", breaks: Breaks::Every };
 const OTHER_PUSH: Falsification = Falsification {
     wrong: "equilibrium angles of the copied simulation",
     by: "1 µrad too large",
     breaks: Breaks::Every,
 };
 
-const LOST_VELOCITIES: Falsification = Falsification {
-    wrong: "part of the saved state",
-    by: "joint velocities lost",
-    breaks: Breaks::Every,
-};
+const LOST_VELOCITIES: Falsification =
+    Falsification { wrong: "part of the saved state", by: "joint velocities lost", breaks: Breaks::Every };
 
 /// Few objects and one goal: short reaches that touch leaves, a trunk and foam.
 const SCENE: &str = r#"
@@ -69,14 +54,7 @@ count = 8
 const REACHES: u64 = 3;
 
 fn same(quantity: &str, differing: usize) -> Comparison {
-    Comparison::absolute(
-        quantity,
-        "bytes",
-        0.0,
-        differing as f64,
-        1.0,
-        "1 byte: every bit must be equal",
-    )
+    Comparison::absolute(quantity, "bytes", 0.0, differing as f64, 1.0, "1 byte: every bit must be equal")
 }
 
 fn repeated(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
@@ -85,23 +63,14 @@ fn repeated(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let again = reaches(seed, 1)?;
     let threads = reaches(seed, 3)?;
     Ok(vec![
-        same(
-            "bytes that differ between two runs of three reaches",
-            differing(&first, &again),
-        ),
-        same(
-            "bytes that differ between three reaches on one thread and on three",
-            differing(&first, &threads),
-        ),
+        same("bytes that differ between two runs of three reaches", differing(&first, &again)),
+        same("bytes that differ between three reaches on one thread and on three", differing(&first, &threads)),
     ])
 }
 
 fn copied(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let [original, copy] = copy(simulated.with(OTHER_PUSH, 0.0, 1e-6))?;
-    Ok(vec![same(
-        "bytes that differ between a simulation and its copy within a second",
-        differing(&original, &copy),
-    )])
+    Ok(vec![same("bytes that differ between a simulation and its copy within a second", differing(&original, &copy))])
 }
 
 fn restored(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
@@ -117,10 +86,7 @@ fn reaches(seed: u64, threads: usize) -> Result<Vec<u8>, CheckError> {
     let plan = ReachPlan::new(Scene::parse("determinism.toml", SCENE.into())?, None, seed)?;
     let jobs: Vec<Job> = (0..REACHES).map(|reach_index| Job { plan: 0, reach_index }).collect();
     let fault = |error: &dyn std::fmt::Display| CheckError::Case(error.to_string());
-    let pool = ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| fault(&error))?;
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| fault(&error))?;
     let done: Mutex<Vec<(usize, Vec<u8>)>> = Mutex::default();
     let run = || {
         campaign::run::<Infallible>(&[plan], &jobs, |position, recording| {

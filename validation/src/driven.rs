@@ -35,16 +35,9 @@ impl Driven {
     /// # Errors
     /// When the object has no such body.
     pub fn new(object: &dyn Object, gravity_m_per_s2: f64, body: usize, axis: Axis) -> Result<Self, CheckError> {
-        let mut rig = Rig::new(PhysicsOptions {
-            step_s: Self::STEP_S,
-            gravity_m_per_s2,
-        });
+        let mut rig = Rig::new(PhysicsOptions { step_s: Self::STEP_S, gravity_m_per_s2 });
         let body = rig.add_object(object).get(body).copied();
-        Ok(Driven {
-            rig,
-            body: body.ok_or_else(|| CheckError::Case("the object has no such body".into()))?,
-            axis,
-        })
+        Ok(Driven { rig, body: body.ok_or_else(|| CheckError::Case("the object has no such body".into()))?, axis })
     }
 
     fn place(&self) -> f64 {
@@ -65,10 +58,7 @@ impl Driven {
             .map(|index| {
                 let goal = path(index as f64 * Self::STEP_S);
                 let force = self.rig.step_driven(self.body, self.axis, Self::DRIVE, goal);
-                Point {
-                    place: self.place(),
-                    force: force.unwrap_or(f64::NAN),
-                }
+                Point { place: self.place(), force: force.unwrap_or(f64::NAN) }
             })
             .collect()
     }

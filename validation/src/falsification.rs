@@ -53,11 +53,7 @@ pub struct FalsifiedRun {
 /// outcomes are in the order of `checks`. `done` is called after each case and falsification.
 pub fn falsify(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> Vec<FalsifiedOutcome> {
     let falsified = |case: &'static Case| case.falsifications.iter().map(move |wrong| (case, *wrong));
-    let jobs: Vec<(&Case, Falsification)> = checks
-        .iter()
-        .flat_map(|check| check.cases)
-        .flat_map(falsified)
-        .collect();
+    let jobs: Vec<(&Case, Falsification)> = checks.iter().flat_map(|check| check.cases).flat_map(falsified).collect();
     let found: Vec<Found> = jobs
         .par_iter()
         .with_max_len(1)
@@ -111,18 +107,10 @@ pub fn judge_falsified(
                 if must_break && judged.verdict != Verdict::Fail {
                     faults.push(format!("with {wrong}: {quantity} does not fail"));
                 }
-                let run = FalsifiedRun {
-                    falsification: index,
-                    must_break,
-                    judged,
-                };
+                let run = FalsifiedRun { falsification: index, must_break, judged };
                 match own.iter_mut().find(|known| known.quantity == quantity) {
                     Some(known) => known.runs.push(run),
-                    None => own.push(Falsified {
-                        quantity,
-                        broken: false,
-                        runs: vec![run],
-                    }),
+                    None => own.push(Falsified { quantity, broken: false, runs: vec![run] }),
                 }
             }
         }
@@ -153,43 +141,25 @@ mod tests {
     use super::*;
     use crate::Breaks;
 
-    const LONG: Falsification = Falsification {
-        wrong: "length",
-        by: "1 % too long",
-        breaks: Breaks::Named(&["length"]),
-    };
-    const HEAVY: Falsification = Falsification {
-        wrong: "mass",
-        by: "1 % too high",
-        breaks: Breaks::Every,
-    };
+    const LONG: Falsification =
+        Falsification { wrong: "length", by: "1 % too long", breaks: Breaks::Named(&["length"]) };
+    const HEAVY: Falsification = Falsification { wrong: "mass", by: "1 % too high", breaks: Breaks::Every };
 
     /// A length and a mass. A wrong value of each is noticed by one comparison only.
     fn compare(simulated: Simulated) -> Found {
         let same = |name: &str, found| Comparison::relative(name, "", 1.0, found, 1e-3, "none");
-        Ok(vec![
-            same("length", simulated.with(LONG, 1.0, 1.01)),
-            same("mass", simulated.with(HEAVY, 1.0, 1.01)),
-        ])
+        Ok(vec![same("length", simulated.with(LONG, 1.0, 1.01)), same("mass", simulated.with(HEAVY, 1.0, 1.01))])
     }
 
     const fn check(cases: &'static [Case]) -> Check {
-        Check {
-            number: 1,
-            name: "example",
-            summary: "",
-            cases,
-        }
+        Check { number: 1, name: "example", summary: "", cases }
     }
 
     /// Tests that a comparison that no falsification breaks is a fault, even if another comparison of its case is
     /// broken.
     #[test]
     fn each_comparison_must_be_broken() {
-        const ALONE: Check = check(&[Case {
-            compare,
-            falsifications: &[LONG],
-        }]);
+        const ALONE: Check = check(&[Case { compare, falsifications: &[LONG] }]);
         let outcome = &falsify(&[&ALONE], 1.0, || ())[0];
         let broken: Vec<bool> = outcome.comparisons.iter().map(|found| found.broken).collect();
         assert_eq!((outcome.sound, broken), (false, vec![true, false]));
@@ -199,10 +169,7 @@ mod tests {
     /// Tests that a falsification must break every comparison that it names, and not only some.
     #[test]
     fn a_falsification_must_break_what_it_names() {
-        const BOTH: Check = check(&[Case {
-            compare,
-            falsifications: &[LONG, HEAVY],
-        }]);
+        const BOTH: Check = check(&[Case { compare, falsifications: &[LONG, HEAVY] }]);
         let outcome = &falsify(&[&BOTH], 1.0, || ())[0];
         assert!(outcome.comparisons.iter().all(|found| found.broken));
         assert_eq!(outcome.faults, ["with mass, 1 % too high: length does not fail"]);
@@ -212,20 +179,11 @@ mod tests {
     /// faults.
     #[test]
     fn what_cannot_be_judged_is_a_fault() {
-        const ALONE: Check = check(&[Case {
-            compare,
-            falsifications: &[LONG],
-        }]);
+        const ALONE: Check = check(&[Case { compare, falsifications: &[LONG] }]);
         let faults = |found: Found| judge_falsified(&ALONE, vec![vec![found]], 1.0).faults;
         let broken_off = faults(Err(CheckError::Case("no leaf".into())));
-        assert_eq!(
-            broken_off,
-            ["with length, 1 % too long: no leaf", "a case without comparisons"]
-        );
+        assert_eq!(broken_off, ["with length, 1 % too long: no leaf", "a case without comparisons"]);
         let other = Comparison::absolute("mass", "kg", 0.0, 1.0, 0.1, "none");
-        assert_eq!(
-            faults(Ok(vec![other])),
-            ["with length, 1 % too long: no comparison is named \"length\""]
-        );
+        assert_eq!(faults(Ok(vec![other])), ["with length, 1 % too long: no comparison is named \"length\""]);
     }
 }

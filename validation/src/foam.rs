@@ -14,66 +14,35 @@ pub const CHECK: Check = Check {
     name: "foam",
     summary: "Foam blocks and rolls behave as bars of a standard linear solid, and never give back more work than was put in",
     cases: &[
-        Case {
-            compare: pressed_block,
-            falsifications: &[STIFF_FOAM],
-        },
+        Case { compare: pressed_block, falsifications: &[STIFF_FOAM] },
         Case {
             compare: held_slice,
-            falsifications: &[
-                Falsification {
-                    breaks: Breaks::Named(&["force at 1 cm"]),
-                    ..STIFF_FOAM
-                },
-                SLOW_FOAM,
-            ],
+            falsifications: &[Falsification { breaks: Breaks::Named(&["force at 1 cm"]), ..STIFF_FOAM }, SLOW_FOAM],
         },
-        Case {
-            compare: cycled_slice,
-            falsifications: &[STIFF_FOAM],
-        },
-        Case {
-            compare: wandering_slice,
-            falsifications: &[DRIVING_FOAM],
-        },
-        Case {
-            compare: returning_slice,
-            falsifications: &[RELAXING_FOAM],
-        },
+        Case { compare: cycled_slice, falsifications: &[STIFF_FOAM] },
+        Case { compare: wandering_slice, falsifications: &[DRIVING_FOAM] },
+        Case { compare: returning_slice, falsifications: &[RELAXING_FOAM] },
     ],
 };
 
-const STIFF_FOAM: Falsification = Falsification {
-    wrong: "modulus of the simulated foam",
-    by: "5 % too high",
-    breaks: Breaks::Every,
-};
+const STIFF_FOAM: Falsification =
+    Falsification { wrong: "modulus of the simulated foam", by: "5 % too high", breaks: Breaks::Every };
 const SLOW_FOAM: Falsification = Falsification {
     wrong: "relaxation time of the simulated roll",
     by: "10 % too long",
     breaks: Breaks::Named(&["relaxation time"]),
 };
-const RELAXING_FOAM: Falsification = Falsification {
-    wrong: "relaxing share of the simulated roll",
-    by: "20 % too high",
-    breaks: Breaks::Every,
-};
-const DRIVING_FOAM: Falsification = Falsification {
-    wrong: "sign of the simulated roll's relaxing share",
-    by: "negative",
-    breaks: Breaks::Every,
-};
+const RELAXING_FOAM: Falsification =
+    Falsification { wrong: "relaxing share of the simulated roll", by: "20 % too high", breaks: Breaks::Every };
+const DRIVING_FOAM: Falsification =
+    Falsification { wrong: "sign of the simulated roll's relaxing share", by: "negative", breaks: Breaks::Every };
 
 const GRAVITY_M_PER_S2: f64 = 9.81;
 /// The parameters of the blocks, which the closed forms use.
 const DENSITY_KG_PER_M3: f64 = 25.0;
 const BLOCK_AREA_M2: f64 = 0.25 * 0.10;
 const WET_RELAXING_SHARE: f64 = 0.3;
-const BLOCK: FoamBlock = FoamBlock {
-    height_m: 0.08,
-    wet: true,
-    modulus_pa: 5.0e4,
-};
+const BLOCK: FoamBlock = FoamBlock { height_m: 0.08, wet: true, modulus_pa: 5.0e4 };
 const ROLL: FoamRoll = FoamRoll {
     diameter_m: 0.12,
     height_m: 0.5,
@@ -86,19 +55,13 @@ const ROLL: FoamRoll = FoamRoll {
 const SLICE: usize = 6;
 
 fn pressed_block(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
-    let block = FoamBlock {
-        modulus_pa: BLOCK.modulus_pa * simulated.with(STIFF_FOAM, 1.0, 1.05),
-        ..BLOCK
-    };
+    let block = FoamBlock { modulus_pa: BLOCK.modulus_pa * simulated.with(STIFF_FOAM, 1.0, 1.05), ..BLOCK };
     let sag = foam::sag_m(DENSITY_KG_PER_M3, GRAVITY_M_PER_S2, BLOCK.height_m, BLOCK.modulus_pa);
     let mut standing = Driven::new(&block, GRAVITY_M_PER_S2, 1, Axis::TranslationZ)?;
     let sunk = standing.let_go(30.0);
     let depth_m = 1e-3;
     let mut pressed = Driven::new(&block, 0.0, 1, Axis::TranslationZ)?;
-    let force = pressed
-        .drive(|_| -depth_m, 0.02)
-        .last()
-        .map_or(0.0, |point| -point.force);
+    let force = pressed.drive(|_| -depth_m, 0.02).last().map_or(0.0, |point| -point.force);
     Ok(vec![
         Comparison::relative(
             "wet block, force at 1 mm, E A δ / H",
@@ -229,9 +192,7 @@ fn wander(time_s: f64) -> f64 {
 /// ∫ F dx along the path.
 fn work(way: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
     let pairs = way.clone().zip(way.skip(1));
-    pairs
-        .map(|((x, f), (next_x, next_f))| 0.5 * (f + next_f) * (next_x - x))
-        .sum()
+    pairs.map(|((x, f), (next_x, next_f))| 0.5 * (f + next_f) * (next_x - x)).sum()
 }
 
 /// The minimum over time of the work done so far.

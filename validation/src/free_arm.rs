@@ -17,14 +17,8 @@ pub const CHECK: Check = Check {
     name: "free-arm",
     summary: "The free arm, without springs, dampers, gravity or contacts, conserves energy; with springs and dampers it never gains any",
     cases: &[
-        Case {
-            compare: free,
-            falsifications: &[DAMPERS_LEFT_ON, LONG_STEP],
-        },
-        Case {
-            compare: sprung,
-            falsifications: &[DRIVING_DAMPERS],
-        },
+        Case { compare: free, falsifications: &[DAMPERS_LEFT_ON, LONG_STEP] },
+        Case { compare: sprung, falsifications: &[DRIVING_DAMPERS] },
     ],
 };
 
@@ -38,11 +32,8 @@ const LONG_STEP: Falsification = Falsification {
     by: "twice as long",
     breaks: Breaks::Named(&["order in the step"]),
 };
-const DRIVING_DAMPERS: Falsification = Falsification {
-    wrong: "sign of the simulated joints' dampers",
-    by: "negative",
-    breaks: Breaks::Every,
-};
+const DRIVING_DAMPERS: Falsification =
+    Falsification { wrong: "sign of the simulated joints' dampers", by: "negative", breaks: Breaks::Every };
 
 const STEP_S: f64 = 1e-3;
 const SECONDS: f64 = 5.0;
@@ -57,11 +48,7 @@ fn free(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     }
     let mut rises = Vec::new();
     for share in [1.0, 0.5, 0.25] {
-        let wrong = if share < 0.5 {
-            simulated.with(LONG_STEP, 1.0, 2.0)
-        } else {
-            1.0
-        };
+        let wrong = if share < 0.5 { simulated.with(LONG_STEP, 1.0, 2.0) } else { 1.0 };
         let energies = energies_j(arm.clone(), STEP_S * share * wrong)?;
         rises.push((share, largest_rise_share(&energies)));
     }
@@ -119,10 +106,7 @@ fn energies_j(mut arm: Arm, step_s: f64) -> Result<Vec<f64>, CheckError> {
     for joint in &mut arm.joints {
         joint.limits_rad = [f64::NEG_INFINITY, f64::INFINITY];
     }
-    let physics = PhysicsOptions {
-        step_s,
-        gravity_m_per_s2: 0.0,
-    };
+    let physics = PhysicsOptions { step_s, gravity_m_per_s2: 0.0 };
     let posture = arm.start_posture_rad();
     let mut simulation = alone(arm, physics);
     simulation.set_joint_velocity(&VELOCITY_RAD_PER_S);
@@ -138,10 +122,7 @@ fn energies_j(mut arm: Arm, step_s: f64) -> Result<Vec<f64>, CheckError> {
 
 /// An arm with nothing around it.
 pub fn alone(arm: Arm, physics: PhysicsOptions) -> Simulation {
-    let clutter = Clutter {
-        objects: Vec::new(),
-        goals: Vec::new(),
-    };
+    let clutter = Clutter { objects: Vec::new(), goals: Vec::new() };
     Simulation::new(Setup {
         sensor: Sensor::new(&SensorOptions::off(), &arm.skin, 0, "validate", 0),
         arm,

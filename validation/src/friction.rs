@@ -18,26 +18,14 @@ pub const CHECK: Check = Check {
     name: "friction",
     summary: "A box slips at a slope of atan μ and slides with Coulomb friction; the shear on a taxel never exceeds μ times its normal force",
     cases: &[
-        Case {
-            compare: boxes,
-            falsifications: &[SMOOTH_BOX],
-        },
-        Case {
-            compare: every_direction,
-            falsifications: &[SMOOTH_FLOOR],
-        },
-        Case {
-            compare: sliding_forearm,
-            falsifications: &[ROUGH_FOREARM, TILTED_AXIS],
-        },
+        Case { compare: boxes, falsifications: &[SMOOTH_BOX] },
+        Case { compare: every_direction, falsifications: &[SMOOTH_FLOOR] },
+        Case { compare: sliding_forearm, falsifications: &[ROUGH_FOREARM, TILTED_AXIS] },
     ],
 };
 
-const SMOOTH_BOX: Falsification = Falsification {
-    wrong: "friction of the simulated box",
-    by: "10 % too low",
-    breaks: Breaks::Every,
-};
+const SMOOTH_BOX: Falsification =
+    Falsification { wrong: "friction of the simulated box", by: "10 % too low", breaks: Breaks::Every };
 const SMOOTH_FLOOR: Falsification = Falsification {
     wrong: "friction under the simulated box that slides in twelve directions",
     by: "10 % too low, and a floor that slopes by 1 %",
@@ -56,10 +44,7 @@ const TILTED_AXIS: Falsification = Falsification {
 
 const GRAVITY_M_PER_S2: f64 = 9.81;
 const FRICTION: f64 = 0.4;
-const OPTIONS: PhysicsOptions = PhysicsOptions {
-    step_s: 0.005,
-    gravity_m_per_s2: GRAVITY_M_PER_S2,
-};
+const OPTIONS: PhysicsOptions = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: GRAVITY_M_PER_S2 };
 
 fn boxes(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let friction = FRICTION * simulated.with(SMOOTH_BOX, 1.0, 0.9);
@@ -104,10 +89,7 @@ fn sliding_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
     let tilt_rad = simulated.with(TILTED_AXIS, 0.0, 10.0_f64.to_radians());
     let axis = &mut wrong.joints[0].axis_child;
     *axis = axis.rotate_x(tilt_rad);
-    let trunk = Trunk {
-        diameter_m: 0.03,
-        height_m: 0.6,
-    };
+    let trunk = Trunk { diameter_m: 0.03, height_m: 0.6 };
     let beside = Beside::facing(Box::new(trunk), 0.017, 0.3);
     let mut pressed = PressedArm::new(arm, wrong, beside, pressed_arm::OPTIONS)?;
     let mut equilibrium = pressed.pressing_rad(6.0);
@@ -179,11 +161,7 @@ fn every_direction(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
         let direction = DVec3::X.rotate_z(f64::from(hour) * std::f64::consts::PI / 6.0 + 0.1);
         let mut rig = Rig::new(OPTIONS);
         let floor = cuboid(DVec3::new(10.0, 10.0, 0.1), DVec3::Z * -0.05);
-        rig.add_fixed(
-            &floor,
-            surface,
-            &Pose::from_orientation(DQuat::from_rotation_y(slope_rad)),
-        );
+        rig.add_fixed(&floor, surface, &Pose::from_orientation(DQuat::from_rotation_y(slope_rad)));
         let sliding = rig.add_free(&FreeBody {
             part: cuboid(DVec3::new(0.12, 0.1, 0.02), DVec3::ZERO),
             mass_kg: 0.5,
@@ -237,10 +215,7 @@ fn every_direction(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
 
 /// A box of this size about this centre.
 fn cuboid(size_m: DVec3, center: DVec3) -> BodyPart {
-    BodyPart {
-        shape: BodyShape::Box { size_m },
-        pose_body: Pose::from_position(center),
-    }
+    BodyPart { shape: BodyShape::Box { size_m }, pose_body: Pose::from_position(center) }
 }
 
 /// The slope at which a box begins to slide, by bisection.

@@ -15,26 +15,14 @@ pub const CHECK: Check = Check {
     name: "hmm",
     summary: "Forward scores equal the sum over all paths; training never lowers the likelihood and recovers known parameters",
     cases: &[
-        Case {
-            compare: forward,
-            falsifications: &[OTHER_TRANSITION],
-        },
-        Case {
-            compare: likelihood,
-            falsifications: &[SPLIT_DATA],
-        },
-        Case {
-            compare: recovered,
-            falsifications: &[HIGH_MEANS, WIDE_STATES, SHORT_STATES],
-        },
+        Case { compare: forward, falsifications: &[OTHER_TRANSITION] },
+        Case { compare: likelihood, falsifications: &[SPLIT_DATA] },
+        Case { compare: recovered, falsifications: &[HIGH_MEANS, WIDE_STATES, SHORT_STATES] },
     ],
 };
 
-const OTHER_TRANSITION: Falsification = Falsification {
-    wrong: "a transition probability of the scored model",
-    by: "0.01 too high",
-    breaks: Breaks::Every,
-};
+const OTHER_TRANSITION: Falsification =
+    Falsification { wrong: "a transition probability of the scored model", by: "0.01 too high", breaks: Breaks::Every };
 const SPLIT_DATA: Falsification = Falsification {
     wrong: "sequences that an iteration fits",
     by: "half of them, alternating between the two halves",
@@ -110,9 +98,7 @@ fn forward(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         scored.transition[0][0] += off;
         scored.transition[0][1] -= off;
         let model = GaussianHmm::new(scored).map_err(|error| CheckError::Case(format!("{error:?}")))?;
-        let found = Scorer::from(model)
-            .log_probability(ScoreKind::Forward, &observations)
-            .map_err(fault)?;
+        let found = Scorer::from(model).log_probability(ScoreKind::Forward, &observations).map_err(fault)?;
         comparisons.push(Comparison::relative(
             format!("forward score, {name}, 3 states, 7 samples"),
             "nat",
@@ -146,16 +132,10 @@ fn drawn(parameters: &HmmParameters) -> Result<Vec<Observations>, CheckError> {
 fn likelihood(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let sequences = drawn(&truth())?;
     let (one, other) = sequences.split_at(SEQUENCES / 2);
-    let options = TrainingOptions {
-        iterations: 1,
-        tolerance: 0.0,
-        ..TrainingOptions::default()
-    };
+    let options = TrainingOptions { iterations: 1, tolerance: 0.0, ..TrainingOptions::default() };
     let score = |model: &GaussianHmm| -> Result<f64, CheckError> {
         let scorer = Scorer::from(model.clone());
-        let scores = sequences
-            .iter()
-            .map(|sequence| scorer.log_probability(ScoreKind::Forward, sequence));
+        let scores = sequences.iter().map(|sequence| scorer.log_probability(ScoreKind::Forward, sequence));
         scores.map(|score| score.map_err(fault)).sum()
     };
     let mut model = start()?;
@@ -195,10 +175,7 @@ fn recovered(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         wrong.transition[state][state] -= leaving;
         wrong.transition[state][1 - state] += leaving;
     }
-    let options = TrainingOptions {
-        tolerance: 1e-9,
-        ..TrainingOptions::default()
-    };
+    let options = TrainingOptions { tolerance: 1e-9, ..TrainingOptions::default() };
     let (model, _) = train(&start()?, &drawn(&wrong)?, &options).map_err(fault)?;
     let found = model.parameters();
     // A chain of two states is in the first state for p₂₁ / (p₁₂ + p₂₁) of the time.

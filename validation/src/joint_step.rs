@@ -13,18 +13,12 @@ pub const CHECK: Check = Check {
     number: 9,
     name: "joint-step",
     summary: "A step of a compliant joint's equilibrium angle gives the second-order response",
-    cases: &[Case {
-        compare,
-        falsifications: &[STIFF_JOINT],
-    }],
+    cases: &[Case { compare, falsifications: &[STIFF_JOINT] }],
 };
 
 /// The joint's spring is stiffer than the arm's file says.
-pub const STIFF_JOINT: Falsification = Falsification {
-    wrong: "stiffness of the simulated joint",
-    by: "5 % too high",
-    breaks: Breaks::Every,
-};
+pub const STIFF_JOINT: Falsification =
+    Falsification { wrong: "stiffness of the simulated joint", by: "5 % too high", breaks: Breaks::Every };
 
 const STEP_S: f64 = 1e-4;
 const SECONDS: f64 = 1.0;
@@ -107,10 +101,7 @@ pub fn respond(simulated: Simulated, step_s: f64) -> Result<Response, CheckError
 
     // The joint starts at 0, so that angle / target is the step response.
     arm.joints[0].start_rad = 0.0;
-    let physics = PhysicsOptions {
-        step_s,
-        gravity_m_per_s2: 0.0,
-    };
+    let physics = PhysicsOptions { step_s, gravity_m_per_s2: 0.0 };
     let mut simulation = free_arm::alone(arm, physics);
     let mut angles = Vec::new();
     for _ in 0..(SECONDS / FRAME_PERIOD_S).round() as usize {

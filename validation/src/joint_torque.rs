@@ -14,31 +14,15 @@ pub const CHECK: Check = Check {
     number: 6,
     name: "joint-torque",
     summary: "At rest, the joint springs balance the contact forces: K (φ − q) = −Σ Jᵀ f",
-    cases: &[Case {
-        compare,
-        falsifications: &[STIFF_JOINTS],
-    }],
+    cases: &[Case { compare, falsifications: &[STIFF_JOINTS] }],
 };
 
-const STIFF_JOINTS: Falsification = Falsification {
-    wrong: "stiffness of the simulated joints",
-    by: "1 % too high",
-    breaks: Breaks::Every,
-};
+const STIFF_JOINTS: Falsification =
+    Falsification { wrong: "stiffness of the simulated joints", by: "1 % too high", breaks: Breaks::Every };
 
 fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
-    let trunk = || -> Box<dyn Object> {
-        Box::new(Trunk {
-            diameter_m: 0.03,
-            height_m: 0.6,
-        })
-    };
-    let leaf = || -> Box<dyn Object> {
-        Box::new(Leaf {
-            loss_factor: 0.3,
-            ..LEAF
-        })
-    };
+    let trunk = || -> Box<dyn Object> { Box::new(Trunk { diameter_m: 0.03, height_m: 0.6 }) };
+    let leaf = || -> Box<dyn Object> { Box::new(Leaf { loss_factor: 0.3, ..LEAF }) };
     let mut comparisons = Vec::new();
     for (name, object, gap_m, force_n) in [
         ("trunk, 2 N", trunk(), 0.017, 2.0),
@@ -54,11 +38,7 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         let mut pressed = PressedArm::new(arm, wrong, Beside::facing(object, gap_m, 0.3), OPTIONS)?;
         let equilibrium = pressed.pressing_rad(force_n);
         pressed.hold(&equilibrium, 8.0);
-        let springs = pressed
-            .arm
-            .joints
-            .iter()
-            .zip(equilibrium.iter().zip(pressed.report().joint_angle_rad()));
+        let springs = pressed.arm.joints.iter().zip(equilibrium.iter().zip(pressed.report().joint_angle_rad()));
         let springs = springs.map(|(joint, (rest, angle))| joint.stiffness_nm_per_rad * (rest - angle));
         let springs = DVector::from_vec(springs.collect());
         let contacts = DVector::from_vec(pressed.report().contact_torque_nm(&pressed.arm));

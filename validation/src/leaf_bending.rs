@@ -14,14 +14,8 @@ pub const SMALL_LOAD: Check = Check {
     name: "leaf-small-load",
     summary: "A small load at the tip bends a leaf like a beam; a load lower down bends it like the discrete chain of hinges",
     cases: &[
-        Case {
-            compare: tip_load,
-            falsifications: &[STIFF_BLADE],
-        },
-        Case {
-            compare: load_below_tip,
-            falsifications: &[STIFF_BLADE, FEWER_HINGES],
-        },
+        Case { compare: tip_load, falsifications: &[STIFF_BLADE] },
+        Case { compare: load_below_tip, falsifications: &[STIFF_BLADE, FEWER_HINGES] },
     ],
 };
 
@@ -30,17 +24,11 @@ pub const LARGE_DEFLECTION: Check = Check {
     number: 2,
     name: "leaf-large-deflection",
     summary: "A leaf under a large load follows the elastica, and an end moment bends it into a circular arc",
-    cases: &[Case {
-        compare: large_deflection,
-        falsifications: &[STIFF_BLADE],
-    }],
+    cases: &[Case { compare: large_deflection, falsifications: &[STIFF_BLADE] }],
 };
 
-const FEWER_HINGES: Falsification = Falsification {
-    wrong: "hinges of the simulated leaf",
-    by: "one fewer than described",
-    breaks: Breaks::Every,
-};
+const FEWER_HINGES: Falsification =
+    Falsification { wrong: "hinges of the simulated leaf", by: "one fewer than described", breaks: Breaks::Every };
 
 /// Step of the engine, s. It can be as long as 10 ms, because states of rest do not depend on it.
 const STEP_S: f64 = 0.01;

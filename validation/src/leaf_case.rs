@@ -14,11 +14,8 @@ pub const RIGIDITY_N_M2: f64 = 0.02;
 pub const MASS_PER_LENGTH_KG_PER_M: f64 = 0.024;
 
 /// The blade is stiffer than its scene says.
-pub const STIFF_BLADE: Falsification = Falsification {
-    wrong: "flexural rigidity of the simulated leaf",
-    by: "5 % too high",
-    breaks: Breaks::Every,
-};
+pub const STIFF_BLADE: Falsification =
+    Falsification { wrong: "flexural rigidity of the simulated leaf", by: "5 % too high", breaks: Breaks::Every };
 
 /// A blade of this size, clamped at its root.
 pub fn blade(segments: u32, flexural_rigidity_n_m2: f64, loss_factor: f64) -> Leaf {
@@ -49,10 +46,7 @@ impl ClampedLeaf {
     /// # Errors
     /// When the leaf has no bodies.
     pub fn new(leaf: &Leaf, step_s: f64) -> Result<Self, CheckError> {
-        let mut rig = Rig::new(PhysicsOptions {
-            step_s,
-            gravity_m_per_s2: 0.0,
-        });
+        let mut rig = Rig::new(PhysicsOptions { step_s, gravity_m_per_s2: 0.0 });
         let bodies = rig.add_object(leaf);
         let Some(last) = bodies.last().copied() else {
             return Err(CheckError::Case("a leaf without bodies".into()));
@@ -90,11 +84,7 @@ impl ClampedLeaf {
             let tip = self.tip();
             // The leaf is at rest after ten steps in which the tip moves less than a rounding error of the closed
             // forms.
-            still = if share == 1.0 && tip.distance(last) < 1e-13 {
-                still + 1
-            } else {
-                0
-            };
+            still = if share == 1.0 && tip.distance(last) < 1e-13 { still + 1 } else { 0 };
             if still == 10 {
                 return Ok(tip);
             }

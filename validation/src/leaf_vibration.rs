@@ -16,32 +16,17 @@ pub const CHECK: Check = Check {
     cases: &[
         Case {
             compare: undamped,
-            falsifications: &[
-                Falsification {
-                    breaks: Breaks::Named(&["first frequency"]),
-                    ..STIFF_BLADE
-                },
-                LONG_STEP,
-            ],
+            falsifications: &[Falsification { breaks: Breaks::Named(&["first frequency"]), ..STIFF_BLADE }, LONG_STEP],
         },
-        Case {
-            compare: damped,
-            falsifications: &[LOSSY_BLADE],
-        },
+        Case { compare: damped, falsifications: &[LOSSY_BLADE] },
     ],
 };
 
-const LONG_STEP: Falsification = Falsification {
-    wrong: "step of the engine",
-    by: "10 % longer than asked for",
-    breaks: Breaks::Every,
-};
+const LONG_STEP: Falsification =
+    Falsification { wrong: "step of the engine", by: "10 % longer than asked for", breaks: Breaks::Every };
 /// The leaf loses more than its scene says.
-pub const LOSSY_BLADE: Falsification = Falsification {
-    wrong: "loss factor of the simulated leaf",
-    by: "20 % too high",
-    breaks: Breaks::Every,
-};
+pub const LOSSY_BLADE: Falsification =
+    Falsification { wrong: "loss factor of the simulated leaf", by: "20 % too high", breaks: Breaks::Every };
 
 /// Step of the engine, s. The integrator's own damping ratio, ω Δt / 2 for this leaf, stays under 0.2 %.
 const STEP_S: f64 = 1e-4;
@@ -77,10 +62,7 @@ fn undamped(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let rigidity = RIGIDITY_N_M2 * simulated.with(STIFF_BLADE, 1.0, 1.05);
     let engine_step_s = STEP_S * simulated.with(LONG_STEP, 1.0, 1.1);
     let [frequency, decrement] = pluck_in_steps(0.0, rigidity, STEP_S, engine_step_s)?;
-    let free = Oscillator {
-        frequency_rad_per_s: beam_frequency_rad_per_s(),
-        damping_ratio: 0.0,
-    };
+    let free = Oscillator { frequency_rad_per_s: beam_frequency_rad_per_s(), damping_ratio: 0.0 };
     Ok(vec![
         Comparison::relative(
             "first frequency, 8 hinges",
@@ -104,10 +86,7 @@ fn undamped(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 
 fn damped(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let loss_factor = LOSS_FACTOR * simulated.with(LOSSY_BLADE, 1.0, 1.2);
-    let exact = Oscillator {
-        frequency_rad_per_s: beam_frequency_rad_per_s(),
-        damping_ratio: LOSS_FACTOR / 2.0,
-    };
+    let exact = Oscillator { frequency_rad_per_s: beam_frequency_rad_per_s(), damping_ratio: LOSS_FACTOR / 2.0 };
     let [_, decrement] = pluck(loss_factor, STEP_S)?;
     Ok(vec![Comparison::relative(
         "log decrement of a leaf with a loss factor of 0.1",

@@ -94,10 +94,7 @@ mod tests {
                 assert!(!case.falsifications.is_empty(), "a case of {}", check.name);
                 for (index, falsification) in case.falsifications.iter().enumerate() {
                     let mut others = case.falsifications[..index].iter();
-                    assert!(
-                        others.all(|other| other.wrong != falsification.wrong),
-                        "{falsification:?}"
-                    );
+                    assert!(others.all(|other| other.wrong != falsification.wrong), "{falsification:?}");
                 }
             }
         }

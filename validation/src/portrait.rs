@@ -76,10 +76,7 @@ fn roll() -> FoamRoll {
 /// # Errors
 /// When the arm's files are bad or nothing is touched.
 pub fn portraits() -> Result<Vec<Portrait>, CheckError> {
-    let trunk = Box::new(Trunk {
-        diameter_m: 0.03,
-        height_m: 0.6,
-    });
+    let trunk = Box::new(Trunk { diameter_m: 0.03, height_m: 0.6 });
     let bar = |along_m, away_m| Section::Bar { along_m, away_m };
     let [thickness_m, width_m] = leaf().half_sizes_m().map(|half| 2.0 * half);
     let disc = |radius_m| Section::Disc { radius_m };
@@ -102,10 +99,7 @@ fn portrait(
     section: Section,
 ) -> Result<Portrait, CheckError> {
     let arm = Arm::cody()?;
-    let beside = Beside {
-        rotation_rad,
-        ..Beside::facing(object, gap_m, 0.2)
-    };
+    let beside = Beside { rotation_rad, ..Beside::facing(object, gap_m, 0.2) };
     let mut pressed = PressedArm::new(arm.clone(), arm, beside, OPTIONS)?;
     let layout = &pressed.arm.skin.layout;
     let index = layout.patch_index("forearm");
@@ -131,13 +125,7 @@ fn portrait(
     if best.iter().all(|force| *force == 0.0) {
         return Err(CheckError::Case(format!("the forearm does not touch the {name}")));
     }
-    Ok(Portrait {
-        name,
-        grid,
-        force_n: best,
-        section,
-        depth_m,
-    })
+    Ok(Portrait { name, grid, force_n: best, section, depth_m })
 }
 
 /// A foam roll that the forearm pushes for five seconds and releases for five seconds, as (way of the forearm since

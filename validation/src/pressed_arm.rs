@@ -14,10 +14,7 @@ use underbrush_sim::simulation::{FrameReport, Setup, Simulation};
 use crate::CheckError;
 
 /// The physics options of scenes that do not set any.
-pub const OPTIONS: PhysicsOptions = PhysicsOptions {
-    step_s: 0.005,
-    gravity_m_per_s2: 9.81,
-};
+pub const OPTIONS: PhysicsOptions = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 9.81 };
 
 /// A leaf for the forearm to push.
 pub const LEAF: Leaf = Leaf {
@@ -55,13 +52,7 @@ pub struct Beside {
 impl Beside {
     /// An object that faces the forearm.
     pub fn facing(object: Box<dyn Object>, gap_m: f64, drop_m: f64) -> Self {
-        Beside {
-            object,
-            gap_m,
-            drop_m,
-            along_m: 0.0,
-            rotation_rad: 0.0,
-        }
+        Beside { object, gap_m, drop_m, along_m: 0.0, rotation_rad: 0.0 }
     }
 }
 
@@ -89,9 +80,7 @@ impl PressedArm {
     pub fn new(arm: Arm, simulated: Arm, beside: Beside, options: PhysicsOptions) -> Result<Self, CheckError> {
         let posture_rad = arm.start_posture_rad();
         let poses = arm.forward_kinematics(&posture_rad);
-        let forearm = arm
-            .link_index("forearm")
-            .ok_or_else(|| CheckError::Case("the arm has no forearm".into()))?;
+        let forearm = arm.link_index("forearm").ok_or_else(|| CheckError::Case("the arm has no forearm".into()))?;
         let place_link = PLACE_LINK + DVec3::Z * beside.along_m;
         let place = poses[forearm].transform_point(place_link);
         let along = poses[forearm].transform_vector(DVec3::Z);
@@ -101,14 +90,8 @@ impl PressedArm {
             foot_world: place + across_world * (FOREARM_RADIUS_M + beside.gap_m) - DVec3::Z * beside.drop_m,
             yaw_rad: across_world.y.atan2(across_world.x) + beside.rotation_rad,
         };
-        let clutter = Clutter {
-            objects: vec![placed],
-            goals: Vec::new(),
-        };
-        let perfect = SensorOptions {
-            perfect: true,
-            ..SensorOptions::default()
-        };
+        let clutter = Clutter { objects: vec![placed], goals: Vec::new() };
+        let perfect = SensorOptions { perfect: true, ..SensorOptions::default() };
         let simulation = Simulation::new(Setup {
             sensor: Sensor::new(&perfect, &simulated.skin, 0, "validate", 0),
             arm: simulated,
@@ -116,14 +99,7 @@ impl PressedArm {
             physics: options,
             dormancy: false,
         });
-        Ok(PressedArm {
-            arm,
-            simulation,
-            posture_rad,
-            forearm,
-            place_link,
-            across_world,
-        })
+        Ok(PressedArm { arm, simulation, posture_rad, forearm, place_link, across_world })
     }
 
     /// The report of the last frame.
@@ -137,9 +113,7 @@ impl PressedArm {
         let place = poses[self.forearm].transform_point(self.place_link);
         let torque = self.jacobian(&poses, place).transpose() * Vector3::from(self.across_world.to_array()) * force_n;
         let springs = self.posture_rad.iter().zip(&self.arm.joints).zip(torque.iter());
-        springs
-            .map(|((angle, joint), torque)| angle + torque / joint.stiffness_nm_per_rad)
-            .collect()
+        springs.map(|((angle, joint), torque)| angle + torque / joint.stiffness_nm_per_rad).collect()
     }
 
     /// Equilibrium angles that move the place on the forearm by `distance_m` across it and nowhere else if nothing is
@@ -161,10 +135,7 @@ impl PressedArm {
                 return moved;
             };
             let step = back * force;
-            moved
-                .iter_mut()
-                .zip(step.iter())
-                .for_each(|(angle, step)| *angle += step);
+            moved.iter_mut().zip(step.iter()).for_each(|(angle, step)| *angle += step);
         }
         moved
     }
@@ -225,19 +196,13 @@ impl PressedArm {
         let point = poses[self.forearm].transform_point(contact.position_link);
         let direction = contact.inward_world - along * friction;
         let per_newton = self.jacobian(poses, point).transpose() * Vector3::from(direction.to_array());
-        let states = report
-            .joint_angle_rad()
-            .into_iter()
-            .zip(report.joint_velocity_rad_per_s());
+        let states = report.joint_angle_rad().into_iter().zip(report.joint_velocity_rad_per_s());
         let torques = self.arm.joints.iter().zip(equilibrium_rad).zip(states);
         let torque = torques.map(|((joint, rest), (angle, velocity))| {
             joint.stiffness_nm_per_rad * (rest - angle) - joint.damping_nm_s_per_rad * velocity
         });
         let torque = DVector::from_iterator(self.arm.joints.len(), torque);
-        let pressing = report
-            .contacts
-            .iter()
-            .map(|contact| contact.force_world.dot(contact.inward_world));
+        let pressing = report.contacts.iter().map(|contact| contact.force_world.dot(contact.inward_world));
         Some((pressing.sum(), -per_newton.dot(&torque) / per_newton.norm_squared()))
     }
 
@@ -249,10 +214,7 @@ impl PressedArm {
 
 /// An arm for which the coefficient of friction with an object is `friction`: the mean of both surfaces' coefficients.
 pub fn with_friction(arm: &Arm, friction: f64) -> Arm {
-    Arm {
-        friction: 2.0 * friction - FRICTION,
-        ..arm.clone()
-    }
+    Arm { friction: 2.0 * friction - FRICTION, ..arm.clone() }
 }
 
 /// The coefficient of friction between an arm and an object.

@@ -13,14 +13,8 @@ pub const CHECK: Check = Check {
     summary: "Over a whole reach, the work of the actuators equals the energy stored in the arm plus the losses in dampers, \
               contacts and integrator",
     cases: &[
-        Case {
-            compare: |simulated| compare("trunks", "trunk.toml", simulated),
-            falsifications: &[STRONG_DAMPERS],
-        },
-        Case {
-            compare: |simulated| compare("leaves", "leaf.toml", simulated),
-            falsifications: &[STRONG_DAMPERS],
-        },
+        Case { compare: |simulated| compare("trunks", "trunk.toml", simulated), falsifications: &[STRONG_DAMPERS] },
+        Case { compare: |simulated| compare("leaves", "leaf.toml", simulated), falsifications: &[STRONG_DAMPERS] },
     ],
 };
 
@@ -69,8 +63,5 @@ fn reach(name: &str, file: &str, wrong: f64) -> Result<EnergySums, CheckError> {
         simulation.step_observed(&frame.equilibrium_angle_rad, &mut |step| balance.observe_step(step));
     }
     let sums = *balance.sums();
-    Ok(EnergySums {
-        dampers_j: sums.dampers_j / wrong,
-        ..sums
-    })
+    Ok(EnergySums { dampers_j: sums.dampers_j / wrong, ..sums })
 }

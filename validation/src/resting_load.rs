@@ -13,44 +13,26 @@ pub const CHECK: Check = Check {
     number: 4,
     name: "resting-load",
     summary: "A ball, a box and a capsule at rest press on the ground with their own weight",
-    cases: &[Case {
-        compare,
-        falsifications: &[HEAVY_BODY],
-    }],
+    cases: &[Case { compare, falsifications: &[HEAVY_BODY] }],
 };
 
-const HEAVY_BODY: Falsification = Falsification {
-    wrong: "mass of the simulated body",
-    by: "1 % too high",
-    breaks: Breaks::Every,
-};
+const HEAVY_BODY: Falsification =
+    Falsification { wrong: "mass of the simulated body", by: "1 % too high", breaks: Breaks::Every };
 
 const GRAVITY_M_PER_S2: f64 = 9.81;
 const MASS_KG: f64 = 0.4;
 /// Friction plays no part at rest.
 const FRICTION: f64 = 0.5;
-const OPTIONS: PhysicsOptions = PhysicsOptions {
-    step_s: 0.005,
-    gravity_m_per_s2: GRAVITY_M_PER_S2,
-};
+const OPTIONS: PhysicsOptions = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: GRAVITY_M_PER_S2 };
 
 fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let mass_kg = MASS_KG * simulated.with(HEAVY_BODY, 1.0, 1.01);
     let upright = Pose::IDENTITY;
     let along_x = Pose::from_orientation(DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2));
-    let capsule = BodyShape::Capsule {
-        radius_m: 0.03,
-        length_m: 0.1,
-    };
+    let capsule = BodyShape::Capsule { radius_m: 0.03, length_m: 0.1 };
     let bodies = [
         ("ball", BodyShape::Sphere { radius_m: 0.03 }, upright),
-        (
-            "box",
-            BodyShape::Box {
-                size_m: DVec3::new(0.08, 0.06, 0.06),
-            },
-            upright,
-        ),
+        ("box", BodyShape::Box { size_m: DVec3::new(0.08, 0.06, 0.06) }, upright),
         ("capsule", capsule, along_x),
     ];
     bodies
@@ -72,9 +54,7 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 fn resting_load_n(part: BodyPart, mass_kg: f64) -> Result<f64, CheckError> {
     let mut rig = Rig::new(OPTIONS);
     let plate = BodyPart {
-        shape: BodyShape::Box {
-            size_m: DVec3::new(1.0, 1.0, 0.1),
-        },
+        shape: BodyShape::Box { size_m: DVec3::new(1.0, 1.0, 0.1) },
         pose_body: Pose::from_position(DVec3::Z * -0.05),
     };
     let plate = rig.add_fixed(&plate, Surface::hard(FRICTION), &Pose::IDENTITY);

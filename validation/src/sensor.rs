@@ -12,30 +12,12 @@ pub const CHECK: Check = Check {
     name: "sensor",
     summary: "The sensor's noise, quantization, delay, crosstalk, creep and hysteresis match its parameters",
     cases: &[
-        Case {
-            compare: noise,
-            falsifications: &[LOUD_NOISE, SPURIOUS_LEFT_ON],
-        },
-        Case {
-            compare: quantum,
-            falsifications: &[COARSE_STEPS],
-        },
-        Case {
-            compare: delay,
-            falsifications: &[SHORT_DELAY],
-        },
-        Case {
-            compare: crosstalk,
-            falsifications: &[DEAD_TAXEL, STRONG_CROSSTALK],
-        },
-        Case {
-            compare: creep,
-            falsifications: &[STRONG_CREEP],
-        },
-        Case {
-            compare: hysteresis,
-            falsifications: &[WIDE_LOOP],
-        },
+        Case { compare: noise, falsifications: &[LOUD_NOISE, SPURIOUS_LEFT_ON] },
+        Case { compare: quantum, falsifications: &[COARSE_STEPS] },
+        Case { compare: delay, falsifications: &[SHORT_DELAY] },
+        Case { compare: crosstalk, falsifications: &[DEAD_TAXEL, STRONG_CROSSTALK] },
+        Case { compare: creep, falsifications: &[STRONG_CREEP] },
+        Case { compare: hysteresis, falsifications: &[WIDE_LOOP] },
     ],
 };
 
@@ -49,16 +31,10 @@ const SPURIOUS_LEFT_ON: Falsification = Falsification {
     by: "left on, two taxels of 384",
     breaks: Breaks::Every,
 };
-const COARSE_STEPS: Falsification = Falsification {
-    wrong: "quantum of the simulated sensor",
-    by: "2 mN instead of 1 mN",
-    breaks: Breaks::Every,
-};
-const SHORT_DELAY: Falsification = Falsification {
-    wrong: "delay of the simulated sensor",
-    by: "a frame too short",
-    breaks: Breaks::Every,
-};
+const COARSE_STEPS: Falsification =
+    Falsification { wrong: "quantum of the simulated sensor", by: "2 mN instead of 1 mN", breaks: Breaks::Every };
+const SHORT_DELAY: Falsification =
+    Falsification { wrong: "delay of the simulated sensor", by: "a frame too short", breaks: Breaks::Every };
 const DEAD_TAXEL: Falsification = Falsification {
     wrong: "dead taxels of the simulated sensor",
     by: "one instead of none",
@@ -69,16 +45,10 @@ const STRONG_CROSSTALK: Falsification = Falsification {
     by: "5 % too strong",
     breaks: Breaks::Named(&["keeps", "its neighbours"]),
 };
-const STRONG_CREEP: Falsification = Falsification {
-    wrong: "creep of the simulated sensor",
-    by: "5 % too strong",
-    breaks: Breaks::Every,
-};
-const WIDE_LOOP: Falsification = Falsification {
-    wrong: "hysteresis of the simulated fabric",
-    by: "5 % too wide",
-    breaks: Breaks::Every,
-};
+const STRONG_CREEP: Falsification =
+    Falsification { wrong: "creep of the simulated sensor", by: "5 % too strong", breaks: Breaks::Every };
+const WIDE_LOOP: Falsification =
+    Falsification { wrong: "hysteresis of the simulated fabric", by: "5 % too wide", breaks: Breaks::Every };
 
 const NOISE_N: f64 = 0.005;
 const TAXELS: usize = 384;
@@ -158,10 +128,7 @@ fn noise(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 
 /// Counts the readings that are not the number in single precision nearest to a whole number of millinewtons.
 fn quantum(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
-    let options = SensorOptions {
-        quantum_n: 0.001 * simulated.with(COARSE_STEPS, 1.0, 2.0),
-        ..SensorOptions::off()
-    };
+    let options = SensorOptions { quantum_n: 0.001 * simulated.with(COARSE_STEPS, 1.0, 2.0), ..SensorOptions::off() };
     let mut bench = Bench::new(&options)?;
     let mut wrong = 0.0;
     for step in 0..5000 {
@@ -182,10 +149,7 @@ fn quantum(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 
 /// The number of frames after which a tap arrives.
 fn delay(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
-    let options = SensorOptions {
-        delay_frames: simulated.with(SHORT_DELAY, 3, 2),
-        ..SensorOptions::off()
-    };
+    let options = SensorOptions { delay_frames: simulated.with(SHORT_DELAY, 3, 2), ..SensorOptions::off() };
     let mut bench = Bench::new(&options)?;
     let forces = (0..20).map(|frame| if frame == 5 { 1.0 } else { 0.0 });
     let readings: Vec<f64> = forces.map(|force| bench.press(bench.forearm, 7, force)).collect();
@@ -207,10 +171,8 @@ const INNER_TAXEL: usize = TAXELS / 2 + 3;
 /// taxel with four neighbours.
 fn crosstalk(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let share = 0.2;
-    let mut options = SensorOptions {
-        crosstalk_share: share * simulated.with(STRONG_CROSSTALK, 1.0, 1.05),
-        ..SensorOptions::off()
-    };
+    let mut options =
+        SensorOptions { crosstalk_share: share * simulated.with(STRONG_CROSSTALK, 1.0, 1.05), ..SensorOptions::off() };
     if simulated.is(DEAD_TAXEL) {
         options.dead_taxels.insert("forearm".into(), vec![7]);
     }
@@ -229,21 +191,9 @@ fn crosstalk(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         Comparison::absolute(quantity, "", expected, found, ROUNDING, ROUNDING_REASON)
     };
     Ok(vec![
-        compare(
-            "sum of a crosstalk kernel, worst of 384",
-            1.0,
-            worst.unwrap_or(f64::NAN),
-        ),
-        compare(
-            "share that a taxel with four neighbours keeps",
-            1.0 - share,
-            inner[INNER_TAXEL],
-        ),
-        compare(
-            "largest share that one of its neighbours receives",
-            share / 4.0,
-            largest,
-        ),
+        compare("sum of a crosstalk kernel, worst of 384", 1.0, worst.unwrap_or(f64::NAN)),
+        compare("share that a taxel with four neighbours keeps", 1.0 - share, inner[INNER_TAXEL]),
+        compare("largest share that one of its neighbours receives", share / 4.0, largest),
     ])
 }
 
@@ -277,9 +227,7 @@ fn hysteresis(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let mut bench = Bench::new(&options)?;
     let step = peak / f64::from(steps);
     let mut way = |steps: &mut dyn Iterator<Item = i32>| -> f64 {
-        let readings: Vec<f64> = steps
-            .map(|index| bench.press(bench.flipper, 7, f64::from(index) * step))
-            .collect();
+        let readings: Vec<f64> = steps.map(|index| bench.press(bench.flipper, 7, f64::from(index) * step)).collect();
         readings.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0 * step).sum()
     };
     let up = way(&mut (0..=steps));

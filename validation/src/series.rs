@@ -19,40 +19,19 @@ pub const CHECK: Check = Check {
     name: "series-pushing",
     summary: "Pushing force follows the series stiffness of arm, contact and object",
     cases: &[
-        Case {
-            compare: |simulated| leaf("leaf, high on the blade", 0.30, simulated),
-            falsifications: &[STIFF_BLADE],
-        },
-        Case {
-            compare: |simulated| leaf("leaf, low on the blade", 0.15, simulated),
-            falsifications: &[STIFF_BLADE],
-        },
-        Case {
-            compare: roll,
-            falsifications: &[STIFF_FOAM],
-        },
-        Case {
-            compare: trunk,
-            falsifications: &[STIFF_JOINTS],
-        },
+        Case { compare: |simulated| leaf("leaf, high on the blade", 0.30, simulated), falsifications: &[STIFF_BLADE] },
+        Case { compare: |simulated| leaf("leaf, low on the blade", 0.15, simulated), falsifications: &[STIFF_BLADE] },
+        Case { compare: roll, falsifications: &[STIFF_FOAM] },
+        Case { compare: trunk, falsifications: &[STIFF_JOINTS] },
     ],
 };
 
-const STIFF_BLADE: Falsification = Falsification {
-    wrong: "flexural rigidity of the simulated leaf",
-    by: "10 % too high",
-    breaks: Breaks::Every,
-};
-const STIFF_FOAM: Falsification = Falsification {
-    wrong: "modulus of the simulated roll",
-    by: "10 % too high",
-    breaks: Breaks::Every,
-};
-const STIFF_JOINTS: Falsification = Falsification {
-    wrong: "stiffness of the simulated joints",
-    by: "5 % too high",
-    breaks: Breaks::Every,
-};
+const STIFF_BLADE: Falsification =
+    Falsification { wrong: "flexural rigidity of the simulated leaf", by: "10 % too high", breaks: Breaks::Every };
+const STIFF_FOAM: Falsification =
+    Falsification { wrong: "modulus of the simulated roll", by: "10 % too high", breaks: Breaks::Every };
+const STIFF_JOINTS: Falsification =
+    Falsification { wrong: "stiffness of the simulated joints", by: "5 % too high", breaks: Breaks::Every };
 
 const LEAF_HEIGHT_M: f64 = 0.4;
 const LEAF_RIGIDITY_N_M2: f64 = 0.02;
@@ -93,35 +72,25 @@ fn leaf(name: &str, drop_m: f64, simulated: Simulated) -> Result<Vec<Comparison>
         segments: 20,
     };
     let pushed = push(Beside::facing(Box::new(leaf), 0.002, drop_m), [0.003, 0.004], simulated)?;
-    series(name, &pushed, |height_m| {
-        1.0 / beam::beam_deflection_m(1.0, height_m, LEAF_RIGIDITY_N_M2)
-    })
+    series(name, &pushed, |height_m| 1.0 / beam::beam_deflection_m(1.0, height_m, LEAF_RIGIDITY_N_M2))
 }
 
 /// A roll that is touched at the middle of its sixth slice of ten. A slice is compressed like a bar as long and as wide
 /// as the roll's diameter. The core leans so that its top moves like the top of a cantilever, and lower points move in
 /// proportion to their height.
 fn roll(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
-    let roll = FoamRoll {
-        modulus_pa: ROLL.modulus_pa * simulated.with(STIFF_FOAM, 1.0, 1.1),
-        ..ROLL
-    };
+    let roll = FoamRoll { modulus_pa: ROLL.modulus_pa * simulated.with(STIFF_FOAM, 1.0, 1.1), ..ROLL };
     let pushed = push(Beside::facing(Box::new(roll), 0.061, 0.275), [0.002, 0.003], simulated)?;
     let remaining_pa = ROLL.modulus_pa * (1.0 - ROLL.relaxing_share);
     let slice_m2 = ROLL.diameter_m * ROLL.height_m / 10.0;
     let slice = foam::bar_force_n(remaining_pa, slice_m2, ROLL.diameter_m, 1.0);
     let area_moment_m4 = std::f64::consts::PI * ROLL.diameter_m.powi(4) / 64.0;
     let top_m_per_n = beam::beam_deflection_m(1.0, ROLL.height_m, remaining_pa * area_moment_m4);
-    series("roll", &pushed, |height_m| {
-        statics::in_series(&[slice, (ROLL.height_m / height_m).powi(2) / top_m_per_n])
-    })
+    series("roll", &pushed, |height_m| statics::in_series(&[slice, (ROLL.height_m / height_m).powi(2) / top_m_per_n]))
 }
 
 fn trunk(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
-    let trunk = Trunk {
-        diameter_m: 0.03,
-        height_m: 0.6,
-    };
+    let trunk = Trunk { diameter_m: 0.03, height_m: 0.6 };
     let pushed = push(Beside::facing(Box::new(trunk), 0.016, 0.3), [0.006, 0.011], simulated)?;
     series("trunk", &pushed, |_| f64::INFINITY)
 }
@@ -129,10 +98,7 @@ fn trunk(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 /// The arm and two states of rest of one object, without friction and gravity, for two moves, m, of the equilibrium
 /// point across the forearm. In the first millimetre of a move nothing is touched.
 fn push(beside: Beside, moves_m: [f64; 2], simulated: Simulated) -> Result<(PressedArm, [Pushed; 2]), CheckError> {
-    let options = PhysicsOptions {
-        gravity_m_per_s2: 0.0,
-        ..OPTIONS
-    };
+    let options = PhysicsOptions { gravity_m_per_s2: 0.0, ..OPTIONS };
     let arm = Arm::cody()?;
     let mut wrong = with_friction(&arm, 0.0);
     // A skin so stiff that the place of the contact does not shift with its depth; `contact-law` checks the skin's own
@@ -155,17 +121,11 @@ fn measure(pressed: &PressedArm, equilibrium_rad: Vec<f64>) -> Result<Pushed, Ch
     let contacts = &pressed.report().contacts;
     let force: DVec3 = contacts.iter().map(|contact| contact.force_world).sum();
     if force == DVec3::ZERO || contacts.iter().any(|contact| contact.link != pressed.forearm) {
-        return Err(CheckError::Case(
-            "the forearm does not touch the object, or another link does".into(),
-        ));
+        return Err(CheckError::Case("the forearm does not touch the object, or another link does".into()));
     }
     let weights = contacts.iter().map(|contact| contact.force_world.length());
     let places = contacts.iter().map(|contact| contact.position_link);
-    let place = weights
-        .clone()
-        .zip(places)
-        .map(|(weight, place)| place * weight)
-        .sum::<DVec3>();
+    let place = weights.clone().zip(places).map(|(weight, place)| place * weight).sum::<DVec3>();
     Ok(Pushed {
         force_n: force.length(),
         outward_world: -force.normalize(),
@@ -191,19 +151,11 @@ fn series(
     let place_link = 0.5 * (less.place_link + more.place_link);
     let place =
         |angle_rad: &[f64]| pressed.arm.forward_kinematics(angle_rad)[pressed.forearm].transform_point(place_link);
-    let middle: Vec<f64> = less
-        .angle_rad
-        .iter()
-        .zip(&more.angle_rad)
-        .map(|(a, b)| 0.5 * (a + b))
-        .collect();
+    let middle: Vec<f64> = less.angle_rad.iter().zip(&more.angle_rad).map(|(a, b)| 0.5 * (a + b)).collect();
     let poses = pressed.arm.forward_kinematics(&middle);
     let row = Vector3::from(outward.to_array()).transpose() * pressed.jacobian(&poses, place(&middle));
     let joints = row.iter().zip(&pressed.arm.joints);
-    let arm = 1.0
-        / joints
-            .map(|(lever, joint)| lever * lever / joint.stiffness_nm_per_rad)
-            .sum::<f64>();
+    let arm = 1.0 / joints.map(|(lever, joint)| lever * lever / joint.stiffness_nm_per_rad).sum::<f64>();
     let height_m = place(&middle).z - pressed.simulation.clutter().objects[0].foot_world.z;
     let push_m = (place(&more.equilibrium_rad) - place(&less.equilibrium_rad)).dot(outward);
     let overlap_m = more.overlap_m - less.overlap_m;

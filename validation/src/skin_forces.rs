@@ -18,14 +18,8 @@ pub const CHECK: Check = Check {
     summary: "Taxel forces add up to the solver's force and moment and stay in their friction cones; colliding bodies \
               exchange equal and opposite momentum",
     cases: &[
-        Case {
-            compare: taxels,
-            falsifications: &[SHIFTED_TAXELS, ROUGH_CONTACT],
-        },
-        Case {
-            compare: collision,
-            falsifications: &[GRAVITY_LEFT_ON],
-        },
+        Case { compare: taxels, falsifications: &[SHIFTED_TAXELS, ROUGH_CONTACT] },
+        Case { compare: collision, falsifications: &[GRAVITY_LEFT_ON] },
     ],
 };
 
@@ -58,10 +52,7 @@ struct Worst {
 }
 
 fn taxels(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
-    let trunk = Box::new(Trunk {
-        diameter_m: 0.03,
-        height_m: 0.6,
-    });
+    let trunk = Box::new(Trunk { diameter_m: 0.03, height_m: 0.6 });
     let arm = Arm::cody()?;
     let friction = friction_of(&arm);
     let mut wrong = with_friction(&arm, friction * simulated.with(ROUGH_CONTACT, 1.0, 2.0));
@@ -81,9 +72,8 @@ fn taxels(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         // Back and forth along the trunk, so that friction reaches its cone in both directions.
         let share = (f64::from(frame) * 0.03).sin();
         let joints = push.iter().zip(&pressed.arm.joints).zip(drag.iter());
-        let equilibrium: Vec<f64> = joints
-            .map(|((angle, joint), torque)| angle + share * torque / joint.stiffness_nm_per_rad)
-            .collect();
+        let equilibrium: Vec<f64> =
+            joints.map(|((angle, joint), torque)| angle + share * torque / joint.stiffness_nm_per_rad).collect();
         pressed.hold(&equilibrium, 0.01);
         observe(&pressed, friction, &mut worst)?;
     }
@@ -147,9 +137,7 @@ fn observe(pressed: &PressedArm, friction: f64, worst: &mut Worst) -> Result<(),
     }
     worst.frames += 1;
     worst.force = worst.force.max(felt.distance(solver) / solver.length());
-    worst.moment_m = worst
-        .moment_m
-        .max(felt_moment.distance(solver_moment) / solver.length());
+    worst.moment_m = worst.moment_m.max(felt_moment.distance(solver_moment) / solver.length());
     if readings.count() > 2 {
         worst.slip = worst.slip.max(slip);
     }
@@ -170,16 +158,10 @@ fn collision(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 
 /// Momentum that ball and box lose together, relative to the momentum that the ball gave away.
 fn lost_momentum(gravity_m_per_s2: f64) -> f64 {
-    let mut rig = Rig::new(PhysicsOptions {
-        gravity_m_per_s2,
-        ..OPTIONS
-    });
+    let mut rig = Rig::new(PhysicsOptions { gravity_m_per_s2, ..OPTIONS });
     let mut body = |position: DVec3, velocity_world: DVec3, mass_kg: f64, shape: BodyShape| {
         rig.add_free(&FreeBody {
-            part: BodyPart {
-                shape,
-                pose_body: Pose::IDENTITY,
-            },
+            part: BodyPart { shape, pose_body: Pose::IDENTITY },
             mass_kg,
             surface: Surface::hard(0.4),
             pose_world: Pose::from_position(position),
@@ -188,9 +170,7 @@ fn lost_momentum(gravity_m_per_s2: f64) -> f64 {
         })
     };
     let ball = BodyShape::Sphere { radius_m: 0.05 };
-    let cuboid = BodyShape::Box {
-        size_m: DVec3::new(0.1, 0.12, 0.14),
-    };
+    let cuboid = BodyShape::Box { size_m: DVec3::new(0.1, 0.12, 0.14) };
     let bodies = [
         body(DVec3::new(-0.15, 0.01, 0.0), DVec3::new(0.5, 0.2, 0.1), 0.262, ball),
         body(DVec3::ZERO, DVec3::ZERO, 0.84, cuboid),

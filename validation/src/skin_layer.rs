@@ -19,18 +19,9 @@ pub const CHECK: Check = Check {
     name: "skin-layer",
     summary: "A ball on flat skin and a trunk across the forearm are pressed in as deep as Winkler's foundation predicts",
     cases: &[
-        Case {
-            compare: ball_on_flat,
-            falsifications: &[STIFF_LAYER, BOXED_SHAPE, ONE_POINT],
-        },
-        Case {
-            compare: trunk_on_round,
-            falsifications: &[STIFF_LAYER, BOXED_SHAPE],
-        },
-        Case {
-            compare: forearm,
-            falsifications: &[TURNED_TRUNK],
-        },
+        Case { compare: ball_on_flat, falsifications: &[STIFF_LAYER, BOXED_SHAPE, ONE_POINT] },
+        Case { compare: trunk_on_round, falsifications: &[STIFF_LAYER, BOXED_SHAPE] },
+        Case { compare: forearm, falsifications: &[TURNED_TRUNK] },
     ],
 };
 
@@ -79,9 +70,7 @@ fn ball_on_flat(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         skin_radius_m: 1e9,
         simulated,
     };
-    Ok(fine_skin("ball on flat skin", &pressed, |depth_m| {
-        foundation::cap_volume_m3(BALL_RADIUS_M, depth_m)
-    }))
+    Ok(fine_skin("ball on flat skin", &pressed, |depth_m| foundation::cap_volume_m3(BALL_RADIUS_M, depth_m)))
 }
 
 fn trunk_on_round(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
@@ -116,9 +105,8 @@ fn fine_skin(name: &str, pressed: &Pressed, overlap_m3: impl Fn(f64) -> f64) -> 
             )
         })
         .into();
-    let forces: Vec<(f64, f64)> = [0.5, 1.0, 2.0, 4.0]
-        .map(|force_n| (pressed.depth_m(FINEST_PITCH_M, force_n), force_n))
-        .into();
+    let forces: Vec<(f64, f64)> =
+        [0.5, 1.0, 2.0, 4.0].map(|force_n| (pressed.depth_m(FINEST_PITCH_M, force_n), force_n)).into();
     comparisons.push(Comparison::absolute(
         format!("{name}, exponent of force over depth"),
         "",
@@ -128,9 +116,8 @@ fn fine_skin(name: &str, pressed: &Pressed, overlap_m3: impl Fn(f64) -> f64) -> 
         "0.05: the same, over a factor of three in depth",
     ));
     let exact = depth_under(2.0, law);
-    let misses: Vec<(f64, f64)> = PITCHES_M
-        .map(|pitch_m| (pitch_m, (pressed.depth_m(pitch_m, 2.0) / exact - 1.0).abs()))
-        .into();
+    let misses: Vec<(f64, f64)> =
+        PITCHES_M.map(|pitch_m| (pitch_m, (pressed.depth_m(pitch_m, 2.0) / exact - 1.0).abs())).into();
     comparisons.push(Comparison::absolute(
         format!("{name}, order in the pitch of the depth's error"),
         "",
@@ -195,12 +182,7 @@ fn patch(stiffness_n_per_m3: f64, pitch_m: f64, radius_m: f64, points: u32) -> S
         let offsets = (0..points).flat_map(move |i| (0..points).map(move |j| (offset(i), offset(j))));
         offsets.map(move |(along, across)| {
             let (position_link, normal_link) = surface(x + along, arc + across);
-            SubPoint {
-                taxel,
-                position_link,
-                normal_link,
-                area_m2: side_m * side_m,
-            }
+            SubPoint { taxel, position_link, normal_link, area_m2: side_m * side_m }
         })
     });
     SkinPatch {
@@ -210,10 +192,7 @@ fn patch(stiffness_n_per_m3: f64, pitch_m: f64, radius_m: f64, points: u32) -> S
         normals_link: places.iter().map(|[x, arc]| surface(*x, *arc).1).collect(),
         corners_m: vec![pitch_m * std::f64::consts::FRAC_1_SQRT_2; places.len()],
         reach_m: pitch_m,
-        surface: Surface {
-            compliance_m3_per_n: 1.0 / stiffness_n_per_m3,
-            ..Surface::hard(FRICTION)
-        },
+        surface: Surface { compliance_m3_per_n: 1.0 / stiffness_n_per_m3, ..Surface::hard(FRICTION) },
     }
 }
 
@@ -251,10 +230,7 @@ fn forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             let angle_rad = normal.dot(around).atan2(normal.dot(outward));
             [(position - touched).dot(along), angle_rad * FOREARM_RADIUS_M]
         };
-        let places: Vec<[f64; 2]> = taxels
-            .iter()
-            .map(|taxel| place(taxel.position_link, taxel.normal_link))
-            .collect();
+        let places: Vec<[f64; 2]> = taxels.iter().map(|taxel| place(taxel.position_link, taxel.normal_link)).collect();
         let side_m = middle.area_m2.sqrt();
         let radii_m = [TRUNK_RADIUS_M, FOREARM_RADIUS_M];
         let expected = taxel_forces_n(stiffness, radii_m, &places, side_m, force_n);

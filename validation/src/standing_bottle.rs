@@ -15,37 +15,19 @@ pub const CHECK: Check = Check {
     name: "standing-bottle",
     summary: "A water bottle resists with μ m g while it slides, and tips over when it is pushed with its tipping moment",
     cases: &[
-        Case {
-            compare: sliding,
-            falsifications: &[HEAVY_SLIDING, ROUGH_BOTTLE],
-        },
-        Case {
-            compare: tipping,
-            falsifications: &[HEAVY_TIPPING, SLIM_BOTTLE],
-        },
+        Case { compare: sliding, falsifications: &[HEAVY_SLIDING, ROUGH_BOTTLE] },
+        Case { compare: tipping, falsifications: &[HEAVY_TIPPING, SLIM_BOTTLE] },
     ],
 };
 
-const HEAVY_SLIDING: Falsification = Falsification {
-    wrong: "mass of the simulated bottle",
-    by: "5 % too high",
-    breaks: Breaks::Every,
-};
-const HEAVY_TIPPING: Falsification = Falsification {
-    wrong: "mass of the simulated bottle",
-    by: "5 % too high",
-    breaks: Breaks::Named(&["force"]),
-};
-const ROUGH_BOTTLE: Falsification = Falsification {
-    wrong: "friction of the simulated bottle",
-    by: "20 % too high",
-    breaks: Breaks::Every,
-};
-const SLIM_BOTTLE: Falsification = Falsification {
-    wrong: "diameter of the simulated bottle",
-    by: "5 % too small",
-    breaks: Breaks::Every,
-};
+const HEAVY_SLIDING: Falsification =
+    Falsification { wrong: "mass of the simulated bottle", by: "5 % too high", breaks: Breaks::Every };
+const HEAVY_TIPPING: Falsification =
+    Falsification { wrong: "mass of the simulated bottle", by: "5 % too high", breaks: Breaks::Named(&["force"]) };
+const ROUGH_BOTTLE: Falsification =
+    Falsification { wrong: "friction of the simulated bottle", by: "20 % too high", breaks: Breaks::Every };
+const SLIM_BOTTLE: Falsification =
+    Falsification { wrong: "diameter of the simulated bottle", by: "5 % too small", breaks: Breaks::Every };
 
 const GRAVITY_M_PER_S2: f64 = 9.81;
 const STEP_S: f64 = 0.005;
@@ -80,10 +62,7 @@ struct Pushed {
 
 impl Pushed {
     fn new(bottle: &WaterBottle, height_m: f64) -> Result<Self, CheckError> {
-        let mut rig = Rig::new(PhysicsOptions {
-            step_s: STEP_S,
-            gravity_m_per_s2: GRAVITY_M_PER_S2,
-        });
+        let mut rig = Rig::new(PhysicsOptions { step_s: STEP_S, gravity_m_per_s2: GRAVITY_M_PER_S2 });
         let body = rig.add_object(bottle).get(1).copied();
         let bottle = body.ok_or_else(|| CheckError::Case("the bottle has no body".into()))?;
         Ok(Pushed { rig, bottle, height_m })

@@ -41,9 +41,6 @@ impl Falsification {
             Breaks::Every => &[],
             Breaks::Named(parts) => parts,
         };
-        named
-            .iter()
-            .copied()
-            .filter(|part| !comparisons.iter().any(|comparison| comparison.quantity.contains(part)))
+        named.iter().copied().filter(|part| !comparisons.iter().any(|comparison| comparison.quantity.contains(part)))
     }
 }

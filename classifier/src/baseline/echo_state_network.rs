@@ -25,10 +25,7 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
     summary: "Echo-state network: a fixed random recurrent network with a fitted linear readout at every sample",
     estimator: |features| {
         let default = EchoStateNetwork::default();
-        Box::new(EchoStateNetwork {
-            features: features.unwrap_or(default.features),
-            ..default
-        })
+        Box::new(EchoStateNetwork { features: features.unwrap_or(default.features), ..default })
     },
     load,
     schema: file::Fitted::<EchoStateNetwork, Parameters>::json_schema,
@@ -101,12 +98,7 @@ impl Default for EchoStateNetwork {
     /// Choice: 60 units; a memory of a tenth of a second at 100 Hz, similar to the mean number of samples at which the
     /// paper decides (11.9); a penalty that only keeps the regression well posed.
     fn default() -> Self {
-        EchoStateNetwork {
-            features: FeatureSet::FORCE_AND_MOTION,
-            units: 60,
-            leak: 0.1,
-            penalty: 1e-6,
-        }
+        EchoStateNetwork { features: FeatureSet::FORCE_AND_MOTION, units: 60, leak: 0.1, penalty: 1e-6 }
     }
 }
 
@@ -144,13 +136,11 @@ impl Estimator for EchoStateNetwork {
                 let weight = 1.0 / (by_category.len() * trials.len() * trial.samples.len()) as f64;
                 let mut state = DVector::zeros(size);
                 for (index, sample) in trial.samples.iter().enumerate() {
-                    network
-                        .step(&mut state, sample)
-                        .map_err(|fault| FeatureError::BadSample {
-                            trial: trial.trial,
-                            sample: index,
-                            fault,
-                        })?;
+                    network.step(&mut state, sample).map_err(|fault| FeatureError::BadSample {
+                        trial: trial.trial,
+                        sample: index,
+                        fault,
+                    })?;
                     precision.ger(weight, &state, &state, 1.0);
                     target.column_mut(category).axpy(weight, &state, 1.0);
                 }
@@ -195,9 +185,7 @@ impl Network {
     }
 
     fn step(&self, state: &mut DVector<f64>, sample: &Sample) -> Result<(), SampleFault> {
-        let EchoStateNetwork {
-            features, units, leak, ..
-        } = self.options;
+        let EchoStateNetwork { features, units, leak, .. } = self.options;
         let mut input = DVector::from_element(self.options.inputs(), 1.0);
         features.read(sample, &mut input.as_mut_slice()[1..])?;
         for (value, feature) in input.iter_mut().skip(1).zip(features.iter()) {
@@ -237,32 +225,18 @@ struct Parameters {
 struct EchoStateClassifier(Arc<Fitted>);
 
 fn load(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
-    let file::Fitted {
-        categories,
-        options,
-        parameters,
-    } = file::Fitted::<EchoStateNetwork, Parameters>::read(document, EchoStateNetwork::check)?;
-    let Parameters {
-        recurrent,
-        inputs,
-        readout,
-    } = &parameters;
+    let file::Fitted { categories, options, parameters } =
+        file::Fitted::<EchoStateNetwork, Parameters>::read(document, EchoStateNetwork::check)?;
+    let Parameters { recurrent, inputs, readout } = &parameters;
     let (units, size) = (options.units, options.units + options.inputs());
     check_table("recurrent", recurrent, (units, units), FITTED)
         .and_then(|()| check_table("inputs", inputs, (options.inputs(), units), FITTED))
         .and_then(|()| check_table("readout", readout, (categories.len(), size), FITTED))
         .map_err(|fault| document.fault(fault.within("parameters")))?;
-    let network = Network {
-        options,
-        recurrent: file::from_columns(units, recurrent),
-        inputs: file::from_columns(units, inputs),
-    };
+    let network =
+        Network { options, recurrent: file::from_columns(units, recurrent), inputs: file::from_columns(units, inputs) };
     let readout = file::from_columns(size, readout);
-    Ok(Box::new(EchoStateClassifier(Arc::new(Fitted {
-        categories,
-        network,
-        readout,
-    }))))
+    Ok(Box::new(EchoStateClassifier(Arc::new(Fitted { categories, network, readout }))))
 }
 
 impl Classifier for EchoStateClassifier {

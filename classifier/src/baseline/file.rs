@@ -39,11 +39,7 @@ impl<O: DeserializeOwned, P: DeserializeOwned> Fitted<O, P> {
         let fitted: Self = document.read()?;
         if fitted.categories.is_empty() || !fitted.categories.is_sorted_by(|a, b| a < b) {
             let found = fitted.categories.join(", ");
-            return Err(document.error(
-                "categories",
-                found,
-                "one or more names in alphabetical order, none twice",
-            ));
+            return Err(document.error("categories", found, "one or more names in alphabetical order, none twice"));
         }
         check_options(&fitted.options).map_err(|fault| document.fault(fault.within("options")))?;
         Ok(fitted)
@@ -56,21 +52,13 @@ pub(super) fn entries(
     options: &impl Serialize,
     parameters: &impl Serialize,
 ) -> Vec<(&'static str, Value)> {
-    vec![
-        ("categories", json!(categories)),
-        ("options", json!(options)),
-        ("parameters", json!(parameters)),
-    ]
+    vec![("categories", json!(categories)), ("options", json!(options)), ("parameters", json!(parameters))]
 }
 
 /// Checks that a list has this length and that all numbers are within limits.
 pub(super) fn check_list(field: &str, values: &[f64], length: usize, limits: Limits) -> Result<(), Fault> {
     if values.len() != length {
-        return Err(Fault::new(
-            field,
-            format!("{} numbers", values.len()),
-            format!("{length} numbers"),
-        ));
+        return Err(Fault::new(field, format!("{} numbers", values.len()), format!("{length} numbers")));
     }
     let mut places = values.iter().enumerate();
     places.try_for_each(|(index, value)| check_limits(format!("{field}[{index}]"), *value, limits))
@@ -80,11 +68,7 @@ pub(super) fn check_list(field: &str, values: &[f64], length: usize, limits: Lim
 /// of rows and their length.
 pub(super) fn check_table(field: &str, rows: &[Vec<f64>], shape: (usize, usize), limits: Limits) -> Result<(), Fault> {
     if rows.len() != shape.0 {
-        return Err(Fault::new(
-            field,
-            format!("{} rows", rows.len()),
-            format!("{} rows", shape.0),
-        ));
+        return Err(Fault::new(field, format!("{} rows", rows.len()), format!("{} rows", shape.0)));
     }
     let mut places = rows.iter().enumerate();
     places.try_for_each(|(index, row)| check_list(&format!("{field}[{index}]"), row, shape.1, limits))
@@ -92,10 +76,7 @@ pub(super) fn check_table(field: &str, rows: &[Vec<f64>], shape: (usize, usize),
 
 /// The columns of a matrix as rows of a table.
 pub(super) fn columns(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    matrix
-        .column_iter()
-        .map(|column| column.iter().copied().collect())
-        .collect()
+    matrix.column_iter().map(|column| column.iter().copied().collect()).collect()
 }
 
 /// The matrix whose columns are these rows, all of this length.

@@ -95,10 +95,7 @@ impl Default for Logistic {
 
 impl Logistic {
     fn with(features: FeatureSet) -> Self {
-        Logistic {
-            features,
-            penalty: 1e-3,
-        }
+        Logistic { features, penalty: 1e-3 }
     }
 
     fn check(&self) -> Result<(), Fault> {
@@ -146,11 +143,8 @@ struct Parameters {
 struct LogisticClassifier(Arc<Fitted>);
 
 fn load(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
-    let file::Fitted {
-        categories,
-        options,
-        parameters,
-    } = file::Fitted::<Logistic, Parameters>::read(document, Logistic::check)?;
+    let file::Fitted { categories, options, parameters } =
+        file::Fitted::<Logistic, Parameters>::read(document, Logistic::check)?;
     let selection = Selection::of(options.features);
     let (rows, columns) = (categories.len(), selection.dimension() + 1);
     let standardization = parameters.standardization;
@@ -182,17 +176,12 @@ impl Classifier for LogisticClassifier {
     }
 
     fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
-        let fresh = Contact {
-            fitted: Arc::clone(&self.0),
-            state: StreamFeatures::default(),
-        };
+        let fresh = Contact { fitted: Arc::clone(&self.0), state: StreamFeatures::default() };
         Box::new(Independent::new(fresh, contacts))
     }
 
     fn file_entries(&self) -> Vec<(&'static str, Value)> {
-        let Fitted {
-            options, categories, ..
-        } = &*self.0;
+        let Fitted { options, categories, .. } = &*self.0;
         let parameters = Parameters {
             standardization: self.0.standardization.clone(),
             weights: file::columns(&self.0.weights.transpose()),
@@ -224,11 +213,7 @@ impl ContactScorer for Contact {
 /// ln P(category | features), one per category.
 fn log_posterior(weights: &DMatrix<f64>, features: &[f64]) -> Vec<f64> {
     let of = |row: usize| -> f64 {
-        let sum: f64 = features
-            .iter()
-            .enumerate()
-            .map(|(d, feature)| weights[(row, d)] * feature)
-            .sum();
+        let sum: f64 = features.iter().enumerate().map(|(d, feature)| weights[(row, d)] * feature).sum();
         sum + weights[(row, features.len())]
     };
     let scores: Vec<f64> = (0..weights.nrows()).map(of).collect();
@@ -242,11 +227,8 @@ fn log_posterior(weights: &DMatrix<f64>, features: &[f64]) -> Vec<f64> {
 fn minimize(table: &Table, columns: usize, penalty: f64) -> Result<DMatrix<f64>, ModelError> {
     let categories = table.categories.len();
     let objective = |weights: &DMatrix<f64>| {
-        let entropy: f64 = table
-            .rows
-            .iter()
-            .map(|row| -row.weight * log_posterior(weights, &row.features)[row.category])
-            .sum();
+        let entropy: f64 =
+            table.rows.iter().map(|row| -row.weight * log_posterior(weights, &row.features)[row.category]).sum();
         entropy + 0.5 * penalty * weights.norm_squared()
     };
     let failed = || ModelError::Mismatch {
@@ -295,10 +277,7 @@ fn derivatives(table: &Table, weights: &DMatrix<f64>, penalty: f64) -> (DVector<
     let mut extended = vec![1.0; columns];
     for row in &table.rows {
         extended[..columns - 1].copy_from_slice(&row.features);
-        let posterior: Vec<f64> = log_posterior(weights, &row.features)
-            .into_iter()
-            .map(math::exp)
-            .collect();
+        let posterior: Vec<f64> = log_posterior(weights, &row.features).into_iter().map(math::exp).collect();
         for a in 0..categories {
             let miss = posterior[a] - f64::from(u8::from(a == row.category));
             for (d, x) in extended.iter().enumerate() {
@@ -310,9 +289,7 @@ fn derivatives(table: &Table, weights: &DMatrix<f64>, penalty: f64) -> (DVector<
                 for (d, x) in extended.iter().enumerate() {
                     let column = &mut hessian.column_mut(a * columns + d);
                     let part = &mut column.as_mut_slice()[b * columns..(b + 1) * columns];
-                    part.iter_mut()
-                        .zip(&extended)
-                        .for_each(|(entry, y)| *entry += bend * x * y);
+                    part.iter_mut().zip(&extended).for_each(|(entry, y)| *entry += bend * x * y);
                 }
             }
         }
@@ -330,11 +307,7 @@ pub(super) fn largest_slope(trials: &[&Trial], estimator: &Logistic) -> f64 {
     let objective = |weights: &DMatrix<f64>| {
         let entropies = table.rows.iter().map(|row| {
             let scores: Vec<f64> = (0..weights.nrows())
-                .map(|c| {
-                    (0..weights.ncols())
-                        .map(|d| weights[(c, d)] * row.features.get(d).unwrap_or(&1.0))
-                        .sum()
-                })
+                .map(|c| (0..weights.ncols()).map(|d| weights[(c, d)] * row.features.get(d).unwrap_or(&1.0)).sum())
                 .collect();
             let total: f64 = scores.iter().map(|score: &f64| math::exp(*score)).sum();
             -row.weight * math::ln(math::exp(scores[row.category]) / total)

@@ -70,9 +70,7 @@ pub struct NaiveBayes {
 impl Default for NaiveBayes {
     /// Force and motion of the taxel.
     fn default() -> Self {
-        NaiveBayes {
-            features: FeatureSet::FORCE_AND_MOTION,
-        }
+        NaiveBayes { features: FeatureSet::FORCE_AND_MOTION }
     }
 }
 
@@ -102,11 +100,7 @@ impl Estimator for NaiveBayes {
             options: *self,
             selection,
             categories: table.categories,
-            parameters: Parameters {
-                standardization,
-                mean,
-                variance,
-            },
+            parameters: Parameters { standardization, mean, variance },
         }))))
     }
 }
@@ -133,30 +127,18 @@ struct Parameters {
 struct NaiveBayesClassifier(Arc<Fitted>);
 
 fn load(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
-    let file::Fitted {
-        categories,
-        options,
-        parameters,
-    } = file::Fitted::<NaiveBayes, Parameters>::read(document, |_| Ok(()))?;
+    let file::Fitted { categories, options, parameters } =
+        file::Fitted::<NaiveBayes, Parameters>::read(document, |_| Ok(()))?;
     let selection = Selection::of(options.features);
     let shape = (categories.len(), selection.dimension());
-    let Parameters {
-        standardization,
-        mean,
-        variance,
-    } = &parameters;
+    let Parameters { standardization, mean, variance } = &parameters;
     standardization
         .check(selection.dimension())
         .map_err(|fault| fault.within("standardization"))
         .and_then(|()| check_table("mean", mean, shape, FITTED))
         .and_then(|()| check_table("variance", variance, shape, POSITIVE))
         .map_err(|fault| document.fault(fault.within("parameters")))?;
-    Ok(Box::new(NaiveBayesClassifier(Arc::new(Fitted {
-        options,
-        selection,
-        categories,
-        parameters,
-    }))))
+    Ok(Box::new(NaiveBayesClassifier(Arc::new(Fitted { options, selection, categories, parameters }))))
 }
 
 impl Classifier for NaiveBayesClassifier {
@@ -173,10 +155,7 @@ impl Classifier for NaiveBayesClassifier {
     }
 
     fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
-        let fresh = Contact {
-            fitted: Arc::clone(&self.0),
-            state: StreamFeatures::default(),
-        };
+        let fresh = Contact { fitted: Arc::clone(&self.0), state: StreamFeatures::default() };
         Box::new(Independent::new(fresh, contacts))
     }
 
@@ -198,11 +177,7 @@ impl ContactScorer for Contact {
     }
 
     fn scores(&self, scores: &mut [f64]) -> Result<(), ModelError> {
-        let Parameters {
-            standardization,
-            mean,
-            variance,
-        } = &self.fitted.parameters;
+        let Parameters { standardization, mean, variance } = &self.fitted.parameters;
         let mut features = self.fitted.selection.values(&self.state);
         standardization.apply(&mut features);
         for ((score, mean), variance) in scores.iter_mut().zip(mean).zip(variance) {

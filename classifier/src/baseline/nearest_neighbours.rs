@@ -23,10 +23,7 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
     summary: "The authors' earlier method: nearest neighbours on principal components of the first half second",
     estimator: |features| {
         let default = NearestNeighbours::default();
-        Box::new(NearestNeighbours {
-            features: features.unwrap_or(default.features),
-            ..default
-        })
+        Box::new(NearestNeighbours { features: features.unwrap_or(default.features), ..default })
     },
     load,
     schema: file::Fitted::<NearestNeighbours, Parameters>::json_schema,
@@ -140,9 +137,7 @@ impl Estimator for NearestNeighbours {
         let (mean, scale) = scaling(&rows, self.window);
         let mut matrix = DMatrix::from_fn(rows.len(), mean.len(), |row, d| rows[row][d]);
         for (d, mut column) in matrix.column_iter_mut().enumerate() {
-            column
-                .iter_mut()
-                .for_each(|value| *value = (*value - mean[d]) * scale[d / self.window]);
+            column.iter_mut().for_each(|value| *value = (*value - mean[d]) * scale[d / self.window]);
         }
         let components = principal_components(&matrix, self.explained);
         Ok(Box::new(NearestNeighboursClassifier(Arc::new(Fitted {
@@ -163,9 +158,7 @@ impl Estimator for NearestNeighbours {
 /// metres have similar weight; 0 for a channel that never varies between rows.
 fn scaling(rows: &[Vec<f64>], window: usize) -> (Vec<f64>, Vec<f64>) {
     let count = rows.len() as f64;
-    let mean: Vec<f64> = (0..rows[0].len())
-        .map(|d| rows.iter().map(|row| row[d]).sum::<f64>() / count)
-        .collect();
+    let mean: Vec<f64> = (0..rows[0].len()).map(|d| rows.iter().map(|row| row[d]).sum::<f64>() / count).collect();
     let scale_of = |channel: usize| {
         let columns = channel * window..(channel + 1) * window;
         // Rounding accumulates in the mean of many rows, so whether a channel varies is not told by its variance alone.
@@ -178,11 +171,7 @@ fn scaling(rows: &[Vec<f64>], window: usize) -> (Vec<f64>, Vec<f64>) {
         let variance = columns.map(squares).sum::<f64>() / count / window as f64;
         let deviation = variance.sqrt();
         // A deviation of the size of rounding means nothing.
-        if deviation > 1e-14 * largest {
-            deviation.recip()
-        } else {
-            0.0
-        }
+        if deviation > 1e-14 * largest { deviation.recip() } else { 0.0 }
     };
     let scale = (0..mean.len() / window).map(scale_of).collect();
     (mean, scale)
@@ -240,11 +229,8 @@ struct Parameters {
 struct NearestNeighboursClassifier(Arc<Fitted>);
 
 fn load(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
-    let file::Fitted {
-        categories,
-        options,
-        parameters,
-    } = file::Fitted::<NearestNeighbours, Parameters>::read(document, NearestNeighbours::check)?;
+    let file::Fitted { categories, options, parameters } =
+        file::Fitted::<NearestNeighbours, Parameters>::read(document, NearestNeighbours::check)?;
     check(&options, categories.len(), &parameters).map_err(|fault| document.fault(fault.within("parameters")))?;
     let category_of = parameters.category;
     let of = |category: usize| category_of.iter().filter(|own| **own == category).count();
@@ -270,11 +256,7 @@ fn check(options: &NearestNeighbours, categories: usize, parameters: &Parameters
     check_table("components", components, (components.len().max(1), length), FITTED)?;
     check_table("trials", trials, (parameters.category.len(), components.len()), FITTED)?;
     match (0..categories).find(|category| !parameters.category.contains(category)) {
-        Some(missing) => Err(Fault::new(
-            "category",
-            format!("no trial of category {missing}"),
-            "a trial of each",
-        )),
+        Some(missing) => Err(Fault::new("category", format!("no trial of category {missing}"), "a trial of each")),
         None if parameters.category.iter().any(|category| *category >= categories) => {
             let found = format!("an index beyond {}", categories - 1);
             Err(Fault::new("category", found, "indices of categories, from 0"))
@@ -299,9 +281,7 @@ impl Fitted {
             nearest.select_nth_unstable_by(votes, by_distance);
         }
         let mut share = vec![1.0 / self.categories.len() as f64; self.categories.len()];
-        nearest[..votes]
-            .iter()
-            .for_each(|&(_, category)| share[category] += 1.0);
+        nearest[..votes].iter().for_each(|&(_, category)| share[category] += 1.0);
         for ((score, share), count) in scores.iter_mut().zip(share).zip(&self.count) {
             *score = math::ln(share / *count as f64);
         }
@@ -322,10 +302,7 @@ impl Classifier for NearestNeighboursClassifier {
     }
 
     fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
-        let fresh = Contact {
-            fitted: Arc::clone(&self.0),
-            samples: Vec::new(),
-        };
+        let fresh = Contact { fitted: Arc::clone(&self.0), samples: Vec::new() };
         Box::new(Independent::new(fresh, contacts))
     }
 

@@ -41,17 +41,10 @@ impl Table {
                 let mut counts: Vec<usize> = SAMPLE_COUNTS.into_iter().filter(|count| *count < length).collect();
                 counts.push(length);
                 let weight = of_trial / counts.len() as f64;
-                rows.extend(set.after(trial, &counts)?.into_iter().map(|features| Row {
-                    category,
-                    weight,
-                    features,
-                }));
+                rows.extend(set.after(trial, &counts)?.into_iter().map(|features| Row { category, weight, features }));
             }
         }
-        Ok(Table {
-            categories: by_category.into_keys().collect(),
-            rows,
-        })
+        Ok(Table { categories: by_category.into_keys().collect(), rows })
     }
 }
 
@@ -80,10 +73,7 @@ impl Standardization {
                 (deviation > 1e-12).then_some(deviation)
             })
             .collect();
-        let standardization = Standardization {
-            mean,
-            standard_deviation: deviation,
-        };
+        let standardization = Standardization { mean, standard_deviation: deviation };
         for row in &mut table.rows {
             standardization.apply(&mut row.features);
         }
@@ -92,9 +82,8 @@ impl Standardization {
 
     pub(super) fn apply(&self, features: &mut [f64]) {
         for ((feature, mean), deviation) in features.iter_mut().zip(&self.mean).zip(&self.standard_deviation) {
-            *feature = deviation.map_or(0.0, |deviation| {
-                ((*feature - mean) / deviation).clamp(-MAX_DEVIATIONS, MAX_DEVIATIONS)
-            });
+            *feature = deviation
+                .map_or(0.0, |deviation| ((*feature - mean) / deviation).clamp(-MAX_DEVIATIONS, MAX_DEVIATIONS));
         }
     }
 

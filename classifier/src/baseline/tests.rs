@@ -20,11 +20,7 @@ fn press(number: u64, category: &str, newtons_per_s: f64, taxels: u32, length: u
             time_s,
             force_n,
             motion_m: Some(0.1 * time_s),
-            region: Some(Region {
-                taxels,
-                largest_force_n: 1.5 * force_n,
-                force_sum_n: f64::from(taxels) * force_n,
-            }),
+            region: Some(Region { taxels, largest_force_n: 1.5 * force_n, force_sum_n: f64::from(taxels) * force_n }),
             touched: None,
         }
     });
@@ -50,10 +46,7 @@ fn trials() -> Vec<Trial> {
 fn estimators() -> Vec<(&'static str, Box<dyn Estimator>)> {
     let estimator = |kind: &ClassifierKind| -> Box<dyn Estimator> {
         match kind.name {
-            "hmm" => Box::new(Recipe {
-                states: 3,
-                ..Recipe::authors()
-            }),
+            "hmm" => Box::new(Recipe { states: 3, ..Recipe::authors() }),
             _ => (kind.estimator)(None),
         }
     };
@@ -73,11 +66,7 @@ fn every_estimator_tells_different_things_apart_and_never_looks_ahead() {
             let new = press(1000, category, speed, taxels, 20);
             let scores = classifier.scores_after(&new, &[1, 7, 20, 99]).unwrap();
             let own = usize::from(category == "trunk");
-            assert!(
-                scores[2][own] > scores[2][1 - own],
-                "{name}: {category} scores {:?}",
-                scores[2]
-            );
+            assert!(scores[2][own] > scores[2][1 - own], "{name}: {category} scores {:?}", scores[2]);
             assert_eq!(scores[3], scores[2], "{name}");
             let mut ended = new.clone();
             ended.samples.truncate(7);
@@ -103,9 +92,8 @@ fn frequent_categories_have_no_advantage() {
     for (name, estimator) in estimators() {
         let shares: Vec<f64> = (0..SETS)
             .map(|set| {
-                let trials: Vec<Trial> = (0..240)
-                    .map(|n| draw(1000 * set + n, if n % 6 == 0 { "leaf" } else { "trunk" }))
-                    .collect();
+                let trials: Vec<Trial> =
+                    (0..240).map(|n| draw(1000 * set + n, if n % 6 == 0 { "leaf" } else { "trunk" })).collect();
                 let classifier = estimator.fit(&trials.iter().collect::<Vec<_>>()).unwrap();
                 let new = (0..40).map(|n| draw(100_000 + 1000 * set + n, "leaf"));
                 let leaves = new.filter(|press| {
@@ -150,9 +138,7 @@ fn windows_are_padded_with_their_last_sample() {
     // Tests the fixed window: a press that ended after 10 samples and one that went on unchanged have the same scores,
     // and samples after the window are ignored.
     let trials = trials();
-    let classifier = NearestNeighbours::default()
-        .fit(&trials.iter().collect::<Vec<_>>())
-        .unwrap();
+    let classifier = NearestNeighbours::default().fit(&trials.iter().collect::<Vec<_>>()).unwrap();
     let short = press(1000, "leaf", 3.0, 3, 10);
     let mut held = short.clone();
     for k in 10..90 {
@@ -176,10 +162,7 @@ fn a_constant_feature_is_left_out_of_the_neighbours() {
     for sample in trials.iter_mut().flat_map(|trial| &mut trial.samples) {
         sample.motion_m = Some(0.1);
     }
-    let estimator = NearestNeighbours {
-        features: FeatureSet::FORCE_AND_MOTION,
-        ..NearestNeighbours::default()
-    };
+    let estimator = NearestNeighbours { features: FeatureSet::FORCE_AND_MOTION, ..NearestNeighbours::default() };
     let classifier = estimator.fit(&trials.iter().collect::<Vec<_>>()).unwrap();
     let new = press(1000, "leaf", 3.0, 2, 20);
     let mut moved = new.clone();
@@ -193,14 +176,7 @@ fn trials_that_cannot_be_fitted_are_refused() {
     // Tests the errors for trials without categories, for trials that lack the region, and for one without samples.
     let mut trials = trials();
     for (name, estimator) in estimators().into_iter().skip(1) {
-        let blind: Vec<Trial> = trials
-            .iter()
-            .cloned()
-            .map(|trial| Trial {
-                category: None,
-                ..trial
-            })
-            .collect();
+        let blind: Vec<Trial> = trials.iter().cloned().map(|trial| Trial { category: None, ..trial }).collect();
         let error = estimator.fit(&blind.iter().collect::<Vec<_>>()).err();
         assert_eq!(error, Some(ModelError::NoCategories { trials: 60 }), "{name}");
         let mut hollow = trials.clone();
@@ -212,11 +188,7 @@ fn trials_that_cannot_be_fitted_are_refused() {
     trials[0].samples[2].region = None;
     let lacks = |feature: &'static Feature| {
         let fault = SampleFault::Missing(feature);
-        ModelError::Feature(FeatureError::BadSample {
-            trial: 0,
-            sample: 2,
-            fault,
-        })
+        ModelError::Feature(FeatureError::BadSample { trial: 0, sample: 2, fault })
     };
     let missing = lacks(&AREA);
     let known: Vec<&Trial> = trials.iter().collect();
@@ -238,57 +210,15 @@ fn options_outside_their_range_are_refused() {
     let neighbours = NearestNeighbours::default();
     let (network, logistic) = (EchoStateNetwork::default(), Logistic::default());
     let estimators: [(&str, Box<dyn Estimator>); 9] = [
-        (
-            "window",
-            Box::new(NearestNeighbours {
-                window: 0,
-                ..neighbours
-            }),
-        ),
-        (
-            "neighbours",
-            Box::new(NearestNeighbours {
-                neighbours: 0,
-                ..neighbours
-            }),
-        ),
-        (
-            "explained",
-            Box::new(NearestNeighbours {
-                explained: f64::NAN,
-                ..neighbours
-            }),
-        ),
+        ("window", Box::new(NearestNeighbours { window: 0, ..neighbours })),
+        ("neighbours", Box::new(NearestNeighbours { neighbours: 0, ..neighbours })),
+        ("explained", Box::new(NearestNeighbours { explained: f64::NAN, ..neighbours })),
         ("units", Box::new(EchoStateNetwork { units: 0, ..network })),
         ("leak", Box::new(EchoStateNetwork { leak: 0.0, ..network })),
-        (
-            "penalty",
-            Box::new(EchoStateNetwork {
-                penalty: -1.0,
-                ..network
-            }),
-        ),
-        (
-            "penalty",
-            Box::new(Logistic {
-                penalty: 0.0,
-                ..logistic
-            }),
-        ),
-        (
-            "states",
-            Box::new(Recipe {
-                states: 0,
-                ..Recipe::authors()
-            }),
-        ),
-        (
-            "max_samples",
-            Box::new(Recipe {
-                max_samples: Some(0),
-                ..Recipe::authors()
-            }),
-        ),
+        ("penalty", Box::new(EchoStateNetwork { penalty: -1.0, ..network })),
+        ("penalty", Box::new(Logistic { penalty: 0.0, ..logistic })),
+        ("states", Box::new(Recipe { states: 0, ..Recipe::authors() })),
+        ("max_samples", Box::new(Recipe { max_samples: Some(0), ..Recipe::authors() })),
     ];
     for (name, estimator) in estimators {
         match estimator.fit(&known).unwrap_err() {

@@ -29,12 +29,7 @@ fn the_papers_thresholds_cut_where_it_says() {
 fn priors_shift_the_margin() {
     for unit in [1.0, 50.0] {
         let prior = BTreeMap::from([("leaf".to_owned(), 0.9 * unit), ("trunk".to_owned(), 0.1 * unit)]);
-        let judge = Decision {
-            prior,
-            rule: Rule::Argmax,
-        }
-        .prepare(&categories())
-        .unwrap();
+        let judge = Decision { prior, rule: Rule::Argmax }.prepare(&categories()).unwrap();
         assert_eq!(judge.choose(&[-10.0, -7.81]), Choice::Category(0));
         assert_eq!(judge.choose(&[-10.0, -7.79]), Choice::Category(1));
     }
@@ -48,18 +43,13 @@ fn impossible_data_are_uncertain() {
     assert_eq!(judge.choose(&[-3.0, -3.0]), Choice::Uncertain);
     assert_eq!(judge.choose(&[f64::NEG_INFINITY, -1e5]), Choice::Category(1));
     let alone = Decision::paper().prepare(&["leaf".into()]).unwrap();
-    assert_eq!(
-        alone.judge(&[("leaf".into(), -5.0)]),
-        Ok(Verdict::Category("leaf".into()))
-    );
+    assert_eq!(alone.judge(&[("leaf".into(), -5.0)]), Ok(Verdict::Category("leaf".into())));
 }
 
 /// Tests the rule of section V-B at its threshold.
 #[test]
 fn plain_threshold() {
-    let judge = Decision::new(Rule::UncertainBelow { margin: 2.0 })
-        .prepare(&categories())
-        .unwrap();
+    let judge = Decision::new(Rule::UncertainBelow { margin: 2.0 }).prepare(&categories()).unwrap();
     assert_eq!(judge.choose(&[2.0, 0.0]), Choice::Category(0));
     assert_eq!(judge.choose(&[1.999, 0.0]), Choice::Uncertain);
 }
@@ -79,10 +69,7 @@ fn invalid_decisions_are_refused() {
         // Their sum is infinite.
         with_prior(&[("leaf", 1e308), ("trunk", 1e308)]),
         with_prior(&[("leaf", f64::NAN), ("trunk", 1.0)]),
-        Decision::new(Rule::OutlierBand {
-            uncertain_below: 80.0,
-            category_above: 15.0,
-        }),
+        Decision::new(Rule::OutlierBand { uncertain_below: 80.0, category_above: 15.0 }),
         Decision::new(Rule::UncertainBelow { margin: f64::NAN }),
         Decision::new(Rule::UncertainBelow { margin: -1.0 }),
     ];
@@ -98,10 +85,7 @@ fn verdicts_are_written_in_words() {
     assert_eq!(json(&Verdict::Category("leaf".into())), r#"{"category":"leaf"}"#);
     assert_eq!(json(&Verdict::Outlier), r#""outlier""#);
     let text = serde_json::to_string(&Decision::paper()).unwrap();
-    assert_eq!(
-        text,
-        r#"{"rule":{"outlier_band":{"uncertain_below":15.0,"category_above":80.0}}}"#
-    );
+    assert_eq!(text, r#"{"rule":{"outlier_band":{"uncertain_below":15.0,"category_above":80.0}}}"#);
     assert_eq!(serde_json::from_str::<Decision>(&text).unwrap(), Decision::paper());
 }
 

@@ -69,41 +69,31 @@ pub fn accuracy_by_samples_of_all(
     min_training_samples: usize,
 ) -> Result<Vec<AccuracyBySamples>, EvaluateError> {
     let limits: Vec<Option<usize>> = SAMPLE_COUNTS.into_iter().map(Some).chain([None]).collect();
-    let outcome = across_folds(
-        trials,
-        estimator,
-        folds,
-        min_training_samples,
-        |classifier, fold, tested| {
-            let judge = Decision::argmax().prepare(&classifier.categories())?;
-            let longest = SAMPLE_COUNTS.into_iter().max().unwrap_or(1);
-            let of_trial = |trial: &&Trial| {
-                let counts: Vec<usize> = limits
-                    .iter()
-                    .map(|limit| limit.unwrap_or(trial.samples.len().max(longest)))
-                    .collect();
-                let scores = classifier.scores_after(trial, &counts)?;
-                let predictions = scores.into_iter().map(|scores| Prediction {
-                    trial: trial.trial,
-                    reach: trial.reach,
-                    category: trial.category.clone().unwrap_or_default(),
-                    fold,
-                    samples: trial.samples.len(),
-                    touched: trial.touched(),
-                    verdict: judge.verdict(judge.choose(&scores)),
-                    scores,
-                });
-                Ok(predictions.collect::<Vec<_>>())
-            };
-            tested.iter().map(of_trial).collect()
-        },
-    )?;
+    let outcome = across_folds(trials, estimator, folds, min_training_samples, |classifier, fold, tested| {
+        let judge = Decision::argmax().prepare(&classifier.categories())?;
+        let longest = SAMPLE_COUNTS.into_iter().max().unwrap_or(1);
+        let of_trial = |trial: &&Trial| {
+            let counts: Vec<usize> =
+                limits.iter().map(|limit| limit.unwrap_or(trial.samples.len().max(longest))).collect();
+            let scores = classifier.scores_after(trial, &counts)?;
+            let predictions = scores.into_iter().map(|scores| Prediction {
+                trial: trial.trial,
+                reach: trial.reach,
+                category: trial.category.clone().unwrap_or_default(),
+                fold,
+                samples: trial.samples.len(),
+                touched: trial.touched(),
+                verdict: judge.verdict(judge.choose(&scores)),
+                scores,
+            });
+            Ok(predictions.collect::<Vec<_>>())
+        };
+        tested.iter().map(of_trial).collect()
+    })?;
     let point = |(index, &limit): (usize, &Option<usize>)| {
         let predictions: Vec<Prediction> = outcome.results.iter().map(|moments| moments[index].clone()).collect();
-        let lasting: Vec<&Prediction> = predictions
-            .iter()
-            .filter(|prediction| limit.is_none_or(|limit| prediction.samples >= limit))
-            .collect();
+        let lasting: Vec<&Prediction> =
+            predictions.iter().filter(|prediction| limit.is_none_or(|limit| prediction.samples >= limit)).collect();
         let (count, categories) = (lasting.len(), &outcome.categories);
         let all = ConfusionMatrix::of(&predictions, categories).accuracy();
         let lasting = ConfusionMatrix::of(lasting, categories).accuracy();

@@ -97,10 +97,7 @@ impl ConfusionMatrix {
     /// Counts predictions of a classifier with the categories `models`.
     pub(super) fn of<'a>(predictions: impl IntoIterator<Item = &'a Prediction>, models: &[String]) -> Self {
         let predictions: Vec<&Prediction> = predictions.into_iter().collect();
-        let truth: BTreeSet<&str> = predictions
-            .iter()
-            .map(|prediction| prediction.category.as_str())
-            .collect();
+        let truth: BTreeSet<&str> = predictions.iter().map(|prediction| prediction.category.as_str()).collect();
         let truth: Vec<String> = truth.into_iter().map(str::to_owned).collect();
         let mut verdict = models.to_vec();
         verdict.extend([Verdict::Uncertain.name().to_owned(), Verdict::Outlier.name().to_owned()]);
@@ -127,11 +124,7 @@ impl ConfusionMatrix {
             return None;
         }
         let fraction = |count: usize| count as f64 / trials as f64;
-        let majority = figures
-            .iter()
-            .filter(|own| own.category != Category::BLOCK.name())
-            .map(|own| own.trials)
-            .max();
+        let majority = figures.iter().filter(|own| own.category != Category::BLOCK.name()).map(|own| own.trials).max();
         let known = &self.verdict[..self.verdict.len() - 2];
         let recalls: Vec<f64> = figures
             .iter()

@@ -66,10 +66,7 @@ pub(super) fn across_folds<T: Send>(
     min_training_samples: usize,
     test: impl Fn(&dyn Classifier, usize, &[&Trial]) -> Result<Vec<T>, EvaluateError> + Sync,
 ) -> Result<AcrossFolds<T>, EvaluateError> {
-    let used: Vec<&Trial> = trials
-        .iter()
-        .filter(|trial| trial.category.as_deref().is_some_and(is_trained))
-        .collect();
+    let used: Vec<&Trial> = trials.iter().filter(|trial| trial.category.as_deref().is_some_and(is_trained)).collect();
     if used.is_empty() {
         return Err(EvaluateError::NoTruth);
     }
@@ -77,20 +74,14 @@ pub(super) fn across_folds<T: Send>(
     let all: BTreeSet<&str> = used.iter().filter_map(|trial| trial.category.as_deref()).collect();
     let of = |fold: usize, inside: bool| {
         let pairs = used.iter().zip(&assignment);
-        pairs
-            .filter(move |(_, own)| (**own == fold) == inside)
-            .map(|(trial, _)| *trial)
-            .collect::<Vec<_>>()
+        pairs.filter(move |(_, own)| (**own == fold) == inside).map(|(trial, _)| *trial).collect::<Vec<_>>()
     };
     let outcomes: Vec<Result<_, EvaluateError>> = (0..folds.count)
         .into_par_iter()
         .map(|fold| {
             let long = |trial: &&Trial| trial.samples.len() >= min_training_samples;
             let (long_enough, short): (Vec<&Trial>, Vec<&Trial>) = of(fold, false).into_iter().partition(long);
-            let categories: BTreeSet<&str> = long_enough
-                .iter()
-                .filter_map(|trial| trial.category.as_deref())
-                .collect();
+            let categories: BTreeSet<&str> = long_enough.iter().filter_map(|trial| trial.category.as_deref()).collect();
             let mut unfitted = short.iter().filter_map(|trial| trial.category.as_deref());
             if let Some(category) = unfitted.find(|category| !categories.contains(category)) {
                 return Err(EvaluateError::TooShort {
@@ -124,11 +115,7 @@ pub(super) fn across_folds<T: Send>(
     }
     // Restores the order of the table; each fold's results are already in that order.
     let results = assignment.iter().filter_map(|&fold| by_fold[fold].next()).collect();
-    Ok(AcrossFolds {
-        results,
-        categories,
-        training,
-    })
+    Ok(AcrossFolds { results, categories, training })
 }
 
 fn names(categories: &BTreeSet<&str>) -> Vec<String> {
@@ -142,9 +129,8 @@ pub(super) fn predict<'a>(
     fold: usize,
 ) -> Result<Vec<Prediction>, EvaluateError> {
     let judge = decision.prepare(&classifier.categories())?;
-    let (trials, categories): (Vec<&Trial>, Vec<String>) = trials
-        .filter_map(|trial| trial.category.clone().map(|category| (trial, category)))
-        .unzip();
+    let (trials, categories): (Vec<&Trial>, Vec<String>) =
+        trials.filter_map(|trial| trial.category.clone().map(|category| (trial, category))).unzip();
     let scores = classifier.scores_of_all(&trials)?;
     let predictions = trials.iter().zip(categories).zip(scores);
     Ok(predictions

@@ -26,11 +26,6 @@ pub struct EvaluationReport {
 impl From<Evaluation> for EvaluationReport {
     /// Without cross-validation.
     fn from(evaluation: Evaluation) -> Self {
-        EvaluationReport {
-            folds: None,
-            evaluation,
-            by_samples: None,
-            by_samples_of_all: None,
-        }
+        EvaluationReport { folds: None, evaluation, by_samples: None, by_samples_of_all: None }
     }
 }

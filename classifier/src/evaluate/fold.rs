@@ -34,9 +34,7 @@ impl FoldBy {
     /// The recommended grouping: by reach if every trial to fit on names one, because trials of one reach resemble each
     /// other; otherwise by position.
     pub fn advised(trials: &[Trial]) -> Self {
-        let mut used = trials
-            .iter()
-            .filter(|trial| trial.category.as_deref().is_some_and(is_trained));
+        let mut used = trials.iter().filter(|trial| trial.category.as_deref().is_some_and(is_trained));
         match used.all(|trial| trial.reach.is_some()) {
             true => FoldBy::Reach,
             false => FoldBy::Position,
@@ -50,21 +48,14 @@ impl Folds {
 
     /// The paper's two folds, by position.
     pub fn paper() -> Self {
-        Folds {
-            count: Folds::COUNT,
-            by: FoldBy::Position,
-        }
+        Folds { count: Folds::COUNT, by: FoldBy::Position }
     }
 
     /// Folds for choosing thresholds: five, or fewer if a category has fewer reaches, grouped by [`FoldBy::advised`].
     ///
     /// Choice: with five folds each classifier is fitted on four fifths of the data, nearly as much as the final one.
     pub fn for_thresholds(trials: &[Trial]) -> Self {
-        let used = || {
-            trials
-                .iter()
-                .filter(|trial| trial.category.as_deref().is_some_and(is_trained))
-        };
+        let used = || trials.iter().filter(|trial| trial.category.as_deref().is_some_and(is_trained));
         let by = FoldBy::advised(trials);
         let mut units: BTreeMap<&str, usize> = BTreeMap::new();
         match by {
@@ -76,10 +67,7 @@ impl Folds {
             }
         }
         let min = units.into_values().min().unwrap_or(0);
-        Folds {
-            count: min.clamp(2, 5),
-            by,
-        }
+        Folds { count: min.clamp(2, 5), by }
     }
 
     /// The fold of each trial, in the same order. By position, every category is in every fold.
@@ -104,10 +92,7 @@ impl Folds {
                 let units: Vec<&str> = votes.values().filter_map(winner).collect();
                 let folds = self.assign_units(&units, "reaches")?;
                 let fold_of: BTreeMap<u64, usize> = votes.keys().copied().zip(folds).collect();
-                Ok(trials
-                    .iter()
-                    .filter_map(|trial| fold_of.get(&trial.reach?).copied())
-                    .collect())
+                Ok(trials.iter().filter_map(|trial| fold_of.get(&trial.reach?).copied()).collect())
             }
         }
     }
@@ -115,16 +100,9 @@ impl Folds {
     /// The fold of each unit, given their categories.
     fn assign_units(self, units: &[&str], unit: &'static str) -> Result<Vec<usize>, EvaluateError> {
         let mut count: BTreeMap<&str, usize> = BTreeMap::new();
-        units
-            .iter()
-            .for_each(|category| *count.entry(category).or_default() += 1);
+        units.iter().for_each(|category| *count.entry(category).or_default() += 1);
         if let Some((category, &found)) = count.iter().find(|(_, count)| **count < self.count) {
-            return Err(EvaluateError::TooFew {
-                category: (*category).to_owned(),
-                found,
-                unit,
-                folds: self.count,
-            });
+            return Err(EvaluateError::TooFew { category: (*category).to_owned(), found, unit, folds: self.count });
         }
         let mut position: BTreeMap<&str, usize> = BTreeMap::new();
         let folds = units.iter().copied().map(|category| {
@@ -153,8 +131,5 @@ fn votes<'a>(trials: impl Iterator<Item = &'a Trial>) -> BTreeMap<u64, BTreeMap<
 
 fn winner<'a>(votes: &BTreeMap<&'a str, usize>) -> Option<&'a str> {
     let max = votes.values().max()?;
-    votes
-        .iter()
-        .find(|(_, count)| *count == max)
-        .map(|(category, _)| *category)
+    votes.iter().find(|(_, count)| *count == max).map(|(category, _)| *category)
 }

@@ -33,10 +33,7 @@ pub fn wilson(successes: usize, trials: usize) -> Interval {
     let centre = p + Z * Z / (2.0 * n);
     let half = Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
     let scale = 1.0 + Z * Z / n;
-    Interval {
-        low: ((centre - half) / scale).max(0.0),
-        high: ((centre + half) / scale).min(1.0),
-    }
+    Interval { low: ((centre - half) / scale).max(0.0), high: ((centre + half) / scale).min(1.0) }
 }
 
 /// Percentile bootstrap of the accuracy over whole reaches, the clusters within which trials depend on each other.
@@ -69,8 +66,5 @@ pub fn bootstrap_by_reach(predictions: &[Prediction], resamples: usize, seed: u6
         .collect();
     accuracies.sort_by(f64::total_cmp);
     let quantile = |q: f64| accuracies[(q * (resamples - 1) as f64).round() as usize];
-    Some(Interval {
-        low: quantile(0.025),
-        high: quantile(0.975),
-    })
+    Some(Interval { low: quantile(0.025), high: quantile(0.975) })
 }

@@ -39,11 +39,7 @@ impl RocCurve {
             return None;
         }
         scored.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut points = vec![RocPoint {
-            threshold: None,
-            false_positive_rate: 0.0,
-            true_positive_rate: 0.0,
-        }];
+        let mut points = vec![RocPoint { threshold: None, false_positive_rate: 0.0, true_positive_rate: 0.0 }];
         let (mut taken_positives, mut taken_negatives, mut area) = (0usize, 0usize, 0.0);
         // Equal scores, and 0 and −0, share one point.
         for tied in scored.chunk_by(|a, b| a.0 == b.0) {
@@ -57,10 +53,7 @@ impl RocCurve {
                 true_positive_rate: taken_positives as f64 / positives.len() as f64,
             });
         }
-        Some(RocCurve {
-            points,
-            area: area / positives.len() as f64 / negatives.len() as f64,
-        })
+        Some(RocCurve { points, area: area / positives.len() as f64 / negatives.len() as f64 })
     }
 }
 
@@ -102,15 +95,7 @@ pub fn outlier_roc(evaluation: &Evaluation, judge: &Judge, uncertain_below: f64)
         let margins = pool
             .filter(|prediction| counts(&prediction.category))
             .map(|prediction| judge.margin(&prediction.scores).map_or(0.0, |(_, margin)| margin));
-        margins
-            .map(|margin| {
-                if margin < uncertain_below {
-                    f64::NEG_INFINITY
-                } else {
-                    -margin
-                }
-            })
-            .collect()
+        margins.map(|margin| if margin < uncertain_below { f64::NEG_INFINITY } else { -margin }).collect()
     };
     let outliers = scores(&|category| category == Category::OUTLIER.name());
     let mut curve = RocCurve::of(&outliers, &scores(&is_trained))?;

@@ -126,26 +126,17 @@ impl Stream {
 
     /// Mean of [`StreamFrame::mean_samples_used`] over frames with contact; `None` without any contact.
     pub fn mean_samples_used(&self) -> Option<f64> {
-        let used: Vec<f64> = self
-            .frames
-            .iter()
-            .filter(|frame| frame.in_contact > 0)
-            .map(|frame| frame.mean_samples_used)
-            .collect();
+        let used: Vec<f64> =
+            self.frames.iter().filter(|frame| frame.in_contact > 0).map(|frame| frame.mean_samples_used).collect();
         (!used.is_empty()).then(|| used.iter().sum::<f64>() / used.len() as f64)
     }
 
     /// Classifier time per 100 taxels in contact, s (Fig. 8): the total time of frames with contact over the total
     /// number of taxels in contact.
     pub fn seconds_per_100_taxels(&self) -> Option<f64> {
-        let with_contact = self
-            .frames
-            .iter()
-            .zip(&self.seconds)
-            .filter(|(frame, _)| frame.in_contact > 0);
-        let (taxels, seconds) = with_contact.fold((0, 0.0), |(taxels, sum), (frame, seconds)| {
-            (taxels + frame.in_contact, sum + seconds)
-        });
+        let with_contact = self.frames.iter().zip(&self.seconds).filter(|(frame, _)| frame.in_contact > 0);
+        let (taxels, seconds) =
+            with_contact.fold((0, 0.0), |(taxels, sum), (frame, seconds)| (taxels + frame.in_contact, sum + seconds));
         (taxels > 0).then(|| 100.0 * seconds / taxels as f64)
     }
 }

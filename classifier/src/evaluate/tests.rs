@@ -76,14 +76,7 @@ fn trials(leaves: u64, trunks: u64) -> Vec<Trial> {
                 }
             })
             .collect();
-        Trial {
-            trial: number,
-            category: Some(category.into()),
-            reach: Some(reach),
-            patch: None,
-            taxel: None,
-            samples,
-        }
+        Trial { trial: number, category: Some(category.into()), reach: Some(reach), patch: None, taxel: None, samples }
     };
     let leaves = (0..leaves).map(|n| trial(n, "leaf", n / 3, 0.4, 0.2));
     let trunks = (0..trunks).map(|n| trial(100 + n, "trunk", 50 + n / 3, 2.0, 0.02));
@@ -91,10 +84,7 @@ fn trials(leaves: u64, trunks: u64) -> Vec<Trial> {
 }
 
 fn recipe() -> Recipe {
-    Recipe {
-        states: 3,
-        ..Recipe::authors()
-    }
+    Recipe { states: 3, ..Recipe::authors() }
 }
 
 /// Tests that folds by position are the first and second half of each category, even if the categories alternate in the
@@ -105,10 +95,7 @@ fn positions_split_each_category_in_order() {
     table.swap(1, 6);
     let table: Vec<&Trial> = table.iter().collect();
     let names: Vec<&str> = table.iter().map(|trial| trial.category.as_deref().unwrap()).collect();
-    assert_eq!(
-        names,
-        ["leaf", "trunk", "leaf", "trunk", "trunk", "trunk", "leaf", "trunk"]
-    );
+    assert_eq!(names, ["leaf", "trunk", "leaf", "trunk", "trunk", "trunk", "leaf", "trunk"]);
     assert_eq!(Folds::paper().assign(&table), Ok(vec![0, 0, 0, 0, 0, 1, 1, 1]));
 }
 
@@ -117,12 +104,7 @@ fn positions_split_each_category_in_order() {
 fn reaches_stay_together() {
     let table = trials(12, 9);
     let table: Vec<&Trial> = table.iter().collect();
-    let folds = Folds {
-        count: 3,
-        by: FoldBy::Reach,
-    }
-    .assign(&table)
-    .unwrap();
+    let folds = Folds { count: 3, by: FoldBy::Reach }.assign(&table).unwrap();
     let mut fold_of = std::collections::BTreeMap::new();
     for (trial, fold) in table.iter().zip(&folds) {
         assert_eq!(*fold_of.entry(trial.reach).or_insert(*fold), *fold);
@@ -136,23 +118,10 @@ fn impossible_splits_are_named() {
     let error = |trials: &[Trial], count, by| {
         cross_validate(trials, &recipe(), Folds { count, by }, &Decision::argmax()).unwrap_err()
     };
-    assert_eq!(
-        error(&trials(4, 4), 1, FoldBy::Position),
-        EvaluateError::FoldCount { found: 1 }
-    );
-    let few = EvaluateError::TooFew {
-        category: "leaf".into(),
-        found: 1,
-        unit: "trials",
-        folds: 2,
-    };
+    assert_eq!(error(&trials(4, 4), 1, FoldBy::Position), EvaluateError::FoldCount { found: 1 });
+    let few = EvaluateError::TooFew { category: "leaf".into(), found: 1, unit: "trials", folds: 2 };
     assert_eq!(error(&trials(1, 4), 2, FoldBy::Position), few);
-    let few = EvaluateError::TooFew {
-        category: "leaf".into(),
-        found: 2,
-        unit: "reaches",
-        folds: 3,
-    };
+    let few = EvaluateError::TooFew { category: "leaf".into(), found: 2, unit: "reaches", folds: 3 };
     assert_eq!(error(&trials(6, 9), 3, FoldBy::Reach), few);
     let mut homeless = trials(4, 4);
     homeless[2].reach = None;
@@ -168,10 +137,7 @@ fn impossible_splits_are_named() {
 #[test]
 fn a_category_in_one_fold_only_is_refused() {
     let mut table = trials(0, 12);
-    let folds = Folds {
-        count: 2,
-        by: FoldBy::Reach,
-    };
+    let folds = Folds { count: 2, by: FoldBy::Reach };
     // Four reaches with three trunks each. The leaf is in the fourth, so the second fold holds it.
     table[10].category = Some("leaf".into());
     let error = cross_validate(&table, &recipe(), folds, &Decision::argmax()).unwrap_err();
@@ -198,33 +164,21 @@ fn a_category_in_one_fold_only_is_refused() {
 fn the_remedy_for_a_small_category_is_possible() {
     let text = |found: usize, unit: &'static str, folds: usize| {
         let category = "leaf".into();
-        let error = EvaluateError::TooFew {
-            category,
-            found,
-            unit,
-            folds,
-        };
+        let error = EvaluateError::TooFew { category, found, unit, folds };
         error.to_string()
     };
     assert_eq!(
         text(1, "reaches", 2),
         "category leaf has 1 reach, fewer than the 2 folds; use more data; an evaluation can also group by position"
     );
-    assert_eq!(
-        text(1, "trials", 2),
-        "category leaf has 1 trial, fewer than the 2 folds; use more data"
-    );
+    assert_eq!(text(1, "trials", 2), "category leaf has 1 trial, fewer than the 2 folds; use more data");
     assert_eq!(
         text(3, "trials", 5),
         "category leaf has 3 trials, fewer than the 5 folds; use fewer folds or more data"
     );
     let few = trials(3, 9);
     let error = HeldOut::of(&few, &recipe(), Folds::for_thresholds(&few)).unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .starts_with("category leaf has 1 reach, fewer than the 2 folds")
-    );
+    assert!(error.to_string().starts_with("category leaf has 1 reach, fewer than the 2 folds"));
 }
 
 /// Tests order, folds and figures against a cross-validation assembled by hand from two fits.
@@ -236,22 +190,12 @@ fn cross_validation_tests_each_trial_once_on_the_other_fold() {
     let result = cross_validate(&table, &recipe(), Folds::paper(), &Decision::argmax()).unwrap();
     table.drain(3..5);
     let numbers: Vec<u64> = table.iter().map(|trial| trial.trial).collect();
-    assert_eq!(
-        result
-            .predictions
-            .iter()
-            .map(|prediction| prediction.trial)
-            .collect::<Vec<_>>(),
-        numbers
-    );
+    assert_eq!(result.predictions.iter().map(|prediction| prediction.trial).collect::<Vec<_>>(), numbers);
     let folds: Vec<usize> = result.predictions.iter().map(|prediction| prediction.fold).collect();
     assert_eq!(folds, [0, 0, 0, 0, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1]);
     for tested in 0..2 {
         let part = |inside: bool| -> Vec<Trial> {
-            let pairs = table
-                .iter()
-                .zip(&folds)
-                .filter(|(_, fold)| (**fold == tested) == inside);
+            let pairs = table.iter().zip(&folds).filter(|(_, fold)| (**fold == tested) == inside);
             pairs.map(|(trial, _)| trial.clone()).collect()
         };
         let (models, report) = HmmClassifier::train(&part(false), &recipe()).unwrap();
@@ -259,24 +203,12 @@ fn cross_validation_tests_each_trial_once_on_the_other_fold() {
         let direct = evaluate(&models, &part(true), &Decision::argmax()).unwrap();
         let of_fold = result.predictions.iter().filter(|prediction| prediction.fold == tested);
         assert!(
-            direct
-                .predictions
-                .iter()
-                .map(|p| (&p.verdict, &p.scores))
-                .eq(of_fold.map(|p| (&p.verdict, &p.scores)))
+            direct.predictions.iter().map(|p| (&p.verdict, &p.scores)).eq(of_fold.map(|p| (&p.verdict, &p.scores)))
         );
     }
-    let correct = result
-        .predictions
-        .iter()
-        .filter(|prediction| prediction.is_correct())
-        .count();
+    let correct = result.predictions.iter().filter(|prediction| prediction.is_correct()).count();
     assert_eq!(result.accuracy, correct as f64 / 15.0);
-    assert!(
-        result.accuracy > 0.9,
-        "such different objects must be told apart: {}",
-        result.accuracy
-    );
+    assert!(result.accuracy > 0.9, "such different objects must be told apart: {}", result.accuracy);
 }
 
 pub(super) fn predictions(rows: &[(&str, &str, u64, usize)]) -> Vec<Prediction> {
@@ -336,20 +268,12 @@ fn figures_follow_from_the_counts() {
     let result = Evaluation::of(predictions(&rows), &["leaf".into(), "trunk".into()], vec![]).unwrap();
     assert_eq!(result.confusion.truth, ["block", "leaf", "outlier", "trunk"]);
     assert_eq!(result.confusion.verdict, ["leaf", "trunk", "uncertain", "outlier"]);
-    assert_eq!(
-        result.confusion.count,
-        [[0, 1, 0, 0], [6, 2, 2, 0], [0, 1, 0, 3], [2, 7, 0, 1]]
-    );
+    assert_eq!(result.confusion.count, [[0, 1, 0, 0], [6, 2, 2, 0], [0, 1, 0, 3], [2, 7, 0, 1]]);
     assert_eq!(result.accuracy, 16.0 / 25.0);
-    let [block, leaf, outlier, trunk] = result.categories.as_slice() else {
-        panic!("four rows")
-    };
+    let [block, leaf, outlier, trunk] = result.categories.as_slice() else { panic!("four rows") };
     assert_eq!((leaf.recall, leaf.precision, leaf.uncertain), (0.6, Some(0.75), 2));
     assert!((leaf.f1 - 2.0 * 0.6 * 0.75 / (0.6 + 0.75)).abs() < 1e-15);
-    assert_eq!(
-        (trunk.recall, trunk.precision, trunk.outlier),
-        (0.7, Some(7.0 / 11.0), 1)
-    );
+    assert_eq!((trunk.recall, trunk.precision, trunk.outlier), (0.7, Some(7.0 / 11.0), 1));
     assert_eq!((outlier.recall, outlier.precision), (0.75, Some(0.75)));
     assert_eq!((block.recall, block.precision, block.f1), (0.0, None, 0.0));
 }
@@ -358,10 +282,7 @@ fn figures_follow_from_the_counts() {
 #[test]
 fn wilson_intervals_match_published_figures() {
     let interval = wilson(81, 263);
-    assert!(
-        (interval.low - 0.2553).abs() < 5e-5 && (interval.high - 0.3662).abs() < 5e-5,
-        "{interval:?}"
-    );
+    assert!((interval.low - 0.2553).abs() < 5e-5 && (interval.high - 0.3662).abs() < 5e-5, "{interval:?}");
     let none = wilson(0, 20);
     assert!(none.low == 0.0 && (none.high - 0.1611).abs() < 5e-5, "{none:?}");
     assert_eq!(wilson(0, 0), Interval { low: 0.0, high: 1.0 });
@@ -371,9 +292,8 @@ fn wilson_intervals_match_published_figures() {
 /// right or all are wrong. The accuracy has the standard error of 20 draws, sqrt(0.25/20) = 0.112, not of 1000.
 #[test]
 fn clusters_widen_the_interval() {
-    let rows: Vec<_> = (0..20)
-        .map(|reach| ("leaf", if reach % 2 == 0 { "leaf" } else { "trunk" }, reach, 50))
-        .collect();
+    let rows: Vec<_> =
+        (0..20).map(|reach| ("leaf", if reach % 2 == 0 { "leaf" } else { "trunk" }, reach, 50)).collect();
     let clustered = predictions(&rows);
     let interval = bootstrap_by_reach(&clustered, 2000, 7).unwrap();
     let half = (interval.high - interval.low) / 2.0;

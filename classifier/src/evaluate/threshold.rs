@@ -135,10 +135,7 @@ pub fn choose_thresholds(
 ) -> Result<ChosenThresholds, ThresholdError> {
     check(targets)?;
     let categories = held_out.known_categories();
-    let with_rule = |rule| Decision {
-        prior: prior.clone(),
-        rule,
-    };
+    let with_rule = |rule| Decision { prior: prior.clone(), rule };
     let judge = with_rule(Rule::Argmax).prepare(categories)?;
     let margins: Vec<HeldOutMargin> = margins(held_out, &judge);
     let category_above = category_above(&margins, categories, targets.false_positive_rate)?;
@@ -151,10 +148,7 @@ pub fn choose_thresholds(
 }
 
 fn check(targets: ThresholdTargets) -> Result<(), ThresholdError> {
-    let ThresholdTargets {
-        false_positive_rate,
-        outlier_prior,
-    } = targets;
+    let ThresholdTargets { false_positive_rate, outlier_prior } = targets;
     if !(false_positive_rate > 0.0 && false_positive_rate < 1.0) {
         return Err(ThresholdError::BadTarget {
             name: "the false-positive rate",
@@ -183,11 +177,7 @@ fn margins<'a>(held_out: &'a Evaluation, judge: &Judge) -> Vec<HeldOutMargin<'a>
     let margins = held_out.predictions.iter().map(|prediction| {
         // A trial that no category admits is uncertain whatever the thresholds, as with a margin of 0.
         let (taken_for, margin) = judge.margin(&prediction.scores).unwrap_or((0, 0.0));
-        HeldOutMargin {
-            truth: &prediction.category,
-            taken_for,
-            margin,
-        }
+        HeldOutMargin { truth: &prediction.category, taken_for, margin }
     });
     margins.collect()
 }
@@ -211,10 +201,8 @@ fn category_above(margins: &[HeldOutMargin], categories: &[String], rate: f64) -
                 rate,
             });
         }
-        let mut mistakes: Vec<f64> = others
-            .filter(|margin| margin.taken_for == index)
-            .map(|margin| margin.margin)
-            .collect();
+        let mut mistakes: Vec<f64> =
+            others.filter(|margin| margin.taken_for == index).map(|margin| margin.margin).collect();
         mistakes.sort_by(|a, b| b.total_cmp(a));
         // If the threshold is the margin of the next mistake, that mistake is not above it, and only the allowed ones
         // are.
@@ -243,17 +231,12 @@ fn uncertain_below(
     let weight: BTreeMap<&str, f64> = categories
         .iter()
         .map(|category| {
-            let share = prior
-                .get(category)
-                .map_or(1.0 / categories.len() as f64, |prior| prior / total);
+            let share = prior.get(category).map_or(1.0 / categories.len() as f64, |prior| prior / total);
             let count = margins.iter().filter(|margin| margin.truth == category).count();
             (category.as_str(), share / (count + 1) as f64)
         })
         .collect();
-    let mut in_band: Vec<&HeldOutMargin> = margins
-        .iter()
-        .filter(|margin| margin.margin <= category_above)
-        .collect();
+    let mut in_band: Vec<&HeldOutMargin> = margins.iter().filter(|margin| margin.margin <= category_above).collect();
     in_band.sort_by(|a, b| b.margin.total_cmp(&a.margin));
     let mut share: f64 = weight.values().sum();
     let mut threshold = category_above;
@@ -270,9 +253,8 @@ fn uncertain_below(
 
 fn measure(held_out: &Evaluation, decision: Decision, judge: &Judge, targets: ThresholdTargets) -> ChosenThresholds {
     let predictions = held_out.predictions.iter();
-    let choices: Vec<(&str, Choice)> = predictions
-        .map(|prediction| (prediction.category.as_str(), judge.choose(&prediction.scores)))
-        .collect();
+    let choices: Vec<(&str, Choice)> =
+        predictions.map(|prediction| (prediction.category.as_str(), judge.choose(&prediction.scores))).collect();
     let rates = rates(&choices, held_out.known_categories());
     ChosenThresholds {
         decision,

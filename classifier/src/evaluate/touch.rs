@@ -118,9 +118,7 @@ impl TouchEvaluation {
             classifier.update(frame)?;
             for (taxel, contact) in open.iter_mut().enumerate() {
                 if !classifier.tracker().image().is_in_contact(taxel) {
-                    evaluation
-                        .contacts
-                        .extend(contact.take().and_then(|contact| contact.close()));
+                    evaluation.contacts.extend(contact.take().and_then(|contact| contact.close()));
                 }
             }
             for (index, region) in classifier.regions().iter().enumerate() {
@@ -225,10 +223,7 @@ impl TouchEvaluation {
 
     /// Taxel frames of known categories.
     pub fn known(&self) -> TouchTally {
-        let known = self
-            .tallies
-            .get(1..self.tallies.len().saturating_sub(1))
-            .unwrap_or_default();
+        let known = self.tallies.get(1..self.tallies.len().saturating_sub(1)).unwrap_or_default();
         known.iter().fold(TouchTally::default(), |sum, tally| sum.plus(tally))
     }
 
@@ -243,9 +238,7 @@ impl TouchEvaluation {
             (count > 0).then(|| right as f64 / count as f64)
         };
         let shares: Option<Vec<f64>> = (0..categories).map(share).collect();
-        shares
-            .filter(|shares| !shares.is_empty())
-            .map(|shares| shares.iter().sum::<f64>() / shares.len() as f64)
+        shares.filter(|shares| !shares.is_empty()).map(|shares| shares.iter().sum::<f64>() / shares.len() as f64)
     }
 
     /// Mean difference between probability and frequency of the likeliest class, weighted by the counts of the bins

@@ -112,10 +112,7 @@ impl TouchFigures {
         let contacts = &evaluation.contacts;
         let truths = ["nothing".to_owned()].into_iter();
         let truths = truths.chain(categories.iter().cloned()).chain([OTHERS.to_owned()]);
-        let (nothing, known) = (
-            evaluation.tallies.first().copied().unwrap_or_default(),
-            evaluation.known(),
-        );
+        let (nothing, known) = (evaluation.tallies.first().copied().unwrap_or_default(), evaluation.known());
         let accuracy = |likeliest: fn(&JudgedContact) -> usize| accuracy(evaluation, categories.len(), likeliest);
         let mut until_right: Vec<usize> = contacts.iter().filter_map(|own| own.samples_until_right).collect();
         until_right.sort_unstable();
@@ -187,8 +184,7 @@ pub fn outlier_curve<'a>(distances: impl Iterator<Item = &'a TouchDistance> + Cl
     let by_taxel = |is_known: bool| -> Vec<f64> {
         let own = distances.clone().filter(|own| own.is_known == is_known);
         let own = own.filter(|own| own.category != Category::BLOCK.code());
-        own.flat_map(|own| std::iter::repeat_n(own.distance, own.taxels))
-            .collect()
+        own.flat_map(|own| std::iter::repeat_n(own.distance, own.taxels)).collect()
     };
     RocCurve::of(&by_taxel(false), &by_taxel(true))
 }
@@ -217,13 +213,7 @@ mod tests {
     use super::*;
 
     fn contact(category: usize, ends: [usize; 2], samples_until_right: Option<usize>) -> JudgedContact {
-        JudgedContact {
-            category,
-            samples: 30,
-            at_end: ends[1],
-            after_tenth_second: ends[0],
-            samples_until_right,
-        }
+        JudgedContact { category, samples: 30, at_end: ends[1], after_tenth_second: ends[0], samples_until_right }
     }
 
     fn distance(distance: f64, taxels: usize, category: Category) -> TouchDistance {
@@ -238,20 +228,10 @@ mod tests {
     /// Tests every figure of a small evaluation against values counted by hand.
     #[test]
     fn figures_are_those_counted_by_hand() {
-        let tally = |right, wrong, uncertain, nothing, unknown| TouchTally {
-            right,
-            wrong,
-            uncertain,
-            nothing,
-            unknown,
-        };
+        let tally =
+            |right, wrong, uncertain, nothing, unknown| TouchTally { right, wrong, uncertain, nothing, unknown };
         let evaluation = TouchEvaluation {
-            tallies: vec![
-                tally(6, 2, 2, 0, 0),
-                tally(10, 5, 5, 4, 1),
-                tally(15, 3, 2, 2, 0),
-                tally(0, 0, 0, 0, 0),
-            ],
+            tallies: vec![tally(6, 2, 2, 0, 0), tally(10, 5, 5, 4, 1), tally(15, 3, 2, 2, 0), tally(0, 0, 0, 0, 0)],
             contacts: vec![
                 contact(0, [1, 0], Some(12)),
                 contact(1, [1, 1], Some(1)),
@@ -275,10 +255,7 @@ mod tests {
         let truths: Vec<&str> = figures.truths.iter().map(|own| own.truth.as_str()).collect();
         assert_eq!(truths, ["nothing", "leaf", "trunk", "anything else"]);
         let leaf = &figures.truths[1];
-        assert_eq!(
-            [leaf.right, leaf.wrong, leaf.uncertain],
-            [Some(0.5), Some(0.25), Some(0.25)]
-        );
+        assert_eq!([leaf.right, leaf.wrong, leaf.uncertain], [Some(0.5), Some(0.25), Some(0.25)]);
         assert_eq!(leaf.called_unknown, Some(0.05));
         assert_eq!(figures.truths[3].right, None);
         let by_reach = figures.by_reach;
@@ -300,19 +277,13 @@ mod tests {
             let own = figures.first_right_verdict.iter().find(|own| own.samples == samples);
             own.unwrap().share
         };
-        assert_eq!(
-            [Some(1), Some(2), Some(3), Some(12), None].map(within),
-            [0.25, 0.25, 0.5, 0.75, 0.75]
-        );
+        assert_eq!([Some(1), Some(2), Some(3), Some(12), None].map(within), [0.25, 0.25, 0.5, 0.75, 0.75]);
         assert_eq!(figures.median_samples_until_right, Some(3));
         // Of 31 known taxel frames one is farther away than the two outlier frames at 5, and all are farther than the
         // one at 0.5.
         let outliers = figures.outliers.unwrap();
         assert_eq!(outliers.taxel_frames, 3);
-        assert!(
-            (outliers.roc_area - 2.0 / 3.0 * 30.0 / 31.0).abs() < 1e-12,
-            "{outliers:?}"
-        );
+        assert!((outliers.roc_area - 2.0 / 3.0 * 30.0 / 31.0).abs() < 1e-12, "{outliers:?}");
         assert!((outliers.found_at_5_percent - 2.0 / 3.0).abs() < 1e-12, "{outliers:?}");
     }
 

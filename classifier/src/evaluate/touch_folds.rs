@@ -93,11 +93,7 @@ struct Judged {
 
 impl Judged {
     fn with_categories_of(model: &TouchModel) -> Self {
-        Judged {
-            verdicts: TouchEvaluation::default(),
-            categories: model.categories().to_vec(),
-            decisions: Vec::new(),
-        }
+        Judged { verdicts: TouchEvaluation::default(), categories: model.categories().to_vec(), decisions: Vec::new() }
     }
 
     /// Adds the verdicts of a model on some of the reaches.
@@ -180,9 +176,7 @@ pub fn cross_validate_touch<R: ReadReaches>(
             };
             return Err(refused(error));
         }
-        judged
-            .get_or_insert_with(|| Judged::with_categories_of(&model))
-            .add(model, reaches, &own)?;
+        judged.get_or_insert_with(|| Judged::with_categories_of(&model)).add(model, reaches, &own)?;
     }
     let judged = judged.ok_or_else(|| refused(EvaluateError::FoldCount { found: folds }.into()))?;
     Ok(judged.report(Some(folds), count, examples.feature_worth()))

@@ -27,10 +27,7 @@ fn remedy(feature: &Feature) -> String {
     if feature.of_region {
         let columns = FEATURES.into_iter().filter(|feature| feature.of_region);
         let columns: Vec<&str> = columns.map(|feature| feature.column).collect();
-        format!(
-            "fill the columns {} (underbrush trials writes them)",
-            columns.join(", ")
-        )
+        format!("fill the columns {} (underbrush trials writes them)", columns.join(", "))
     } else {
         format!("fill the column {}", feature.column)
     }

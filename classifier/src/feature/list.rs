@@ -89,9 +89,7 @@ fn region(sample: &Sample, read: fn(&Region) -> f64) -> Option<f64> {
 impl Feature {
     /// The feature with this name or column.
     pub fn find(name: &str) -> Option<&'static Feature> {
-        FEATURES
-            .into_iter()
-            .find(|feature| feature.name == name || feature.column == name)
+        FEATURES.into_iter().find(|feature| feature.name == name || feature.column == name)
     }
 }
 

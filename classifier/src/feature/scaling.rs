@@ -30,19 +30,14 @@ impl Scaling {
         let dimension = features.dimension();
         let samples = || sequences.clone().flat_map(Observations::samples);
         let count = samples().count() as f64;
-        let mut scaling = Scaling {
-            mean: vec![0.0; dimension],
-            standard_deviation: vec![0.0; dimension],
-        };
+        let mut scaling = Scaling { mean: vec![0.0; dimension], standard_deviation: vec![0.0; dimension] };
         for d in 0..dimension {
             let mean = samples().map(|sample| sample[d]).sum::<f64>() / count;
             let variance = samples().map(|sample| (sample[d] - mean).powi(2)).sum::<f64>() / count;
             let largest = samples().map(|sample| sample[d].abs()).fold(0.0, f64::max);
             // A constant column leaves only the rounding of its mean, about 1e-16 of its size.
             if variance.is_nan() || variance.sqrt() <= 1e-14 * largest {
-                return Err(FeatureError::Constant {
-                    feature: features.columns()[d].to_owned(),
-                });
+                return Err(FeatureError::Constant { feature: features.columns()[d].to_owned() });
             }
             scaling.mean[d] = mean;
             scaling.standard_deviation[d] = variance.sqrt();

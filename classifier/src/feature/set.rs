@@ -175,10 +175,7 @@ impl<'de> Deserialize<'de> for FeatureSet {
 
 /// All names and columns of features.
 fn known_names() -> Vec<&'static str> {
-    FEATURES
-        .into_iter()
-        .flat_map(|feature| [feature.name, feature.column])
-        .collect()
+    FEATURES.into_iter().flat_map(|feature| [feature.name, feature.column]).collect()
 }
 
 /// The JSON Schema of a list of features that [`FeatureSet::from_names`] reads.

@@ -14,14 +14,7 @@ fn trial(samples: &[(f64, Option<f64>)]) -> Trial {
             touched: None,
         })
         .collect();
-    Trial {
-        trial: 7,
-        category: None,
-        reach: None,
-        patch: None,
-        taxel: None,
-        samples,
-    }
+    Trial { trial: 7, category: None, reach: None, patch: None, taxel: None, samples }
 }
 
 /// Tests that names, columns and text give the same list in the same order, and that lists joined by `+` are read and
@@ -49,15 +42,8 @@ fn bad_lists_are_refused() {
     let unknown = FeatureError::Unknown { found: "warmth".into() };
     assert_eq!("force,warmth".parse::<FeatureSet>(), Err(unknown.clone()));
     assert!(unknown.to_string().contains("force, motion, area"), "{unknown}");
-    let twice = [
-        FEATURES.map(|feature| feature.name),
-        FEATURES.map(|feature| feature.name),
-    ]
-    .concat();
-    assert_eq!(
-        FeatureSet::from_names(&twice),
-        Err(FeatureError::Repeated { found: "force" })
-    );
+    let twice = [FEATURES.map(|feature| feature.name), FEATURES.map(|feature| feature.name)].concat();
+    assert_eq!(FeatureSet::from_names(&twice), Err(FeatureError::Repeated { found: "force" }));
     assert_eq!(FeatureSet::from_names::<&str>(&[]), Err(FeatureError::NoFeatures));
 }
 
@@ -65,18 +51,8 @@ fn bad_lists_are_refused() {
 /// value of a sample.
 #[test]
 fn every_feature_reads_its_own_column() {
-    let region = Region {
-        taxels: 3,
-        largest_force_n: 4.0,
-        force_sum_n: 5.0,
-    };
-    let sample = Sample {
-        time_s: 0.0,
-        force_n: 1.0,
-        motion_m: Some(2.0),
-        region: Some(region),
-        touched: None,
-    };
+    let region = Region { taxels: 3, largest_force_n: 4.0, force_sum_n: 5.0 };
+    let sample = Sample { time_s: 0.0, force_n: 1.0, motion_m: Some(2.0), region: Some(region), touched: None };
     let expected = [
         ("force_n", 1.0),
         ("motion_m", 2.0),
@@ -84,21 +60,14 @@ fn every_feature_reads_its_own_column() {
         ("region_largest_force_n", 4.0),
         ("region_force_sum_n", 5.0),
     ];
-    let found: Vec<_> = FEATURES
-        .iter()
-        .map(|feature| (feature.column, (feature.read)(&sample).unwrap()))
-        .collect();
+    let found: Vec<_> = FEATURES.iter().map(|feature| (feature.column, (feature.read)(&sample).unwrap())).collect();
     assert_eq!(found, expected);
     for feature in FEATURES {
         assert_eq!(Feature::find(feature.name), Some(feature));
         assert_eq!(Feature::find(feature.column), Some(feature));
         let unit = feature.limits.unit.to_lowercase();
         assert!(feature.column.ends_with(&unit), "{} in {unit}", feature.column);
-        let bare = Sample {
-            motion_m: None,
-            region: None,
-            ..sample
-        };
+        let bare = Sample { motion_m: None, region: None, ..sample };
         assert_eq!((feature.read)(&bare).is_some(), feature.name == "force");
         assert!(feature.limits.hold((feature.read)(&sample).unwrap()));
     }
@@ -125,11 +94,7 @@ fn bad_trials_are_named() {
          features without motion"
     );
     assert!(FeatureSet::FORCE.observations(&missing, None).is_ok());
-    let error = "force,area"
-        .parse::<FeatureSet>()
-        .unwrap()
-        .observations(&missing, None)
-        .unwrap_err();
+    let error = "force,area".parse::<FeatureSet>().unwrap().observations(&missing, None).unwrap_err();
     assert_eq!(
         error.to_string(),
         "trial 7, sample 0 (from 0) has no region_taxels, which the feature area needs; fill the columns region_taxels, \
@@ -137,17 +102,9 @@ fn bad_trials_are_named() {
     );
     let nan = trial(&[(1.0, Some(0.0)), (2.0, Some(f64::NAN))]);
     let error = FeatureSet::FORCE_AND_MOTION.observations(&nan, None).unwrap_err();
-    assert!(
-        error
-            .to_string()
-            .contains("trial 7, sample 1 (from 0) has motion_m = NaN"),
-        "{error}"
-    );
+    assert!(error.to_string().contains("trial 7, sample 1 (from 0) has motion_m = NaN"), "{error}");
     assert!(FeatureSet::FORCE_AND_MOTION.observations(&nan, Some(1)).is_ok());
-    assert_eq!(
-        FeatureSet::FORCE.observations(&trial(&[]), None),
-        Err(FeatureError::Empty { trial: 7 })
-    );
+    assert_eq!(FeatureSet::FORCE.observations(&trial(&[]), None), Err(FeatureError::Empty { trial: 7 }));
     assert!(Observations::new(2, vec![1.0, 2.0, 3.0]).is_err());
     assert!(Observations::new(1, vec![f64::INFINITY]).is_err());
 }
@@ -155,10 +112,7 @@ fn bad_trials_are_named() {
 #[test]
 fn scaling_gives_zero_mean_and_unit_deviation() {
     // Tests z-scoring by hand-computed figures: values 1, 2, 3, 6 have mean 3 and variance (4+1+0+9)/4.
-    let parts = [
-        Observations::new(1, vec![1.0, 2.0]).unwrap(),
-        Observations::new(1, vec![3.0, 6.0]).unwrap(),
-    ];
+    let parts = [Observations::new(1, vec![1.0, 2.0]).unwrap(), Observations::new(1, vec![3.0, 6.0]).unwrap()];
     let scaling = Scaling::fit(FeatureSet::FORCE, parts.iter()).unwrap();
     assert_eq!(scaling.mean, [3.0]);
     assert!((scaling.standard_deviation[0] - 3.5f64.sqrt()).abs() < 1e-15);
@@ -168,8 +122,6 @@ fn scaling_gives_zero_mean_and_unit_deviation() {
     let constant = [Observations::new(1, vec![0.1; 7]).unwrap()];
     assert_eq!(
         Scaling::fit(FeatureSet::FORCE, constant.iter()),
-        Err(FeatureError::Constant {
-            feature: "force_n".into()
-        })
+        Err(FeatureError::Constant { feature: "force_n".into() })
     );
 }

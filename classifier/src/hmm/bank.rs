@@ -49,11 +49,7 @@ impl FilterBank {
             scores: vec![[0.0; STREAMS]; weights.len()],
             weights,
         };
-        FilterBank {
-            dimension,
-            models: group.weights.len(),
-            groups: vec![group; streams.div_ceil(STREAMS)],
-        }
+        FilterBank { dimension, models: group.weights.len(), groups: vec![group; streams.div_ceil(STREAMS)] }
     }
 
     /// Makes the next sample of a stream its first.
@@ -66,10 +62,7 @@ impl FilterBank {
     /// # Errors
     /// [`FeatureError::BadMatrix`] if the sample is not D finite numbers; the stream stays as it was.
     pub(crate) fn put(&mut self, stream: usize, sample: &[f64]) -> Result<(), FeatureError> {
-        let bad = |found: String| FeatureError::BadMatrix {
-            found,
-            dimension: self.dimension,
-        };
+        let bad = |found: String| FeatureError::BadMatrix { found, dimension: self.dimension };
         if sample.len() != self.dimension {
             return Err(bad(format!("{} numbers in a sample", sample.len())));
         }

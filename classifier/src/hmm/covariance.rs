@@ -36,9 +36,7 @@ pub(super) fn is_singular(covariance: &[f64], dimension: usize, largest_observat
     let smallest = if dimension == 1 {
         covariance[0]
     } else {
-        DMatrix::from_row_slice(dimension, dimension, covariance)
-            .symmetric_eigenvalues()
-            .min()
+        DMatrix::from_row_slice(dimension, dimension, covariance).symmetric_eigenvalues().min()
     };
     !smallest.is_finite() || smallest <= min_variance
 }
@@ -51,12 +49,8 @@ mod tests {
     #[test]
     fn the_floor_raises_small_eigenvalues_only() {
         let (large, small, floor) = (3.0, 1e-9, 1e-4);
-        let mut covariance = [
-            (large + small) / 2.0,
-            (large - small) / 2.0,
-            (large - small) / 2.0,
-            (large + small) / 2.0,
-        ];
+        let mut covariance =
+            [(large + small) / 2.0, (large - small) / 2.0, (large - small) / 2.0, (large + small) / 2.0];
         floor_eigenvalues(&mut covariance, 2, floor);
         assert!((covariance[0] + covariance[1] - large).abs() < 1e-12);
         assert!((covariance[0] - covariance[1] - floor).abs() < 1e-12);

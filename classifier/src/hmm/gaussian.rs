@@ -132,10 +132,7 @@ mod tests {
         let (s1, s2, rho) = (0.5, 2.0, 0.3);
         let covariance = [s1 * s1, rho * s1 * s2, rho * s1 * s2, s2 * s2];
         // The second state is the one evaluated, so that the layout matters.
-        let (mean, covariance) = (
-            [[7.0, 8.0], [1.0, -1.0]].concat(),
-            [[1.0, 0.0, 0.0, 1.0], covariance].concat(),
-        );
+        let (mean, covariance) = ([[7.0, 8.0], [1.0, -1.0]].concat(), [[1.0, 0.0, 0.0, 1.0], covariance].concat());
         let gaussians = Gaussians::new(2, &mean, &covariance).unwrap();
         let (u, v) = ((0.2f64 - 1.0) / s1, (2.5 + 1.0) / s2);
         let q = (u * u - 2.0 * rho * u * v + v * v) / (1.0 - rho * rho);

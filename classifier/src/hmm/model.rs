@@ -62,12 +62,7 @@ impl GaussianHmm {
     pub fn new(parameters: HmmParameters) -> Result<Self, ParameterError> {
         let states = parameters.initial.len();
         if states == 0 {
-            return Err(error(
-                "initial",
-                "no states",
-                "at least one state",
-                "give one number per state",
-            ));
+            return Err(error("initial", "no states", "at least one state", "give one number per state"));
         }
         check_probabilities("initial", &parameters.initial)?;
         check_length("transition", "rows", parameters.transition.len(), states)?;
@@ -78,12 +73,7 @@ impl GaussianHmm {
         check_length("mean", "rows", parameters.mean.len(), states)?;
         let dimension = parameters.mean[0].len();
         if dimension == 0 {
-            return Err(error(
-                "mean[0]",
-                "no numbers",
-                "one number per feature",
-                "give a mean per feature",
-            ));
+            return Err(error("mean[0]", "no numbers", "one number per feature", "give a mean per feature"));
         }
         for (i, row) in parameters.mean.iter().enumerate() {
             check_length(&format!("mean[{i}]"), "numbers", row.len(), dimension)?;
@@ -141,12 +131,7 @@ impl GaussianHmm {
 }
 
 fn error(field: impl Into<String>, found: impl Into<String>, allowed: &str, remedy: &str) -> ParameterError {
-    ParameterError {
-        field: field.into(),
-        found: found.into(),
-        allowed: allowed.to_owned(),
-        remedy: remedy.to_owned(),
-    }
+    ParameterError { field: field.into(), found: found.into(), allowed: allowed.to_owned(), remedy: remedy.to_owned() }
 }
 
 fn check_length(field: &str, what: &str, found: usize, expected: usize) -> Result<(), ParameterError> {
@@ -154,45 +139,25 @@ fn check_length(field: &str, what: &str, found: usize, expected: usize) -> Resul
         return Ok(());
     }
     let (found, allowed) = (format!("{found} {what}"), format!("{expected} {what}"));
-    Err(error(
-        field,
-        found,
-        &allowed,
-        "make all sizes agree: initial N, transition N×N, mean N×D, covariance N×D×D",
-    ))
+    Err(error(field, found, &allowed, "make all sizes agree: initial N, transition N×N, mean N×D, covariance N×D×D"))
 }
 
 fn check_finite(field: &str, numbers: &[f64]) -> Result<(), ParameterError> {
     match numbers.iter().find(|number| !number.is_finite()) {
         None => Ok(()),
-        Some(number) => Err(error(
-            field,
-            number.to_string(),
-            "finite numbers",
-            "train the model again",
-        )),
+        Some(number) => Err(error(field, number.to_string(), "finite numbers", "train the model again")),
     }
 }
 
 fn check_probabilities(field: &str, row: &[f64]) -> Result<(), ParameterError> {
     check_finite(field, row)?;
     if let Some(p) = row.iter().find(|&&p| !(0.0..=1.0 + ROW_SUM_TOLERANCE).contains(&p)) {
-        return Err(error(
-            field,
-            p.to_string(),
-            "probabilities from 0 to 1",
-            "correct the number",
-        ));
+        return Err(error(field, p.to_string(), "probabilities from 0 to 1", "correct the number"));
     }
     let sum: f64 = row.iter().sum();
     if (sum - 1.0).abs() > ROW_SUM_TOLERANCE {
         let found = format!("a sum of {sum}");
-        return Err(error(
-            field,
-            found,
-            "a sum of 1 within 1e-6",
-            "divide the numbers by their sum",
-        ));
+        return Err(error(field, found, "a sum of 1 within 1e-6", "divide the numbers by their sum"));
     }
     Ok(())
 }
@@ -247,9 +212,7 @@ mod tests {
             ("mean[1]", |p| p.mean[1][0] = f64::INFINITY),
             ("covariance[1]", |p| p.covariance[1][0][1] = 0.2),
             ("covariance[0][1]", |p| p.covariance[0][1][0] = f64::NAN),
-            ("covariance[1]", |p| {
-                p.covariance[1] = vec![vec![1.0, 2.0], vec![2.0, 1.0]]
-            }),
+            ("covariance[1]", |p| p.covariance[1] = vec![vec![1.0, 2.0], vec![2.0, 1.0]]),
         ];
         for (field, break_it) in faults {
             let mut parameters = valid();

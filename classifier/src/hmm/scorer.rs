@@ -17,10 +17,7 @@ pub struct Scorer {
 
 impl From<GaussianHmm> for Scorer {
     fn from(model: GaussianHmm) -> Self {
-        Scorer {
-            tables: FilterTables::new(&model),
-            model,
-        }
+        Scorer { tables: FilterTables::new(&model), model }
     }
 }
 

@@ -23,11 +23,7 @@ pub fn equal_slice_start(
     variance_floor: f64,
 ) -> Result<GaussianHmm, TrainingError> {
     if states == 0 {
-        return Err(TrainingError::BadOption {
-            option: "states",
-            found: "0".into(),
-            allowed: "at least 1",
-        });
+        return Err(TrainingError::BadOption { option: "states", found: "0".into(), allowed: "at least 1" });
     }
     let dimension = check_sequences(sequences)?;
     let largest = largest_observation(sequences);
@@ -87,10 +83,8 @@ mod tests {
     /// Tests means and variances of two slices over sequences of 4 and 2 samples, computed by hand.
     #[test]
     fn slices_are_pooled_over_sequences() {
-        let sequences = [
-            Observations::new(1, vec![1.0, 2.0, 7.0, 9.0]).unwrap(),
-            Observations::new(1, vec![3.0, 5.0]).unwrap(),
-        ];
+        let sequences =
+            [Observations::new(1, vec![1.0, 2.0, 7.0, 9.0]).unwrap(), Observations::new(1, vec![3.0, 5.0]).unwrap()];
         let model = equal_slice_start(&sequences, 2, Topology::Ergodic, InitialDistribution::Uniform, 0.0).unwrap();
         let parameters = model.parameters();
         assert_eq!(parameters.mean, [[2.0], [7.0]]);
@@ -105,19 +99,9 @@ mod tests {
     #[test]
     fn short_sequences_reach_every_state() {
         let sequences = [Observations::new(1, vec![1.0, 2.0]).unwrap()];
-        let start = |floor| {
-            equal_slice_start(
-                &sequences,
-                4,
-                Topology::LeftToRight,
-                InitialDistribution::FirstState,
-                floor,
-            )
-        };
+        let start =
+            |floor| equal_slice_start(&sequences, 4, Topology::LeftToRight, InitialDistribution::FirstState, floor);
         assert_eq!(start(1e-4).unwrap().parameters().mean, [[1.0], [1.0], [2.0], [2.0]]);
-        assert_eq!(
-            start(0.0),
-            Err(TrainingError::SingularCovariance { state: 0, iteration: 0 })
-        );
+        assert_eq!(start(0.0), Err(TrainingError::SingularCovariance { state: 0, iteration: 0 }));
     }
 }

@@ -52,10 +52,7 @@ impl Statistics {
         // A state without any departure keeps its transition probabilities, so it needs no exact count.
         let departures = |row: &[f64]| row.iter().sum::<f64>();
         let scarce = statistics.occupancy.iter().any(few)
-            || statistics
-                .transition
-                .chunks_exact(model.states)
-                .any(|row| (1e-300..FEW).contains(&departures(row)));
+            || statistics.transition.chunks_exact(model.states).any(|row| (1e-300..FEW).contains(&departures(row)));
         if scarce {
             let mut exact = Self::zero(model.states, model.dimension);
             let mut pass = exact::Pass::new(model);

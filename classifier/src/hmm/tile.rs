@@ -19,9 +19,7 @@ pub(super) fn tiles_for(states: usize) -> usize {
 pub(super) fn tiled(outer: usize, states: usize, padding: f64, value: impl Fn(usize, usize) -> f64) -> Vec<Tile> {
     let tiles = tiles_for(states);
     let lane = |row: usize, state: usize| if state < states { value(row, state) } else { padding };
-    (0..outer * tiles)
-        .map(|place| std::array::from_fn(|k| lane(place / tiles, place % tiles * WIDTH + k)))
-        .collect()
+    (0..outer * tiles).map(|place| std::array::from_fn(|k| lane(place / tiles, place % tiles * WIDTH + k))).collect()
 }
 
 /// Applies a function of two numbers to each lane.
@@ -143,11 +141,7 @@ pub(super) fn exponent(x: f64) -> i64 {
 pub(super) fn logarithm(x: f64) -> (f64, f64) {
     let (mantissa, exponent) = parts(x);
     let high = mantissa > std::f64::consts::SQRT_2;
-    let (mantissa, exponent) = if high {
-        (0.5 * mantissa, exponent + 1.0)
-    } else {
-        (mantissa, exponent)
-    };
+    let (mantissa, exponent) = if high { (0.5 * mantissa, exponent + 1.0) } else { (mantissa, exponent) };
     // ln m = 2 artanh ((m − 1) / (m + 1)), whose argument is under 0.172.
     let argument = (mantissa - 1.0) / (mantissa + 1.0);
     let square = argument * argument;
@@ -168,10 +162,7 @@ mod tests {
         for step in -102_200..102_200 {
             let x = f64::from(step) * 0.01 + 1e-3;
             let (found, expected) = (exp2(x), x.exp2());
-            assert!(
-                (found / expected - 1.0).abs() < 4.5e-16,
-                "{x}: {found:e} for {expected:e}"
-            );
+            assert!((found / expected - 1.0).abs() < 4.5e-16, "{x}: {found:e} for {expected:e}");
         }
         for n in -1022..1024 {
             assert_eq!(exp2(n as f64), 2f64.powi(n as i32));
@@ -190,10 +181,7 @@ mod tests {
             let x = 1.0 + f64::from(step) * 5.24;
             let (log, whole) = logarithm(x);
             let (found, expected) = (log + whole * std::f64::consts::LN_2, x.ln());
-            assert!(
-                (found - expected).abs() < 4e-16 * expected.max(1.0),
-                "{x}: {found} for {expected}"
-            );
+            assert!((found - expected).abs() < 4e-16 * expected.max(1.0), "{x}: {found} for {expected}");
         }
     }
 }

@@ -31,10 +31,8 @@ pub enum InitialDistribution {
 
 impl InitialDistribution {
     /// All distributions, with their names as options.
-    pub const NAMED: [(&'static str, InitialDistribution); 2] = [
-        ("uniform", InitialDistribution::Uniform),
-        ("first-state", InitialDistribution::FirstState),
-    ];
+    pub const NAMED: [(&'static str, InitialDistribution); 2] =
+        [("uniform", InitialDistribution::Uniform), ("first-state", InitialDistribution::FirstState)];
 
     /// The N initial probabilities.
     pub fn probabilities(self, states: usize) -> Vec<f64> {
@@ -74,14 +72,8 @@ impl Topology {
 }
 
 fn left_to_right_row(state: usize, states: usize) -> Vec<f64> {
-    let (near, far): (&[f64], f64) = if states < 15 {
-        (&[0.25, 0.2, 0.15], 0.05)
-    } else {
-        (&[0.35, 0.25], 0.015)
-    };
-    let forward: Vec<f64> = (1..states - state)
-        .map(|skip| near.get(skip - 1).copied().unwrap_or(far))
-        .collect();
+    let (near, far): (&[f64], f64) = if states < 15 { (&[0.25, 0.2, 0.15], 0.05) } else { (&[0.35, 0.25], 0.015) };
+    let forward: Vec<f64> = (1..states - state).map(|skip| near.get(skip - 1).copied().unwrap_or(far)).collect();
     let self_loop = self_loop(state, states);
     let share = (1.0 - self_loop) / forward.iter().sum::<f64>();
     let mut row = vec![0.0; state];
@@ -118,10 +110,7 @@ mod tests {
                 assert_eq!(rows.len(), states);
                 for (i, row) in rows.iter().enumerate() {
                     assert_eq!(row.len(), states);
-                    assert!(
-                        (row.iter().sum::<f64>() - 1.0).abs() < 1e-12,
-                        "{states} states, row {i}: {row:?}"
-                    );
+                    assert!((row.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{states} states, row {i}: {row:?}");
                     if topology == Topology::LeftToRight {
                         assert!(row[..i].iter().all(|&p| p == 0.0) && row[i..].iter().all(|&p| p > 0.0));
                     }
@@ -136,12 +125,7 @@ mod tests {
     #[test]
     fn self_loops_and_skips_follow_the_published_pattern() {
         let diagonal = |states: usize| -> Vec<f64> {
-            Topology::LeftToRight
-                .transitions(states)
-                .iter()
-                .enumerate()
-                .map(|(i, row)| row[i])
-                .collect()
+            Topology::LeftToRight.transitions(states).iter().enumerate().map(|(i, row)| row[i]).collect()
         };
         assert_eq!(diagonal(5), [0.2, 0.2, 0.2, 0.2, 1.0]);
         assert_eq!(diagonal(10), [0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.2, 0.2, 0.4, 1.0]);
@@ -149,10 +133,7 @@ mod tests {
         assert_eq!(twenty[..12], [0.1; 12]);
         assert_eq!(twenty[12..], [0.2, 0.2, 0.2, 0.2, 0.2, 0.3, 0.4, 1.0]);
         let first_of_10 = &Topology::LeftToRight.transitions(10)[0];
-        for (found, expected) in first_of_10
-            .iter()
-            .zip([0.1, 0.25, 0.2, 0.15, 0.05, 0.05, 0.05, 0.05, 0.05, 0.05])
-        {
+        for (found, expected) in first_of_10.iter().zip([0.1, 0.25, 0.2, 0.15, 0.05, 0.05, 0.05, 0.05, 0.05, 0.05]) {
             assert!((found - expected).abs() < 1e-12);
         }
         let first_of_20 = &Topology::LeftToRight.transitions(20)[0];

@@ -27,11 +27,7 @@ pub struct TrainingOptions {
 impl Default for TrainingOptions {
     /// The authors' values: at most 500 iterations, relative gain 1e-4, variance floor 1e-4.
     fn default() -> Self {
-        TrainingOptions {
-            iterations: 500,
-            tolerance: 1e-4,
-            variance_floor: 1e-4,
-        }
+        TrainingOptions { iterations: 500, tolerance: 1e-4, variance_floor: 1e-4 }
     }
 }
 
@@ -89,26 +85,15 @@ pub fn train(
     sequences: &[Observations],
     options: &TrainingOptions,
 ) -> Result<(GaussianHmm, TrainingHistory), TrainingError> {
-    for (option, value) in [
-        ("tolerance", options.tolerance),
-        ("variance_floor", options.variance_floor),
-    ] {
+    for (option, value) in [("tolerance", options.tolerance), ("variance_floor", options.variance_floor)] {
         if !value.is_finite() || value < 0.0 {
             let found = value.to_string();
-            return Err(TrainingError::BadOption {
-                option,
-                found,
-                allowed: "finite numbers from 0",
-            });
+            return Err(TrainingError::BadOption { option, found, allowed: "finite numbers from 0" });
         }
     }
     let found = check_sequences(sequences)?;
     if found != start.dimension {
-        return Err(TrainingError::Dimension {
-            sequence: 0,
-            found,
-            expected: start.dimension,
-        });
+        return Err(TrainingError::Dimension { sequence: 0, found, expected: start.dimension });
     }
     let largest = largest_observation(sequences);
     let collect = |model: &GaussianHmm, iteration| {
@@ -128,12 +113,7 @@ pub fn train(
         history.empty_states.extend(empty);
         let candidate = maximize(&model, &statistics, options.variance_floor, largest, iteration)?;
         let after = collect(&candidate, iteration + 1)?;
-        let stop = judge(
-            statistics.log_likelihood,
-            after.log_likelihood,
-            iteration,
-            options.tolerance,
-        );
+        let stop = judge(statistics.log_likelihood, after.log_likelihood, iteration, options.tolerance);
         history.log_likelihood.push(after.log_likelihood);
         if let Some(Stop::Fell { .. }) = stop {
             // The candidate is worse: keep the current model.
@@ -155,10 +135,7 @@ fn judge(before: f64, after: f64, iteration: usize, tolerance: f64) -> Option<St
     if tolerance == 0.0 {
         None
     } else if after < before {
-        Some(Stop::Fell {
-            iteration,
-            by: before - after,
-        })
+        Some(Stop::Fell { iteration, by: before - after })
     } else {
         (after - before < tolerance * before.abs()).then_some(Stop::Converged { iteration })
     }
@@ -183,10 +160,7 @@ fn maximize(
         if occupancy < EMPTY_OCCUPANCY {
             continue;
         }
-        let step: Vec<f64> = statistics.first[state * d..(state + 1) * d]
-            .iter()
-            .map(|sum| sum / occupancy)
-            .collect();
+        let step: Vec<f64> = statistics.first[state * d..(state + 1) * d].iter().map(|sum| sum / occupancy).collect();
         let mut covariance = vec![0.0; d * d];
         for row in 0..d {
             for column in 0..d {
@@ -198,10 +172,7 @@ fn maximize(
         if is_singular(&covariance, d, largest_observation) {
             return Err(TrainingError::SingularCovariance { state, iteration });
         }
-        parameters.mean[state]
-            .iter_mut()
-            .zip(&step)
-            .for_each(|(mean, step)| *mean += step);
+        parameters.mean[state].iter_mut().zip(&step).for_each(|(mean, step)| *mean += step);
         parameters.covariance[state] = covariance.chunks_exact(d).map(<[f64]>::to_vec).collect();
     }
     Ok(GaussianHmm::new(parameters)?)
@@ -212,9 +183,7 @@ fn maximize(
 fn normalize(counts: &[f64], row: &mut [f64]) {
     let sum: f64 = counts.iter().sum();
     if sum >= EMPTY_OCCUPANCY {
-        row.iter_mut()
-            .zip(counts)
-            .for_each(|(probability, count)| *probability = count / sum);
+        row.iter_mut().zip(counts).for_each(|(probability, count)| *probability = count / sum);
     }
 }
 
@@ -235,21 +204,13 @@ pub(super) fn check_sequences(sequences: &[Observations]) -> Result<usize, Train
     let expected = sequences.first().ok_or(TrainingError::NoSequences)?.dimension();
     match sequences.iter().position(|sequence| sequence.dimension() != expected) {
         None => Ok(expected),
-        Some(sequence) => Err(TrainingError::Dimension {
-            sequence,
-            found: sequences[sequence].dimension(),
-            expected,
-        }),
+        Some(sequence) => Err(TrainingError::Dimension { sequence, found: sequences[sequence].dimension(), expected }),
     }
 }
 
 /// The largest absolute value among all features of all samples.
 pub(super) fn largest_observation(sequences: &[Observations]) -> f64 {
-    sequences
-        .iter()
-        .flat_map(Observations::samples)
-        .flatten()
-        .fold(0.0, |largest, value| largest.max(value.abs()))
+    sequences.iter().flat_map(Observations::samples).flatten().fold(0.0, |largest, value| largest.max(value.abs()))
 }
 
 #[cfg(test)]

@@ -51,29 +51,18 @@ fn model_numbers(category: &str, model: &GaussianHmm) -> Result<(), Fault> {
     }
     for (state, covariance) in parameters.covariance.iter().enumerate() {
         for (feature, row) in covariance.iter().enumerate() {
-            check_limits(
-                format!("models.{category}.covariance[{state}][{feature}]"),
-                row[feature],
-                VARIANCE,
-            )?;
+            check_limits(format!("models.{category}.covariance[{state}][{feature}]"), row[feature], VARIANCE)?;
         }
     }
     Ok(())
 }
 
 fn scaling_numbers(scaling: &Scaling, features: FeatureSet) -> Result<(), Fault> {
-    for (key, values) in [
-        ("mean", &scaling.mean),
-        ("standard_deviation", &scaling.standard_deviation),
-    ] {
+    for (key, values) in [("mean", &scaling.mean), ("standard_deviation", &scaling.standard_deviation)] {
         let field = format!("scaling.{key}");
         if values.len() != features.dimension() {
             let found = format!("{} numbers", values.len());
-            return Err(Fault::new(
-                field,
-                found,
-                format!("{}, one per feature", features.dimension()),
-            ));
+            return Err(Fault::new(field, found, format!("{}, one per feature", features.dimension())));
         }
         for (feature, value) in features.iter().zip(values) {
             // A mean lies within the range of its feature, and a deviation is not larger than that range.
@@ -104,15 +93,8 @@ fn agreement(classifier: &HmmClassifier) -> Result<(), Fault> {
     };
     let fault = |key: &str, found: String, allowed: String| Fault::new(format!("recipe.{key}"), found, allowed);
     if recipe.features != classifier.features() {
-        let (found, allowed) = (
-            recipe.features.columns().join(", "),
-            classifier.features().columns().join(", "),
-        );
-        return Err(fault(
-            "features",
-            found,
-            format!("{allowed}, the features of the models"),
-        ));
+        let (found, allowed) = (recipe.features.columns().join(", "), classifier.features().columns().join(", "));
+        return Err(fault("features", found, format!("{allowed}, the features of the models")));
     }
     let is_scaled = recipe.scaling == ScalingKind::ZScore;
     if is_scaled != classifier.scaling.is_some() {

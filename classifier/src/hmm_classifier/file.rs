@@ -38,13 +38,7 @@ impl HmmClassifier {
         let features = FeatureSet::from_names(&file.features).map_err(|error| {
             let columns = FEATURES.map(|feature| format!("{:?}", feature.column)).join(", ");
             let allowed = format!("a list of one or more of {columns}");
-            InputError::new(
-                document.path(),
-                "features",
-                error.to_string(),
-                allowed,
-                "train on these features",
-            )
+            InputError::new(document.path(), "features", error.to_string(), allowed, "train on these features")
         })?;
         let mut models = BTreeMap::new();
         for (category, parameters) in file.models {
@@ -59,12 +53,8 @@ impl HmmClassifier {
             let remedy = "make models and features agree";
             InputError::new(document.path(), "models", error.to_string(), allowed, remedy)
         })?;
-        let classifier = HmmClassifier {
-            scaling: file.scaling,
-            recipe: file.recipe,
-            training: file.training,
-            ..classifier
-        };
+        let classifier =
+            HmmClassifier { scaling: file.scaling, recipe: file.recipe, training: file.training, ..classifier };
         check::check(&classifier).map_err(|fault| document.fault(fault))?;
         Ok(classifier)
     }

@@ -51,37 +51,21 @@ impl HmmClassifier {
             ScalingKind::Unscaled => None,
             ScalingKind::ZScore => {
                 let scaling = Scaling::fit(recipe.features, sequences.values().flatten())?;
-                sequences
-                    .values_mut()
-                    .flatten()
-                    .for_each(|sequence| scaling.apply_all(sequence));
+                sequences.values_mut().flatten().for_each(|sequence| scaling.apply_all(sequence));
                 Some(scaling)
             }
         };
         let options = &recipe.training;
         let trained = sequences.into_par_iter().map(|(category, sequences)| {
-            let model = equal_slice_start(
-                &sequences,
-                recipe.states,
-                recipe.topology,
-                recipe.initial,
-                options.variance_floor,
-            )
-            .and_then(|start| train(&start, &sequences, options));
+            let model =
+                equal_slice_start(&sequences, recipe.states, recipe.topology, recipe.initial, options.variance_floor)
+                    .and_then(|start| train(&start, &sequences, options));
             with_category(category, model)
         });
         let (models, report) = collect(trained.collect(), count)?;
         let set = HmmClassifier::new(recipe.features, models)?;
         let (recipe, training) = (Some(recipe.clone()), report.categories.clone());
-        Ok((
-            HmmClassifier {
-                scaling,
-                recipe,
-                training,
-                ..set
-            },
-            report,
-        ))
+        Ok((HmmClassifier { scaling, recipe, training, ..set }, report))
     }
 
     /// Continues training from given models, one per category of `start`.
@@ -102,14 +86,10 @@ impl HmmClassifier {
             .models
             .par_iter()
             .map(|(category, model)| {
-                let own: Vec<&Trial> = trials
-                    .iter()
-                    .filter(|trial| trial.category.as_ref() == Some(category))
-                    .collect();
+                let own: Vec<&Trial> =
+                    trials.iter().filter(|trial| trial.category.as_ref() == Some(category)).collect();
                 if own.is_empty() {
-                    return Err(ModelError::NoTrials {
-                        category: category.clone(),
-                    });
+                    return Err(ModelError::NoTrials { category: category.clone() });
                 }
                 let mut sequences = observations(&own, start.features, max_samples)?;
                 if let Some(scaling) = &start.scaling {
@@ -119,19 +99,8 @@ impl HmmClassifier {
             })
             .collect();
         let (models, report) = collect(trained, trials.len())?;
-        let recipe = start.recipe.map(|recipe| Recipe {
-            training: *options,
-            ..recipe
-        });
-        Ok((
-            HmmClassifier {
-                models: prepared(models),
-                recipe,
-                training: report.categories.clone(),
-                ..start
-            },
-            report,
-        ))
+        let recipe = start.recipe.map(|recipe| Recipe { training: *options, ..recipe });
+        Ok((HmmClassifier { models: prepared(models), recipe, training: report.categories.clone(), ..start }, report))
     }
 }
 
@@ -160,13 +129,7 @@ fn collect(
         categories.insert(category, history);
     }
     let used: usize = categories.values().map(|history| history.trials).sum();
-    Ok((
-        models,
-        TrainingReport {
-            categories,
-            skipped_trials: trials - used,
-        },
-    ))
+    Ok((models, TrainingReport { categories, skipped_trials: trials - used }))
 }
 
 fn observations(
@@ -174,8 +137,5 @@ fn observations(
     features: FeatureSet,
     max_samples: Option<usize>,
 ) -> Result<Vec<Observations>, FeatureError> {
-    trials
-        .iter()
-        .map(|trial| features.observations(trial, max_samples))
-        .collect()
+    trials.iter().map(|trial| features.observations(trial, max_samples)).collect()
 }

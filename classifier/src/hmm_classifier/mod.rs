@@ -27,10 +27,7 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
     summary: "The paper's hidden Markov models, one per category",
     estimator: |features| {
         let recipe = Recipe::authors();
-        Box::new(Recipe {
-            features: features.unwrap_or(recipe.features),
-            ..recipe
-        })
+        Box::new(Recipe { features: features.unwrap_or(recipe.features), ..recipe })
     },
     load: |document| Ok(Box::new(HmmClassifier::read(document)?)),
     schema: file::HmmFile::json_schema,
@@ -98,22 +95,12 @@ impl HmmClassifier {
     /// [`ModelError::Mismatch`] if there are no models or one has another number of features.
     pub fn new(features: FeatureSet, models: BTreeMap<String, GaussianHmm>) -> Result<Self, ModelError> {
         if models.is_empty() {
-            return Err(ModelError::Mismatch {
-                found: "no models".into(),
-                allowed: "at least one model".into(),
-            });
+            return Err(ModelError::Mismatch { found: "no models".into(), allowed: "at least one model".into() });
         }
-        if let Some((category, model)) = models
-            .iter()
-            .find(|(_, model)| model.dimension() != features.dimension())
-        {
+        if let Some((category, model)) = models.iter().find(|(_, model)| model.dimension() != features.dimension()) {
             return Err(ModelError::Mismatch {
                 found: format!("a model of {category} over {} features", model.dimension()),
-                allowed: format!(
-                    "models over the {} features {:?}",
-                    features.dimension(),
-                    features.columns()
-                ),
+                allowed: format!("models over the {} features {:?}", features.dimension(), features.columns()),
             });
         }
         Ok(HmmClassifier {

@@ -51,9 +51,7 @@ impl OnlineScorer for HmmOnlineScorer {
         if let Some(scaling) = &self.scaling {
             scaling.apply(&mut self.values);
         }
-        self.bank
-            .put(contact, &self.values)
-            .map_err(|_| self.scaled_to_infinity())?;
+        self.bank.put(contact, &self.values).map_err(|_| self.scaled_to_infinity())?;
         self.samples[contact] += 1;
         Ok(true)
     }

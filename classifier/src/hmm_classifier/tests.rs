@@ -47,22 +47,13 @@ fn three_keys_are_enough_and_unknown_ones_are_passed_over() {
 fn what_is_written_is_read_back_bit_for_bit() {
     // Tests that a written model is read back exactly, with every optional key filled.
     let mut set = read(MINIMAL).unwrap();
-    set.scaling = Some(Scaling {
-        mean: vec![1.0 / 3.0],
-        standard_deviation: vec![2e-7 / 3.0],
-    });
-    set.recipe = Some(Recipe {
-        states: 2,
-        ..Recipe::modern()
-    });
+    set.scaling = Some(Scaling { mean: vec![1.0 / 3.0], standard_deviation: vec![2e-7 / 3.0] });
+    set.recipe = Some(Recipe { states: 2, ..Recipe::modern() });
     let history = TrainingHistory {
         trials: 1,
         samples: 2,
         log_likelihood: vec![-1.0 / 3.0, -0.1],
-        stop: crate::hmm::Stop::Fell {
-            iteration: 1,
-            by: 1e-17 / 3.0,
-        },
+        stop: crate::hmm::Stop::Fell { iteration: 1, by: 1e-17 / 3.0 },
         empty_states: vec![1],
     };
     set.training = BTreeMap::from([("leaf".to_owned(), history)]);
@@ -76,15 +67,9 @@ fn what_is_written_is_read_back_bit_for_bit() {
     };
     let text = model.save_string().unwrap();
     let read_back = Model::from_json("m.json", &text).unwrap();
-    assert_eq!(
-        (&read_back.decision, &read_back.provenance),
-        (&model.decision, &model.provenance)
-    );
+    assert_eq!((&read_back.decision, &read_back.provenance), (&model.decision, &model.provenance));
     assert_eq!(read_back.into_hmm().unwrap(), set);
-    assert!(
-        text.contains("[0.1, 0.9]"),
-        "a row of a matrix stands on one line:\n{text}"
-    );
+    assert!(text.contains("[0.1, 0.9]"), "a row of a matrix stands on one line:\n{text}");
 }
 
 /// Tests that options that a model file may not hold are refused before training starts, not when the model is saved.
@@ -92,27 +77,9 @@ fn what_is_written_is_read_back_bit_for_bit() {
 fn options_are_checked_before_training_continues() {
     let usual = TrainingOptions::default();
     let refused = [
-        (
-            "training.tolerance",
-            TrainingOptions {
-                tolerance: 5.0,
-                ..usual
-            },
-        ),
-        (
-            "training.iterations",
-            TrainingOptions {
-                iterations: 99_999_999,
-                ..usual
-            },
-        ),
-        (
-            "training.variance_floor",
-            TrainingOptions {
-                variance_floor: 1e-40,
-                ..usual
-            },
-        ),
+        ("training.tolerance", TrainingOptions { tolerance: 5.0, ..usual }),
+        ("training.iterations", TrainingOptions { iterations: 99_999_999, ..usual }),
+        ("training.variance_floor", TrainingOptions { variance_floor: 1e-40, ..usual }),
     ];
     for (name, options) in refused {
         // There are no trials, so training would fail with another error.
@@ -127,9 +94,7 @@ fn options_are_checked_before_training_continues() {
 #[test]
 fn numbers_that_json_cannot_hold_are_refused_on_reading_back() {
     let mut model = Model::from_json("m.json", MINIMAL).unwrap();
-    model.decision = Some(Decision::new(crate::decision::Rule::UncertainBelow {
-        margin: f64::INFINITY,
-    }));
+    model.decision = Some(Decision::new(crate::decision::Rule::UncertainBelow { margin: f64::INFINITY }));
     assert!(model.save_string().is_err());
 }
 
@@ -142,10 +107,7 @@ fn faults_name_field_and_line() {
     assert_eq!(fault("\"force_n\"", "\"torque\"").field, "features");
     assert_eq!(fault("[\"force_n\"]", "[\"force_n\", \"motion_m\"]").field, "models");
     let typed = fault("[0.0, 1.0]", "[0.0, \"one\"]");
-    assert_eq!(
-        (typed.field.as_str(), typed.line),
-        ("models.leaf.transition[1][1]", Some(7))
-    );
+    assert_eq!((typed.field.as_str(), typed.line), ("models.leaf.transition[1][1]", Some(7)));
     let missing = fault("\"mean\"", "\"means\"");
     assert_eq!((missing.field.as_str(), missing.line), ("models.leaf.means", Some(8)));
     let broken = fault("[0.0, 1.0]]", "[0.0, 1.0]");
@@ -153,11 +115,7 @@ fn faults_name_field_and_line() {
     assert_eq!(fault("\"models\"", "\"recipe\": 3, \"models\"").field, "recipe");
     assert_eq!(fault("\"models\"", "\"training\": 3, \"models\"").field, "training");
     assert_eq!(
-        fault(
-            "\"models\"",
-            "\"scaling\": {\"mean\": [0], \"standard_deviation\": [0]}, \"models\""
-        )
-        .field,
+        fault("\"models\"", "\"scaling\": {\"mean\": [0], \"standard_deviation\": [0]}, \"models\"").field,
         "scaling.standard_deviation"
     );
     assert_eq!(fault("[0.1]", "[1e999]").line, Some(8));
@@ -166,20 +124,13 @@ fn faults_name_field_and_line() {
 /// Tests that a recipe that contradicts the models is refused, for each key that must agree with them.
 #[test]
 fn recipes_that_contradict_the_models_are_refused() {
-    let recipe = Recipe {
-        states: 2,
-        ..Recipe::authors()
-    };
+    let recipe = Recipe { states: 2, ..Recipe::authors() };
     let mut set = read(MINIMAL).unwrap();
     set.recipe = Some(recipe.clone());
     let text = Model::new(Box::new(set)).save_string().unwrap();
     for (from, to, field) in [
         ("\"states\": 2", "\"states\": 3", "recipe.states"),
-        (
-            "\"features\": \"force\"",
-            "\"features\": \"force+motion\"",
-            "recipe.features",
-        ),
+        ("\"features\": \"force\"", "\"features\": \"force+motion\"", "recipe.features"),
         ("\"unscaled\"", "\"z_score\"", "recipe.scaling"),
         ("[0.0, 1.0]", "[0.5, 0.5]", "recipe.topology"),
         ("\"uniform\"", "\"first_state\"", "recipe.initial"),

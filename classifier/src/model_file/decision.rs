@@ -27,10 +27,9 @@ fn numbers(decision: &Decision) -> Result<(), Fault> {
     let margins = match decision.rule {
         Rule::Argmax => vec![],
         Rule::UncertainBelow { margin } => vec![("margin", margin)],
-        Rule::OutlierBand {
-            uncertain_below,
-            category_above,
-        } => vec![("uncertain_below", uncertain_below), ("category_above", category_above)],
+        Rule::OutlierBand { uncertain_below, category_above } => {
+            vec![("uncertain_below", uncertain_below), ("category_above", category_above)]
+        }
     };
     for (key, margin) in margins {
         check_limits(format!("rule.{key}"), margin, MARGIN_NATS)?;

@@ -93,11 +93,7 @@ struct Head {
 impl Model {
     /// A model without decision and provenance.
     pub fn new(classifier: Box<dyn Classifier>) -> Self {
-        Model {
-            classifier,
-            decision: None,
-            provenance: Provenance::default(),
-        }
+        Model { classifier, decision: None, provenance: Provenance::default() }
     }
 
     /// Reads and checks a model file.
@@ -133,11 +129,7 @@ impl Model {
             decision::check(&document, decision, &classifier.categories())?;
         }
         document.check_seal()?;
-        Ok(Model {
-            classifier,
-            decision: head.decision,
-            provenance: head.provenance,
-        })
+        Ok(Model { classifier, decision: head.decision, provenance: head.provenance })
     }
 
     /// The text of the model file. It is read back here, to make sure that it gives the same model bit for bit.
@@ -227,11 +219,7 @@ pub fn schema() -> Schema {
     let of_kind = |kind: &ClassifierKind| {
         let names: Vec<&str> = kind.names().collect();
         // Only hidden Markov models may leave the key out.
-        let required = if kind.name == hmm_classifier::KIND.name {
-            vec![]
-        } else {
-            vec!["classifier"]
-        };
+        let required = if kind.name == hmm_classifier::KIND.name { vec![] } else { vec!["classifier"] };
         json!({
             "if": { "properties": { "classifier": { "enum": names } }, "required": required },
             "then": (kind.schema)(&mut generator),

@@ -15,11 +15,7 @@ fn trials() -> Vec<Trial> {
                 time_s,
                 force_n,
                 motion_m: Some(0.05 * time_s * (1.0 + (number % 3) as f64)),
-                region: Some(Region {
-                    taxels: 1 + k % 3,
-                    largest_force_n: 1.5 * force_n,
-                    force_sum_n: 2.0 * force_n,
-                }),
+                region: Some(Region { taxels: 1 + k % 3, largest_force_n: 1.5 * force_n, force_sum_n: 2.0 * force_n }),
                 touched: None,
             }
         };
@@ -38,10 +34,7 @@ fn trials() -> Vec<Trial> {
 
 fn fitted(name: &str) -> Model {
     let estimator: Box<dyn Estimator> = match name {
-        "hmm" => Box::new(Recipe {
-            states: 3,
-            ..Recipe::modern()
-        }),
+        "hmm" => Box::new(Recipe { states: 3, ..Recipe::modern() }),
         _ => (registry::find(name).unwrap().estimator)(None),
     };
     Model::new(estimator.fit(&trials().iter().collect::<Vec<_>>()).unwrap())
@@ -75,11 +68,7 @@ fn the_tag_names_the_classifier() {
     let mut untagged: Value = serde_json::from_str(&text).unwrap();
     // The tag is put in by hand.
     untagged.as_object_mut().unwrap().remove("blake3");
-    let tagged = |name: &str| {
-        untagged
-            .to_string()
-            .replacen('{', &format!("{{\"classifier\": \"{name}\", "), 1)
-    };
+    let tagged = |name: &str| untagged.to_string().replacen('{', &format!("{{\"classifier\": \"{name}\", "), 1);
     assert!(Model::from_json("m.json", &tagged("hmm")).unwrap().as_hmm().is_some());
     match Model::from_json("m.json", &tagged("oracle")) {
         Err(ModelError::Input(error)) => {
@@ -147,11 +136,9 @@ fn damaged_files_are_refused_by_field() {
 #[track_caller]
 fn refused(file: &Value, field: &str, kind: &str) {
     match Model::from_json("m.json", &file.to_string()) {
-        Err(ModelError::Input(error)) => assert!(
-            error.field.starts_with(field),
-            "{kind}: the error names {:?}, not {field}: {error}",
-            error.field
-        ),
+        Err(ModelError::Input(error)) => {
+            assert!(error.field.starts_with(field), "{kind}: the error names {:?}, not {field}: {error}", error.field)
+        }
         other => panic!("{kind}, {field}: {other:?}"),
     }
 }
@@ -170,8 +157,5 @@ fn kinds_are_not_confused() {
 #[test]
 fn a_missing_file_is_an_input_error() {
     let error = Model::load("no/such/model.json").unwrap_err();
-    assert!(
-        matches!(&error, ModelError::Input(input) if input.file.ends_with("model.json")),
-        "{error}"
-    );
+    assert!(matches!(&error, ModelError::Input(input) if input.file.ends_with("model.json")), "{error}");
 }

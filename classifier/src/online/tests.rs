@@ -28,11 +28,7 @@ fn reach() -> Recording {
             readings
         })
         .collect();
-    let frames: Vec<_> = readings
-        .iter()
-        .enumerate()
-        .map(|(k, r)| (0.002 * k as f64, r.as_slice()))
-        .collect();
+    let frames: Vec<_> = readings.iter().enumerate().map(|(k, r)| (0.002 * k as f64, r.as_slice())).collect();
     recording(&frames)
 }
 
@@ -47,11 +43,7 @@ fn models(recording: &Recording, recipe: &Recipe) -> HmmClassifier {
 
 fn options() -> OnlineOptions {
     let decision = Decision::new(Rule::UncertainBelow { margin: 1.0 });
-    OnlineOptions {
-        patch: None,
-        threshold_n: 0.0,
-        decision,
-    }
+    OnlineOptions { patch: None, threshold_n: 0.0, decision }
 }
 
 /// Asserts that, at every sample of every contact, the online scores equal those of the trial so far, bit for bit.
@@ -88,22 +80,11 @@ fn online_equals_offline(classifier: &dyn Classifier, recording: &Recording, opt
 #[test]
 fn running_scores_are_those_of_the_trial_so_far() {
     let recording = reach();
-    let recipe = Recipe {
-        states: 3,
-        features: FeatureSet::FORCE_AND_MOTION,
-        ..Recipe::authors()
-    };
-    let scaled = Recipe {
-        scaling: ScalingKind::ZScore,
-        max_samples: Some(6),
-        ..recipe.clone()
-    };
+    let recipe = Recipe { states: 3, features: FeatureSet::FORCE_AND_MOTION, ..Recipe::authors() };
+    let scaled = Recipe { scaling: ScalingKind::ZScore, max_samples: Some(6), ..recipe.clone() };
     let with_region = Recipe {
         features: "force,area,region-force-sum".parse().unwrap(),
-        training: TrainingOptions {
-            variance_floor: 0.01,
-            ..TrainingOptions::default()
-        },
+        training: TrainingOptions { variance_floor: 0.01, ..TrainingOptions::default() },
         ..recipe.clone()
     };
     for recipe in [recipe, scaled, with_region] {
@@ -124,10 +105,7 @@ fn every_classifier_runs_online_as_offline() {
     for kind in CLASSIFIERS {
         let estimator: Box<dyn Estimator> = match kind.name {
             // The default has more states than the shortest contact has samples.
-            "hmm" => Box::new(Recipe {
-                states: 3,
-                ..Recipe::authors()
-            }),
+            "hmm" => Box::new(Recipe { states: 3, ..Recipe::authors() }),
             _ => (kind.estimator)(None),
         };
         let fitted = estimator.fit(&trials.iter().collect::<Vec<_>>()).unwrap();
@@ -145,19 +123,13 @@ fn regions_need_a_grid() {
     let recipe = Recipe {
         states: 3,
         features: "force,area".parse().unwrap(),
-        training: TrainingOptions {
-            variance_floor: 0.01,
-            ..TrainingOptions::default()
-        },
+        training: TrainingOptions { variance_floor: 0.01, ..TrainingOptions::default() },
         ..Recipe::authors()
     };
     let models = models(&recording, &recipe);
     recording.layout.patches[0].grid = None;
     let error = OnlineClassifier::new(&models, &recording.layout, &options()).unwrap_err();
-    assert!(
-        matches!(error, OnlineError::NoRegion { feature: "area", .. }),
-        "{error}"
-    );
+    assert!(matches!(error, OnlineError::NoRegion { feature: "area", .. }), "{error}");
 }
 
 #[test]
@@ -165,20 +137,11 @@ fn a_frame_allocates_nothing() {
     // Tests that nothing is allocated when contacts begin, continue and end, from the first frame on. A change of
     // verdict copies the category's name, so here all verdicts stay uncertain.
     let recording = reach();
-    let mut models = models(
-        &recording,
-        &Recipe {
-            states: 3,
-            features: FeatureSet::FORCE_AND_MOTION,
-            ..Recipe::authors()
-        },
-    );
+    let mut models =
+        models(&recording, &Recipe { states: 3, features: FeatureSet::FORCE_AND_MOTION, ..Recipe::authors() });
     for kind in [ScoreKind::Forward, ScoreKind::Viterbi] {
         models.score_by(kind);
-        let options = OnlineOptions {
-            decision: Decision::new(Rule::UncertainBelow { margin: 1e9 }),
-            ..options()
-        };
+        let options = OnlineOptions { decision: Decision::new(Rule::UncertainBelow { margin: 1e9 }), ..options() };
         let mut classifier = OnlineClassifier::new(&models, &recording.layout, &options).unwrap();
         let mut verdicts = 0;
         let allocations = allocation_counter::measure(|| {
@@ -195,17 +158,8 @@ fn a_frame_allocates_nothing() {
 fn wrong_streams_are_refused() {
     // Tests the errors for an unknown patch and for a frame with NaN.
     let mut recording = reach();
-    let models = models(
-        &recording,
-        &Recipe {
-            states: 2,
-            ..Recipe::authors()
-        },
-    );
-    let elbow = OnlineOptions {
-        patch: Some("elbow".into()),
-        ..options()
-    };
+    let models = models(&recording, &Recipe { states: 2, ..Recipe::authors() });
+    let elbow = OnlineOptions { patch: Some("elbow".into()), ..options() };
     assert!(OnlineClassifier::new(&models, &recording.layout, &elbow).is_err());
     let mut classifier = OnlineClassifier::new(&models, &recording.layout, &options()).unwrap();
     recording.frames[5].taxels[0].sensed_force_n = f64::NAN;

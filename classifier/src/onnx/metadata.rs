@@ -21,30 +21,15 @@ pub(super) struct Expected {
 
 impl Expected {
     pub(super) fn read(path: &Path, proto: &ModelProto) -> Result<Self, InputError> {
-        let get = |key: &str| {
-            proto
-                .metadata_props
-                .iter()
-                .find(|own| own.key == key)
-                .map(|own| own.value.as_str())
-        };
+        let get = |key: &str| proto.metadata_props.iter().find(|own| own.key == key).map(|own| own.value.as_str());
         let fail = |key: &str, found: &str, allowed: &str| {
             let remedy = "set the model's metadata_props when you export it";
-            InputError::new(
-                path,
-                format!("metadata {key}"),
-                found.to_owned(),
-                allowed.to_owned(),
-                remedy.to_owned(),
-            )
+            InputError::new(path, format!("metadata {key}"), found.to_owned(), allowed.to_owned(), remedy.to_owned())
         };
         let need = |key: &str, allowed: &str| get(key).ok_or_else(|| fail(key, "nothing", allowed));
         let features = need("underbrush.features", "names of features, separated by commas")?;
         let window = need("underbrush.window", "a number of samples")?;
-        let categories = need(
-            "underbrush.categories",
-            "names in alphabetical order, separated by commas",
-        )?;
+        let categories = need("underbrush.categories", "names in alphabetical order, separated by commas")?;
         let categories: Vec<String> = categories.split(',').map(|name| name.trim().to_owned()).collect();
         if categories.len() < 2 || !categories.is_sorted_by(|a, b| a < b) || categories[0].is_empty() {
             let allowed = "two or more names in alphabetical order, none twice";

@@ -30,10 +30,7 @@ pub const STREAM_FEATURES: [(&str, &[&Feature]); 27] = [
     ("largest motion", &[&MOTION]),
     ("path per second", &[&MOTION]),
     ("slope of region's largest force over time", &[&REGION_MAX_FORCE]),
-    (
-        "slope of region's largest force over motion",
-        &[&REGION_MAX_FORCE, &MOTION],
-    ),
+    ("slope of region's largest force over motion", &[&REGION_MAX_FORCE, &MOTION]),
     ("region's largest force", &[&REGION_MAX_FORCE]),
     ("first region's largest force", &[&REGION_MAX_FORCE]),
     ("largest region's largest force", &[&REGION_MAX_FORCE]),

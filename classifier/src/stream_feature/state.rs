@@ -105,8 +105,7 @@ impl StreamFeatures {
         self.largest_motion_m = self.largest_motion_m.max(motion_m);
         let from_mean_time_s = self.time.push(count, self.elapsed_s);
         let from_mean_motion_m = self.motion.push(count, motion_m);
-        self.force
-            .push(count, sample.force_n, from_mean_time_s, from_mean_motion_m);
+        self.force.push(count, sample.force_n, from_mean_time_s, from_mean_motion_m);
         let Some(region) = sample.region else { return };
         let largest_n = region.largest_force_n;
         self.region.push(count, largest_n, from_mean_time_s, from_mean_motion_m);
@@ -115,11 +114,7 @@ impl StreamFeatures {
         self.mean_taxels += (self.taxels - self.mean_taxels) / count;
         self.sum_n = region.force_sum_n;
         self.mean_sum_n += (self.sum_n - self.mean_sum_n) / count;
-        let share = if largest_n > 0.0 {
-            sample.force_n / largest_n
-        } else {
-            0.0
-        };
+        let share = if largest_n > 0.0 { sample.force_n / largest_n } else { 0.0 };
         self.mean_share += (share - self.mean_share) / count;
     }
 
@@ -128,20 +123,12 @@ impl StreamFeatures {
     pub fn values(&self) -> [f64; STREAM_FEATURES.len()] {
         let count = self.count.max(1.0);
         let per_second = |sum: f64| {
-            if self.elapsed_s > 0.0 {
-                sum / self.elapsed_s
-            } else {
-                0.0
-            }
+            if self.elapsed_s > 0.0 { sum / self.elapsed_s } else { 0.0 }
         };
         let force = |newtons: f64| compress(newtons, FORCE_KNEE_N);
         let rate = |course: &Course| compress(per_second(course.variation), FORCE_RATE_KNEE_N_PER_S);
         let over_time = |course: &Course| {
-            let slope = if self.time.squares > 0.0 {
-                course.with_time / self.time.squares
-            } else {
-                0.0
-            };
+            let slope = if self.time.squares > 0.0 { course.with_time / self.time.squares } else { 0.0 };
             compress(slope, FORCE_SLOPE_KNEE_N_PER_S)
         };
         let over_motion = |course: &Course| {

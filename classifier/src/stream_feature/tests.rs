@@ -6,27 +6,14 @@ use super::*;
 type Row = (f64, f64, f64, u32, f64, f64);
 
 fn trial(rows: &[Row]) -> Trial {
-    let samples = rows.iter().map(
-        |&(time_s, force_n, motion_m, taxels, largest_force_n, force_sum_n)| Sample {
-            time_s,
-            force_n,
-            motion_m: Some(motion_m),
-            region: Some(Region {
-                taxels,
-                largest_force_n,
-                force_sum_n,
-            }),
-            touched: None,
-        },
-    );
-    Trial {
-        trial: 3,
-        category: None,
-        reach: None,
-        patch: None,
-        taxel: None,
-        samples: samples.collect(),
-    }
+    let samples = rows.iter().map(|&(time_s, force_n, motion_m, taxels, largest_force_n, force_sum_n)| Sample {
+        time_s,
+        force_n,
+        motion_m: Some(motion_m),
+        region: Some(Region { taxels, largest_force_n, force_sum_n }),
+        touched: None,
+    });
+    Trial { trial: 3, category: None, reach: None, patch: None, taxel: None, samples: samples.collect() }
 }
 
 /// Undoes `compress`.
@@ -43,10 +30,7 @@ fn features_are_those_of_the_whole_computed_at_once() {
         (2.03, 0.4, 0.004, 2, 2.0, 2.4),
         (2.04, 0.9, 0.003, 5, 1.5, 4.0),
     ];
-    let found = Selection::of(TAXEL_AND_REGION)
-        .after(&trial(&rows), &[4])
-        .unwrap()
-        .remove(0);
+    let found = Selection::of(TAXEL_AND_REGION).after(&trial(&rows), &[4]).unwrap().remove(0);
     let of = |name: &str| found[STREAM_FEATURES.iter().position(|known| known.0 == name).unwrap()];
     let mean = |f: &dyn Fn(&Row) -> f64| rows.iter().map(f).sum::<f64>() / 4.0;
     let time = mean(&|row| row.0);
@@ -58,17 +42,11 @@ fn features_are_those_of_the_whole_computed_at_once() {
     near(expand(of("mean force"), 0.1), 0.5);
     near(expand(of("largest force"), 0.1), 0.9);
     near(expand(of("first force"), 0.1), 0.2);
-    near(
-        expand(of("deviation of force"), 0.1),
-        mean(&|row| (row.1 - 0.5).powi(2)).sqrt(),
-    );
+    near(expand(of("deviation of force"), 0.1), mean(&|row| (row.1 - 0.5).powi(2)).sqrt());
     near(expand(of("variation of force per second"), 10.0), 0.9 / 0.04);
     near(expand(of("largest step of force"), 0.1), 0.5);
     near(expand(of("slope of force over time"), 0.1), slope(&|row| row.1));
-    near(
-        expand(of("slope of region's largest force over time"), 0.1),
-        slope(&|row| row.4),
-    );
+    near(expand(of("slope of region's largest force over time"), 0.1), slope(&|row| row.4));
     let with_motion = mean(&|row| (row.2 - motion) * row.1) / (mean(&|row| (row.2 - motion).powi(2)) + 1e-8);
     near(expand(of("slope of force over motion"), 10.0), with_motion);
     near(expand(of("path per second"), 0.01), 0.005 / 0.04);
@@ -76,29 +54,19 @@ fn features_are_those_of_the_whole_computed_at_once() {
     near(of("mean region's taxels").exp_m1(), 11.0 / 4.0);
     near(of("largest region's taxels").exp_m1(), 5.0);
     near(expand(of("mean region's force"), 0.1), 8.3 / 4.0);
-    near(
-        of("mean share of region's largest force"),
-        (1.0 + 0.5 + 0.2 + 0.6) / 4.0,
-    );
+    near(of("mean share of region's largest force"), (1.0 + 0.5 + 0.2 + 0.6) / 4.0);
 }
 
 #[test]
 fn nothing_looks_ahead() {
     // Tests that the features after k samples are those of a trial of k samples, and that larger counts mean the whole
     // trial.
-    let rows = [
-        (0.00, 0.2, 0.0, 1, 0.2, 0.2),
-        (0.01, 0.5, 0.001, 3, 1.0, 1.7),
-        (0.02, 0.1, 0.002, 4, 3.0, 9.0),
-    ];
+    let rows = [(0.00, 0.2, 0.0, 1, 0.2, 0.2), (0.01, 0.5, 0.001, 3, 1.0, 1.7), (0.02, 0.1, 0.002, 4, 3.0, 9.0)];
     for inputs in [FeatureSet::FORCE, FeatureSet::FORCE_AND_MOTION, TAXEL_AND_REGION] {
         let set = Selection::of(inputs);
         let found = set.after(&trial(&rows), &[1, 2, 3, 50]).unwrap();
         for count in 1..=3 {
-            assert_eq!(
-                found[count - 1],
-                set.after(&trial(&rows[..count]), &[count]).unwrap()[0]
-            );
+            assert_eq!(found[count - 1], set.after(&trial(&rows[..count]), &[count]).unwrap()[0]);
             assert_eq!(found[count - 1].len(), set.dimension());
         }
         assert_eq!(found[3], found[2]);
@@ -116,12 +84,7 @@ fn inputs_select_stream_features() {
     assert_eq!(names(FeatureSet::FORCE), all[..9]);
     assert_eq!(
         names("area".parse().unwrap()),
-        [
-            "samples",
-            "region's taxels",
-            "mean region's taxels",
-            "largest region's taxels"
-        ]
+        ["samples", "region's taxels", "mean region's taxels", "largest region's taxels"]
     );
 }
 
@@ -146,18 +109,11 @@ fn what_is_missing_is_named() {
     bare.samples[1].region = None;
     assert!(Selection::of(FeatureSet::FORCE_AND_MOTION).after(&bare, &[2]).is_ok());
     let after = |trial: &Trial| Selection::of(TAXEL_AND_REGION).after(trial, &[2]).unwrap_err();
-    let bad = |sample, fault| FeatureError::BadSample {
-        trial: 3,
-        sample,
-        fault,
-    };
+    let bad = |sample, fault| FeatureError::BadSample { trial: 3, sample, fault };
     assert_eq!(after(&bare), bad(1, SampleFault::Missing(&AREA)));
     bare.samples[1].motion_m = None;
     assert_eq!(after(&bare), bad(1, SampleFault::Missing(&MOTION)));
-    let fault = |column| SampleFault::NotFinite {
-        column,
-        value: f64::INFINITY,
-    };
+    let fault = |column| SampleFault::NotFinite { column, value: f64::INFINITY };
     bare.samples[0].time_s = f64::INFINITY;
     assert_eq!(after(&bare), bad(0, fault("time_s")));
     bare.samples[0].force_n = f64::INFINITY;

@@ -155,11 +155,7 @@ impl Course {
     pub(super) fn push(&mut self, measure: &Measure, time_s: f64) {
         self.count += 1.0;
         let force_n = measure.force_n;
-        let since_last_s = if self.count == 1.0 {
-            0.0
-        } else {
-            (time_s - self.last_s).max(0.0)
-        };
+        let since_last_s = if self.count == 1.0 { 0.0 } else { (time_s - self.last_s).max(0.0) };
         if self.count == 1.0 {
             self.start_s = time_s;
             self.first_force_n = force_n;
@@ -208,13 +204,7 @@ impl Course {
     }
 
     fn describe(&mut self, kept: f64) {
-        let Measure {
-            force_n,
-            largest_force_n,
-            taxels,
-            extent_m,
-            ..
-        } = self.now;
+        let Measure { force_n, largest_force_n, taxels, extent_m, .. } = self.now;
         let now = compress(
             [force_n, largest_force_n, taxels, extent_m],
             &[FORCE_KNEE_N, FORCE_KNEE_N, COUNT_KNEE, MOTION_KNEE_M],

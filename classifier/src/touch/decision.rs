@@ -31,11 +31,7 @@ impl Default for TouchDecision {
     /// seeds 3000 to 3400 fewer than 2 % of verdicts on single objects are then wrong, and half as many verdicts are
     /// uncertain as with a wrong category that is ten times as bad. `nothing_above` is chosen in training.
     fn default() -> Self {
-        TouchDecision {
-            nothing_above: 0.5,
-            unknown_share: 0.01,
-            cost_of_uncertain: 0.2,
-        }
+        TouchDecision { nothing_above: 0.5, unknown_share: 0.01, cost_of_uncertain: 0.2 }
     }
 }
 

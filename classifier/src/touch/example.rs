@@ -97,9 +97,7 @@ pub(super) fn truth(tracker: &SkinTracker, region: &Region, recording: &Recordin
             *forces.entry(object).or_default() += image.sensed_force_n(taxel);
         }
     }
-    let (object, _) = forces
-        .into_iter()
-        .reduce(|most, other| if other.1 > most.1 { other } else { most })?;
+    let (object, _) = forces.into_iter().reduce(|most, other| if other.1 > most.1 { other } else { most })?;
     let object = recording.objects.get(usize::from(object))?;
     Some(object.category.name().to_owned())
 }

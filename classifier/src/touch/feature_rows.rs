@@ -22,10 +22,7 @@ pub(super) struct FeatureRows<const INPUTS: usize> {
 impl<const INPUTS: usize> FeatureRows<INPUTS> {
     /// No rows, with room for this many.
     pub(super) fn with_capacity(rows: usize) -> Self {
-        FeatureRows {
-            fours: Vec::with_capacity(rows.div_ceil(FOUR)),
-            count: 0,
-        }
+        FeatureRows { fours: Vec::with_capacity(rows.div_ceil(FOUR)), count: 0 }
     }
 
     pub(super) fn clear(&mut self) {

@@ -55,10 +55,8 @@ impl TouchExamples {
                 ),
             });
         }
-        let held_out: Vec<HeldOut> = (0..FOLDS)
-            .into_par_iter()
-            .map(|fold| HeldOut::of(self, &folds, fold, &categories))
-            .collect();
+        let held_out: Vec<HeldOut> =
+            (0..FOLDS).into_par_iter().map(|fold| HeldOut::of(self, &folds, fold, &categories)).collect();
         let taxels: Vec<&Judged> = held_out.iter().flat_map(|fold| &fold.taxels).collect();
         let regions: Vec<&HeldOutRegion> = held_out.iter().flat_map(|fold| &fold.regions).collect();
         // Rows of regions are not taken in every frame, so short touches may leave none.
@@ -69,22 +67,12 @@ impl TouchExamples {
         let all: Vec<&Examples> = self.reaches.iter().map(Arc::as_ref).collect();
         let (touched, (category, mut usual)) =
             rayon::join(|| touched_network(&all), || category_network(&all, &categories));
-        let distances = regions
-            .iter()
-            .flat_map(|region| std::iter::repeat_n(region.distance, region.touched));
+        let distances = regions.iter().flat_map(|region| std::iter::repeat_n(region.distance, region.touched));
         usual.keep_distances(distances.collect());
-        let touched = Calibrated {
-            sharpness: sharpness(&taxels),
-            network: touched,
-        };
-        let category = Calibrated {
-            sharpness: sharpness(&judged),
-            network: category,
-        };
-        let decision = TouchDecision {
-            nothing_above: nothing_above(&taxels, touched.sharpness),
-            ..TouchDecision::default()
-        };
+        let touched = Calibrated { sharpness: sharpness(&taxels), network: touched };
+        let category = Calibrated { sharpness: sharpness(&judged), network: category };
+        let decision =
+            TouchDecision { nothing_above: nothing_above(&taxels, touched.sharpness), ..TouchDecision::default() };
         let false_alarm = |region: &HeldOutRegion| {
             // The verdict is unknown even if the limit equals the share, so the limit above which it is bad is just
             // below.

@@ -54,9 +54,7 @@ impl SkinTracker {
             let place = &self.image.patch().taxels[taxel];
             let moved = motion.of(place.position_link);
             let press_m = moved.dot(place.normal_link);
-            course
-                .get_or_insert_default()
-                .push(self.image.sensed_force_n(taxel), press_m, moved.length());
+            course.get_or_insert_default().push(self.image.sensed_force_n(taxel), press_m, moved.length());
         }
         Ok(())
     }
@@ -89,10 +87,7 @@ impl SkinTracker {
 
     /// The features of a taxel in contact, before they are compressed.
     pub(super) fn taxel_values(&self, taxel: usize, region: &Region) -> Option<[f64; TAXEL_FEATURE_COUNT]> {
-        let forces = self
-            .regions
-            .neighbours(taxel)
-            .map(|other| self.image.sensed_force_n(other));
+        let forces = self.regions.neighbours(taxel).map(|other| self.image.sensed_force_n(other));
         let strongest_n = forces.fold(0.0, f64::max);
         Some(self.courses[taxel].as_ref()?.values(&region.course, strongest_n))
     }

@@ -27,20 +27,12 @@ impl HeldOut {
         let touched = touched_network(&others);
         let (category, usual) = category_network(&others, categories);
         let mut held_out = HeldOut::default();
-        let own = examples
-            .reaches
-            .iter()
-            .enumerate()
-            .filter(|(index, _)| folds[*index] == fold);
+        let own = examples.reaches.iter().enumerate().filter(|(index, _)| folds[*index] == fold);
         for (index, reach) in own {
             for taxel in reach.taxels.iter().filter(|taxel| taxel.is_regular) {
                 let mut scores = vec![0.0; 2];
                 touched.scores(&taxel.features, &mut scores);
-                held_out.taxels.push(Judged {
-                    scores,
-                    class: usize::from(taxel.is_touched),
-                    weight: 1.0,
-                });
+                held_out.taxels.push(Judged { scores, class: usize::from(taxel.is_touched), weight: 1.0 });
             }
             for region in reach.regions.iter().filter(|region| region.is_regular) {
                 let mut scores = vec![0.0; categories.len()];
@@ -121,10 +113,7 @@ pub(super) fn lapses(regions: &[&HeldOutRegion], bad_above: impl Fn(&HeldOutRegi
         *touched.entry(region.reach).or_default() += region.touched;
     }
     let lapse = |region: &&HeldOutRegion| {
-        Some(Lapse {
-            above: bad_above(region)?,
-            share: region.touched as f64 / touched[&region.reach] as f64,
-        })
+        Some(Lapse { above: bad_above(region)?, share: region.touched as f64 / touched[&region.reach] as f64 })
     };
     regions.iter().filter_map(lapse).collect()
 }

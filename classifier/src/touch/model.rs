@@ -109,16 +109,7 @@ impl TouchModel {
     /// # Errors
     /// [`ModelError`] if a number set by hand is not finite or outside the range that model files allow.
     pub fn save_string(&self) -> Result<String, ModelError> {
-        let TouchModel {
-            format,
-            options,
-            categories,
-            decision,
-            provenance,
-            touched,
-            category,
-            usual,
-        } = self;
+        let TouchModel { format, options, categories, decision, provenance, touched, category, usual } = self;
         let text = file_text::sealed(vec![
             ("format", json!(format)),
             ("options", json!(options)),
@@ -150,17 +141,10 @@ impl TouchModel {
         let model: TouchModel = document.read()?;
         if model.categories.is_empty() || !model.categories.is_sorted_by(|a, b| a < b) {
             let found = model.categories.join(", ");
-            return Err(document.error(
-                "categories",
-                found,
-                "one or more names in alphabetical order, none twice",
-            ));
+            return Err(document.error("categories", found, "one or more names in alphabetical order, none twice"));
         }
         document.check_names(&model.categories)?;
-        model
-            .decision
-            .check()
-            .map_err(|fault| document.fault(fault.within("decision")))?;
+        model.decision.check().map_err(|fault| document.fault(fault.within("decision")))?;
         check_limits("options.threshold_n", model.options.threshold_n, THRESHOLD_N)
             .map_err(|fault| document.fault(fault))?;
         let classes = model.categories.len();

@@ -117,9 +117,7 @@ impl Network {
         let numbers = vectors.into_iter().flatten();
         lengths == [inputs, inputs, inputs + 1]
             && outputs == [classes; 2]
-            && numbers
-                .chain(self.hidden.iter().chain(&self.output).flatten())
-                .all(|number| FITTED.hold(*number))
+            && numbers.chain(self.hidden.iter().chain(&self.output).flatten()).all(|number| FITTED.hold(*number))
     }
 
     /// The values of the hidden units.
@@ -199,13 +197,7 @@ impl Network {
         };
         let mut hidden = layer(INPUTS, INPUTS);
         hidden.push([0.0; HIDDEN]);
-        Network {
-            mean,
-            scale,
-            hidden,
-            output: layer(classes, HIDDEN),
-            output_constant: vec![0.0; classes],
-        }
+        Network { mean, scale, hidden, output: layer(classes, HIDDEN), output_constant: vec![0.0; classes] }
     }
 
     fn weights_mut(&mut self) -> impl Iterator<Item = &mut f64> {
@@ -237,11 +229,7 @@ impl Descent {
     fn new(network: &Network) -> Self {
         let mut gradient = network.clone();
         let count = gradient.weights_mut().count();
-        Descent {
-            steps: 0,
-            gradient,
-            averages: vec![[0.0; 2]; count],
-        }
+        Descent { steps: 0, gradient, averages: vec![[0.0; 2]; count] }
     }
 
     fn start(&mut self) {

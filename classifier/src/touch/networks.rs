@@ -14,11 +14,7 @@ pub(super) fn class(categories: &[String], category: &str) -> usize {
 pub(super) fn touched_network(reaches: &[&Examples]) -> Network {
     let taxels = reaches.iter().flat_map(|reach| &reach.taxels);
     let rows: Vec<Row<TAXEL_FEATURE_COUNT>> = taxels
-        .map(|taxel| Row {
-            features: taxel.features,
-            class: usize::from(taxel.is_touched),
-            weight: 1.0,
-        })
+        .map(|taxel| Row { features: taxel.features, class: usize::from(taxel.is_touched), weight: 1.0 })
         .collect();
     Network::fit(&rows, 2)
 }

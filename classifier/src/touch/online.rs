@@ -97,12 +97,8 @@ impl TouchClassifier {
         }
         self.region_features.compress(&REGION_KNEES);
         self.taxel_features.compress(&TAXEL_KNEES);
-        self.model
-            .category
-            .probabilities(&self.region_features, &mut self.probabilities);
-        self.model
-            .touched
-            .probabilities(&self.taxel_features, &mut self.touched);
+        self.model.category.probabilities(&self.region_features, &mut self.probabilities);
+        self.model.touched.probabilities(&self.taxel_features, &mut self.touched);
         self.decide();
         Ok(())
     }

@@ -21,9 +21,6 @@ impl Default for TouchOptions {
     /// The patch and threshold of [`TrialOptions::default`].
     fn default() -> Self {
         let trials = TrialOptions::default();
-        TouchOptions {
-            patch: trials.patch,
-            threshold_n: trials.threshold_n,
-        }
+        TouchOptions { patch: trials.patch, threshold_n: trials.threshold_n }
     }
 }

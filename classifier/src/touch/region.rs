@@ -112,11 +112,7 @@ impl RegionTracker {
                     }
                 }
             }
-            self.regions.push(Region {
-                contact: 0,
-                course: Course::default(),
-                taxels: start..next,
-            });
+            self.regions.push(Region { contact: 0, course: Course::default(), taxels: start..next });
         }
     }
 
@@ -168,10 +164,7 @@ impl RegionTracker {
 
 /// Forces and motion of a region in one frame.
 fn measure(image: &PatchImage, taxels: &[usize], motion: &Motion, now: &Pose) -> Measure {
-    let mut measure = Measure {
-        taxels: taxels.len() as f64,
-        ..Measure::default()
-    };
+    let mut measure = Measure { taxels: taxels.len() as f64, ..Measure::default() };
     let (mut step, mut center) = (DVec3::ZERO, DVec3::ZERO);
     for &taxel in taxels {
         let force_n = image.sensed_force_n(taxel);

@@ -137,10 +137,7 @@ mod tests {
         let mut sum = 0.0;
         for _ in 0..draws {
             // Each reach's loss rises from 0 to 1 at a limit of its own, because one region is the whole reach.
-            let mut draw = || Lapse {
-                above: random.random::<f64>(),
-                share: 1.0,
-            };
+            let mut draw = || Lapse { above: random.random::<f64>(), share: 1.0 };
             let lapses: Vec<Lapse> = (0..reaches).map(|_| draw()).collect();
             let new = draw();
             sum += f64::from(u8::from(largest(allowed, reaches, lapses) > new.above));
@@ -154,26 +151,13 @@ mod tests {
     /// Tests that shares out of range, and shares that need more reaches, are refused with what is needed.
     #[test]
     fn shares_need_reaches() {
-        let limits = RiskLimits {
-            wrong: Some(0.05),
-            false_alarms: None,
-        };
+        let limits = RiskLimits { wrong: Some(0.05), false_alarms: None };
         assert_eq!(limits.check(19), Ok(()));
-        let few = ModelError::FewReaches {
-            reaches: 18,
-            needed: 19,
-            share: 0.05,
-        };
+        let few = ModelError::FewReaches { reaches: 18, needed: 19, share: 0.05 };
         assert_eq!(limits.check(18), Err(few));
         for share in [0.0, 1.0, -0.1, f64::NAN] {
-            let limits = RiskLimits {
-                wrong: None,
-                false_alarms: Some(share),
-            };
-            assert!(
-                matches!(limits.check(1000), Err(ModelError::BadOption { .. })),
-                "{share}"
-            );
+            let limits = RiskLimits { wrong: None, false_alarms: Some(share) };
+            assert!(matches!(limits.check(1000), Err(ModelError::BadOption { .. })), "{share}");
         }
     }
 }

@@ -38,10 +38,7 @@ pub struct TouchRows {
 impl TouchExamples {
     /// No rows so far.
     pub fn new(options: TouchOptions) -> Self {
-        TouchExamples {
-            options,
-            reaches: Vec::new(),
-        }
+        TouchExamples { options, reaches: Vec::new() }
     }
 
     /// Adds a recording with ground truth. The order of the recordings changes the fit, because folds and rounding
@@ -57,13 +54,8 @@ impl TouchExamples {
     /// The rows of those recordings for whose position `keeps` returns true, in the order in which they were added.
     pub fn some(&self, keeps: impl Fn(usize) -> bool) -> TouchExamples {
         let reaches = self.reaches.iter().enumerate();
-        let kept = reaches
-            .filter(|(index, _)| keeps(*index))
-            .map(|(_, reach)| Arc::clone(reach));
-        TouchExamples {
-            options: self.options.clone(),
-            reaches: kept.collect(),
-        }
+        let kept = reaches.filter(|(index, _)| keeps(*index)).map(|(_, reach)| Arc::clone(reach));
+        TouchExamples { options: self.options.clone(), reaches: kept.collect() }
     }
 
     /// The categories that a model of these rows knows, in alphabetical order.
@@ -108,11 +100,7 @@ impl TouchExamples {
     /// Whether something known touches the skin in a reach of every fold. Otherwise networks would be fitted to
     /// nothing.
     pub(super) fn fill(&self, folds: &[usize]) -> bool {
-        let has_regions = |fold: usize| {
-            self.of_fold(folds, fold, true)
-                .iter()
-                .any(|reach| !reach.regions.is_empty())
-        };
+        let has_regions = |fold: usize| self.of_fold(folds, fold, true).iter().any(|reach| !reach.regions.is_empty());
         (0..FOLDS).all(has_regions)
     }
 
@@ -127,11 +115,7 @@ impl TouchExamples {
 /// The fold of each reach, from the categories that it touches.
 fn dealt(touched: &[BTreeSet<String>]) -> Vec<usize> {
     let (in_turn, by_gaps) = (in_turn(touched), by_gaps(touched));
-    if gaps(touched, &by_gaps) < gaps(touched, &in_turn) {
-        by_gaps
-    } else {
-        in_turn
-    }
+    if gaps(touched, &by_gaps) < gaps(touched, &in_turn) { by_gaps } else { in_turn }
 }
 
 /// Reaches that touch the same categories go to the folds in turn.
@@ -169,15 +153,10 @@ fn gaps(touched: &[BTreeSet<String>], folds: &[usize]) -> (usize, usize) {
     let all = touched.iter().flatten().collect::<BTreeSet<_>>().len();
     let found = |fold: usize| {
         let own = touched.iter().zip(folds).filter(|(_, own)| **own == fold);
-        own.flat_map(|(categories, _)| categories)
-            .collect::<BTreeSet<_>>()
-            .len()
+        own.flat_map(|(categories, _)| categories).collect::<BTreeSet<_>>().len()
     };
     let found: Vec<usize> = (0..FOLDS).map(found).collect();
-    (
-        found.iter().filter(|count| **count == 0).count(),
-        found.iter().map(|count| all - count).sum(),
-    )
+    (found.iter().filter(|count| **count == 0).count(), found.iter().map(|count| all - count).sum())
 }
 
 #[cfg(test)]

@@ -44,11 +44,7 @@ impl Usual {
     pub(super) fn fit(categories: &[Vec<[f64; DESCRIPTION_COUNT]>]) -> Self {
         let normal = |rows: &Vec<[f64; DESCRIPTION_COUNT]>| {
             let count = rows.len().max(1) as f64;
-            let mean = rows
-                .iter()
-                .map(|row| SVector::from(*row))
-                .sum::<SVector<f64, DESCRIPTION_COUNT>>()
-                / count;
+            let mean = rows.iter().map(|row| SVector::from(*row)).sum::<SVector<f64, DESCRIPTION_COUNT>>() / count;
             let mut covariance = SMatrix::<f64, DESCRIPTION_COUNT, DESCRIPTION_COUNT>::identity() * VARIANCE;
             for row in rows {
                 let deviation = SVector::from(*row) - mean;
@@ -63,10 +59,7 @@ impl Usual {
                 factor: std::array::from_fn(|row| std::array::from_fn(|column| factor[(row, column)])),
             }
         };
-        Usual {
-            normals: categories.iter().map(normal).collect(),
-            distances: Vec::new(),
-        }
+        Usual { normals: categories.iter().map(normal).collect(), distances: Vec::new() }
     }
 
     /// Keeps the quantiles of the distances of held-out contacts with known categories.
@@ -106,20 +99,13 @@ impl Usual {
             return math::powf(10f64, -0.1 * (QUANTILES - 1) as f64);
         };
         let lower = self.distances[above - 1];
-        let part = if *upper > lower {
-            (distance - lower) / (upper - lower)
-        } else {
-            0.0
-        };
+        let part = if *upper > lower { (distance - lower) / (upper - lower) } else { 0.0 };
         math::powf(10f64, -0.1 * (above as f64 - 1.0 + part))
     }
 
     /// Whether all numbers are within their limits and there are as many as this number of categories needs.
     pub(super) fn is_sound(&self, categories: usize) -> bool {
-        let numbers = self
-            .normals
-            .iter()
-            .flat_map(|normal| normal.mean.iter().chain(normal.factor.iter().flatten()));
+        let numbers = self.normals.iter().flat_map(|normal| normal.mean.iter().chain(normal.factor.iter().flatten()));
         self.normals.len() == categories
             && self.distances.len() == QUANTILES
             && numbers.chain(&self.distances).all(|number| FITTED.hold(*number))

@@ -41,11 +41,7 @@ impl TouchExamples {
         for fold in 0..FOLDS {
             let (own, others) = (self.of_fold(&folds, fold, true), self.of_fold(&folds, fold, false));
             let rows = own.iter().flat_map(|reach| &reach.taxels).filter(|row| row.is_regular);
-            let rows = rows.map(|row| Row {
-                features: row.features,
-                class: usize::from(row.is_touched),
-                weight: 1.0,
-            });
+            let rows = rows.map(|row| Row { features: row.features, class: usize::from(row.is_touched), weight: 1.0 });
             taxels.add(&touched_network(&others), &rows.collect::<Vec<_>>());
             let rows = own.iter().flat_map(|reach| &reach.regions).filter(|row| row.is_regular);
             let rows = rows.map(|row| Row {
@@ -70,16 +66,8 @@ struct Shuffled<const INPUTS: usize> {
 
 impl<const INPUTS: usize> Shuffled<INPUTS> {
     fn new(names: &'static [&'static str; INPUTS], classes: usize) -> Self {
-        let none = Losses {
-            log_loss: 0.0,
-            right: vec![0.0; classes],
-            total: vec![0.0; classes],
-        };
-        Shuffled {
-            names,
-            plain: none.clone(),
-            shuffled: vec![none; INPUTS],
-        }
+        let none = Losses { log_loss: 0.0, right: vec![0.0; classes], total: vec![0.0; classes] };
+        Shuffled { names, plain: none.clone(), shuffled: vec![none; INPUTS] }
     }
 
     fn add(&mut self, network: &Network, rows: &[Row<INPUTS>]) {
@@ -152,11 +140,7 @@ mod tests {
     fn the_feature_that_decides_is_worth_the_accuracy() {
         const ROWS: usize = 4000;
         let row = |index: usize| Row {
-            features: [
-                if index.is_multiple_of(2) { -1.0 } else { 1.0 },
-                (index % 7) as f64,
-                3.0,
-            ],
+            features: [if index.is_multiple_of(2) { -1.0 } else { 1.0 }, (index % 7) as f64, 3.0],
             class: index % 2,
             weight: 1.0,
         };
@@ -167,10 +151,7 @@ mod tests {
         assert_eq!(worth[0].feature, "sign");
         // Half of the rows get the other sign; the share has a standard deviation of 0.5 / √4000.
         let deviation = 0.5 / (ROWS as f64).sqrt();
-        assert!(
-            (worth[0].balanced_accuracy_fall - 0.5).abs() < 5.0 * deviation,
-            "{worth:?}"
-        );
+        assert!((worth[0].balanced_accuracy_fall - 0.5).abs() < 5.0 * deviation, "{worth:?}");
         assert!(worth[0].log_loss_rise_nats > std::f64::consts::LN_2, "{worth:?}");
         for other in &worth[1..] {
             assert!(other.log_loss_rise_nats.abs() < 0.01, "{worth:?}");

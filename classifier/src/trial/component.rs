@@ -78,13 +78,7 @@ pub(super) fn neighbours(taxel: usize, grid: Grid) -> [Option<usize>; 4] {
 
 fn measure(image: &PatchImage, taxels: Vec<usize>) -> Component {
     let strongest_of = |taxels: &mut dyn Iterator<Item = usize>| {
-        taxels.reduce(|best, taxel| {
-            if image.sensed_force_n(taxel) > image.sensed_force_n(best) {
-                taxel
-            } else {
-                best
-            }
-        })
+        taxels.reduce(|best, taxel| if image.sensed_force_n(taxel) > image.sensed_force_n(best) { taxel } else { best })
     };
     let strongest = strongest_of(&mut taxels.iter().copied()).unwrap_or(taxels[0]);
     let touching = strongest_of(&mut taxels.iter().copied().filter(|&taxel| image.object(taxel).is_some()));

@@ -28,11 +28,7 @@ impl PatchImage {
     pub fn new(layout: &SkinLayout, patch: Option<&str>, threshold_n: f64) -> Result<Self, TrialError> {
         if !threshold_n.is_finite() || threshold_n < 0.0 {
             let allowed = "a finite force from 0 N";
-            return Err(TrialError::BadOption {
-                option: "threshold_n",
-                found: threshold_n,
-                allowed,
-            });
+            return Err(TrialError::BadOption { option: "threshold_n", found: threshold_n, allowed });
         }
         let patch_index = layout.chosen_patch(patch).ok_or_else(|| match patch {
             Some(name) if !layout.patches.is_empty() => TrialError::UnknownPatch {
@@ -61,11 +57,7 @@ impl PatchImage {
     /// [`TrialError::BadFrame`] if the frame has no pose for the patch, names a taxel that the patch does not have, or
     /// contains NaN or infinity.
     pub fn read(&mut self, frame_index: usize, frame: &Frame) -> Result<(), TrialError> {
-        let bad = |found: String, allowed: String| TrialError::BadFrame {
-            frame: frame_index,
-            found,
-            allowed,
-        };
+        let bad = |found: String, allowed: String| TrialError::BadFrame { frame: frame_index, found, allowed };
         let name = &self.patch.name;
         let pose = frame.patch_pose_world.get(self.patch_index).copied().ok_or_else(|| {
             let found = format!("{} patch poses, none for {name}", frame.patch_pose_world.len());
@@ -78,18 +70,11 @@ impl PatchImage {
         self.sensed_force_n.fill(0.0);
         self.object.fill(None);
         self.touched.fill(false);
-        for reading in frame
-            .taxels
-            .iter()
-            .filter(|reading| usize::from(reading.patch) == self.patch_index)
-        {
+        for reading in frame.taxels.iter().filter(|reading| usize::from(reading.patch) == self.patch_index) {
             let taxel = usize::from(reading.taxel);
             let count = self.sensed_force_n.len();
             let force = self.sensed_force_n.get_mut(taxel).ok_or_else(|| {
-                bad(
-                    format!("taxel {taxel} of patch {name}"),
-                    format!("taxels 0 to {}", count.saturating_sub(1)),
-                )
+                bad(format!("taxel {taxel} of patch {name}"), format!("taxels 0 to {}", count.saturating_sub(1)))
             })?;
             if !reading.sensed_force_n.is_finite() {
                 let found = format!("{} N sensed by taxel {taxel} of {name}", reading.sensed_force_n);
@@ -138,7 +123,6 @@ impl PatchImage {
     /// If the patch has no such taxel.
     pub fn position_world(&self, taxel: usize) -> DVec3 {
         let position_link = self.patch.taxels[taxel].position_link;
-        self.pose_world
-            .map_or(position_link, |pose| pose.transform_point(position_link))
+        self.pose_world.map_or(position_link, |pose| pose.transform_point(position_link))
     }
 }

@@ -79,11 +79,7 @@ impl TrialOptions {
     /// sample. The paper does not state this, but with shorter trials a reach would have several times as many trials
     /// as the paper counts.
     pub fn paper() -> Self {
-        TrialOptions {
-            min_samples: 20,
-            labels: Labels::Environment,
-            ..TrialOptions::default()
-        }
+        TrialOptions { min_samples: 20, labels: Labels::Environment, ..TrialOptions::default() }
     }
 }
 

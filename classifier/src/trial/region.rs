@@ -20,10 +20,7 @@ impl Regions {
     /// # Errors
     /// [`TrialError::NoGrid`] if the patch has no grid.
     pub(crate) fn new(image: &PatchImage, wrap: Option<bool>) -> Result<Self, TrialError> {
-        Ok(Regions {
-            grid: grid(image, wrap)?,
-            of_taxel: vec![None; image.patch().taxels.len()],
-        })
+        Ok(Regions { grid: grid(image, wrap)?, of_taxel: vec![None; image.patch().taxels.len()] })
     }
 
     /// Finds the regions of the frame that the image holds.

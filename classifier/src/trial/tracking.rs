@@ -25,11 +25,7 @@ pub fn component_trials(recording: &Recording, options: &TrialOptions) -> Result
     let reach = options.association_distance_m;
     if !reach.is_finite() || reach < 0.0 {
         let allowed = "a finite distance from 0 m";
-        return Err(TrialError::BadOption {
-            option: "association_distance_m",
-            found: reach,
-            allowed,
-        });
+        return Err(TrialError::BadOption { option: "association_distance_m", found: reach, allowed });
     }
     let mut image = PatchImage::new(&recording.layout, options.patch.as_deref(), options.threshold_n)?;
     let grid = grid(&image, options.wrap)?;
@@ -100,28 +96,15 @@ fn associate(tracks: &[Track], found: &[Component], reach_m: f64) -> Vec<Option<
 /// [`TrialError::NoGrid`] if the patch has no grid.
 pub(crate) fn neighbours_of_patch(image: &PatchImage) -> Result<Vec<[Option<usize>; 4]>, TrialError> {
     let grid = grid(image, None)?;
-    Ok((0..image.patch().taxels.len())
-        .map(|taxel| neighbours(taxel, grid))
-        .collect())
+    Ok((0..image.patch().taxels.len()).map(|taxel| neighbours(taxel, grid)).collect())
 }
 
 pub(super) fn grid(image: &PatchImage, wrap: Option<bool>) -> Result<Grid, TrialError> {
     let patch = image.patch();
-    let no_grid = |found: String| TrialError::NoGrid {
-        patch: patch.name.clone(),
-        found,
-    };
+    let no_grid = |found: String| TrialError::NoGrid { patch: patch.name.clone(), found };
     let grid = patch.grid.ok_or_else(|| no_grid("the layout gives none".into()))?;
     if grid.rows.checked_mul(grid.columns) != Some(patch.taxels.len()) {
-        return Err(no_grid(format!(
-            "{} × {} for {} taxels",
-            grid.rows,
-            grid.columns,
-            patch.taxels.len()
-        )));
+        return Err(no_grid(format!("{} × {} for {} taxels", grid.rows, grid.columns, patch.taxels.len())));
     }
-    Ok(Grid {
-        wraps: wrap.unwrap_or(grid.wraps),
-        ..grid
-    })
+    Ok(Grid { wraps: wrap.unwrap_or(grid.wraps), ..grid })
 }

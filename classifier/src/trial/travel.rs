@@ -16,10 +16,7 @@ pub(crate) struct Travel {
 impl Travel {
     /// A contact that starts at this position, m, world frame.
     pub(crate) fn from(start_world: DVec3) -> Self {
-        Travel {
-            last_world: start_world,
-            length_m: 0.0,
-        }
+        Travel { last_world: start_world, length_m: 0.0 }
     }
 
     /// Moves the contact to its current position, m, world frame, and returns the length of its path so far, m.

@@ -45,13 +45,7 @@ pub(super) struct OpenTrial {
 
 impl OpenTrial {
     pub(super) fn new(first_frame: usize, taxel: usize, start_world: DVec3) -> Self {
-        OpenTrial {
-            first_frame,
-            taxel,
-            travel: Travel::from(start_world),
-            samples: Vec::new(),
-            votes: BTreeMap::new(),
-        }
+        OpenTrial { first_frame, taxel, travel: Travel::from(start_world), samples: Vec::new(), votes: BTreeMap::new() }
     }
 
     /// Adds a sample and its true object.
@@ -65,10 +59,7 @@ impl OpenTrial {
     /// The object with the most samples; in a tie, the smallest index.
     fn object(&self) -> Option<u16> {
         let max = self.votes.values().max()?;
-        self.votes
-            .iter()
-            .find(|(_, count)| *count == max)
-            .map(|(object, _)| *object)
+        self.votes.iter().find(|(_, count)| *count == max).map(|(object, _)| *object)
     }
 }
 
@@ -89,9 +80,7 @@ impl<'a> TrialList<'a> {
             recording,
             options,
             patch: patch.to_owned(),
-            environment: (options.labels == Labels::Environment)
-                .then(|| environment(recording))
-                .flatten(),
+            environment: (options.labels == Labels::Environment).then(|| environment(recording)).flatten(),
             closed: Vec::new(),
         }
     }
@@ -131,10 +120,7 @@ impl<'a> TrialList<'a> {
     pub(super) fn finish(mut self) -> Vec<ContactTrial> {
         self.closed.sort_by_key(|(key, _)| *key);
         let mut trials: Vec<ContactTrial> = self.closed.into_iter().map(|(_, trial)| trial).collect();
-        trials
-            .iter_mut()
-            .zip(0..)
-            .for_each(|(contact, number)| contact.trial.trial = number);
+        trials.iter_mut().zip(0..).for_each(|(contact, number)| contact.trial.trial = number);
         trials
     }
 }

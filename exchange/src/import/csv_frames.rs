@@ -72,22 +72,13 @@ impl Columns {
 pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Result<(), ExchangeError> {
     mapping.refuse("force.topic", mapping.force.topic.is_some(), "CSV")?;
     if mapping.time.from.is_none() && mapping.time.rate_hz.is_none() {
-        return Err(mapping
-            .fault("time.from", "nothing".into(), "the column of the times, or `rate_hz`")
-            .into());
+        return Err(mapping.fault("time.from", "nothing".into(), "the column of the times, or `rate_hz`").into());
     }
     let text = read_bytes(path, &CSV_BYTES, "a readable file", "check the path")?;
     let unreadable = |error: csv::Error| {
         let line = error.position().map_or(1, |position| line_of(&text, position));
         let remedy = "repair the file, or write it again as UTF-8 with one row per line";
-        InputError::new(
-            path,
-            "CSV",
-            error.to_string(),
-            "rows with as many cells as the header",
-            remedy,
-        )
-        .at_line(line)
+        InputError::new(path, "CSV", error.to_string(), "rows with as many cells as the header", remedy).at_line(line)
     };
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(&text[..]);
     let names = reader.headers().map_err(unreadable)?.clone();
@@ -101,11 +92,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
         let cell = |column: usize| row.get(column).unwrap_or_default();
         let wrong = |column: usize, allowed: &str| {
             let (name, found) = (names.get(column).unwrap_or_default(), cell(column));
-            let found = if found.is_empty() {
-                "nothing".into()
-            } else {
-                format!("{found:?}")
-            };
+            let found = if found.is_empty() { "nothing".into() } else { format!("{found:?}") };
             InputError::new(path, name, found, allowed, "correct the cell, or delete the row").at_line(line)
         };
         let parsed = |column: usize| cell(column).parse::<f64>().map_err(|_| wrong(column, "a number"));
@@ -113,16 +100,10 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
             *reading = parsed(*column)?;
         }
         let reach = match columns.reach {
-            Some(column) => cell(column)
-                .parse()
-                .map_err(|_| wrong(column, "a whole number, 0 or more"))?,
+            Some(column) => cell(column).parse().map_err(|_| wrong(column, "a whole number, 0 or more"))?,
             None => 0,
         };
-        number = if reach_before.replace(reach) == Some(reach) {
-            number + 1
-        } else {
-            0
-        };
+        number = if reach_before.replace(reach) == Some(reach) { number + 1 } else { 0 };
         let time_s = match (columns.time, mapping.time.rate_hz) {
             (Some(column), _) => mapping.time_s(parsed(column)?),
             (None, rate_hz) => number as f64 / rate_hz.unwrap_or(1.0),
@@ -131,12 +112,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
             Some(column) => cell(column),
             None => mapping.trial.category.as_deref().unwrap_or_default(),
         };
-        let place = Place {
-            line,
-            reach,
-            category,
-            time_s,
-        };
+        let place = Place { line, reach, category, time_s };
         cutter.push(&place, &readings)?;
     }
     Ok(())

@@ -137,13 +137,7 @@ impl<'a> Cutter<'a> {
             taxel: Some(taxel as u32),
             samples: Vec::new(),
         });
-        trial.samples.push(Sample {
-            time_s,
-            force_n,
-            motion_m: None,
-            region: None,
-            touched: None,
-        });
+        trial.samples.push(Sample { time_s, force_n, motion_m: None, region: None, touched: None });
         trial.samples.len()
     }
 

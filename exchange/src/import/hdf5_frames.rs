@@ -95,10 +95,7 @@ impl<'a> Numbers<'a> {
         count: u64,
         width: usize,
     ) -> Result<Vec<f64>, InputError> {
-        let numbers = self
-            .data
-            .read_f64_rows(first, count)
-            .map_err(|error| broken(path, error))?;
+        let numbers = self.data.read_f64_rows(first, count).map_err(|error| broken(path, error))?;
         // The reader gives no numbers, and no error, for types that it cannot convert, such as float16.
         if numbers.len() as u64 != count * width as u64 {
             let found = format!("{:?}, which has numbers of an unsupported type", self.name);
@@ -141,9 +138,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
     mapping.refuse("force.taxels", mapping.force.taxels.is_some(), "HDF5")?;
     mapping.refuse("trial.reach_from", mapping.trial.reach_from.is_some(), "HDF5")?;
     if mapping.time.from.is_none() && mapping.time.rate_hz.is_none() {
-        return Err(mapping
-            .fault("time.from", "nothing".into(), "the dataset of the times, or `rate_hz`")
-            .into());
+        return Err(mapping.fault("time.from", "nothing".into(), "the dataset of the times, or `rate_hz`").into());
     }
     let length = opened(path)?.metadata().map_err(|error| broken(path, error))?.len();
     let file = File::open_streaming(path).map_err(|error| broken(path, error))?;
@@ -175,9 +170,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
             let shape = times.data.shape().map_err(|error| broken(path, error))?;
             if shape != [frames] {
                 let found = format!("{:?}, whose shape is {shape:?}", times.name);
-                return Err(mapping
-                    .fault("time.from", found, format!("[{frames}], one time for each frame"))
-                    .into());
+                return Err(mapping.fault("time.from", found, format!("[{frames}], one time for each frame")).into());
             }
         }
         let category = category(path, mapping, &file, &group)?;
@@ -195,12 +188,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
                     Some(time) => mapping.time_s(*time),
                     None => index as f64 / mapping.time.rate_hz.unwrap_or(1.0),
                 };
-                let place = Place {
-                    line: index as usize + 1,
-                    reach,
-                    category: &category,
-                    time_s,
-                };
+                let place = Place { line: index as usize + 1, reach, category: &category, time_s };
                 cutter.push(&place, readings).map_err(|error| of_reach(&group, error))?;
             }
             first += count;

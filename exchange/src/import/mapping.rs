@@ -116,14 +116,8 @@ pub fn mapping_schema() -> Schema {
 /// 0.001 is not.
 const PER_SECOND: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
 /// Newtons per unit. Standard gravity is 9.80665 m/s² (CGPM 1901), and a pound is 0.45359237 kg (1959).
-const NEWTONS: [(&str, f64); 6] = [
-    ("N", 1.0),
-    ("mN", 1e-3),
-    ("kN", 1e3),
-    ("gf", 9.80665e-3),
-    ("kgf", 9.80665),
-    ("lbf", 4.4482216152605),
-];
+const NEWTONS: [(&str, f64); 6] =
+    [("N", 1.0), ("mN", 1e-3), ("kN", 1e3), ("gf", 9.80665e-3), ("kgf", 9.80665), ("lbf", 4.4482216152605)];
 
 /// The line, from 1, of a byte.
 fn line_of(text: &str, byte: usize) -> usize {
@@ -140,14 +134,8 @@ fn line_setting(text: &str, field: &str) -> usize {
         return 1;
     };
     let within = lines().skip(first).take_while(|(_, line)| !line.starts_with('['));
-    let sets = |line: &str| {
-        line.strip_prefix(key)
-            .is_some_and(|rest| rest.trim_start().starts_with('='))
-    };
-    within
-        .into_iter()
-        .find(|(_, line)| sets(line))
-        .map_or(first, |(number, _)| number)
+    let sets = |line: &str| line.strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
+    within.into_iter().find(|(_, line)| sets(line)).map_or(first, |(number, _)| number)
 }
 
 impl Mapping {
@@ -210,24 +198,9 @@ impl Mapping {
             }
         }
         let pairs = [
-            (
-                "time.from",
-                self.time.from.is_some(),
-                "time.rate_hz",
-                self.time.rate_hz.is_some(),
-            ),
-            (
-                "time.rate_hz",
-                self.time.rate_hz.is_some(),
-                "time.unit",
-                self.time.unit.is_some(),
-            ),
-            (
-                "force.unit",
-                self.force.unit.is_some(),
-                "force.scale_n",
-                self.force.scale_n.is_some(),
-            ),
+            ("time.from", self.time.from.is_some(), "time.rate_hz", self.time.rate_hz.is_some()),
+            ("time.rate_hz", self.time.rate_hz.is_some(), "time.unit", self.time.unit.is_some()),
+            ("force.unit", self.force.unit.is_some(), "force.scale_n", self.force.scale_n.is_some()),
             (
                 "trial.category",
                 self.trial.category.is_some(),
@@ -241,11 +214,7 @@ impl Mapping {
             }
         }
         if self.trial.category.as_deref() == Some("") || self.trial.patch.as_deref() == Some("") {
-            let field = if self.trial.patch.as_deref() == Some("") {
-                "trial.patch"
-            } else {
-                "trial.category"
-            };
+            let field = if self.trial.patch.as_deref() == Some("") { "trial.patch" } else { "trial.category" };
             return Err(self.fault(field, "an empty name".into(), "a name"));
         }
         Ok(())
@@ -265,13 +234,7 @@ impl Mapping {
         }
         let key = field.rsplit('.').next().unwrap_or(field);
         let remedy = format!("remove `{key}` from {}", self.path.display());
-        let error = InputError::new(
-            &self.path,
-            field,
-            "a value",
-            format!("no such key for {format}"),
-            remedy,
-        );
+        let error = InputError::new(&self.path, field, "a value", format!("no such key for {format}"), remedy);
         Err(error.at_line(line_setting(&self.text, field)))
     }
 

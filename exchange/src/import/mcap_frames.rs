@@ -49,11 +49,9 @@ impl Stop {
                 "chunks compressed with zstd, or not compressed",
                 "write the file again with `mcap compress --compression zstd`",
             ),
-            Stop::File(Fault::Broken(found)) => (
-                found,
-                "a complete MCAP file",
-                "repair it with `mcap recover`, or record it again",
-            ),
+            Stop::File(Fault::Broken(found)) => {
+                (found, "a complete MCAP file", "repair it with `mcap recover`, or record it again")
+            }
         };
         InputError::new(path, "MCAP", found, allowed, remedy).into()
     }
@@ -84,10 +82,8 @@ impl Reading<'_> {
         if channel.topic == self.topic && !self.decoders.contains_key(&channel.id) {
             let from = &self.mapping.force.from;
             let decoder = decoder(&channel.message_encoding, schema, from).map_err(|allowed| {
-                let found = format!(
-                    "{:?} with schema {schema:?} and encoding {}",
-                    self.topic, channel.message_encoding
-                );
+                let found =
+                    format!("{:?} with schema {schema:?} and encoding {}", self.topic, channel.message_encoding);
                 self.mapping.fault("force.topic", found, allowed)
             })?;
             self.decoders.insert(channel.id, decoder);
@@ -142,9 +138,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
         mapping.refuse(field, is_set, "MCAP")?;
     }
     let Some(topic) = &mapping.force.topic else {
-        return Err(mapping
-            .fault("force.topic", "nothing".into(), "the topic of the forces")
-            .into());
+        return Err(mapping.fault("force.topic", "nothing".into(), "the topic of the forces").into());
     };
     let mut reading = Reading {
         path,
@@ -161,15 +155,10 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
     let read = Reader::new(file).read(|item| Ok::<(), Stop>(reading.item(item, cutter)?));
     read.map_err(|stop| stop.about(path))?;
     if reading.messages == 0 {
-        let topics = reading
-            .topics
-            .iter()
-            .map(|(topic, schema)| format!("{topic} ({schema})"));
+        let topics = reading.topics.iter().map(|(topic, schema)| format!("{topic} ({schema})"));
         let topics = topics.collect::<Vec<_>>().join(", ");
         let allowed = format!("a topic of {} with messages: {topics}", path.display());
-        return Err(mapping
-            .fault("force.topic", format!("{topic:?}, which has no message"), allowed)
-            .into());
+        return Err(mapping.fault("force.topic", format!("{topic:?}, which has no message"), allowed).into());
     }
     Ok(())
 }

@@ -153,18 +153,14 @@ fn grid(bytes: &[u8], name: &str, readings: &mut Vec<f64>) -> Result<(), Fault> 
     let names: Vec<&str> = grid.fields.iter().map(|field| field.name.as_str()).collect();
     let field = grid.fields.iter().find(|field| field.name == name);
     let field = field.ok_or_else(|| (format!("the fields {}", names.join(", ")), allowed()))?;
-    let cells = STANDARD
-        .decode(&grid.data)
-        .map_err(|error| (error.to_string(), "data in base64".to_string()))?;
+    let cells = STANDARD.decode(&grid.data).map_err(|error| (error.to_string(), "data in base64".to_string()))?;
     if grid.cell_stride == 0 || grid.row_stride == 0 {
         return Err(("cells or rows of 0 bytes".into(), allowed()));
     }
     let of_cells = grid.column_count.checked_mul(grid.cell_stride);
     if of_cells.is_none_or(|of_cells| grid.row_stride < of_cells) {
-        let found = format!(
-            "rows of {} bytes for {} cells of {}",
-            grid.row_stride, grid.column_count, grid.cell_stride
-        );
+        let found =
+            format!("rows of {} bytes for {} cells of {}", grid.row_stride, grid.column_count, grid.cell_stride);
         return Err((found, "rows at least as long as their cells".into()));
     }
     if !cells.len().is_multiple_of(grid.row_stride) {
@@ -175,10 +171,7 @@ fn grid(bytes: &[u8], name: &str, readings: &mut Vec<f64>) -> Result<(), Fault> 
     for cell in rows.flat_map(|row| row.chunks_exact(grid.cell_stride).take(grid.column_count)) {
         let number = cell.get(field.offset..).and_then(|bytes| packed(field.number, bytes));
         readings.push(number.ok_or_else(|| {
-            let found = format!(
-                "type {} at byte {} of cells of {}",
-                field.number, field.offset, grid.cell_stride
-            );
+            let found = format!("type {} at byte {} of cells of {}", field.number, field.offset, grid.cell_stride);
             (found, "a number within each cell".to_string())
         })?);
     }
@@ -190,9 +183,7 @@ fn json(bytes: &[u8], keys: &[String], readings: &mut Vec<f64>) -> Result<(), Fa
     let message: Value = serde_json::from_slice(bytes).map_err(|error| (error.to_string(), allowed()))?;
     let found = keys.iter().try_fold(&message, |value, key| value.get(key));
     let found = found.ok_or_else(|| ("a message without this field".to_string(), allowed()))?;
-    let list = found
-        .as_array()
-        .ok_or_else(|| ("something else than a list".to_string(), allowed()))?;
+    let list = found.as_array().ok_or_else(|| ("something else than a list".to_string(), allowed()))?;
     for number in list {
         readings.push(number.as_f64().ok_or_else(|| (number.to_string(), allowed()))?);
     }

@@ -48,11 +48,7 @@ fn opened(path: &Path) -> Result<File, ExchangeError> {
 /// the row, for MCAP the message), and if no trial is found; [`ExchangeError::Disk`] if the file cannot be read.
 pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, ExchangeError> {
     let mut cutter = Cutter::new(path, mapping);
-    let extension = path
-        .extension()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .to_ascii_lowercase();
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let read = match extension.as_str() {
         "csv" => csv_frames::read,
         #[cfg(feature = "hdf5")]
@@ -74,14 +70,7 @@ pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, ExchangeError>
     let result = catch_unwind(AssertUnwindSafe(|| read(path, mapping, &mut cutter)));
     result.unwrap_or_else(|_| {
         let found = "damaged bytes that cannot be decoded";
-        Err(InputError::new(
-            path,
-            "file",
-            found,
-            "a complete file",
-            "copy the file again, or record it again",
-        )
-        .into())
+        Err(InputError::new(path, "file", found, "a complete file", "copy the file again, or record it again").into())
     })?;
     let trials = cutter.finish();
     if trials.is_empty() {
@@ -93,9 +82,5 @@ pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, ExchangeError>
         let remedy = "check the unit of the mapping, or lower `threshold_n` or `min_samples` there";
         return Err(InputError::new(path, "trials", found, allowed, remedy).into());
     }
-    Ok(Imported {
-        trials,
-        frames: cutter.frames,
-        reaches: cutter.reaches,
-    })
+    Ok(Imported { trials, frames: cutter.frames, reaches: cutter.reaches })
 }

@@ -122,10 +122,7 @@ impl<'a> Object<'a> {
     /// The value of a key; `None` if there is none or it is null.
     pub fn get(&self, key: &str) -> Option<Spot<'a>> {
         let value = self.entries.get(key).filter(|value| !value.is_null())?;
-        Some(Spot {
-            path: self.path_of(key),
-            value,
-        })
+        Some(Spot { path: self.path_of(key), value })
     }
 
     /// The value of a required key.
@@ -144,11 +141,7 @@ impl<'a> Object<'a> {
 
     /// The error for a key that is not allowed.
     pub fn unknown(&self, key: &str, allowed: String) -> LineError {
-        LineError {
-            field: self.path.clone(),
-            found: format!("key {:?}", quoted(key)),
-            allowed,
-        }
+        LineError { field: self.path.clone(), found: format!("key {:?}", quoted(key)), allowed }
     }
 
     fn path_of(&self, key: &str) -> String {
@@ -160,28 +153,19 @@ impl<'a> Object<'a> {
 impl<'a> Spot<'a> {
     /// The value of a whole line.
     pub fn of_line(value: &'a Value) -> Self {
-        Spot {
-            path: String::new(),
-            value,
-        }
+        Spot { path: String::new(), value }
     }
 
     /// The value as an object.
     pub fn object(&self, allowed: &str) -> Result<Object<'a>, LineError> {
         let entries = self.value.as_object().ok_or_else(|| self.error(allowed))?;
-        Ok(Object {
-            path: self.path.clone(),
-            entries,
-        })
+        Ok(Object { path: self.path.clone(), entries })
     }
 
     /// The value as a list.
     pub fn list(&self, allowed: &str) -> Result<Vec<Spot<'a>>, LineError> {
         let values = self.value.as_array().ok_or_else(|| self.error(allowed))?;
-        let spot = |(index, value)| Spot {
-            path: format!("{}[{index}]", self.path),
-            value,
-        };
+        let spot = |(index, value)| Spot { path: format!("{}[{index}]", self.path), value };
         Ok(values.iter().enumerate().map(spot).collect())
     }
 
@@ -222,11 +206,7 @@ impl<'a> Spot<'a> {
     /// The error for this value.
     pub fn error(&self, allowed: impl Into<String>) -> LineError {
         LineError {
-            field: if self.path.is_empty() {
-                "line".into()
-            } else {
-                self.path.clone()
-            },
+            field: if self.path.is_empty() { "line".into() } else { self.path.clone() },
             found: quoted(&self.value.to_string()),
             allowed: allowed.into(),
         }

@@ -40,11 +40,7 @@ pub struct LineParser {
 impl LineParser {
     /// A parser for streams of this skin; `pose_of` is the patch whose pose the models need.
     pub fn new(layout: SkinLayout, pose_of: Option<usize>) -> Self {
-        LineParser {
-            layout,
-            pose_of,
-            last: None,
-        }
+        LineParser { layout, pose_of, last: None }
     }
 
     /// Maximum length of a line, bytes. Choice: a reading with its ground truth takes about 200 bytes.
@@ -102,10 +98,7 @@ impl LineParser {
             let reading = spot.object("an object with patch, taxel and sensed_force_n")?;
             let patch = self.patch(&reading)?;
             let last_taxel = self.layout.patches[patch].taxels.len().saturating_sub(1);
-            let allowed = format!(
-                "a taxel of patch {}: 0 to {last_taxel}",
-                self.layout.patches[patch].name
-            );
+            let allowed = format!("a taxel of patch {}: 0 to {last_taxel}", self.layout.patches[patch].name);
             let taxel_spot = reading.need("taxel", &allowed)?;
             let taxel = taxel_spot.index().filter(|taxel| *taxel <= last_taxel);
             let place = (u16::try_from(patch), taxel.map(u16::try_from));
@@ -135,11 +128,8 @@ impl LineParser {
     /// The patch of a reading, by name or index. It need not be given if the skin has only one patch.
     fn patch(&self, reading: &Object<'_>) -> Result<usize, LineError> {
         let patches = &self.layout.patches;
-        let known: Vec<String> = patches
-            .iter()
-            .enumerate()
-            .map(|(index, patch)| format!("{index} or {:?}", patch.name))
-            .collect();
+        let known: Vec<String> =
+            patches.iter().enumerate().map(|(index, patch)| format!("{index} or {:?}", patch.name)).collect();
         let allowed = format!("a patch of the skin: {}", known.join(", "));
         let spot = match reading.get("patch") {
             None if patches.len() == 1 => return Ok(0),
@@ -150,9 +140,7 @@ impl LineParser {
             Some(name) => self.layout.patch_index(name),
             None => spot.index(),
         };
-        index
-            .filter(|index| *index < patches.len())
-            .ok_or_else(|| spot.error(allowed))
+        index.filter(|index| *index < patches.len()).ok_or_else(|| spot.error(allowed))
     }
 
     /// A pose for each patch. Only the one that the models need is read; the others are at the origin.
@@ -189,10 +177,7 @@ impl LineParser {
 }
 
 /// The pose of patches that no model uses.
-const NO_POSE: Pose = Pose {
-    position: DVec3::ZERO,
-    orientation: DQuat::IDENTITY,
-};
+const NO_POSE: Pose = Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY };
 
 fn read_pose(spot: &Spot<'_>) -> Result<Pose, LineError> {
     let allowed = "an object with position and orientation";
@@ -208,25 +193,17 @@ fn read_pose(spot: &Spot<'_>) -> Result<Pose, LineError> {
     let quaternion = DQuat::from_array(orientation.numbers(allowed)?);
     let error = (quaternion.length() - 1.0).abs();
     if error <= QUATERNION_ROUNDING {
-        return Ok(Pose {
-            position: DVec3::from_array(coordinates),
-            orientation: quaternion,
-        });
+        return Ok(Pose { position: DVec3::from_array(coordinates), orientation: quaternion });
     }
     // `error` is infinite if the length overflows.
     if !error.is_finite() || error > QUATERNION_TOLERANCE {
         return Err(orientation.error(allowed));
     }
-    Ok(Pose {
-        position: DVec3::from_array(coordinates),
-        orientation: quaternion.normalize(),
-    })
+    Ok(Pose { position: DVec3::from_array(coordinates), orientation: quaternion.normalize() })
 }
 
 fn number(spot: &Spot<'_>, limits: Limits) -> Result<f64, LineError> {
-    spot.number()
-        .filter(|value| limits.hold(*value))
-        .ok_or_else(|| spot.error(format!("a number from {limits}")))
+    spot.number().filter(|value| limits.hold(*value)).ok_or_else(|| spot.error(format!("a number from {limits}")))
 }
 
 #[cfg(test)]

@@ -15,12 +15,7 @@ pub struct Lines<R> {
 impl<R: BufRead> Lines<R> {
     /// The lines of a reader. A line longer than `max_bytes` is skipped and becomes an error.
     pub fn new(reader: R, max_bytes: usize) -> Self {
-        Lines {
-            reader,
-            max_bytes,
-            number: 0,
-            buffer: Vec::new(),
-        }
+        Lines { reader, max_bytes, number: 0, buffer: Vec::new() }
     }
 
     /// The next line that is not blank, with its number from 1 and without its line ending; `None` at the end of the

@@ -38,10 +38,8 @@ struct Content<'a>(&'a [u8]);
 
 impl<'a> Content<'a> {
     fn take(&mut self, count: usize) -> Result<&'a [u8], Fault> {
-        let (taken, rest) = self
-            .0
-            .split_at_checked(count)
-            .ok_or_else(|| Fault::broken("a record that ends too early"))?;
+        let (taken, rest) =
+            self.0.split_at_checked(count).ok_or_else(|| Fault::broken("a record that ends too early"))?;
         self.0 = rest;
         Ok(taken)
     }
@@ -152,10 +150,7 @@ impl<R: Read> Reader<R> {
             }
             let mut content = Vec::new();
             // Memory is not reserved at once, because the length may be damaged.
-            let read = (&mut self.file)
-                .take(length)
-                .read_to_end(&mut content)
-                .map_err(Fault::Io)?;
+            let read = (&mut self.file).take(length).read_to_end(&mut content).map_err(Fault::Io)?;
             if read as u64 != length {
                 return Err(Fault::broken("a file that ends too early").into());
             }

@@ -11,10 +11,7 @@ fn example() -> Vec<u8> {
     let third = writer.channel("/c", "cdr", "mine.C", "ros2msg", b"float64 x");
     assert_eq!([first, second, third], [0, 1, 2]);
     for index in 0..5000u64 {
-        let text = format!(
-            "{{\"number\":{index},\"text\":\"{}\"}}",
-            "x".repeat((index % 700) as usize)
-        );
+        let text = format!("{{\"number\":{index},\"text\":\"{}\"}}", "x".repeat((index % 700) as usize));
         writer.message((index % 2) as u16, 10 * index, text.as_bytes()).unwrap();
     }
     writer.finish().unwrap()
@@ -46,21 +43,14 @@ fn messages_come_back() {
         Ok::<(), Fault>(())
     });
     read.unwrap();
-    assert_eq!(
-        schemas.iter().map(|schema| schema.name.as_str()).collect::<Vec<_>>(),
-        ["mine.A", "mine.C"]
-    );
+    assert_eq!(schemas.iter().map(|schema| schema.name.as_str()).collect::<Vec<_>>(), ["mine.A", "mine.C"]);
     let channel = |id, schema_id, topic: &str, encoding: &str| Channel {
         id,
         schema_id,
         topic: topic.into(),
         message_encoding: encoding.into(),
     };
-    let expected = [
-        channel(0, 1, "/a", "json"),
-        channel(1, 1, "/b", "json"),
-        channel(2, 2, "/c", "cdr"),
-    ];
+    let expected = [channel(0, 1, "/a", "json"), channel(1, 1, "/b", "json"), channel(2, 2, "/c", "cdr")];
     assert_eq!(channels, expected);
     assert_eq!(messages.len(), 5000);
     for (index, (channel, time_ns, data)) in messages.iter().enumerate() {
@@ -121,13 +111,7 @@ fn the_summary_leads_to_everything() {
     while place < footer {
         let (code, content, end) = record(&bytes, place);
         assert_eq!(code, code::SUMMARY_OFFSET);
-        found.insert(
-            content[0],
-            (
-                u64_at(content, 1) as usize,
-                (u64_at(content, 1) + u64_at(content, 9)) as usize,
-            ),
-        );
+        found.insert(content[0], (u64_at(content, 1) as usize, (u64_at(content, 1) + u64_at(content, 9)) as usize));
         place = end;
     }
     assert_eq!(found, groups);

@@ -51,9 +51,7 @@ impl Record {
     /// Numbers by channel.
     fn by_channel(self, map: &BTreeMap<u16, u64>) -> Self {
         let pairs = map.iter();
-        let pairs = pairs.fold(Record::default(), |pairs, (channel, number)| {
-            pairs.u16(*channel).u64(*number)
-        });
+        let pairs = pairs.fold(Record::default(), |pairs, (channel, number)| pairs.u16(*channel).u64(*number));
         self.bytes(&pairs.0)
     }
 
@@ -72,10 +70,7 @@ fn schema_record(schema: &Schema) -> Record {
 
 fn channel_record(channel: &Channel) -> Record {
     let record = Record::default().u16(channel.id).u16(channel.schema_id);
-    record
-        .text(&channel.topic)
-        .text(&channel.message_encoding)
-        .map(&Map::new())
+    record.text(&channel.topic).text(&channel.message_encoding).map(&Map::new())
 }
 
 /// Messages that are not yet in the file.
@@ -126,13 +121,9 @@ impl Writer {
     /// Adds facts about the whole file.
     pub(crate) fn metadata(&mut self, name: &str, facts: &Map) {
         let start = self.out.len() as u64;
-        Record::default()
-            .text(name)
-            .map(facts)
-            .put(code::METADATA, &mut self.out);
+        Record::default().text(name).map(facts).put(code::METADATA, &mut self.out);
         let length = self.out.len() as u64 - start;
-        self.metadata_indexes
-            .push(Record::default().u64(start).u64(length).text(name));
+        self.metadata_indexes.push(Record::default().u64(start).u64(length).text(name));
     }
 
     /// Adds a channel, and its schema unless there is one of this name. Returns the number of the channel.
@@ -178,11 +169,7 @@ impl Writer {
         self.chunk.span = joined(self.chunk.span, time_ns);
         self.span = joined(self.span, time_ns);
         *self.counts.entry(channel).or_default() += 1;
-        let mut record = Record::default()
-            .u16(channel)
-            .u32(self.sequence)
-            .u64(time_ns)
-            .u64(time_ns);
+        let mut record = Record::default().u16(channel).u32(self.sequence).u64(time_ns).u64(time_ns);
         record.0.extend(data);
         record.put(code::MESSAGE, &mut self.chunk.records);
         self.sequence = self.sequence.wrapping_add(1);
@@ -190,11 +177,7 @@ impl Writer {
     }
 
     fn end_chunk(&mut self) -> io::Result<()> {
-        let Chunk {
-            records,
-            messages,
-            span,
-        } = std::mem::take(&mut self.chunk);
+        let Chunk { records, messages, span } = std::mem::take(&mut self.chunk);
         if records.is_empty() {
             return Ok(());
         }
@@ -203,10 +186,7 @@ impl Writer {
         let compressed = zstd::bulk::compress(&records, ZSTD_LEVEL)?;
         let start = self.out.len() as u64;
         let chunk = Record::default().u64(first).u64(last).u64(records.len() as u64);
-        let mut chunk = chunk
-            .u32(crc32fast::hash(&records))
-            .text("zstd")
-            .u64(compressed.len() as u64);
+        let mut chunk = chunk.u32(crc32fast::hash(&records)).text("zstd").u64(compressed.len() as u64);
         chunk.0.extend(&compressed);
         chunk.put(code::CHUNK, &mut self.out);
         let length = self.out.len() as u64 - start;
@@ -215,16 +195,12 @@ impl Writer {
             indexes.insert(channel, self.out.len() as u64);
             let places = messages.iter();
             let places = places.fold(Record::default(), |list, (time, place)| list.u64(*time).u64(*place));
-            Record::default()
-                .u16(channel)
-                .bytes(&places.0)
-                .put(code::MESSAGE_INDEX, &mut self.out);
+            Record::default().u16(channel).bytes(&places.0).put(code::MESSAGE_INDEX, &mut self.out);
         }
         let indexes_length = self.out.len() as u64 - start - length;
         let index = Record::default().u64(first).u64(last).u64(start).u64(length);
         let index = index.by_channel(&indexes).u64(indexes_length).text("zstd");
-        self.chunk_indexes
-            .push(index.u64(compressed.len() as u64).u64(records.len() as u64));
+        self.chunk_indexes.push(index.u64(compressed.len() as u64).u64(records.len() as u64));
         Ok(())
     }
 
@@ -237,18 +213,9 @@ impl Writer {
         Record::default().u32(0).put(code::DATA_END, &mut out);
         let summary_start = out.len();
         let (first, last) = self.span.unwrap_or_default();
-        let statistics = Record::default()
-            .u64(self.counts.values().sum())
-            .u16(self.schemas.len() as u16);
-        let statistics = statistics
-            .u32(self.channels.len() as u32)
-            .u32(0)
-            .u32(self.metadata_indexes.len() as u32);
-        let statistics = statistics
-            .u32(self.chunk_indexes.len() as u32)
-            .u64(first)
-            .u64(last)
-            .by_channel(&self.counts);
+        let statistics = Record::default().u64(self.counts.values().sum()).u16(self.schemas.len() as u16);
+        let statistics = statistics.u32(self.channels.len() as u32).u32(0).u32(self.metadata_indexes.len() as u32);
+        let statistics = statistics.u32(self.chunk_indexes.len() as u32).u64(first).u64(last).by_channel(&self.counts);
         let groups = [
             (code::SCHEMA, self.schemas.iter().map(schema_record).collect()),
             (code::CHANNEL, self.channels.iter().map(channel_record).collect()),
@@ -260,17 +227,13 @@ impl Writer {
         for (code, records) in groups {
             let start = out.len() as u64;
             let is_there = !records.is_empty();
-            records
-                .into_iter()
-                .for_each(|record: Record| record.put(code, &mut out));
+            records.into_iter().for_each(|record: Record| record.put(code, &mut out));
             let mut offset = Record(vec![code]);
             offset = offset.u64(start).u64(out.len() as u64 - start);
             offsets.extend(is_there.then_some(offset));
         }
         let offsets_start = out.len();
-        offsets
-            .into_iter()
-            .for_each(|offset| offset.put(code::SUMMARY_OFFSET, &mut out));
+        offsets.into_iter().for_each(|offset| offset.put(code::SUMMARY_OFFSET, &mut out));
         // The checksum of the summary includes the footer up to the checksum itself.
         let footer = Record::default().u64(summary_start as u64).u64(offsets_start as u64);
         footer.u32(0).put(code::FOOTER, &mut out);

@@ -20,11 +20,7 @@ fn every_number_comes_back() {
         let frames = recording.frames.len();
         let table = |name: &str, width: usize| {
             let dataset = file.dataset(&format!("data/demo_{number}/{name}")).unwrap();
-            let shape = if width == 0 {
-                vec![frames as u64]
-            } else {
-                vec![frames as u64, width as u64]
-            };
+            let shape = if width == 0 { vec![frames as u64] } else { vec![frames as u64, width as u64] };
             assert_eq!(dataset.shape().unwrap(), shape, "{name}");
             assert!(dataset.is_chunked(), "{name}");
             dataset.read_f64().unwrap()
@@ -38,27 +34,12 @@ fn every_number_comes_back() {
         };
         assert_eq!(table("states", 4), flat(&state));
         assert_eq!(table("obs/joint_pos", 2), flat(&|frame| frame.joint_angle_rad.clone()));
-        assert_eq!(
-            table("obs/joint_vel", 2),
-            flat(&|frame| frame.joint_velocity_rad_per_s.clone())
-        );
-        assert_eq!(
-            table("obs/joint_torque", 2),
-            flat(&|frame| frame.joint_torque_nm.clone())
-        );
+        assert_eq!(table("obs/joint_vel", 2), flat(&|frame| frame.joint_velocity_rad_per_s.clone()));
+        assert_eq!(table("obs/joint_torque", 2), flat(&|frame| frame.joint_torque_nm.clone()));
         let pose = |frame: &underbrush_recording::Frame| frame.end_effector_pose_world;
-        assert_eq!(
-            table("obs/eef_pos", 3),
-            flat(&|frame| pose(frame).position.to_array().into())
-        );
-        assert_eq!(
-            table("obs/eef_quat", 4),
-            flat(&|frame| pose(frame).orientation.to_array().into())
-        );
-        assert_eq!(
-            table("obs/goal_pos", 3),
-            flat(&|frame| frame.goal_position_world.to_array().into())
-        );
+        assert_eq!(table("obs/eef_pos", 3), flat(&|frame| pose(frame).position.to_array().into()));
+        assert_eq!(table("obs/eef_quat", 4), flat(&|frame| pose(frame).orientation.to_array().into()));
+        assert_eq!(table("obs/goal_pos", 3), flat(&|frame| frame.goal_position_world.to_array().into()));
         for (patch, name, taxels) in [(0, "obs/tactile_sleeve", 6), (1, "obs/tactile_tip", 2)] {
             let forces = |frame: &underbrush_recording::Frame| {
                 let mut forces = vec![0.0; taxels];
@@ -85,13 +66,7 @@ fn a_scene_called_train_has_a_mask_of_its_own() {
     let reaches: Vec<_> = (0..10).map(|index| reach("train", index, 5)).collect();
     write(&path, &reaches).unwrap();
     let file = File::open(&path).unwrap();
-    let count = |name: &str| {
-        file.dataset(&format!("mask/{name}"))
-            .unwrap()
-            .read_string()
-            .unwrap()
-            .len()
-    };
+    let count = |name: &str| file.dataset(&format!("mask/{name}")).unwrap().read_string().unwrap().len();
     assert_eq!((count("train"), count("valid"), count("train-scene")), (9, 1, 10));
 }
 
@@ -121,19 +96,14 @@ fn few_demonstrations_are_split() {
 fn attributes_and_masks_are_as_robomimic_reads_them() {
     let (_folder, path) = file("reaches.hdf5");
     let scene = |index: u64| if index < 7 { "leaves" } else { "trunks" };
-    let reaches: Vec<_> = (0..12)
-        .map(|index| reach(scene(index), index, 5 + index as usize))
-        .collect();
+    let reaches: Vec<_> = (0..12).map(|index| reach(scene(index), index, 5 + index as usize)).collect();
     write(&path, &reaches).unwrap();
     let file = File::open(&path).unwrap();
     let data = file.group("data").unwrap().attrs().unwrap();
     let frames: usize = reaches.iter().map(|reach| reach.frames.len()).sum();
     assert_eq!(data["total"].as_i64(), Some(frames as i64));
     let environment: serde_json::Value = serde_json::from_str(data["env_args"].as_str().unwrap()).unwrap();
-    assert_eq!(
-        (&environment["env_name"], &environment["type"]),
-        (&"underbrush".into(), &2.into())
-    );
+    assert_eq!((&environment["env_name"], &environment["type"]), (&"underbrush".into(), &2.into()));
     for (number, reach) in reaches.iter().enumerate() {
         let attributes = file.group(&format!("data/demo_{number}")).unwrap().attrs().unwrap();
         assert_eq!(attributes["num_samples"].as_i64(), Some(reach.frames.len() as i64));

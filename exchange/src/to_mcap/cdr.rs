@@ -61,9 +61,7 @@ pub(super) fn joint_state(
     velocity: &[f64],
     effort: &[f64],
 ) -> Vec<u8> {
-    let mut message = Cdr {
-        bytes: ENCAPSULATION.to_vec(),
-    };
+    let mut message = Cdr { bytes: ENCAPSULATION.to_vec() };
     // A reach is far shorter than 68 years.
     message.u32((nanoseconds / 1_000_000_000) as u32);
     message.u32((nanoseconds % 1_000_000_000) as u32);

@@ -43,11 +43,8 @@ const FRAMES_BETWEEN_ALL: usize = 100;
 /// # Errors
 /// [`ExchangeError::Disk`] if the file cannot be written.
 pub fn write_mcap(path: &Path, recording: &Recording) -> Result<(), ExchangeError> {
-    let bytes = encode(recording).map_err(|source| DiskError::Io {
-        path: path.to_path_buf(),
-        action: "write",
-        source,
-    })?;
+    let bytes =
+        encode(recording).map_err(|source| DiskError::Io { path: path.to_path_buf(), action: "write", source })?;
     Ok(write_file(path, &bytes)?)
 }
 
@@ -131,10 +128,7 @@ impl<'a> Reach<'a> {
         for patch in &recording.layout.patches {
             let topic = format!("/skin/{}", patch.name);
             let grid = patch.grid.map(|_| json_channel::<Grid>(&mut writer, &topic));
-            skin.push((
-                grid,
-                json_channel::<PointCloud>(&mut writer, &format!("{topic}/pressed")),
-            ));
+            skin.push((grid, json_channel::<PointCloud>(&mut writer, &format!("{topic}/pressed"))));
         }
         Reach {
             writer,
@@ -175,28 +169,19 @@ impl<'a> Reach<'a> {
             .filter(|(body, frame)| sent(body) && frame.as_str() != WORLD)
             .map(|(body, frame)| FrameTransform::new(time, frame, body.pose_world(number)));
         let patches = self.recording.layout.patches.iter().enumerate();
-        let grids = patches
-            .filter(|(_, patch)| all && patch.grid.is_some())
-            .map(|(place, patch)| {
-                // Choice: beside the arm, one above the other.
-                let position = DVec3::new(0.0, 1.0, 0.5 * place as f64);
-                FrameTransform::new(time, &grid_frame(patch), Pose::from_position(position))
-            });
-        let message = FrameTransforms {
-            transforms: bodies.chain(grids).collect(),
-        };
+        let grids = patches.filter(|(_, patch)| all && patch.grid.is_some()).map(|(place, patch)| {
+            // Choice: beside the arm, one above the other.
+            let position = DVec3::new(0.0, 1.0, 0.5 * place as f64);
+            FrameTransform::new(time, &grid_frame(patch), Pose::from_position(position))
+        });
+        let message = FrameTransforms { transforms: bodies.chain(grids).collect() };
         self.send(self.transforms, nanoseconds, &message)
     }
 
     fn skin(&mut self, nanoseconds: u64, frame: &Frame) -> io::Result<()> {
         let time = Time::new(nanoseconds);
         for (place, patch) in self.recording.layout.patches.iter().enumerate() {
-            let readings = || {
-                frame
-                    .taxels
-                    .iter()
-                    .filter(move |reading| usize::from(reading.patch) == place)
-            };
+            let readings = || frame.taxels.iter().filter(move |reading| usize::from(reading.patch) == place);
             let (grid_channel, pressed_channel) = self.skin[place];
             if let (Some(channel), Some(grid)) = (grid_channel, patch.grid) {
                 let mut cells = vec![0.0; patch.taxels.len()];
@@ -205,12 +190,10 @@ impl<'a> Reach<'a> {
                 let message = Grid::new(time, &grid_frame(patch), grid.columns, cell_m, FORCE, &cells);
                 self.send(channel, nanoseconds, &message)?;
             }
-            let pressed = readings()
-                .filter(|reading| reading.sensed_force_n > 0.0)
-                .map(|reading| {
-                    let taxel = &patch.taxels[usize::from(reading.taxel)];
-                    (taxel.position_link, reading.sensed_force_n)
-                });
+            let pressed = readings().filter(|reading| reading.sensed_force_n > 0.0).map(|reading| {
+                let taxel = &patch.taxels[usize::from(reading.taxel)];
+                (taxel.position_link, reading.sensed_force_n)
+            });
             let message = PointCloud::new(time, &patch.link, FORCE, pressed);
             self.send(pressed_channel, nanoseconds, &message)?;
         }

@@ -84,11 +84,9 @@ fn add(entity: &mut SceneEntity, shape: &BodyShape, pose: Pose, color: Color) {
                 entity.spheres.push(sphere(end, *radius_m));
             }
         }
-        BodyShape::Box { size_m } => entity.cubes.push(CubePrimitive {
-            pose: pose.into(),
-            size: (*size_m).into(),
-            color,
-        }),
+        BodyShape::Box { size_m } => {
+            entity.cubes.push(CubePrimitive { pose: pose.into(), size: (*size_m).into(), color })
+        }
         BodyShape::Hull { points_m } => entity.triangles.push(TriangleListPrimitive {
             pose: pose.into(),
             points: hull_triangles(points_m).into_iter().map(Into::into).collect(),
@@ -107,25 +105,17 @@ pub(super) fn bodies(recording: &Recording, frames: &[String]) -> SceneUpdate {
             BodyOwner::Object(object) => recording.objects.get(usize::from(*object)),
         };
         let category = object.map(|object| object.category);
-        let mut entity = SceneEntity {
-            frame_id: frame.clone(),
-            id: frame.clone(),
-            frame_locked: true,
-            ..SceneEntity::default()
-        };
-        entity.metadata.extend(category.map(|category| KeyValuePair {
-            key: "category".into(),
-            value: category.name().into(),
-        }));
+        let mut entity =
+            SceneEntity { frame_id: frame.clone(), id: frame.clone(), frame_locked: true, ..SceneEntity::default() };
+        entity
+            .metadata
+            .extend(category.map(|category| KeyValuePair { key: "category".into(), value: category.name().into() }));
         for part in &body.parts {
             add(&mut entity, &part.shape, part.pose_body, color(category));
         }
         entity
     };
-    SceneUpdate {
-        deletions: [],
-        entities: recording.bodies.iter().zip(frames).map(entity).collect(),
-    }
+    SceneUpdate { deletions: [], entities: recording.bodies.iter().zip(frames).map(entity).collect() }
 }
 
 /// Radius of the sphere that shows the goal, m. Choice: as large as the hand.
@@ -133,24 +123,10 @@ const GOAL_RADIUS_M: f64 = 0.03;
 
 /// The current goal.
 pub(super) fn goal(timestamp: Time, position_world: DVec3) -> SceneUpdate {
-    let blue = Color {
-        r: 0.1,
-        g: 0.4,
-        b: 0.9,
-        a: 0.8,
-    };
-    let mut entity = SceneEntity {
-        timestamp,
-        frame_id: super::WORLD.into(),
-        id: "goal".into(),
-        ..SceneEntity::default()
-    };
-    let sphere = BodyShape::Sphere {
-        radius_m: GOAL_RADIUS_M,
-    };
+    let blue = Color { r: 0.1, g: 0.4, b: 0.9, a: 0.8 };
+    let mut entity =
+        SceneEntity { timestamp, frame_id: super::WORLD.into(), id: "goal".into(), ..SceneEntity::default() };
+    let sphere = BodyShape::Sphere { radius_m: GOAL_RADIUS_M };
     add(&mut entity, &sphere, Pose::from_position(position_world), blue);
-    SceneUpdate {
-        deletions: [],
-        entities: vec![entity],
-    }
+    SceneUpdate { deletions: [], entities: vec![entity] }
 }

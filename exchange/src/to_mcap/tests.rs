@@ -32,10 +32,7 @@ fn json(bytes: &[u8], topic: &str) -> Vec<Value> {
 /// The doubles of packed data.
 fn doubles(message: &Value) -> Vec<f64> {
     let bytes = STANDARD.decode(message["data"].as_str().unwrap()).unwrap();
-    bytes
-        .chunks_exact(8)
-        .map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap()))
-        .collect()
+    bytes.chunks_exact(8).map(|bytes| f64::from_le_bytes(bytes.try_into().unwrap())).collect()
 }
 
 /// Reads a JointState by the rules of CDR: its time in ns, the names and the three lists.
@@ -85,11 +82,7 @@ fn joints_and_forces_come_back_exactly() {
         assert_eq!(time, index as u64 * 10_000_000);
         assert_eq!(states[index].0, time);
         assert_eq!(names, recording.joint_names);
-        let numbers = [
-            &frame.joint_angle_rad,
-            &frame.joint_velocity_rad_per_s,
-            &frame.joint_torque_nm,
-        ];
+        let numbers = [&frame.joint_angle_rad, &frame.joint_velocity_rad_per_s, &frame.joint_torque_nm];
         assert_eq!(lists, numbers.map(Clone::clone));
         let (_, _, lists) = joint_state(&equilibrium[index].1);
         assert_eq!(lists, [frame.equilibrium_angle_rad.clone(), vec![], vec![]]);
@@ -102,10 +95,7 @@ fn joints_and_forces_come_back_exactly() {
         let of_sleeve = frame.taxels.iter().filter(|reading| reading.patch == 0);
         of_sleeve.for_each(|reading| cells[usize::from(reading.taxel)] = reading.sensed_force_n);
         assert_eq!(doubles(&grids[index]), cells);
-        assert_eq!(
-            (&grids[index]["column_count"], &grids[index]["row_stride"]),
-            (&3.into(), &24.into())
-        );
+        assert_eq!((&grids[index]["column_count"], &grids[index]["row_stride"]), (&3.into(), &24.into()));
         let tip = frame.taxels.iter().find(|reading| reading.patch == 1);
         let point = tip.map(|reading| vec![0.01, 0.05, 0.0, reading.sensed_force_n]);
         assert_eq!(doubles(&tips[index]), point.unwrap_or_default());
@@ -146,17 +136,10 @@ fn poses_shapes_and_goals_come_back() {
     assert_eq!(entities[0]["spheres"].as_array().unwrap().len(), 2);
     assert_eq!(entities[1]["metadata"][0]["value"], "leaf");
     // Each face of a cube appears as the four triangles of its corners.
-    assert_eq!(
-        entities[1]["triangles"][0]["points"].as_array().unwrap().len(),
-        6 * 4 * 3
-    );
+    assert_eq!(entities[1]["triangles"][0]["points"].as_array().unwrap().len(), 6 * 4 * 3);
     assert_eq!(entities[2]["cubes"][0]["size"]["x"], 1.0);
     let goals = json(&bytes, "/goal");
-    let place = |goal: &Value| {
-        goal["entities"][0]["spheres"][0]["pose"]["position"]["y"]
-            .as_f64()
-            .unwrap()
-    };
+    let place = |goal: &Value| goal["entities"][0]["spheres"][0]["pose"]["position"]["y"].as_f64().unwrap();
     assert_eq!(goals.iter().map(place).collect::<Vec<_>>(), [0.0, 0.1, 0.2, 0.1 * 3.0]);
 }
 
@@ -198,11 +181,7 @@ fn the_file_has_known_schemas() {
         .values()
         .map(|channel| {
             let schema = &schemas[&channel.schema_id];
-            let parts = (
-                schema.name.as_str(),
-                schema.encoding.as_str(),
-                channel.message_encoding.as_str(),
-            );
+            let parts = (schema.name.as_str(), schema.encoding.as_str(), channel.message_encoding.as_str());
             (channel.topic.as_str(), parts)
         })
         .collect();
@@ -223,9 +202,6 @@ fn the_file_has_known_schemas() {
         let text = std::str::from_utf8(&schema.data).unwrap();
         assert!(!text.contains("$ref"), "{text}");
         let parsed: Value = serde_json::from_str(text).unwrap();
-        assert_eq!(
-            (&parsed["title"], &parsed["type"]),
-            (&schema.name.as_str().into(), &"object".into())
-        );
+        assert_eq!((&parsed["title"], &parsed["type"]), (&schema.name.as_str().into(), &"object".into()));
     }
 }

@@ -33,11 +33,7 @@ pub(super) struct Answer {
 }
 
 /// The answer of a model that does not judge a taxel in contact, because it has another threshold.
-pub(super) const SILENCE: Answer = Answer {
-    likeliest: Class::Nothing,
-    trunk: None,
-    unlike: f64::NEG_INFINITY,
-};
+pub(super) const SILENCE: Answer = Answer { likeliest: Class::Nothing, trunk: None, unlike: f64::NEG_INFINITY };
 
 /// A contact and the answers to it.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,17 +80,8 @@ pub(super) struct OpenContact {
 
 impl Default for OpenContact {
     fn default() -> Self {
-        let moment = Moment {
-            answer: SILENCE,
-            while_pressed: SILENCE,
-            pressing: Pressing::Known(Class::Nothing),
-        };
-        OpenContact {
-            samples: 0,
-            moments: [moment; JUDGED_MOMENTS],
-            while_pressed: None,
-            pressed: [0; 4],
-        }
+        let moment = Moment { answer: SILENCE, while_pressed: SILENCE, pressing: Pressing::Known(Class::Nothing) };
+        OpenContact { samples: 0, moments: [moment; JUDGED_MOMENTS], while_pressed: None, pressed: [0; 4] }
     }
 }
 
@@ -113,11 +100,7 @@ impl OpenContact {
         self.samples += 1;
         for (own, last) in self.moments.iter_mut().zip(MOMENTS.into_iter().chain([usize::MAX])) {
             if self.samples <= last {
-                *own = Moment {
-                    answer,
-                    while_pressed: self.while_pressed.unwrap_or(answer),
-                    pressing: class,
-                };
+                *own = Moment { answer, while_pressed: self.while_pressed.unwrap_or(answer), pressing: class };
             }
         }
         if let Some(place) = place {
@@ -135,10 +118,6 @@ impl OpenContact {
             Some(2) => return None,
             Some(_) => Class::Other,
         };
-        Some(Contact {
-            truth,
-            samples: self.samples,
-            moments: self.moments,
-        })
+        Some(Contact { truth, samples: self.samples, moments: self.moments })
     }
 }

@@ -26,10 +26,9 @@ impl Counts {
         for contact in contacts {
             let own = contact.moments[moment];
             let (truth, right) = match balanced {
-                Balanced::LeafOrTrunk => (
-                    contact.truth,
-                    own.while_pressed.trunk == Some(contact.truth == Class::Trunk),
-                ),
+                Balanced::LeafOrTrunk => {
+                    (contact.truth, own.while_pressed.trunk == Some(contact.truth == Class::Trunk))
+                }
                 Balanced::WithNothing => match own.pressing {
                     _ if MOMENTS.get(moment).is_none_or(|samples| contact.samples < *samples) => continue,
                     Pressing::Known(truth) => (truth, own.answer.likeliest == truth),
@@ -68,9 +67,7 @@ impl Counts {
         };
         let count = classes.len() as f64;
         let sum = Counts::sum(all);
-        let shares = sum.0[classes]
-            .iter()
-            .map(|[right, contacts]| *right as f64 / *contacts as f64);
+        let shares = sum.0[classes].iter().map(|[right, contacts]| *right as f64 / *contacts as f64);
         let mean = shares.sum::<f64>() / count;
         mean.is_finite().then_some(mean)
     }
@@ -82,21 +79,9 @@ mod tests {
     use super::*;
 
     fn contact(truth: Class, pressing: Class, likeliest: Class, trunk: Option<bool>) -> Contact {
-        let answer = Answer {
-            likeliest,
-            trunk,
-            unlike: 0.0,
-        };
-        let moment = Moment {
-            answer,
-            while_pressed: answer,
-            pressing: Pressing::Known(pressing),
-        };
-        Contact {
-            truth,
-            samples: 1,
-            moments: [moment; JUDGED_MOMENTS],
-        }
+        let answer = Answer { likeliest, trunk, unlike: 0.0 };
+        let moment = Moment { answer, while_pressed: answer, pressing: Pressing::Known(pressing) };
+        Contact { truth, samples: 1, moments: [moment; JUDGED_MOMENTS] }
     }
 
     /// Tests both accuracies of seven contacts against values counted by hand.
@@ -127,9 +112,6 @@ mod tests {
         let later = Counts::of(&contacts, 1, Balanced::WithNothing);
         assert_eq!(Counts::balanced_accuracy(&[&later], Balanced::WithNothing), None);
         let without_trunks = Counts::of(&contacts[..5], 0, Balanced::LeafOrTrunk);
-        assert_eq!(
-            Counts::balanced_accuracy(&[&without_trunks], Balanced::LeafOrTrunk),
-            None
-        );
+        assert_eq!(Counts::balanced_accuracy(&[&without_trunks], Balanced::LeafOrTrunk), None);
     }
 }

@@ -89,10 +89,7 @@ pub(super) fn arms(scenes: &[Scene]) -> Result<BTreeMap<String, Arm>, InputError
     if scenes.iter().all(|scene| scene.name != OTHER_ARM) {
         return Ok(BTreeMap::new());
     }
-    let source = |(name, text): &(&str, &str)| ArmSource {
-        name: (*name).to_owned(),
-        text: (*text).to_owned(),
-    };
+    let source = |(name, text): &(&str, &str)| ArmSource { name: (*name).to_owned(), text: (*text).to_owned() };
     let files: Vec<ArmSource> = PANDA.iter().map(source).collect();
     Ok([(OTHER_ARM.to_owned(), Arm::from_files(&files)?)].into())
 }

@@ -107,11 +107,7 @@ impl JudgedModel {
 /// A model that follows a reach.
 enum Answering {
     Touch(Box<TouchClassifier>),
-    OfTrials {
-        online: Box<OnlineClassifier>,
-        judge: Judge,
-        classes: Vec<Class>,
-    },
+    OfTrials { online: Box<OnlineClassifier>, judge: Judge, classes: Vec<Class> },
 }
 
 impl Answering {
@@ -183,21 +179,12 @@ fn largest(values: &[f64]) -> f64 {
 
 /// The class with the largest value; the first one if several classes have it.
 fn likeliest(classes: &[Class], values: &[f64]) -> Class {
-    let best = classes
-        .iter()
-        .zip(values)
-        .reduce(|best, other| if other.1 > best.1 { other } else { best });
+    let best = classes.iter().zip(values).reduce(|best, other| if other.1 > best.1 { other } else { best });
     best.map_or(Class::Nothing, |(class, _)| *class)
 }
 
 fn is_trunk(classes: &[Class], values: &[f64]) -> Option<bool> {
-    let of = |wanted: Class| {
-        classes
-            .iter()
-            .zip(values)
-            .find(|(class, _)| **class == wanted)
-            .map(|(_, value)| *value)
-    };
+    let of = |wanted: Class| classes.iter().zip(values).find(|(class, _)| **class == wanted).map(|(_, value)| *value);
     let (leaf, trunk) = (of(Class::Leaf)?, of(Class::Trunk)?);
     (leaf != trunk).then_some(trunk > leaf)
 }

@@ -112,12 +112,7 @@ impl Entry {
                 .collect(),
             Entry::Reaching(controller) => {
                 let scenes = [frozen::REACHING_SCENE];
-                let mut set = set(
-                    String::new(),
-                    &scenes,
-                    frozen::CONTROLLED_REACHES,
-                    frozen::REACHING_SEED,
-                )?;
+                let mut set = set(String::new(), &scenes, frozen::CONTROLLED_REACHES, frozen::REACHING_SEED)?;
                 set.campaign.controller = controller.kind;
                 set.campaign.own_controller = controller.own.clone();
                 set.campaign.verdicts = controller.verdicts.clone();
@@ -145,10 +140,7 @@ impl Entry {
         let mut sets = Vec::new();
         for set in planned {
             progress.stage(&format!("Reaches of the set {}", set.name));
-            let dataset = match set
-                .campaign
-                .write(&set_folder(folder, &set.name, quick), true, progress)?
-            {
+            let dataset = match set.campaign.write(&set_folder(folder, &set.name, quick), true, progress)? {
                 Written::New(dataset) | Written::Before(dataset) => dataset,
             };
             sets.push((set.name, dataset));
@@ -190,9 +182,7 @@ impl Entry {
 
     fn figures(&self, sets: &[(String, Dataset)], progress: &dyn Progress) -> Result<Figures, ExperimentError> {
         let contacts = |set: &Dataset, model: &JudgedModel| {
-            each_reach(set, progress, |recording| {
-                Ok((recording.scene.clone(), model.contacts(recording)?))
-            })
+            each_reach(set, progress, |recording| Ok((recording.scene.clone(), model.contacts(recording)?)))
         };
         Ok(match self {
             Entry::Verdicts(model) => {
@@ -211,12 +201,7 @@ impl Entry {
                 let goals = frozen::scene(frozen::REACHING_SCENE)?.file.goals.count;
                 let of_set = |(_, set): &(String, Dataset)| {
                     each_reach(set, progress, |reach| {
-                        Ok(reaching::Reach::of(
-                            goals,
-                            &reach.goals,
-                            &reach.contacts,
-                            &reach.objects,
-                        ))
+                        Ok(reaching::Reach::of(goals, &reach.goals, &reach.contacts, &reach.objects))
                     })
                 };
                 let reaches = sets.iter().map(of_set).collect::<Result<Vec<_>, _>>()?.concat();

@@ -22,11 +22,7 @@ impl Ranked {
         let mut contacts = Vec::new();
         for (reach, sides) in reaches.iter().enumerate() {
             for (scores, is_positive) in sides.iter().zip([true, false]) {
-                contacts.extend(scores.iter().map(|score| RankedContact {
-                    score: *score,
-                    reach,
-                    is_positive,
-                }));
+                contacts.extend(scores.iter().map(|score| RankedContact { score: *score, reach, is_positive }));
             }
         }
         contacts.sort_unstable_by(|a, b| b.score.total_cmp(&a.score));
@@ -80,11 +76,7 @@ mod tests {
                 repeated.flatten().collect()
             });
             let expected = RocCurve::of(&positives, &negatives).map(|curve| curve.area);
-            assert_eq!(
-                Ranked::of(&sides).unwrap().area(&times),
-                expected,
-                "{sides:?} {times:?}"
-            );
+            assert_eq!(Ranked::of(&sides).unwrap().area(&times), expected, "{sides:?} {times:?}");
             areas += usize::from(expected.is_some());
         }
         assert!(areas > 1000, "{areas}");

@@ -36,10 +36,7 @@ pub(super) struct Reach {
 
 impl Reach {
     pub(super) fn of(drawn_goals: u32, goals: &[GoalRecord], contacts: &[Contact], objects: &[ObjectRecord]) -> Self {
-        let mut reach = Reach {
-            goals: drawn_goals as usize,
-            ..Reach::default()
-        };
+        let mut reach = Reach { goals: drawn_goals as usize, ..Reach::default() };
         for goal in goals {
             reach.reached += usize::from(goal.outcome == Outcome::Reached);
             reach.seconds += goal.end_time_s - goal.start_time_s;

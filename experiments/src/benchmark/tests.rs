@@ -40,18 +40,9 @@ fn frozen_scenes_draw_what_they_drew() {
     for path in frozen::VERDICTS_SCENES.iter().chain(settings) {
         let (plan, drawn) = drawn(path);
         let (file, controller) = (&plan.scene.file, plan.controller_name());
-        writeln!(
-            text,
-            "{path} {:?} {:?} {controller:?}\n{drawn}",
-            file.physics, file.sensor
-        )
-        .unwrap();
+        writeln!(text, "{path} {:?} {:?} {controller:?}\n{drawn}", file.physics, file.sensor).unwrap();
     }
-    assert_eq!(
-        blake3::hash(text.as_bytes()).to_hex()[..16],
-        *"3530b0f2084a2140",
-        "{text}"
-    );
+    assert_eq!(blake3::hash(text.as_bytes()).to_hex()[..16], *"3530b0f2084a2140", "{text}");
 }
 
 /// Tests that all settings except the one with another arm have the same clutter and goals.
@@ -64,11 +55,7 @@ fn settings_differ_in_nothing_but_arm_speed_and_sensor() {
 }
 
 fn answer(likeliest: Class) -> Answer {
-    Answer {
-        likeliest,
-        trunk: Some(likeliest == Class::Trunk),
-        unlike: 0.0,
-    }
+    Answer { likeliest, trunk: Some(likeliest == Class::Trunk), unlike: 0.0 }
 }
 
 /// Tests which frame of a contact stands for each moment, that shorter contacts keep their last answer, that answers
@@ -77,20 +64,15 @@ fn answer(likeliest: Class) -> Answer {
 fn moments_are_those_samples_of_the_contact() {
     let mut open = OpenContact::default();
     for sample in 1..=60 {
-        let likeliest = if (25..=40).contains(&sample) {
-            Class::Trunk
-        } else {
-            Class::Leaf
-        };
+        let likeliest = if (25..=40).contains(&sample) { Class::Trunk } else { Class::Leaf };
         // The touch ends before the reading does.
         let pressing = if sample <= 30 { Some(Category::TRUNK) } else { None };
         open.push(answer(likeliest), pressing);
     }
     let contact = open.close().unwrap();
     assert_eq!((contact.truth, contact.samples), (Class::Trunk, 60));
-    let found = contact
-        .moments
-        .map(|moment| (moment.answer.likeliest, moment.while_pressed.likeliest, moment.pressing));
+    let found =
+        contact.moments.map(|moment| (moment.answer.likeliest, moment.while_pressed.likeliest, moment.pressing));
     let (touched, over) = (Pressing::Known(Class::Trunk), Pressing::Known(Class::Nothing));
     // After 1, 2, 3, 6 and 12 samples; after 25; and after 50, and at the end at 60.
     assert_eq!(found[..5], [(Class::Leaf, Class::Leaf, touched); 5]);
@@ -109,10 +91,7 @@ fn blocks_are_left_out_and_readings_without_a_touch_are_not() {
         }
         open.close().map(|contact| contact.truth)
     };
-    assert_eq!(
-        closed(&[Some(Category::BLOCK), Some(Category::BLOCK), Some(Category::LEAF)]),
-        None
-    );
+    assert_eq!(closed(&[Some(Category::BLOCK), Some(Category::BLOCK), Some(Category::LEAF)]), None);
     assert_eq!(closed(&[None, None]), Some(Class::Nothing));
     assert_eq!(closed(&[None, Some(Category::OUTLIER)]), Some(Class::Other));
 }
@@ -124,10 +103,8 @@ fn the_row_of_another_model_stays() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("quick-rows/reaching-blind.json");
     files::write(&file, br#"{ "entry": { "name": "blind", "model_blake3": "0123" } }"#).unwrap();
-    let entry = Entry::Reaching(EnteredController {
-        kind: Some(ControllerKind::Blind),
-        ..EnteredController::default()
-    });
+    let entry =
+        Entry::Reaching(EnteredController { kind: Some(ControllerKind::Blind), ..EnteredController::default() });
     let Err(ExperimentError::Input(error)) = entry.run(folder.path(), true, &crate::progress::Silent) else {
         panic!("the row is not refused");
     };
@@ -140,9 +117,7 @@ fn the_row_of_another_model_stays() {
     };
     assert!(of_model(Some("4567")).check_earlier_row(&file).is_err());
     of_model(Some("0123")).check_earlier_row(&file).unwrap();
-    of_model(None)
-        .check_earlier_row(&folder.path().join("none.json"))
-        .unwrap();
+    of_model(None).check_earlier_row(&folder.path().join("none.json")).unwrap();
     files::write(&file, b"{").unwrap();
     of_model(None).check_earlier_row(&file).unwrap();
 }
@@ -176,11 +151,7 @@ fn reaching_figures_are_those_worked_out_by_hand() {
     let reaches = [
         reach(
             vec![goal(Outcome::Reached, 2.0), goal(Outcome::Stuck, 4.0)],
-            vec![
-                touching(0, 100, 3.0, 0.5),
-                touching(1, 10, 8.0, 2.0),
-                touching(1, 10, 6.0, 2.0),
-            ],
+            vec![touching(0, 100, 3.0, 0.5), touching(1, 10, 8.0, 2.0), touching(1, 10, 6.0, 2.0)],
         ),
         reach(vec![goal(Outcome::Reached, 3.0)], vec![touching(0, 50, 1.0, 0.2)]),
     ];

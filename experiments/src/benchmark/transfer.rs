@@ -60,7 +60,5 @@ pub(super) fn figures(settings: &[Vec<Vec<Contact>>]) -> Transfer {
             },
         }
     };
-    Transfer {
-        settings: counts.iter().enumerate().map(setting).collect(),
-    }
+    Transfer { settings: counts.iter().enumerate().map(setting).collect() }
 }

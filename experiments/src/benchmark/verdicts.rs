@@ -51,11 +51,7 @@ pub struct VerdictsAt {
 /// The figures of contacts, which are given by reach with the name of its scene.
 pub(super) fn figures(reaches: &[(String, Vec<Contact>)]) -> Verdicts {
     let in_scene = |name: &str| -> Vec<&Vec<Contact>> {
-        reaches
-            .iter()
-            .filter(|(scene, _)| scene == name)
-            .map(|(_, contacts)| contacts)
-            .collect()
+        reaches.iter().filter(|(scene, _)| scene == name).map(|(_, contacts)| contacts).collect()
     };
     let (rolls, bottles) = (in_scene(FOAM_ROLL), in_scene(WATER_BOTTLE));
     let all: Vec<&Vec<Contact>> = reaches.iter().map(|(_, contacts)| contacts).collect();
@@ -84,9 +80,7 @@ pub(super) fn figures(reaches: &[(String, Vec<Contact>)]) -> Verdicts {
 
 /// A balanced accuracy over reaches.
 fn accuracy(reaches: &[(String, Vec<Contact>)], moment: usize, balanced: Balanced) -> Estimate {
-    let counts: Vec<Counts> = (reaches.iter())
-        .map(|(_, contacts)| Counts::of(contacts, moment, balanced))
-        .collect();
+    let counts: Vec<Counts> = (reaches.iter()).map(|(_, contacts)| Counts::of(contacts, moment, balanced)).collect();
     Estimate::of(&counts, |own| Counts::balanced_accuracy(own, balanced))
 }
 
@@ -96,17 +90,11 @@ fn area(reaches: &[(String, Vec<Contact>)], scene: &str, moment: usize) -> Estim
     let unlike = |(own, contacts): &(String, Vec<Contact>)| -> [Vec<f64>; 2] {
         let of = |is_wanted: &dyn Fn(Class) -> bool| {
             let wanted = contacts.iter().filter(|contact| is_wanted(contact.truth));
-            wanted
-                .map(|contact| contact.moments[moment].while_pressed.unlike)
-                .collect()
+            wanted.map(|contact| contact.moments[moment].while_pressed.unlike).collect()
         };
-        [
-            of(&|class| own == scene && class == Class::Other),
-            of(&|class| matches!(class, Class::Leaf | Class::Trunk)),
-        ]
+        [of(&|class| own == scene && class == Class::Other), of(&|class| matches!(class, Class::Leaf | Class::Trunk))]
     };
     let reaches: Vec<[Vec<f64>; 2]> = reaches.iter().map(unlike).collect();
-    Ranked::of(&reaches).map_or_else(Estimate::default, |ranked| {
-        Estimate::of_times(reaches.len(), |times| ranked.area(times))
-    })
+    Ranked::of(&reaches)
+        .map_or_else(Estimate::default, |ranked| Estimate::of_times(reaches.len(), |times| ranked.area(times)))
 }

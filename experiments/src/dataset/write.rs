@@ -52,10 +52,7 @@ impl Campaign {
     ) -> Result<Option<Written>, ExperimentError> {
         let plans = self.plans()?;
         let jobs = self.jobs();
-        let own = jobs
-            .iter()
-            .enumerate()
-            .filter(|(position, _)| part.holds(*position as u64));
+        let own = jobs.iter().enumerate().filter(|(position, _)| part.holds(*position as u64));
         let own: Vec<Job> = own.map(|(_, job)| *job).collect();
         if own.is_empty() {
             let text = format!("part {part} has no reach; ask for at least one reach in each part");
@@ -70,9 +67,7 @@ impl Campaign {
                 Err(DiskError::InUse { dir }) => {
                     if !waits {
                         let dir = dir.display();
-                        progress.remark(&format!(
-                            "{dir}: waiting for another process, which assembles the data set"
-                        ));
+                        progress.remark(&format!("{dir}: waiting for another process, which assembles the data set"));
                     }
                     waits = true;
                     if progress.is_stopped() {
@@ -93,8 +88,7 @@ impl Campaign {
 /// thousandth of the time of its reach.
 fn prepare(plans: &[ReachPlan], jobs: &[Job], progress: &dyn Progress) -> Result<(), ExperimentError> {
     say_doubts(plans.iter().map(|plan| &plan.arm), progress);
-    jobs.par_iter()
-        .try_for_each(|job| plans[job.plan].draw(job.reach_index).map(drop))?;
+    jobs.par_iter().try_for_each(|job| plans[job.plan].draw(job.reach_index).map(drop))?;
     Ok(())
 }
 

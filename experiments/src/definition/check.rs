@@ -16,11 +16,7 @@ pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
     let labels: BTreeSet<&str> = file.training.iter().map(|own| own.label.as_str()).collect();
     if labels.len() < 2 {
         let found = labels.first().copied().unwrap_or("no training scenes");
-        return fault(
-            "training.label",
-            found,
-            "training scenes with at least two different labels",
-        );
+        return fault("training.label", found, "training scenes with at least two different labels");
     }
     for training in &file.training {
         if training.label.is_empty() || ["uncertain", "outlier"].contains(&training.label.as_str()) {
@@ -37,11 +33,7 @@ pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
         ] {
             if count.is_some_and(|count| !(2..=1_000_000).contains(&count)) {
                 let found = count.unwrap_or_default().to_string();
-                return fault(
-                    name,
-                    &found,
-                    "2 to 1000000: cross-validation needs a reach in each of two folds",
-                );
+                return fault(name, &found, "2 to 1000000: cross-validation needs a reach in each of two folds");
             }
         }
     }
@@ -58,11 +50,7 @@ pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
     check_names(file, source)?;
     let trials = &file.trials;
     if !(trials.threshold_n > 0.0 && trials.threshold_n < 100.0) {
-        return fault(
-            "trials.threshold_n",
-            &trials.threshold_n.to_string(),
-            "a force over 0 and under 100 N",
-        );
+        return fault("trials.threshold_n", &trials.threshold_n.to_string(), "a force over 0 and under 100 N");
     }
     let max_states = file.states.iter().copied().max().unwrap_or(1);
     if trials.min_samples < max_states {
@@ -90,10 +78,7 @@ fn check_names(file: &ExperimentFile, source: &Source) -> Result<(), InputError>
         ("recipes", recipes.collect()),
         ("classifiers.name", of_entries(&file.classifiers)),
         ("setting_classifiers.name", of_entries(&file.setting_classifiers)),
-        (
-            "settings.name",
-            file.settings.iter().map(|setting| setting.name.clone()).collect(),
-        ),
+        ("settings.name", file.settings.iter().map(|setting| setting.name.clone()).collect()),
     ];
     for (field, names) in names {
         let mut known = BTreeSet::new();

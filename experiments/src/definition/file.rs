@@ -104,11 +104,7 @@ pub struct TrialSection {
 impl Default for TrialSection {
     fn default() -> Self {
         let paper = underbrush_classifier::trial::TrialOptions::paper();
-        TrialSection {
-            patch: paper.patch,
-            threshold_n: paper.threshold_n,
-            min_samples: paper.min_samples,
-        }
+        TrialSection { patch: paper.patch, threshold_n: paper.threshold_n, min_samples: paper.min_samples }
     }
 }
 

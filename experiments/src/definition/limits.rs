@@ -30,24 +30,9 @@ fn check_thresholds(thresholds: &ThresholdSection, source: &Source) -> Result<()
     let rate = thresholds.false_positive_rate;
     let prior = thresholds.outlier_prior;
     for (name, value, holds, allowed) in [
-        (
-            "thresholds.uncertain_below_nats",
-            margin,
-            margin.is_finite() && margin >= 0.0,
-            "a finite number from 0",
-        ),
-        (
-            "thresholds.false_positive_rate",
-            rate,
-            rate > 0.0 && rate < 1.0,
-            "a share over 0 and under 1",
-        ),
-        (
-            "thresholds.outlier_prior",
-            prior,
-            (0.0..0.5).contains(&prior),
-            "a share from 0 and under 0.5",
-        ),
+        ("thresholds.uncertain_below_nats", margin, margin.is_finite() && margin >= 0.0, "a finite number from 0"),
+        ("thresholds.false_positive_rate", rate, rate > 0.0 && rate < 1.0, "a share over 0 and under 1"),
+        ("thresholds.outlier_prior", prior, (0.0..0.5).contains(&prior), "a share from 0 and under 0.5"),
     ] {
         if !holds {
             return Err(source.number(name, value).fault(short(value), allowed));
@@ -59,11 +44,7 @@ fn check_thresholds(thresholds: &ThresholdSection, source: &Source) -> Result<()
 /// Checks the arm of a setting as a scene file's `[robot]`, which it replaces.
 fn check_setting(setting: &Setting, source: &Source) -> Result<(), InputError> {
     // All keys are named here, so that no later one can be forgotten.
-    let RobotSection {
-        stiffness_scale,
-        hand_speed_scale,
-        force_limit_scale,
-    } = setting.robot;
+    let RobotSection { stiffness_scale, hand_speed_scale, force_limit_scale } = setting.robot;
     for (key, value, range) in [
         ("stiffness_scale", stiffness_scale, limits::STIFFNESS_SCALE),
         ("hand_speed_scale", hand_speed_scale, limits::HAND_SPEED_SCALE),

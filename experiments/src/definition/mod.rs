@@ -105,24 +105,12 @@ impl Experiment {
         check_patch(&file, named_arms.iter().chain(&cody), &source)?;
         let mut hasher = blake3::Hasher::new();
         let texts = scenes.values().map(|scene| scene.text.as_str());
-        let arm_texts = named_arms
-            .iter()
-            .flat_map(|arm| arm.files.iter().map(|file| file.text.as_str()));
+        let arm_texts = named_arms.iter().flat_map(|arm| arm.files.iter().map(|file| file.text.as_str()));
         for text in [text].into_iter().chain(texts).chain(arm_texts) {
-            hasher
-                .update(&(text.len() as u64).to_le_bytes())
-                .update(text.as_bytes());
+            hasher.update(&(text.len() as u64).to_le_bytes()).update(text.as_bytes());
         }
-        let name = path
-            .file_stem()
-            .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-        Ok(Experiment {
-            name,
-            file,
-            scenes,
-            arm,
-            hash: hasher.finalize().to_hex().to_string(),
-        })
+        let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        Ok(Experiment { name, file, scenes, arm, hash: hasher.finalize().to_hex().to_string() })
     }
 
     /// The scene that the file names by this path; `None` if it names no such scene.
@@ -168,18 +156,12 @@ impl Experiment {
 
     /// The options for verdicts on each taxel: patch and threshold as for trials.
     pub fn touch_options(&self) -> TouchOptions {
-        TouchOptions {
-            patch: self.file.trials.patch.clone(),
-            threshold_n: self.file.trials.threshold_n,
-        }
+        TouchOptions { patch: self.file.trials.patch.clone(), threshold_n: self.file.trials.threshold_n }
     }
 
     /// The options for extracting trials of any length; otherwise as [`Experiment::trial_options`].
     pub fn any_length_options(&self) -> TrialOptions {
-        TrialOptions {
-            min_samples: 1,
-            ..self.trial_options()
-        }
+        TrialOptions { min_samples: 1, ..self.trial_options() }
     }
 
     /// Labels of the training scenes, in their order.
@@ -202,22 +184,13 @@ impl Experiment {
 /// Scenes that the file names, each with its field.
 fn scene_names(file: &ExperimentFile) -> Vec<(&str, &'static str)> {
     let training = file.training.iter().map(|own| (own.scene.as_str(), "training.scene"));
-    let engineered = file
-        .engineered
-        .iter()
-        .map(|own| (own.scene.as_str(), "engineered.scene"));
+    let engineered = file.engineered.iter().map(|own| (own.scene.as_str(), "engineered.scene"));
     let general = file.general.iter().map(|own| (own.scene.as_str(), "general.scene"));
     let outlier = file.outlier.iter().map(|own| (own.scene.as_str(), "outlier.scene"));
     let second_outlier = file.second_outlier.iter();
     let second_outlier = second_outlier.map(|own| (own.scene.as_str(), "second_outlier.scene"));
     let verdicts = file.verdicts.iter().map(|own| (own.scene.as_str(), "verdicts.scene"));
-    training
-        .chain(engineered)
-        .chain(general)
-        .chain(outlier)
-        .chain(second_outlier)
-        .chain(verdicts)
-        .collect()
+    training.chain(engineered).chain(general).chain(outlier).chain(second_outlier).chain(verdicts).collect()
 }
 
 /// The arms that scenes name by file, each once.

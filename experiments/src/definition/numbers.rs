@@ -17,9 +17,7 @@ impl TrainingScene {
 
     /// Number of reaches at each setting, at least two and at most as many as in the run itself.
     pub fn setting_reaches(&self) -> u64 {
-        self.setting_reaches
-            .unwrap_or(self.reaches.div_ceil(2).max(2))
-            .min(self.reaches)
+        self.setting_reaches.unwrap_or(self.reaches.div_ceil(2).max(2)).min(self.reaches)
     }
 }
 

@@ -77,30 +77,22 @@ pub fn described(name: AblationName) -> (&'static str, &'static str) {
             "labels by contact",
             "a trial's category is that of the object that touches the taxel, not that of the scene",
         ),
-        AblationName::TrialsOfAnyLength => (
-            "trials of any length",
-            "trials with fewer samples than a model has states are kept",
-        ),
+        AblationName::TrialsOfAnyLength => {
+            ("trials of any length", "trials with fewer samples than a model has states are kept")
+        }
         AblationName::NoSpuriousReadings => ("no spurious readings", "untouched taxels read no force"),
         AblationName::NoCreep => ("no creep", "a taxel reads nothing after a contact has ended"),
         AblationName::PerfectSensor => ("perfect sensor", "the sensed force is the true force"),
-        AblationName::NoPatience => (
-            "no patience limit",
-            "the controller's own rule ends a goal, and each goal is retried once",
-        ),
+        AblationName::NoPatience => {
+            ("no patience limit", "the controller's own rule ends a goal, and each goal is retried once")
+        }
     }
 }
 
 fn change(name: AblationName) -> Change {
     match name {
-        AblationName::LabelsByContact => Change::Cut(|options| TrialOptions {
-            labels: Labels::Contact,
-            ..options
-        }),
-        AblationName::TrialsOfAnyLength => Change::Cut(|options| TrialOptions {
-            min_samples: 1,
-            ..options
-        }),
+        AblationName::LabelsByContact => Change::Cut(|options| TrialOptions { labels: Labels::Contact, ..options }),
+        AblationName::TrialsOfAnyLength => Change::Cut(|options| TrialOptions { min_samples: 1, ..options }),
         AblationName::NoSpuriousReadings => Change::Scene(|scene| scene.sensor.spurious_share = 0.0),
         AblationName::NoCreep => Change::Scene(|scene| scene.sensor.creep_share_per_decade = 0.0),
         AblationName::PerfectSensor => Change::Scene(|scene| scene.sensor.perfect = true),
@@ -122,11 +114,8 @@ impl Ablated {
         let recipe = estimators::main_recipe_name(experiment).name();
         let table_1: Vec<Cell> = cells.into_iter().filter(|cell| cell.key.recipe == recipe).collect();
         let of = |unit: TableOneUnit| {
-            let own: Vec<&Accuracy> = table_1
-                .iter()
-                .filter(|cell| cell.key.by == unit)
-                .map(|cell| &cell.accuracy)
-                .collect();
+            let own: Vec<&Accuracy> =
+                table_1.iter().filter(|cell| cell.key.by == unit).map(|cell| &cell.accuracy).collect();
             let mean = |value: fn(&Accuracy) -> f64| own.iter().map(|own| value(own)).sum::<f64>() / own.len() as f64;
             (!own.is_empty()).then(|| MeanAccuracy {
                 accuracy: mean(|own| own.accuracy),

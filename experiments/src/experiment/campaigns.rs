@@ -133,9 +133,7 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
             measured.push((seed, session.kept("seed", seed, || measure(session, seed))?));
             count.advance();
         }
-        Ok(Outcome {
-            campaigns: Campaigns::of(session.experiment, &measured)?,
-        })
+        Ok(Outcome { campaigns: Campaigns::of(session.experiment, &measured)? })
     })
 }
 
@@ -175,19 +173,13 @@ impl Campaigns {
                 let cells = campaign.table_1.iter();
                 cells.filter(|cell| cell.key == *key).map(|cell| &cell.accuracy)
             })?;
-            table_1.push(CampaignCell {
-                key: key.clone(),
-                figures: CampaignFigures::of(&own),
-                paper: *paper,
-            });
+            table_1.push(CampaignCell { key: key.clone(), figures: CampaignFigures::of(&own), paper: *paper });
         }
         let mut trials_per_reach = Vec::new();
         for row in &first.trials_per_reach {
             let name = format!("trials per reach, {}, {}", unit_name(row.by), row.category);
             let same = |other: &&TrialsPerReach| (other.by, &other.category) == (row.by, &row.category);
-            let own = matched(campaigns, &name, |campaign| {
-                campaign.trials_per_reach.iter().filter(same)
-            })?;
+            let own = matched(campaigns, &name, |campaign| campaign.trials_per_reach.iter().filter(same))?;
             trials_per_reach.push(CampaignTrials {
                 by: row.by,
                 category: row.category.clone(),
@@ -201,10 +193,7 @@ impl Campaigns {
                 let all = campaign.classifiers.iter();
                 all.filter(|own| own.classifier == *classifier).map(|own| &own.accuracy)
             })?;
-            classifiers.push(CampaignClassifier {
-                classifier: classifier.clone(),
-                figures: CampaignFigures::of(&own),
-            });
+            classifiers.push(CampaignClassifier { classifier: classifier.clone(), figures: CampaignFigures::of(&own) });
         }
         let mean = |cell: &CampaignCell| cell.figures.accuracy.mean;
         let keyed: Vec<_> = table_1.iter().map(|cell| (&cell.key, mean(cell))).collect();
@@ -212,9 +201,7 @@ impl Campaigns {
         Ok(Some(Campaigns {
             seeds: campaigns.iter().map(|(seed, _)| *seed).collect(),
             mean_absolute_difference_points: cell::mean_difference(
-                table_1
-                    .iter()
-                    .map(|cell| (cell.key.recipe.as_str(), mean(cell), cell.paper)),
+                table_1.iter().map(|cell| (cell.key.recipe.as_str(), mean(cell), cell.paper)),
             ),
             orderings: cell::orderings(statements, &keyed),
             trials_per_reach,
@@ -234,11 +221,7 @@ fn matched<'a, T, I: Iterator<Item = &'a T>>(
         let mut found = figures(campaign);
         match (found.next(), found.next()) {
             (Some(figure), None) => Ok(figure),
-            (first, _) => Err(ExperimentError::Unmatched {
-                seed: *seed,
-                name: name.into(),
-                several: first.is_some(),
-            }),
+            (first, _) => Err(ExperimentError::Unmatched { seed: *seed, name: name.into(), several: first.is_some() }),
         }
     };
     campaigns.iter().map(one).collect()

@@ -49,20 +49,14 @@ pub struct Speed {
 
 /// Folds of whole reaches. This is stricter than the paper's folds by position, which can put trials of one contact on
 /// both sides.
-const FOLDS: Folds = Folds {
-    count: 2,
-    by: FoldBy::Reach,
-};
+const FOLDS: Folds = Folds { count: 2, by: FoldBy::Reach };
 
 /// Compares all classifiers.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let data = session.once(training::run)?;
     let experiment = session.experiment;
     if experiment.file.classifiers.is_empty() {
-        return Ok(Outcome {
-            classifiers: Vec::new(),
-            speeds: Vec::new(),
-        });
+        return Ok(Outcome { classifiers: Vec::new(), speeds: Vec::new() });
     }
     let classifiers = session.stage("Other classifiers", || compare(experiment, &data.trials.taxel))?;
     let (lasting, all) = (data.trials.taxel.as_slice(), data.contacts.as_slice());
@@ -83,10 +77,7 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
 pub fn compare(experiment: &Experiment, taxel_trials: &[Trial]) -> Result<Vec<Compared>, ExperimentError> {
     each(experiment, |entry, estimator| {
         let evaluation = cross_validate(taxel_trials, estimator, FOLDS, &Decision::argmax())?;
-        Ok(Compared {
-            classifier: entry.name.clone(),
-            accuracy: Accuracy::of(&evaluation),
-        })
+        Ok(Compared { classifier: entry.name.clone(), accuracy: Accuracy::of(&evaluation) })
     })
 }
 

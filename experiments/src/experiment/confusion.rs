@@ -36,9 +36,5 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
         });
         own.map(|(_, evaluation)| evaluation.confusion.clone())
     };
-    Ok(Outcome {
-        figure_6: matrix(FeatureSet::FORCE),
-        figure_7: matrix(FeatureSet::FORCE_AND_MOTION),
-        states,
-    })
+    Ok(Outcome { figure_6: matrix(FeatureSet::FORCE), figure_7: matrix(FeatureSet::FORCE_AND_MOTION), states })
 }

@@ -46,16 +46,11 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
             reach_index: own.map(|own| own.reach_index),
             drawn: reach.drawn,
             shares: own.and_then(|own| Shares::of(&own.stream.total())),
-            untouched_percent: reach
-                .by_object
-                .as_ref()
-                .and_then(|own| untouched_percent(&own.stream.total())),
+            untouched_percent: reach.by_object.as_ref().and_then(|own| untouched_percent(&own.stream.total())),
             mean_samples_used: own.and_then(|own| own.stream.mean_samples_used()),
         }
     };
-    Ok(Outcome {
-        figure_11: online.engineered.iter().map(one).collect(),
-    })
+    Ok(Outcome { figure_11: online.engineered.iter().map(one).collect() })
 }
 
 /// Taxel frames in which nothing presses on the taxel, per cent of all; `None` without any.

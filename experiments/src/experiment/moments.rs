@@ -39,12 +39,7 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let (online, models) = (session.once(online::run)?, session.once(models::run)?);
     session.stage("Moments of a general and of an outlier reach", || {
         Ok(Outcome {
-            general: take(
-                session,
-                &models.0,
-                online.shown(),
-                online::uncertain_rule(session.experiment),
-            )?,
+            general: take(session, &models.0, online.shown(), online::uncertain_rule(session.experiment))?,
             outlier: take(session, &models.0, online.outlier.first(), Decision::paper().rule)?,
         })
     })
@@ -112,9 +107,7 @@ fn take(
     if let Some(error) = fault {
         return Err(error.into());
     }
-    let patch = layout
-        .chosen_patch(session.experiment.file.trials.patch.as_deref())
-        .unwrap_or_default();
+    let patch = layout.chosen_patch(session.experiment.file.trials.patch.as_deref()).unwrap_or_default();
     Ok(taken.map(|(snapshot, verdicts)| Moment {
         pressed: pressed(&snapshot.frame, patch),
         snapshot,
@@ -131,7 +124,5 @@ fn take(
 /// The taxels of a patch that an object presses on.
 fn pressed(frame: &Frame, patch: usize) -> BTreeSet<usize> {
     let own = frame.taxels.iter().filter(|own| usize::from(own.patch) == patch);
-    own.filter(|own| own.object.is_some())
-        .map(|own| usize::from(own.taxel))
-        .collect()
+    own.filter(|own| own.object.is_some()).map(|own| usize::from(own.taxel)).collect()
 }

@@ -86,21 +86,13 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
         found.extend(detection(&rule_name(CHOSEN, decision), reaches));
     }
     Ok(Outcome {
-        figure_15: Outliers {
-            drawn: online.outlier_drawn,
-            reaches: online.outlier.len(),
-            detection: found,
-        },
+        figure_15: Outliers { drawn: online.outlier_drawn, reaches: online.outlier.len(), detection: found },
         thresholds: curves.chosen.as_ref().ok().cloned(),
         roc: Areas {
             category_area: curves.category_roc.as_ref().map(|curve| curve.area),
             outlier_area: curves.outlier_roc.as_ref().map(|curve| curve.area),
         },
-        first_label: session
-            .experiment
-            .labels()
-            .first()
-            .map_or_else(String::new, |label| (*label).to_owned()),
+        first_label: session.experiment.labels().first().map_or_else(String::new, |label| (*label).to_owned()),
         curves,
         online,
     })
@@ -108,10 +100,9 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
 
 fn rule_name(whose: &str, decision: &Decision) -> String {
     match decision.rule {
-        Rule::OutlierBand {
-            uncertain_below,
-            category_above,
-        } => format!("{whose}: {uncertain_below:.1} and {category_above:.1}"),
+        Rule::OutlierBand { uncertain_below, category_above } => {
+            format!("{whose}: {uncertain_below:.1} and {category_above:.1}")
+        }
         Rule::UncertainBelow { margin } => format!("{whose}: {margin:.1}"),
         Rule::Argmax => whose.to_owned(),
     }
@@ -123,10 +114,7 @@ fn detection(rule: &str, reaches: &[Classified]) -> Vec<Detection> {
         let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
         for reach in reaches {
             let row = reach.stream.truths.iter().position(|truth| *truth == category);
-            let counted = row
-                .and_then(|row| reach.stream.taxel_frames.get(row))
-                .into_iter()
-                .flatten();
+            let counted = row.and_then(|row| reach.stream.taxel_frames.get(row)).into_iter().flatten();
             for (verdict, count) in reach.stream.verdicts.iter().zip(counted) {
                 *counts.entry(verdict).or_default() += count;
             }
@@ -137,10 +125,7 @@ fn detection(rule: &str, reaches: &[Classified]) -> Vec<Detection> {
             rule: rule.into(),
             truth: category.name(),
             taxel_frames,
-            percent: counts
-                .iter()
-                .map(|(verdict, count)| (format!("{verdict}_percent"), percent(*count)))
-                .collect(),
+            percent: counts.iter().map(|(verdict, count)| (format!("{verdict}_percent"), percent(*count))).collect(),
         })
     };
     let truths: BTreeSet<Category> = reaches.iter().flat_map(|reach| &reach.stream.truths).copied().collect();
@@ -177,14 +162,7 @@ mod tests {
             reach(vec![Category::TRUNK, REED], vec![vec![0, 4], vec![6, 2], vec![9, 9]]),
         ];
         let found = detection("any rule", &reaches);
-        let row = |own: &Detection| {
-            (
-                own.truth,
-                own.taxel_frames,
-                own.percent_of("reed"),
-                own.percent_of("trunk"),
-            )
-        };
+        let row = |own: &Detection| (own.truth, own.taxel_frames, own.percent_of("reed"), own.percent_of("trunk"));
         let rows: Vec<_> = found.iter().map(row).collect();
         assert_eq!(rows, [("trunk", 8, 12.5, 87.5), ("reed", 8, 75.0, 25.0)]);
     }

@@ -52,9 +52,7 @@ pub struct SamplesUsed {
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let online = session.once(online::run)?;
     let by_scene = online.engineered.iter().filter_map(|reach| reach.by_scene.as_ref());
-    let used = by_scene
-        .chain(&online.general)
-        .filter_map(|reach| reach.stream.mean_samples_used());
+    let used = by_scene.chain(&online.general).filter_map(|reach| reach.stream.mean_samples_used());
     let used: Vec<f64> = used.collect();
     let shown = online.shown();
     let recipe = estimators::main_recipe(session.experiment);
@@ -78,9 +76,8 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
 fn median_seconds(reach: &Classified) -> Option<f64> {
     let frames = reach.stream.frames.iter().zip(&reach.stream.seconds);
     let with_contact = frames.filter(|(frame, _)| frame.in_contact > 0);
-    let mut seconds: Vec<f64> = with_contact
-        .map(|(frame, seconds)| 100.0 * seconds / frame.in_contact as f64)
-        .collect();
+    let mut seconds: Vec<f64> =
+        with_contact.map(|(frame, seconds)| 100.0 * seconds / frame.in_contact as f64).collect();
     seconds.sort_by(f64::total_cmp);
     seconds.get(seconds.len() / 2).copied()
 }

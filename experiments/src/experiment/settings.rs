@@ -78,10 +78,7 @@ impl Folded {
                 folds[fold].push(trial.clone());
             }
         }
-        Folded {
-            name: name.into(),
-            folds,
-        }
+        Folded { name: name.into(), folds }
     }
 }
 
@@ -112,17 +109,9 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     let experiment = session.experiment;
     let none = experiment.file.settings.is_empty() || experiment.file.setting_classifiers.is_empty();
     if session.quick || none {
-        return Ok(Outcome {
-            splits: Vec::new(),
-            verdict_transfer: Vec::new(),
-        });
+        return Ok(Outcome { splits: Vec::new(), verdict_transfer: Vec::new() });
     }
-    let counts: Vec<u64> = experiment
-        .file
-        .training
-        .iter()
-        .map(|own| own.setting_reaches())
-        .collect();
+    let counts: Vec<u64> = experiment.file.training.iter().map(|own| own.setting_reaches()).collect();
     let kept: Kept = session.stage("Other arms and speeds", || {
         session.kept("splits", session.seed, || {
             let reaches = training::reaches(experiment, session.quick);
@@ -145,26 +134,16 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
                 }
             }
             let splits = splits(experiment, &settings)?;
-            Ok(Kept {
-                splits,
-                verdict_transfer,
-            })
+            Ok(Kept { splits, verdict_transfer })
         })
     })?;
-    Ok(Outcome {
-        splits: kept.splits,
-        verdict_transfer: kept.verdict_transfer,
-    })
+    Ok(Outcome { splits: kept.splits, verdict_transfer: kept.verdict_transfer })
 }
 
 /// Checks that each half of the reaches of each setting has trials of all categories. Otherwise a classifier would be
 /// tested on a category that it was not fitted to.
 fn check_categories(settings: &[Folded]) -> Result<(), ExperimentError> {
-    let halves = || {
-        settings
-            .iter()
-            .flat_map(|setting| setting.folds.iter().map(move |fold| (setting, fold)))
-    };
+    let halves = || settings.iter().flat_map(|setting| setting.folds.iter().map(move |fold| (setting, fold)));
     let all: BTreeSet<&str> = halves().flat_map(|(_, fold)| categories(fold)).collect();
     for (setting, fold) in halves() {
         let own = categories(fold);
@@ -194,13 +173,10 @@ pub fn splits(experiment: &Experiment, settings: &[Folded]) -> Result<Vec<Split>
     check_categories(settings)?;
     let recipe = estimators::main_recipe(experiment);
     let entries = experiment.file.setting_classifiers.iter();
-    let all: Vec<(&str, Box<dyn Estimator>)> = entries
-        .map(|entry| (entry.name.as_str(), estimators::estimator(entry, &recipe)))
-        .collect();
-    let cases: Vec<_> = all
-        .iter()
-        .flat_map(|classifier| settings.iter().map(move |trained| (classifier, trained)))
-        .collect();
+    let all: Vec<(&str, Box<dyn Estimator>)> =
+        entries.map(|entry| (entry.name.as_str(), estimators::estimator(entry, &recipe))).collect();
+    let cases: Vec<_> =
+        all.iter().flat_map(|classifier| settings.iter().map(move |trained| (classifier, trained))).collect();
     let row = |((classifier, estimator), trained): &(&(&str, Box<dyn Estimator>), &Folded)| {
         let (mut predictions, mut categories) = (vec![Vec::new(); settings.len()], Vec::new());
         for fold in 0..2 {
@@ -222,10 +198,5 @@ pub fn splits(experiment: &Experiment, settings: &[Folded]) -> Result<Vec<Split>
         settings.iter().zip(predictions).map(split).collect()
     };
     let rows: Vec<Result<Vec<Split>, ExperimentError>> = cases.par_iter().map(row).collect();
-    Ok(rows
-        .into_iter()
-        .collect::<Result<Vec<_>, _>>()?
-        .into_iter()
-        .flatten()
-        .collect())
+    Ok(rows.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
 }

@@ -57,10 +57,7 @@ pub fn evaluate(
     trials: &Trials,
     recipes: &[RecipeName],
 ) -> Result<Vec<(Cell, Evaluation)>, ExperimentError> {
-    let units = [
-        (TableOneUnit::Component, &trials.component),
-        (TableOneUnit::Taxel, &trials.taxel),
-    ];
+    let units = [(TableOneUnit::Component, &trials.component), (TableOneUnit::Taxel, &trials.taxel)];
     let mut cases = Vec::new();
     for name in recipes {
         for (by, trials) in units.iter().filter(|(_, trials)| !trials.is_empty()) {
@@ -71,22 +68,13 @@ pub fn evaluate(
         }
     }
     let case = |(name, by, trials, features, states): (RecipeName, TableOneUnit, &Vec<Trial>, FeatureSet, usize)| {
-        let recipe = Recipe {
-            states,
-            features,
-            ..estimators::recipe(name)
-        };
+        let recipe = Recipe { states, features, ..estimators::recipe(name) };
         let evaluation = cross_validate(trials, &recipe, Folds::paper(), &Decision::argmax())?;
         let published = experiment.published();
         let cell = Cell {
             accuracy: Accuracy::of(&evaluation),
             paper: published.and_then(|own| own.accuracy_percent(by, features, states)),
-            key: CellKey {
-                by,
-                features,
-                states,
-                recipe: name.name().into(),
-            },
+            key: CellKey { by, features, states, recipe: name.name().into() },
         };
         Ok((cell, evaluation))
     };

@@ -76,10 +76,7 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
 pub fn per_reach(experiment: &Experiment, trials: &Trials, reaches: &[u64]) -> Vec<TrialsPerReach> {
     let row = |by: TableOneUnit, trials: &[Trial], label: &str| {
         let scenes = experiment.file.training.iter().zip(reaches);
-        let reaches: u64 = scenes
-            .filter(|(own, _)| own.label == label)
-            .map(|(_, reaches)| reaches)
-            .sum();
+        let reaches: u64 = scenes.filter(|(own, _)| own.label == label).map(|(_, reaches)| reaches).sum();
         let own = || trials.iter().filter(|trial| trial.category.as_deref() == Some(label));
         TrialsPerReach {
             by,
@@ -87,18 +84,11 @@ pub fn per_reach(experiment: &Experiment, trials: &Trials, reaches: &[u64]) -> V
             trials: own().count(),
             untouched: own().filter(|trial| trial.touched() == Some(false)).count(),
             per_reach: own().count() as f64 / reaches as f64,
-            paper: experiment
-                .published()
-                .and_then(|published| published.trials_per_reach(by, label)),
+            paper: experiment.published().and_then(|published| published.trials_per_reach(by, label)),
         }
     };
-    let units = [
-        (TableOneUnit::Component, &trials.component),
-        (TableOneUnit::Taxel, &trials.taxel),
-    ];
+    let units = [(TableOneUnit::Component, &trials.component), (TableOneUnit::Taxel, &trials.taxel)];
     let labels = experiment.labels();
-    let rows = units
-        .iter()
-        .flat_map(|(by, trials)| labels.iter().map(|label| row(*by, trials, label)));
+    let rows = units.iter().flat_map(|(by, trials)| labels.iter().map(|label| row(*by, trials, label)));
     rows.collect()
 }

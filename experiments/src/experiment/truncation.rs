@@ -39,36 +39,20 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
         return Ok(Outcome { figure_13: Vec::new() });
     }
     let fewest = file.states.iter().copied().min();
-    let more: Vec<usize> = file
-        .states
-        .iter()
-        .copied()
-        .filter(|states| Some(*states) != fewest)
-        .collect();
+    let more: Vec<usize> = file.states.iter().copied().filter(|states| Some(*states) != fewest).collect();
     let states = if more.is_empty() { &file.states } else { &more };
     let lengths = std::iter::once(None).chain(file.truncations.iter().copied().map(Some));
-    let cases: Vec<(usize, Option<usize>)> = lengths
-        .flat_map(|length| states.iter().map(move |states| (*states, length)))
-        .collect();
+    let cases: Vec<(usize, Option<usize>)> =
+        lengths.flat_map(|length| states.iter().map(move |states| (*states, length))).collect();
     let base = estimators::main_recipe(session.experiment);
     let taxel_trials = &data.trials.taxel;
     let case = |(states, max_samples)| {
-        let recipe = Recipe {
-            states,
-            max_samples,
-            ..base.clone()
-        };
+        let recipe = Recipe { states, max_samples, ..base.clone() };
         let evaluation = cross_validate(taxel_trials, &recipe, Folds::paper(), &Decision::argmax())?;
-        Ok(Truncated {
-            states,
-            max_samples,
-            accuracy: Accuracy::of(&evaluation),
-        })
+        Ok(Truncated { states, max_samples, accuracy: Accuracy::of(&evaluation) })
     };
     session.stage("Truncated trials", || {
         let found: Vec<Result<Truncated, ExperimentError>> = cases.into_par_iter().map(case).collect();
-        Ok(Outcome {
-            figure_13: found.into_iter().collect::<Result<_, _>>()?,
-        })
+        Ok(Outcome { figure_13: found.into_iter().collect::<Result<_, _>>()? })
     })
 }

@@ -113,10 +113,8 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
             examples.add(recording)?;
         }
         let folds = 0..FOLDS;
-        let held_out: Vec<Result<TouchEvaluation, ExperimentError>> = folds
-            .into_par_iter()
-            .map(|fold| held_out(&examples, &recordings, fold))
-            .collect();
+        let held_out: Vec<Result<TouchEvaluation, ExperimentError>> =
+            folds.into_par_iter().map(|fold| held_out(&examples, &recordings, fold)).collect();
         let mut all = TouchEvaluation::default();
         for fold in held_out {
             all.add(fold?);
@@ -135,9 +133,7 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
         let curves = unknown.map(|own| own.and_then(curve));
         let mut verdicts = Verdicts::of(model.categories().to_vec(), all, &known, curves, recordings.len());
         verdicts.feature_worth = examples.feature_worth();
-        Ok(Outcome {
-            verdicts: Some(verdicts),
-        })
+        Ok(Outcome { verdicts: Some(verdicts) })
     })
 }
 
@@ -145,9 +141,8 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
 fn recordings(session: &Session, section: &VerdictSection) -> Result<Vec<Recording>, ExperimentError> {
     let data = session.once(training::run)?;
     let dataset = &data.dataset;
-    let mut recordings: Vec<Recording> = (0..dataset.episodes().len())
-        .map(|index| dataset.read_reach(index))
-        .collect::<Result<_, _>>()?;
+    let mut recordings: Vec<Recording> =
+        (0..dataset.episodes().len()).map(|index| dataset.read_reach(index)).collect::<Result<_, _>>()?;
     session.stage("Mixed training reaches", || {
         let plan = reaches::plan(session.experiment, &section.scene, session.seed)?;
         let count = section.reaches(session.quick);

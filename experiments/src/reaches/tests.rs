@@ -58,11 +58,7 @@ fn a_damaged_reach_is_drawn_again() {
         enough: 1,
         max_draws: 1,
     };
-    let run = Run {
-        seed: 0,
-        quick: false,
-        experiment: String::new(),
-    };
+    let run = Run { seed: 0, quick: false, experiment: String::new() };
     let found = || {
         let remarks = Remarks::default();
         let found = search.run(folder.path(), &run, &remarks).unwrap();

@@ -96,11 +96,7 @@ fn new_bound(suite: &Suite, own: &SceneBound, result: &BoundResult, probability:
         Statistic::Mean | Statistic::Share => margin(&values, probability)?,
         Statistic::Largest => (suite.bless.largest_factor - 1.0) * found.abs(),
     };
-    let end = if own.metric.statistic == Statistic::Share {
-        1.0
-    } else {
-        f64::INFINITY
-    };
+    let end = if own.metric.statistic == Statistic::Share { 1.0 } else { f64::INFINITY };
     // A limit does not depend on what was found. If the file has another limit, somebody chose it on purpose.
     let limit = own.metric.limit.map(|limit| own.bound.at_most.unwrap_or(limit));
     let high = limit.unwrap_or((found + margin).min(end));
@@ -124,22 +120,12 @@ fn rounded(number: f64, round: fn(f64) -> f64) -> f64 {
 }
 
 fn written(bound: &Bound) -> String {
-    let keys = [
-        ("at_least", bound.at_least),
-        ("at_most", bound.at_most),
-        ("blessed", bound.blessed),
-    ];
-    let given = keys
-        .into_iter()
-        .filter_map(|(key, value)| Some(format!("{key} = {}", number(value?))));
+    let keys = [("at_least", bound.at_least), ("at_most", bound.at_most), ("blessed", bound.blessed)];
+    let given = keys.into_iter().filter_map(|(key, value)| Some(format!("{key} = {}", number(value?))));
     format!("{{ {} }}", given.collect::<Vec<_>>().join(", "))
 }
 
 /// A number as TOML. Very small numbers, such as residuals, get an exponent.
 fn number(value: f64) -> String {
-    if value != 0.0 && value.abs() < 1e-4 {
-        format!("{value:e}")
-    } else {
-        value.to_string()
-    }
+    if value != 0.0 && value.abs() < 1e-4 { format!("{value:e}") } else { value.to_string() }
 }

@@ -15,11 +15,7 @@ use super::metric::METRICS;
 /// Bounds of one number: `{ at_least = 0.7, at_most = 0.9, blessed = 0.8 }`. If both `at_least` and `at_most` are
 /// missing, the next `--bless` sets them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
-#[serde(
-    deny_unknown_fields,
-    default,
-    expecting = "a bound, with keys among at_least, at_most and blessed"
-)]
+#[serde(deny_unknown_fields, default, expecting = "a bound, with keys among at_least, at_most and blessed")]
 pub struct Bound {
     /// Smallest value that is allowed.
     pub at_least: Option<f64>,

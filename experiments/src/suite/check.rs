@@ -39,9 +39,7 @@ pub fn numbers(file: &SuiteFile, source: &Source) -> Result<(), InputError> {
     }
     if !(bless.largest_factor >= 1.0 && bless.largest_factor <= 1000.0) {
         let found = bless.largest_factor.to_string();
-        return Err(source
-            .field("bless.largest_factor", "")
-            .fault(found, "a factor from 1 to 1000"));
+        return Err(source.field("bless.largest_factor", "").fault(found, "a factor from 1 to 1000"));
     }
     Ok(())
 }
@@ -75,10 +73,7 @@ pub fn bounds(bounds: &Bounds, scene: &Scene, has_model: bool, source: &Source) 
                 }
             }
             Entry::Bound(_) => {
-                let allowed = format!(
-                    "a bound for each category, such as {}.leaf = {{ at_most = 1.0 }}",
-                    metric.name
-                );
+                let allowed = format!("a bound for each category, such as {}.leaf = {{ at_most = 1.0 }}", metric.name);
                 return Err(field.fault("a bound without a category", allowed));
             }
             Entry::ByCategory(_) => {
@@ -110,12 +105,7 @@ fn checked(
     span: Range<usize>,
     source: &Source,
 ) -> Result<SceneBound, InputError> {
-    let own = SceneBound {
-        metric,
-        category,
-        bound,
-        span,
-    };
+    let own = SceneBound { metric, category, bound, span };
     let numbers = [bound.at_least, bound.at_most, bound.blessed];
     let field = source.field_at(&format!("bounds.{}", own.name()), own.span.start);
     if let Some(number) = numbers.into_iter().flatten().find(|number| !number.is_finite()) {
@@ -124,10 +114,7 @@ fn checked(
     if let (Some(low), Some(high)) = (bound.at_least, bound.at_most)
         && low > high
     {
-        return Err(field.fault(
-            format!("at_least = {low} and at_most = {high}"),
-            "at_least no larger than at_most",
-        ));
+        return Err(field.fault(format!("at_least = {low} and at_most = {high}"), "at_least no larger than at_most"));
     }
     Ok(own)
 }

@@ -33,10 +33,7 @@ impl Checked {
         progress: &dyn Progress,
     ) -> Result<Self, ExperimentError> {
         // All files are read before anything is run, so that a mistake in the last one costs no time.
-        let mut suites = paths
-            .iter()
-            .map(|path| Suite::load(path))
-            .collect::<Result<Vec<_>, _>>()?;
+        let mut suites = paths.iter().map(|path| Suite::load(path)).collect::<Result<Vec<_>, _>>()?;
         if bless {
             for (suite, path) in suites.iter().zip(paths) {
                 bless::check_places(suite, path)?;
@@ -53,10 +50,7 @@ impl Checked {
                 false => result,
             });
         }
-        Ok(Checked {
-            passed: results.iter().all(|result| result.passed),
-            suites: results,
-        })
+        Ok(Checked { passed: results.iter().all(|result| result.passed), suites: results })
     }
 
     /// Number of bounds that do not hold.

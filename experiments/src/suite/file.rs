@@ -63,10 +63,7 @@ impl Default for BlessSection {
     /// Choices: a program that only draws other random numbers is refused once in a hundred times. A largest value, for
     /// which there is no such theory, may grow by half.
     fn default() -> Self {
-        BlessSection {
-            false_alarm: 0.01,
-            largest_factor: 1.5,
-        }
+        BlessSection { false_alarm: 0.01, largest_factor: 1.5 }
     }
 }
 

@@ -72,17 +72,9 @@ const PLAIN: Metric = Metric {
     limit: None,
     of_reach: |_, _| None,
 };
-const FORCE: Metric = Metric {
-    by_category: true,
-    ..PLAIN
-};
-const VERDICT: Metric = Metric {
-    by_category: true,
-    needs_model: true,
-    statistic: Statistic::Share,
-    sides: Sides::AtMost,
-    ..PLAIN
-};
+const FORCE: Metric = Metric { by_category: true, ..PLAIN };
+const VERDICT: Metric =
+    Metric { by_category: true, needs_model: true, statistic: Statistic::Share, sides: Sides::AtMost, ..PLAIN };
 
 /// All metrics, in the order of the documentation.
 pub const METRICS: [Metric; 17] = [
@@ -296,8 +288,7 @@ fn never_right(reach: &Measured, category: Option<Category>) -> Option<f64> {
 
 fn taxels_per_frame(reach: &Measured, _: Option<Category>) -> Option<f64> {
     let frames = reach.stream?.frames.iter().map(|frame| frame.in_contact);
-    let (taxels, frames) = frames
-        .filter(|taxels| *taxels > 0)
-        .fold((0, 0), |(sum, count), taxels| (sum + taxels, count + 1));
+    let (taxels, frames) =
+        frames.filter(|taxels| *taxels > 0).fold((0, 0), |(sum, count), taxels| (sum + taxels, count + 1));
     (frames > 0).then(|| taxels as f64 / f64::from(frames))
 }

@@ -115,17 +115,12 @@ impl Suite {
             let scene = scene(&file, entry, folder, &source, model.as_ref())?;
             if !names.insert(scene.plan.scene.name.clone()) {
                 let allowed = "scene files with different names: the name decides what is drawn";
-                return Err(source
-                    .field("scenes.scene", &entry.scene)
-                    .fault(&entry.scene, allowed)
-                    .into());
+                return Err(source.field("scenes.scene", &entry.scene).fault(&entry.scene, allowed).into());
             }
             scenes.push(scene);
         }
         Ok(Suite {
-            name: path
-                .file_stem()
-                .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()),
+            name: path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()),
             summary: file.summary,
             seed: file.seed,
             bless: file.bless,
@@ -159,10 +154,7 @@ fn scene(
     if let Some(judging) = model {
         judging.fits(&plan.arm.skin.layout).map_err(|error| {
             let file = file.model.as_ref().map_or("", |own| own.file.as_str());
-            let allowed = format!(
-                "a model, patch, threshold and rule that fit the skin of {}",
-                entry.scene
-            );
+            let allowed = format!("a model, patch, threshold and rule that fit the skin of {}", entry.scene);
             source.field("model.file", file).fault(error.to_string(), allowed)
         })?;
     }
@@ -171,9 +163,5 @@ fn scene(
         let allowed = "at least one bound under [scenes.bounds]; `{}` in place of a bound lets --bless choose it";
         return Err(source.field("scenes.scene", &entry.scene).fault("no bounds", allowed));
     }
-    Ok(SuiteScene {
-        plan,
-        reaches: entry.reaches,
-        bounds,
-    })
+    Ok(SuiteScene { plan, reaches: entry.reaches, bounds })
 }

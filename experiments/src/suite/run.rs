@@ -80,16 +80,8 @@ impl Suite {
     }
 
     fn measure(&self, scene: &SuiteScene, recording: &Recording) -> Result<OneReach, OnlineError> {
-        let stream = self
-            .model
-            .as_ref()
-            .map(|judging| judging.stream(recording))
-            .transpose()?;
-        let measured = Measured {
-            recording,
-            goals: scene.plan.scene.file.goals.count,
-            stream: stream.as_ref(),
-        };
+        let stream = self.model.as_ref().map(|judging| judging.stream(recording)).transpose()?;
+        let measured = Measured { recording, goals: scene.plan.scene.file.goals.count, stream: stream.as_ref() };
         let values = scene.bounds.iter();
         Ok(OneReach {
             goals: recording.goal_outcomes(),
@@ -101,12 +93,9 @@ impl Suite {
 
 fn result_of(scene: &SuiteScene, reaches: &[&(Job, OneReach)]) -> SceneResult {
     let bound = |(place, own): (usize, &SceneBound)| {
-        let values = reaches.iter().filter_map(|(job, reach)| {
-            Some(ReachValue {
-                reach_index: job.reach_index,
-                value: reach.values[place]?,
-            })
-        });
+        let values = reaches
+            .iter()
+            .filter_map(|(job, reach)| Some(ReachValue { reach_index: job.reach_index, value: reach.values[place]? }));
         held(own, values.collect())
     };
     SceneResult {
@@ -125,9 +114,7 @@ pub(super) fn held(own: &SceneBound, values: Vec<ReachValue>) -> BoundResult {
     let numbers: Vec<f64> = values.iter().map(|own| own.value).collect();
     let spread = (!numbers.is_empty()).then(|| Spread::of(&numbers));
     let is_mean = own.metric.statistic != Statistic::Largest;
-    let found = spread
-        .as_ref()
-        .map(|spread| if is_mean { spread.mean } else { spread.max });
+    let found = spread.as_ref().map(|spread| if is_mean { spread.mean } else { spread.max });
     let deviation = spread.and_then(|spread| spread.standard_deviation);
     let bound = own.bound;
     let verdict = match found {
@@ -147,9 +134,7 @@ pub(super) fn held(own: &SceneBound, values: Vec<ReachValue>) -> BoundResult {
         name: own.name(),
         statistic: own.metric.statistic,
         found,
-        standard_error: deviation
-            .filter(|_| is_mean)
-            .map(|deviation| deviation / (numbers.len() as f64).sqrt()),
+        standard_error: deviation.filter(|_| is_mean).map(|deviation| deviation / (numbers.len() as f64).sqrt()),
         at_least: bound.at_least,
         at_most: bound.at_most,
         blessed: bound.blessed,

@@ -66,11 +66,7 @@ fn student_t_probability(t: f64, degrees: usize) -> f64 {
         sum += term;
         term *= cosine * cosine * (power + 1) as f64 / (power + 2) as f64;
     }
-    let within = if is_odd {
-        (angle + sine * sum) * 2.0 / std::f64::consts::PI
-    } else {
-        sine * sum
-    };
+    let within = if is_odd { (angle + sine * sum) * 2.0 / std::f64::consts::PI } else { sine * sum };
     0.5 + 0.5 * within
 }
 
@@ -93,10 +89,7 @@ mod tests {
             (0.975, 120, 1.980),
         ] {
             let found = student_t_quantile(probability, degrees);
-            assert!(
-                (found - published).abs() < 6e-4,
-                "{probability} {degrees}: {found}, published {published}"
-            );
+            assert!((found - published).abs() < 6e-4, "{probability} {degrees}: {found}, published {published}");
         }
     }
 

@@ -9,11 +9,8 @@ use crate::experiment::ablation::Ablated;
 use crate::experiment::campaigns::{Campaigns, OneOfMany};
 use crate::experiment::classifiers::Compared;
 
-const ORDERINGS: [OrderingName; 3] = [
-    OrderingName::TaxelsOverComponents,
-    OrderingName::ForceOverForceAndMotion,
-    OrderingName::MoreStates,
-];
+const ORDERINGS: [OrderingName; 3] =
+    [OrderingName::TaxelsOverComponents, OrderingName::ForceOverForceAndMotion, OrderingName::MoreStates];
 
 fn of(campaigns: &[(u64, OneOfMany)]) -> Result<Option<Campaigns>, crate::ExperimentError> {
     Campaigns::of(&Experiment::paper().unwrap(), campaigns)
@@ -40,27 +37,16 @@ fn around(accuracy: f64) -> Accuracy {
 
 fn cell(states: usize, accuracy: f64) -> Cell {
     Cell {
-        key: CellKey {
-            by: TableOneUnit::Taxel,
-            features: FeatureSet::FORCE,
-            states,
-            recipe: "authors".into(),
-        },
+        key: CellKey { by: TableOneUnit::Taxel, features: FeatureSet::FORCE, states, recipe: "authors".into() },
         accuracy: around(accuracy),
         paper: Some(80.24),
     }
 }
 
 fn campaign(table_1: Vec<Cell>, classifiers: &[(&str, f64)]) -> OneOfMany {
-    let classifiers = classifiers.iter().map(|(name, accuracy)| Compared {
-        classifier: (*name).into(),
-        accuracy: around(*accuracy),
-    });
-    OneOfMany {
-        trials_per_reach: Vec::new(),
-        table_1,
-        classifiers: classifiers.collect(),
-    }
+    let classifiers =
+        classifiers.iter().map(|(name, accuracy)| Compared { classifier: (*name).into(), accuracy: around(*accuracy) });
+    OneOfMany { trials_per_reach: Vec::new(), table_1, classifiers: classifiers.collect() }
 }
 
 /// Tests the three statements on the paper's own Table I, where all pairs hold, and on the table with the sign
@@ -72,21 +58,13 @@ fn orderings_are_found_as_they_are() {
         let keyed: Vec<(CellKey, f64)> = cells
             .map(|(by, features, states, paper)| {
                 let recipe = "authors".to_owned();
-                let key = CellKey {
-                    by,
-                    features,
-                    states,
-                    recipe,
-                };
+                let key = CellKey { by, features, states, recipe };
                 (key, sign * paper)
             })
             .collect();
         let keyed: Vec<(&CellKey, f64)> = keyed.iter().map(|(key, accuracy)| (key, *accuracy)).collect();
         let found = cell::orderings(&ORDERINGS, &keyed);
-        found
-            .iter()
-            .map(|own| (own.holds, own.pairs_holding, own.pairs))
-            .collect()
+        found.iter().map(|own| (own.holds, own.pairs_holding, own.pairs)).collect()
     };
     assert_eq!(counts(1.0, 0), [(true, 6, 6), (true, 6, 6), (true, 8, 8)]);
     assert_eq!(counts(-1.0, 0), [(false, 0, 6), (false, 0, 6), (false, 0, 8)]);
@@ -121,10 +99,7 @@ fn campaigns_have_mean_and_spread() {
     let found = of(&campaigns).unwrap().unwrap();
     assert_eq!(found.seeds, [3, 4, 5]);
     let own = &found.table_1[0].figures;
-    assert_eq!(
-        (own.accuracy.mean, own.accuracy.min, own.accuracy.max),
-        (76.0, 70.0, 84.0)
-    );
+    assert_eq!((own.accuracy.mean, own.accuracy.min, own.accuracy.max), (76.0, 70.0, 84.0));
     // Deviations −6, −2, 8: (36 + 4 + 64) / 2 = 52.
     let deviation = 52.0_f64.sqrt();
     assert!((own.accuracy.standard_deviation.unwrap() - deviation).abs() < 1e-12);
@@ -151,17 +126,11 @@ fn campaigns_are_matched_by_name() {
     let first = campaign(vec![cell(5, 60.0), cell(10, 80.0)], &[("one", 50.0), ("other", 90.0)]);
     let reversed = campaign(vec![cell(10, 82.0), cell(5, 62.0)], &[("other", 92.0), ("one", 52.0)]);
     let found = of(&[(0, first.clone()), (1, reversed)]).unwrap().unwrap();
-    let cells: Vec<(usize, f64)> = found
-        .table_1
-        .iter()
-        .map(|cell| (cell.key.states, cell.figures.accuracy.mean))
-        .collect();
+    let cells: Vec<(usize, f64)> =
+        found.table_1.iter().map(|cell| (cell.key.states, cell.figures.accuracy.mean)).collect();
     assert_eq!(cells, [(5, 61.0), (10, 81.0)]);
-    let classifiers: Vec<(&str, f64)> = found
-        .classifiers
-        .iter()
-        .map(|own| (own.classifier.as_str(), own.figures.accuracy.mean))
-        .collect();
+    let classifiers: Vec<(&str, f64)> =
+        found.classifiers.iter().map(|own| (own.classifier.as_str(), own.figures.accuracy.mean)).collect();
     assert_eq!(classifiers, [("one", 51.0), ("other", 91.0)]);
 
     let refused = |other: OneOfMany| of(&[(0, first.clone()), (7, other)]).err().unwrap().to_string();
@@ -169,10 +138,8 @@ fn campaigns_are_matched_by_name() {
     assert!(without.contains("seed 7") && without.contains("\"other\""), "{without}");
     let lacking = refused(campaign(vec![cell(5, 60.0)], &[("one", 50.0), ("other", 90.0)]));
     assert!(lacking.contains("taxel, force, 10 states"), "{lacking}");
-    let double = refused(campaign(
-        vec![cell(5, 60.0), cell(10, 80.0), cell(10, 81.0)],
-        &[("one", 50.0), ("other", 90.0)],
-    ));
+    let double =
+        refused(campaign(vec![cell(5, 60.0), cell(10, 80.0), cell(10, 81.0)], &[("one", 50.0), ("other", 90.0)]));
     assert!(double.contains("several results"), "{double}");
 }
 
@@ -183,12 +150,7 @@ fn the_papers_own_table_is_no_distance_from_itself() {
     let table = |shift: f64| {
         let cells = TABLE_ONE_PAPER.into_iter().zip([1.0, -1.0].into_iter().cycle());
         let cell = move |((by, features, states, paper), sign): ((TableOneUnit, FeatureSet, usize, f64), f64)| Cell {
-            key: CellKey {
-                by,
-                features,
-                states,
-                recipe: "authors".into(),
-            },
+            key: CellKey { by, features, states, recipe: "authors".into() },
             accuracy: around(paper + sign * shift),
             paper: Some(paper),
         };
@@ -196,10 +158,7 @@ fn the_papers_own_table_is_no_distance_from_itself() {
     };
     let own = table(0.0);
     assert_eq!(own.mean_absolute_difference_points, Some(0.0));
-    assert_eq!(
-        (own.orderings_holding, own.orderings, own.pairs_holding, own.pairs),
-        (3, 3, 20, 20)
-    );
+    assert_eq!((own.orderings_holding, own.orderings, own.pairs_holding, own.pairs), (3, 3, 20, 20));
     // (61.76 + 72.22 + 70.75 + 54.41 + 55.55 + 58.50) / 6, and the same for the taxels.
     let (component, taxel) = (own.component.unwrap(), own.taxel.unwrap());
     assert!((component.accuracy - 62.198_333).abs() < 1e-5 && (taxel.accuracy - 75.036_667).abs() < 1e-5);

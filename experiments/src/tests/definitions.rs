@@ -63,42 +63,12 @@ fn faults_name_line_and_field() {
     let (_folder, path) = written(SMALL);
     Experiment::load(&path).unwrap();
     for (was, is, line, field, allowed) in [
-        (
-            "states = [5]",
-            "sates = [5]",
-            2,
-            "sates",
-            "underbrush schema experiment",
-        ),
+        ("states = [5]", "sates = [5]", 2, "sates", "underbrush schema experiment"),
         ("states = [5]", "states = [0]", 2, "states", "from 1"),
-        (
-            "label = \"trunk\"",
-            "label = \"leaf\"",
-            6,
-            "training.label",
-            "two different labels",
-        ),
-        (
-            "label = \"trunk\"",
-            "label = \"outlier\"",
-            11,
-            "training.label",
-            "verdicts",
-        ),
-        (
-            "label = \"trunk\"\nreaches = 4",
-            "label = \"trunk\"\nreaches = 1",
-            12,
-            "training.reaches",
-            "two folds",
-        ),
-        (
-            "states = [5]",
-            "states = [30]",
-            0,
-            "trials.min_samples",
-            "largest of `states`",
-        ),
+        ("label = \"trunk\"", "label = \"leaf\"", 6, "training.label", "two different labels"),
+        ("label = \"trunk\"", "label = \"outlier\"", 11, "training.label", "verdicts"),
+        ("label = \"trunk\"\nreaches = 4", "label = \"trunk\"\nreaches = 1", 12, "training.reaches", "two folds"),
+        ("states = [5]", "states = [30]", 0, "trials.min_samples", "largest of `states`"),
     ] {
         let text = SMALL.replace(was, is);
         assert_ne!(text, SMALL);
@@ -109,10 +79,7 @@ fn faults_name_line_and_field() {
     }
     let bad_classifier = format!("{SMALL}\n[[classifiers]]\nname = \"x\"\nmethod = \"hmm\"\nfeatures = [\"region\"]\n");
     let error = error(&bad_classifier);
-    assert!(
-        error.field.contains("features") && error.to_string().contains("force"),
-        "{error}"
-    );
+    assert!(error.field.contains("features") && error.to_string().contains("force"), "{error}");
 }
 
 /// Tests that numbers outside their ranges and a patch that no arm has are refused when the file is read, with the
@@ -134,34 +101,10 @@ fn numbers_and_patch_are_checked_when_the_file_is_read() {
             "1e9",
             "0.1 to 10",
         ),
-        (
-            "[thresholds]\nuncertain_below_nats = -3",
-            14,
-            "thresholds.uncertain_below_nats",
-            "-3",
-            "from 0",
-        ),
-        (
-            "[thresholds]\nuncertain_below_nats = nan",
-            14,
-            "thresholds.uncertain_below_nats",
-            "NaN",
-            "finite",
-        ),
-        (
-            "[thresholds]\nfalse_positive_rate = 7.0",
-            14,
-            "thresholds.false_positive_rate",
-            "7",
-            "over 0 and under 1",
-        ),
-        (
-            "[thresholds]\noutlier_prior = 0.5",
-            14,
-            "thresholds.outlier_prior",
-            "0.5",
-            "under 0.5",
-        ),
+        ("[thresholds]\nuncertain_below_nats = -3", 14, "thresholds.uncertain_below_nats", "-3", "from 0"),
+        ("[thresholds]\nuncertain_below_nats = nan", 14, "thresholds.uncertain_below_nats", "NaN", "finite"),
+        ("[thresholds]\nfalse_positive_rate = 7.0", 14, "thresholds.false_positive_rate", "7", "over 0 and under 1"),
+        ("[thresholds]\noutlier_prior = 0.5", 14, "thresholds.outlier_prior", "0.5", "under 0.5"),
         (
             "[[classifiers]]\nname = \"models\"\nmethod = \"hmm\"\nstates = 1001",
             16,
@@ -169,13 +112,7 @@ fn numbers_and_patch_are_checked_when_the_file_is_read() {
             "1001",
             "from 1 to 1000",
         ),
-        (
-            "[trials]\npatch = \"nosuch\"",
-            14,
-            "trials.patch",
-            "nosuch",
-            "forearm, flipper",
-        ),
+        ("[trials]\npatch = \"nosuch\"", 14, "trials.patch", "nosuch", "forearm, flipper"),
     ] {
         let error = error(&format!("{SMALL}{section}\n"));
         assert_eq!((error.line, error.field.as_str()), (Some(line), field), "{error}");
@@ -200,41 +137,17 @@ fn nothing_that_names_a_result_is_given_twice() {
     let setting = "[[settings]]\nname = \"same\"\nrobot = { stiffness_scale = 2.0 }\n";
     for (text, line, field, found) in [
         (SMALL.replace("[5]", "[3, 5, 3]"), 2, "states", "3 twice"),
-        (
-            SMALL.replace("[5]", "[5]\nrecipes = [\"modern\", \"modern\"]"),
-            3,
-            "recipes",
-            "modern twice",
-        ),
-        (
-            format!("{SMALL}{}", entry("classifiers").repeat(2)),
-            14,
-            "classifiers.name",
-            "same twice",
-        ),
-        (
-            format!("{SMALL}{}", entry("setting_classifiers").repeat(2)),
-            14,
-            "setting_classifiers.name",
-            "same twice",
-        ),
-        (
-            format!("{SMALL}{}", setting.repeat(2)),
-            14,
-            "settings.name",
-            "same twice",
-        ),
+        (SMALL.replace("[5]", "[5]\nrecipes = [\"modern\", \"modern\"]"), 3, "recipes", "modern twice"),
+        (format!("{SMALL}{}", entry("classifiers").repeat(2)), 14, "classifiers.name", "same twice"),
+        (format!("{SMALL}{}", entry("setting_classifiers").repeat(2)), 14, "setting_classifiers.name", "same twice"),
+        (format!("{SMALL}{}", setting.repeat(2)), 14, "settings.name", "same twice"),
     ] {
         let error = error(&text);
         assert_eq!((error.line, error.field.as_str()), (Some(line), field), "{error}");
         assert_eq!(error.found, found, "{error}");
     }
     // The same name in two lists does not matter.
-    let both = format!(
-        "{SMALL}{}{}{setting}",
-        entry("classifiers"),
-        entry("setting_classifiers")
-    );
+    let both = format!("{SMALL}{}{}{setting}", entry("classifiers"), entry("setting_classifiers"));
     let (_folder, path) = written(&both);
     Experiment::load(&path).unwrap();
 }
@@ -255,10 +168,7 @@ fn labels_are_categories_where_reaches_are_judged_by_objects() {
     Experiment::load(&path).unwrap();
     let judged = format!("{bamboo}\n[general]\nscene = \"other.toml\"\nreaches = 1\n");
     let error = error(&judged);
-    assert!(
-        error.found.contains("bamboo") && error.allowed.contains("the category of an object"),
-        "{error}"
-    );
+    assert!(error.found.contains("bamboo") && error.allowed.contains("the category of an object"), "{error}");
 }
 
 /// Tests that the hash of an experiment follows its file and the scenes that it names.

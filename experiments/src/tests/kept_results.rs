@@ -4,11 +4,7 @@ use crate::kept::{self, Run};
 use crate::progress::Silent;
 
 fn run(seed: u64, quick: bool, experiment: &str) -> Run {
-    Run {
-        seed,
-        quick,
-        experiment: experiment.into(),
-    }
+    Run { seed, quick, experiment: experiment.into() }
 }
 
 fn this() -> Run {
@@ -32,13 +28,8 @@ fn only_the_same_run_takes_a_kept_result() {
     let (folder, path) = folder();
     assert_eq!(load(&path, &this()), None);
     let values = vec![64.2, 0.1 + 0.2];
-    assert_eq!(
-        kept::result(&path, &this(), &Silent, || Ok(values.clone())).unwrap(),
-        values
-    );
-    let not_made = kept::result(&path, &this(), &Silent, || -> Result<Vec<f64>, _> {
-        panic!("made again")
-    });
+    assert_eq!(kept::result(&path, &this(), &Silent, || Ok(values.clone())).unwrap(), values);
+    let not_made = kept::result(&path, &this(), &Silent, || -> Result<Vec<f64>, _> { panic!("made again") });
     assert_eq!(not_made.unwrap(), values);
     for other in [run(4, true, "paper"), run(3, false, "paper"), run(3, true, "other")] {
         assert_eq!(load(&path, &other), None);

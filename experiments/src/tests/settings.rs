@@ -35,9 +35,7 @@ fn settings_are_tested_on_clutter_that_was_not_trained_on() {
     let trials = |leaf_n: f64, trunk_n: f64| -> Vec<underbrush_recording::Trial> {
         let numbers = 0..40_u64;
         let force = |reach: u64| if reach < 4 { leaf_n } else { trunk_n };
-        numbers
-            .map(|number| trial(number, number % 10, force(number % 10)))
-            .collect()
+        numbers.map(|number| trial(number, number % 10, force(number % 10))).collect()
     };
     let setting = |name, trials: &[underbrush_recording::Trial]| Folded::new(name, trials, &[4, 6], &[3, 4]);
     let apart = setting("apart", &trials(0.5, 2.0));
@@ -50,13 +48,8 @@ fn settings_are_tested_on_clutter_that_was_not_trained_on() {
     // A setting at which the leaf was touched in the first half of its reaches alone.
     let mut partly = setting("partly", &trials(0.5, 2.0));
     partly.folds[1].retain(|trial| trial.category.as_deref() != Some("leaf"));
-    let error = splits(&Experiment::paper().unwrap(), &[partly])
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("setting partly") && error.contains("no trial of leaf"),
-        "{error}"
-    );
+    let error = splits(&Experiment::paper().unwrap(), &[partly]).unwrap_err().to_string();
+    assert!(error.contains("setting partly") && error.contains("no trial of leaf"), "{error}");
 
     let swapped = setting("swapped", &trials(2.0, 0.5));
     let estimators = 4;

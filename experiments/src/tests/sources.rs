@@ -1,11 +1,7 @@
 use std::path::{Path, PathBuf};
 
 #[path = "../../build.rs"]
-#[expect(
-    dead_code,
-    clippy::print_stdout,
-    reason = "a build script prints for cargo; only its hashes are wanted"
-)]
+#[expect(dead_code, clippy::print_stdout, reason = "a build script prints for cargo; only its hashes are wanted")]
 mod build_script;
 
 use build_script::{Folders, LIBRARIES, hash};
@@ -75,10 +71,7 @@ fn each_hash_follows_its_sources() {
     let mut locks = |path: &str, packages| writes(path, &lock(packages));
     let root = "Cargo.lock";
     assert_eq!(locks(root, &[["glam", "1.0.1"], ["indicatif", "1.0.0"]]), (false, true));
-    assert_eq!(
-        locks(root, &[["glam", "1.0.1"], ["indicatif", "1.0.1"]]),
-        (false, false)
-    );
+    assert_eq!(locks(root, &[["glam", "1.0.1"], ["indicatif", "1.0.1"]]), (false, false));
     // A package has a lock file of its own, which lists fewer crates.
     let packaged = "experiments/Cargo.lock";
     assert_eq!(locks(packaged, &[["glam", "1.0.1"]]), (false, false));
@@ -99,10 +92,7 @@ fn the_hash_covers_the_libraries_that_decide_data() {
     for manifest in ["sim/Cargo.toml", "recording/Cargo.toml"] {
         let parsed: toml::Table = read(manifest).parse().unwrap();
         for name in parsed["dependencies"].as_table().unwrap().keys() {
-            let package = renamed
-                .iter()
-                .find(|(from, _)| from == name)
-                .map_or(name.as_str(), |(_, to)| to);
+            let package = renamed.iter().find(|(from, _)| from == name).map_or(name.as_str(), |(_, to)| to);
             let known = LIBRARIES.contains(&package) || decide_nothing.contains(&package);
             assert!(known || package.starts_with("underbrush-"), "{manifest}: {package}");
         }

@@ -5,13 +5,8 @@ use crate::experiment::training_data::per_reach;
 use crate::training::Trials;
 
 fn trial(category: &str, touched: &[bool]) -> Trial {
-    let sample = |touched: &bool| Sample {
-        time_s: 0.0,
-        force_n: 0.1,
-        motion_m: None,
-        region: None,
-        touched: Some(*touched),
-    };
+    let sample =
+        |touched: &bool| Sample { time_s: 0.0, force_n: 0.1, motion_m: None, region: None, touched: Some(*touched) };
     Trial {
         trial: 0,
         category: Some(category.into()),
@@ -27,11 +22,7 @@ fn trial(category: &str, touched: &[bool]) -> Trial {
 fn trials_that_nothing_touched_are_counted() {
     let trials = Trials {
         component: Vec::new(),
-        taxel: vec![
-            trial("leaf", &[false, true]),
-            trial("leaf", &[false, false]),
-            trial("trunk", &[false]),
-        ],
+        taxel: vec![trial("leaf", &[false, true]), trial("leaf", &[false, false]), trial("trunk", &[false])],
     };
     let rows = per_reach(&Experiment::paper().unwrap(), &trials, &[1, 1]);
     let counts: Vec<(usize, usize)> = rows.iter().map(|row| (row.trials, row.untouched)).collect();
@@ -45,17 +36,11 @@ fn longer_trials_are_numbered_anew() {
     let lengths = [1, 3, 2, 3];
     let mut all = Trials::default();
     for (place, length) in lengths.into_iter().enumerate() {
-        let own = Trials {
-            component: Vec::new(),
-            taxel: vec![trial("trunk", &vec![true; length])],
-        };
+        let own = Trials { component: Vec::new(), taxel: vec![trial("trunk", &vec![true; length])] };
         all.append(place, Some("bamboo"), own);
     }
     let lasting = all.lasting(2).taxel;
-    let found: Vec<_> = lasting
-        .iter()
-        .map(|own| (own.trial, own.reach, own.samples.len()))
-        .collect();
+    let found: Vec<_> = lasting.iter().map(|own| (own.trial, own.reach, own.samples.len())).collect();
     assert_eq!(found, [(0, Some(1), 3), (1, Some(2), 2), (2, Some(3), 3)]);
     assert!(lasting.iter().all(|own| own.category.as_deref() == Some("bamboo")));
 }

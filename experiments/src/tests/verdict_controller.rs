@@ -102,10 +102,8 @@ fn run(verdicts: Option<&VerdictControl>) -> (Recording, Vec<TaxelContact>) {
 /// usual limit; and that a spurious reading is ignored.
 #[test]
 fn each_verdict_has_its_limit() {
-    let allowed = AllowedForces {
-        categories_n: [("leaf".to_owned(), 7.0), ("trunk".to_owned(), 2.0)].into(),
-        unknown_n: 1.25,
-    };
+    let allowed =
+        AllowedForces { categories_n: [("leaf".to_owned(), 7.0), ("trunk".to_owned(), 2.0)].into(), unknown_n: 1.25 };
     let categories = ["grass", "leaf", "trunk"].map(str::to_owned);
     for (touch, expected) in [
         (Touch::Nothing, Allowance::Ignored),
@@ -134,11 +132,7 @@ fn contacts_get_the_limits_of_their_verdicts() {
     uncertain.controller.clone_from(&plain.controller);
     assert!(uncertain == plain && same == usual);
 
-    for (touch, expected) in [
-        (Touch::Category(0), 6.0),
-        (Touch::Category(1), 1.5),
-        (Touch::Unknown, 1.5),
-    ] {
+    for (touch, expected) in [(Touch::Category(0), 6.0), (Touch::Category(1), 1.5), (Touch::Unknown, 1.5)] {
         let (_, contacts) = run(Some(&always(touch)));
         assert!(contacts.iter().filter(judged).count() > 100);
         for contact in &contacts {

@@ -40,11 +40,7 @@ pub(super) fn about(tables: &[&Table], columns: &[Column], further: &[Category])
         let about = About {
             description: found.what,
             unit: found.unit,
-            codes: if has_codes {
-                category_codes(further)
-            } else {
-                BTreeMap::new()
-            },
+            codes: if has_codes { category_codes(further) } else { BTreeMap::new() },
         };
         all.insert(&column.name, about);
     }
@@ -66,32 +62,18 @@ pub(super) fn covers(described: &Described, name: &str) -> bool {
 
 /// A table with its columns in Markdown.
 fn describe(table: &Table) -> String {
-    let Table {
-        name,
-        path,
-        row,
-        columns,
-    } = table;
+    let Table { name, path, row, columns } = table;
     let mut text =
         format!("\n## {name} (`{path}`)\n\nOne row is {row}.\n\n| column | type | unit | what |\n|---|---|---|---|\n");
     for column in columns() {
-        text += &format!(
-            "| `{}` | {} | {} | {} |\n",
-            column.name,
-            column.kind(),
-            column.unit,
-            column.what
-        );
+        text += &format!("| `{}` | {} | {} | {} |\n", column.name, column.kind(), column.unit, column.what);
     }
     text
 }
 
 /// Tables, columns, units and codes in Markdown; `further` are categories that are not built in.
 pub(super) fn describe_tables(tables: &[&Table], further: &[Category]) -> String {
-    let codes: Vec<_> = category_codes(further)
-        .iter()
-        .map(|(code, name)| format!("{code} {name}"))
-        .collect();
+    let codes: Vec<_> = category_codes(further).iter().map(|(code, name)| format!("{code} {name}")).collect();
     let codes = codes.join(", ").replace('-', "−");
     let mut text = format!("Category codes: {codes}. The metadata of the Parquet files have units and codes, too.\n");
     for table in tables {

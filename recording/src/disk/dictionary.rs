@@ -24,12 +24,7 @@ pub(super) struct Table {
 }
 
 const fn table<R: Row>(name: &'static str, path: &'static str, row: &'static str) -> Table {
-    Table {
-        name,
-        path,
-        row,
-        columns: || R::COLUMNS.to_vec(),
-    }
+    Table { name, path, row, columns: || R::COLUMNS.to_vec() }
 }
 
 /// The frames.

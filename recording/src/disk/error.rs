@@ -110,11 +110,7 @@ impl From<InputError> for DiskError {
         if !error.storage {
             return DiskError::Input(error);
         }
-        DiskError::Io {
-            path: error.file,
-            action: "read",
-            source: io::Error::other(error.found),
-        }
+        DiskError::Io { path: error.file, action: "read", source: io::Error::other(error.found) }
     }
 }
 

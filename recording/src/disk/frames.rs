@@ -104,10 +104,7 @@ pub(super) fn give_lists<T: Value>(
     }
     let present = vec![true; ends.len()];
     let rows = Rows::Lists { ends, present };
-    Column {
-        rows,
-        ..Column::fixed(name, 1, values)
-    }
+    Column { rows, ..Column::fixed(name, 1, values) }
 }
 
 /// Adds the values of a column row by row.
@@ -118,10 +115,7 @@ pub(super) fn take_rows<T: Value>(
     column: &Column,
     take: fn(&mut Recording, Place, &[T]) -> Result<(), Fault>,
 ) -> Result<(), Fault> {
-    let place = |row: usize| Place {
-        frame: first + row,
-        patch,
-    };
+    let place = |row: usize| Place { frame: first + row, patch };
     (0..column.count()).try_for_each(|row| take(recording, place(row), column.row(row).unwrap_or_default()))
 }
 
@@ -252,13 +246,7 @@ impl Feature {
         let name = column.described.name;
         let prefix = name.strip_suffix("PATCH").zip(own);
         let name = prefix.map_or(name.into(), |(prefix, own)| prefix.to_owned() + &own.name);
-        Feature {
-            column,
-            name,
-            patch,
-            width,
-            names,
-        }
+        Feature { column, name, patch, width, names }
     }
 
     /// Type of its numbers.
@@ -296,15 +284,8 @@ impl Feature {
         let fits = match self.width {
             Some(width) if column.rows != Rows::Fixed(width) || column.values.type_of() != described.value => {
                 let nulls = column.missing();
-                let found = if nulls > 0 {
-                    format!("{nulls} nulls")
-                } else {
-                    format!("a column of {}", column.kind())
-                };
-                Err((
-                    found,
-                    format!("{width} {} in each row, without nulls", described.value.name()),
-                ))
+                let found = if nulls > 0 { format!("{nulls} nulls") } else { format!("a column of {}", column.kind()) };
+                Err((found, format!("{width} {} in each row, without nulls", described.value.name())))
             }
             Some(_) => Ok(()),
             None => described.fits(column),
@@ -321,11 +302,7 @@ pub(super) fn features(columns: &'static [FrameColumn], joint_names: &[String], 
     for group in columns.chunk_by(|a, b| of_patches(a) == of_patches(b)) {
         let patches = if of_patches(&group[0]) { layout.patches.len() } else { 1 };
         for patch in 0..patches {
-            features.extend(
-                group
-                    .iter()
-                    .map(|column| Feature::new(column, joint_names, layout, patch)),
-            );
+            features.extend(group.iter().map(|column| Feature::new(column, joint_names, layout, patch)));
         }
     }
     features
@@ -340,12 +317,7 @@ pub(super) fn columns_of(features: &[Feature], rows: &ReachRows, frames: Range<u
 
 /// What a reader of frames needs of the column with a name.
 pub(super) fn wanted(features: &[Feature]) -> impl Fn(&str) -> Want {
-    move |name| {
-        features
-            .iter()
-            .find(|feature| feature.name == name)
-            .map_or(Want::Nothing, Feature::want)
-    }
+    move |name| features.iter().find(|feature| feature.name == name).map_or(Want::Nothing, Feature::want)
 }
 
 /// Appends the rows of a batch to the frames of a recording whose other fields are known. What the columns do not hold is
@@ -367,9 +339,7 @@ pub(super) fn append_frames(features: &[Feature], batch: &Batch, recording: &mut
     };
     let first = recording.frames.len();
     recording.frames.resize(first + batch.rows, blank);
-    features
-        .iter()
-        .try_for_each(|feature| feature.take(batch, recording, first))
+    features.iter().try_for_each(|feature| feature.take(batch, recording, first))
 }
 
 /// The readings of the taxels of a patch in a frame.
@@ -400,10 +370,7 @@ pub(super) fn reading_of(recording: &mut Recording, place: Place, taxel: usize) 
 }
 
 fn pose(numbers: &[f64]) -> Pose {
-    Pose {
-        position: DVec3::from_slice(numbers),
-        orientation: DQuat::from_slice(&numbers[3..]),
-    }
+    Pose { position: DVec3::from_slice(numbers), orientation: DQuat::from_slice(&numbers[3..]) }
 }
 
 /// Whether a number is the one stored for taxels that a frame does not list: 0, but not −0, so that reading is exact.

@@ -52,11 +52,7 @@ fn features_of(recording: &Recording) -> Vec<Feature> {
 
 /// A checked recording as rows.
 fn rows_of(recording: &Recording) -> ReachRows<'_> {
-    ReachRows {
-        recording,
-        numbering: Numbering::default(),
-        moves: moves(recording),
-    }
+    ReachRows { recording, numbering: Numbering::default(), moves: moves(recording) }
 }
 
 /// A recording in memory as a table with one row per frame: the columns of its file ([`write_recording`]).
@@ -78,9 +74,7 @@ pub fn recording_columns(recording: &Recording) -> Vec<String> {
 
 /// The frames in batches.
 pub(super) fn batches(frames: usize) -> impl Iterator<Item = Range<usize>> {
-    (0..frames)
-        .step_by(ROWS_PER_BATCH)
-        .map(move |first| first..frames.min(first + ROWS_PER_BATCH))
+    (0..frames).step_by(ROWS_PER_BATCH).map(move |first| first..frames.min(first + ROWS_PER_BATCH))
 }
 
 /// Writes a reach to a Parquet file (zstd). All forces and angles are stored exactly.
@@ -119,10 +113,7 @@ pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<
 /// [`DiskError::Io`] if the disk fails.
 pub fn is_recording(path: impl AsRef<Path>) -> Result<bool, DiskError> {
     let path = path.as_ref();
-    if path
-        .extension()
-        .is_none_or(|extension| !extension.eq_ignore_ascii_case("parquet"))
-    {
+    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("parquet")) {
         return Ok(false);
     }
     match ParquetTable::open(path) {

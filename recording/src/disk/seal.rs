@@ -53,9 +53,7 @@ pub(super) fn seal(file: &mut File) -> io::Result<()> {
 /// Checks the hash inside a file, if there is one. Returns whether there is.
 pub(super) fn check_if_sealed(path: &Path) -> Result<bool, DiskError> {
     let mut bytes = Vec::new();
-    open_input(path)?
-        .read_to_end(&mut bytes)
-        .map_err(DiskError::io(path, "read"))?;
+    open_input(path)?.read_to_end(&mut bytes).map_err(DiskError::io(path, "read"))?;
     let Some(digits) = place(&bytes) else {
         return Ok(false);
     };

@@ -95,9 +95,8 @@ pub(super) static TRUTH_COLUMNS: &[FrameColumn] = frame_columns! {
 /// The points of all tracks with their bodies, frame by frame.
 pub(super) fn moves(recording: &Recording) -> Vec<(usize, TrackPoint)> {
     let bodies = recording.bodies.iter().enumerate();
-    let mut moves: Vec<_> = bodies
-        .flat_map(|(body, found)| found.track.iter().map(move |point| (body, *point)))
-        .collect();
+    let mut moves: Vec<_> =
+        bodies.flat_map(|(body, found)| found.track.iter().map(move |point| (body, *point))).collect();
     // A stable sort keeps the order of bodies within a frame.
     moves.sort_by_key(|(_, point)| point.frame);
     moves
@@ -113,9 +112,7 @@ fn moves_in<'a>(rows: &'a ReachRows, place: Place) -> &'a [(usize, TrackPoint)] 
 fn add_moved_bodies(recording: &mut Recording, place: Place, from: &[i32]) -> Result<(), Fault> {
     let count = recording.bodies.len();
     for (nth, index) in from.iter().enumerate() {
-        let found = usize::try_from(*index)
-            .ok()
-            .and_then(|index| recording.bodies.get_mut(index));
+        let found = usize::try_from(*index).ok().and_then(|index| recording.bodies.get_mut(index));
         let sorted = nth == 0 || from[nth - 1] < *index;
         let Some(body) = found.filter(|_| sorted) else {
             return Err((index.to_string(), format!("a body below {count}, in order")));
@@ -133,9 +130,7 @@ fn add_moved_bodies(recording: &mut Recording, place: Place, from: &[i32]) -> Re
 fn add_poses(recording: &mut Recording, place: Place, from: &[f32]) -> Result<(), Fault> {
     let mut points = Vec::new();
     for body in &mut recording.bodies {
-        let point = body
-            .track
-            .binary_search_by_key(&place.frame, |point| point.frame as usize);
+        let point = body.track.binary_search_by_key(&place.frame, |point| point.frame as usize);
         points.extend(point.ok().map(|point| &mut body.track[point]));
     }
     let (poses, rest) = from.as_chunks::<7>();

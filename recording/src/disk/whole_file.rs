@@ -75,10 +75,7 @@ pub(super) fn begin(path: &Path) -> Result<TemporaryFile, DiskError> {
         let locked = file.as_file().lock().is_ok();
         // Before it was locked, another process may have taken it for a leftover and removed it.
         if !locked || file.path().exists() {
-            return Ok(TemporaryFile {
-                file,
-                _registered: registered,
-            });
+            return Ok(TemporaryFile { file, _registered: registered });
         }
     }
 }
@@ -87,8 +84,7 @@ pub(super) fn begin(path: &Path) -> Result<TemporaryFile, DiskError> {
 pub(super) fn commit(temporary: TemporaryFile, path: &Path) -> Result<(), DiskError> {
     let file = temporary.file;
     file.as_file().sync_all().map_err(DiskError::io(path, "write"))?;
-    file.persist(path)
-        .map_err(|error| DiskError::io(path, "write")(error.error))?;
+    file.persist(path).map_err(|error| DiskError::io(path, "write")(error.error))?;
     sync_folder(&folder_of(path))
 }
 
@@ -137,9 +133,7 @@ pub fn write_whole<E: From<DiskError>>(path: &Path, write: impl FnOnce(&Path) ->
 /// Makes renames in a folder survive a power failure. Only Unix systems can open folders for this.
 pub(super) fn sync_folder(folder: &Path) -> Result<(), DiskError> {
     if cfg!(unix) {
-        File::open(folder)
-            .and_then(|file| file.sync_all())
-            .map_err(DiskError::io(folder, "sync"))?;
+        File::open(folder).and_then(|file| file.sync_all()).map_err(DiskError::io(folder, "sync"))?;
     }
     Ok(())
 }

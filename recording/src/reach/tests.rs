@@ -2,12 +2,7 @@ use super::*;
 use crate::Patch;
 
 fn recording(contacts: Vec<Contact>) -> Recording {
-    let patch = |name: &str| Patch {
-        name: name.into(),
-        link: format!("{name}_link"),
-        grid: None,
-        taxels: Vec::new(),
-    };
+    let patch = |name: &str| Patch { name: name.into(), link: format!("{name}_link"), grid: None, taxels: Vec::new() };
     Recording {
         scene: String::new(),
         controller: String::new(),
@@ -15,9 +10,7 @@ fn recording(contacts: Vec<Contact>) -> Recording {
         reach_index: 0,
         rate_hz: 100.0,
         joint_names: Vec::new(),
-        layout: SkinLayout {
-            patches: vec![patch("forearm"), patch("flipper")],
-        },
+        layout: SkinLayout { patches: vec![patch("forearm"), patch("flipper")] },
         objects: Vec::new(),
         bodies: vec![],
         goals: Vec::new(),
@@ -75,19 +68,9 @@ fn forces_are_summed_up_by_category() {
             contact(None, 1, [40, 49], 16.0),
         ])
     };
-    let forces = |contacts, peak_n, mean_n| ContactForces {
-        contacts,
-        peak_n,
-        mean_n,
-    };
+    let forces = |contacts, peak_n, mean_n| ContactForces { contacts, peak_n, mean_n };
     assert_eq!(recording.contact_forces(None), forces(3, 16.0, 150.0 / 50.0));
-    assert_eq!(
-        recording.contact_forces(Some(Category::LEAF)),
-        forces(2, 4.0, 70.0 / 40.0)
-    );
+    assert_eq!(recording.contact_forces(Some(Category::LEAF)), forces(2, 4.0, 70.0 / 40.0));
     assert_eq!(recording.contact_forces(Some(Category::TRUNK)), forces(1, 16.0, 8.0));
-    assert_eq!(
-        recording.contact_forces(Some(Category::OUTLIER)),
-        ContactForces::default()
-    );
+    assert_eq!(recording.contact_forces(Some(Category::OUTLIER)), ContactForces::default());
 }

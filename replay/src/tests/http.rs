@@ -55,9 +55,7 @@ fn status_from(mut stream: TcpStream) -> Option<u16> {
         assert_eq!(error.kind(), ErrorKind::ConnectionReset);
     }
     let text = String::from_utf8_lossy(&bytes);
-    text.strip_prefix("HTTP/1.1 ")
-        .and_then(|rest| rest.get(..3))
-        .map(|status| status.parse().unwrap())
+    text.strip_prefix("HTTP/1.1 ").and_then(|rest| rest.get(..3)).map(|status| status.parse().unwrap())
 }
 
 /// Waits until the server answers again, which it must as soon as its limits of time have passed.
@@ -95,20 +93,10 @@ fn large_heads_and_other_protocols_are_refused() {
     let long = "x".repeat(LIMITS.head_bytes);
     assert_eq!(status(port, &format!("GET / HTTP/1.1\r\nA: {long}")), Some(431));
     assert_eq!(status(port, &format!("GET /{long}")), Some(431));
-    assert_eq!(
-        status(port, &format!("GET / HTTP/1.1\r\n{}\r\n", "A: b\r\n".repeat(65))),
-        Some(431)
-    );
+    assert_eq!(status(port, &format!("GET / HTTP/1.1\r\n{}\r\n", "A: b\r\n".repeat(65))), Some(431));
     let short = "x".repeat(LIMITS.head_bytes - 40);
-    assert_eq!(
-        status(port, &format!("GET / HTTP/1.1\r\nA: {short}\r\n\r\n")),
-        Some(200)
-    );
-    for other in [
-        "\u{16}\u{3}\u{1} no HTTP\r\n\r\n",
-        "GET\r\n\r\n",
-        "GET / HTTP/2.0\r\n\r\n",
-    ] {
+    assert_eq!(status(port, &format!("GET / HTTP/1.1\r\nA: {short}\r\n\r\n")), Some(200));
+    for other in ["\u{16}\u{3}\u{1} no HTTP\r\n\r\n", "GET\r\n\r\n", "GET / HTTP/2.0\r\n\r\n"] {
         assert_eq!(status(port, other), Some(400), "{other:?}");
     }
     // A head without an end: the server stops reading.
@@ -140,10 +128,7 @@ fn slow_clients_are_cut_off() {
 /// Tests that connections beyond the limit are refused at once, and that there is room again when the others are gone.
 #[test]
 fn connections_beyond_the_limit_are_refused() {
-    let port = start(Limits {
-        head_time: Duration::from_secs(600),
-        ..LIMITS
-    });
+    let port = start(Limits { head_time: Duration::from_secs(600), ..LIMITS });
     let mut open: Vec<TcpStream> = (0..900).map(|_| connect(port)).collect();
     for refused in open.split_off(LIMITS.connections) {
         assert_eq!(status_from(refused), Some(503));
@@ -155,20 +140,14 @@ fn connections_beyond_the_limit_are_refused() {
 /// Tests that a client that does not take its answer loses its connection, and that one that does gets everything.
 #[test]
 fn a_client_that_never_reads_is_cut_off() {
-    let port = start(Limits {
-        connections: 1,
-        ..LIMITS
-    });
+    let port = start(Limits { connections: 1, ..LIMITS });
     let mut idle = connect(port);
     idle.write_all(b"GET /large HTTP/1.1\r\n\r\n").unwrap();
     // Others are answered only when its connection is gone.
     answers_again(port);
     let mut taken = Vec::new();
     let _ = idle.read_to_end(&mut taken);
-    assert!(
-        taken.len() < MANY_BYTES,
-        "the server has waited for a client that does not read"
-    );
+    assert!(taken.len() < MANY_BYTES, "the server has waited for a client that does not read");
     let port = start(LIMITS);
     let mut busy = connect(port);
     busy.write_all(b"GET /large HTTP/1.1\r\n\r\n").unwrap();

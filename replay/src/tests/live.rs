@@ -32,10 +32,7 @@ fn start() -> (Place, JoinHandle<()>, Arc<AtomicUsize>) {
 
 /// The reach with this many frames.
 fn so_far(frames: usize) -> SoFar {
-    SoFar {
-        recording: reach(0, frames),
-        verdicts: None,
-    }
+    SoFar { recording: reach(0, frames), verdicts: None }
 }
 
 fn command(place: &Place, command: &str) -> Answer {
@@ -64,10 +61,7 @@ impl News {
     fn until(&mut self, holds: impl Fn(&Value) -> bool) -> Value {
         loop {
             let mut line = String::new();
-            assert!(
-                self.0.read_line(&mut line).unwrap() > 0,
-                "the server has closed the stream"
-            );
+            assert!(self.0.read_line(&mut line).unwrap() > 0, "the server has closed the stream");
             if let Some(data) = line.strip_prefix("data: ") {
                 let news = serde_json::from_str(data).unwrap();
                 if holds(&news) {
@@ -90,10 +84,7 @@ fn a_running_reach_is_told_paused_and_stepped() {
     assert_eq!(count.load(Ordering::SeqCst), 1);
     let mut news = News::listen(&place);
     let first = news.until(|_| true);
-    assert_eq!(
-        (&first["frames"], &first["paused"], &first["ended"]),
-        (&1.into(), &true.into(), &false.into())
-    );
+    assert_eq!((&first["frames"], &first["paused"], &first["ended"]), (&1.into(), &true.into(), &false.into()));
     assert_eq!(command(&place, "step/1").status, 200);
     assert_eq!(news.until(|news| news["frames"] != 1)["frames"], 2);
     assert_eq!(command(&place, "step/8").status, 200);
@@ -136,10 +127,7 @@ fn commands_of_others_are_refused() {
 /// Tests that recordings in memory are listed and packed like recordings in files.
 #[test]
 fn recordings_in_memory_are_packed_too() {
-    let held = |index| Held {
-        recording: reach(index, 20),
-        judging: None,
-    };
+    let held = |index| Held { recording: reach(index, 20), judging: None };
     let source = Source::of(vec![held(0), held(3)], KNOWN).unwrap();
     assert_eq!(source.reaches().len(), 2);
     assert_eq!((source.reaches()[1].number, source.reaches()[1].reach_index), (1, 3));

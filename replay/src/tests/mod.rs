@@ -67,10 +67,7 @@ pub fn reach(reach_index: u64, frames: usize) -> Recording {
     };
     let mut link = Body {
         owner: BodyOwner::Link("forearm".into()),
-        parts: vec![BodyPart {
-            shape: BodyShape::Sphere { radius_m: 0.02 },
-            pose_body: Pose::IDENTITY,
-        }],
+        parts: vec![BodyPart { shape: BodyShape::Sphere { radius_m: 0.02 }, pose_body: Pose::IDENTITY }],
         rest_pose_world: pose(0),
         track: Vec::new(),
     };
@@ -86,11 +83,7 @@ pub fn reach(reach_index: u64, frames: usize) -> Recording {
             patches: vec![Patch {
                 name: "forearm".into(),
                 link: "forearm".into(),
-                grid: Some(Grid {
-                    rows: 2,
-                    columns: 2,
-                    wraps: false,
-                }),
+                grid: Some(Grid { rows: 2, columns: 2, wraps: false }),
                 taxels: [0.0, 0.01, 0.02, 0.03].map(taxel).to_vec(),
             }],
         },

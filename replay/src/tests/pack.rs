@@ -22,10 +22,7 @@ impl Packed {
         assert_eq!(u32_at(bytes, 16), bytes.len());
         assert_eq!(u32_at(bytes, 12), crc32fast::hash(&bytes[16..]) as usize);
         let start = 24 + u32_at(bytes, 20);
-        Packed {
-            header: serde_json::from_slice(&bytes[24..start]).unwrap(),
-            data: bytes[start..].to_vec(),
-        }
+        Packed { header: serde_json::from_slice(&bytes[24..start]).unwrap(), data: bytes[start..].to_vec() }
     }
 
     /// The numbers of a section.
@@ -75,10 +72,7 @@ fn a_packed_reach_holds_what_was_recorded() {
     assert_eq!(packed.section("reading_object")[2..4], [0.0, -1.0]);
     assert_eq!(packed.section("reading_shear_n")[4..6], [0.25, -0.5]);
     // The pose of frame 0 is the pose at rest and is not stored again.
-    assert_eq!(
-        packed.section("track_frame"),
-        (1..20).map(f64::from).collect::<Vec<_>>()
-    );
+    assert_eq!(packed.section("track_frame"), (1..20).map(f64::from).collect::<Vec<_>>());
     assert_eq!(packed.section("track_pose_world")[7..10], [2.0 / 1024.0, 0.0, 0.25]);
     // The trial of taxel 1 lasts 15 frames and has an object. The trial of taxel 2 lasts one frame and has none.
     assert_eq!(packed.section("trial_taxel"), [1.0, 2.0]);
@@ -101,39 +95,23 @@ fn what_follows_holds_only_what_is_new() {
         assert!(header.get(fixed).is_none(), "{fixed}");
     }
     assert_eq!(header["contacts"][0]["last_frame"], 19);
-    let names: Vec<&str> = packed.header["sections"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|own| own["name"].as_str().unwrap())
-        .collect();
+    let names: Vec<&str> =
+        packed.header["sections"].as_array().unwrap().iter().map(|own| own["name"].as_str().unwrap()).collect();
     assert!(!names.iter().any(|name| name.starts_with("taxel_")), "{names:?}");
     let times: Vec<f64> = recording.frames[8..].iter().map(|frame| frame.time_s).collect();
     assert_eq!(packed.section("time_s"), times);
-    assert_eq!(
-        packed.section("reading_start"),
-        (0..=12).map(f64::from).collect::<Vec<_>>()
-    );
+    assert_eq!(packed.section("reading_start"), (0..=12).map(f64::from).collect::<Vec<_>>());
     assert_eq!(packed.section("reading_taxel"), [1.0; 12]);
     assert_eq!(packed.section("track_start"), [0.0, 12.0]);
-    assert_eq!(
-        packed.section("track_frame"),
-        (8..20).map(f64::from).collect::<Vec<_>>()
-    );
+    assert_eq!(packed.section("track_frame"), (8..20).map(f64::from).collect::<Vec<_>>());
     // The trial of taxel 2 has ended before. The trial of taxel 1 began at frame 5.
     assert_eq!(packed.section("trial_taxel"), [1.0]);
     assert_eq!(packed.section("trial_first_frame"), [5.0]);
     assert_eq!(packed.section("trial_sample_start"), [0.0, 12.0]);
     let whole = Packed::read(&pack(&recording, &KNOWN, None).unwrap());
-    assert_eq!(
-        packed.section("sample_motion_m")[..],
-        whole.section("sample_motion_m")[3..15]
-    );
+    assert_eq!(packed.section("sample_motion_m")[..], whole.section("sample_motion_m")[3..15]);
     let nothing = Packed::read(&pack_from(&recording, &KNOWN, None, 99).unwrap());
-    assert_eq!(
-        (&nothing.header["reach"]["from"], nothing.section("time_s").len()),
-        (&20.into(), 0)
-    );
+    assert_eq!((&nothing.header["reach"]["from"], nothing.section("time_s").len()), (&20.into(), 0));
 }
 
 /// Tests that the list has one line per recording, with its peak force, and that a number outside the list is refused.
@@ -141,18 +119,11 @@ fn what_follows_holds_only_what_is_new() {
 fn a_source_lists_its_reaches() {
     let folder = tempfile::tempdir().unwrap();
     let source: Source = source(folder.path());
-    let found: Vec<_> = source
-        .reaches()
-        .iter()
-        .map(|reach| (reach.number, reach.reach_index))
-        .collect();
+    let found: Vec<_> = source.reaches().iter().map(|reach| (reach.number, reach.reach_index)).collect();
     assert_eq!(found, [(0, 0), (1, 1)]);
     let first = &source.reaches()[0];
     assert_eq!((first.source.as_str(), first.peak_force_n), ("reach-0.parquet", 2.0));
     assert_eq!(source.pack(1).unwrap(), pack(&reach(1, 20), &KNOWN, None).unwrap());
     let error = source.pack(2).unwrap_err();
-    assert!(
-        matches!(error, ReplayError::NoSuchReach { number: 2, count: 2 }),
-        "{error}"
-    );
+    assert!(matches!(error, ReplayError::NoSuchReach { number: 2, count: 2 }), "{error}");
 }

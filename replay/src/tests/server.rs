@@ -22,10 +22,7 @@ pub struct Place {
 pub fn run(server: Server) -> Place {
     let address = server.address().trim_end_matches('/');
     let (port, key) = address.trim_start_matches("http://127.0.0.1:").split_once('/').unwrap();
-    let place = Place {
-        port: port.parse().unwrap(),
-        base: format!("/{key}"),
-    };
+    let place = Place { port: port.parse().unwrap(), base: format!("/{key}") };
     std::thread::spawn(move || server.run());
     place
 }
@@ -89,11 +86,7 @@ fn the_server_gives_out_page_list_and_reaches() {
     assert_eq!((reach.status, reach.content), (200, expected.clone()));
     let head = get(&place, "HEAD", "/api/reach/1");
     assert_eq!((head.status, head.content.len()), (200, 0));
-    assert!(
-        head.head.contains(&format!("content-length: {}", expected.len())),
-        "{}",
-        head.head
-    );
+    assert!(head.head.contains(&format!("content-length: {}", expected.len())), "{}", head.head);
 }
 
 /// Tests that paths outside the set, other methods and the names of other hosts are refused, and that the server still
@@ -132,9 +125,7 @@ fn everything_else_is_refused() {
         vec![own.clone(), "Host: evil.example".to_owned()],
         vec![],
     ] {
-        let lines: Vec<&str> = std::iter::once(line.as_str())
-            .chain(hosts.iter().map(String::as_str))
-            .collect();
+        let lines: Vec<&str> = std::iter::once(line.as_str()).chain(hosts.iter().map(String::as_str)).collect();
         assert_eq!(ask(port, &lines).status, 403, "{hosts:?}");
     }
     assert_eq!(ask(port, &[&line, &format!("Host: LOCALHOST:{port}")]).status, 200);
@@ -155,16 +146,8 @@ fn ranges_are_ignored() {
     let expected = source(folder.path()).pack(0).unwrap();
     let place = start(folder.path());
     let Place { port, base } = place;
-    let (line, host) = (
-        format!("GET {base}/api/reach/0 HTTP/1.1"),
-        format!("Host: 127.0.0.1:{port}"),
-    );
-    for range in [
-        "bytes=0-18446744073709551615",
-        "bytes=5-1",
-        "bytes=0-0,1-1,2-2,3-3",
-        "bytes=-99999999999999999999",
-    ] {
+    let (line, host) = (format!("GET {base}/api/reach/0 HTTP/1.1"), format!("Host: 127.0.0.1:{port}"));
+    for range in ["bytes=0-18446744073709551615", "bytes=5-1", "bytes=0-0,1-1,2-2,3-3", "bytes=-99999999999999999999"] {
         let answer = ask(port, &[&line, &host, &format!("Range: {range}")]);
         assert_eq!((answer.status, &answer.content), (200, &expected), "{range}");
         assert!(answer.head.contains("accept-ranges: none"), "{}", answer.head);
@@ -195,20 +178,10 @@ fn nothing_is_given_out_without_the_key() {
     let (place, other) = (start(folder.path()), start(folder.path()));
     assert_ne!(place.base, other.base, "each server has a key of its own");
     let own = &place.base;
-    for base in [
-        "",
-        &other.base,
-        &own[..own.len() - 1],
-        &format!("{own}0"),
-        &own.to_uppercase(),
-        &format!("/{own}"),
-    ] {
+    for base in ["", &other.base, &own[..own.len() - 1], &format!("{own}0"), &own.to_uppercase(), &format!("/{own}")] {
         for path in ["/", "/api/reaches", "/api/reach/0", "/no/such/page"] {
             for method in ["GET", "HEAD", "POST"] {
-                let wrong = Place {
-                    base: base.to_owned(),
-                    ..place
-                };
+                let wrong = Place { base: base.to_owned(), ..place };
                 let answer = get(&wrong, method, path);
                 assert_eq!(answer.status, 403, "{method} {base}{path}");
                 let text = String::from_utf8(answer.content).unwrap();
@@ -224,11 +197,7 @@ fn nothing_is_given_out_without_the_key() {
 fn the_policy_names_script_and_style_by_hash() {
     let folder = tempfile::tempdir().unwrap();
     let page = get(&start(folder.path()), "GET", "/");
-    let policy = page
-        .head
-        .lines()
-        .find(|line| line.starts_with("content-security-policy: "))
-        .unwrap();
+    let policy = page.head.lines().find(|line| line.starts_with("content-security-policy: ")).unwrap();
     for source in ["script-src 'sha256-", "style-src 'sha256-", "frame-ancestors 'none'"] {
         assert!(policy.contains(source), "{policy}");
     }

@@ -44,15 +44,7 @@ fn a_file_that_is_too_large_is_refused() {
 fn the_page_needs_no_other_file() {
     assert_eq!(PAGE.matches("<!--underbrush-data-->").count(), 1);
     assert!(PAGE.contains("<script type=\"module\">") && PAGE.contains("<style>"));
-    for reference in [
-        "src=\"/",
-        "href=\"/",
-        "src=\"./",
-        "href=\"./",
-        "@import",
-        "src=\"http",
-        "href=\"http",
-    ] {
+    for reference in ["src=\"/", "href=\"/", "src=\"./", "href=\"./", "@import", "src=\"http", "href=\"http"] {
         assert!(!PAGE.contains(reference), "{reference}");
     }
 }

@@ -42,10 +42,7 @@ fn model() -> TouchModel {
 }
 
 fn judging() -> Judging {
-    Judging {
-        name: "touch.json".into(),
-        by: JudgingModel::of_touch(model(), None).unwrap(),
-    }
+    Judging { name: "touch.json".into(), by: JudgingModel::of_touch(model(), None).unwrap() }
 }
 
 /// Tests that the packed verdicts, probabilities and regions are those of the online classifier frame by frame, sorted
@@ -55,10 +52,7 @@ fn verdicts_of_touch_models_are_packed() {
     let recording = pressed_by(Category::TRUNK, 1.1, 40);
     let packed = Packed::read(&pack(&recording, &KNOWN, Some(&judging())).unwrap());
     let header = &packed.header["reach"]["verdicts"];
-    assert_eq!(
-        (&header["classifier"], &header["score_kind"]),
-        (&"touch".into(), &"probability".into())
-    );
+    assert_eq!((&header["classifier"], &header["score_kind"]), (&"touch".into(), &"probability".into()));
     assert_eq!(header["scores"], serde_json::json!(["nothing", "leaf", "trunk"]));
     let names = ["nothing", "leaf", "trunk", "uncertain", "unknown"];
     assert_eq!(header["verdicts"], serde_json::json!(names));
@@ -79,26 +73,16 @@ fn verdicts_of_touch_models_are_packed() {
         assert!(taxels[rows.clone()].is_sorted_by(|a, b| a < b));
         several += usize::from(rows.len() > 1);
         for row in rows {
-            let own = online
-                .taxels()
-                .iter()
-                .find(|own| own.taxel as f64 == taxels[row])
-                .unwrap();
+            let own = online.taxels().iter().find(|own| own.taxel as f64 == taxels[row]).unwrap();
             assert_eq!(names[codes[row] as usize], own.touch.name(online.model().categories()));
             assert_eq!(samples[row], own.samples as f64);
-            let touched = online
-                .probabilities(own.region)
-                .iter()
-                .map(|share| (1.0 - own.nothing) * share);
+            let touched = online.probabilities(own.region).iter().map(|share| (1.0 - own.nothing) * share);
             for (place, expected) in std::iter::once(own.nothing).chain(touched).enumerate() {
                 assert_eq!(scores[3 * row + place], f64::from(expected as f32));
             }
             let region = region_starts[index] as usize + region_of[row] as usize;
             assert_eq!(contacts[region], online.regions()[own.region].contact as f64);
-            assert_eq!(
-                beyond[region],
-                f64::from(online.regions()[own.region].share_beyond as f32)
-            );
+            assert_eq!(beyond[region], f64::from(online.regions()[own.region].share_beyond as f32));
             let expected = online.tracker().regions()[own.region].course.features();
             let found = &of_region[features * region..][..features];
             assert_eq!(found, expected.map(|value| f64::from(value as f32)));
@@ -118,14 +102,8 @@ fn what_follows_has_the_regions_of_a_touch_model() {
     let whole = Packed::read(&pack_from(&recording, &KNOWN, Some(&verdicts), 0).unwrap());
     let rest = Packed::read(&pack_from(&recording, &KNOWN, Some(&verdicts), 8).unwrap());
     for (starts, rows) in [
-        (
-            "verdict_start",
-            ["verdict_taxel", "verdict_code", "verdict_region"].as_slice(),
-        ),
-        (
-            "touch_start",
-            &["touch_contact", "touch_taxels", "touch_touched_taxels"],
-        ),
+        ("verdict_start", ["verdict_taxel", "verdict_code", "verdict_region"].as_slice()),
+        ("touch_start", &["touch_contact", "touch_taxels", "touch_touched_taxels"]),
     ] {
         let first = whole.section(starts)[8];
         let expected: Vec<f64> = whole.section(starts)[8..].iter().map(|start| start - first).collect();
@@ -147,14 +125,8 @@ fn what_follows_has_the_regions_of_a_touch_model() {
 #[test]
 fn another_patch_is_refused() {
     let error = JudgingModel::of_touch(model(), Some("hand")).unwrap_err();
-    assert!(
-        matches!(&error, ReplayError::PatchOfTouchModel { patch, .. } if patch == "hand"),
-        "{error}"
-    );
+    assert!(matches!(&error, ReplayError::PatchOfTouchModel { patch, .. } if patch == "hand"), "{error}");
     let mut bare = reach(0, 20);
     bare.layout.patches[0].grid = None;
-    assert!(matches!(
-        pack(&bare, &KNOWN, Some(&judging())),
-        Err(ReplayError::Verdicts { .. })
-    ));
+    assert!(matches!(pack(&bare, &KNOWN, Some(&judging())), Err(ReplayError::Verdicts { .. })));
 }

@@ -30,9 +30,7 @@ fn trial(number: u64, reach: u64, taxel: u32, category: &str, first: u32, last: 
 fn felt(reach: &Recording) -> Vec<(f64, Vec<(u16, f64)>)> {
     let forces = |frame: &underbrush_recording::Frame| {
         let readings = frame.taxels.iter();
-        readings
-            .map(|reading| (reading.taxel, reading.sensed_force_n))
-            .collect()
+        readings.map(|reading| (reading.taxel, reading.sensed_force_n)).collect()
     };
     let periods = |time_s: f64| (time_s / FRAME_PERIOD_S * 10.0).round() / 10.0;
     let frames = reach.frames.iter();
@@ -84,11 +82,7 @@ fn a_table_of_trials_becomes_frames() {
 /// Tests that the contacts that the page gets from these frames are the trials of the table.
 #[test]
 fn the_trials_of_the_page_are_those_of_the_table() {
-    let trials = [
-        trial(0, 0, 5, "leaf", 0, 2),
-        trial(1, 0, 5, "leaf", 3, 4),
-        trial(2, 0, 1, "towel", 10, 30),
-    ];
+    let trials = [trial(0, 0, 5, "leaf", 0, 2), trial(1, 0, 5, "leaf", 3, 4), trial(2, 0, 1, "towel", 10, 30)];
     let [reach] = &reaches(Path::new("log.csv"), &trials).unwrap()[..] else {
         panic!("not one reach");
     };
@@ -135,18 +129,10 @@ fn trials_that_frames_would_change_are_refused() {
     let mut late = trial(1, 0, 1, "leaf", 0, 9);
     late.samples.iter_mut().for_each(|sample| sample.time_s += 0.005);
     let error = refused(&[trial(0, 0, 0, "leaf", 0, 9), late.clone()]);
-    assert_eq!(
-        (error.field.as_str(), error.allowed.as_str()),
-        ("time_s", "all taxels sampled at the same times")
-    );
+    assert_eq!((error.field.as_str(), error.allowed.as_str()), ("time_s", "all taxels sampled at the same times"));
     assert!(error.found.starts_with("36000.005 s in reach 0"), "{error}");
     late.reach = Some(1);
-    assert_eq!(
-        reaches(Path::new("log.csv"), &[trial(0, 0, 0, "leaf", 0, 9), late])
-            .unwrap()
-            .len(),
-        2
-    );
+    assert_eq!(reaches(Path::new("log.csv"), &[trial(0, 0, 0, "leaf", 0, 9), late]).unwrap().len(), 2);
     let (one, next) = (trial(0, 0, 0, "leaf", 0, 4), trial(1, 0, 0, "towel", 5, 9));
     let error = refused(&[one, next, trial(2, 0, 1, "leaf", 0, 9)]);
     assert!(error.found.contains("right after trial 0"), "{error}");
@@ -157,10 +143,7 @@ fn trials_that_frames_would_change_are_refused() {
 #[test]
 fn what_cannot_be_shown_is_refused() {
     let refused = |trial: Trial| -> InputError { reaches(Path::new("log.csv"), &[trial]).unwrap_err() };
-    let region = Trial {
-        taxel: None,
-        ..trial(8, 0, 0, "leaf", 0, 1)
-    };
+    let region = Trial { taxel: None, ..trial(8, 0, 0, "leaf", 0, 1) };
     let error = refused(region);
     assert_eq!((error.field.as_str(), error.found.as_str()), ("taxel", "nothing"));
     assert!(error.remedy.contains("trial 8"), "{error}");

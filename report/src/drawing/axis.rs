@@ -30,48 +30,27 @@ pub enum Scale {
 impl Axis {
     /// A linear axis over all data.
     pub fn linear(label: impl Into<String>) -> Self {
-        Axis {
-            label: label.into(),
-            scale: Scale::Linear { low: None, high: None },
-        }
+        Axis { label: label.into(), scale: Scale::Linear { low: None, high: None } }
     }
 
     /// A linear axis that shows at least these values.
     pub fn spanning(label: impl Into<String>, low: f64, high: f64) -> Self {
-        Axis {
-            label: label.into(),
-            scale: Scale::Linear {
-                low: Some(low),
-                high: Some(high),
-            },
-        }
+        Axis { label: label.into(), scale: Scale::Linear { low: Some(low), high: Some(high) } }
     }
 
     /// A linear axis that begins at 0.
     pub fn from_zero(label: impl Into<String>) -> Self {
-        Axis {
-            label: label.into(),
-            scale: Scale::Linear {
-                low: Some(0.0),
-                high: None,
-            },
-        }
+        Axis { label: label.into(), scale: Scale::Linear { low: Some(0.0), high: None } }
     }
 
     /// A logarithmic axis.
     pub fn logarithmic(label: impl Into<String>) -> Self {
-        Axis {
-            label: label.into(),
-            scale: Scale::Logarithmic,
-        }
+        Axis { label: label.into(), scale: Scale::Logarithmic }
     }
 
     /// An axis of names.
     pub fn names<T: Into<String>>(label: impl Into<String>, names: impl IntoIterator<Item = T>) -> Self {
-        Axis {
-            label: label.into(),
-            scale: Scale::Names(names.into_iter().map(Into::into).collect()),
-        }
+        Axis { label: label.into(), scale: Scale::Names(names.into_iter().map(Into::into).collect()) }
     }
 }
 
@@ -92,9 +71,8 @@ impl Fitted {
     pub(super) fn new(scale: &Scale, values: impl Iterator<Item = f64>, steps: f64) -> Self {
         let logarithmic = *scale == Scale::Logarithmic;
         let usable = values.filter(|value| value.is_finite() && (!logarithmic || *value > 0.0));
-        let (min, max) = usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), value| {
-            (min.min(value), max.max(value))
-        });
+        let (min, max) =
+            usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), value| (min.min(value), max.max(value)));
         let (min, max) = if min > max { (1.0, 1.0) } else { (min, max) };
         match scale {
             Scale::Names(names) => Fitted {
@@ -102,11 +80,7 @@ impl Fitted {
                 high: (names.len().max(1) as f64) - 0.5,
                 max: f64::INFINITY,
                 logarithmic,
-                ticks: names
-                    .iter()
-                    .enumerate()
-                    .map(|(place, name)| (place as f64, name.clone()))
-                    .collect(),
+                ticks: names.iter().enumerate().map(|(place, name)| (place as f64, name.clone())).collect(),
             },
             Scale::Logarithmic => {
                 let (low, high) = (math::log10(min).floor(), math::log10(max).ceil());
@@ -118,9 +92,7 @@ impl Fitted {
                     high,
                     max: f64::INFINITY,
                     logarithmic,
-                    ticks: exponents
-                        .map(|exponent| (10_f64.powi(exponent), power_of_ten(exponent)))
-                        .collect(),
+                    ticks: exponents.map(|exponent| (10_f64.powi(exponent), power_of_ten(exponent))).collect(),
                 }
             }
             Scale::Linear { low, high } => {
@@ -165,9 +137,7 @@ impl Fitted {
 /// The next larger step that is 1, 2 or 5 times a power of ten.
 fn round_step(step: f64) -> f64 {
     let power = math::powf(10_f64, math::log10(step).floor());
-    let factor = [1.0, 2.0, 5.0]
-        .into_iter()
-        .find(|factor| factor * power >= step * 0.999);
+    let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * power >= step * 0.999);
     factor.unwrap_or(10.0) * power
 }
 

@@ -70,12 +70,7 @@ pub(super) struct Canvas<'a> {
 
 impl<'a> Canvas<'a> {
     pub(super) fn new(svg: &'a mut String, plot: &'a Plot) -> Self {
-        Canvas {
-            svg,
-            plot,
-            stacked: Vec::new(),
-            strips: 0,
-        }
+        Canvas { svg, plot, stacked: Vec::new(), strips: 0 }
     }
 
     /// Draws a layer over the previous ones. Filled shapes are filled with `fill`.
@@ -116,9 +111,7 @@ impl<'a> Canvas<'a> {
             let Some((x, y)) = plot.x_px(point.x).zip(plot.y_px(point.y)) else {
                 continue;
             };
-            let ends = point
-                .interval
-                .and_then(|(low, high)| plot.y_px(low).zip(plot.y_px(high)));
+            let ends = point.interval.and_then(|(low, high)| plot.y_px(low).zip(plot.y_px(high)));
             if let Some((low, high)) = ends {
                 let _ = writeln!(
                     self.svg,

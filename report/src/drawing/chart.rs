@@ -40,10 +40,7 @@ impl Chart {
             x: Fitted::new(&self.x.scale, self.layers.iter().flat_map(Layer::xs), 6.0).tight(),
             y: Fitted::new(&self.y.scale, self.values(), 5.0),
         };
-        let strips = self
-            .layers
-            .iter()
-            .filter(|layer| matches!(layer.shape, Shape::Bands(_)));
+        let strips = self.layers.iter().filter(|layer| matches!(layer.shape, Shape::Bands(_)));
         let ticks_top = plot.bottom() + strips_height(strips.count());
         let height = ticks_top + 2.0 * LINE + 8.0;
         let name = slug(&self.name);
@@ -55,11 +52,7 @@ impl Chart {
             escape(&self.description)
         );
         self.patterns(&mut svg);
-        let _ = writeln!(
-            svg,
-            "<text x=\"2\" y=\"{FONT}\" font-weight=\"bold\">{}</text>",
-            escape(&self.title)
-        );
+        let _ = writeln!(svg, "<text x=\"2\" y=\"{FONT}\" font-weight=\"bold\">{}</text>", escape(&self.title));
         svg.push_str(&legend);
         self.axes(&mut svg, &plot, ticks_top);
         let mut canvas = Canvas::new(&mut svg, &plot);
@@ -137,26 +130,18 @@ impl Chart {
                 ),
                 false => {
                     let line = format!("<path d=\"M{:.1} {y:.1}h24\" {}/>", x + 1.0, layer.style.stroke());
-                    let mark = layer.style.mark.map_or(String::new(), |mark| {
-                        mark.svg(x + 13.0, y, MARK_RADIUS, layer.style.colour)
-                    });
+                    let mark = layer
+                        .style
+                        .mark
+                        .map_or(String::new(), |mark| mark.svg(x + 13.0, y, MARK_RADIUS, layer.style.colour));
                     if layer.is_joined() { line + &mark } else { mark }
                 }
             };
-            let _ = writeln!(
-                svg,
-                "{key}<text x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-                x + 30.0,
-                y + 5.0,
-                escape(&layer.name)
-            );
+            let _ =
+                writeln!(svg, "{key}<text x=\"{:.1}\" y=\"{:.1}\">{}</text>", x + 30.0, y + 5.0, escape(&layer.name));
             x += width;
         }
-        if self.layers.iter().any(Layer::in_legend) {
-            row
-        } else {
-            0.0
-        }
+        if self.layers.iter().any(Layer::in_legend) { row } else { 0.0 }
     }
 
     /// Lines and labels of both axes, with the tick labels of x below `ticks_top`.

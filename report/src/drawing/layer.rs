@@ -81,11 +81,7 @@ pub enum Shape {
 impl Layer {
     /// A layer.
     pub fn new(name: impl Into<String>, style: Style, shape: Shape) -> Self {
-        Layer {
-            name: name.into(),
-            style,
-            shape,
-        }
+        Layer { name: name.into(), style, shape }
     }
 
     /// Whether it has an entry in the legend.
@@ -116,10 +112,7 @@ impl Layer {
             Shape::Line(points) | Shape::Steps(points) => points.iter().map(|point| point.1).collect(),
             Shape::Points(points) => {
                 let whole = |point: &Point| point.interval.map_or([point.y; 2], |(low, high)| [low, high]);
-                points
-                    .iter()
-                    .flat_map(|point| [vec![point.y], whole(point).to_vec()].concat())
-                    .collect()
+                points.iter().flat_map(|point| [vec![point.y], whole(point).to_vec()].concat()).collect()
             }
             Shape::Bars(_) | Shape::Areas(_) | Shape::Bands(_) => Vec::new(),
         }
@@ -135,20 +128,12 @@ impl Shape {
 impl Style {
     /// A line of this colour and dash.
     pub const fn line(colour: &'static str, dash: Dash) -> Self {
-        Style {
-            colour,
-            dash,
-            mark: None,
-        }
+        Style { colour, dash, mark: None }
     }
 
     /// Marks of this colour, joined by a line of this dash.
     pub const fn marked(colour: &'static str, dash: Dash, mark: Mark) -> Self {
-        Style {
-            colour,
-            dash,
-            mark: Some(mark),
-        }
+        Style { colour, dash, mark: Some(mark) }
     }
 
     /// Attributes of a line; round dots need round ends.
@@ -178,24 +163,9 @@ impl Mark {
                 0.8 * r,
                 0.45 * r
             ),
-            Mark::Square => path(format!(
-                "m{0:.1} {0:.1}h{1:.1}v{1:.1}h{2:.1}",
-                -0.88 * r,
-                1.76 * r,
-                -1.76 * r
-            )),
-            Mark::Triangle => path(format!(
-                "m0 {:.1}l{:.1} {:.1}h{:.1}",
-                -1.1 * r,
-                1.05 * r,
-                1.9 * r,
-                -2.1 * r
-            )),
-            Mark::Diamond => path(format!(
-                "m0 {0:.1}l{1:.1} {1:.1}l{0:.1} {1:.1}l{0:.1} {0:.1}",
-                -1.2 * r,
-                1.2 * r
-            )),
+            Mark::Square => path(format!("m{0:.1} {0:.1}h{1:.1}v{1:.1}h{2:.1}", -0.88 * r, 1.76 * r, -1.76 * r)),
+            Mark::Triangle => path(format!("m0 {:.1}l{:.1} {:.1}h{:.1}", -1.1 * r, 1.05 * r, 1.9 * r, -2.1 * r)),
+            Mark::Diamond => path(format!("m0 {0:.1}l{1:.1} {1:.1}l{0:.1} {1:.1}l{0:.1} {0:.1}", -1.2 * r, 1.2 * r)),
             Mark::Cross => format!(
                 "<path d=\"M{:.1} {:.1}l{2:.1} {2:.1}m0 {3:.1}l{3:.1} {2:.1}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{4:.1}\"/>",
                 x - 0.8 * r,

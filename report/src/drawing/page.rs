@@ -39,10 +39,7 @@ td:first-child:not(.number) { min-width: 7rem } }
 impl Page {
     /// An empty page.
     pub fn new(title: impl Into<String>) -> Self {
-        Page {
-            title: title.into(),
-            ..Page::default()
-        }
+        Page { title: title.into(), ..Page::default() }
     }
 
     /// Begins a section, which is listed in the contents at the top.

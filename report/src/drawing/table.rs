@@ -91,10 +91,7 @@ impl Table {
 
     /// The rows as shown to people.
     pub fn texts(&self) -> Vec<Vec<String>> {
-        self.rows
-            .iter()
-            .map(|row| row.iter().map(Cell::text).collect())
-            .collect()
+        self.rows.iter().map(|row| row.iter().map(Cell::text).collect()).collect()
     }
 
     /// The table as CSV (RFC 4180), with a header and all digits. Missing values and those that are not finite are
@@ -117,10 +114,8 @@ impl Table {
 
     /// The table as HTML, which scrolls sideways if it does not fit.
     pub fn html(&self) -> String {
-        let mut html = format!(
-            "<div class=\"scroll\"><table><caption>{}</caption>\n<thead><tr>",
-            escape(&self.caption)
-        );
+        let mut html =
+            format!("<div class=\"scroll\"><table><caption>{}</caption>\n<thead><tr>", escape(&self.caption));
         // Columns of numbers are aligned right, with their headings and any words in them; columns of text are aligned
         // left.
         let class = |column: usize| match self.is_numeric(column) {

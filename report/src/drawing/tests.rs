@@ -32,14 +32,7 @@ fn attribute<'a>(element: &'a Element, name: &str) -> Option<&'a str> {
 }
 
 fn chart(x: Axis, y: Axis, layers: Vec<Layer>) -> Chart {
-    Chart {
-        name: "a chart".into(),
-        title: "Force & motion".into(),
-        description: "Rises < 3 N".into(),
-        x,
-        y,
-        layers,
-    }
+    Chart { name: "a chart".into(), title: "Force & motion".into(), description: "Rises < 3 N".into(), x, y, layers }
 }
 
 const STYLES: [Style; 3] = [
@@ -62,11 +55,7 @@ fn shape() -> impl Strategy<Value = Shape> {
         pairs().prop_map(Shape::Bands),
         prop::collection::vec(number(), 0..8).prop_map(Shape::Bars),
         prop::collection::vec((number(), number(), number(), number()), 0..20).prop_map(|points| {
-            let point = |(x, y, low, high)| Point {
-                x,
-                y,
-                interval: Some((low, high)),
-            };
+            let point = |(x, y, low, high)| Point { x, y, interval: Some((low, high)) };
             Shape::Points(points.into_iter().map(point).collect())
         }),
     ]
@@ -130,19 +119,12 @@ fn a_chart_says_what_it_shows() {
     let elements = elements(&svg);
     assert_eq!(attribute(&elements[0], "role"), Some("img"));
     let labels: Vec<&str> = attribute(&elements[0], "aria-labelledby").unwrap().split(' ').collect();
-    for (label, (name, text)) in labels
-        .iter()
-        .zip([("title", "Force & motion"), ("desc", "Rises < 3 N")])
-    {
+    for (label, (name, text)) in labels.iter().zip([("title", "Force & motion"), ("desc", "Rises < 3 N")]) {
         let element = elements.iter().find(|element| element.0 == name).unwrap();
         assert_eq!(attribute(element, "id"), Some(*label));
         assert_eq!(element.2, text);
     }
-    let words: Vec<&str> = elements
-        .iter()
-        .filter(|element| element.0 == "text")
-        .map(|own| own.2.as_str())
-        .collect();
+    let words: Vec<&str> = elements.iter().filter(|element| element.0 == "text").map(|own| own.2.as_str()).collect();
     assert!(words.contains(&"t / s") && words.contains(&"force / N"), "{words:?}");
 }
 
@@ -151,33 +133,17 @@ fn a_line_lies_where_its_axes_say() {
     // Tests that scales and ticks agree: a line through (0, 0) and (10, 100) passes through the positions of these
     // ticks.
     let line = Shape::Line(vec![(0.0, 0.0), (10.0, 100.0)]);
-    let svg = chart(
-        Axis::linear("x"),
-        Axis::linear("y"),
-        vec![Layer::new("", STYLES[0], line)],
-    )
-    .svg();
+    let svg = chart(Axis::linear("x"), Axis::linear("y"), vec![Layer::new("", STYLES[0], line)]).svg();
     let elements = elements(&svg);
     let place = |text: &str, axis: &str| -> Vec<f64> {
-        let ticks = elements
-            .iter()
-            .filter(|element| element.0 == "text" && element.2 == text);
-        ticks
-            .map(|tick| attribute(tick, axis).unwrap().parse().unwrap())
-            .collect()
+        let ticks = elements.iter().filter(|element| element.0 == "text" && element.2 == text);
+        ticks.map(|tick| attribute(tick, axis).unwrap().parse().unwrap()).collect()
     };
     let points = elements.iter().find(|element| element.0 == "polyline").unwrap();
-    let points: Vec<f64> = attribute(points, "points")
-        .unwrap()
-        .split([' ', ','])
-        .map(|n| n.parse().unwrap())
-        .collect();
+    let points: Vec<f64> = attribute(points, "points").unwrap().split([' ', ',']).map(|n| n.parse().unwrap()).collect();
     // The text of a tick of y stands 5 px below its line.
     assert!(place("10", "x").contains(&points[2]), "{svg}");
-    assert!(
-        place("100", "y").iter().any(|y| (y - 5.0 - points[3]).abs() < 0.11),
-        "{svg}"
-    );
+    assert!(place("100", "y").iter().any(|y| (y - 5.0 - points[3]).abs() < 0.11), "{svg}");
     assert!(place("0", "x").contains(&points[0]), "{svg}");
 }
 
@@ -216,12 +182,7 @@ fn areas_stand_on_each_other_and_bands_under_them() {
     let svg = chart(
         Axis::linear("t / s"),
         Axis::from_zero("taxels"),
-        vec![
-            area([1.0, 3.0, 3.0]),
-            area([2.0, 0.5, 0.5]),
-            band(0.0, 1.0),
-            band(1.0, 2.0),
-        ],
+        vec![area([1.0, 3.0, 3.0]), area([2.0, 0.5, 0.5]), band(0.0, 1.0), band(1.0, 2.0)],
     )
     .svg();
     let elements = elements(&svg);
@@ -235,9 +196,7 @@ fn areas_stand_on_each_other_and_bands_under_them() {
         })
         .collect();
     // Three values give five corners on each edge.
-    let [first, second] = &outlines[..] else {
-        panic!("{svg}")
-    };
+    let [first, second] = &outlines[..] else { panic!("{svg}") };
     assert_eq!(first.len(), 10);
     let upper: Vec<_> = first[..5].iter().rev().copied().collect();
     assert_eq!(upper, second[5..]);
@@ -283,10 +242,7 @@ fn no_peak_is_lost() {
     };
     let full = svg(&points);
     let [with_peak, only_ends] = [&full, &svg(&[points[0], (50_000.0, 1.0), points[99_999]])].map(|svg| {
-        let line = elements(svg)
-            .into_iter()
-            .find(|element| element.0 == "polyline")
-            .unwrap();
+        let line = elements(svg).into_iter().find(|element| element.0 == "polyline").unwrap();
         let ys = attribute(&line, "points").unwrap().split(' ').map(|pair| {
             let y: f64 = pair.split_once(',').unwrap().1.parse().unwrap();
             y
@@ -306,27 +262,13 @@ fn a_page_is_well_formed_and_escapes() {
     let mut table = Table::new("table_1", "Accuracy", &["by", "%"]);
     table.rows.push(vec!["<script>".into(), Cell::Number(81.4, 1)]);
     page.table(&table);
-    page.figure(
-        "A figure",
-        &[chart(Axis::linear("x"), Axis::linear("y"), Vec::new()).svg()],
-    );
+    page.figure("A figure", &[chart(Axis::linear("x"), Axis::linear("y"), Vec::new()).svg()]);
     let html = page.html();
     let document = html.strip_prefix("<!DOCTYPE html>\n").unwrap();
     let elements = elements(document);
     assert!(!elements.iter().any(|element| element.0 == "script"));
-    let links: Vec<&str> = elements
-        .iter()
-        .filter_map(|element| attribute(element, "href"))
-        .collect();
+    let links: Vec<&str> = elements.iter().filter_map(|element| attribute(element, "href")).collect();
     assert_eq!(links, ["#table-i-more", "csv/table_1.csv"]);
-    assert!(
-        elements
-            .iter()
-            .any(|element| attribute(element, "id") == Some("table-i-more"))
-    );
-    assert!(
-        elements
-            .iter()
-            .any(|element| element.0 == "td" && element.2 == "<script>")
-    );
+    assert!(elements.iter().any(|element| attribute(element, "id") == Some("table-i-more")));
+    assert!(elements.iter().any(|element| element.0 == "td" && element.2 == "<script>"));
 }

@@ -83,10 +83,7 @@ fn draw(
 
 /// A bar that fills as the reach goes on, with its length in seconds; returns its height, px.
 fn clock(svg: &mut String, times: &[f64], top: f64) -> f64 {
-    let (first, last) = (
-        times.first().copied().unwrap_or(0.0),
-        times.last().copied().unwrap_or(0.0),
-    );
+    let (first, last) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
     let width = 0.6 * WIDTH;
     let paths: Vec<String> = times
         .iter()
@@ -98,23 +95,14 @@ fn clock(svg: &mut String, times: &[f64], top: f64) -> f64 {
         top + LINE / 2.0
     );
     moving(svg, &paths, &format!("stroke=\"{GOAL}\" stroke-width=\"6\""));
-    let _ = writeln!(
-        svg,
-        "<text x=\"{:.1}\" y=\"{:.1}\">{:.1} s</text></g>",
-        width + 18.0,
-        0.35 * FONT,
-        last - first
-    );
+    let _ = writeln!(svg, "<text x=\"{:.1}\" y=\"{:.1}\">{:.1} s</text></g>", width + 18.0, 0.35 * FONT, last - first);
     LINE + 8.0
 }
 
 /// Draws arm and objects, nearest to the viewer last. They are sorted by their mean depth, because their order is the
 /// same at all moments.
 fn shapes(svg: &mut String, panel: &Panel, view: &View, snapshots: &[Snapshot], looks: &CategoryLooks) {
-    let moments: Vec<_> = snapshots
-        .iter()
-        .map(|snapshot| panel.outlines(view, snapshot, looks))
-        .collect();
+    let moments: Vec<_> = snapshots.iter().map(|snapshot| panel.outlines(view, snapshot, looks)).collect();
     let count = moments.first().map_or(0, Vec::len);
     let depth = |shape: usize| moments.iter().map(|moment| moment[shape].depth).sum::<f64>();
     let mut order: Vec<(f64, usize)> = (0..count).map(|shape| (depth(shape), shape)).collect();
@@ -152,22 +140,14 @@ fn felt(
     for (width, of_fill) in [(8.5, false), (5.5, true)] {
         for (fill, paths) in &dots {
             let stroke = if of_fill { fill } else { RIM };
-            moving(
-                svg,
-                paths,
-                &format!("{round} stroke=\"{stroke}\" stroke-width=\"{width}\""),
-            );
+            moving(svg, paths, &format!("{round} stroke=\"{stroke}\" stroke-width=\"{width}\""));
         }
     }
     let goals = snapshots.iter().map(|snapshot| {
         let at = panel.to_pixels(view, snapshot.frame.goal_position_world);
         format!("M{:.1} {:.1}m-7 0h14m-7 -7v14", at.x, at.y)
     });
-    moving(
-        svg,
-        &goals.collect::<Vec<_>>(),
-        &format!("stroke=\"{GOAL}\" stroke-width=\"3\""),
-    );
+    moving(svg, &goals.collect::<Vec<_>>(), &format!("stroke=\"{GOAL}\" stroke-width=\"3\""));
 }
 
 /// Draws a path that has these values of `d`, one for each moment. Moments at which nothing changes are left out.
@@ -175,11 +155,7 @@ fn moving(svg: &mut String, paths: &[String], style: &str) {
     let Some(first) = paths.first() else { return };
     // An empty path is not a valid value. A path that only moves draws nothing.
     let value = |path: &str| {
-        if path.is_empty() {
-            "M0 0".to_owned()
-        } else {
-            path.to_owned()
-        }
+        if path.is_empty() { "M0 0".to_owned() } else { path.to_owned() }
     };
     let mut changes: Vec<(usize, String)> = Vec::new();
     for (moment, path) in paths.iter().enumerate() {
@@ -194,10 +170,8 @@ fn moving(svg: &mut String, paths: &[String], style: &str) {
         return;
     }
     let moments = paths.len() + HOLD;
-    let times: Vec<String> = changes
-        .iter()
-        .map(|(moment, _)| format!("{:.4}", *moment as f64 / moments as f64))
-        .collect();
+    let times: Vec<String> =
+        changes.iter().map(|(moment, _)| format!("{:.4}", *moment as f64 / moments as f64)).collect();
     let values: Vec<&str> = changes.iter().map(|(_, path)| path.as_str()).collect();
     let _ = writeln!(
         svg,

@@ -33,10 +33,7 @@ pub fn path(blade: &Blade, to_pixels: impl Fn(DVec3) -> DVec2) -> String {
         let _ = write!(path, "{command}{:.1} {:.1}", at.x, at.y);
     };
     point(&mut path, "M", first.position - first.half);
-    let up = knots
-        .windows(2)
-        .zip(&lengths)
-        .map(|(pair, length)| (&pair[0], &pair[1], *length, -1.0));
+    let up = knots.windows(2).zip(&lengths).map(|(pair, length)| (&pair[0], &pair[1], *length, -1.0));
     let down = up.clone().rev().map(|(from, to, length, _)| (to, from, -length, 1.0));
     let tip_width = 2.0 * tip.half.length();
     let mut edge = |(from, to, length_m, side): (&Knot, &Knot, f64, f64)| {

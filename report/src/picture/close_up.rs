@@ -37,22 +37,14 @@ pub fn close_ups(
     let frame = &snapshot.frame;
     let position = |mark: &TaxelMark| {
         let taxel = layout.patches.get(mark.place.0)?.taxels.get(mark.place.1)?;
-        Some(
-            frame
-                .patch_pose_world
-                .get(mark.place.0)?
-                .transform_point(taxel.position_link),
-        )
+        Some(frame.patch_pose_world.get(mark.place.0)?.transform_point(taxel.position_link))
     };
     let positions: Vec<(DVec3, &TaxelMark)> = marks.iter().filter_map(|mark| Some((position(mark)?, mark))).collect();
     if positions.is_empty() {
         return Vec::new();
     }
     let centre = positions.iter().map(|(position, _)| *position).sum::<DVec3>() / positions.len() as f64;
-    PANELS
-        .iter()
-        .map(|panel| draw(panel, name, (snapshot, looks), &positions, centre, description))
-        .collect()
+    PANELS.iter().map(|panel| draw(panel, name, (snapshot, looks), &positions, centre, description)).collect()
 }
 
 fn draw(
@@ -63,11 +55,7 @@ fn draw(
     centre: DVec3,
     description: &str,
 ) -> String {
-    let view = View {
-        corner: panel.project(centre) - SIZE_M / 2.0,
-        size_m: SIZE_M,
-        scale: SCALE,
-    };
+    let view = View { corner: panel.project(centre) - SIZE_M / 2.0, size_m: SIZE_M, scale: SCALE };
     let size = view.size_px();
     let top = 1.8 * FONT;
     let name = format!("{}-{}", escape(name), panel.title.replace(' ', "-"));
@@ -91,11 +79,7 @@ fn draw(
     marks.sort_by(|a, b| panel.depth(a.0).total_cmp(&panel.depth(b.0)));
     for (position, mark) in marks {
         let at = panel.to_pixels(&view, *position);
-        let _ = writeln!(
-            svg,
-            "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"3\" fill=\"#ffffff\"/>",
-            at.x, at.y
-        );
+        let _ = writeln!(svg, "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"3\" fill=\"#ffffff\"/>", at.x, at.y);
         svg += &mark.look.1.svg(at.x, at.y, 2.3, mark.look.0);
     }
     scale_bar(&mut svg, size);

@@ -26,10 +26,7 @@ fn square(fill: &str) -> String {
 fn entries(snapshot: &Snapshot, looks: &CategoryLooks, layout: &SkinLayout, sized: bool) -> Vec<Entry> {
     let mut entries = Vec::new();
     let mut add = |mark: String, text: &str| {
-        entries.push(Entry {
-            mark,
-            text: text.into(),
-        });
+        entries.push(Entry { mark, text: text.into() });
     };
     let categories: BTreeSet<Category> = snapshot.objects.iter().map(|object| object.category).collect();
     for category in categories {
@@ -38,13 +35,7 @@ fn entries(snapshot: &Snapshot, looks: &CategoryLooks, layout: &SkinLayout, size
     }
     add(square(ARM), "arm");
     add(goal_mark(DVec2::ZERO), "goal of the moment");
-    add(
-        format!(
-            "{}<path d=\"M-7 -7h14\" stroke=\"{TABLE_EDGE}\" stroke-width=\"2\"/>",
-            square(TABLE)
-        ),
-        "table",
-    );
+    add(format!("{}<path d=\"M-7 -7h14\" stroke=\"{TABLE_EDGE}\" stroke-width=\"2\"/>", square(TABLE)), "table");
     add(
         format!("<path d=\"M-8 0h16\" stroke=\"{TABLE_EDGE}\" stroke-width=\"1.5\" stroke-dasharray=\"6 4\"/>"),
         "area for the feet of objects",
@@ -60,10 +51,7 @@ fn entries(snapshot: &Snapshot, looks: &CategoryLooks, layout: &SkinLayout, size
         );
     }
     if felt().any(|reading| reading.object.is_none()) {
-        add(
-            taxel_mark(DVec2::ZERO, 1.0, "#ffffff"),
-            "taxel that reports a force though it touches nothing",
-        );
+        add(taxel_mark(DVec2::ZERO, 1.0, "#ffffff"), "taxel that reports a force though it touches nothing");
     }
     if sized && felt().next().is_some() {
         add(taxel_mark(DVec2::ZERO, 0.05, "#ffffff"), "a taxel that reports 0.05 N");

@@ -49,10 +49,7 @@ pub fn draw(
     let mut y = 8.0;
     y += legend::paragraph(&mut body, caption, (8.0, WIDTH - 16.0), y);
     y += legend::legend(&mut body, (snapshot, &looks, true), layout, (8.0, WIDTH - 16.0), y) + LINE;
-    for (panel, view) in PANELS
-        .iter()
-        .zip(views(std::slice::from_ref(snapshot), workspace, inner.1))
-    {
+    for (panel, view) in PANELS.iter().zip(views(std::slice::from_ref(snapshot), workspace, inner.1)) {
         let size = view.size_px();
         let _ = writeln!(
             body,
@@ -84,9 +81,8 @@ fn views(snapshots: &[Snapshot], workspace: &Workspace, width_px: f64) -> Vec<Vi
             let (at, around) = (panel.project(*point), DVec2::splat(radius_m + SPACE_M));
             (at - around, at + around)
         });
-        let (low, high) = ends.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), end| {
-            (low.min(end.0), high.max(end.1))
-        });
+        let (low, high) =
+            ends.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), end| (low.min(end.0), high.max(end.1)));
         let corner = (10.0 * low).floor() / 10.0;
         (corner, (10.0 * high).ceil() / 10.0 - corner)
     };

@@ -29,20 +29,8 @@ pub struct Panel {
 }
 
 pub const PANELS: [Panel; 2] = [
-    Panel {
-        title: "from the right",
-        right: DVec3::X,
-        up: DVec3::Z,
-        near: DVec3::NEG_Y,
-        axes: ["x / m", "z / m"],
-    },
-    Panel {
-        title: "from above",
-        right: DVec3::X,
-        up: DVec3::Y,
-        near: DVec3::Z,
-        axes: ["x / m", "y / m"],
-    },
+    Panel { title: "from the right", right: DVec3::X, up: DVec3::Z, near: DVec3::NEG_Y, axes: ["x / m", "z / m"] },
+    Panel { title: "from above", right: DVec3::X, up: DVec3::Y, near: DVec3::Z, axes: ["x / m", "y / m"] },
 ];
 
 /// The part of a panel's plane that is drawn.
@@ -100,10 +88,7 @@ pub fn taxel_mark(at: DVec2, force_n: f64, fill: &str) -> String {
 }
 
 pub fn goal_mark(at: DVec2) -> String {
-    format!(
-        "<path d=\"M{:.1} {:.1}m-7 0h14m-7 -7v14\" stroke=\"{GOAL}\" stroke-width=\"3\"/>",
-        at.x, at.y
-    )
+    format!("<path d=\"M{:.1} {:.1}m-7 0h14m-7 -7v14\" stroke=\"{GOAL}\" stroke-width=\"3\"/>", at.x, at.y)
 }
 
 /// Position of a taxel in the world frame, m; `None` if it is not drawn because it reports no force.
@@ -243,10 +228,7 @@ impl Panel {
         // A number needs about 45 px.
         let step = if 0.2 * view.scale >= 45.0 { 0.2 } else { 0.5 };
         let ticks = |from: f64, length: f64| {
-            let (first, last) = (
-                (from / step - 1e-9).ceil() as i32,
-                ((from + length) / step + 1e-9).floor() as i32,
-            );
+            let (first, last) = ((from / step - 1e-9).ceil() as i32, ((from + length) / step + 1e-9).floor() as i32);
             (first..=last).map(move |tick| f64::from(tick) * step)
         };
         for tick in ticks(view.corner.x, view.size_m.x) {

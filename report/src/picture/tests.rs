@@ -9,24 +9,14 @@ use xml::reader::{EventReader, XmlEvent};
 use super::*;
 
 fn capsule(start: [f64; 3], end: [f64; 3]) -> Capsule {
-    Capsule {
-        start: start.into(),
-        end: end.into(),
-        radius_m: 0.04,
-    }
+    Capsule { start: start.into(), end: end.into(), radius_m: 0.04 }
 }
 
 /// A leaf of two pieces of 0.3 m each. The upper one leans towards x by this angle, rad.
 fn blade(foot: DVec3, angle_rad: f64) -> Blade {
     let upper = DQuat::from_scaled_axis(DVec3::Y * angle_rad);
-    let piece = |position, orientation| BladePiece {
-        pose_world: Pose { position, orientation },
-        length_m: 0.3,
-    };
-    Blade {
-        width_m: 0.05,
-        pieces: vec![piece(foot, DQuat::IDENTITY), piece(foot + DVec3::Z * 0.3, upper)],
-    }
+    let piece = |position, orientation| BladePiece { pose_world: Pose { position, orientation }, length_m: 0.3 };
+    Blade { width_m: 0.05, pieces: vec![piece(foot, DQuat::IDENTITY), piece(foot + DVec3::Z * 0.3, upper)] }
 }
 
 /// An arm from the origin to `hand`, a trunk, a leaf, and two taxels that report a force, one of them spurious.
@@ -39,10 +29,7 @@ fn moment(hand: [f64; 3], goal: [f64; 3]) -> (Snapshot, SkinLayout) {
         sensed_force_n: 1.0,
         object,
     };
-    let pose = Pose {
-        position: DVec3::ZERO,
-        orientation: DQuat::IDENTITY,
-    };
+    let pose = Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY };
     let frame = Frame {
         time_s: 1.0,
         joint_angle_rad: Vec::new(),
@@ -56,19 +43,10 @@ fn moment(hand: [f64; 3], goal: [f64; 3]) -> (Snapshot, SkinLayout) {
         contact_force_world: vec![DVec3::ZERO],
         taxels: vec![reading(0, Some(0)), reading(1, None)],
     };
-    let taxel = Taxel {
-        position_link: DVec3::from(hand) / 2.0,
-        normal_link: DVec3::Z,
-        tangent_link: DVec3::X,
-        area_m2: 1e-4,
-    };
+    let taxel =
+        Taxel { position_link: DVec3::from(hand) / 2.0, normal_link: DVec3::Z, tangent_link: DVec3::X, area_m2: 1e-4 };
     let layout = SkinLayout {
-        patches: vec![Patch {
-            name: "sleeve".into(),
-            link: "arm".into(),
-            grid: None,
-            taxels: vec![taxel; 2],
-        }],
+        patches: vec![Patch { name: "sleeve".into(), link: "arm".into(), grid: None, taxels: vec![taxel; 2] }],
     };
     let snapshot = Snapshot {
         arm: vec![capsule([0.0; 3], hand)],
@@ -125,10 +103,7 @@ fn the_frame_holds_arm_and_scene() {
             let ends = extent(&snapshot).into_iter().map(|(point, _)| point);
             for point in ends.chain(corners).chain([DVec3::from(goal)]) {
                 let at = panel.to_pixels(view, point);
-                assert!(
-                    at.cmpge(DVec2::ZERO).all() && at.cmple(size).all(),
-                    "{point} at {at} of {view:?}"
-                );
+                assert!(at.cmpge(DVec2::ZERO).all() && at.cmple(size).all(), "{point} at {at} of {view:?}");
             }
         }
         assert_eq!((views[0].corner.x, views[0].scale), (views[1].corner.x, views[1].scale));
@@ -173,17 +148,10 @@ fn numbers(path: &str) -> Vec<f64> {
 #[test]
 fn a_leaf_is_a_smooth_curve_through_its_hinges() {
     let (panel, foot) = (&PANELS[0], DVec3::new(0.4, 0.0, 0.0));
-    let view = View {
-        corner: DVec2::ZERO,
-        size_m: DVec2::ONE,
-        scale: 1000.0,
-    };
+    let view = View { corner: DVec2::ZERO, size_m: DVec2::ONE, scale: 1000.0 };
     let path = blade::path(&blade(foot, 0.5), |point| panel.to_pixels(&view, point));
     // From the right the blade is seen from its edge: up and down along the same curve.
-    let points: Vec<DVec2> = numbers(&path)
-        .chunks(2)
-        .map(|pair| DVec2::new(pair[0], pair[1]))
-        .collect();
+    let points: Vec<DVec2> = numbers(&path).chunks(2).map(|pair| DVec2::new(pair[0], pair[1])).collect();
     // The start, then per piece two control points and an end.
     let hinge = panel.to_pixels(&view, foot + DVec3::Z * 0.3);
     assert!(points[0].distance(panel.to_pixels(&view, foot)) < 0.1, "{path}");
@@ -191,15 +159,10 @@ fn a_leaf_is_a_smooth_curve_through_its_hinges() {
     let (before, after) = ((points[3] - points[2]).normalize(), (points[4] - points[3]).normalize());
     assert!(before.distance(after) < 0.01, "a corner at the hinge: {path}");
     let expected = DVec2::new((0.25_f64).sin(), -(0.25_f64).cos());
-    assert!(
-        before.distance(expected) < 0.01,
-        "{before} is not the mean direction {expected}"
-    );
+    assert!(before.distance(expected) < 0.01, "{before} is not the mean direction {expected}");
     let tip = foot + DVec3::Z * 0.3 + DQuat::from_scaled_axis(DVec3::Y * 0.5) * (DVec3::Z * 0.3);
     assert!(points[6].distance(panel.to_pixels(&view, tip)) < 0.1, "{path}");
-    let above = numbers(&blade::path(&blade(foot, 0.5), |point| {
-        PANELS[1].to_pixels(&view, point)
-    }));
+    let above = numbers(&blade::path(&blade(foot, 0.5), |point| PANELS[1].to_pixels(&view, point)));
     let y: Vec<f64> = above.chunks(2).map(|pair| pair[1]).collect();
     let width = y.iter().copied().fold(f64::MIN, f64::max) - y.iter().copied().fold(f64::MAX, f64::min);
     assert!((width - 50.0).abs() < 0.2, "{width} px");
@@ -218,32 +181,13 @@ fn an_animation_shows_the_moments_in_turn() {
     let text = words(&svg);
     assert!(text.contains("two moments") && text.contains("goal of the moment"));
     assert!(!text.contains("5 N"), "all marks have the same size: {text}");
-    let animated = |style: &str| {
-        svg.lines()
-            .filter(|line| line.contains(style) && line.contains("<animate"))
-            .count()
-    };
+    let animated = |style: &str| svg.lines().filter(|line| line.contains(style) && line.contains("<animate")).count();
     let arm = format!("stroke=\"{}\"", panel::ARM);
     assert_eq!(animated(&arm), 2, "the arm moves in both panels");
-    assert_eq!(
-        animated("stroke-width=\"2\" stroke-linejoin"),
-        0,
-        "the leaf stands still"
-    );
-    let dots: Vec<&str> = svg
-        .lines()
-        .filter(|line| line.contains(panel::RIM) && line.contains("<animate"))
-        .collect();
-    assert!(
-        !dots.is_empty() && dots.iter().all(|line| line.contains("values=\"M0 0;M")),
-        "{dots:?}"
-    );
+    assert_eq!(animated("stroke-width=\"2\" stroke-linejoin"), 0, "the leaf stands still");
+    let dots: Vec<&str> = svg.lines().filter(|line| line.contains(panel::RIM) && line.contains("<animate")).collect();
+    assert!(!dots.is_empty() && dots.iter().all(|line| line.contains("values=\"M0 0;M")), "{dots:?}");
     let still = draw(&[first.clone(), first]).unwrap();
-    assert!(
-        !still
-            .lines()
-            .any(|line| line.contains(&arm) && line.contains("<animate")),
-        "nothing moves"
-    );
+    assert!(!still.lines().any(|line| line.contains(&arm) && line.contains("<animate")), "nothing moves");
     assert!(draw(&[]).is_none());
 }

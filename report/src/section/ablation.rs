@@ -14,9 +14,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     }
     report.section("ablation", "Ablation");
     if outcome.ablation.is_empty() {
-        report
-            .page
-            .paragraph("Quick runs leave this out: they have too few reaches.");
+        report.page.paragraph("Quick runs leave this out: they have too few reaches.");
         return;
     }
     if let Some(text) = sentence(&outcome.ablation) {

@@ -22,11 +22,8 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     ));
     for recipe in &recipes {
         let own: Vec<&Compared> = compared.iter().filter(|cell| cell.key.recipe == *recipe).collect();
-        let what = format!(
-            "In the mean of {} campaigns, with the {} recipe",
-            campaigns.seeds.len(),
-            possessive(recipe)
-        );
+        let what =
+            format!("In the mean of {} campaigns, with the {} recipe", campaigns.seeds.len(), possessive(recipe));
         report.page.paragraph(&agreement::sentences(&what, &own));
     }
     report.page.figure(
@@ -78,26 +75,16 @@ fn add_classifiers(report: &mut Report, campaigns: &Campaigns) {
     if let Some(text) = best_classifier(campaigns, best) {
         report.page.paragraph(&text);
     }
-    let means: Vec<(&str, f64)> = campaigns
-        .classifiers
-        .iter()
-        .map(|own| (own.classifier.as_str(), own.figures.accuracy.mean))
-        .collect();
+    let means: Vec<(&str, f64)> =
+        campaigns.classifiers.iter().map(|own| (own.classifier.as_str(), own.figures.accuracy.mean)).collect();
     if let Some(text) = classifiers::features(&report.results.definition.file.classifiers, &means) {
         report.page.paragraph(&text);
     }
     let table = classifiers_table(campaigns, best);
     report.print(&table, 10);
     report.table(table);
-    let rows = campaigns
-        .classifiers
-        .iter()
-        .map(|own| (own.classifier.clone(), &own.figures));
-    report.table(campaigns_by_touch(
-        "campaign_classifiers_by_touch",
-        "Other classifiers",
-        rows,
-    ));
+    let rows = campaigns.classifiers.iter().map(|own| (own.classifier.clone(), &own.figures));
+    report.table(campaigns_by_touch("campaign_classifiers_by_touch", "Other classifiers", rows));
 }
 
 /// The best classifier in the mean of many campaigns, which are independent of each other.
@@ -107,9 +94,8 @@ fn best_classifier(campaigns: &Campaigns, published: Option<f64>) -> Option<Stri
     let count = campaigns.seeds.len();
     let own = &best.figures.accuracy;
     let error = own.standard_deviation? / (count as f64).sqrt();
-    let against = published.map_or(String::new(), |paper| {
-        format!(" That is {:+.1} points from the paper's best.", own.mean - paper)
-    });
+    let against = published
+        .map_or(String::new(), |paper| format!(" That is {:+.1} points from the paper's best.", own.mean - paper));
     Some(format!(
         "Over {count} campaigns {} has {:.1} % on average, with a standard error of {error:.1} points (balanced {:.1} %, majority \
          baseline {:.1} %).{against}",
@@ -197,11 +183,7 @@ fn trials(campaigns: &Campaigns) -> Table {
     let published = campaigns.trials_per_reach.iter().any(|row| row.paper.is_some());
     let mut columns = vec!["trials", "per reach, mean", "SD"];
     columns.extend(published.then_some("paper"));
-    let mut table = Table::new(
-        "campaign_trials_per_reach",
-        "Contact trials over all campaigns",
-        &columns,
-    );
+    let mut table = Table::new("campaign_trials_per_reach", "Contact trials over all campaigns", &columns);
     for row in &campaigns.trials_per_reach {
         let mut cells = vec![
             format!("{}, {}", unit_name(row.by), row.category).into(),

@@ -21,21 +21,15 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
          than folds by position, which can put trials of one contact on both sides.",
     );
     report.page.paragraph(&best_of(&outcome.classifiers, best));
-    let accuracies: Vec<(&str, f64)> = outcome
-        .classifiers
-        .iter()
-        .map(|own| (own.classifier.as_str(), own.accuracy.accuracy))
-        .collect();
+    let accuracies: Vec<(&str, f64)> =
+        outcome.classifiers.iter().map(|own| (own.classifier.as_str(), own.accuracy.accuracy)).collect();
     if let Some(text) = features(&file.classifiers, &accuracies) {
         report.page.paragraph(&text);
     }
     let compared = table(&outcome.classifiers, best);
     report.print(&compared, 7);
     report.table(compared);
-    let rows = outcome
-        .classifiers
-        .iter()
-        .map(|own| (own.classifier.clone(), &own.accuracy));
+    let rows = outcome.classifiers.iter().map(|own| (own.classifier.clone(), &own.accuracy));
     let touched = by_touch("classifiers_by_touch", "Other classifiers", rows);
     report.print(&touched, 9);
     report.table(touched);
@@ -54,17 +48,13 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         chart(&outcome.speeds, "all", "All contacts", |own| &own.all_contacts, best),
     ];
     let charts: Vec<String> = charts.into_iter().flatten().collect();
-    report
-        .page
-        .figure("Accuracy on all trials against samples since contact.", &charts);
+    report.page.figure("Accuracy on all trials against samples since contact.", &charts);
     report.numbers(by_samples(&outcome.speeds, min_samples));
 }
 
 /// The classifier with the highest accuracy, compared with the published best.
 fn best_of(classifiers: &[Compared], published: Option<f64>) -> String {
-    let best = classifiers
-        .iter()
-        .max_by(|a, b| a.accuracy.accuracy.total_cmp(&b.accuracy.accuracy));
+    let best = classifiers.iter().max_by(|a, b| a.accuracy.accuracy.total_cmp(&b.accuracy.accuracy));
     let Some(best) = best else { return String::new() };
     let own = &best.accuracy;
     let against = published.map_or(String::new(), |paper| {
@@ -175,11 +165,7 @@ fn chart(
         });
         let points: Vec<Point> = points.collect();
         description += &format!(" {}: {}.", speed.classifier, style::told(&names, &points));
-        layers.push(Layer::new(
-            speed.classifier.as_str(),
-            style::series(place),
-            Shape::Points(points),
-        ));
+        layers.push(Layer::new(speed.classifier.as_str(), style::series(place), Shape::Points(points)));
     }
     // The baseline is the same at every count, because all trials are judged.
     if let Some(point) = first.first() {
@@ -209,14 +195,7 @@ fn chart(
 }
 
 fn table(classifiers: &[Compared], published: Option<f64>) -> Table {
-    let mut columns = vec![
-        "classifier",
-        "accuracy / %",
-        "from",
-        "to",
-        "balanced / %",
-        "majority / %",
-    ];
+    let mut columns = vec!["classifier", "accuracy / %", "from", "to", "balanced / %", "majority / %"];
     columns.extend(published.map(|_| "against the paper's best"));
     let caption = "Taxels, whole trials, two folds of whole reaches: accuracy with the 95 % interval by reach, balanced accuracy \
                    and majority baseline";
@@ -250,10 +229,7 @@ fn by_samples(speeds: &[Speed], min_samples: usize) -> Table {
     let percent = |fraction: Option<f64>| Cell::optional(fraction.map(|fraction| 100.0 * fraction), 1);
     let mut table = Table::new("accuracy_by_samples", "Accuracy by samples since contact", &columns);
     for speed in speeds {
-        for (contacts, points) in [
-            (lasting.as_str(), &speed.lasting_contacts),
-            ("all", &speed.all_contacts),
-        ] {
+        for (contacts, points) in [(lasting.as_str(), &speed.lasting_contacts), ("all", &speed.all_contacts)] {
             for point in points {
                 let interval = point.interval_by_reach;
                 table.rows.push(vec![

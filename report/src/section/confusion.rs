@@ -12,10 +12,9 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         return;
     }
     report.section("confusion", &format!("confusion of taxels, {} states", outcome.states));
-    for (name, caption, matrix) in [
-        ("figure_6", "Force", &outcome.figure_6),
-        ("figure_7", "Force and motion", &outcome.figure_7),
-    ] {
+    for (name, caption, matrix) in
+        [("figure_6", "Force", &outcome.figure_6), ("figure_7", "Force and motion", &outcome.figure_7)]
+    {
         let Some(matrix) = matrix else { continue };
         let figures = matrix.accuracy().map_or(String::new(), |own| {
             format!(

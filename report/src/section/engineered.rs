@@ -17,9 +17,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     report.section("engineered", &format!("{} engineered reaches", reaches.len()));
     let found: Vec<&Shares> = reaches.iter().filter_map(|reach| reach.shares.as_ref()).collect();
     let drawn: u64 = reaches.iter().map(|reach| reach.drawn).sum();
-    let mostly_correct = found
-        .iter()
-        .filter(|own| own.correct_percent > own.misclassified_percent);
+    let mostly_correct = found.iter().filter(|own| own.correct_percent > own.misclassified_percent);
     report.page.paragraph(&format!(
         "Each scene is drawn until, by ground truth, the patch touches its category and nothing else, and feels it. {} of {} \
          scenes gave such a reach, in {drawn} draws. In {} of them more taxels are correct than misclassified. The truth of \
@@ -29,19 +27,11 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         reaches.len(),
         mostly_correct.count()
     ));
-    report.page.figure(
-        "Verdicts on all taxels in contact, over all frames of a reach.",
-        &[chart(outcome)],
-    );
+    report.page.figure("Verdicts on all taxels in contact, over all frames of a reach.", &[chart(outcome)]);
     let found = reaches.iter().filter(|reach| reach.reach_index.is_some());
     let links: Vec<(String, String)> = found
         .enumerate()
-        .map(|(place, reach)| {
-            (
-                replay_links::reach(replay_links::ENGINEERED_FILE, place),
-                reach.scene.clone(),
-            )
-        })
+        .map(|(place, reach)| (replay_links::reach(replay_links::ENGINEERED_FILE, place), reach.scene.clone()))
         .collect();
     report.page.links("Replay these reaches in 3-D", &links);
     let table = table(outcome);
@@ -62,11 +52,7 @@ fn chart(outcome: &Outcome) -> String {
             letters.push(meaning);
         }
         let shares = reach.shares.as_ref().map_or([f64::NAN; 3], |shares| {
-            [
-                shares.correct_percent,
-                shares.misclassified_percent,
-                shares.uncertain_percent,
-            ]
+            [shares.correct_percent, shares.misclassified_percent, shares.uncertain_percent]
         });
         description += &match reach.shares {
             Some(_) => format!(" {name}: {:.0}, {:.0}, {:.0}.", shares[0], shares[1], shares[2]),
@@ -85,11 +71,7 @@ fn chart(outcome: &Outcome) -> String {
         layers: vec![
             Layer::new("correct", Style::line(CORRECT, Dash::Solid), Shape::Bars(correct)),
             Layer::new("misclassified", Style::line(WRONG, Dash::Dashed), Shape::Bars(wrong)),
-            Layer::new(
-                "uncertain",
-                Style::line(UNCERTAIN, Dash::Dotted),
-                Shape::Bars(uncertain),
-            ),
+            Layer::new("uncertain", Style::line(UNCERTAIN, Dash::Dotted), Shape::Bars(uncertain)),
         ],
     };
     chart.svg()

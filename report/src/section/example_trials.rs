@@ -39,9 +39,8 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     report.page.paragraph(&text);
     report.page.figure(&caption, &charts(outcome, &report.looks));
     let examples = outcome.figure_5.iter().enumerate();
-    let links: Vec<(String, String)> = examples
-        .map(|(place, own)| (address(own, place), own.category.clone()))
-        .collect();
+    let links: Vec<(String, String)> =
+        examples.map(|(place, own)| (address(own, place), own.category.clone())).collect();
     report.page.links("Replay these trials in 3-D", &links);
     report.numbers(table(outcome));
 }
@@ -69,10 +68,7 @@ fn typical(medians: &[Typical]) -> String {
             )
         })
         .collect();
-    format!(
-        "Medians over the trials in which something touched the taxel. {}.",
-        parts.join("; ")
-    )
+    format!("Medians over the trials in which something touched the taxel. {}.", parts.join("; "))
 }
 
 /// Compares the paper's statements with the medians over all touched trials; `None` without leaves or trunks.
@@ -80,11 +76,7 @@ pub fn against_paper(medians: &[Typical]) -> Option<String> {
     let of = |category: &str| medians.iter().find(|own| own.category == category);
     let (leaf, trunk) = (of("leaf")?, of("trunk")?);
     let agreement = |holds: bool| {
-        if holds {
-            "as in the paper"
-        } else {
-            "unlike in the paper"
-        }
+        if holds { "as in the paper" } else { "unlike in the paper" }
     };
     let larger = |trunk: f64, leaf: f64| if trunk > leaf { "larger" } else { "not larger" };
     Some(format!(
@@ -116,9 +108,8 @@ pub fn charts(outcome: &Outcome, looks: &CategoryLooks) -> Vec<String> {
         for example in &outcome.figure_5 {
             let start_s = example.data.samples.first().map_or(0.0, |sample| sample.time_s);
             let samples = example.data.samples.iter();
-            let points: Vec<(f64, f64)> = samples
-                .filter_map(|sample| Some((sample.time_s - start_s, value(sample)?)))
-                .collect();
+            let points: Vec<(f64, f64)> =
+                samples.filter_map(|sample| Some((sample.time_s - start_s, value(sample)?))).collect();
             let max = points.iter().map(|point| point.1).fold(0.0, f64::max);
             let lasts_s = points.last().map_or(0.0, |point| point.0);
             description += &format!(" {}: up to {max:.3} {unit} in {lasts_s:.2} s.", example.category);

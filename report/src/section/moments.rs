@@ -46,13 +46,7 @@ fn add_moment(report: &mut Report, moment: &Moment, place: usize) {
     let mut charts = picture::close_ups(&name, &moment.snapshot, looks, &moment.layout, &marks, &description);
     let skin = format!("{name}-skin");
     let labels = report.results.definition.labels();
-    charts.push(skin_map::svg(
-        &skin,
-        (&patch.name, grid),
-        (&labels, looks),
-        &moment.verdicts,
-        &moment.pressed,
-    ));
+    charts.push(skin_map::svg(&skin, (&patch.name, grid), (&labels, looks), &moment.verdicts, &moment.pressed));
     let untouched = moment.verdicts.keys().filter(|taxel| !moment.pressed.contains(taxel));
     let caption = format!(
         "Scene {}, draw {}, {:.2} s after the start: the moment with the most taxels in contact. {}. Grey marks of the same \
@@ -81,11 +75,7 @@ pub fn marks_in_words(labels: &[&str], looks: &CategoryLooks) -> String {
         Mark::Cross => "cross",
     };
     let article = |word: &str| {
-        if word.starts_with(['a', 'e', 'i', 'o', 'u']) {
-            "an"
-        } else {
-            "a"
-        }
+        if word.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" }
     };
     let entry = |(place, name): (usize, &str)| {
         let look = looks.look(name);

@@ -32,9 +32,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     let charts: Vec<String> = {
         let labels = report.results.definition.labels();
         let reaches = outcome.online.outlier.iter();
-        reaches
-            .map(|reach| reach_chart(reach, &labels, &report.looks))
-            .collect()
+        reaches.map(|reach| reach_chart(reach, &labels, &report.looks)).collect()
     };
     if !charts.is_empty() {
         let caption = "Taxels by verdict over time, means of half a second, stacked. The dotted line shows how many of them \
@@ -47,9 +45,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
             (address, format!("draw {}", reach.reach_index))
         };
         let reaches = outcome.online.outlier.iter().enumerate();
-        report
-            .page
-            .links("Replay these reaches in 3-D", &reaches.map(link).collect::<Vec<_>>());
+        report.page.links("Replay these reaches in 3-D", &reaches.map(link).collect::<Vec<_>>());
     }
     report.numbers(frames_table(&outcome.online));
     report.page.paragraph(&thresholds(&outcome.curves));
@@ -82,10 +78,9 @@ fn thresholds(thresholds: &Thresholds) -> String {
         Err(why) => return format!("No thresholds could be chosen from the training data: {why}."),
     };
     let rule = match chosen.decision.rule {
-        Rule::OutlierBand {
-            uncertain_below,
-            category_above,
-        } => format!("uncertain below a margin of {uncertain_below:.1} nats, a category above {category_above:.1}"),
+        Rule::OutlierBand { uncertain_below, category_above } => {
+            format!("uncertain below a margin of {uncertain_below:.1} nats, a category above {category_above:.1}")
+        }
         other => format!("{other:?}"),
     };
     let rates: Vec<String> = chosen
@@ -93,11 +88,7 @@ fn thresholds(thresholds: &Thresholds) -> String {
         .iter()
         .map(|(category, rate)| {
             let found = chosen.true_positive_rate.get(category).copied().unwrap_or(f64::NAN);
-            format!(
-                "{category}: {:.1} % of its own trials and {:.1} % of the others",
-                100.0 * found,
-                100.0 * rate
-            )
+            format!("{category}: {:.1} % of its own trials and {:.1} % of the others", 100.0 * found, 100.0 * rate)
         })
         .collect();
     format!(
@@ -120,9 +111,7 @@ pub fn chosen_rule_online(detection: &[Detection]) -> Option<String> {
     if frames == 0 {
         return None;
     }
-    let uncertain = chosen
-        .iter()
-        .map(|row| row.percent_of("uncertain") * row.taxel_frames as f64);
+    let uncertain = chosen.iter().map(|row| row.percent_of("uncertain") * row.taxel_frames as f64);
     let percent = uncertain.sum::<f64>() / frames as f64;
     let found =
         format!("Used frame by frame on the outlier reaches, the chosen thresholds leave {percent:.1} % uncertain");
@@ -194,15 +183,8 @@ pub fn reach_chart(reach: &Classified, labels: &[&str], looks: &CategoryLooks) -
     let intervals = frames.chunk_by(|a, b| interval(a) == interval(b));
     let points = intervals.map(|frames| (frames[0].time_s, untouched(frames))).collect();
     description += &format!(" without truth {:.2}", untouched(frames));
-    layers.push(Layer::new(
-        "nothing presses",
-        Style::line(INK, Dash::Dotted),
-        Shape::Steps(points),
-    ));
-    description = format!(
-        "{}. Truly touched in this share of the time:",
-        description.trim_end_matches(',')
-    );
+    layers.push(Layer::new("nothing presses", Style::line(INK, Dash::Dotted), Shape::Steps(points)));
+    description = format!("{}. Truly touched in this share of the time:", description.trim_end_matches(','));
     for category in strips(reach, labels) {
         let (name, style) = (category.name(), area_style(category.name(), looks));
         let touched = |frame: &StreamFrame| touches(reach, frame, category);
@@ -250,10 +232,7 @@ fn strips(reach: &Classified, labels: &[&str]) -> Vec<Category> {
 /// Whether an object of a category truly presses on the patch.
 fn touches(reach: &Classified, frame: &StreamFrame, category: Category) -> bool {
     let place = reach.stream.truths.iter().position(|truth| *truth == category);
-    place
-        .and_then(|place| frame.touched.get(place))
-        .copied()
-        .unwrap_or(false)
+    place.and_then(|place| frame.touched.get(place)).copied().unwrap_or(false)
 }
 
 /// All outlier reaches, frame by frame.
@@ -261,10 +240,7 @@ pub fn frames_table(online: &Online) -> Table {
     let verdicts = online.outlier.first().map_or(&[][..], |reach| &reach.stream.verdicts);
     let truths = online.outlier.iter().flat_map(|reach| &reach.stream.truths);
     let truths: BTreeSet<Category> = truths.chain(&Category::BUILT_IN).copied().collect();
-    let names: Vec<String> = truths
-        .iter()
-        .map(|category| format!("touches_{}", category.name()))
-        .collect();
+    let names: Vec<String> = truths.iter().map(|category| format!("touches_{}", category.name())).collect();
     let mut columns = vec!["reach_index", "time_s"];
     columns.extend(verdicts.iter().map(String::as_str));
     columns.push("without_truth");
@@ -284,11 +260,7 @@ pub fn frames_table(online: &Online) -> Table {
 }
 
 fn detection_table(outcome: &Outcome) -> Table {
-    let verdicts = outcome
-        .online
-        .outlier
-        .first()
-        .map_or(&[][..], |reach| &reach.stream.verdicts);
+    let verdicts = outcome.online.outlier.first().map_or(&[][..], |reach| &reach.stream.verdicts);
     let shares: Vec<String> = verdicts.iter().map(|verdict| format!("{verdict} / %")).collect();
     let mut columns = vec!["thresholds", "truth", "taxel frames"];
     columns.extend(shares.iter().map(String::as_str));
@@ -325,11 +297,7 @@ fn roc_chart(name: &str, title: &str, x: &str, colour: &'static str, curve: &Roc
         x: Axis::spanning(x, 0.0, 100.0),
         y: Axis::spanning(format!("{name} trials found / %"), 0.0, 100.0),
         layers: vec![
-            Layer::new(
-                "chance",
-                Style::line(INK, Dash::Dotted),
-                Shape::Line(vec![(0.0, 0.0), (100.0, 100.0)]),
-            ),
+            Layer::new("chance", Style::line(INK, Dash::Dotted), Shape::Line(vec![(0.0, 0.0), (100.0, 100.0)])),
             Layer::new(
                 format!("area {:.3}", curve.area),
                 Style::line(colour, Dash::Solid),
@@ -345,10 +313,7 @@ fn roc_table(thresholds: &Thresholds, first: &str) -> Table {
     let columns = ["curve", "margin_nats", "false_positive_rate", "true_positive_rate"];
     let mut table = Table::new("roc", "Receiver operating characteristics", &columns);
     let category = format!("{first} against the others");
-    for (name, curve) in [
-        (category.as_str(), &thresholds.category_roc),
-        ("outlier", &thresholds.outlier_roc),
-    ] {
+    for (name, curve) in [(category.as_str(), &thresholds.category_roc), ("outlier", &thresholds.outlier_roc)] {
         for point in curve.iter().flat_map(|curve| &curve.points) {
             table.rows.push(vec![
                 name.into(),

@@ -17,9 +17,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     }
     report.section("over_time", "online verdicts over time");
     let Some(reach) = outcome.online.shown() else {
-        report
-            .page
-            .paragraph("No general reach was found in which the patch touches every category.");
+        report.page.paragraph("No general reach was found in which the patch touches every category.");
         return;
     };
     let total = reach.stream.total();
@@ -42,9 +40,8 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     if let Some(seconds) = timing.figure_8_seconds_per_100_taxels {
         let median = timing.figure_8_median_seconds_per_100_taxels.unwrap_or(f64::NAN);
         let published = timing.figure_8_paper_seconds_per_100_taxels;
-        let published = published.map_or(String::new(), |paper| {
-            format!(" The paper's mean is {paper} s on a laptop of 2011.")
-        });
+        let published =
+            published.map_or(String::new(), |paper| format!(" The paper's mean is {paper} s on a laptop of 2011."));
         report.page.paragraph(&format!(
             "A new sample for 100 taxels takes {:.1} µs on average over the reach, and {:.1} µs in the median frame.{published} \
              Wall times are the only results here that differ from run to run.",
@@ -54,9 +51,8 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     }
     let used = &outcome.figure_9;
     if let (Some(mean), Some(all)) = (used.mean_samples_used, used.mean_over_reaches) {
-        let published = used.paper.map_or(String::new(), |paper| {
-            format!(" ({:+.1} compared with the paper)", mean - paper)
-        });
+        let published =
+            used.paper.map_or(String::new(), |paper| format!(" ({:+.1} compared with the paper)", mean - paper));
         report.page.paragraph(&format!(
             "Samples used is the number of samples since contact at which a taxel's present verdict was made, or 0 while it is \
              uncertain, averaged over the taxels in contact. The mean over this reach is {mean:.1}{published}; the mean of {} \
@@ -80,10 +76,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
          crosstalk); they have no truth and are not in the other charts.",
         &verdicts(reach),
     );
-    report.page.link(
-        &replay_links::reach(replay_links::TEST_FILE, 0),
-        "Replay this reach in 3-D",
-    );
+    report.page.link(&replay_links::reach(replay_links::TEST_FILE, 0), "Replay this reach in 3-D");
     report.numbers(times_table(reach));
     report.numbers(frames_table(reach));
 }
@@ -121,11 +114,7 @@ fn computation_time(report: &Report, reach: &Classified) -> String {
     });
     let mean = timing.figure_8_seconds_per_100_taxels.unwrap_or(f64::NAN);
     let mut description = format!("Mean {mean:.2e} s for a new sample of 100 taxels in contact.");
-    let mut layers = vec![Layer::new(
-        "here",
-        Style::line(FIRST.colour, Dash::Solid),
-        Shape::Line(points.collect()),
-    )];
+    let mut layers = vec![Layer::new("here", Style::line(FIRST.colour, Dash::Solid), Shape::Line(points.collect()))];
     if let Some(paper_s) = timing.figure_8_paper_seconds_per_100_taxels {
         description += &format!(" The paper's mean is {paper_s} s.");
         layers.push(level(&format!("paper's mean, {paper_s} s"), paper_s, reach));
@@ -143,20 +132,12 @@ fn computation_time(report: &Report, reach: &Classified) -> String {
 
 fn samples_used(outcome: &Outcome, reach: &Classified) -> String {
     let points = reach.stream.frames.iter().map(|frame| {
-        let used = if frame.in_contact > 0 {
-            frame.mean_samples_used
-        } else {
-            f64::NAN
-        };
+        let used = if frame.in_contact > 0 { frame.mean_samples_used } else { f64::NAN };
         (frame.time_s, used)
     });
     let mean = outcome.figure_9.mean_samples_used.unwrap_or(f64::NAN);
     let mut description = format!("Mean over the taxels in contact. The mean over the reach is {mean:.1}.");
-    let mut layers = vec![Layer::new(
-        "here",
-        Style::line(FIRST.colour, Dash::Solid),
-        Shape::Steps(points.collect()),
-    )];
+    let mut layers = vec![Layer::new("here", Style::line(FIRST.colour, Dash::Solid), Shape::Steps(points.collect()))];
     if let Some(paper) = outcome.figure_9.paper {
         description += &format!(" In the paper it is {paper}.");
         layers.push(level(&format!("paper's mean, {paper}"), paper, reach));
@@ -182,9 +163,7 @@ fn verdicts(reach: &Classified) -> Vec<String> {
         ("that nothing presses on", UNTOUCHED, |tally| tally.unknown),
     ];
     let frames = &reach.stream.frames;
-    let highest = kinds
-        .iter()
-        .flat_map(|kind| frames.iter().map(|frame| kind.2(&frame.tally)));
+    let highest = kinds.iter().flat_map(|kind| frames.iter().map(|frame| kind.2(&frame.tally)));
     let highest = highest.max().unwrap_or(1).max(1);
     let chart = |(name, colour, of): (&str, &'static str, Of)| {
         let points = frames.iter().map(|frame| (frame.time_s, of(&frame.tally) as f64));
@@ -211,11 +190,7 @@ fn times_table(reach: &Classified) -> Table {
     let mut table = Table::new("figure_8_times", "Computation time", &columns);
     for (frame, seconds) in reach.stream.frames.iter().zip(&reach.stream.seconds) {
         let per_100 = (frame.in_contact > 0).then(|| 100.0 * seconds / frame.in_contact as f64);
-        table.rows.push(vec![
-            Cell::Number(frame.time_s, 2),
-            frame.in_contact.into(),
-            Cell::optional(per_100, 9),
-        ]);
+        table.rows.push(vec![Cell::Number(frame.time_s, 2), frame.in_contact.into(), Cell::optional(per_100, 9)]);
     }
     table
 }

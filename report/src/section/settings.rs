@@ -17,9 +17,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
          the other way round, so that no clutter occurs in both training and testing.",
     );
     let classifiers = outcome.classifiers();
-    let sentences = classifiers
-        .iter()
-        .filter_map(|classifier| sentence(outcome, classifier));
+    let sentences = classifiers.iter().filter_map(|classifier| sentence(outcome, classifier));
     let sentences: Vec<String> = sentences.collect();
     report.page.list(&sentences);
     for classifier in classifiers {
@@ -42,9 +40,7 @@ fn sentence(outcome: &Outcome, classifier: &str) -> Option<String> {
         |splits: &[&Split]| splits.iter().map(|split| split.accuracy.accuracy).sum::<f64>() / splits.len() as f64;
     let own = outcome.splits.iter().filter(|split| split.classifier == classifier);
     let (same, other): (Vec<&Split>, Vec<&Split>) = own.partition(|split| split.trained == split.tested);
-    let lowest = other
-        .iter()
-        .min_by(|a, b| a.accuracy.accuracy.total_cmp(&b.accuracy.accuracy))?;
+    let lowest = other.iter().min_by(|a, b| a.accuracy.accuracy.total_cmp(&b.accuracy.accuracy))?;
     // Compared with the classifier that was trained at the setting where this one is tested.
     let covered = |split: &&&Split| {
         let native = same.iter().find(|native| native.tested == split.tested);
@@ -85,10 +81,7 @@ fn of_classifier(outcome: &Outcome, classifier: &str) -> Table {
     // In a narrow column, lines break before an interval and not within it.
     let text = |split: &Split| {
         let own = &split.accuracy;
-        format!(
-            "{:.1} ({:.0}\u{2060}–\u{2060}{:.0}); {:.1}",
-            own.accuracy, own.low, own.high, own.balanced_accuracy
-        )
+        format!("{:.1} ({:.0}\u{2060}–\u{2060}{:.0}); {:.1}", own.accuracy, own.low, own.high, own.balanced_accuracy)
     };
     for trained in &settings {
         let cells = own().filter(|split| split.trained == *trained);
@@ -101,21 +94,13 @@ fn of_classifier(outcome: &Outcome, classifier: &str) -> Table {
         let percent = tested.map(|split| format!("{:.1}", split.accuracy.majority_baseline));
         percent.map_or(Cell::Missing, Cell::from)
     });
-    table
-        .rows
-        .push(std::iter::once("majority baseline".into()).chain(majority).collect());
+    table.rows.push(std::iter::once("majority baseline".into()).chain(majority).collect());
     table
 }
 
 /// Verdict networks at each setting.
 fn verdict_table(outcome: &Outcome) -> Table {
-    let columns = [
-        "tested at",
-        "fitted there / %",
-        "fitted nominally / %",
-        "difference / points",
-        "contacts",
-    ];
+    let columns = ["tested at", "fitted there / %", "fitted nominally / %", "difference / points", "contacts"];
     let caption = "Verdicts on touched contacts, balanced over the categories, by networks fitted at the setting and by networks \
                    fitted to as many reaches at the scenes' own";
     let mut table = Table::new("verdict_transfer", caption, &columns);

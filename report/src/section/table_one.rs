@@ -38,9 +38,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         }
         false => "Accuracy with the majority baseline; whiskers are 95 % intervals by reach.".into(),
     };
-    report
-        .page
-        .figure(&caption, &agreement::charts("table-1", "", &compared));
+    report.page.figure(&caption, &agreement::charts("table-1", "", &compared));
     for recipe in &recipes {
         // The page has a table for each recipe; the file has all cells.
         let table = of_recipe(&name, &outcome.table_1, recipe);
@@ -100,10 +98,8 @@ pub fn choices(report: &Report) -> Option<String> {
         return None;
     }
     let run = report.results.seeds();
-    let chosen: Vec<String> = chosen_on
-        .iter()
-        .map(|own| format!("{} on seeds {} to {}", own.what, own.first, own.last))
-        .collect();
+    let chosen: Vec<String> =
+        chosen_on.iter().map(|own| format!("{} on seeds {} to {}", own.what, own.first, own.last)).collect();
     let seen: Vec<String> = chosen_on
         .iter()
         .filter(|own| run.iter().any(|seed| (own.first..=own.last).contains(seed)))
@@ -126,9 +122,7 @@ fn baselines(report: &Report, cells: &[Cell]) -> String {
         let cell = cells.iter().find(|cell| cell.key.by == by)?;
         let here = cell.accuracy.majority_baseline;
         let published = published_majority_percent(report, by);
-        let published = published.map_or(String::new(), |percent| {
-            format!(" ({percent:.1} % by the paper's counts)")
-        });
+        let published = published.map_or(String::new(), |percent| format!(" ({percent:.1} % by the paper's counts)"));
         Some(format!("{here:.1} % for {} trials{published}", unit_name(by)))
     };
     let units = [TableOneUnit::Component, TableOneUnit::Taxel];
@@ -155,18 +149,8 @@ pub fn published_majority_percent(report: &Report, by: TableOneUnit) -> Option<f
 /// The cells of one recipe.
 fn of_recipe(name: &str, cells: &[Cell], recipe: &str) -> Table {
     let published = cells.iter().any(|cell| cell.paper.is_some());
-    let columns = with_published(
-        &[
-            "trials, features",
-            "states",
-            "here",
-            "from",
-            "to",
-            "balanced",
-            "majority",
-        ],
-        published,
-    );
+    let columns =
+        with_published(&["trials, features", "states", "here", "from", "to", "balanced", "majority"], published);
     let caption = format!(
         "{name}, the {} recipe: two-fold accuracy in %, with the 95 % interval by reach, balanced accuracy and majority \
          baseline",

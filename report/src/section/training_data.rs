@@ -49,11 +49,7 @@ fn table(rows: &[TrialsPerReach]) -> Table {
 fn against_published(rows: &[TrialsPerReach]) -> Option<String> {
     let part = |row: &TrialsPerReach| {
         let ratio = row.per_reach / row.paper?;
-        Some(format!(
-            "{} {}: {ratio:.2} times the paper's",
-            unit_name(row.by),
-            row.category
-        ))
+        Some(format!("{} {}: {ratio:.2} times the paper's", unit_name(row.by), row.category))
     };
     let parts: Vec<String> = rows.iter().filter_map(part).collect();
     (!parts.is_empty()).then(|| format!("Trials per reach, {}.", parts.join("; ")))

@@ -15,10 +15,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     let name = report.figure_name("truncation", "Truncated trials");
     report.section("truncation", "truncated trials");
     report.page.paragraph(&sentence(points));
-    report.page.figure(
-        "Taxels, force, the first recipe; whiskers are 95 % intervals by reach.",
-        &[chart(points)],
-    );
+    report.page.figure("Taxels, force, the first recipe; whiskers are 95 % intervals by reach.", &[chart(points)]);
     report.table(table(points));
     let rows = points.iter().map(|point| {
         let length = length(point);
@@ -28,9 +25,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
 }
 
 fn length(point: &Truncated) -> String {
-    point
-        .max_samples
-        .map_or("all".to_owned(), |samples| samples.to_string())
+    point.max_samples.map_or("all".to_owned(), |samples| samples.to_string())
 }
 
 fn states(points: &[Truncated]) -> Vec<usize> {
@@ -46,17 +41,12 @@ fn sentence(points: &[Truncated]) -> String {
     let shortest = lengths().min().unwrap_or_default();
     let middle = lengths().min_by_key(|length| length.abs_diff(50)).unwrap_or_default();
     let of = |states: usize, length: Option<usize>| {
-        let own = points
-            .iter()
-            .find(|point| (point.states, point.max_samples) == (states, length));
+        let own = points.iter().find(|point| (point.states, point.max_samples) == (states, length));
         own.map(|point| point.accuracy.accuracy)
     };
     let part = |states: usize| {
-        let (full, at_middle, at_shortest) = (
-            of(states, None)?,
-            of(states, Some(middle))?,
-            of(states, Some(shortest))?,
-        );
+        let (full, at_middle, at_shortest) =
+            (of(states, None)?, of(states, Some(middle))?, of(states, Some(shortest))?);
         let mut text = format!(
             "{states} states: {full:.1} % on whole trials, {at_middle:.1} % on {middle} samples ({:+.1} points)",
             at_middle - full
@@ -106,10 +96,7 @@ fn chart(points: &[Truncated]) -> String {
         name: "figure-13".into(),
         title: "Accuracy on truncated trials".into(),
         description,
-        x: Axis {
-            label: "maximum number of samples".into(),
-            scale: Scale::Names(names),
-        },
+        x: Axis { label: "maximum number of samples".into(), scale: Scale::Names(names) },
         y: Axis::spanning("accuracy / %", (lowest / 20.0).floor() * 20.0, 100.0),
         layers,
     };
@@ -117,15 +104,7 @@ fn chart(points: &[Truncated]) -> String {
 }
 
 fn table(points: &[Truncated]) -> Table {
-    let columns = [
-        "max samples",
-        "states",
-        "accuracy / %",
-        "from",
-        "to",
-        "balanced / %",
-        "majority / %",
-    ];
+    let columns = ["max samples", "states", "accuracy / %", "from", "to", "balanced / %", "majority / %"];
     let mut table = Table::new("figure_13", "Accuracy on truncated trials", &columns);
     for point in points {
         let mut row = vec![point.max_samples.map_or("all".into(), Cell::Count), point.states.into()];

@@ -67,38 +67,16 @@ fn figures(verdicts: &Verdicts) -> Table {
     let columns = ["figure", "held-out reaches", "of"];
     let mut table = Table::new("verdicts", "Verdicts on held-out reaches", &columns);
     let mut add = |name: &str, value: Option<f64>, decimals: usize, of: &str| {
-        table
-            .rows
-            .push(vec![name.into(), Cell::optional(value, decimals), of.into()]);
+        table.rows.push(vec![name.into(), Cell::optional(value, decimals), of.into()]);
     };
     let percent = |share: Option<f64>| share.map(|share| 100.0 * share);
     let outlier = &verdicts.outlier;
     let contacts = "contacts of taxels that a known category touched";
-    add(
-        "balanced accuracy, whole contact / %",
-        percent(verdicts.touched_balanced_accuracy),
-        1,
-        contacts,
-    );
-    add(
-        "balanced accuracy, first 0.1 s / %",
-        percent(verdicts.first_tenth_second_balanced_accuracy),
-        1,
-        contacts,
-    );
+    add("balanced accuracy, whole contact / %", percent(verdicts.touched_balanced_accuracy), 1, contacts);
+    add("balanced accuracy, first 0.1 s / %", percent(verdicts.first_tenth_second_balanced_accuracy), 1, contacts);
     add("right at some time / %", percent(verdicts.ever_right), 1, contacts);
-    add(
-        "samples until then, median",
-        verdicts.median_samples_until_right.map(|samples| samples as f64),
-        0,
-        contacts,
-    );
-    add(
-        "called nothing / %",
-        percent(verdicts.spurious_called_nothing),
-        1,
-        "taxel frames that nothing presses on",
-    );
+    add("samples until then, median", verdicts.median_samples_until_right.map(|samples| samples as f64), 0, contacts);
+    add("called nothing / %", percent(verdicts.spurious_called_nothing), 1, "taxel frames that nothing presses on");
     add(
         "called nothing by mistake / %",
         percent(verdicts.touches_lost),
@@ -106,35 +84,20 @@ fn figures(verdicts: &Verdicts) -> Table {
         "taxel frames that a known category touches",
     );
     let both = "taxel frames of nothing and known categories";
-    add(
-        "expected calibration error",
-        verdicts.expected_calibration_error,
-        3,
-        both,
-    );
+    add("expected calibration error", verdicts.expected_calibration_error, 3, both);
     add("Brier score", verdicts.brier_score, 3, both);
     let frames = "taxel frames of test reaches";
     add("outlier, ROC area", outlier.outlier_roc_area, 3, frames);
     let found = format!("outlier, found at {:.0} % false alarms / %", 100.0 * FALSE_ALARMS);
     add(&found, percent(outlier.outliers_found), 1, frames);
     add("second outlier, ROC area", outlier.second_outlier_roc_area, 3, frames);
-    add(
-        &format!("second {found}"),
-        percent(outlier.second_outliers_found),
-        1,
-        frames,
-    );
+    add(&format!("second {found}"), percent(outlier.second_outliers_found), 1, frames);
     table
 }
 
 /// What each feature is worth.
 fn feature_worth(verdicts: &Verdicts) -> Table {
-    let columns = [
-        "network",
-        "feature",
-        "rise of log loss / nats",
-        "fall of balanced accuracy / %",
-    ];
+    let columns = ["network", "feature", "rise of log loss / nats", "fall of balanced accuracy / %"];
     let mut table = Table::new("verdict_features", "What each feature is worth", &columns);
     for own in &verdicts.feature_worth {
         table.rows.push(vec![
@@ -171,10 +134,7 @@ fn rates(bin: &CalibrationBin) -> Option<(f64, f64)> {
 
 fn calibration_chart(bins: &[CalibrationBin]) -> String {
     let points: Vec<(f64, f64)> = bins.iter().filter_map(rates).collect();
-    let told: Vec<String> = points
-        .iter()
-        .map(|(said, found)| format!("{said:.0}: {found:.0}"))
-        .collect();
+    let told: Vec<String> = points.iter().map(|(said, found)| format!("{said:.0}: {found:.0}")).collect();
     let chart = Chart {
         name: "verdict-calibration".into(),
         title: "Do probabilities mean what they say?".into(),
@@ -198,9 +158,7 @@ fn calibration_table(bins: &[CalibrationBin]) -> Table {
     let mut table = Table::new("verdict_calibration", "Calibration of the verdicts", &columns);
     for bin in bins {
         if let Some((said, found)) = rates(bin) {
-            table
-                .rows
-                .push(vec![Cell::Number(said, 2), Cell::Number(found, 2), bin.count.into()]);
+            table.rows.push(vec![Cell::Number(said, 2), Cell::Number(found, 2), bin.count.into()]);
         }
     }
     table
@@ -229,11 +187,8 @@ fn drawn(curve: &RocCurve) -> Vec<RocPoint> {
 }
 
 fn roc_chart(verdicts: &Verdicts) -> Option<String> {
-    let mut layers = vec![Layer::new(
-        "chance",
-        Style::line(INK, Dash::Dotted),
-        Shape::Line(vec![(0.0, 0.0), (100.0, 100.0)]),
-    )];
+    let mut layers =
+        vec![Layer::new("chance", Style::line(INK, Dash::Dotted), Shape::Line(vec![(0.0, 0.0), (100.0, 100.0)]))];
     let mut told = Vec::new();
     for ((name, curve), dash) in curves(verdicts).zip([Dash::Solid, Dash::Dashed]) {
         let point = |point: &RocPoint| (100.0 * point.false_positive_rate, 100.0 * point.true_positive_rate);

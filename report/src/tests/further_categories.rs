@@ -23,9 +23,7 @@ fn looks() -> CategoryLooks {
 /// An outlier reach of two frames: first a trunk and a foam block press, then a reed. In both frames, two taxels are
 /// called reeds.
 fn reach(truths: Vec<Category>) -> Classified {
-    let verdicts = ["leaf", "reed", "trunk", "uncertain", "outlier"]
-        .map(str::to_owned)
-        .to_vec();
+    let verdicts = ["leaf", "reed", "trunk", "uncertain", "outlier"].map(str::to_owned).to_vec();
     let frame = |index: usize, pressing: &[Category]| StreamFrame {
         time_s: index as f64 * FRAME_PERIOD_S,
         in_contact: 2,
@@ -76,15 +74,10 @@ fn the_outlier_chart_has_a_strip_for_it() {
         let known = ["outlier", "reed", "trunk", "leaf", "block"];
         let texts = texts(&svg).into_iter().filter(|text| known.contains(&text.as_str()));
         // In the document, the strips come after the legend.
-        texts
-            .skip(labels.len() + usize::from(!labels.contains(&"reed")) + 1)
-            .collect()
+        texts.skip(labels.len() + usize::from(!labels.contains(&"reed")) + 1).collect()
     };
     assert_eq!(strips(with_reed(), &LABELS), ["outlier", "reed", "trunk", "leaf"]);
-    assert_eq!(
-        strips(with_reed(), &["leaf", "trunk"]),
-        ["outlier", "reed", "trunk", "leaf"]
-    );
+    assert_eq!(strips(with_reed(), &["leaf", "trunk"]), ["outlier", "reed", "trunk", "leaf"]);
     let paper = strips(Category::BUILT_IN.to_vec(), &["leaf", "trunk"]);
     assert_eq!(paper, ["outlier", "trunk", "leaf"]);
     let svg = outliers::reach_chart(&reach(with_reed()), &LABELS, &looks());
@@ -106,11 +99,7 @@ fn the_table_of_frames_has_a_column_for_it() {
     let table = outliers::frames_table(&online);
     let column = |name: &str| {
         let place = table.columns.iter().position(|column| column == name).unwrap();
-        table
-            .texts()
-            .into_iter()
-            .map(move |row| row[place].clone())
-            .collect::<Vec<_>>()
+        table.texts().into_iter().map(move |row| row[place].clone()).collect::<Vec<_>>()
     };
     assert_eq!(column("touches_reed"), ["0", "0", "0", "1"]);
     assert_eq!(column("touches_trunk"), ["1", "0", "1", "0"]);
@@ -122,20 +111,10 @@ fn the_table_of_frames_has_a_column_for_it() {
 /// takes more rows if one is too short.
 #[test]
 fn the_skin_map_names_it() {
-    let grid = |columns| Grid {
-        rows: 2,
-        columns,
-        wraps: true,
-    };
+    let grid = |columns| Grid { rows: 2, columns, wraps: true };
     let verdicts = BTreeMap::from([(1, Verdict::Category("reed".into()))]);
     let draw = |columns, labels: &[&str]| {
-        skin_map::svg(
-            "any",
-            ("sleeve", grid(columns)),
-            (labels, &looks()),
-            &verdicts,
-            &BTreeSet::from([1]),
-        )
+        skin_map::svg("any", ("sleeve", grid(columns)), (labels, &looks()), &verdicts, &BTreeSet::from([1]))
     };
     let svg = draw(30, &LABELS);
     let legend = ["leaf", "trunk", "reed", "outlier", "uncertain", "untouched"];
@@ -160,22 +139,13 @@ fn the_caption_of_a_moment_names_its_mark() {
         "A green triangle is a leaf, a brown square a trunk, a red cross an outlier, a blue ring uncertain"
     );
     let all = moments::marks_in_words(&LABELS, &looks());
-    assert!(
-        all.contains("a brown square a trunk, a purple diamond a reed, a red cross"),
-        "{all}"
-    );
+    assert!(all.contains("a brown square a trunk, a purple diamond a reed, a red cross"), "{all}");
 }
 
 /// Tests that the curves of example trials are in the categories' own styles.
 #[test]
 fn the_trial_figure_draws_it_in_its_own_style() {
-    let sample = |time_s| Sample {
-        time_s,
-        force_n: 1.0,
-        motion_m: None,
-        region: None,
-        touched: None,
-    };
+    let sample = |time_s| Sample { time_s, force_n: 1.0, motion_m: None, region: None, touched: None };
     let example = |label: &str| Example {
         category: label.into(),
         trial: 0,
@@ -192,10 +162,7 @@ fn the_trial_figure_draws_it_in_its_own_style() {
             samples: [0.0, 1.0].map(sample).to_vec(),
         },
     };
-    let outcome = example_trials::Outcome {
-        figure_5: LABELS.map(example).into(),
-        figure_5_medians: Vec::new(),
-    };
+    let outcome = example_trials::Outcome { figure_5: LABELS.map(example).into(), figure_5_medians: Vec::new() };
     let force = &trial_section::charts(&outcome, &looks())[0];
     for label in LABELS {
         assert!(texts(force).iter().any(|text| text == label), "{label}");

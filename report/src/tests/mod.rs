@@ -139,11 +139,8 @@ fn the_check_of_a_page_can_fail() {
 /// the keys that other programs rely on.
 #[test]
 fn a_report_is_whole() {
-    let (scenes, folder, again) = (
-        tempfile::tempdir().unwrap(),
-        tempfile::tempdir().unwrap(),
-        tempfile::tempdir().unwrap(),
-    );
+    let (scenes, folder, again) =
+        (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let experiment = experiment(scenes.path());
     let other_threads = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     let results = std::thread::scope(|scope| {
@@ -160,9 +157,7 @@ fn a_report_is_whole() {
     };
     // The view into a close-up is an image within an image.
     let within = |attributes: &[(String, String)]| attributes.iter().any(|(name, _)| name == "x");
-    let images = elements
-        .iter()
-        .filter(|(name, attributes, _)| name == "svg" && !within(attributes));
+    let images = elements.iter().filter(|(name, attributes, _)| name == "svg" && !within(attributes));
     let charts = images.count();
     assert!(charts >= 20, "{charts}");
     assert_eq!(of("svg", "role"), vec!["img"; charts]);
@@ -171,11 +166,7 @@ fn a_report_is_whole() {
         .flat_map(|own| own.1.iter().filter(|(name, _)| name == "id"))
         .map(|(_, value)| value.clone())
         .collect();
-    assert_eq!(
-        ids.iter().collect::<BTreeSet<_>>().len(),
-        ids.len(),
-        "two elements with one id: {ids:?}"
-    );
+    assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), ids.len(), "two elements with one id: {ids:?}");
     for label in of("svg", "aria-labelledby").iter().flat_map(|labels| labels.split(' ')) {
         assert!(ids.iter().any(|id| id == label), "{label}");
     }
@@ -208,10 +199,7 @@ fn a_report_is_whole() {
             with_wall_times.insert(name);
         }
     }
-    assert_eq!(
-        with_wall_times,
-        BTreeSet::from(["figure_8_times.csv".to_owned(), "stage_times.csv".to_owned()])
-    );
+    assert_eq!(with_wall_times, BTreeSet::from(["figure_8_times.csv".to_owned(), "stage_times.csv".to_owned()]));
 
     let summary = serde_json::to_value(&results).unwrap();
     for key in [
@@ -246,19 +234,13 @@ fn a_report_is_whole() {
         "expected_calibration_error",
     ] {
         let share = summary["verdicts"][key].as_f64();
-        assert!(
-            share.is_some_and(|share| (0.0..=1.0).contains(&share)),
-            "{key}: {share:?}"
-        );
+        assert!(share.is_some_and(|share| (0.0..=1.0).contains(&share)), "{key}: {share:?}");
     }
     let table = summary["table_1"].as_array().unwrap();
     assert_eq!(table.len(), 8);
     for cell in table {
         let number = |key: &str| cell[key].as_f64().unwrap();
-        assert!(
-            number("low") <= number("accuracy") && number("accuracy") <= number("high"),
-            "{cell}"
-        );
+        assert!(number("low") <= number("accuracy") && number("accuracy") <= number("high"), "{cell}");
         for key in ["by", "features", "recipe"] {
             assert!(cell[key].is_string(), "{cell}");
         }

@@ -9,12 +9,7 @@ use crate::agreement::{self, Compared};
 use crate::section::{classifiers, example_trials, outliers, training_data};
 
 fn key(states: usize) -> CellKey {
-    CellKey {
-        by: TableOneUnit::Taxel,
-        features: FeatureSet::FORCE,
-        states,
-        recipe: "authors".into(),
-    }
+    CellKey { by: TableOneUnit::Taxel, features: FeatureSet::FORCE, states, recipe: "authors".into() }
 }
 
 fn compared(key: &CellKey, accuracy: f64, published: Option<f64>) -> Compared<'_> {
@@ -34,11 +29,8 @@ fn compared(key: &CellKey, accuracy: f64, published: Option<f64>) -> Compared<'_
 #[test]
 fn the_page_says_how_cells_agree() {
     let keys = [key(5), key(10), key(20)];
-    let mut cells = [
-        compared(&keys[0], 60.2, Some(70.2)),
-        compared(&keys[1], 70.0, Some(68.0)),
-        compared(&keys[2], 70.0, None),
-    ];
+    let mut cells =
+        [compared(&keys[0], 60.2, Some(70.2)), compared(&keys[1], 70.0, Some(68.0)), compared(&keys[2], 70.0, None)];
     let text = |cells: &[Compared]| agreement::sentences("Here", &cells.iter().collect::<Vec<_>>());
     let all = text(&cells);
     for part in [
@@ -49,10 +41,7 @@ fn the_page_says_how_cells_agree() {
     ] {
         assert!(all.contains(part), "{all}");
     }
-    assert!(
-        all.ends_with("All 3 cells are at or above the majority baseline."),
-        "{all}"
-    );
+    assert!(all.ends_with("All 3 cells are at or above the majority baseline."), "{all}");
     cells[0].majority_baseline = 64.2;
     let below = text(&cells);
     let expected = "1 of the 3 cells is below the majority baseline, so always naming the most frequent category would do \
@@ -74,11 +63,7 @@ fn the_page_says_when_its_rule_fails() {
         percent: [("uncertain_percent".to_owned(), uncertain)].into(),
     };
     let papers = row("the paper's: 15.0 and 80.0", 4000, 0.0);
-    let failing = [
-        papers.clone(),
-        row("chosen: 1 and 2", 3000, 100.0),
-        row("chosen: 1 and 2", 1000, 80.0),
-    ];
+    let failing = [papers.clone(), row("chosen: 1 and 2", 3000, 100.0), row("chosen: 1 and 2", 1000, 80.0)];
     let text = outliers::chosen_rule_online(&failing).unwrap();
     assert!(text.contains("leave 95.0 % uncertain: the rule fails there."), "{text}");
     let text = outliers::chosen_rule_online(&[papers.clone(), row("chosen: 1 and 2", 3000, 40.0)]).unwrap();
@@ -106,10 +91,7 @@ fn the_page_says_where_typical_trials_contradict_the_paper() {
         assert!(text.contains(part), "{text}");
     }
     let text = example_trials::against_paper(&[typical("leaf", 0.1, 0.9, 0.04), trunk()]).unwrap();
-    assert!(
-        text.contains("the motion is not larger on trunks, as in the paper"),
-        "{text}"
-    );
+    assert!(text.contains("the motion is not larger on trunks, as in the paper"), "{text}");
     assert_eq!(example_trials::against_paper(&[trunk()]), None);
 }
 

@@ -9,11 +9,7 @@ use crate::category_looks::CategoryLooks;
 use crate::skin_map;
 use crate::style::{LEAF, UNTOUCHED};
 
-const GRID: Grid = Grid {
-    rows: 4,
-    columns: 3,
-    wraps: true,
-};
+const GRID: Grid = Grid { rows: 4, columns: 3, wraps: true };
 
 fn leaf_on(taxels: &[usize]) -> BTreeMap<usize, Verdict> {
     let leaf = || Verdict::Category("leaf".into());
@@ -87,9 +83,5 @@ fn spurious_readings_are_marked() {
     // One mark of each colour on the skin, and one in the legend.
     assert_eq!((fills(LEAF), fills(UNTOUCHED)), (2, 2));
     let description = elements.iter().find(|own| own.0 == "desc").unwrap();
-    assert!(
-        description.2.ends_with("nothing presses on 1 of them"),
-        "{}",
-        description.2
-    );
+    assert!(description.2.ends_with("nothing presses on 1 of them"), "{}", description.2);
 }

@@ -38,11 +38,7 @@ impl ArmAtStart {
     pub fn of(arm: &Arm) -> Self {
         let poses = arm.forward_kinematics(&arm.start_posture_rad());
         let end_effector_world = arm.end_effector_pose(&poses).position;
-        let chain: Vec<DVec3> = poses[1..]
-            .iter()
-            .map(|pose| pose.position)
-            .chain([end_effector_world])
-            .collect();
+        let chain: Vec<DVec3> = poses[1..].iter().map(|pose| pose.position).chain([end_effector_world]).collect();
         ArmAtStart {
             links: arm.placed_shapes(&poses).collect(),
             end_effector_world,
@@ -74,23 +70,14 @@ impl Arm {
 /// near end, world frame. `chain` holds the positions of the joints, followed by that of the end effector.
 fn bone(chain: &[DVec3], link: usize) -> (DVec3, DVec3) {
     let far_end = chain[link];
-    let near_end = chain[..link]
-        .iter()
-        .rev()
-        .find(|joint| joint.distance(far_end) > MIN_BONE_M);
-    (
-        far_end,
-        near_end.map_or(DVec3::Z, |near_end| (*near_end - far_end).normalize()),
-    )
+    let near_end = chain[..link].iter().rev().find(|joint| joint.distance(far_end) > MIN_BONE_M);
+    (far_end, near_end.map_or(DVec3::Z, |near_end| (*near_end - far_end).normalize()))
 }
 
 /// Where the first patch on a moving link lies; if there is none, the axis of the whole arm.
 fn first_patch(arm: &Arm, poses: &[Pose], chain: &[DVec3]) -> SkinAlongArm {
     let length_m = path_length_m(chain);
-    let whole = SkinAlongArm {
-        behind_end_effector_m: [0.0, length_m / 2.0, length_m],
-        radius_m: 0.0,
-    };
+    let whole = SkinAlongArm { behind_end_effector_m: [0.0, length_m / 2.0, length_m], radius_m: 0.0 };
     let patches = arm.skin.layout.patches.iter().zip(&arm.skin.surfaces);
     let mut patches = patches.filter(|(patch, surface)| surface.link > 0 && !patch.taxels.is_empty());
     let Some((patch, surface)) = patches.next() else {

@@ -88,12 +88,7 @@ pub(super) type Read<'a> = &'a dyn Fn(&Path) -> Result<String, InputError>;
 
 /// Assembles an arm from the TOML file at `path` and the files that it names, relative to itself.
 pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
-    let open = |path: &Path| {
-        Ok(Source {
-            path: path.to_path_buf(),
-            text: read(path)?,
-        })
-    };
+    let open = |path: &Path| Ok(Source { path: path.to_path_buf(), text: read(path)? });
     let source = open(path)?;
     let file: ArmFile = source.toml("compare with the arm file of `cody`, which ships with underbrush")?;
     if !is_plain(&file.name) {
@@ -112,24 +107,14 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
         .copied()
         .ok_or_else(|| source.fault_after(0, "tip_link", &file.tip_link, chain.known_links()))?;
     if end_effector_link + 1 != chain.links.len() {
-        let allowed = format!(
-            "the last moving link or one that is fixed to it: {}",
-            chain.links_at_end()
-        );
+        let allowed = format!("the last moving link or one that is fixed to it: {}", chain.links_at_end());
         return Err(source.fault_after(0, "tip_link", &file.tip_link, allowed));
     }
     let skin_source = open(&folder.join(&file.skin))?;
     let skin = skin_file::read_skin(&skin_source, &chain)?;
     let own_name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    let files = [
-        (own_name.into_owned(), &source.text),
-        (file.urdf, &urdf.text),
-        (file.skin, &skin_source.text),
-    ];
-    let files = files.map(|(name, text)| ArmSource {
-        name,
-        text: text.clone(),
-    });
+    let files = [(own_name.into_owned(), &source.text), (file.urdf, &urdf.text), (file.skin, &skin_source.text)];
+    let files = files.map(|(name, text)| ArmSource { name, text: text.clone() });
     Ok(Arm {
         name: file.name,
         files: files.into(),
@@ -167,20 +152,13 @@ fn join_tables(
     }
     chain
         .into_iter()
-        .map(
-            |joint| match tables.iter().find(|table| table.get_ref().name == joint.name) {
-                Some(table) => join_table(source, joint, table),
-                None => {
-                    let remedy = format!("add a [[joint]] table with name = \"{}\"", joint.name);
-                    Err(source.fault(
-                        "joint",
-                        format!("none for {}", joint.name),
-                        "a table for each moving joint",
-                        remedy,
-                    ))
-                }
-            },
-        )
+        .map(|joint| match tables.iter().find(|table| table.get_ref().name == joint.name) {
+            Some(table) => join_table(source, joint, table),
+            None => {
+                let remedy = format!("add a [[joint]] table with name = \"{}\"", joint.name);
+                Err(source.fault("joint", format!("none for {}", joint.name), "a table for each moving joint", remedy))
+            }
+        })
         .collect()
 }
 
@@ -191,21 +169,9 @@ fn join_table(source: &Source, joint: ChainJoint, table: &Spanned<JointTable>) -
         source.fault_after(start, &format!("joint {}.{key}", joint.name), found, allowed)
     };
     for (key, value, limits) in [
-        (
-            "stiffness_nm_per_rad",
-            table.stiffness_nm_per_rad,
-            limits::STIFFNESS_NM_PER_RAD,
-        ),
-        (
-            "model_stiffness_nm_per_rad",
-            table.model_stiffness_nm_per_rad,
-            limits::STIFFNESS_NM_PER_RAD,
-        ),
-        (
-            "damping_nm_s_per_rad",
-            table.damping_nm_s_per_rad,
-            limits::DAMPING_NM_S_PER_RAD,
-        ),
+        ("stiffness_nm_per_rad", table.stiffness_nm_per_rad, limits::STIFFNESS_NM_PER_RAD),
+        ("model_stiffness_nm_per_rad", table.model_stiffness_nm_per_rad, limits::STIFFNESS_NM_PER_RAD),
+        ("damping_nm_s_per_rad", table.damping_nm_s_per_rad, limits::DAMPING_NM_S_PER_RAD),
         ("armature_kg_m2", table.armature_kg_m2, limits::ARMATURE_KG_M2),
     ] {
         source.check(start, &format!("joint {}.{key}", joint.name), value, limits)?;
@@ -220,10 +186,7 @@ fn join_table(source: &Source, joint: ChainJoint, table: &Spanned<JointTable>) -
     }
     if lower < joint.limits_rad[0] || upper > joint.limits_rad[1] {
         let found = listed(&degrees);
-        let allowed = format!(
-            "within the URDF's limits, {:.4} to {:.4} deg",
-            mechanical[0], mechanical[1]
-        );
+        let allowed = format!("within the URDF's limits, {:.4} to {:.4} deg", mechanical[0], mechanical[1]);
         return Err(fault("controller_limits_deg", found, &allowed));
     }
     let start_rad = table.start_deg.to_radians();
@@ -266,14 +229,9 @@ fn add_hull(source: &Source, table: &Spanned<HullTable>, chain: &mut Chain) -> R
     let volume_m3 = engine_shape(&shape).map_or(0.0, |(shape, _)| shape.mass_properties(1.0).mass());
     if !limits::HULL_VOLUME_M3.hold(volume_m3) {
         let found = format!("{} points around {} m³", hull.points_m.len(), short(volume_m3));
-        let allowed = format!(
-            "at least four points, not all in one plane, around {}",
-            limits::HULL_VOLUME_M3
-        );
+        let allowed = format!("at least four points, not all in one plane, around {}", limits::HULL_VOLUME_M3);
         return Err(source.fault_after(start, "hull.points_m", found, allowed));
     }
-    chain.links[link]
-        .colliders
-        .push(LinkCollider { shape, pose_link: pose });
+    chain.links[link].colliders.push(LinkCollider { shape, pose_link: pose });
     Ok(())
 }

@@ -22,11 +22,8 @@ impl Arm {
         let limits = self.joints.iter().map(|joint| joint.controller_limits_rad);
         let limits: Vec<[f64; 2]> = limits.collect();
         let clamped = |angle: f64, [low, high]: [f64; 2]| angle.max(low).min(high);
-        let mut angles: Vec<f64> = start_rad
-            .iter()
-            .zip(&limits)
-            .map(|(angle, limits)| clamped(*angle, *limits))
-            .collect();
+        let mut angles: Vec<f64> =
+            start_rad.iter().zip(&limits).map(|(angle, limits)| clamped(*angle, *limits)).collect();
         for _ in 0..ITERATIONS {
             let poses = self.forward_kinematics(&angles);
             let end_effector_world = self.end_effector_pose(&poses).position;

@@ -40,12 +40,8 @@ impl Arm {
 
     fn jacobian(&self, link_poses: &[Pose], link: usize, column: impl Fn(DVec3, DVec3) -> DVec3) -> Matrix3xX<f64> {
         let mut jacobian = Matrix3xX::zeros(self.joints.len());
-        for ((joint, pose), mut entries) in self
-            .joints
-            .iter()
-            .zip(&link_poses[1..])
-            .zip(jacobian.column_iter_mut())
-            .take(link)
+        for ((joint, pose), mut entries) in
+            self.joints.iter().zip(&link_poses[1..]).zip(jacobian.column_iter_mut()).take(link)
         {
             let value = column(pose.orientation * joint.axis_child, pose.position);
             entries.copy_from_slice(&value.to_array());

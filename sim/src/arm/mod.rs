@@ -201,10 +201,7 @@ impl Arm {
 /// # Errors
 /// As for [`Arm::load`]. A skin file alone is checked only in itself, not against an arm.
 pub fn load_layout(path: impl AsRef<Path>) -> Result<SkinLayout, InputError> {
-    let source = source::Source {
-        path: path.as_ref().to_path_buf(),
-        text: source::read_from_disk(path.as_ref())?,
-    };
+    let source = source::Source { path: path.as_ref().to_path_buf(), text: source::read_from_disk(path.as_ref())? };
     let keys: toml::Table = source.toml("give the file of an arm, which names a urdf, or a skin file")?;
     match keys.contains_key("urdf") {
         true => Ok(Arm::load(path)?.skin.layout),
@@ -228,13 +225,7 @@ fn cody_file(path: &Path) -> Result<String, InputError> {
         Some("cody.toml") => Ok(include_str!("../../arms/cody/cody.toml").into()),
         Some("cody.urdf") => Ok(include_str!("../../arms/cody/cody.urdf").into()),
         Some("cody.skin.toml") => Ok(include_str!("../../arms/cody/cody.skin.toml").into()),
-        _ => Err(InputError::new(
-            path,
-            "file",
-            "no such file",
-            "a file of the crate",
-            "add it to the crate",
-        )),
+        _ => Err(InputError::new(path, "file", "no such file", "a file of the crate", "add it to the crate")),
     }
 }
 

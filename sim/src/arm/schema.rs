@@ -10,10 +10,7 @@ pub(super) struct Within(pub(super) Limits);
 
 impl Transform for Within {
     fn transform(&mut self, schema: &mut Schema) {
-        if let Some(items) = schema
-            .get_mut("items")
-            .and_then(|items| <&mut Schema>::try_from(items).ok())
-        {
+        if let Some(items) = schema.get_mut("items").and_then(|items| <&mut Schema>::try_from(items).ok()) {
             return self.transform(items);
         }
         schema.insert("minimum".into(), self.0.min.into());

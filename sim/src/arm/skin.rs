@@ -90,11 +90,7 @@ impl Skin {
                         let normal_link = taxel.normal_link * cos + second_tangent * sin;
                         let center = taxel.position_link - taxel.normal_link * radius_m;
                         let position_link = center + taxel.tangent_link * along + normal_link * radius_m;
-                        SurfacePoint {
-                            position_link,
-                            normal_link,
-                            area_m2,
-                        }
+                        SurfacePoint { position_link, normal_link, area_m2 }
                     }
                     SurfaceForm::Points => SurfacePoint {
                         position_link: taxel.position_link + taxel.tangent_link * along + second_tangent * across,
@@ -123,9 +119,7 @@ const MAX_REACH_M: f64 = 0.05;
 pub fn reach_m(taxels: &[Taxel]) -> f64 {
     let nearest = |index: usize| {
         let others = taxels.iter().enumerate().filter(|(other, _)| *other != index);
-        others
-            .map(|(_, other)| other.position_link.distance(taxels[index].position_link))
-            .fold(f64::INFINITY, f64::min)
+        others.map(|(_, other)| other.position_link.distance(taxels[index].position_link)).fold(f64::INFINITY, f64::min)
     };
     let farthest_corner_m = taxels.iter().map(corner_m).fold(0.0, f64::max);
     (0..taxels.len())

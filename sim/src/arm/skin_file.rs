@@ -192,12 +192,7 @@ fn patch_taxels(
         let allowed = format!("1 to {MAX_TAXELS} taxels on all patches together");
         return Err(source.fault_after(start, "patch", format!("{count} taxels"), allowed));
     }
-    Ok(PatchTaxels {
-        form,
-        grid,
-        taxels,
-        offsets,
-    })
+    Ok(PatchTaxels { form, grid, taxels, offsets })
 }
 
 /// Reads the skin file of an arm with this chain.
@@ -214,31 +209,17 @@ pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputErr
             let found = &table.get_ref().link;
             return Err(source.fault_after(table.span().start, "patch.link", found, chain.known_links()));
         };
-        let PatchTaxels {
-            form,
-            grid,
-            mut taxels,
-            offsets,
-        } = patch_taxels(source, table, &skin.layout, &pose)?;
+        let PatchTaxels { form, grid, mut taxels, offsets } = patch_taxels(source, table, &skin.layout, &pose)?;
         let table = table.get_ref();
         for taxel in &mut taxels {
             taxel.position_link = pose.transform_point(taxel.position_link);
             taxel.normal_link = pose.orientation * taxel.normal_link;
             taxel.tangent_link = pose.orientation * taxel.tangent_link;
         }
-        let patch = Patch {
-            name: table.name.clone(),
-            link: chain.links[link].name.clone(),
-            grid,
-            taxels,
-        };
+        let patch = Patch { name: table.name.clone(), link: chain.links[link].name.clone(), grid, taxels };
         skin_fit::check(source, &offsets, &patch, &chain.links[link])?;
         skin.layout.patches.push(patch);
-        skin.surfaces.push(PatchSurface {
-            link,
-            form,
-            technology: table.technology,
-        });
+        skin.surfaces.push(PatchSurface { link, form, technology: table.technology });
     }
     Ok(skin)
 }
@@ -259,9 +240,8 @@ fn cylinder_taxels(
     let axis = source.direction(start, "patch.cylinder.axis", table.axis)?;
     let zero = source.direction(start, "patch.cylinder.zero_angle", table.zero_angle)?;
     // If it is closer to the axis than this, the direction across the axis would be mostly rounding error.
-    let Some(zero) = Some(zero.reject_from_normalized(axis))
-        .filter(|across| across.length() > 1e-3)
-        .and_then(DVec3::try_normalize)
+    let Some(zero) =
+        Some(zero.reject_from_normalized(axis)).filter(|across| across.length() > 1e-3).and_then(DVec3::try_normalize)
     else {
         return fault("zero_angle", listed(&table.zero_angle), "a direction across the axis");
     };
@@ -277,20 +257,12 @@ fn cylinder_taxels(
         let allowed = format!("at least 1, and at most {MAX_TAXELS} taxels on all patches together");
         return fault("rows", format!("{} rows of {columns} taxels", table.rows), &allowed);
     }
-    source.check_each(
-        start,
-        "patch.cylinder.column_angles_deg",
-        &table.column_angles_deg,
-        limits::ANGLE_DEG,
-    )?;
+    source.check_each(start, "patch.cylinder.column_angles_deg", &table.column_angles_deg, limits::ANGLE_DEG)?;
     let angles = &table.column_angles_deg;
     let (Some(first), Some(last)) = (angles.first(), angles.last()) else {
         return fault("column_angles_deg", "none".into(), "at least one angle");
     };
-    let mut steps = angles
-        .windows(2)
-        .map(|pair| pair[1] - pair[0])
-        .chain([first + 360.0 - last]);
+    let mut steps = angles.windows(2).map(|pair| pair[1] - pair[0]).chain([first + 360.0 - last]);
     let min_step_deg = (table.taxel_size_m / table.radius_m).to_degrees();
     if table.taxel_size_m > table.row_pitch_m || !steps.all(|step| step >= min_step_deg) {
         let allowed = format!(
@@ -309,23 +281,13 @@ fn cylinder_taxels(
             area_m2: table.taxel_size_m * table.taxel_size_m,
         }
     };
-    let taxels = (0..table.rows)
-        .flat_map(|row| angles.iter().map(move |angle| taxel(row, *angle)))
-        .collect();
+    let taxels = (0..table.rows).flat_map(|row| angles.iter().map(move |angle| taxel(row, *angle))).collect();
     let form = SurfaceForm::Cylinder {
         axis_point_link: pose.transform_point(row_0),
         axis_link: pose.orientation * axis,
         radius_m: table.radius_m,
     };
-    Ok((
-        form,
-        Some(Grid {
-            rows: table.rows,
-            columns: angles.len(),
-            wraps: table.wraps,
-        }),
-        taxels,
-    ))
+    Ok((form, Some(Grid { rows: table.rows, columns: angles.len(), wraps: table.wraps }), taxels))
 }
 
 fn point_taxels(source: &Source, table: &Spanned<PointsTable>) -> Result<Vec<Taxel>, InputError> {
@@ -367,12 +329,7 @@ fn point_taxels(source: &Source, table: &Spanned<PointsTable>) -> Result<Vec<Tax
         let along = DVec3::Z.reject_from_normalized(normal_link);
         let along = if along.length() > 1e-6 { along } else { DVec3::X };
         let tangent_link = along.reject_from_normalized(normal_link).normalize();
-        taxels.push(Taxel {
-            position_link,
-            normal_link,
-            tangent_link,
-            area_m2,
-        });
+        taxels.push(Taxel { position_link, normal_link, tangent_link, area_m2 });
     }
     Ok(taxels)
 }

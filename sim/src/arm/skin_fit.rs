@@ -20,10 +20,7 @@ impl Surface {
     fn of(link: &Link) -> Self {
         let shapes = link.colliders.iter().filter_map(|collider| {
             let (shape, rotation) = engine_shape(&collider.shape)?;
-            Some(PlacedShape {
-                shape,
-                pose: collider.pose_link * rotation,
-            })
+            Some(PlacedShape { shape, pose: collider.pose_link * rotation })
         });
         Surface(shapes.collect())
     }
@@ -59,11 +56,7 @@ pub(super) fn check(source: &Source, offsets: &[usize], patch: &Patch, link: &Li
     };
     if surface.0.is_empty() {
         let found = format!("link {} without a collision shape", link.name);
-        return fault(
-            0,
-            found,
-            "a link with collision shapes, because only these can be touched".into(),
-        );
+        return fault(0, found, "a link with collision shapes, because only these can be touched".into());
     }
     let reach = reach_m(&patch.taxels);
     for (number, taxel) in patch.taxels.iter().enumerate() {
@@ -91,10 +84,7 @@ pub(super) fn check(source: &Source, offsets: &[usize], patch: &Patch, link: &Li
 
 fn place(distance_m: f64, link: &str) -> String {
     let side = if distance_m < 0.0 { "under" } else { "above" };
-    format!(
-        "{:.1} mm {side} the collision surface of link {link}",
-        distance_m.abs() * 1000.0
-    )
+    format!("{:.1} mm {side} the collision surface of link {link}", distance_m.abs() * 1000.0)
 }
 
 impl Arm {
@@ -103,9 +93,7 @@ impl Arm {
     /// 60° off the surface's, which feel only what presses from the side.
     pub fn skin_doubts(&self) -> Vec<String> {
         let patches = self.skin.layout.patches.iter().zip(&self.skin.surfaces);
-        patches
-            .flat_map(|(patch, surface)| doubts(patch, &self.links[surface.link]))
-            .collect()
+        patches.flat_map(|(patch, surface)| doubts(patch, &self.links[surface.link])).collect()
     }
 }
 
@@ -114,11 +102,7 @@ fn doubts(patch: &Patch, link: &Link) -> Vec<String> {
     let bound_m = reach_m(&patch.taxels) / 2.0;
     let count = patch.taxels.len();
     let mut found = Vec::new();
-    let distances: Vec<f64> = patch
-        .taxels
-        .iter()
-        .map(|taxel| surface.distance_m(taxel.position_link))
-        .collect();
+    let distances: Vec<f64> = patch.taxels.iter().map(|taxel| surface.distance_m(taxel.position_link)).collect();
     let off = distances.iter().filter(|distance| distance.abs() > bound_m).count();
     let farthest = (0..count).max_by(|a, b| distances[*a].abs().total_cmp(&distances[*b].abs()));
     if let Some(farthest) = farthest.filter(|_| off > 0) {

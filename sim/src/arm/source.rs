@@ -18,12 +18,7 @@ pub(super) struct Source {
 
 /// Reads a file from the disk.
 pub(super) fn read_from_disk(path: &Path) -> Result<String, InputError> {
-    read_text(
-        path,
-        &TEXT_BYTES,
-        "a readable text file",
-        "check the path and the permissions",
-    )
+    read_text(path, &TEXT_BYTES, "a readable text file", "check the path and the permissions")
 }
 
 /// A list of numbers in brackets, each as short as possible.
@@ -49,11 +44,7 @@ impl Source {
         toml::from_str(&self.text).map_err(|error| {
             let span = error.span().unwrap_or_default();
             let key = key_at(&self.text, span.start);
-            let field = if key.is_empty() {
-                "TOML".into()
-            } else {
-                format!("TOML, {key}")
-            };
+            let field = if key.is_empty() { "TOML".into() } else { format!("TOML, {key}") };
             let allowed = "the keys of this kind of file";
             let fault = InputError::new(&self.path, field, error.message(), allowed, remedy);
             fault.at_line(self.line(span.start))

@@ -16,12 +16,8 @@ pub(crate) mod kinematics;
 /// Postures drawn evenly between the joints' mechanical limits.
 pub(crate) fn random_postures(arm: &Arm, count: usize) -> Vec<Vec<f64>> {
     let mut random = ChaCha8Rng::seed_from_u64(7);
-    let mut posture = || {
-        arm.joints
-            .iter()
-            .map(|joint| random.random_range(joint.limits_rad[0]..joint.limits_rad[1]))
-            .collect()
-    };
+    let mut posture =
+        || arm.joints.iter().map(|joint| random.random_range(joint.limits_rad[0]..joint.limits_rad[1])).collect();
     (0..count).map(|_| posture()).collect()
 }
 

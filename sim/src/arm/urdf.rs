@@ -57,29 +57,18 @@ pub(super) fn read_chain(source: &Source, base: &str) -> Result<Chain, InputErro
     let reader = Reader {
         source,
         elements: &elements,
-        links: elements
-            .of_kind("link")
-            .map(|link| (text(link, "name"), link))
-            .collect(),
+        links: elements.of_kind("link").map(|link| (text(link, "name"), link)).collect(),
         joints: elements.of_kind("joint").map(Joint::of).collect(),
     };
     reader.check_names()?;
-    let mut chain = Chain {
-        links: Vec::new(),
-        joints: Vec::new(),
-        frames: BTreeMap::new(),
-    };
+    let mut chain = Chain { links: Vec::new(), joints: Vec::new(), frames: BTreeMap::new() };
     let mut root = base;
     loop {
         let frames = reader.rigid_group(root)?;
         let joint = reader.next_joint(&frames)?;
         let link = reader.join(&frames, chain.links.is_empty())?;
         for (name, pose) in &frames {
-            if chain
-                .frames
-                .insert((*name).to_string(), (chain.links.len(), *pose))
-                .is_some()
-            {
+            if chain.frames.insert((*name).to_string(), (chain.links.len(), *pose)).is_some() {
                 return Err(reader.link_fault(name, "", "a loop", "each link once, from the base to the end effector"));
             }
         }
@@ -185,11 +174,7 @@ impl<'a> Reader<'a> {
         let mut frames = vec![(root, Pose::IDENTITY)];
         let mut next = 0;
         while let Some((parent, pose)) = frames.get(next).copied() {
-            for joint in self
-                .joints
-                .iter()
-                .filter(|joint| joint.is_fixed() && joint.parent == parent)
-            {
+            for joint in self.joints.iter().filter(|joint| joint.is_fixed() && joint.parent == parent) {
                 if frames.iter().any(|(name, _)| *name == joint.child) {
                     return Err(self.joint_fault(
                         joint,
@@ -296,10 +281,7 @@ impl<'a> Reader<'a> {
                 };
                 let origin = child(collision, "origin");
                 let frame = self.pose("link", part, &format!("{place}.origin"), origin)?;
-                colliders.push(LinkCollider {
-                    shape: self.shape(part, &place, collision)?,
-                    pose_link: *pose * frame,
-                });
+                colliders.push(LinkCollider { shape: self.shape(part, &place, collision)?, pose_link: *pose * frame });
             }
         }
         let mass_kg: f64 = parts.iter().map(|(mass, ..)| mass).sum();
@@ -320,13 +302,7 @@ impl<'a> Reader<'a> {
             let outer = DMat3::from_cols(r * r.x, r * r.y, r * r.z);
             inertia_link += *inertia + (DMat3::IDENTITY * r.length_squared() - outer) * *mass;
         }
-        Ok(Link {
-            name: name.to_string(),
-            mass_kg,
-            center_of_mass_link,
-            inertia_link,
-            colliders,
-        })
+        Ok(Link { name: name.to_string(), mass_kg, center_of_mass_link, inertia_link, colliders })
     }
 
     /// The inertia about the centre of mass, rotated by `rotation`. A body's principal moments are positive and none
@@ -346,10 +322,8 @@ impl<'a> Reader<'a> {
         let within = moments.iter().all(|moment| limits::INERTIA_KG_M2.hold(*moment));
         if !within || moments[2] > (moments[0] + moments[1]) * 1.001 {
             let found = format!("principal moments {:e}, {:e}, {:e}", moments[0], moments[1], moments[2]);
-            let allowed = format!(
-                "principal moments of {}, none above the sum of the other two",
-                limits::INERTIA_KG_M2
-            );
+            let allowed =
+                format!("principal moments of {}, none above the sum of the other two", limits::INERTIA_KG_M2);
             return Err(self.link_fault(link, "inertial.inertia", found, &allowed));
         }
         let rotation = DMat3::from_quat(rotation);
@@ -392,10 +366,7 @@ impl<'a> Reader<'a> {
             }
         }
         let [roll, pitch, yaw] = rpy;
-        Ok(Pose::new(
-            DVec3::from_array(xyz),
-            DQuat::from_euler(EulerRot::ZYX, yaw, pitch, roll),
-        ))
+        Ok(Pose::new(DVec3::from_array(xyz), DQuat::from_euler(EulerRot::ZYX, yaw, pitch, roll)))
     }
 
     fn link_fault(&self, link: &str, field: &str, found: impl Display, allowed: &str) -> InputError {
@@ -408,11 +379,7 @@ impl<'a> Reader<'a> {
 
     fn fault(&self, element: &str, name: &str, field: &str, found: impl Display, allowed: &str) -> InputError {
         let place = format!("{element} {name}");
-        let place = if field.is_empty() {
-            place
-        } else {
-            format!("{place}, {field}")
-        };
+        let place = if field.is_empty() { place } else { format!("{place}, {field}") };
         let fault = self.source.fault(place, found, allowed, REMEDY);
         match self.elements.line(element, name, field) {
             Some(line) => fault.at_line(line),

@@ -22,15 +22,7 @@ enum Holds {
 use Holds::{Joint, Name, Numbers};
 
 /// The types of joints in URDF files.
-const JOINT_TYPES: [&str; 7] = [
-    "revolute",
-    "continuous",
-    "prismatic",
-    "fixed",
-    "floating",
-    "planar",
-    "spherical",
-];
+const JOINT_TYPES: [&str; 7] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical"];
 
 /// The attributes that are read: element, attribute, type, and whether the attribute is required.
 const ATTRIBUTES: &[(&str, &str, Holds, bool)] = &[
@@ -98,10 +90,7 @@ impl<'a> Elements<'a> {
     /// # Errors
     /// When it is not XML, an attribute has the wrong type, or a required element or attribute is missing.
     pub(super) fn read(source: &'a Source) -> Result<Self, InputError> {
-        let options = ParsingOptions {
-            allow_dtd: true,
-            ..ParsingOptions::default()
-        };
+        let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
         let document = Document::parse_with_options(&source.text, options).map_err(|error| {
             let line = match error {
                 Error::UnclosedRootNode | Error::UnexpectedEndOfStream => source.text.lines().count(),
@@ -175,9 +164,7 @@ impl<'a> Elements<'a> {
             return Err(self.fault(&place(owner, element, key), found, &holds.allowed(), element));
         }
         for (_, wanted, is_required) in CHILDREN.iter().filter(|(element, ..)| *element == name) {
-            let count = children(element)
-                .filter(|child| wanted.contains(&child.tag_name().name()))
-                .count();
+            let count = children(element).filter(|child| wanted.contains(&child.tag_name().name())).count();
             if count > 1 || count == 0 && *is_required {
                 let number = if count == 0 { "no".into() } else { count.to_string() };
                 let found = format!("{number} <{}>", wanted.join("> or <"));
@@ -246,11 +233,7 @@ fn place(owner: Node, element: Node, key: &str) -> String {
     if !key.is_empty() {
         parts.push(key.to_owned());
     }
-    let owner = format!(
-        "{} {}",
-        owner.tag_name().name(),
-        attribute(owner, "name").unwrap_or_default()
-    );
+    let owner = format!("{} {}", owner.tag_name().name(), attribute(owner, "name").unwrap_or_default());
     match parts.is_empty() {
         true => owner.trim_end().to_owned(),
         false => format!("{}, {}", owner.trim_end(), parts.join(".")),

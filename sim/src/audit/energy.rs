@@ -124,9 +124,7 @@ impl EnergyBalance {
     pub fn new(simulation: &Simulation) -> Self {
         let report = simulation.report();
         let mut balance = EnergyBalance::default();
-        balance
-            .now
-            .read(simulation.arm(), &report.joints, &report.link_pose_world);
+        balance.now.read(simulation.arm(), &report.joints, &report.link_pose_world);
         balance
     }
 
@@ -167,10 +165,7 @@ impl EnergyBalance {
         let last = &self.last;
         sums.integrator_j += self.now.kinetic_energy_j(arm, |index, link| {
             let before = &last.links[index];
-            (
-                link.velocity_world - before.velocity_world,
-                link.angular_velocity_world - before.angular_velocity_world,
-            )
+            (link.velocity_world - before.velocity_world, link.angular_velocity_world - before.angular_velocity_world)
         });
         for contact in step.contacts {
             let place = |state: &ArmState| state.links[contact.link].pose.transform_point(contact.position_link);

@@ -102,10 +102,7 @@ struct Jump {
 
 impl Jump {
     fn new(links: usize) -> Self {
-        Jump {
-            last: vec![DVec3::ZERO; links],
-            now: vec![DVec3::ZERO; links],
-        }
+        Jump { last: vec![DVec3::ZERO; links], now: vec![DVec3::ZERO; links] }
     }
 
     /// The largest change of a link's force since the last call.
@@ -140,11 +137,7 @@ impl Auditor {
         let sums = self.energy.sums();
         // If the actuators have not moved, there is no work to compare with.
         let share = |part_j: f64| {
-            if sums.exchanged_j > 0.0 {
-                part_j.abs() / sums.exchanged_j
-            } else {
-                0.0
-            }
+            if sums.exchanged_j > 0.0 { part_j.abs() / sums.exchanged_j } else { 0.0 }
         };
         Audit {
             energy_residual: share(sums.residual_j()),
@@ -167,9 +160,7 @@ impl Auditor {
         for contact in step.contacts {
             audit.deepest_penetration_m = audit.deepest_penetration_m.max(contact.penetration_m);
         }
-        let jump = self
-            .step_force
-            .observe(step.contacts, FRAME_PERIOD_S / step.physics.step_s);
+        let jump = self.step_force.observe(step.contacts, FRAME_PERIOD_S / step.physics.step_s);
         audit.largest_step_force_jump_n = audit.largest_step_force_jump_n.max(jump);
     }
 
@@ -189,8 +180,7 @@ impl Auditor {
             joint.velocity_rad_per_s.abs() < REST_RATE_RAD_PER_S && (joint.rest_angle_rad - rest).abs() < REST_SHIFT_RAD
         });
         self.frame_rest_angle_rad.clear();
-        self.frame_rest_angle_rad
-            .extend(joints.iter().map(|joint| joint.rest_angle_rad));
+        self.frame_rest_angle_rad.extend(joints.iter().map(|joint| joint.rest_angle_rad));
         self.frames_at_rest = if resting { self.frames_at_rest + 1 } else { 0 };
         if self.frames_at_rest < REST_FRAMES || report.contacts.is_empty() {
             return;

@@ -12,14 +12,8 @@ fn free_arm(step_s: f64) -> Simulation {
     Simulation::new(Setup {
         sensor: Sensor::new(&SensorOptions::off(), &arm.skin, 0, "test", 0),
         arm,
-        clutter: Clutter {
-            objects: Vec::new(),
-            goals: Vec::new(),
-        },
-        physics: PhysicsOptions {
-            step_s,
-            gravity_m_per_s2: 9.81,
-        },
+        clutter: Clutter { objects: Vec::new(), goals: Vec::new() },
+        physics: PhysicsOptions { step_s, gravity_m_per_s2: 9.81 },
         dormancy: false,
     })
 }
@@ -42,24 +36,15 @@ fn a_step_of_the_actuators_ends_in_dampers_and_integrator() {
         let sums = *balance.sums();
         let stiffness: f64 = arm.joints.iter().map(|joint| joint.stiffness_nm_per_rad).sum();
         let work = 0.5 * stiffness * shift * shift;
-        assert!(
-            (sums.actuators_j / work - 1.0).abs() < 1e-9,
-            "{} J of {work} J",
-            sums.actuators_j
-        );
+        assert!((sums.actuators_j / work - 1.0).abs() < 1e-9, "{} J of {work} J", sums.actuators_j);
         assert!(sums.stored_j.abs() < 1e-3 * work, "{} J left", sums.stored_j);
         assert_eq!(sums.contacts_j, 0.0);
         assert!(sums.dampers_j > 0.0 && sums.integrator_j > 0.0);
         found.push((sums.residual_j() / work, sums.integrator_j / work));
     }
-    let [(coarse, _), (middle, middle_own), (fine, fine_own)] = found[..] else {
-        panic!("three steps")
-    };
+    let [(coarse, _), (middle, middle_own), (fine, fine_own)] = found[..] else { panic!("three steps") };
     assert!(coarse.abs() < 0.04 && middle.abs() < 0.01, "{found:?}");
-    assert!(
-        fine.abs() < 0.5 * middle.abs() && fine_own < 0.5 * middle_own,
-        "{found:?}"
-    );
+    assert!(fine.abs() < 0.5 * middle.abs() && fine_own < 0.5 * middle_own, "{found:?}");
 }
 
 /// Tests that every bound belongs to a known figure, and that every figure has one except the jump within a step: a
@@ -68,11 +53,8 @@ fn a_step_of_the_actuators_ends_in_dampers_and_integrator() {
 fn every_figure_has_its_bound() {
     let layout = Arm::cody().unwrap().skin.layout;
     let bounded: Vec<&str> = bounds(&layout).map(|bound| bound.field.name).collect();
-    let unbounded: Vec<&str> = Audit::FIELDS
-        .iter()
-        .map(|field| field.name)
-        .filter(|name| !bounded.contains(name))
-        .collect();
+    let unbounded: Vec<&str> =
+        Audit::FIELDS.iter().map(|field| field.name).filter(|name| !bounded.contains(name)).collect();
     assert_eq!(unbounded, ["largest_step_force_jump_n"]);
     assert!(bounds(&layout).all(|bound| bound.max >= 0.0 && !bound.reason.is_empty()));
 }
@@ -84,23 +66,13 @@ fn every_figure_has_its_bound() {
 fn bounds_follow_the_arm_and_its_skin() {
     let moment_m = |arm: &Arm| {
         let mut bounds = bounds(&arm.skin.layout);
-        bounds
-            .find(|bound| bound.field.name == "largest_moment_residual_m")
-            .unwrap()
-            .max
-            - DEEPEST_M
+        bounds.find(|bound| bound.field.name == "largest_moment_residual_m").unwrap().max - DEEPEST_M
     };
     let cody = Arm::cody().unwrap();
     assert!((moment_m(&cody) - 0.04).abs() < 0.005, "{}", moment_m(&cody));
     assert!((min_contact_torque_nm(&cody) - 0.7).abs() < 0.02);
     let mut larger = cody.clone();
-    for taxel in larger
-        .skin
-        .layout
-        .patches
-        .iter_mut()
-        .flat_map(|patch| &mut patch.taxels)
-    {
+    for taxel in larger.skin.layout.patches.iter_mut().flat_map(|patch| &mut patch.taxels) {
         taxel.position_link *= 1.2;
     }
     for joint in &mut larger.joints {

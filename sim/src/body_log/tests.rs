@@ -35,11 +35,7 @@ fn difference(stored: &Pose, truth: &Pose) -> (f64, f64) {
     let cosine = stored.orientation.dot(truth.orientation).abs().min(1.0);
     // The sine of half the angle is accurate for small angles.
     let sine = (stored.orientation * truth.orientation.inverse()).xyz().length();
-    let angle = if cosine > 0.9 {
-        2.0 * sine.asin()
-    } else {
-        2.0 * cosine.acos()
-    };
+    let angle = if cosine > 0.9 { 2.0 * sine.asin() } else { 2.0 * cosine.acos() };
     (stored.position.distance(truth.position), angle)
 }
 
@@ -113,31 +109,22 @@ fn bodies_have_the_shapes_of_their_objects() {
             }
             Category::TRUNK => {
                 let [body] = bodies[..] else { panic!("{bodies:?}") };
-                let BodyShape::Capsule { radius_m, length_m } = body.parts[0].shape else {
-                    panic!("{body:?}")
-                };
+                let BodyShape::Capsule { radius_m, length_m } = body.parts[0].shape else { panic!("{body:?}") };
                 assert!((2.0 * radius_m - parameter("diameter_m")).abs() < 1e-12);
                 // The lower round end is beneath the table.
                 assert!((length_m + radius_m - parameter("height_m")).abs() < 1e-12);
-                let top = body.parts[0]
-                    .pose_body
-                    .transform_point(glam::DVec3::Z * (length_m / 2.0));
+                let top = body.parts[0].pose_body.transform_point(glam::DVec3::Z * (length_m / 2.0));
                 assert!((top.z + radius_m - parameter("height_m")).abs() < 1e-12);
                 assert!(body.track.is_empty());
             }
             Category::BLOCK => {
                 let [body] = bodies[..] else { panic!("{bodies:?}") };
-                let BodyShape::Box { size_m } = body.parts[0].shape else {
-                    panic!("{body:?}")
-                };
+                let BodyShape::Box { size_m } = body.parts[0].shape else { panic!("{body:?}") };
                 let expected = ["length_m", "width_m", "height_m"].map(parameter);
                 assert!((size_m - glam::DVec3::from_array(expected)).length() < 1e-12);
             }
             other => panic!("no {other:?} stands in this scene"),
         }
     }
-    assert!(
-        seen.contains(&Category::LEAF) && seen.contains(&Category::TRUNK),
-        "{seen:?}"
-    );
+    assert!(seen.contains(&Category::LEAF) && seen.contains(&Category::TRUNK), "{seen:?}");
 }

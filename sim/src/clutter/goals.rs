@@ -46,11 +46,8 @@ pub(super) fn draw_goals(
         let mut rejected = Rejected::default();
         let goal = (0..GOAL_TRIES).find_map(|_| {
             let draw = |quantity: &Quantity, random: &mut ChaCha8Rng| quantity.draw(random, anywhere).ok();
-            let goal = DVec3::new(
-                draw(&settings.x_m, random)?,
-                draw(&settings.y_m, random)?,
-                draw(&settings.z_m, random)?,
-            );
+            let goal =
+                DVec3::new(draw(&settings.x_m, random)?, draw(&settings.y_m, random)?, draw(&settings.z_m, random)?);
             if rejected.too_far + rejected.blocked >= POSTURE_TRIES {
                 return None;
             }
@@ -160,21 +157,13 @@ impl Surroundings {
     fn leave_room_for_all(&self, arm: &Arm, posture_rad: &[f64]) -> bool {
         let poses = arm.forward_kinematics(posture_rad);
         let shapes = arm.placed_shapes(&poses).zip(&self.clear_at_start);
-        shapes
-            .filter(|(_, compared)| **compared)
-            .all(|(shape, _)| self.leave_room(&shape))
+        shapes.filter(|(_, compared)| **compared).all(|(shape, _)| self.leave_room(&shape))
     }
 
     fn leave_room(&self, shape: &PlacedShape) -> bool {
         -shape.extent_m(DVec3::NEG_Z) > self.table_height_m
-            && self
-                .foam
-                .iter()
-                .all(|(block, pose)| shape.distance_to(block, pose) > 0.0)
-            && self
-                .obstacles
-                .iter()
-                .all(|obstacle| shape.distance(obstacle) >= GOAL_MARGIN_M)
+            && self.foam.iter().all(|(block, pose)| shape.distance_to(block, pose) > 0.0)
+            && self.obstacles.iter().all(|obstacle| shape.distance(obstacle) >= GOAL_MARGIN_M)
     }
 }
 
@@ -184,10 +173,7 @@ impl Surroundings {
 /// operator picks goals that bring it among plants.
 pub(super) fn passes_through(arm: &ArmAtStart, plants: &[Capsule], from: DVec3, goal: DVec3) -> bool {
     let behind = |end: DVec3, distance: f64| end + (arm.shoulder_world - end).normalize_or_zero() * distance;
-    let sweeps = arm
-        .skin
-        .behind_end_effector_m
-        .map(|distance| (behind(from, distance), behind(goal, distance)));
+    let sweeps = arm.skin.behind_end_effector_m.map(|distance| (behind(from, distance), behind(goal, distance)));
     let [nearest, _, farthest] = sweeps;
     let at_goal = (nearest.1, farthest.1);
     plants.iter().any(|plant| {

@@ -39,11 +39,7 @@ pub(super) fn place_all(
                 let object = group.draw(random, &footing).map_err(|error| {
                     scene.fault(&field, error, "a range most of whose values are physically possible")
                 })?;
-                let placed = PlacedObject {
-                    object,
-                    foot_world: center.extend(footing.height_m),
-                    yaw_rad,
-                };
+                let placed = PlacedObject { object, foot_world: center.extend(footing.height_m), yaw_rad };
                 if rejected.allows(&placed, &objects, arm) {
                     found = Some(placed);
                     break;
@@ -69,9 +65,7 @@ struct Rejections {
 impl Rejections {
     fn allows(&mut self, placed: &PlacedObject, objects: &[PlacedObject], arm: &ArmAtStart) -> bool {
         let laid = placed.laid();
-        let blocked = objects
-            .iter()
-            .any(|other| !may_overlap(placed, other) && laid.overlaps(&other.laid()));
+        let blocked = objects.iter().any(|other| !may_overlap(placed, other) && laid.overlaps(&other.laid()));
         if blocked {
             self.overlap += 1;
             return false;
@@ -124,19 +118,13 @@ fn propose(
     let center = DVec2::new(x, y);
     match stands_on {
         StandsOn::Table => {
-            let footing = Footing {
-                height_m: workspace.table_height_m,
-                foam_modulus_pa: None,
-            };
+            let footing = Footing { height_m: workspace.table_height_m, foam_modulus_pa: None };
             Some((center, yaw_rad, footing))
         }
         StandsOn::Foam => objects.iter().find_map(|block| {
             let (modulus, height) = block.object.foam_top()?;
             let inside = block.laid().contains(center, BLOCK_MARGIN_M);
-            let footing = Footing {
-                height_m: block.foot_world.z + height,
-                foam_modulus_pa: Some(modulus),
-            };
+            let footing = Footing { height_m: block.foot_world.z + height, foam_modulus_pa: Some(modulus) };
             inside.then_some((center, yaw_rad, footing))
         }),
     }

@@ -17,10 +17,7 @@ use crate::scene::Scene;
 fn arm() -> ArmAtStart {
     ArmAtStart {
         links: Vec::new(),
-        skin: SkinAlongArm {
-            behind_end_effector_m: [0.05, 0.125, 0.20],
-            radius_m: 0.05,
-        },
+        skin: SkinAlongArm { behind_end_effector_m: [0.05, 0.125, 0.20], radius_m: 0.05 },
         ..ArmAtStart::of(&Arm::cody().unwrap())
     }
 }
@@ -59,20 +56,10 @@ fn goals_leave_the_hand_room() {
 #[test]
 fn goals_bring_the_skin_to_a_plant() {
     let goal = DVec3::X * 0.581;
-    let trunk = Capsule {
-        start: DVec3::new(0.5, 0.0, -0.3),
-        end: DVec3::new(0.5, 0.0, 0.3),
-        radius_m: 0.02,
-    };
+    let trunk = Capsule { start: DVec3::new(0.5, 0.0, -0.3), end: DVec3::new(0.5, 0.0, 0.3), radius_m: 0.02 };
     let passes = |behind_end_effector_m, radius_m| {
-        let arm = ArmAtStart {
-            shoulder_world: DVec3::ZERO,
-            skin: SkinAlongArm {
-                behind_end_effector_m,
-                radius_m,
-            },
-            ..arm()
-        };
+        let arm =
+            ArmAtStart { shoulder_world: DVec3::ZERO, skin: SkinAlongArm { behind_end_effector_m, radius_m }, ..arm() };
         passes_through(&arm, &[trunk], goal, goal)
     };
     assert!(passes([0.05, 0.06, 0.07], 0.01));
@@ -99,9 +86,7 @@ fn goals_are_within_reach() {
 fn no_drawn_goal_is_out_of_reach() {
     let scene = Scene::parse("mixed.toml", crate::scene::shipped("mixed.toml").unwrap().into()).unwrap();
     let cody = Arm::cody().unwrap();
-    let bones = cody.joints[2..]
-        .iter()
-        .map(|joint| joint.origin_parent.position.length());
+    let bones = cody.joints[2..].iter().map(|joint| joint.origin_parent.position.length());
     let length_m = bones.sum::<f64>() + cody.end_effector_pose_link.position.length();
     let upper_arm = cody.joints[1].origin_parent.position;
     let arm = ArmAtStart::of(&cody);
@@ -109,10 +94,7 @@ fn no_drawn_goal_is_out_of_reach() {
         for goal in Clutter::draw(&scene, &arm, 5, index).unwrap().goals {
             let distance_m = goal.distance(upper_arm);
             // An arm that is 1 mm away has arrived.
-            assert!(
-                distance_m <= length_m + 1e-3,
-                "reach {index}: {distance_m} m of {length_m} m"
-            );
+            assert!(distance_m <= length_m + 1e-3, "reach {index}: {distance_m} m of {length_m} m");
         }
     }
 }
@@ -131,14 +113,8 @@ fn objects_keep_their_distance_from_the_arm() {
     assert!(draw(&goal_beside_a_trunk(0.6), &ball_at(0.409)).is_ok());
     let error = draw(&goal_beside_a_trunk(0.6), &ball_at(0.411)).unwrap_err();
     let text = error.to_string();
-    assert!(
-        error.field.contains("objects.trunk") && error.field.contains("count"),
-        "{error:?}"
-    );
-    assert!(
-        text.contains("0 were placed") && text.contains("1000 were too close to the arm's start"),
-        "{text}"
-    );
+    assert!(error.field.contains("objects.trunk") && error.field.contains("count"), "{error:?}");
+    assert!(text.contains("0 were placed") && text.contains("1000 were too close to the arm's start"), "{text}");
 }
 
 /// Two groups of one object each at the same place, the first a foam block.
@@ -159,10 +135,7 @@ fn leaves_and_trunks_stand_in_foam() {
         let clutter = draw(&on_a_block(kind), &arm).unwrap_or_else(|error| panic!("{kind}: {error}"));
         let kinds: Vec<_> = clutter.objects.iter().map(|placed| placed.object.kind()).collect();
         assert!(kinds.contains(&kind) && kinds.contains(&"foam_block"), "{kinds:?}");
-        let block = clutter
-            .objects
-            .iter()
-            .find(|placed| placed.object.kind() == "foam_block");
+        let block = clutter.objects.iter().find(|placed| placed.object.kind() == "foam_block");
         let top_m = block.unwrap().foot_world.z + block.unwrap().object.height_m();
         let plant = clutter.objects.iter().find(|placed| placed.object.kind() == kind);
         let foot_m = plant.unwrap().foot_world.z;
@@ -178,11 +151,7 @@ fn groups_without_room_are_refused() {
     let crowd = "[workspace]\ntable_height_m = -0.3\n[[objects.trunk]]\ncount = 40\ndiameter_m = 0.04\nheight_m = 0.6\n\
                  place = { x_m = { uniform = [0.5, 0.56] }, y_m = { uniform = [0.0, 0.06] } }\n";
     let error = draw(crowd, &arm()).unwrap_err();
-    let placed = error
-        .allowed
-        .split(" were placed")
-        .next()
-        .and_then(|before| before.split(' ').next_back());
+    let placed = error.allowed.split(" were placed").next().and_then(|before| before.split(' ').next_back());
     let placed: u32 = placed.unwrap().parse().unwrap();
     // Discs of 4 cm with their centres in 6 × 6 cm: one at least, and no more than the nine of a grid of 3 cm.
     assert!((1..=9).contains(&placed), "{error}");
@@ -203,12 +172,7 @@ fn streams_are_apart() {
     };
     let text = "goals = { count = 1 }\n[[objects.trunk]]\ncount = 5\n";
     let first = draw("a.toml", text, 1, 0);
-    for same in [
-        "",
-        "sensor = { noise_n = 0.5 }\n",
-        "physics = { step_s = 0.01 }\n",
-        "controller = \"blind\"\n",
-    ] {
+    for same in ["", "sensor = { noise_n = 0.5 }\n", "physics = { step_s = 0.01 }\n", "controller = \"blind\"\n"] {
         assert_eq!(draw("b.toml", &format!("{same}{text}"), 1, 0), first, "{same}");
     }
     let named = format!("stream = \"own\"\n{text}");
@@ -243,17 +207,11 @@ fn goals_know_the_arm_and_its_skin() {
     let cody = Arm::cody().unwrap();
     let close = |found: f64, expected: f64| (found - expected).abs() < 1e-5;
     let start = ArmAtStart::of(&cody);
-    let SkinAlongArm {
-        behind_end_effector_m,
-        radius_m,
-    } = start.skin;
+    let SkinAlongArm { behind_end_effector_m, radius_m } = start.skin;
     let [first, middle, last] = behind_end_effector_m;
     assert!(close(first, 0.270 + 0.27853 - 0.2562), "{first}");
     assert!(close(last, 0.270 + 0.27853 - 0.0942), "{last}");
-    assert!(
-        close(middle, (first + last) / 2.0) && close(radius_m, 0.04604),
-        "{middle} {radius_m}"
-    );
+    assert!(close(middle, (first + last) / 2.0) && close(radius_m, 0.04604), "{middle} {radius_m}");
 
     // The same arm with the flipper's patch as the first: its skin ends at the end effector.
     let mut hand = cody.clone();
@@ -271,14 +229,8 @@ fn goals_know_the_arm_and_its_skin() {
     for taxel in large.skin.layout.patches.iter_mut().flat_map(|patch| &mut patch.taxels) {
         taxel.position_link *= 2.0;
     }
-    let SkinAlongArm {
-        behind_end_effector_m: doubled,
-        radius_m: wide,
-    } = ArmAtStart::of(&large).skin;
-    let doubles = doubled
-        .iter()
-        .zip(behind_end_effector_m)
-        .all(|(large, small)| close(*large, 2.0 * small));
+    let SkinAlongArm { behind_end_effector_m: doubled, radius_m: wide } = ArmAtStart::of(&large).skin;
+    let doubles = doubled.iter().zip(behind_end_effector_m).all(|(large, small)| close(*large, 2.0 * small));
     assert!(doubles && close(wide, 2.0 * radius_m), "{doubled:?} {wide}");
 }
 

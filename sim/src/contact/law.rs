@@ -52,20 +52,12 @@ pub struct Law {
 impl Law {
     /// The overlap with which a column presses if the surfaces neither part nor approach, m.
     fn pressed_m(&self, overlap_m: f64) -> f64 {
-        if overlap_m >= 0.0 {
-            overlap_m
-        } else {
-            (1.0 + self.interface.loss_time_s / self.step_s) * overlap_m
-        }
+        if overlap_m >= 0.0 { overlap_m } else { (1.0 + self.interface.loss_time_s / self.step_s) * overlap_m }
     }
 
     /// The overlap beyond which a column presses at the parting speed `speed`, m.
     pub fn closing_m(&self, speed: f64) -> f64 {
-        if speed < 0.0 {
-            self.step_s * speed
-        } else {
-            (self.step_s + self.interface.loss_time_s) * speed
-        }
+        if speed < 0.0 { self.step_s * speed } else { (self.step_s + self.interface.loss_time_s) * speed }
     }
 
     /// Normal impulse and moments about the tangents.
@@ -94,10 +86,7 @@ impl Law {
             }
         }
         let [a, b, c, d, e, f] = stiffness;
-        Response {
-            impulse: Vector3::from(impulse),
-            stiffness: Matrix3::new(a, b, c, b, d, e, c, e, f),
-        }
+        Response { impulse: Vector3::from(impulse), stiffness: Matrix3::new(a, b, c, b, d, e, c, e, f) }
     }
 
     /// Friction at most `limit` (N s) large. `deflection` is the elastic displacement at the start of the step, m.
@@ -109,10 +98,7 @@ impl Law {
         if distance > STICTION_M {
             stiffness -= displaced * displaced.transpose() * (softness * self.step_s / (distance * distance));
         }
-        Response {
-            impulse: displaced * -softness,
-            stiffness,
-        }
+        Response { impulse: displaced * -softness, stiffness }
     }
 
     /// The elastic displacement at the end of the step.
@@ -136,11 +122,7 @@ impl Law {
             return (DVec2::ZERO, 0.0);
         }
         let center = nodes.iter().map(|node| node.place * weight(node)).sum::<DVec2>() / sum;
-        let radius = nodes
-            .iter()
-            .map(|node| node.place.distance(center) * weight(node))
-            .sum::<f64>()
-            / sum;
+        let radius = nodes.iter().map(|node| node.place.distance(center) * weight(node)).sum::<f64>() / sum;
         (center, radius)
     }
 }

@@ -78,10 +78,7 @@ impl<'a> Columns<'a> {
         };
         let [first, second] = faces;
         Some(Columns {
-            chords: [
-                Chords::new(pair.shapes[0], &view(0), first)?,
-                Chords::new(pair.shapes[1], &view(1), second)?,
-            ],
+            chords: [Chords::new(pair.shapes[0], &view(0), first)?, Chords::new(pair.shapes[1], &view(1), second)?],
         })
     }
 
@@ -161,11 +158,7 @@ impl<'a> Columns<'a> {
             // Each trial aims a little beyond the root that the slope points to, so that the bracket closes from both sides.
             let next = if excess.value > 0.0 {
                 within = distance;
-                let root = if slope < 0.0 {
-                    distance - excess.value / slope
-                } else {
-                    f64::INFINITY
-                };
+                let root = if slope < 0.0 { distance - excess.value / slope } else { f64::INFINITY };
                 (root * (1.0 + 0.25 * TOLERANCE)).min(4.0 * distance)
             } else {
                 beyond = distance;
@@ -174,11 +167,7 @@ impl<'a> Columns<'a> {
             if beyond - within <= TOLERANCE * beyond {
                 break;
             }
-            distance = if within < next && next < beyond {
-                next
-            } else {
-                0.5 * (within + beyond)
-            };
+            distance = if within < next && next < beyond { next } else { 0.5 * (within + beyond) };
         }
         0.5 * (within + beyond)
     }
@@ -246,11 +235,7 @@ impl<'a> Columns<'a> {
                 let place = DVec2::new(at(strip), middle + half * node);
                 // The place is within a convex region, so its column meets both shapes.
                 if let Some(overlap_m) = self.overlap_m(place) {
-                    nodes.push(Node {
-                        place,
-                        area_m2: half_width * half * weight,
-                        overlap_m,
-                    });
+                    nodes.push(Node { place, area_m2: half_width * half * weight, overlap_m });
                 }
             }
         }

@@ -31,19 +31,11 @@ impl Pair<'_> {
         let strip = self.box_edge(normal_world).or_else(|| self.most_curved(normal_world));
         let along = strip.map_or_else(
             || normal_world.any_orthonormal_vector(),
-            |strip| {
-                strip
-                    .reject_from_normalized(normal_world)
-                    .normalize_or(normal_world.any_orthonormal_vector())
-            },
+            |strip| strip.reject_from_normalized(normal_world).normalize_or(normal_world.any_orthonormal_vector()),
         );
         let second = along;
         let first = second.cross(normal_world);
-        Plane {
-            origin_world,
-            normal_world,
-            tangents_world: [first, second],
-        }
+        Plane { origin_world, normal_world, tangents_world: [first, second] }
     }
 
     /// The longest edge of a box that lies in the tangent plane; for two boxes, the edge of the more slender one.

@@ -22,10 +22,6 @@ impl Stop {
         let scale = if self.overlap_rad < 0.0 { rate / step_s } else { 1.0 };
         let pressed = scale * self.overlap_rad - rate * speed;
         let modulus = step_s * self.stiffness_nm_per_rad;
-        if pressed > 0.0 {
-            (modulus * pressed, modulus * rate)
-        } else {
-            (0.0, 0.0)
-        }
+        if pressed > 0.0 { (modulus * pressed, modulus * rate) } else { (0.0, 0.0) }
     }
 }

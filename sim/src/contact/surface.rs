@@ -35,11 +35,7 @@ const MIN_COMPLIANCE_M3_PER_N: f64 = 1.0 / 3e8;
 impl Surface {
     /// A surface that is rigid compared with skin.
     pub fn hard(friction: f64) -> Self {
-        Surface {
-            compliance_m3_per_n: 0.0,
-            loss_time_s: HARD_LOSS_TIME_S,
-            friction,
-        }
+        Surface { compliance_m3_per_n: 0.0, loss_time_s: HARD_LOSS_TIME_S, friction }
     }
 
     /// The contact of two surfaces. Under the same pressure their deflections add up, and each dissipates its share.

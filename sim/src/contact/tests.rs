@@ -15,21 +15,12 @@ use super::plane::Pair;
 use super::solver::{ROWS, Solver};
 use super::surface::Interface;
 
-const LAW: Law = Law {
-    interface: Interface {
-        stiffness_n_per_m3: 3e7,
-        loss_time_s: 0.002,
-        friction: 0.35,
-    },
-    step_s: 0.005,
-};
+const LAW: Law =
+    Law { interface: Interface { stiffness_n_per_m3: 3e7, loss_time_s: 0.002, friction: 0.35 }, step_s: 0.005 };
 
 /// The columns of a contact near the origin with a vertical normal. The first shape lies above the second.
 fn nodes(first: (SharedShape, Pose), second: (SharedShape, Pose)) -> Vec<Node> {
-    let pair = Pair {
-        shapes: [first.0.as_ref(), second.0.as_ref()],
-        poses_world: [first.1, second.1],
-    };
+    let pair = Pair { shapes: [first.0.as_ref(), second.0.as_ref()], poses_world: [first.1, second.1] };
     let mut nodes = Vec::new();
     let mut faces = [Faces::default(), Faces::default()];
     let columns = Columns::new(&pair, &pair.plane(DVec3::ZERO, DVec3::Z), &mut faces);
@@ -200,10 +191,7 @@ proptest! {
 /// within the stiction distance for ten thousand steps.
 #[test]
 fn a_patch_that_sticks_does_not_creep() {
-    let nodes = nodes(
-        (SharedShape::ball(0.05), at(0.049)),
-        (SharedShape::cuboid(0.5, 0.5, 0.1), at(-0.1)),
-    );
+    let nodes = nodes((SharedShape::ball(0.05), at(0.049)), (SharedShape::cuboid(0.5, 0.5, 0.1), at(-0.1)));
     let weight_n = force_n(&nodes);
     let mass = 1.0;
     let mut deflection = Vector3::zeros();
@@ -235,11 +223,7 @@ fn a_patch_that_sticks_does_not_creep() {
 fn the_solver_leaves_an_unstable_solution_for_a_stable_one() {
     let (a, b, d) = (100.0, 322.0, 1500.0);
     let (free_parting, free_slip) = (0.15, 1.0);
-    let node = Node {
-        area_m2: 1e-4,
-        overlap_m: 1e-3,
-        ..Node::default()
-    };
+    let node = Node { area_m2: 1e-4, overlap_m: 1e-3, ..Node::default() };
     let rate = LAW.step_s + LAW.interface.loss_time_s;
     let modulus = LAW.step_s * LAW.interface.stiffness_n_per_m3 * node.area_m2;
     let friction = LAW.interface.friction;
@@ -250,10 +234,7 @@ fn the_solver_leaves_an_unstable_solution_for_a_stable_one() {
         |slip: f64| (pressed + modulus * rate * b * (free_slip - slip) / d) / (1.0 + modulus * rate * (a - b * b / d));
     let mass = nalgebra::Matrix2::new(a, b, b, d).try_inverse().unwrap();
     let solve_from = |normal: f64| {
-        let start = [
-            free_parting + (a - friction * b) * normal,
-            free_slip + (b - friction * d) * normal,
-        ];
+        let start = [free_parting + (a - friction * b) * normal, free_slip + (b - friction * d) * normal];
         let mut solver = Solver::default();
         solver.start(LAW.step_s);
         let free = [free_parting, free_slip];

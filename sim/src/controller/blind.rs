@@ -24,9 +24,6 @@ impl Controller for Blind {
     }
 
     fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
-        self.0.control(&ControllerInput {
-            contacts: &[],
-            ..input.clone()
-        })
+        self.0.control(&ControllerInput { contacts: &[], ..input.clone() })
     }
 }

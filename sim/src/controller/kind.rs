@@ -50,9 +50,7 @@ impl ControllerKind {
     /// When there is none.
     pub fn from_name(name: &str) -> Result<ControllerKind, UnknownController> {
         let named = NAMED.iter().find(|(other, _)| *other == name);
-        named
-            .map(|(_, kind)| *kind)
-            .ok_or_else(|| UnknownController(name.to_string()))
+        named.map(|(_, kind)| *kind).ok_or_else(|| UnknownController(name.to_string()))
     }
 
     /// Its published parameters.

@@ -62,13 +62,7 @@ impl ModelPredictive {
         let reset = self.preset.equilibrium_reset_rad.unwrap_or(f64::INFINITY);
         let pairs = input.equilibrium_angle_rad.iter().zip(input.joint_angle_rad);
         pairs
-            .map(|(equilibrium, angle)| {
-                if (equilibrium - angle).abs() > reset {
-                    *angle
-                } else {
-                    *equilibrium
-                }
-            })
+            .map(|(equilibrium, angle)| if (equilibrium - angle).abs() > reset { *angle } else { *equilibrium })
             .collect()
     }
 
@@ -87,11 +81,8 @@ impl ModelPredictive {
     fn program(&self, input: &ControllerInput<'_>, start: &[f64]) -> Option<QuadraticProgram> {
         let preset = &self.preset;
         let joints = self.joints.len();
-        let contacts: Vec<&TaxelContact> = input
-            .contacts
-            .iter()
-            .filter(|contact| contact.force_n >= preset.ignored_force_n)
-            .collect();
+        let contacts: Vec<&TaxelContact> =
+            input.contacts.iter().filter(|contact| contact.force_n >= preset.ignored_force_n).collect();
         // Row i: change of contact force i per change of the joint angles, N/rad.
         let mut force_rows = DMatrix::zeros(contacts.len(), joints);
         for (mut row, contact) in force_rows.row_iter_mut().zip(&contacts) {
@@ -99,10 +90,8 @@ impl ModelPredictive {
             let normal = Vector3::new(outward.x, outward.y, outward.z);
             row.tr_copy_from(&(contact.position_jacobian.tr_mul(&normal) * preset.contact_stiffness_n_per_m));
         }
-        let spring = DMatrix::from_diagonal(&DVector::from_iterator(
-            joints,
-            self.joints.iter().map(|joint| joint.stiffness),
-        ));
+        let spring =
+            DMatrix::from_diagonal(&DVector::from_iterator(joints, self.joints.iter().map(|joint| joint.stiffness)));
         let stiffness = &spring + force_rows.tr_mul(&force_rows) / preset.contact_stiffness_n_per_m;
         // Δq = response Δφ.
         let response = stiffness.cholesky()?.solve(&spring);
@@ -115,23 +104,14 @@ impl ModelPredictive {
             DMatrix::from_column_slice(3, joints, moved.as_slice())
         };
         let vector = |v: DVec3| DVector::from_column_slice(&v.to_array());
-        cost.add(
-            preset.position_weight,
-            &moved(input.end_effector_jacobian),
-            &vector(self.wanted_displacement(input)),
-        );
+        cost.add(preset.position_weight, &moved(input.end_effector_jacobian), &vector(self.wanted_displacement(input)));
         cost.add(preset.torque_change_weight, &spring, &DVector::zeros(joints));
         let limit_n = |contact: &TaxelContact| contact.allowed_force_n.unwrap_or(preset.force_limit_n);
-        let over: Vec<usize> = (0..contacts.len())
-            .filter(|index| contacts[*index].force_n > limit_n(contacts[*index]))
-            .collect();
+        let over: Vec<usize> =
+            (0..contacts.len()).filter(|index| contacts[*index].force_n > limit_n(contacts[*index])).collect();
         if !over.is_empty() {
             let reduction = DVector::from_element(over.len(), -preset.over_limit_force_reduction_n);
-            cost.add(
-                preset.force_weight / over.len() as f64,
-                &forces.select_rows(&over),
-                &reduction,
-            );
+            cost.add(preset.force_weight / over.len() as f64, &forces.select_rows(&over), &reduction);
         }
 
         let mut bounds = Bounds::new(joints);
@@ -147,11 +127,7 @@ impl ModelPredictive {
         }
         for (index, (joint, row)) in self.joints.iter().zip(response.row_iter()).enumerate() {
             let angle = input.joint_angle_rad[index];
-            bounds.keep(
-                row.into_owned(),
-                (joint.limits[0] - angle).min(0.0),
-                (joint.limits[1] - angle).max(0.0),
-            );
+            bounds.keep(row.into_owned(), (joint.limits[0] - angle).min(0.0), (joint.limits[1] - angle).max(0.0));
         }
         let offset_limit = preset.equilibrium_offset_rad.unwrap_or(f64::INFINITY);
         for (index, joint) in self.joints.iter().enumerate() {
@@ -177,10 +153,7 @@ impl Controller for ModelPredictive {
 
     fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
         let mut equilibrium_angle_rad = self.start(input);
-        let status = match self
-            .program(input, &equilibrium_angle_rad)
-            .map(|program| program.solve())
-        {
+        let status = match self.program(input, &equilibrium_angle_rad).map(|program| program.solve()) {
             Some(Outcome::Optimal(solution)) => {
                 for (angle, change) in equilibrium_angle_rad.iter_mut().zip(&solution.minimizer) {
                     *angle += change;
@@ -190,10 +163,7 @@ impl Controller for ModelPredictive {
             Some(Outcome::Infeasible) => ControlStatus::Infeasible,
             _ => ControlStatus::Failed,
         };
-        ControllerOutput {
-            equilibrium_angle_rad,
-            status,
-        }
+        ControllerOutput { equilibrium_angle_rad, status }
     }
 }
 
@@ -201,11 +171,7 @@ impl Controller for ModelPredictive {
 fn wanted(error: DVec3, step: f64, slow: Option<f64>) -> DVec3 {
     let slow = slow.unwrap_or(step);
     let length = error.length();
-    if length > slow {
-        error * (step / length)
-    } else {
-        error * (step / slow)
-    }
+    if length > slow { error * (step / length) } else { error * (step / slow) }
 }
 
 /// ½ xᵀ G x + aᵀ x, summed from weighted squares.
@@ -216,10 +182,7 @@ struct Cost {
 
 impl Cost {
     fn new(variables: usize) -> Self {
-        Cost {
-            hessian: DMatrix::zeros(variables, variables),
-            gradient: DVector::zeros(variables),
-        }
+        Cost { hessian: DMatrix::zeros(variables, variables), gradient: DVector::zeros(variables) }
     }
 
     /// Adds weight ‖matrix x − target‖².
@@ -238,11 +201,7 @@ struct Bounds {
 
 impl Bounds {
     fn new(variables: usize) -> Self {
-        Bounds {
-            variables,
-            rows: Vec::new(),
-            bounds: Vec::new(),
-        }
+        Bounds { variables, rows: Vec::new(), bounds: Vec::new() }
     }
 
     fn keep(&mut self, row: RowDVector<f64>, min: f64, max: f64) {

@@ -113,9 +113,6 @@ impl Preset {
 
     /// This preset with `scale` times the force that a contact should not exceed.
     pub fn with_force_limit(self, scale: f64) -> Preset {
-        Preset {
-            force_limit_n: self.force_limit_n * scale,
-            ..self
-        }
+        Preset { force_limit_n: self.force_limit_n * scale, ..self }
     }
 }

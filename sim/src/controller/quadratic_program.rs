@@ -60,12 +60,8 @@ impl QuadraticProgram {
     pub fn solve(&self) -> Outcome {
         let (variables, count) = (self.gradient.len(), self.bounds.len());
         let fits = self.hessian.shape() == (variables, variables) && self.constraints.shape() == (count, variables);
-        let entries = [
-            self.hessian.as_slice(),
-            self.gradient.as_slice(),
-            self.constraints.as_slice(),
-            self.bounds.as_slice(),
-        ];
+        let entries =
+            [self.hessian.as_slice(), self.gradient.as_slice(), self.constraints.as_slice(), self.bounds.as_slice()];
         if !fits || !entries.into_iter().flatten().all(|entry| entry.is_finite()) {
             return Outcome::Malformed;
         }
@@ -183,11 +179,7 @@ impl Search<'_> {
             }
         }
         let gap = self.bounds[violated] - normal.dot(&self.point);
-        let full_step = if independent {
-            gap.max(0.0) / direction.norm_squared()
-        } else {
-            f64::INFINITY
-        };
+        let full_step = if independent { gap.max(0.0) / direction.norm_squared() } else { f64::INFINITY };
         let step = dual_step.min(full_step);
         if !step.is_finite() {
             return Step::Blocked;
@@ -230,11 +222,7 @@ struct Basis {
 impl Basis {
     fn new(variables: usize) -> Self {
         let zeros = DMatrix::zeros(variables, variables);
-        Basis {
-            vectors: zeros.clone(),
-            triangle: zeros,
-            size: 0,
-        }
+        Basis { vectors: zeros.clone(), triangle: zeros, size: 0 }
     }
 
     /// The part of `vector` orthogonal to the set, and the coordinates of the rest in Q.
@@ -253,9 +241,7 @@ impl Basis {
 
     /// R⁻¹ `along`: the coordinates in N of the vector whose coordinates in Q are `along`.
     fn combination(&self, along: &DVector<f64>) -> Option<DVector<f64>> {
-        self.triangle
-            .view((0, 0), (self.size, self.size))
-            .solve_upper_triangular(along)
+        self.triangle.view((0, 0), (self.size, self.size)).solve_upper_triangular(along)
     }
 
     /// Adds a vector that was split into `outside`, which is not zero, and `along`.

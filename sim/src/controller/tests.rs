@@ -43,8 +43,7 @@ impl<'a> Situation<'a> {
     }
 
     fn end_effector_jacobian(&self) -> Matrix3xX<f64> {
-        self.arm
-            .position_jacobian(&self.links, self.arm.end_effector_link, self.end_effector().position)
+        self.arm.position_jacobian(&self.links, self.arm.end_effector_link, self.end_effector().position)
     }
 
     /// Presses on one taxel.
@@ -53,8 +52,7 @@ impl<'a> Situation<'a> {
         let taxel = self.arm.skin.layout.patches[patch].taxels[index];
         let pose = self.links[link];
         let position_jacobian =
-            self.arm
-                .position_jacobian(&self.links, link, pose.transform_point(taxel.position_link));
+            self.arm.position_jacobian(&self.links, link, pose.transform_point(taxel.position_link));
         let inward_normal_world = -(pose.orientation * taxel.normal_link);
         self.contacts.push(TaxelContact {
             patch,

@@ -27,10 +27,7 @@ impl Environments {
             plan.seed = plan.seed.wrapping_add(index as u64);
             Environment::new(plan, options.clone())
         };
-        Ok(Environments {
-            all: (0..count).map(one).collect::<Result<_, _>>()?,
-            ended: vec![false; count],
-        })
+        Ok(Environments { all: (0..count).map(one).collect::<Result<_, _>>()?, ended: vec![false; count] })
     }
 
     /// How many there are.
@@ -65,12 +62,7 @@ impl Environments {
         observations: &mut [f32],
     ) -> Result<Vec<Option<Stepped>>, InputError> {
         let size = self.observation_size().max(1);
-        let rows = self
-            .all
-            .par_iter_mut()
-            .zip(&mut self.ended)
-            .zip(seeds)
-            .zip(observations.par_chunks_mut(size));
+        let rows = self.all.par_iter_mut().zip(&mut self.ended).zip(seeds).zip(observations.par_chunks_mut(size));
         let reset: Vec<Result<Option<Stepped>, InputError>> = rows
             .enumerate()
             .map(|(index, (((environment, ended), seed), row))| {

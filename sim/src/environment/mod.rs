@@ -72,22 +72,10 @@ impl Environment {
         if options.goals > available {
             let found = format!("{} goals", options.goals);
             let allowed = format!("1 to {available}, the goals of scene {}", plan.scene.name);
-            return Err(InputError::new(
-                "the environment",
-                "goals",
-                found,
-                allowed,
-                "ask for fewer goals",
-            ));
+            return Err(InputError::new("the environment", "goals", found, allowed, "ask for fewer goals"));
         }
         let parts = observation::parts(&plan.arm);
-        Ok(Environment {
-            plan,
-            options,
-            parts,
-            next: 0,
-            episode: None,
-        })
+        Ok(Environment { plan, options, parts, next: 0, episode: None })
     }
 
     /// The parts of an observation.
@@ -140,11 +128,7 @@ impl Environment {
         episode.observe(&self.parts, observation);
         let distance_m = episode.distance_m();
         self.episode = Some(episode);
-        Ok(Stepped {
-            distance_m,
-            reach_index,
-            ..Stepped::default()
-        })
+        Ok(Stepped { distance_m, reach_index, ..Stepped::default() })
     }
 
     /// Takes a step and writes the next observation. `None` without an episode: before the first one, and after the end
@@ -171,12 +155,7 @@ impl Environment {
 
 impl Episode {
     fn goal_world(&self) -> glam::DVec3 {
-        self.simulation
-            .clutter()
-            .goals
-            .get(self.goal)
-            .copied()
-            .unwrap_or_default()
+        self.simulation.clutter().goals.get(self.goal).copied().unwrap_or_default()
     }
 
     fn distance_m(&self) -> f64 {
@@ -194,10 +173,7 @@ impl Episode {
         let start_rad = self.equilibrium_rad.clone();
         let here = self.simulation.report().end_effector_pose_world.position;
         let cut = |number: f64| number.clamp(-1.0, 1.0);
-        let mut found = Stepped {
-            reach_index: self.reach_index,
-            ..Stepped::default()
-        };
+        let mut found = Stepped { reach_index: self.reach_index, ..Stepped::default() };
         let step_s = options.step_s();
         let frame_s = step_s / f64::from(options.frames_per_step);
         let mut aborted = false;
@@ -218,18 +194,13 @@ impl Episode {
                     let target = here + offset * options.largest_waypoint_m;
                     let goals = &self.simulation.clutter().goals;
                     let goal_world = goals.get(self.goal).copied().unwrap_or_default();
-                    self.steering
-                        .observe(&self.simulation.frame(self.goal as u16, goal_world));
+                    self.steering.observe(&self.simulation.frame(self.goal as u16, goal_world));
                     self.steering.control(&plan.arm, self.simulation.report(), target)?;
                     self.equilibrium_rad.copy_from_slice(self.steering.equilibrium_rad());
                 }
             }
             let tactile = &self.simulation.step(&self.equilibrium_rad).tactile;
-            let sensed_n = tactile
-                .taxels
-                .iter()
-                .map(|taxel| taxel.sensed_force_n)
-                .fold(0.0, f64::max);
+            let sensed_n = tactile.taxels.iter().map(|taxel| taxel.sensed_force_n).fold(0.0, f64::max);
             let contact_n = tactile.largest_force().map_or(0.0, |force| force.force_n);
             found.reward -= reward.force_per_n_s * (sensed_n - reward.free_force_n).max(0.0) * frame_s;
             found.sensed_force_n = found.sensed_force_n.max(sensed_n);

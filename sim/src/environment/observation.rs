@@ -40,12 +40,7 @@ pub(super) fn parts(arm: &Arm) -> Vec<Part> {
     let mut parts: Vec<Part> = Vec::new();
     let mut add = |name: &str, shape: Vec<usize>, low: f32, high: f32| {
         let first = parts.last().map_or(0, |last| last.first + last.size());
-        parts.push(Part {
-            name: name.to_owned(),
-            shape,
-            first,
-            range: [low, high],
-        });
+        parts.push(Part { name: name.to_owned(), shape, first, range: [low, high] });
     };
     for (name, largest) in [
         ("joint_angle_rad", ANGLE_RAD),
@@ -87,10 +82,7 @@ pub(super) fn write(
     ];
     for (part, numbers) in parts.iter().zip(numbers) {
         let places = &mut row[part.first..part.first + part.size()];
-        places
-            .iter_mut()
-            .zip(numbers)
-            .for_each(|(place, number)| *place = *number as f32);
+        places.iter_mut().zip(numbers).for_each(|(place, number)| *place = *number as f32);
     }
     let taxels = &parts[numbers.len()..];
     if let (Some(first), Some(last)) = (taxels.first(), taxels.last()) {
@@ -102,8 +94,6 @@ pub(super) fn write(
     }
     for part in parts {
         let [low, high] = part.range;
-        row[part.first..part.first + part.size()]
-            .iter_mut()
-            .for_each(|number| *number = number.clamp(low, high));
+        row[part.first..part.first + part.size()].iter_mut().for_each(|number| *number = number.clamp(low, high));
     }
 }

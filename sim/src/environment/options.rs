@@ -16,10 +16,8 @@ pub enum ActionKind {
 
 impl ActionKind {
     /// The kinds by name.
-    pub const NAMED: [(&'static str, ActionKind); 2] = [
-        ("equilibrium", ActionKind::Equilibrium),
-        ("waypoint", ActionKind::Waypoint),
-    ];
+    pub const NAMED: [(&'static str, ActionKind); 2] =
+        [("equilibrium", ActionKind::Equilibrium), ("waypoint", ActionKind::Waypoint)];
 }
 
 /// The reward of a step. F is the largest force that a taxel senses in a frame.
@@ -105,21 +103,9 @@ impl EnvironmentOptions {
     pub fn check(&self) -> Result<(), InputError> {
         let reward = &self.reward;
         let numbers = [
-            (
-                "frames_per_step",
-                f64::from(self.frames_per_step),
-                Limits::new(1.0, 100.0, "frames"),
-            ),
-            (
-                "largest_change_rad",
-                self.largest_change_rad,
-                Limits::new(1e-6, 1.0, "rad"),
-            ),
-            (
-                "largest_waypoint_m",
-                self.largest_waypoint_m,
-                Limits::new(1e-6, 1.0, "m"),
-            ),
+            ("frames_per_step", f64::from(self.frames_per_step), Limits::new(1.0, 100.0, "frames")),
+            ("largest_change_rad", self.largest_change_rad, Limits::new(1e-6, 1.0, "rad")),
+            ("largest_waypoint_m", self.largest_waypoint_m, Limits::new(1e-6, 1.0, "m")),
             ("goals", f64::from(self.goals), Limits::new(1.0, 1000.0, "goals")),
             ("time_limit_s", self.time_limit_s, Limits::new(FRAME_PERIOD_S, 1e4, "s")),
             ("progress_per_m", reward.progress_per_m, WEIGHT),
@@ -133,13 +119,7 @@ impl EnvironmentOptions {
             None => Ok(()),
             Some((field, value, limits)) => {
                 let found = underbrush_recording::limits::short(value);
-                Err(InputError::new(
-                    "the environment",
-                    field,
-                    found,
-                    limits.to_string(),
-                    "change the option",
-                ))
+                Err(InputError::new("the environment", field, found, limits.to_string(), "change the option"))
             }
         }
     }

@@ -14,11 +14,7 @@ fn plan(seed: u64) -> ReachPlan {
 }
 
 fn options(action: ActionKind) -> EnvironmentOptions {
-    EnvironmentOptions {
-        action,
-        time_limit_s: 2.0,
-        ..EnvironmentOptions::default()
-    }
+    EnvironmentOptions { action, time_limit_s: 2.0, ..EnvironmentOptions::default() }
 }
 
 #[test]
@@ -33,9 +29,8 @@ fn many_give_the_numbers_of_one() {
     let mut observations = vec![0.0; 3 * size];
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     many.reset(&[None; 3], |_| true, &mut observations).unwrap();
-    let mut alone: Vec<Environment> = (0..3)
-        .map(|index| Environment::new(plan(5 + index), options(ActionKind::Equilibrium)).unwrap())
-        .collect();
+    let mut alone: Vec<Environment> =
+        (0..3).map(|index| Environment::new(plan(5 + index), options(ActionKind::Equilibrium)).unwrap()).collect();
     let mut own = vec![0.0; size];
     for environment in &mut alone {
         environment.reset(None, &mut own).unwrap();
@@ -56,11 +51,7 @@ fn many_give_the_numbers_of_one() {
                 }
             };
             assert_eq!(stepped[index], expected, "step {step}, environment {index}");
-            assert_eq!(
-                observations[index * size..][..size],
-                own,
-                "step {step}, environment {index}"
-            );
+            assert_eq!(observations[index * size..][..size], own, "step {step}, environment {index}");
         }
     }
     assert_eq!(ends, 3, "every environment ends its first episode once");
@@ -70,16 +61,8 @@ fn many_give_the_numbers_of_one() {
 fn rewards_follow_their_definition() {
     // Tests the reward of every step against its definition, computed from what the step reports. A step is one frame,
     // so that its largest force is that of the frame.
-    let reward = Reward {
-        free_force_n: 0.02,
-        force_per_n_s: 2.0,
-        ..Reward::default()
-    };
-    let own = EnvironmentOptions {
-        reward,
-        frames_per_step: 1,
-        ..options(ActionKind::Waypoint)
-    };
+    let reward = Reward { free_force_n: 0.02, force_per_n_s: 2.0, ..Reward::default() };
+    let own = EnvironmentOptions { reward, frames_per_step: 1, ..options(ActionKind::Waypoint) };
     let mut environment = Environment::new(plan(1), own.clone()).unwrap();
     let mut row = vec![0.0; environment.observation_size()];
     let mut pressed = 0;
@@ -113,10 +96,7 @@ fn towards(environment: &Environment, row: &[f32]) -> Vec<f64> {
         row[part.first..part.first + 3].to_vec()
     };
     let (hand, goal) = (place("end_effector_position_world"), place("goal_position_world"));
-    hand.iter()
-        .zip(goal)
-        .map(|(hand, goal)| f64::from(goal - hand) * 10.0)
-        .collect()
+    hand.iter().zip(goal).map(|(hand, goal)| f64::from(goal - hand) * 10.0).collect()
 }
 
 #[test]
@@ -156,24 +136,9 @@ fn bad_options_are_named() {
     let refused = |options: EnvironmentOptions| Environment::new(plan(0), options).err().unwrap().field;
     let base = EnvironmentOptions::default;
     assert_eq!(refused(EnvironmentOptions { goals: 3, ..base() }), "goals");
-    assert_eq!(
-        refused(EnvironmentOptions {
-            frames_per_step: 0,
-            ..base()
-        }),
-        "frames_per_step"
-    );
-    assert_eq!(
-        refused(EnvironmentOptions {
-            time_limit_s: f64::NAN,
-            ..base()
-        }),
-        "time_limit_s"
-    );
-    let reward = Reward {
-        force_per_n_s: -1.0,
-        ..Reward::default()
-    };
+    assert_eq!(refused(EnvironmentOptions { frames_per_step: 0, ..base() }), "frames_per_step");
+    assert_eq!(refused(EnvironmentOptions { time_limit_s: f64::NAN, ..base() }), "time_limit_s");
+    let reward = Reward { force_per_n_s: -1.0, ..Reward::default() };
     assert_eq!(refused(EnvironmentOptions { reward, ..base() }), "force_per_n_s");
 }
 

@@ -36,12 +36,8 @@ pub fn convex_hull(corners: &[DVec3]) -> Option<SharedShape> {
     let used: BTreeSet<usize> = faces.iter().flatten().copied().collect();
     let used: Vec<usize> = used.into_iter().collect();
     let place = |corner: usize| used.binary_search(&corner).ok().map(|place| place as u32);
-    let triangles = faces
-        .iter()
-        .flat_map(|face| (2..face.len()).map(|last| [face[0], face[last - 1], face[last]]));
-    let triangles: Option<Vec<[u32; 3]>> = triangles
-        .map(|[a, b, c]| Some([place(a)?, place(b)?, place(c)?]))
-        .collect();
+    let triangles = faces.iter().flat_map(|face| (2..face.len()).map(|last| [face[0], face[last - 1], face[last]]));
+    let triangles: Option<Vec<[u32; 3]>> = triangles.map(|[a, b, c]| Some([place(a)?, place(b)?, place(c)?])).collect();
     let points = used.iter().map(|corner| corners[*corner]).collect();
     SharedShape::convex_mesh(points, &triangles?)
 }
@@ -60,9 +56,8 @@ fn faces(corners: &[DVec3], near_m: f64) -> BTreeSet<Vec<usize>> {
                 }
                 let normal = normal.normalize();
                 let heights = corners.iter().map(|corner| (*corner - corners[a]).dot(normal));
-                let (low, high) = heights.fold((0.0, 0.0), |(low, high): (f64, f64), height| {
-                    (low.min(height), high.max(height))
-                });
+                let (low, high) =
+                    heights.fold((0.0, 0.0), |(low, high): (f64, f64), height| (low.min(height), high.max(height)));
                 let outward = match (low >= -near_m, high <= near_m) {
                     (false, true) => normal,
                     (true, false) => -normal,
@@ -123,12 +118,7 @@ mod tests {
         let mut corners: Vec<DVec3> = (0..8)
             .map(|bits| DVec3::new(f64::from(bits & 1), f64::from(bits >> 1 & 1), f64::from(bits >> 2)))
             .collect();
-        let further = [
-            DVec3::splat(0.5),
-            DVec3::new(0.5, 0.0, 0.0),
-            DVec3::new(0.3, 0.6, 1.0),
-            corners[5],
-        ];
+        let further = [DVec3::splat(0.5), DVec3::new(0.5, 0.0, 0.0), DVec3::new(0.3, 0.6, 1.0), corners[5]];
         for count in 0..=further.len() {
             corners.truncate(8);
             corners.extend(&further[..count]);
@@ -146,9 +136,8 @@ mod tests {
         for corners in [&plane[..], &plane[..3], &plane[..1], &[], &[DVec3::X; 5]] {
             assert!(convex_hull(corners).is_none());
         }
-        let many: Vec<DVec3> = (0..=MAX_CORNERS)
-            .map(|k| DVec3::new((k as f64).sqrt(), (k % 7) as f64, (k % 5) as f64))
-            .collect();
+        let many: Vec<DVec3> =
+            (0..=MAX_CORNERS).map(|k| DVec3::new((k as f64).sqrt(), (k % 7) as f64, (k % 5) as f64)).collect();
         assert!(convex_hull(&many).is_none() && convex_hull(&many[1..]).is_some());
     }
 

@@ -95,16 +95,8 @@ impl Specification for FoamBlockSpecification {
     fn draw(&self, random: &mut ChaCha8Rng, _: &Footing) -> Result<Box<dyn Object>, DrawError> {
         let height_m = self.height_m.draw(random, HEIGHT_LIMITS_M)?;
         let wet = random.next_u32() as f64 / 2f64.powi(32) < self.wet_share.draw(random, SHARE_LIMITS)?;
-        let modulus = if wet {
-            &self.wet_modulus_pa
-        } else {
-            &self.dry_modulus_pa
-        };
-        Ok(Box::new(FoamBlock {
-            height_m,
-            wet,
-            modulus_pa: modulus.draw(random, MODULUS_LIMITS_PA)?,
-        }))
+        let modulus = if wet { &self.wet_modulus_pa } else { &self.dry_modulus_pa };
+        Ok(Box::new(FoamBlock { height_m, wet, modulus_pa: modulus.draw(random, MODULUS_LIMITS_PA)? }))
     }
 
     fn category(&self) -> Category {
@@ -170,10 +162,7 @@ impl FoamBlock {
             stiffness: stiffness * (1.0 - share),
             damping: 2.0 * DAMPING_RATIO.of(self) * (stiffness * self.moving_mass_kg()).sqrt(),
             armature: 0.0,
-            maxwell: Some(Maxwell {
-                stiffness: stiffness * share,
-                relaxation_time_s: RELAXATION_TIME_S.of(self),
-            }),
+            maxwell: Some(Maxwell { stiffness: stiffness * share, relaxation_time_s: RELAXATION_TIME_S.of(self) }),
         }
     }
 }
@@ -230,11 +219,7 @@ impl Object for FoamBlock {
             parts: vec![part(BodyShape::Box { size_m }, center)],
             collision_group: CollisionGroup::Fixed,
         };
-        Structure {
-            bodies: vec![Body::foot(), top],
-            axisymmetric: false,
-            surface: Surface::hard(FRICTION),
-        }
+        Structure { bodies: vec![Body::foot(), top], axisymmetric: false, surface: Surface::hard(FRICTION) }
     }
 
     fn foam_top(&self) -> Option<(f64, f64)> {

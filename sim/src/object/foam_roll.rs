@@ -149,17 +149,9 @@ impl Object for FoamRoll {
         let lean_inertia = slice_mass_kg * SLICES as f64 * self.height_m.powi(2) / 3.0;
         let lean = self.standard_linear_solid(self.lean_stiffness_nm_per_rad(), lean_inertia);
         let base_hinge = |parent, axis| {
-            Body::between_hinges(Joint {
-                parent,
-                origin_parent: DVec3::ZERO,
-                free_axes: vec![(axis, lean)],
-            })
+            Body::between_hinges(Joint { parent, origin_parent: DVec3::ZERO, free_axes: vec![(axis, lean)] })
         };
-        let mut bodies = vec![
-            Body::foot(),
-            base_hinge(0, Axis::RotationX),
-            base_hinge(1, Axis::RotationY),
-        ];
+        let mut bodies = vec![Body::foot(), base_hinge(0, Axis::RotationX), base_hinge(1, Axis::RotationY)];
         let core = bodies.len() - 1;
         let slide = self.standard_linear_solid(self.slice_stiffness_n_per_m(), slice_mass_kg);
         bodies.extend((0..SLICES).map(|slice| Body {
@@ -169,24 +161,10 @@ impl Object for FoamRoll {
                 free_axes: vec![(Axis::TranslationX, slide), (Axis::TranslationY, slide)],
             }),
             inertia: Inertia::of_cylinder(slice_mass_kg, radius_m, slice_height_m),
-            parts: vec![part(
-                BodyShape::Cylinder {
-                    radius_m,
-                    length_m: slice_height_m,
-                },
-                DVec3::ZERO,
-            )],
-            collision_group: if slice == 0 {
-                CollisionGroup::Rooted
-            } else {
-                CollisionGroup::Bendable
-            },
+            parts: vec![part(BodyShape::Cylinder { radius_m, length_m: slice_height_m }, DVec3::ZERO)],
+            collision_group: if slice == 0 { CollisionGroup::Rooted } else { CollisionGroup::Bendable },
         }));
-        Structure {
-            bodies,
-            axisymmetric: true,
-            surface: self.surface(),
-        }
+        Structure { bodies, axisymmetric: true, surface: self.surface() }
     }
 }
 

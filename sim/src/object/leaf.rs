@@ -90,9 +90,7 @@ impl Leaf {
     pub fn load_share(&self) -> f64 {
         let weight_n_per_m = EARTH_GRAVITY_M_PER_S2 * self.mass_per_length_kg_per_m();
         let blade = weight_n_per_m * self.height_m.powi(3) / (7.84 * self.flexural_rigidity_n_m2);
-        let root = self
-            .root_stiffness_nm_per_rad
-            .map_or(0.0, |k| weight_n_per_m * self.height_m.powi(2) / 2.0 / k);
+        let root = self.root_stiffness_nm_per_rad.map_or(0.0, |k| weight_n_per_m * self.height_m.powi(2) / 2.0 / k);
         blade + root
     }
 
@@ -137,17 +135,11 @@ impl Leaf {
 
     /// A spring damped in proportion to its stiffness so that the first mode's damping ratio is η/2.
     fn damped(&self, stiffness: f64) -> Spring {
-        Spring::elastic(
-            stiffness,
-            stiffness * self.loss_factor / self.first_frequency_rad_per_s(),
-        )
+        Spring::elastic(stiffness, stiffness * self.loss_factor / self.first_frequency_rad_per_s())
     }
 
     fn at_root(&self, stiffness: f64) -> Spring {
-        Spring {
-            armature: ROOT_ARMATURE_KG_M2,
-            ..self.damped(stiffness)
-        }
+        Spring { armature: ROOT_ARMATURE_KG_M2, ..self.damped(stiffness) }
     }
 }
 
@@ -225,25 +217,13 @@ impl Object for Leaf {
             let size_m = DVec3::new(COLLISION_THICKNESS_M, self.width_m, length);
             let center = DVec3::Z * (length / 2.0);
             bodies.push(Body {
-                joint: Some(Joint {
-                    parent: bodies.len() - 1,
-                    origin_parent,
-                    free_axes: vec![axis],
-                }),
+                joint: Some(Joint { parent: bodies.len() - 1, origin_parent, free_axes: vec![axis] }),
                 inertia: Inertia::of_box(self.mass_per_length_kg_per_m() * length, center, size_m),
                 parts: vec![part(BodyShape::Box { size_m }, center)],
-                collision_group: if piece <= 1 {
-                    CollisionGroup::Rooted
-                } else {
-                    CollisionGroup::Bendable
-                },
+                collision_group: if piece <= 1 { CollisionGroup::Rooted } else { CollisionGroup::Bendable },
             });
             origin_parent = DVec3::Z * length;
         }
-        Structure {
-            bodies,
-            axisymmetric: false,
-            surface: Surface::hard(FRICTION),
-        }
+        Structure { bodies, axisymmetric: false, surface: Surface::hard(FRICTION) }
     }
 }

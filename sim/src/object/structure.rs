@@ -53,11 +53,7 @@ impl Joint {
             Axis::RotationY,
             Axis::RotationZ,
         ];
-        Joint {
-            parent,
-            origin_parent,
-            free_axes: axes.map(|axis| (axis, Spring::elastic(0.0, 0.0))).to_vec(),
-        }
+        Joint { parent, origin_parent, free_axes: axes.map(|axis| (axis, Spring::elastic(0.0, 0.0))).to_vec() }
     }
 }
 
@@ -94,12 +90,7 @@ pub struct Spring {
 impl Spring {
     /// An elastic spring with damping.
     pub fn elastic(stiffness: f64, damping: f64) -> Self {
-        Spring {
-            stiffness,
-            damping,
-            armature: 0.0,
-            maxwell: None,
-        }
+        Spring { stiffness, damping, armature: 0.0, maxwell: None }
     }
 }
 
@@ -126,21 +117,14 @@ pub struct Inertia {
 
 impl Inertia {
     /// A body without mass, such as the link between two stacked hinges.
-    pub const MASSLESS: Inertia = Inertia {
-        mass_kg: 0.0,
-        center_of_mass_body: DVec3::ZERO,
-        principal_kg_m2: DVec3::ZERO,
-    };
+    pub const MASSLESS: Inertia =
+        Inertia { mass_kg: 0.0, center_of_mass_body: DVec3::ZERO, principal_kg_m2: DVec3::ZERO };
 
     /// A uniform box of edge lengths `size_m`, centred on `center_body` (m): (m/12) (b² + c²) and so on.
     pub fn of_box(mass_kg: f64, center_body: DVec3, size_m: DVec3) -> Self {
         let squared = size_m * size_m;
         let sums = DVec3::new(squared.y + squared.z, squared.x + squared.z, squared.x + squared.y);
-        Inertia {
-            mass_kg,
-            center_of_mass_body: center_body,
-            principal_kg_m2: sums * (mass_kg / 12.0),
-        }
+        Inertia { mass_kg, center_of_mass_body: center_body, principal_kg_m2: sums * (mass_kg / 12.0) }
     }
 
     /// A uniform upright cylinder centred on the body's origin: (m/12) (3 r² + h²) across, m r² / 2 about its axis.
@@ -173,30 +157,16 @@ pub enum CollisionGroup {
 impl Body {
     /// The foot that carries everything else: fixed to the ground, without shapes.
     pub fn foot() -> Self {
-        Body {
-            joint: None,
-            inertia: Inertia::MASSLESS,
-            parts: Vec::new(),
-            collision_group: CollisionGroup::Fixed,
-        }
+        Body { joint: None, inertia: Inertia::MASSLESS, parts: Vec::new(), collision_group: CollisionGroup::Fixed }
     }
 
     /// A massless body without shapes, the link between two stacked hinges.
     pub fn between_hinges(joint: Joint) -> Self {
-        Body {
-            joint: Some(joint),
-            ..Body::foot()
-        }
+        Body { joint: Some(joint), ..Body::foot() }
     }
 }
 
 /// A shape centred on `center_body` (m), with its axes parallel to the body's.
 pub fn part(shape: BodyShape, center_body: DVec3) -> BodyPart {
-    BodyPart {
-        shape,
-        pose_body: Pose {
-            position: center_body,
-            orientation: DQuat::IDENTITY,
-        },
-    }
+    BodyPart { shape, pose_body: Pose { position: center_body, orientation: DQuat::IDENTITY } }
 }

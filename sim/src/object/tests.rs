@@ -53,23 +53,13 @@ fn an_added_object_goes_through_a_reach() {
         let wands = recording.objects.iter().filter(|object| object.kind == "wand");
         assert_eq!(wands.clone().count(), 20);
         assert!(
-            wands
-                .into_iter()
-                .all(|object| object.category == wand::CATEGORY && object.parameters["height_m"] == 0.5)
+            wands.into_iter().all(|object| object.category == wand::CATEGORY && object.parameters["height_m"] == 0.5)
         );
         let taxels = recording.frames.iter().flat_map(|frame| &frame.taxels);
         let pressed = taxels.filter(|taxel| taxel.true_normal_force_n > 0.0);
-        felt += pressed
-            .filter_map(|taxel| taxel.object)
-            .filter(|object| is_wand(*object))
-            .count();
+        felt += pressed.filter_map(|taxel| taxel.object).filter(|object| is_wand(*object)).count();
         let own = |body: &&Body| matches!(body.owner, BodyOwner::Object(index) if is_wand(index));
-        moved += recording
-            .bodies
-            .iter()
-            .filter(own)
-            .filter(|body| !body.track.is_empty())
-            .count();
+        moved += recording.bodies.iter().filter(own).filter(|body| !body.track.is_empty()).count();
     }
     assert!(felt > 0 && moved > 0, "{felt} taxels felt a wand, {moved} wands moved");
 }
@@ -78,19 +68,12 @@ fn an_added_object_goes_through_a_reach() {
 #[test]
 fn drawn_objects_are_what_their_group_says() {
     let mut random = crate::seed::stream(0, "objects", 0, "clutter");
-    let footing = super::Footing {
-        height_m: 0.0,
-        foam_modulus_pa: Some(5.0e4),
-    };
+    let footing = super::Footing { height_m: 0.0, foam_modulus_pa: Some(5.0e4) };
     for (kind, _, group) in one_of_each().groups() {
         let object = group.draw(&mut random, &footing).unwrap();
         let found: (&str, Category) = (object.kind(), object.category());
         assert_eq!(found, (kind, group.category()));
-        assert_eq!(
-            object.structure().bodies[0].joint,
-            None,
-            "{kind} begins with what is fixed to the ground"
-        );
+        assert_eq!(object.structure().bodies[0].joint, None, "{kind} begins with what is fixed to the ground");
     }
 }
 
@@ -98,10 +81,7 @@ fn drawn_objects_are_what_their_group_says() {
 /// others.
 #[test]
 fn trunks_are_not_lower_than_their_radius() {
-    let footing = Footing {
-        height_m: 0.0,
-        foam_modulus_pa: None,
-    };
+    let footing = Footing { height_m: 0.0, foam_modulus_pa: None };
     let mut random = ChaCha8Rng::seed_from_u64(0);
     let mut draw = |diameter_m: &str| {
         let text = format!("count = 1\ndiameter_m = {diameter_m}\nheight_m = {{ uniform = [0.05, 0.1] }}\n");

@@ -126,10 +126,7 @@ impl Object for Trunk {
     }
 
     fn parameters(&self) -> BTreeMap<String, f64> {
-        BTreeMap::from([
-            ("diameter_m".into(), self.diameter_m),
-            ("height_m".into(), self.height_m),
-        ])
+        BTreeMap::from([("diameter_m".into(), self.diameter_m), ("height_m".into(), self.height_m)])
     }
 
     fn structure(&self) -> Structure {
@@ -137,16 +134,9 @@ impl Object for Trunk {
         let radius_m = self.diameter_m / 2.0;
         let length_m = self.height_m - radius_m;
         let trunk = Body {
-            parts: vec![part(
-                BodyShape::Capsule { radius_m, length_m },
-                DVec3::Z * (length_m / 2.0),
-            )],
+            parts: vec![part(BodyShape::Capsule { radius_m, length_m }, DVec3::Z * (length_m / 2.0))],
             ..Body::foot()
         };
-        Structure {
-            bodies: vec![trunk],
-            axisymmetric: true,
-            surface: Surface::hard(FRICTION),
-        }
+        Structure { bodies: vec![trunk], axisymmetric: true, surface: Surface::hard(FRICTION) }
     }
 }

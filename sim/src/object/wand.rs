@@ -49,9 +49,7 @@ impl Specification for WandSpecification {
     }
 
     fn draw(&self, random: &mut ChaCha8Rng, _: &Footing) -> Result<Box<dyn Object>, DrawError> {
-        Ok(Box::new(Wand {
-            height_m: self.height_m.draw(random, HEIGHT_LIMITS_M)?,
-        }))
+        Ok(Box::new(Wand { height_m: self.height_m.draw(random, HEIGHT_LIMITS_M)? }))
     }
 
     fn category(&self) -> Category {
@@ -109,10 +107,7 @@ impl Object for Wand {
             joint: Some(hinge(1, Axis::RotationY)),
             inertia: Inertia::of_box(MASS_KG, center, size_m),
             parts: vec![part(
-                BodyShape::Capsule {
-                    radius_m: RADIUS_M,
-                    length_m: self.height_m - 2.0 * RADIUS_M,
-                },
+                BodyShape::Capsule { radius_m: RADIUS_M, length_m: self.height_m - 2.0 * RADIUS_M },
                 center,
             )],
             collision_group: CollisionGroup::Rooted,

@@ -136,21 +136,14 @@ impl Object for WaterBottle {
 
     fn structure(&self) -> Structure {
         let center_of_mass = DVec3::Z * self.center_of_mass_m();
-        let cylinder = BodyShape::Cylinder {
-            radius_m: self.radius_m(),
-            length_m: self.height_m,
-        };
+        let cylinder = BodyShape::Cylinder { radius_m: self.radius_m(), length_m: self.height_m };
         let bottle = Body {
             joint: Some(Joint::free(0, center_of_mass)),
             inertia: self.inertia(),
             parts: vec![part(cylinder, DVec3::Z * (self.height_m / 2.0) - center_of_mass)],
             collision_group: CollisionGroup::Standing,
         };
-        Structure {
-            bodies: vec![Body::foot(), bottle],
-            axisymmetric: true,
-            surface: self.surface(),
-        }
+        Structure { bodies: vec![Body::foot(), bottle], axisymmetric: true, surface: self.surface() }
     }
 }
 

@@ -87,10 +87,7 @@ mod tests {
     #[test]
     fn an_abort_while_backing_off_ends_all() {
         assert_eq!(ways(2, &[Stuck, Aborted]), (vec![ToGoal, Back], Aborted));
-        assert_eq!(
-            ways(2, &[Stuck, Reached, Aborted]),
-            (vec![ToGoal, Back, Aside], Aborted)
-        );
+        assert_eq!(ways(2, &[Stuck, Reached, Aborted]), (vec![ToGoal, Back, Aside], Aborted));
     }
 
     /// Tests the two points: 5 cm back from the goal, measured horizontally, and then 10 cm to the left.
@@ -102,16 +99,10 @@ mod tests {
         };
         // The goal ahead and higher: height does not matter.
         let ahead = waypoints(stuck_at, DVec3::new(0.6, 0.1, 0.5));
-        assert!(
-            close(ahead, [DVec3::new(0.25, 0.1, 0.2), DVec3::new(0.25, 0.2, 0.2)]),
-            "{ahead:?}"
-        );
+        assert!(close(ahead, [DVec3::new(0.25, 0.1, 0.2), DVec3::new(0.25, 0.2, 0.2)]), "{ahead:?}");
         // The goal to the right: left of this direction is ahead.
         let right = waypoints(stuck_at, DVec3::new(0.3, -0.4, 0.2));
-        assert!(
-            close(right, [DVec3::new(0.3, 0.15, 0.2), DVec3::new(0.4, 0.15, 0.2)]),
-            "{right:?}"
-        );
+        assert!(close(right, [DVec3::new(0.3, 0.15, 0.2), DVec3::new(0.4, 0.15, 0.2)]), "{right:?}");
         // A goal straight above gives no horizontal direction, so the direction ahead is used.
         let above = waypoints(stuck_at, DVec3::new(0.3, 0.1, 0.9));
         assert!(close(above, ahead), "{above:?}");

@@ -70,10 +70,7 @@ impl ReachLog {
     pub(super) fn so_far(&self, arm: &Arm) -> Recording {
         Recording {
             bodies: self.bodies.clone().finish(),
-            contacts: self
-                .contacts
-                .clone()
-                .finish(|link| arm.links[usize::from(link)].name.clone()),
+            contacts: self.contacts.clone().finish(|link| arm.links[usize::from(link)].name.clone()),
             ..self.recording.clone()
         }
     }

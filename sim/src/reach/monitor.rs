@@ -18,12 +18,7 @@ pub struct Monitor {
 impl Monitor {
     /// Watches an attempt at `goal` (m, world frame) under the given rules.
     pub fn new(rules: ReachRules, goal: DVec3) -> Self {
-        Monitor {
-            rules,
-            goal,
-            positions_world: VecDeque::new(),
-            frames: 0,
-        }
+        Monitor { rules, goal, positions_world: VecDeque::new(), frames: 0 }
     }
 
     /// Takes the end effector's position (m, world frame) and the largest force between one link and one object (N) of
@@ -54,10 +49,7 @@ impl Monitor {
         let mean =
             |positions: &mut dyn Iterator<Item = &DVec3>, count: usize| positions.sum::<DVec3>() / count.max(1) as f64;
         let first = mean(&mut self.positions_world.iter().take(half), half);
-        let second = mean(
-            &mut self.positions_world.iter().skip(half),
-            self.positions_world.len() - half,
-        );
+        let second = mean(&mut self.positions_world.iter().skip(half), self.positions_world.len() - half);
         first.distance(second)
     }
 }

@@ -115,10 +115,7 @@ impl ReachPlan {
         scene.sensor_fault(scene.file.sensor.fault_on(&arm.skin.layout))?;
         let kind = controller.unwrap_or(scene.file.controller);
         let robot = scene.file.robot;
-        let preset = kind
-            .preset()
-            .at_hand_speed(robot.hand_speed_scale)
-            .with_force_limit(robot.force_limit_scale);
+        let preset = kind.preset().at_hand_speed(robot.hand_speed_scale).with_force_limit(robot.force_limit_scale);
         Ok(ReachPlan {
             scene,
             arm,

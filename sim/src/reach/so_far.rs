@@ -19,11 +19,7 @@ pub struct ReachSoFar<'a> {
 impl<'a> ReachSoFar<'a> {
     /// An empty recording of reach number `reach_index` of a plan.
     pub fn new(plan: &'a ReachPlan, reach_index: u64) -> Self {
-        ReachSoFar {
-            plan,
-            reach_index,
-            log: None,
-        }
+        ReachSoFar { plan, reach_index, log: None }
     }
 
     /// Adds a frame. Must be called for every frame, from the first on.

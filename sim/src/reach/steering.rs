@@ -26,11 +26,7 @@ pub(super) struct ControlCounts {
 impl Steering {
     /// A controller at the start of a reach, with the equilibrium angles of the arm's start posture.
     pub(crate) fn new(controller: Box<dyn Controller>, arm: &Arm) -> Self {
-        Steering {
-            controller,
-            equilibrium_rad: arm.start_posture_rad(),
-            counts: ControlCounts::default(),
-        }
+        Steering { controller, equilibrium_rad: arm.start_posture_rad(), counts: ControlCounts::default() }
     }
 
     pub(super) fn controller_name(&self) -> &str {

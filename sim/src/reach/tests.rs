@@ -38,16 +38,10 @@ fn a_free_hand_moves_as_fast_as_it_is_told() {
     // Tests that the mean speed of a free hand, from start to goal, is proportional to `hand_speed_scale` within a
     // tenth: the arm's lag behind its equilibrium angles takes the same time at each speed.
     let mean_speed = |scale: f64| {
-        let recording = plan(&format!("hand_speed_scale = {scale:?}"))
-            .run(0, &mut |_, _| {})
-            .unwrap();
+        let recording = plan(&format!("hand_speed_scale = {scale:?}")).run(0, &mut |_, _| {}).unwrap();
         assert_eq!(recording.outcome(), Outcome::Reached);
         let place = |frame: &underbrush_recording::Frame| frame.end_effector_pose_world.position;
-        let way: f64 = recording
-            .frames
-            .windows(2)
-            .map(|pair| place(&pair[0]).distance(place(&pair[1])))
-            .sum();
+        let way: f64 = recording.frames.windows(2).map(|pair| place(&pair[0]).distance(place(&pair[1]))).sum();
         way / recording.frames.last().unwrap().time_s
     };
     let published = mean_speed(1.0);
@@ -64,10 +58,7 @@ fn the_allowed_force_is_scaled() {
         let published = kind.preset();
         let text = "summary = \"x\"\n[robot]\nforce_limit_scale = 1.25\n";
         let plan = ReachPlan::new(Scene::parse("x.toml", text.into()).unwrap(), Some(kind), 0).unwrap();
-        let expected = Preset {
-            force_limit_n: 1.25 * published.force_limit_n,
-            ..published
-        };
+        let expected = Preset { force_limit_n: 1.25 * published.force_limit_n, ..published };
         assert_eq!(plan.controller.preset(), Some(&expected));
     }
 }
@@ -83,10 +74,7 @@ fn scales_have_limits() {
     ] {
         let text = format!("summary = \"x\"\n[robot]\n{key} = {value}\n");
         let message = Scene::parse("x.toml", text).unwrap_err().to_string();
-        assert!(
-            message.contains(&format!("robot.{key}")) && message.contains("0.1 to 10"),
-            "{message}"
-        );
+        assert!(message.contains(&format!("robot.{key}")) && message.contains("0.1 to 10"), "{message}");
         assert!(message.contains('3'), "{message}");
     }
 }
@@ -113,11 +101,7 @@ fn a_force_over_the_stop_force_ends_the_reach() {
     for reach_index in 0..6 {
         let recording = plan.run(reach_index, &mut |_, _| {}).unwrap();
         let last = recording.goals.last().unwrap();
-        let peak = recording
-            .contacts
-            .iter()
-            .map(|contact| contact.peak_force_n)
-            .fold(0.0, f64::max);
+        let peak = recording.contacts.iter().map(|contact| contact.peak_force_n).fold(0.0, f64::max);
         match &last.safety_stop {
             Some(stop) => {
                 aborted += 1;

@@ -62,17 +62,8 @@ mod tests {
         let same =
             "# A comment\nsummary = \"b\"\nsensor = { noise_n = 0.0 }\n[[objects.leaf]]\nheight_m = 5e-1\ncount = 2\n";
         assert_eq!(objects_hash(LEAF), objects_hash(same));
-        for other in [
-            ("count = 2", "count = 3"),
-            ("0.50", "0.51"),
-            ("leaf", "trunk"),
-            ("height_m", "width_m"),
-        ] {
-            assert_ne!(
-                objects_hash(LEAF),
-                objects_hash(&LEAF.replace(other.0, other.1)),
-                "{other:?}"
-            );
+        for other in [("count = 2", "count = 3"), ("0.50", "0.51"), ("leaf", "trunk"), ("height_m", "width_m")] {
+            assert_ne!(objects_hash(LEAF), objects_hash(&LEAF.replace(other.0, other.1)), "{other:?}");
         }
     }
 }

@@ -77,11 +77,7 @@ pub struct RobotSection {
 impl Default for RobotSection {
     /// No change.
     fn default() -> Self {
-        RobotSection {
-            stiffness_scale: 1.0,
-            hand_speed_scale: 1.0,
-            force_limit_scale: 1.0,
-        }
+        RobotSection { stiffness_scale: 1.0, hand_speed_scale: 1.0, force_limit_scale: 1.0 }
     }
 }
 
@@ -102,11 +98,7 @@ impl Default for Workspace {
     /// Choice: the top of the foam is 50 cm below the shoulder of Cody's right arm. The clutter extends from beside the
     /// drawn-back hand to the limit of the arm's reach, so that the forearm moves among it and not only the hand.
     fn default() -> Self {
-        Workspace {
-            x_m: [0.20, 0.75],
-            y_m: [-0.60, 0.20],
-            table_height_m: -0.58,
-        }
+        Workspace { x_m: [0.20, 0.75], y_m: [-0.60, 0.20], table_height_m: -0.58 }
     }
 }
 
@@ -170,21 +162,14 @@ impl Default for PhysicsSection {
     /// 5 ms: steps of 10 ms make leaves chatter, and steps of 2.5 ms change the figures little at twice the cost.
     /// `benches/README.md` gives the convergence in the step.
     fn default() -> Self {
-        PhysicsSection {
-            step_s: 0.005,
-            gravity_m_per_s2: 9.81,
-            dormancy: true,
-        }
+        PhysicsSection { step_s: 0.005, gravity_m_per_s2: 9.81, dormancy: true }
     }
 }
 
 impl PhysicsSection {
     /// The engine's options.
     pub fn options(&self) -> PhysicsOptions {
-        PhysicsOptions {
-            step_s: self.step_s,
-            gravity_m_per_s2: self.gravity_m_per_s2,
-        }
+        PhysicsOptions { step_s: self.step_s, gravity_m_per_s2: self.gravity_m_per_s2 }
     }
 }
 

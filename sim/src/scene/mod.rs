@@ -58,18 +58,12 @@ impl Scene {
         let file: SceneFile = toml::from_str(&text).map_err(|error| {
             let span = error.span().unwrap_or_default();
             let key = key_at(&text, span.start);
-            let field = if key.is_empty() {
-                "scene".into()
-            } else {
-                format!("scene, {key}")
-            };
+            let field = if key.is_empty() { "scene".into() } else { format!("scene, {key}") };
             let allowed = "the keys that `underbrush schema` lists";
             let fault = InputError::new(path, field, error.message(), allowed, "correct this line");
             fault.at_line(line_of(&text, span.start))
         })?;
-        let name = path
-            .file_stem()
-            .map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
+        let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
         let scene = Scene {
             name,
             stream: file.stream.clone().unwrap_or_else(|| objects_hash(&text)),
@@ -93,13 +87,7 @@ impl Scene {
         }
         if !is_plain(&self.name) {
             let found = format!("{:?}", self.name);
-            return Err(InputError::new(
-                &self.path,
-                "file name",
-                found,
-                PLAIN,
-                "rename the file",
-            ));
+            return Err(InputError::new(&self.path, "file name", found, PLAIN, "rename the file"));
         }
         let workspace = &file.workspace;
         for (key, [low, high]) in [("workspace.x_m", workspace.x_m), ("workspace.y_m", workspace.y_m)] {
@@ -112,19 +100,8 @@ impl Scene {
         self.check_steps()?;
         self.sensor_fault(file.sensor.fault())?;
         let anywhere = (PLACE_M.min, PLACE_M.max);
-        for (name, quantity) in [
-            ("x_m", &file.goals.x_m),
-            ("y_m", &file.goals.y_m),
-            ("z_m", &file.goals.z_m),
-        ] {
-            self.check_quantity(
-                "goals",
-                &Limited {
-                    name,
-                    quantity,
-                    limits: anywhere,
-                },
-            )?;
+        for (name, quantity) in [("x_m", &file.goals.x_m), ("y_m", &file.goals.y_m), ("z_m", &file.goals.z_m)] {
+            self.check_quantity("goals", &Limited { name, quantity, limits: anywhere })?;
         }
         self.check_objects(anywhere)
     }
@@ -136,29 +113,13 @@ impl Scene {
         let numbers = [
             ("workspace.table_height_m", file.workspace.table_height_m, PLACE_M),
             ("robot.stiffness_scale", robot.stiffness_scale, limits::STIFFNESS_SCALE),
-            (
-                "robot.hand_speed_scale",
-                robot.hand_speed_scale,
-                limits::HAND_SPEED_SCALE,
-            ),
-            (
-                "robot.force_limit_scale",
-                robot.force_limit_scale,
-                limits::FORCE_LIMIT_SCALE,
-            ),
+            ("robot.hand_speed_scale", robot.hand_speed_scale, limits::HAND_SPEED_SCALE),
+            ("robot.force_limit_scale", robot.force_limit_scale, limits::FORCE_LIMIT_SCALE),
             ("goals.count", f64::from(goals.count), limits::GOALS),
             ("goals.retries", f64::from(goals.retries), limits::RETRIES),
-            (
-                "goals.patience_s",
-                goals.patience_s.unwrap_or(limits::PATIENCE_S.min),
-                limits::PATIENCE_S,
-            ),
+            ("goals.patience_s", goals.patience_s.unwrap_or(limits::PATIENCE_S.min), limits::PATIENCE_S),
             ("physics.step_s", physics.step_s, limits::STEP_S),
-            (
-                "physics.gravity_m_per_s2",
-                physics.gravity_m_per_s2,
-                limits::GRAVITY_M_PER_S2,
-            ),
+            ("physics.gravity_m_per_s2", physics.gravity_m_per_s2, limits::GRAVITY_M_PER_S2),
         ];
         match numbers.into_iter().find(|(_, value, limits)| !limits.hold(*value)) {
             Some((key, value, limits)) => Err(self.fault(key, short(value), limits.to_string())),
@@ -209,9 +170,7 @@ impl Scene {
 
     /// Turns a fault of the sensor options into an error about this file.
     pub(crate) fn sensor_fault(&self, fault: Option<Fault>) -> Result<(), InputError> {
-        fault.map_or(Ok(()), |(key, found, allowed)| {
-            Err(self.fault(&format!("sensor.{key}"), found, allowed))
-        })
+        fault.map_or(Ok(()), |(key, found, allowed)| Err(self.fault(&format!("sensor.{key}"), found, allowed)))
     }
 
     fn check_quantity(&self, place: &str, limited: &Limited<'_>) -> Result<(), InputError> {
@@ -220,23 +179,14 @@ impl Scene {
         };
         let fault = self.fault(&format!("{place}.{}", limited.name), found, allowed);
         let span = &limited.quantity.span;
-        Err(if span.is_empty() {
-            fault
-        } else {
-            fault.at_line(line_of(&self.text, span.start))
-        })
+        Err(if span.is_empty() { fault } else { fault.at_line(line_of(&self.text, span.start)) })
     }
 
     /// An error about this file. Its line is the one that sets the last part of `field`, searched for in the group that
     /// `field` names, if there is exactly one such line.
     pub(crate) fn fault(&self, field: &str, found: impl ToString, allowed: impl Into<String>) -> InputError {
-        let fault = InputError::new(
-            &self.path,
-            field,
-            found.to_string(),
-            allowed,
-            "change the value in the scene file",
-        );
+        let fault =
+            InputError::new(&self.path, field, found.to_string(), allowed, "change the value in the scene file");
         let key = field.rsplit('.').next().unwrap_or(field);
         // A group without a header is an inline table, or its keys are dotted, before the first header.
         let group = self.group_lines(field);
@@ -246,11 +196,7 @@ impl Scene {
             None => sets_key(line, field) || sets_key(line, top),
         };
         let range = group.clone().unwrap_or_else(|| self.lines_before_headers());
-        let mut lines = self
-            .text
-            .lines()
-            .enumerate()
-            .filter(|(number, line)| range.contains(number) && sets(line));
+        let mut lines = self.text.lines().enumerate().filter(|(number, line)| range.contains(number) && sets(line));
         match (lines.next(), lines.next()) {
             (Some((line, _)), None) => fault.at_line(line + 1),
             _ => fault,

@@ -41,9 +41,7 @@ impl Converter {
         // a reading is the number that is nearest to count / steps, and prints with few digits.
         let whole = steps.round();
         let is_whole = (steps - whole).abs() <= 4.0 * f64::EPSILON * steps;
-        Converter {
-            steps_per_n: if is_whole { whole } else { steps },
-        }
+        Converter { steps_per_n: if is_whole { whole } else { steps } }
     }
 
     /// This many steps per newton; 0 switches quantization off.
@@ -53,10 +51,6 @@ impl Converter {
 
     /// The quantized value nearest to a reading, N.
     pub fn convert(&self, reading_n: f64) -> f64 {
-        if self.steps_per_n > 0.0 {
-            (reading_n * self.steps_per_n).round() / self.steps_per_n
-        } else {
-            reading_n
-        }
+        if self.steps_per_n > 0.0 { (reading_n * self.steps_per_n).round() / self.steps_per_n } else { reading_n }
     }
 }

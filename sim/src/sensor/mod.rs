@@ -70,11 +70,7 @@ impl Sensor {
             taxels += patch.taxels.len();
             patches.push((electronics, first..taxels));
         }
-        let frames = if options.perfect {
-            1
-        } else {
-            1 + options.delay_frames as usize
-        };
+        let frames = if options.perfect { 1 } else { 1 + options.delay_frames as usize };
         let mut drawn = stream(seed, scene, reach_index, "dead taxels");
         Sensor {
             patches,
@@ -130,7 +126,5 @@ fn dead_taxels(options: &SensorOptions, layout: &SkinLayout, drawn: &mut ChaCha8
         (0..patch.taxels.len())
             .map(move |taxel| listed.is_some_and(|listed| listed.iter().any(|dead| usize::from(*dead) == taxel)))
     });
-    of_patch
-        .map(|listed| (drawn.random_bool(options.dead_share) || listed) && !options.perfect)
-        .collect()
+    of_patch.map(|listed| (drawn.random_bool(options.dead_share) || listed) && !options.perfect).collect()
 }

@@ -181,11 +181,7 @@ impl SensorOptions {
             ("saturation_n", self.saturation_n, limits::SATURATION_N),
             ("floor_n", self.floor_n, limits::FLOOR_N),
             ("crosstalk_share", self.crosstalk_share, limits::SHARE),
-            (
-                "creep_share_per_decade",
-                self.creep_share_per_decade,
-                limits::CREEP_SHARE,
-            ),
+            ("creep_share_per_decade", self.creep_share_per_decade, limits::CREEP_SHARE),
             ("spurious_share", self.spurious_share, limits::SPURIOUS_SHARE),
             ("spurious_time_s", self.spurious_time_s, limits::SPURIOUS_TIME_S),
             ("spurious_force_n", min_spurious_n, limits::SPURIOUS_FORCE_N),
@@ -194,11 +190,7 @@ impl SensorOptions {
             ("dead_share", self.dead_share, limits::SHARE),
             ("fabric.counts_per_n", fabric.counts_per_n, limits::COUNTS_PER_N),
             ("fabric.full_scale_n", fabric.full_scale_n, limits::SATURATION_N),
-            (
-                "fabric.hysteresis_share",
-                fabric.hysteresis_share,
-                limits::HYSTERESIS_SHARE,
-            ),
+            ("fabric.hysteresis_share", fabric.hysteresis_share, limits::HYSTERESIS_SHARE),
             ("fabric.noise_n", fabric.noise_n, limits::NOISE_N),
             ("fabric.gate_sigmas", fabric.gate_sigmas, limits::GATE_SIGMAS),
         ];
@@ -208,11 +200,7 @@ impl SensorOptions {
         }
         if min_spurious_n > max_spurious_n {
             let found = format!("{:?}", self.spurious_force_n);
-            return Some((
-                "spurious_force_n".into(),
-                found,
-                "[smallest, largest]: the smaller first".into(),
-            ));
+            return Some(("spurious_force_n".into(), found, "[smallest, largest]: the smaller first".into()));
         }
         (self.floor_n >= self.saturation_n).then(|| {
             let allowed = format!("less than saturation_n, {}", short(self.saturation_n));

@@ -40,23 +40,12 @@ impl ArmBodies {
     ///
     /// Gravity does not act on it, because the robot compensates gravity. Its links do not collide with each other.
     pub(super) fn insert(arm: &Arm, posture_rad: &[f64], engine: &mut Engine) -> ArmBodies {
-        let mut bodies = ArmBodies {
-            links: Vec::new(),
-            inertia_frames: Vec::new(),
-            colliders: Vec::new(),
-            joints: Vec::new(),
-        };
+        let mut bodies =
+            ArmBodies { links: Vec::new(), inertia_frames: Vec::new(), colliders: Vec::new(), joints: Vec::new() };
         for (index, (link, pose)) in arm.links.iter().zip(arm.forward_kinematics(posture_rad)).enumerate() {
-            let builder = if index == 0 {
-                RigidBodyBuilder::fixed()
-            } else {
-                RigidBodyBuilder::dynamic()
-            };
+            let builder = if index == 0 { RigidBodyBuilder::fixed() } else { RigidBodyBuilder::dynamic() };
             let (frame, moments_kg_m2) = principal_inertia(link);
-            let builder = builder
-                .pose(parry_pose(&pose) * frame)
-                .gravity_scale(0.0)
-                .can_sleep(false);
+            let builder = builder.pose(parry_pose(&pose) * frame).gravity_scale(0.0).can_sleep(false);
             let mass = MassProperties::new(DVec3::ZERO, link.mass_kg, moments_kg_m2);
             let body = engine.bodies.insert(builder.additional_mass_properties(mass));
             for part in &link.colliders {
@@ -147,11 +136,7 @@ impl ArmBodies {
             let angle = link.joint.coords()[AXIS];
             let reach = joint.torque_limit_nm / joint.stiffness_nm_per_rad;
             // `clamp` would panic if the engine has diverged and the angle is not a number; this passes NaN on.
-            let rest = if target.is_nan() {
-                *target
-            } else {
-                target.max(angle - reach).min(angle + reach)
-            };
+            let rest = if target.is_nan() { *target } else { target.max(angle - reach).min(angle + reach) };
             link.joint.set_spring(AXIS, joint.stiffness_nm_per_rad, rest);
         }
     }
@@ -214,10 +199,7 @@ impl ArmBodies {
 /// moments, kg m².
 fn principal_inertia(link: &Link) -> (Pose, DVec3) {
     let inertia = Matrix3::from_column_slice(&link.inertia_link.to_cols_array());
-    let SymmetricEigen {
-        eigenvalues,
-        mut eigenvectors,
-    } = SymmetricEigen::new(inertia);
+    let SymmetricEigen { eigenvalues, mut eigenvectors } = SymmetricEigen::new(inertia);
     // The axes must be right-handed.
     if eigenvectors.determinant() < 0.0 {
         eigenvectors.column_mut(2).neg_mut();

@@ -29,10 +29,7 @@ impl AllBounds {
             self.bounds.resize(index + 1, None);
         }
         let aabb = shape.compute_local_aabb();
-        self.bounds[index] = Some(Bounds {
-            center: aabb.center(),
-            half_extents: aabb.half_extents(),
-        });
+        self.bounds[index] = Some(Bounds { center: aabb.center(), half_extents: aabb.half_extents() });
     }
 
     /// Whether a pair of shapes may be nearer than `distance_m` in these poses. The poses that the engine keeps with the

@@ -54,9 +54,7 @@ impl World {
             // The skin still spreads the contacts of this frame, which need the object's collision shapes.
             if resting
                 && !self.contacts().iter().any(|contact| contact.object == index)
-                && !movers
-                    .iter()
-                    .any(|mover| self.is_near(model, mover, index, SLEEP_MARGIN_M))
+                && !movers.iter().any(|mover| self.is_near(model, mover, index, SLEEP_MARGIN_M))
                 && let Some(mechanism) = self.mechanisms[index].take()
             {
                 mechanism.remove(&mut self.engine);

@@ -114,9 +114,7 @@ impl Engine {
         surface: Surface,
         body: RigidBodyHandle,
     ) -> ColliderHandle {
-        let shape = shape
-            .solver_groups(InteractionGroups::none())
-            .active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS);
+        let shape = shape.solver_groups(InteractionGroups::none()).active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS);
         let collider = self.colliders.insert_with_parent(shape, body, &mut self.bodies);
         let shape = self.colliders[collider].shape();
         self.contact_step.add_collider(collider, shape, surface);
@@ -132,11 +130,8 @@ impl Engine {
         self.tables_m.push(height_m);
         let body = RigidBodyBuilder::fixed().translation(Vector::new(0.0, 0.0, height_m - TABLE_HALF_SIZES_M.z));
         let body = self.bodies.insert(body);
-        let top = ColliderBuilder::new(SharedShape::cuboid(
-            TABLE_HALF_SIZES_M.x,
-            TABLE_HALF_SIZES_M.y,
-            TABLE_HALF_SIZES_M.z,
-        ));
+        let top =
+            ColliderBuilder::new(SharedShape::cuboid(TABLE_HALF_SIZES_M.x, TABLE_HALF_SIZES_M.y, TABLE_HALF_SIZES_M.z));
         let top = top.density(0.0).collision_groups(groups::table());
         self.insert_collider(top, Surface::hard(TABLE_FRICTION), body);
     }

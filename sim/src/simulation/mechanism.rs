@@ -64,11 +64,7 @@ impl Mechanism {
     /// Writes the poses of the bodies in the world frame into `poses`.
     pub(super) fn read_body_poses(&self, engine: &Engine, poses: &mut Vec<underbrush_recording::Pose>) {
         poses.clear();
-        poses.extend(
-            self.bodies
-                .iter()
-                .map(|body| from_parry(engine.bodies[*body].position())),
-        );
+        poses.extend(self.bodies.iter().map(|body| from_parry(engine.bodies[*body].position())));
     }
 
     /// Whether anything in it can move.
@@ -95,19 +91,14 @@ impl Mechanism {
         let parent = self.bodies[joint.parent];
         let pose = *engine.bodies[parent].position() * Pose::from_translation(joint.origin_parent);
         let mass = MassProperties::new(inertia.center_of_mass_body, inertia.mass_kg, inertia.principal_kg_m2);
-        let body = engine.bodies.insert(
-            RigidBodyBuilder::dynamic()
-                .pose(pose)
-                .additional_mass_properties(mass)
-                .can_sleep(false),
-        );
+        let body = engine
+            .bodies
+            .insert(RigidBodyBuilder::dynamic().pose(pose).additional_mass_properties(mass).can_sleep(false));
         let mut locked = JointAxesMask::all();
         for (axis, _) in &joint.free_axes {
             locked.remove(JointAxesMask::from_bits_truncate(1 << engine_axis(*axis)));
         }
-        let data = GenericJointBuilder::new(locked)
-            .local_anchor1(joint.origin_parent)
-            .build();
+        let data = GenericJointBuilder::new(locked).local_anchor1(joint.origin_parent).build();
         let Some(handle) = engine.joints.insert(parent, body, data, true) else {
             return body;
         };
@@ -120,13 +111,12 @@ impl Mechanism {
                 }
             }
         }
-        self.coordinates
-            .extend(joint.free_axes.iter().map(|(axis, spring)| Coordinate {
-                joint: handle,
-                axis: engine_axis(*axis),
-                spring: *spring,
-                dashpot: 0.0,
-            }));
+        self.coordinates.extend(joint.free_axes.iter().map(|(axis, spring)| Coordinate {
+            joint: handle,
+            axis: engine_axis(*axis),
+            spring: *spring,
+            dashpot: 0.0,
+        }));
         body
     }
 
@@ -165,8 +155,7 @@ impl Mechanism {
             let share = -math::exp_m1(-step_s / maxwell.relaxation_time_s);
             coordinate.dashpot += (displacement - coordinate.dashpot) * share;
             let total = coordinate.spring.stiffness + maxwell.stiffness;
-            link.joint
-                .set_spring(coordinate.axis, total, maxwell.stiffness * coordinate.dashpot / total);
+            link.joint.set_spring(coordinate.axis, total, maxwell.stiffness * coordinate.dashpot / total);
         }
     }
 

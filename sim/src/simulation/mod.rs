@@ -85,10 +85,7 @@ impl Simulation {
             buffers: SenseBuffers::default(),
         };
         state.write_report(&model);
-        Simulation {
-            model: Arc::new(model),
-            state,
-        }
+        Simulation { model: Arc::new(model), state }
     }
 
     /// Advances by one frame of 10 ms with the arm's equilibrium angles at `equilibrium_angle_rad`, one for each joint.
@@ -204,11 +201,7 @@ impl Simulation {
     /// # Panics
     /// If there is not exactly one velocity for each joint.
     pub fn set_joint_velocity(&mut self, velocity_rad_per_s: &[f64]) {
-        assert_eq!(
-            velocity_rad_per_s.len(),
-            self.model.arm.joints.len(),
-            "one velocity for each joint"
-        );
+        assert_eq!(velocity_rad_per_s.len(), self.model.arm.joints.len(), "one velocity for each joint");
         let State { world, report, .. } = &mut self.state;
         world.arm.set_velocity(velocity_rad_per_s, &mut world.engine);
         world.arm.read_joints(&world.engine, &mut report.joints);
@@ -218,13 +211,7 @@ impl Simulation {
 impl State {
     /// Writes the present state of the world and the skin into the report.
     fn write_report(&mut self, model: &Model) {
-        let State {
-            world,
-            sensor,
-            report,
-            buffers,
-            ..
-        } = self;
+        let State { world, sensor, report, buffers, .. } = self;
         world.arm.read_joints(&world.engine, &mut report.joints);
         world.arm.read_link_poses(&world.engine, &mut report.link_pose_world);
         report.end_effector_pose_world = model.arm.end_effector_pose(&report.link_pose_world);

@@ -31,19 +31,12 @@ pub(super) struct Model {
 impl Model {
     pub(super) fn new(arm: Arm, clutter: Clutter, dormancy: bool) -> Self {
         let objects = || clutter.objects.iter();
-        let outlines: Vec<(Cuboid, EnginePose)> = objects()
-            .map(PlacedObject::outline)
-            .map(|(outline, pose)| (outline, parry_pose(&pose)))
-            .collect();
-        let boxes: Vec<Aabb> = outlines
-            .iter()
-            .map(|(outline, pose)| outline.compute_aabb(pose))
-            .collect();
+        let outlines: Vec<(Cuboid, EnginePose)> =
+            objects().map(PlacedObject::outline).map(|(outline, pose)| (outline, parry_pose(&pose))).collect();
+        let boxes: Vec<Aabb> = outlines.iter().map(|(outline, pose)| outline.compute_aabb(pose)).collect();
         let structures: Vec<Structure> = objects().map(|placed| placed.object.structure()).collect();
-        let rest_pose_world = objects()
-            .zip(&structures)
-            .map(|(placed, structure)| rest_pose_world(placed, structure))
-            .collect();
+        let rest_pose_world =
+            objects().zip(&structures).map(|(placed, structure)| rest_pose_world(placed, structure)).collect();
         Model {
             dormancy,
             rest_pose_world,

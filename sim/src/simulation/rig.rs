@@ -56,11 +56,7 @@ pub struct Rig {
 impl Rig {
     /// An empty rig.
     pub fn new(options: PhysicsOptions) -> Self {
-        Rig {
-            engine: Engine::new(options),
-            bodies: Vec::new(),
-            mechanisms: Vec::new(),
-        }
+        Rig { engine: Engine::new(options), bodies: Vec::new(), mechanisms: Vec::new() }
     }
 
     /// Step and solver options.
@@ -103,9 +99,7 @@ impl Rig {
         let engine = &mut self.engine;
         // Contacts act only on articulated bodies, so the body hangs on a joint whose axes are free.
         let origin = engine.bodies.insert(RigidBodyBuilder::fixed());
-        let body = RigidBodyBuilder::dynamic()
-            .pose(parry_pose(&free.pose_world))
-            .can_sleep(false);
+        let body = RigidBodyBuilder::dynamic().pose(parry_pose(&free.pose_world)).can_sleep(false);
         let body = engine.bodies.insert(body);
         engine.insert_collider(shape.mass(free.mass_kg), free.surface, body);
         // Otherwise the engine would not sum up the masses until its first step.
@@ -161,11 +155,7 @@ impl Rig {
         let link = self.joint_mut(body)?;
         let (own, rest) = link.joint.spring(engine_axis(axis));
         let drive = own * ratio;
-        link.joint.set_spring(
-            engine_axis(axis),
-            own + drive,
-            (own * rest + drive * goal) / (own + drive),
-        );
+        link.joint.set_spring(engine_axis(axis), own + drive, (own * rest + drive * goal) / (own + drive));
         self.engine.step();
         let link = self.joint_mut(body)?;
         link.joint.set_spring(engine_axis(axis), own, rest);

@@ -46,10 +46,7 @@ impl Loads {
     /// The object that presses most on a taxel; the first in the clutter if several press equally.
     fn object(&self, place: Place) -> Option<u16> {
         let objects = self.normal_n_by_object.iter().rev();
-        objects
-            .filter(|((own, _), _)| *own == place)
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|((_, object), _)| *object)
+        objects.filter(|((own, _), _)| *own == place).max_by(|a, b| a.1.total_cmp(&b.1)).map(|((_, object), _)| *object)
     }
 }
 
@@ -91,13 +88,7 @@ pub(super) fn sense(
     tactile: &mut TactileFrame,
 ) {
     let patches = &model.patches;
-    let SenseBuffers {
-        touches,
-        points,
-        spread,
-        loads,
-        wrenches,
-    } = buffers;
+    let SenseBuffers { touches, points, spread, loads, wrenches } = buffers;
     tactile.pairs.clear();
     tactile.contact_force_world.clear();
     tactile.contact_force_world.resize(patches.len(), DVec3::ZERO);
@@ -107,9 +98,7 @@ pub(super) fn sense(
     for (number, (contact, collider)) in world.contacts_with_colliders().enumerate() {
         let pose = world.link_pose(contact.link);
         let point = contact.in_link_frame(&pose);
-        let patch = patches
-            .iter()
-            .position(|patch| patch.link == contact.link && patch.covers(&point));
+        let patch = patches.iter().position(|patch| patch.link == contact.link && patch.covers(&point));
         let pair = ContactPair {
             patch: patch.map(|patch| patch as u16),
             link: contact.link as u16,
@@ -119,25 +108,14 @@ pub(super) fn sense(
         if let Some(patch) = patch {
             tactile.contact_force_world[patch] += contact.force_world;
             wrenches[patch].solver.add(point.position_link, point.force_link);
-            touches.push(Touch {
-                patch,
-                collider,
-                number,
-                object: contact.object,
-                point,
-            });
+            touches.push(Touch { patch, collider, number, object: contact.object, point });
         }
     }
     // Within a pair, the order of the contacts is kept. An unstable sort needs no memory.
     touches.sort_unstable_by_key(|touch| (touch.pair(), touch.number));
     loads.clear();
     for group in touches.chunk_by(|a, b| a.pair() == b.pair()) {
-        let Touch {
-            patch,
-            collider,
-            object,
-            ..
-        } = group[0];
+        let Touch { patch, collider, object, .. } = group[0];
         points.clear();
         points.extend(group.iter().map(|touch| touch.point));
         let skin = &patches[patch];
@@ -145,12 +123,7 @@ pub(super) fn sense(
         let surface = &model.structures[object].surface;
         let shape_pose = world.link_pose(skin.link).inverse() * from_parry(&world.engine.collider_pose(collider));
         for force in skin.spread(points, shape, &shape_pose, surface, spread) {
-            loads.add(
-                (patch, force.taxel),
-                object as u16,
-                force.normal_force_n,
-                force.shear_link,
-            );
+            loads.add((patch, force.taxel), object as u16, force.normal_force_n, force.shear_link);
         }
     }
     for ((patch, taxel), load) in &loads.taxels {
@@ -216,14 +189,12 @@ struct PatchWrenches {
 
 /// The largest differences between taxels and solver over the patches: relative for the force, in m for the moment.
 fn residuals(wrenches: &[PatchWrenches]) -> [f64; 2] {
-    wrenches
-        .iter()
-        .fold([0.0, 0.0], |[force, moment], PatchWrenches { solver, felt }| {
-            // Below a micronewton there is practically no contact.
-            let missing = (felt.force - solver.force).length() / solver.force.length().max(1e-6);
-            let torque_error = (felt.moment - solver.moment).length() / solver.magnitude.max(1e-6);
-            [force.max(missing), moment.max(torque_error)]
-        })
+    wrenches.iter().fold([0.0, 0.0], |[force, moment], PatchWrenches { solver, felt }| {
+        // Below a micronewton there is practically no contact.
+        let missing = (felt.force - solver.force).length() / solver.force.length().max(1e-6);
+        let torque_error = (felt.moment - solver.moment).length() / solver.magnitude.max(1e-6);
+        [force.max(missing), moment.max(torque_error)]
+    })
 }
 
 #[cfg(test)]

@@ -63,12 +63,7 @@ impl TactileFrame {
                     (patch, largest_part_n) = (pair.patch, part_n);
                 }
             }
-            LinkForce {
-                link: own.link,
-                object: own.object,
-                patch,
-                force_n: sum.length(),
-            }
+            LinkForce { link: own.link, object: own.object, patch, force_n: sum.length() }
         });
         // Of equal forces, the one on the last link and object counts.
         let order = |force: &LinkForce| (force.link, force.object);
@@ -99,10 +94,8 @@ mod tests {
     #[test]
     fn forces_add_up_by_link_and_object() {
         let pair = |patch, link, object| ContactPair { patch, link, object };
-        let tactile = |pairs: &[(ContactPair, DVec3)]| TactileFrame {
-            pairs: pairs.to_vec(),
-            ..TactileFrame::default()
-        };
+        let tactile =
+            |pairs: &[(ContactPair, DVec3)]| TactileFrame { pairs: pairs.to_vec(), ..TactileFrame::default() };
         assert_eq!(TactileFrame::default().largest_force(), None);
         let found = tactile(&[
             (pair(Some(0), 3, 5), DVec3::X * 60.0),
@@ -110,22 +103,10 @@ mod tests {
             (pair(Some(1), 4, 5), DVec3::X * 90.0),
             (pair(None, 3, 6), DVec3::X * 100.0),
         ]);
-        let expected = LinkForce {
-            link: 3,
-            object: 5,
-            patch: Some(0),
-            force_n: 110.0,
-        };
+        let expected = LinkForce { link: 3, object: 5, patch: Some(0), force_n: 110.0 };
         assert_eq!(found.largest_force(), Some(expected));
-        let bare = tactile(&[
-            (pair(Some(0), 3, 5), DVec3::X * 3.0),
-            (pair(None, 3, 5), DVec3::Y * 4.0),
-        ]);
-        let expected = LinkForce {
-            patch: None,
-            force_n: 5.0,
-            ..expected
-        };
+        let bare = tactile(&[(pair(Some(0), 3, 5), DVec3::X * 3.0), (pair(None, 3, 5), DVec3::Y * 4.0)]);
+        let expected = LinkForce { patch: None, force_n: 5.0, ..expected };
         assert_eq!(bare.largest_force(), Some(expected));
     }
 }

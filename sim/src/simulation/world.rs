@@ -67,8 +67,7 @@ impl World {
         self.contact_colliders.clear();
         let steps = (FRAME_PERIOD_S / self.engine.options().step_s).round() as usize;
         for _ in 0..steps {
-            self.arm
-                .set_equilibrium(&model.arm, equilibrium_angle_rad, &mut self.engine);
+            self.arm.set_equilibrium(&model.arm, equilibrium_angle_rad, &mut self.engine);
             for mechanism in self.mechanisms.iter_mut().flatten() {
                 mechanism.relax(&mut self.engine);
             }

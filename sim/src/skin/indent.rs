@@ -35,10 +35,7 @@ pub(super) fn indent(cells: &[Cell], force: f64) -> Option<Vector3<f64>> {
     let cost = Matrix3::from_diagonal(&Vector3::new(0.0, 1.0, 1.0)) * (TILT_COST * stiffness * 1e-4);
     let load = Vector3::new(force, 0.0, 0.0);
     let energy = |pose: &Vector3<f64>| {
-        let elastic: f64 = cells
-            .iter()
-            .map(|cell| cell.stiffness * cell.share * cell.depth(pose).powi(2))
-            .sum();
+        let elastic: f64 = cells.iter().map(|cell| cell.stiffness * cell.share * cell.depth(pose).powi(2)).sum();
         0.5 * (elastic + pose.dot(&(cost * pose))) - load.dot(pose)
     };
     // Deep enough that at least one cell is pressed, so that the first Newton step has a slope.

@@ -109,11 +109,7 @@ fn a_broad_contact_looks_like_the_real_one() {
     let (shape, pose) = trunk(&contact, 0.02, std::f64::consts::FRAC_PI_2);
     let forces = spread(&skin, contact, &shape, &pose);
     // Weaker forces are among the spurious readings of that frame (up to 0.10 N).
-    let lit: Vec<f64> = forces
-        .iter()
-        .map(|taxel| taxel.normal_force_n)
-        .filter(|force| *force > 0.10)
-        .collect();
+    let lit: Vec<f64> = forces.iter().map(|taxel| taxel.normal_force_n).filter(|force| *force > 0.10).collect();
     let strongest = lit.iter().copied().fold(0.0, f64::max);
     assert!((4..=16).contains(&lit.len()), "{} taxels: {lit:?}", lit.len());
     assert!((1.53 / 2.0..=1.53 * 2.0).contains(&strongest), "{strongest} N: {lit:?}");
@@ -167,10 +163,7 @@ fn a_lone_taxel_feels_the_whole_force() {
         let (shape, pose) = trunk(&contact, 0.015, 1.0);
         let forces = spread(&skin, contact, &shape, &pose);
         assert_eq!(forces.len(), 1);
-        let missed = TaxelForce {
-            taxel: TAXEL,
-            ..forces[0]
-        };
+        let missed = TaxelForce { taxel: TAXEL, ..forces[0] };
         let missed = force(&whole, &missed).distance(contact.force_link);
         assert!(missed < 1e-9, "{missed} N");
     }
@@ -185,10 +178,8 @@ fn a_coarse_taxel_keeps_its_force() {
     let mut arm = Arm::cody().unwrap();
     let index = arm.skin.layout.patch_index("flipper").unwrap();
     for side_m in [0.01, 0.03, 0.05, 0.2] {
-        let first = underbrush_recording::Taxel {
-            area_m2: side_m * side_m,
-            ..arm.skin.layout.patches[index].taxels[0]
-        };
+        let first =
+            underbrush_recording::Taxel { area_m2: side_m * side_m, ..arm.skin.layout.patches[index].taxels[0] };
         let across = first.normal_link.cross(first.tangent_link);
         for (second_m, direction) in [(side_m, 1.0), (side_m, -1.0), (0.01, 1.0), (0.01, -1.0)] {
             let second = underbrush_recording::Taxel {

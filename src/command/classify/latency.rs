@@ -20,10 +20,7 @@ pub struct Latency {
 impl Latency {
     /// No answer yet.
     pub fn new() -> Self {
-        Latency {
-            counts: vec![0; DOUBLINGS * STEPS_PER_DOUBLING as usize],
-            max_us: 0.0,
-        }
+        Latency { counts: vec![0; DOUBLINGS * STEPS_PER_DOUBLING as usize], max_us: 0.0 }
     }
 
     /// Counts an answer that has just been written.

@@ -112,10 +112,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
         return online::run(&options, &OfContacts::new(&options, model)?);
     }
     let categories = model.classifier.categories();
-    let judge = options
-        .decision
-        .decision(&Scores::of_model(&model))?
-        .prepare(&categories)?;
+    let judge = options.decision.decision(&Scores::of_model(&model))?.prepare(&categories)?;
     let trials = input::trials(&options.input, &options.cut)?;
     let scores = model
         .classifier

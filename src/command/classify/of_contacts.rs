@@ -24,11 +24,7 @@ impl OfContacts {
         options.cut.refuse_online()?;
         let decision = options.decision.decision(&Scores::of_model(&model))?;
         Ok(OfContacts {
-            settings: OnlineOptions {
-                patch: options.cut.patch(),
-                threshold_n: options.cut.threshold_n(),
-                decision,
-            },
+            settings: OnlineOptions { patch: options.cut.patch(), threshold_n: options.cut.threshold_n(), decision },
             model,
         })
     }
@@ -75,15 +71,8 @@ impl Reach for Contacts {
             taxel: taxel.taxel,
             samples: taxel.samples,
             verdict: taxel.verdict.name(),
-            scores: categories
-                .iter()
-                .map(String::as_str)
-                .zip(taxel.scores.iter().copied())
-                .collect(),
+            scores: categories.iter().map(String::as_str).zip(taxel.scores.iter().copied()).collect(),
         });
-        json_line(&FrameLine {
-            time_s: frame.time_s,
-            taxels: taxels.collect(),
-        })
+        json_line(&FrameLine { time_s: frame.time_s, taxels: taxels.collect() })
     }
 }

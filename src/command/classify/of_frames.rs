@@ -25,9 +25,7 @@ impl OfFrames {
 
 impl Answers for OfFrames {
     fn start(&self, layout: &SkinLayout) -> Result<Box<dyn Reach>, Failure> {
-        Ok(Box::new(Frames {
-            classifier: TouchClassifier::new(Arc::clone(&self.model), layout)?,
-        }))
+        Ok(Box::new(Frames { classifier: TouchClassifier::new(Arc::clone(&self.model), layout)? }))
     }
 
     fn needs_pose_of(&self, layout: &SkinLayout) -> Option<usize> {
@@ -97,10 +95,6 @@ impl Reach for Frames {
             probabilities: probabilities(index, 1.0),
             share_beyond: own.share_beyond,
         });
-        json_line(&FrameLine {
-            time_s: frame.time_s,
-            taxels: taxels.collect(),
-            regions: regions.collect(),
-        })
+        json_line(&FrameLine { time_s: frame.time_s, taxels: taxels.collect(), regions: regions.collect() })
     }
 }

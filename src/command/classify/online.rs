@@ -38,10 +38,7 @@ pub(super) fn json_line(answer: &impl Serialize) -> Result<String, Failure> {
 
 /// Prints one line of JSON for each frame.
 pub(super) fn run(options: &Options, classifier: &dyn Answers) -> Result<(), Failure> {
-    let mut online = Online {
-        classifier,
-        latency: Latency::new(),
-    };
+    let mut online = Online { classifier, latency: Latency::new() };
     if options.reads_stdin() {
         let layout = match &options.skin {
             Some(path) => layout_of(path)?,
@@ -79,10 +76,7 @@ pub(super) fn run(options: &Options, classifier: &dyn Answers) -> Result<(), Fai
 
 /// The skin, from a data set, a recording, the file of an arm, or a skin file.
 fn layout_of(path: &Path) -> Result<SkinLayout, Failure> {
-    input::check_exists(
-        path,
-        "a data set (folder), a recording, the file of an arm or a skin file",
-    )?;
+    input::check_exists(path, "a data set (folder), a recording, the file of an arm or a skin file")?;
     let extension = path.extension().unwrap_or_default();
     if is_folder(path)? {
         Ok(Dataset::open(path)?.layout().clone())
@@ -106,9 +100,7 @@ impl Online<'_> {
     /// Answers the frames of a whole reach.
     fn reach(&mut self, layout: &SkinLayout, frames: &[Frame]) -> Result<(), Failure> {
         let mut reach = self.classifier.start(layout)?;
-        frames
-            .iter()
-            .try_for_each(|frame| self.answer(reach.as_mut(), frame, Instant::now()))
+        frames.iter().try_for_each(|frame| self.answer(reach.as_mut(), frame, Instant::now()))
     }
 
     /// Answers each line before the next is read. A bad line is answered with its error and otherwise ignored; with
@@ -158,7 +150,5 @@ impl Online<'_> {
 fn refused(number: usize, error: LineError) -> Failure {
     let remedy = "correct the line, or leave --strict out";
     let LineError { field, found, allowed } = error;
-    InputError::new("<stdin>", field, found, allowed, remedy)
-        .at_line(number)
-        .into()
+    InputError::new("<stdin>", field, found, allowed, remedy).at_line(number).into()
 }

@@ -15,11 +15,7 @@ pub(super) fn of(results: &EvaluationReport) -> String {
         text += &format!("\n{} folds {by}", folds.count);
     }
     let predictions = &results.evaluation.predictions;
-    let shortest = predictions
-        .iter()
-        .map(|prediction| prediction.samples)
-        .min()
-        .unwrap_or(1);
+    let shortest = predictions.iter().map(|prediction| prediction.samples).min().unwrap_or(1);
     if let Some(series) = &results.by_samples {
         text += "\n\nAccuracy by samples since contact";
         text += &match shortest {
@@ -59,39 +55,33 @@ fn three(accuracy: f64, balanced: Option<f64>, baseline: f64) -> String {
 
 fn by_samples(series: &[AccuracyBySamples]) -> String {
     let part = |part: Option<Accuracy>| {
-        part.map_or("-".into(), |own| {
-            three(own.accuracy, own.balanced_accuracy, own.majority_baseline)
-        })
+        part.map_or("-".into(), |own| three(own.accuracy, own.balanced_accuracy, own.majority_baseline))
     };
-    let row = |point: &AccuracyBySamples| {
-        let interval = point.interval_by_reach;
-        let lasting = point.accuracy_of_lasting.zip(point.majority_baseline_of_lasting);
-        let mut row = vec![
-            point.samples.map_or("all".into(), |samples| samples.to_string()),
-            three(point.accuracy, point.balanced_accuracy, point.majority_baseline),
-            interval.map_or("-".into(), |ends| {
-                format!("{}-{}", percent(ends.low), percent(ends.high))
-            }),
-        ];
-        if let Some(split) = point.by_touch {
-            row.extend([part(split.touched), part(split.untouched)]);
-        }
-        row.push(point.lasting.to_string());
-        row.push(lasting.map_or("-".into(), |(accuracy, baseline)| {
-            three(accuracy, point.balanced_accuracy_of_lasting, baseline)
-        }));
-        row
-    };
+    let row =
+        |point: &AccuracyBySamples| {
+            let interval = point.interval_by_reach;
+            let lasting = point.accuracy_of_lasting.zip(point.majority_baseline_of_lasting);
+            let mut row = vec![
+                point.samples.map_or("all".into(), |samples| samples.to_string()),
+                three(point.accuracy, point.balanced_accuracy, point.majority_baseline),
+                interval.map_or("-".into(), |ends| format!("{}-{}", percent(ends.low), percent(ends.high))),
+            ];
+            if let Some(split) = point.by_touch {
+                row.extend([part(split.touched), part(split.untouched)]);
+            }
+            row.push(point.lasting.to_string());
+            row.push(lasting.map_or("-".into(), |(accuracy, baseline)| {
+                three(accuracy, point.balanced_accuracy_of_lasting, baseline)
+            }));
+            row
+        };
     let rows: Vec<Vec<String>> = series.iter().map(row).collect();
     let mut header = vec!["samples", "accuracy % *", "95 % by reach"];
     if series.iter().any(|point| point.by_touch.is_some()) {
         header.extend(["touched *", "never touched *"]);
     }
     header.extend(["trials that last", "accuracy of these *"]);
-    format!(
-        "{}* in brackets: balanced accuracy, majority baseline\n",
-        output::table(&header, &rows)
-    )
+    format!("{}* in brackets: balanced accuracy, majority baseline\n", output::table(&header, &rows))
 }
 
 fn evaluation(evaluation: &Evaluation) -> String {
@@ -102,11 +92,7 @@ fn evaluation(evaluation: &Evaluation) -> String {
         .truth
         .iter()
         .zip(&matrix.count)
-        .map(|(truth, counts)| {
-            std::iter::once(truth.clone())
-                .chain(counts.iter().map(usize::to_string))
-                .collect()
-        })
+        .map(|(truth, counts)| std::iter::once(truth.clone()).chain(counts.iter().map(usize::to_string)).collect())
         .collect();
     let mut text = output::table(&header, &rows);
     let figures: Vec<Vec<String>> = evaluation
@@ -117,21 +103,14 @@ fn evaluation(evaluation: &Evaluation) -> String {
                 figures.category.clone(),
                 figures.trials.to_string(),
                 percent(figures.recall),
-                format!(
-                    "{}-{}",
-                    percent(figures.recall_interval.low),
-                    percent(figures.recall_interval.high)
-                ),
+                format!("{}-{}", percent(figures.recall_interval.low), percent(figures.recall_interval.high)),
                 figures.precision.map_or("-".into(), percent),
                 percent(figures.f1),
             ]
         })
         .collect();
     text += "\n";
-    text += &output::table(
-        &["category", "trials", "recall %", "95 % interval", "precision %", "F1 %"],
-        &figures,
-    );
+    text += &output::table(&["category", "trials", "recall %", "95 % interval", "precision %", "F1 %"], &figures);
     text += "\n";
     text += &accuracies(evaluation);
     let by_trial = evaluation.accuracy_interval_by_trial;
@@ -142,11 +121,7 @@ fn evaluation(evaluation: &Evaluation) -> String {
         percent(by_trial.high)
     );
     if let Some(by_reach) = evaluation.accuracy_interval_by_reach {
-        text += &format!(
-            ", {}-{} % resampling whole reaches",
-            percent(by_reach.low),
-            percent(by_reach.high)
-        );
+        text += &format!(", {}-{} % resampling whole reaches", percent(by_reach.low), percent(by_reach.high));
     }
     text
 }
@@ -174,14 +149,5 @@ fn accuracies(evaluation: &Evaluation) -> String {
             ])
         })
         .collect();
-    output::table(
-        &[
-            "judged",
-            "trials",
-            "accuracy %",
-            "balanced accuracy %",
-            "majority baseline %",
-        ],
-        &rows,
-    )
+    output::table(&["judged", "trials", "accuracy %", "balanced accuracy %", "majority baseline %"], &rows)
 }

@@ -53,24 +53,12 @@ impl TouchDecisionArguments {
     /// Refuses options that set a value which a limit of risk is to choose.
     pub fn refuse_beside(&self, limits: &RiskLimits) -> Result<(), Failure> {
         let pairs = [
-            (
-                limits.wrong,
-                "--limit-wrong",
-                self.cost_of_uncertain,
-                "--cost-of-uncertain",
-            ),
-            (
-                limits.false_alarms,
-                "--limit-false-alarms",
-                self.unknown_share,
-                "--unknown-share",
-            ),
+            (limits.wrong, "--limit-wrong", self.cost_of_uncertain, "--cost-of-uncertain"),
+            (limits.false_alarms, "--limit-false-alarms", self.unknown_share, "--unknown-share"),
         ];
         for (limit, choosing, own, chosen) in pairs {
             if limit.is_some() && own.is_some() {
-                return Err(Failure::usage(format!(
-                    "{choosing} chooses what {chosen} gives; leave one of them out"
-                )));
+                return Err(Failure::usage(format!("{choosing} chooses what {chosen} gives; leave one of them out")));
             }
         }
         Ok(())

@@ -52,11 +52,7 @@ impl Evaluation<'_> {
             text::evaluation(&report.figures)
                 + &match report.folds {
                     Some(folds) => text::feature_worth(&report.feature_worth) + &text::folds(report.reaches, folds),
-                    None => report
-                        .decisions
-                        .iter()
-                        .map(|own| text::reaches(report.reaches, own))
-                        .collect(),
+                    None => report.decisions.iter().map(|own| text::reaches(report.reaches, own)).collect(),
                 }
         })
     }

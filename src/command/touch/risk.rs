@@ -28,10 +28,7 @@ fn share(text: &str) -> Result<f64, String> {
 impl RiskArguments {
     /// Refuses options that would be ignored, for the reason given.
     pub fn refuse(&self, reason: &str) -> Result<(), Failure> {
-        let options = [
-            ("--limit-wrong", self.limit_wrong),
-            ("--limit-false-alarms", self.limit_false_alarms),
-        ];
+        let options = [("--limit-wrong", self.limit_wrong), ("--limit-false-alarms", self.limit_false_alarms)];
         match options.iter().find(|(_, given)| given.is_some()) {
             None => Ok(()),
             Some((option, _)) => Err(Failure::usage(format!("{option} {reason}; leave it out"))),
@@ -40,9 +37,6 @@ impl RiskArguments {
 
     /// The limits that are given.
     pub fn limits(&self) -> RiskLimits {
-        RiskLimits {
-            wrong: self.limit_wrong,
-            false_alarms: self.limit_false_alarms,
-        }
+        RiskLimits { wrong: self.limit_wrong, false_alarms: self.limit_false_alarms }
     }
 }

@@ -11,10 +11,7 @@ pub(super) fn rows(rows: &TouchRows) -> String {
         ("taxels, touched".to_owned(), rows.touched_taxels),
         ("taxels, nothing on them".to_owned(), rows.untouched_taxels),
     ];
-    let regions = rows
-        .regions
-        .iter()
-        .map(|(category, count)| (format!("regions, {category}"), *count));
+    let regions = rows.regions.iter().map(|(category, count)| (format!("regions, {category}"), *count));
     let cells = |(name, count): (String, usize)| vec![name, count.to_string()];
     let cells: Vec<Vec<String>> = taxels.into_iter().chain(regions).map(cells).collect();
     format!(
@@ -28,11 +25,7 @@ pub(super) fn rows(rows: &TouchRows) -> String {
 
 /// When each verdict is given.
 pub(super) fn decision(decision: &TouchDecision) -> String {
-    let TouchDecision {
-        nothing_above,
-        unknown_share,
-        cost_of_uncertain,
-    } = decision;
+    let TouchDecision { nothing_above, unknown_share, cost_of_uncertain } = decision;
     format!(
         "A reading is called nothing above a probability of {nothing_above:.3}, a contact unknown if at most {:.2} % of known \
          contacts are as unusual, and a category is named above a probability of {:.3}\n",
@@ -72,10 +65,7 @@ const FEATURES_SHOWN: usize = 6;
 pub(super) fn feature_worth(worth: &[FeatureWorth]) -> String {
     let mut rows = Vec::new();
     for (index, own) in worth.iter().enumerate() {
-        let rank = worth[..index]
-            .iter()
-            .filter(|other| other.network == own.network)
-            .count();
+        let rank = worth[..index].iter().filter(|other| other.network == own.network).count();
         if rank < FEATURES_SHOWN {
             rows.push(vec![
                 own.network.to_owned(),
@@ -85,12 +75,7 @@ pub(super) fn feature_worth(worth: &[FeatureWorth]) -> String {
             ]);
         }
     }
-    let header = [
-        "network",
-        "feature",
-        "rise of log loss if shuffled / nats",
-        "fall of balanced accuracy / %",
-    ];
+    let header = ["network", "feature", "rise of log loss if shuffled / nats", "fall of balanced accuracy / %"];
     "\n".to_owned() + &output::table(&header, &rows)
 }
 
@@ -124,14 +109,7 @@ fn verdicts(figures: &TouchFigures) -> String {
             percent(own.called_unknown),
         ]
     });
-    let header = [
-        "truth",
-        "taxel frames",
-        "right %",
-        "wrong %",
-        "uncertain %",
-        "called unknown %",
-    ];
+    let header = ["truth", "taxel frames", "right %", "wrong %", "uncertain %", "called unknown %"];
     output::table(&header, &rows.collect::<Vec<_>>())
 }
 
@@ -155,17 +133,9 @@ fn contacts(figures: &TouchFigures) -> String {
             percent(accuracy.map(|own| own.majority_baseline)),
         ]
     };
-    let parts = [
-        ("whole contact", figures.contacts_at_end),
-        ("first 0.1 s (10 samples)", figures.contacts_after_tenth_second),
-    ];
-    let header = [
-        "touched contacts by",
-        "contacts",
-        "accuracy %",
-        "balanced accuracy %",
-        "majority baseline %",
-    ];
+    let parts =
+        [("whole contact", figures.contacts_at_end), ("first 0.1 s (10 samples)", figures.contacts_after_tenth_second)];
+    let header = ["touched contacts by", "contacts", "accuracy %", "balanced accuracy %", "majority baseline %"];
     output::table(&header, &parts.map(row))
 }
 
@@ -174,9 +144,7 @@ fn first_right(figures: &TouchFigures) -> String {
         return String::new();
     }
     let row = |own: &RightWithin| {
-        let samples = own
-            .samples
-            .map_or("whole contact".into(), |samples| samples.to_string());
+        let samples = own.samples.map_or("whole contact".into(), |samples| samples.to_string());
         vec![samples, percent(Some(own.share))]
     };
     let rows: Vec<Vec<String>> = figures.first_right_verdict.iter().map(row).collect();

@@ -12,14 +12,7 @@ use underbrush_recording::math;
 pub fn described(report: &Report) -> String {
     let mut text = String::new();
     for outcome in &report.checks {
-        let _ = writeln!(
-            text,
-            "{} {}: {}\n{}.",
-            outcome.number,
-            outcome.name,
-            word(outcome.verdict),
-            outcome.summary
-        );
+        let _ = writeln!(text, "{} {}: {}\n{}.", outcome.number, outcome.name, word(outcome.verdict), outcome.summary);
         for error in &outcome.errors {
             let _ = writeln!(text, "Stopped with an error: {error}.");
         }
@@ -82,12 +75,8 @@ fn broken_comparisons(outcome: &FalsifiedOutcome, tolerance_scale: f64) -> Strin
         let breaks = |run: &&underbrush_validation::FalsifiedRun| run.judged.verdict == Verdict::Fail;
         let shown = found.runs.iter().find(breaks).or(found.runs.last())?;
         let mut cells = values(&shown.judged, tolerance_scale);
-        let by: Vec<String> = found
-            .runs
-            .iter()
-            .filter(breaks)
-            .map(|run| format!("[{}]", run.falsification + 1))
-            .collect();
+        let by: Vec<String> =
+            found.runs.iter().filter(breaks).map(|run| format!("[{}]", run.falsification + 1)).collect();
         cells.push(if by.is_empty() { "HOLDS".into() } else { by.join(" ") });
         Some(cells)
     };
@@ -141,19 +130,11 @@ fn values(judged: &Judged, tolerance_scale: f64) -> Vec<String> {
         format!("{} / {}", comparison.quantity, comparison.unit)
     };
     let error = |value: f64| {
-        if comparison.relative {
-            format!("{:.3} %", 100.0 * value)
-        } else {
-            number(value)
-        }
+        if comparison.relative { format!("{:.3} %", 100.0 * value) } else { number(value) }
     };
     // In per cent, small relative residuals would all be 0.000 %.
     let small = |value: f64| {
-        if comparison.relative && value < 1e-5 {
-            format!("{value:.1e}")
-        } else {
-            error(value)
-        }
+        if comparison.relative && value < 1e-5 { format!("{value:.1e}") } else { error(value) }
     };
     vec![
         name,

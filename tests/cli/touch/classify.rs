@@ -33,10 +33,8 @@ fn verdicts_follow_from_the_probabilities() {
             .collect();
         let of_region = |region: &Value| {
             let own = region["probabilities"].as_object().unwrap();
-            let (best, probability) = own
-                .iter()
-                .max_by(|a, b| a.1.as_f64().unwrap().total_cmp(&b.1.as_f64().unwrap()))
-                .unwrap();
+            let (best, probability) =
+                own.iter().max_by(|a, b| a.1.as_f64().unwrap().total_cmp(&b.1.as_f64().unwrap())).unwrap();
             if region["share_beyond"].as_f64().unwrap() <= limit("unknown_share") {
                 "unknown"
             } else if probability.as_f64().unwrap() > 1.0 - limit("cost_of_uncertain") {
@@ -53,11 +51,7 @@ fn verdicts_follow_from_the_probabilities() {
             let nothing = taxel["nothing"].as_f64().unwrap();
             assert!((nothing + sum(&taxel["probabilities"]) - 1.0).abs() < 1e-9, "{taxel}");
             let is_nothing = nothing > limit("nothing_above");
-            let expected = if is_nothing {
-                "nothing".to_owned()
-            } else {
-                of_region(region)
-            };
+            let expected = if is_nothing { "nothing".to_owned() } else { of_region(region) };
             assert_eq!(taxel["verdict"], expected, "{taxel} in {region}");
             let counts = taxels.entry(contact).or_default();
             counts[0] += 1;
@@ -66,16 +60,9 @@ fn verdicts_follow_from_the_probabilities() {
         }
         for (contact, region) in &regions {
             let [all, touched] = taxels[contact];
-            assert_eq!(
-                [&region["taxels"], &region["touched_taxels"]],
-                [&json!(all), &json!(touched)]
-            );
+            assert_eq!([&region["taxels"], &region["touched_taxels"]], [&json!(all), &json!(touched)]);
             assert!((sum(&region["probabilities"]) - 1.0).abs() < 1e-9, "{region}");
-            let expected = if touched == 0 {
-                "nothing".to_owned()
-            } else {
-                of_region(region)
-            };
+            let expected = if touched == 0 { "nothing".to_owned() } else { of_region(region) };
             assert_eq!(region["verdict"], expected, "{region}");
         }
     }
@@ -89,10 +76,7 @@ fn frames_on_standard_input_are_answered_alike() {
     let folder = tempfile::tempdir().unwrap();
     let recording = recording(folder.path());
     let from_file = underbrush!["classify", model(), recording, "--jobs", "1"].success();
-    assert_eq!(
-        from_file,
-        underbrush!["classify", model(), recording, "--online", "--jobs", "2"].success()
-    );
+    assert_eq!(from_file, underbrush!["classify", model(), recording, "--online", "--jobs", "2"].success());
     let frames = read_recording(&recording).unwrap().frames;
     let line = |pose: bool, frame: &underbrush_recording::Frame| {
         let forearm = frame.taxels.iter().filter(|taxel| taxel.patch == 0);
@@ -107,18 +91,9 @@ fn frames_on_standard_input_are_answered_alike() {
     };
     let stdin: String = frames.iter().map(|frame| line(true, frame)).collect();
     let answer = call(vec!["classify".into(), model().into(), "-".into()], &stdin);
-    assert!(
-        answer
-            .stderr
-            .contains(&format!("{} frames answered: median ", frames.len())),
-        "{}",
-        answer.stderr
-    );
+    assert!(answer.stderr.contains(&format!("{} frames answered: median ", frames.len())), "{}", answer.stderr);
     assert!(answer.success() == from_file, "the lines differ");
-    let without = call(
-        vec!["classify".into(), model().into(), "-".into()],
-        &line(false, &frames[0]),
-    );
+    let without = call(vec!["classify".into(), model().into(), "-".into()], &line(false, &frames[0]));
     assert_eq!(lines(&without.success())[0]["error"]["field"], "patch_pose_world");
     // After a reset the same frames get the same answers.
     let first: String = frames.iter().take(50).map(|frame| line(true, frame)).collect();
@@ -137,30 +112,17 @@ fn the_decision_can_be_chosen() {
         let mut arguments = vec!["classify".into(), model().into(), recording.clone().into()];
         arguments.extend(options.iter().map(Into::into));
         let answers = lines(&call(arguments, "").success());
-        let taxels = answers
-            .iter()
-            .flat_map(|answer| answer["taxels"].as_array().unwrap().clone());
-        taxels
-            .map(|taxel| taxel["verdict"].as_str().unwrap().to_owned())
-            .collect()
+        let taxels = answers.iter().flat_map(|answer| answer["taxels"].as_array().unwrap().clone());
+        taxels.map(|taxel| taxel["verdict"].as_str().unwrap().to_owned()).collect()
     };
     let never_nothing = ["--nothing-above", "1"];
     let all_are = |options: &[&str], name: &str| {
         let found = verdicts(&[&never_nothing[..], options].concat());
-        assert!(
-            !found.is_empty() && found.iter().all(|own| own == name),
-            "{options:?}: {found:?}"
-        );
+        assert!(!found.is_empty() && found.iter().all(|own| own == name), "{options:?}: {found:?}");
     };
     all_are(&["--unknown-share", "1"], "unknown");
     all_are(&["--unknown-share", "0", "--cost-of-uncertain", "0"], "uncertain");
-    let sure = verdicts(
-        &[
-            &never_nothing[..],
-            &["--unknown-share", "0", "--cost-of-uncertain", "1"],
-        ]
-        .concat(),
-    );
+    let sure = verdicts(&[&never_nothing[..], &["--unknown-share", "0", "--cost-of-uncertain", "1"]].concat());
     assert!(sure.iter().all(|own| own == "leaf" || own == "trunk"), "{sure:?}");
     // Probabilities are above 0.
     let nothing = verdicts(&["--nothing-above", "0"]);

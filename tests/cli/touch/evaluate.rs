@@ -20,15 +20,9 @@ fn the_evaluation_counts_the_verdicts() {
     let mut counts: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
     for (frame, answer) in recording.frames.iter().zip(&answers) {
         for taxel in answer["taxels"].as_array().unwrap() {
-            let own = frame
-                .taxels
-                .iter()
-                .find(|own| own.patch == 0 && taxel["taxel"] == own.taxel)
-                .unwrap();
+            let own = frame.taxels.iter().find(|own| own.patch == 0 && taxel["taxel"] == own.taxel).unwrap();
             let object = own.object.filter(|_| own.true_normal_force_n > 0.0);
-            let truth = object.map_or("nothing", |object| {
-                recording.objects[usize::from(object)].category.name()
-            });
+            let truth = object.map_or("nothing", |object| recording.objects[usize::from(object)].category.name());
             let count = counts.entry(truth).or_default();
             count[0] += 1.0;
             count[1] += f64::from(u8::from(taxel["verdict"] == truth));
@@ -82,18 +76,10 @@ fn reaches_are_cross_validated() {
         truths.map(|own| own["taxel_frames"].clone()).collect()
     };
     assert_eq!(frames(&cross), frames(&stored));
-    assert_eq!(
-        (&cross["folds"], cross["decisions"].as_array().unwrap().len()),
-        (&json!(2), 2)
-    );
+    assert_eq!((&cross["folds"], cross["decisions"].as_array().unwrap().len()), (&json!(2), 2));
     assert_eq!(cross["contacts_at_end"]["trials"], stored["contacts_at_end"]["trials"]);
     assert!(stored["folds"].is_null() && cross["outliers"].is_null());
-    for key in [
-        "expected_calibration_error",
-        "brier_score",
-        "spurious_called_nothing",
-        "touches_lost",
-    ] {
+    for key in ["expected_calibration_error", "brier_score", "spurious_called_nothing", "touches_lost"] {
         let share = cross[key].as_f64().unwrap();
         assert!((0.0..=2.0).contains(&share), "{key}: {share}");
     }

@@ -11,18 +11,8 @@ fn limits_of_risk_choose_the_decision() {
     let folder = tempfile::tempdir().unwrap();
     let model = folder.path().join("touch.json");
     let data = fixture().dataset();
-    let train = |limit: &str| {
-        underbrush![
-            "train",
-            data,
-            "--classifier",
-            "touch",
-            "--limit-wrong",
-            limit,
-            "--out",
-            model
-        ]
-    };
+    let train =
+        |limit: &str| underbrush!["train", data, "--classifier", "touch", "--limit-wrong", limit, "--out", model];
     train("0.05").refused(&["6 reaches cannot show that at most 0.05", "19 reaches or more"]);
     assert!(!model.exists());
     train("0.2").success();
@@ -34,16 +24,7 @@ fn limits_of_risk_choose_the_decision() {
         underbrush!["train", data, "--limit-wrong", "0.2", "--out", model, "--force"],
         underbrush!["evaluate", data, "--limit-false-alarms", "0.2"],
         underbrush!["evaluate", data, "--model", model, "--limit-wrong", "0.2"],
-        underbrush![
-            "evaluate",
-            data,
-            "--classifier",
-            "touch",
-            "--limit-wrong",
-            "0.2",
-            "--cost-of-uncertain",
-            "0.1"
-        ],
+        underbrush!["evaluate", data, "--classifier", "touch", "--limit-wrong", "0.2", "--cost-of-uncertain", "0.1"],
     ];
     for call in refused {
         call.refused(&["--limit-", "leave"]);

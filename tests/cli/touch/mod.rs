@@ -55,10 +55,7 @@ fn lines(text: &str) -> Vec<Value> {
 fn touched(scene: &Path, first: usize, recording: &Path) -> usize {
     for number in first..first + 20 {
         let index = number.to_string();
-        underbrush![
-            "reach", scene, "--seed", "1", "--index", index, "--out", recording, "--force"
-        ]
-        .success();
+        underbrush!["reach", scene, "--seed", "1", "--index", index, "--out", recording, "--force"].success();
         let frames = read_recording(recording).unwrap().frames;
         let mut taxels = frames.iter().flat_map(|frame| &frame.taxels);
         if taxels.any(|taxel| taxel.patch == 0 && taxel.true_normal_force_n > 0.0 && taxel.sensed_force_n > 0.1) {
@@ -83,19 +80,12 @@ fn the_model_is_the_same_for_any_number_of_threads() {
     let again = folder.path().join("again.json");
     let (path, report) = &*TRAINED;
     let other = train(&again, "1");
-    assert!(
-        std::fs::read(path).unwrap() == std::fs::read(&again).unwrap(),
-        "the models differ"
-    );
+    assert!(std::fs::read(path).unwrap() == std::fs::read(&again).unwrap(), "the models differ");
     assert_eq!(other["rows"], report["rows"]);
     assert_eq!(report["categories"], json!(["leaf", "trunk"]));
     let rows = &report["rows"];
     assert_eq!((&rows["reaches"], &rows["held_out_parts"]), (&json!(6), &json!(2)));
-    for count in [
-        &rows["touched_taxels"],
-        &rows["regions"]["leaf"],
-        &rows["regions"]["trunk"],
-    ] {
+    for count in [&rows["touched_taxels"], &rows["regions"]["leaf"], &rows["regions"]["trunk"]] {
         assert!(count.as_u64().unwrap() > 0, "{rows}");
     }
     let model = read(path);
@@ -126,30 +116,19 @@ fn several_recordings_train_a_model() {
         model
     ]
     .success();
-    for part in [
-        "Classifier touch",
-        "regions, leaf",
-        "From 2 reaches",
-        "held out",
-        "called nothing above",
-        "Model written to",
-    ] {
+    for part in
+        ["Classifier touch", "regions, leaf", "From 2 reaches", "held out", "called nothing above", "Model written to"]
+    {
         assert!(text.contains(part), "no {part:?} in:\n{text}");
     }
-    assert_eq!(
-        read(&model)["options"],
-        json!({ "patch": "forearm", "threshold_n": 0.05 })
-    );
+    assert_eq!(read(&model)["options"], json!({ "patch": "forearm", "threshold_n": 0.05 }));
 }
 
 /// Tests that `inspect` shows the model, and that its file follows the schema while broken ones do not.
 #[test]
 fn the_file_follows_its_schema() {
     let shown = underbrush!["inspect", model(), "--json"].json();
-    assert_eq!(
-        (&shown["classifier"], &shown["categories"]),
-        (&json!("touch"), &json!(["leaf", "trunk"]))
-    );
+    assert_eq!((&shown["classifier"], &shown["categories"]), (&json!("touch"), &json!(["leaf", "trunk"])));
     let schema: Value = serde_json::from_str(&underbrush!["schema", "touch"].success()).unwrap();
     let own = read(&model());
     assert_eq!(faults(&schema, &own), Vec::<String>::new());

@@ -24,10 +24,8 @@ impl std::fmt::Display for Cycle {
 /// Which sibling modules import from which, with one import that shows it.
 pub(super) fn arrows(sources: &Sources) -> BTreeMap<(Module, Module), String> {
     let is_module = |path: &[String]| sources.contains_key(path);
-    let references: BTreeMap<&Module, References> = sources
-        .iter()
-        .map(|(module, (_, text))| (module, references(module, text, &is_module)))
-        .collect();
+    let references: BTreeMap<&Module, References> =
+        sources.iter().map(|(module, (_, text))| (module, references(module, text, &is_module))).collect();
     let mut arrows = BTreeMap::new();
     for (module, of_module) in &references {
         for path in &of_module.paths {
@@ -89,14 +87,9 @@ pub(super) fn cycles(sources: &Sources) -> Vec<Cycle> {
         }
         let back = |other: &&&Module| reached(other).contains(module);
         let modules: Vec<Module> = from_here.iter().filter(back).map(|module| (*module).clone()).collect();
-        let inside = arrows
-            .iter()
-            .filter(|((from, to), _)| modules.contains(from) && modules.contains(to));
+        let inside = arrows.iter().filter(|((from, to), _)| modules.contains(from) && modules.contains(to));
         let arrows = inside.map(|((from, to), import)| (from.clone(), to.clone(), import.clone()));
-        cycles.push(Cycle {
-            arrows: arrows.collect(),
-            modules,
-        });
+        cycles.push(Cycle { arrows: arrows.collect(), modules });
     }
     cycles
 }

@@ -4,21 +4,14 @@ use super::cycles::{Cycle, arrows, cycles};
 use super::*;
 
 fn sources(files: &[(&str, &str)]) -> Sources {
-    let module = |name: &str| {
-        name.split('/')
-            .filter(|part| !part.is_empty())
-            .map(String::from)
-            .collect()
-    };
+    let module = |name: &str| name.split('/').filter(|part| !part.is_empty()).map(String::from).collect();
     let source = |(name, text): &(&str, &str)| (module(name), (PathBuf::from(name), (*text).to_string()));
     files.iter().map(source).collect()
 }
 
 fn named(files: &[(&str, &str)]) -> Vec<String> {
     let pairs = arrows(&sources(files)).into_keys();
-    pairs
-        .map(|(from, to)| format!("{} {}", from.join("/"), to.join("/")))
-        .collect()
+    pairs.map(|(from, to)| format!("{} {}", from.join("/"), to.join("/"))).collect()
 }
 
 /// Tests that every way in which a module can name another module of its crate is read.
@@ -43,11 +36,7 @@ fn every_style_of_import_is_read() {
         assert_eq!(found, ["a b"], "{text}");
     }
     // From a submodule, and through the parent's private import.
-    for text in [
-        "use super::super::b::Thing;",
-        "use super::Thing;",
-        "fn f() { self::super::Thing::new() }",
-    ] {
+    for text in ["use super::super::b::Thing;", "use super::Thing;", "fn f() { self::super::Thing::new() }"] {
         let found = named(&[("", ""), ("a", "use crate::b::Thing;"), ("a/c", text), ("b", "")]);
         assert_eq!(found, ["a b"], "{text}");
         let found = named(&[("", ""), ("a", ""), ("a/c", "use super::super::b::Thing;"), ("b", "")]);
@@ -70,11 +59,7 @@ fn what_is_no_import_is_not_read() {
     ] {
         assert_eq!(named(&[("", ""), ("a", text), ("b", "")]), [""; 0], "{text}");
     }
-    let parent = [
-        ("", ""),
-        ("a", "mod c; use c::f; pub struct A;"),
-        ("a/c", "use super::A;"),
-    ];
+    let parent = [("", ""), ("a", "mod c; use c::f; pub struct A;"), ("a/c", "use super::A;")];
     assert_eq!(named(&parent), [""; 0]);
 }
 
@@ -83,62 +68,23 @@ fn what_is_no_import_is_not_read() {
 #[test]
 fn cycles_are_found_and_named() {
     let found = |files: &[(&str, &str)]| -> Vec<String> {
-        let of_cycle = |cycle: Cycle| {
-            cycle
-                .modules
-                .iter()
-                .map(|module| module.join("/"))
-                .collect::<Vec<_>>()
-                .join(" ")
-        };
+        let of_cycle = |cycle: Cycle| cycle.modules.iter().map(|module| module.join("/")).collect::<Vec<_>>().join(" ");
         cycles(&sources(files)).into_iter().map(of_cycle).collect()
     };
     let root = ("", "");
-    assert_eq!(
-        found(&[root, ("a", "use crate::b::B;"), ("b", "use super::a::A;")]),
-        ["a b"]
-    );
-    let through_third = [
-        root,
-        ("a", "use crate::b::B;"),
-        ("b", "use crate::c::C;"),
-        ("c", "fn f() { crate::a::f() }"),
-    ];
+    assert_eq!(found(&[root, ("a", "use crate::b::B;"), ("b", "use super::a::A;")]), ["a b"]);
+    let through_third = [root, ("a", "use crate::b::B;"), ("b", "use crate::c::C;"), ("c", "fn f() { crate::a::f() }")];
     assert_eq!(found(&through_third), ["a b c"]);
-    let between_folders = [
-        root,
-        ("a", ""),
-        ("a/x", "use crate::b::y::Y;"),
-        ("b", "use crate::a::A;"),
-        ("b/y", ""),
-    ];
+    let between_folders = [root, ("a", ""), ("a/x", "use crate::b::y::Y;"), ("b", "use crate::a::A;"), ("b/y", "")];
     assert_eq!(found(&between_folders), ["a b"]);
-    let siblings = [
-        root,
-        ("a", ""),
-        ("a/x", "use super::y::Y;"),
-        ("a/y", "use super::x::X;"),
-    ];
+    let siblings = [root, ("a", ""), ("a/x", "use super::y::Y;"), ("a/y", "use super::x::X;")];
     assert_eq!(found(&siblings), ["a/x a/y"]);
-    let shown = [
-        root,
-        ("a", "pub use x::X;"),
-        ("a/x", "use super::y::Y;"),
-        ("a/y", "use super::X;"),
-    ];
+    let shown = [root, ("a", "pub use x::X;"), ("a/x", "use super::y::Y;"), ("a/y", "use super::X;")];
     assert_eq!(found(&shown), ["a/x a/y"]);
-    let one_way = [
-        root,
-        ("a", "use crate::{b::B, c::C};"),
-        ("b", "use crate::c::C;"),
-        ("c", ""),
-    ];
+    let one_way = [root, ("a", "use crate::{b::B, c::C};"), ("b", "use crate::c::C;"), ("c", "")];
     assert_eq!(found(&one_way), [""; 0]);
     let text = cycles(&sources(&siblings))[0].to_string();
-    assert!(
-        text.contains("a/x needs a/y") && text.contains("names crate::a::y::Y"),
-        "{text}"
-    );
+    assert!(text.contains("a/x needs a/y") && text.contains("names crate::a::y::Y"), "{text}");
 }
 
 /// Tests that the sources of the project itself are read: every crate, and arrows that are known to be there.

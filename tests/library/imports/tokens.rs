@@ -14,10 +14,7 @@ pub(super) struct References {
 /// Reads a module's references. `is_module` says whether an absolute path is one of the crate's modules: in a `use`
 /// declaration a path may begin with a submodule of its own.
 pub(super) fn references(module: &Module, text: &str, is_module: &dyn Fn(&[String]) -> bool) -> References {
-    let mut reader = Reader {
-        is_module,
-        found: References::default(),
-    };
+    let mut reader = Reader { is_module, found: References::default() };
     let tokens = TokenStream::from_str(text).expect("sources are Rust");
     reader.read(module, tokens);
     reader.found
@@ -75,10 +72,7 @@ impl Reader<'_> {
 
     /// Reads a tree of imports after the path `before`: `a::{b, c as d}`.
     fn read_use(&mut self, module: &Module, before: &mut Vec<String>, tokens: &[TokenTree]) {
-        for tree in tokens
-            .split(|token| is_punct(token, ','))
-            .filter(|tree| !tree.is_empty())
-        {
+        for tree in tokens.split(|token| is_punct(token, ',')).filter(|tree| !tree.is_empty()) {
             let (segments, next) = path(tree, 0);
             let length = before.len();
             before.extend(segments);

@@ -44,11 +44,7 @@ mod tests {
             deflection += (slope + 0.5 * slope_change) * spacing;
             slope += slope_change;
         }
-        assert_relative_eq!(
-            beam_deflection_m(load, height, rigidity),
-            deflection,
-            max_relative = 1e-8
-        );
+        assert_relative_eq!(beam_deflection_m(load, height, rigidity), deflection, max_relative = 1e-8);
     }
 
     /// Tests the first frequency against the table of Blevins (*Formulas for Natural Frequency and Mode Shape*, table
@@ -68,10 +64,6 @@ mod tests {
         }
         assert_relative_eq!((bent / moved).sqrt(), FIRST_ROOT.powi(2), max_relative = 1e-5);
         assert_relative_eq!(first_mode(1.0), 1.0, epsilon = 1e-12);
-        assert_relative_eq!(
-            first_frequency_rad_per_s(0.3, 0.02, 0.024),
-            3.516_02 * 10.143,
-            max_relative = 1e-4
-        );
+        assert_relative_eq!(first_frequency_rad_per_s(0.3, 0.02, 0.024), 3.516_02 * 10.143, max_relative = 1e-4);
     }
 }

@@ -15,13 +15,7 @@ use crate::elastica;
 /// Mathematical Functions*, table 25.4.
 const TABLE: [(u32, &[(f64, f64)]); 3] = [
     (2, &[(0.577_350_269_189_626, 1.0)]),
-    (
-        4,
-        &[
-            (0.339_981_043_584_856, 0.652_145_154_862_546),
-            (0.861_136_311_594_053, 0.347_854_845_137_454),
-        ],
-    ),
+    (4, &[(0.339_981_043_584_856, 0.652_145_154_862_546), (0.861_136_311_594_053, 0.347_854_845_137_454)]),
     (
         8,
         &[
@@ -110,11 +104,7 @@ mod tests {
         for (count, _) in TABLE {
             let chain = |height_m| deflection_m(0.7, height_m, 0.3, 0.02, count).unwrap();
             assert_relative_eq!(chain(0.3), beam(0.3), max_relative = 1e-13);
-            assert!(
-                (chain(0.18) / beam(0.18) - 1.0).abs() > 1e-4,
-                "{count}: {}",
-                chain(0.18)
-            );
+            assert!((chain(0.18) / beam(0.18) - 1.0).abs() > 1e-4, "{count}: {}", chain(0.18));
         }
     }
 
@@ -122,11 +112,7 @@ mod tests {
     /// (1/2 − (1 − 1/√3)/2)² / 2 = 1/24, which for two hinges is the beam's own 1/24.
     #[test]
     fn load_below_the_tip_bends_what_is_below_it() {
-        assert_relative_eq!(
-            deflection_m(1.0, 0.5, 1.0, 1.0, 2).unwrap(),
-            1.0 / 24.0,
-            epsilon = 1e-14
-        );
+        assert_relative_eq!(deflection_m(1.0, 0.5, 1.0, 1.0, 2).unwrap(), 1.0 / 24.0, epsilon = 1e-14);
         assert_eq!(deflection_m(1.0, 0.2, 1.0, 1.0, 2).unwrap(), 0.0);
     }
 

@@ -57,10 +57,7 @@ fn integrate(load: f64, curvature: f64, mut see: impl FnMut(f64)) -> (Tip, f64) 
             std::array::from_fn(|i| state[i] + step / 6.0 * (first[i] + 2.0 * second[i] + 2.0 * third[i] + fourth[i]));
         see(state[3]);
     }
-    let tip = Tip {
-        sideways: state[2],
-        shortening: 1.0 - state[3],
-    };
+    let tip = Tip { sideways: state[2], shortening: 1.0 - state[3] };
     (tip, state[1])
 }
 
@@ -75,10 +72,7 @@ pub fn small_load_error(load: f64) -> f64 {
 
 /// Tip under a pure moment M at the tip, which bends the strip to an arc of `angle_rad` = M L / E I.
 pub fn under_end_moment(angle_rad: f64) -> Tip {
-    Tip {
-        sideways: (1.0 - angle_rad.cos()) / angle_rad,
-        shortening: 1.0 - angle_rad.sin() / angle_rad,
-    }
+    Tip { sideways: (1.0 - angle_rad.cos()) / angle_rad, shortening: 1.0 - angle_rad.sin() / angle_rad }
 }
 
 #[cfg(test)]
@@ -90,11 +84,7 @@ mod tests {
     /// means of elliptic integrals", 1981) for P L² / E I of 1, 2 and 3.
     #[test]
     fn tip_load_gives_the_published_table() {
-        let published = [
-            (1.0, 0.30172, 0.05643),
-            (2.0, 0.49346, 0.16064),
-            (3.0, 0.60325, 0.25442),
-        ];
+        let published = [(1.0, 0.30172, 0.05643), (2.0, 0.49346, 0.16064), (3.0, 0.60325, 0.25442)];
         for (load, sideways, shortening) in published {
             let tip = under_tip_load(load);
             assert!((tip.sideways - sideways).abs() < 1e-5, "{load}: {tip:?}");

@@ -74,11 +74,8 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    const EXAMPLE: StandardLinearSolid = StandardLinearSolid {
-        stiffness: 5000.0,
-        relaxing_share: 0.45,
-        relaxation_time_s: 1.7,
-    };
+    const EXAMPLE: StandardLinearSolid =
+        StandardLinearSolid { stiffness: 5000.0, relaxing_share: 0.45, relaxation_time_s: 1.7 };
 
     /// Tests relaxation, creep and loop area against the dashpot's equation ż = (x − z)/τ integrated in small steps.
     #[test]

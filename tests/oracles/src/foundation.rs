@@ -103,12 +103,7 @@ pub fn bounce(
             (deepest, deepest_at) = (state[0], time);
         }
         if force_n(state[0], state[1]) <= 0.0 {
-            return Bounce {
-                depth_m: deepest,
-                deepest_at_s: deepest_at,
-                speed_m_per_s: -state[1],
-                duration_s: time,
-            };
+            return Bounce { depth_m: deepest, deepest_at_s: deepest_at, speed_m_per_s: -state[1], duration_s: time };
         }
     }
 }
@@ -123,26 +118,14 @@ mod tests {
     #[test]
     fn caps_and_segments() {
         let (radius, depth) = (0.03_f64, 1e-6_f64);
-        assert_relative_eq!(
-            cap_volume_m3(radius, depth),
-            PI * radius * depth * depth,
-            max_relative = 1e-4
-        );
+        assert_relative_eq!(cap_volume_m3(radius, depth), PI * radius * depth * depth, max_relative = 1e-4);
         let parabolic = crossed_cylinders_force_n(1.0, [radius, 0.5 * radius], depth);
         let volume = crossed_volume_m3([radius, 0.5 * radius], depth);
         assert_relative_eq!(volume, parabolic, max_relative = 1e-3);
         let first = 4.0 / 3.0 * (2.0 * radius).sqrt() * depth.powf(1.5);
         assert_relative_eq!(segment_area_m2(radius, depth), first, max_relative = 1e-4);
-        assert_relative_eq!(
-            cap_volume_m3(radius, radius),
-            2.0 / 3.0 * PI * radius.powi(3),
-            epsilon = 1e-15
-        );
-        assert_relative_eq!(
-            segment_area_m2(radius, radius),
-            PI * radius * radius / 2.0,
-            epsilon = 1e-15
-        );
+        assert_relative_eq!(cap_volume_m3(radius, radius), 2.0 / 3.0 * PI * radius.powi(3), epsilon = 1e-15);
+        assert_relative_eq!(segment_area_m2(radius, radius), PI * radius * radius / 2.0, epsilon = 1e-15);
     }
 
     /// Tests the forces against the integral of the pressure over the contact, by the midpoint rule.
@@ -162,10 +145,7 @@ mod tests {
             assert_relative_eq!(sum, force, max_relative = 1e-4);
             assert_relative_eq!(depth_m(stiffness, radii, force), depth, epsilon = 1e-15);
         }
-        assert_eq!(
-            sphere_force_n(stiffness, 0.01, depth),
-            crossed_cylinders_force_n(stiffness, [0.01, 0.01], depth)
-        );
+        assert_eq!(sphere_force_n(stiffness, 0.01, depth), crossed_cylinders_force_n(stiffness, [0.01, 0.01], depth));
     }
 
     /// Tests the bounce without loss of a ball, whose depth follows from ½ m v² = π k R d³ / 3 and which keeps its
@@ -178,11 +158,7 @@ mod tests {
         assert_relative_eq!(ball.depth_m, expected, max_relative = 1e-6);
         assert_relative_eq!(ball.speed_m_per_s, speed, max_relative = 1e-3);
         let punch = bounce(mass, stiffness, 0.0, |depth| 4e-4 * depth, speed);
-        assert_relative_eq!(
-            punch.duration_s,
-            PI * (mass / (stiffness * 4e-4)).sqrt(),
-            max_relative = 1e-3
-        );
+        assert_relative_eq!(punch.duration_s, PI * (mass / (stiffness * 4e-4)).sqrt(), max_relative = 1e-3);
     }
 
     /// Tests depth and speed of a flat punch with loss against the damped oscillator, which leaves at the moment when

@@ -11,9 +11,7 @@ pub fn log_sum_over_paths(initial: &[f64], transition: &[Vec<f64>], log_density:
     let logs: Vec<f64> = (0..paths)
         .map(|code| {
             let state = |sample: usize| code / states.pow(sample as u32) % states;
-            let moves: f64 = (1..samples)
-                .map(|sample| transition[state(sample - 1)][state(sample)].ln())
-                .sum();
+            let moves: f64 = (1..samples).map(|sample| transition[state(sample - 1)][state(sample)].ln()).sum();
             let densities: f64 = (0..samples).map(|sample| log_density[sample][state(sample)]).sum();
             initial[state(0)].ln() + moves + densities
         })
@@ -43,11 +41,7 @@ mod tests {
         let density = [[0.5, 0.1], [0.2, 0.9]];
         let logs = density.map(|row| row.map(f64::ln).to_vec());
         let sum = 0.6 * 0.5 * (0.7 * 0.2 + 0.3 * 0.9) + 0.4 * 0.1 * (0.2 * 0.2 + 0.8 * 0.9);
-        assert_relative_eq!(
-            log_sum_over_paths(&initial, &transition, &logs),
-            f64::ln(sum),
-            epsilon = 1e-14
-        );
+        assert_relative_eq!(log_sum_over_paths(&initial, &transition, &logs), f64::ln(sum), epsilon = 1e-14);
         // A chain that cannot begin has no path.
         assert_eq!(log_sum_over_paths(&[0.0, 0.0], &transition, &logs), f64::NEG_INFINITY);
     }

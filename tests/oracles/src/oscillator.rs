@@ -78,10 +78,7 @@ impl Oscillator {
         let seen_decay = real.hypot(imaginary).ln() / step_s;
         let seen_frequency = imaginary.atan2(real) / step_s;
         let natural = seen_decay.hypot(seen_frequency);
-        Oscillator {
-            frequency_rad_per_s: natural,
-            damping_ratio: seen_decay / natural,
-        }
+        Oscillator { frequency_rad_per_s: natural, damping_ratio: seen_decay / natural }
     }
 }
 
@@ -90,10 +87,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    const EXAMPLE: Oscillator = Oscillator {
-        frequency_rad_per_s: 11.5,
-        damping_ratio: 0.12,
-    };
+    const EXAMPLE: Oscillator = Oscillator { frequency_rad_per_s: 11.5, damping_ratio: 0.12 };
 
     /// Tests the step response against a fine Runge-Kutta integration of ẍ + 2ζω ẋ + ω² (x − 1) = 0.
     #[test]
@@ -139,11 +133,7 @@ mod tests {
         let half = EXAMPLE.period_s() / 2.0;
         assert_relative_eq!(EXAMPLE.step_response(half) - 1.0, EXAMPLE.overshoot(), epsilon = 1e-12);
         let third = EXAMPLE.step_response(3.0 * half) - 1.0;
-        assert_relative_eq!(
-            (EXAMPLE.overshoot() / third).ln(),
-            EXAMPLE.log_decrement(),
-            epsilon = 1e-9
-        );
+        assert_relative_eq!((EXAMPLE.overshoot() / third).ln(), EXAMPLE.log_decrement(), epsilon = 1e-9);
     }
 
     /// Tests the oscillator that implicit Euler simulates against steps of implicit Euler: period and decay of the free
@@ -169,11 +159,7 @@ mod tests {
         assert_relative_eq!(period, seen.period_s(), max_relative = 1e-3);
         // Amplitudes 1000 steps apart; the phase changes their ratio by less than a period's decrement.
         let decay = (at[500] / at[1500]).ln() / 2.0 / (1000.0 * step);
-        assert_relative_eq!(
-            decay,
-            seen.damping_ratio * seen.frequency_rad_per_s,
-            max_relative = 0.05
-        );
+        assert_relative_eq!(decay, seen.damping_ratio * seen.frequency_rad_per_s, max_relative = 0.05);
         // To first order the step adds ω Δt / 2 to the damping ratio.
         let small = EXAMPLE.under_implicit_euler(1e-5);
         assert_relative_eq!(small.damping_ratio - z, w * 1e-5 / 2.0, max_relative = 0.05);

@@ -11,22 +11,13 @@ use super::{PUNCH_M, STIFFNESS_N_PER_M3, bodies, cuboid, soft};
 use crate::{Breaks, Case, CheckError, Comparison, Falsification, Simulated};
 
 /// A flat punch that rebounds from a table.
-pub const REBOUND: Case = Case {
-    compare: rebound,
-    falsifications: &[LOSSY_SURFACE, STIFF_PUNCH],
-};
+pub const REBOUND: Case = Case { compare: rebound, falsifications: &[LOSSY_SURFACE, STIFF_PUNCH] };
 
 /// A ball and a rod that touch a fixed body for a short time.
-pub const FAST_TOUCH: Case = Case {
-    compare: fast_touch,
-    falsifications: &[LOSSY_BODY, STIFF_BODY],
-};
+pub const FAST_TOUCH: Case = Case { compare: fast_touch, falsifications: &[LOSSY_BODY, STIFF_BODY] };
 
-const LOSSY_SURFACE: Falsification = Falsification {
-    wrong: "loss time of the simulated surface",
-    by: "twice as long",
-    breaks: Breaks::Every,
-};
+const LOSSY_SURFACE: Falsification =
+    Falsification { wrong: "loss time of the simulated surface", by: "twice as long", breaks: Breaks::Every };
 const STIFF_PUNCH: Falsification = Falsification {
     wrong: "stiffness of the surface under the punch",
     by: "10 % too high",
@@ -52,10 +43,7 @@ fn rebound(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     const LOSS_TIME_S: f64 = 0.002;
     let stiffness = STIFFNESS_N_PER_M3 * simulated.with(STIFF_PUNCH, 1.0, 1.1);
     let loss_time_s = LOSS_TIME_S * simulated.with(LOSSY_SURFACE, 1.0, 2.0);
-    let mut rig = Rig::new(PhysicsOptions {
-        step_s: REBOUND_STEP_S,
-        gravity_m_per_s2: 0.0,
-    });
+    let mut rig = Rig::new(PhysicsOptions { step_s: REBOUND_STEP_S, gravity_m_per_s2: 0.0 });
     let table = rig.add_fixed(&cuboid(DVec3::new(1.0, 1.0, 0.1)), Surface::hard(0.4), &Pose::IDENTITY);
     let punch = rig.add_free(&FreeBody {
         part: cuboid(DVec3::new(PUNCH_M, PUNCH_M, 0.04)),
@@ -80,14 +68,7 @@ fn rebound(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let reason =
         "1 %: the period of the contact, 20 ms, is resolved by 200 steps, whose own damping the closed form includes";
     Ok(vec![
-        Comparison::relative(
-            "punch that rebounds, deepest overlap",
-            "m",
-            depth,
-            deepest_m,
-            0.01,
-            reason,
-        ),
+        Comparison::relative("punch that rebounds, deepest overlap", "m", depth, deepest_m, 0.01, reason),
         Comparison::relative(
             "punch that rebounds, speed afterwards",
             "m/s",
@@ -109,10 +90,7 @@ fn fast_touch(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let loss_time_s = LOSS_TIME_S * simulated.with(LOSSY_BODY, 1.0, 2.0);
     let mut comparisons = Vec::new();
     for body in bodies().into_iter().take(2) {
-        let mut rig = Rig::new(PhysicsOptions {
-            step_s: REBOUND_STEP_S,
-            gravity_m_per_s2: 0.0,
-        });
+        let mut rig = Rig::new(PhysicsOptions { step_s: REBOUND_STEP_S, gravity_m_per_s2: 0.0 });
         let lower = rig.add_fixed(&body.lower, Surface::hard(0.4), &Pose::IDENTITY);
         let upper = rig.add_free(&FreeBody {
             part: body.upper.clone(),

@@ -34,10 +34,7 @@ fn largest_force_n(tactile: &TactileFrame) -> f64 {
 }
 
 fn trunk() -> Box<dyn Object> {
-    Box::new(Trunk {
-        diameter_m: 0.03,
-        height_m: 0.6,
-    })
+    Box::new(Trunk { diameter_m: 0.03, height_m: 0.6 })
 }
 
 /// Tests that contact forces balance the joints' springs, K (φ − q) = −Σ Jᵀ f, to 1e-3 once the arm is at rest, and
@@ -55,15 +52,9 @@ fn springs_balance_contact_forces() {
         let contact = DVector::from_vec(report.contact_torque_nm(arm));
         assert!(contact.norm() > 0.1 * force, "no contact: {contact}");
         let residual = (&spring + &contact).norm() / spring.norm();
-        assert!(
-            residual < 1e-3,
-            "relative residual {residual} at {force} N: {spring} {contact}"
-        );
+        assert!(residual < 1e-3, "relative residual {residual} at {force} N: {spring} {contact}");
         // The weaker push loads the joints with 0.3 Nm: too little for the audit to count.
-        assert!(
-            (audit.rest_frames > 0) == (force > 5.0) && audit.largest_static_residual < 0.05,
-            "{audit:?}"
-        );
+        assert!((audit.rest_frames > 0) == (force > 5.0) && audit.largest_static_residual < 0.05, "{audit:?}");
         assert!(
             report.tactile.force_residual < 1e-9,
             "taxels miss the solver's force by {}",
@@ -82,20 +73,14 @@ fn a_broad_contact_lights_a_patch() {
         taxels.iter().filter(|taxel| taxel.true_normal_force_n > 0.02).count()
     };
     let (few, many) = (lit(3.0), lit(12.0));
-    assert!(
-        (2..=12).contains(&few) && few <= many && many <= 24,
-        "{few} taxels at 3 N, {many} at 12 N"
-    );
+    assert!((2..=12).contains(&few) && few <= many && many <= 24, "{few} taxels at 3 N, {many} at 12 N");
 }
 
 /// Tests that an arm that starts 5 mm deep in a trunk is pushed out, and after two seconds rests against the trunk on
 /// its springs. The skin gives 65 N at first, π k √(R₁R₂) d². The trunk is too low to touch the upper arm.
 #[test]
 fn an_arm_that_starts_in_contact_is_pushed_out() {
-    let trunk = Trunk {
-        diameter_m: 0.03,
-        height_m: 0.34,
-    };
+    let trunk = Trunk { diameter_m: 0.03, height_m: 0.34 };
     let (pressed, _, audit) = press(Box::new(trunk), 0.010, 0.0, 2.0);
     assert!(audit.largest_frame_force_jump_n < 65.0, "{audit:?}");
     let force = largest_force_n(&pressed.report().tactile);
@@ -113,11 +98,7 @@ fn a_bare_upper_arm_in_a_trunk_meets_its_shell() {
     pressed.hold(&equilibrium, FRAME_PERIOD_S);
     let covered: Vec<usize> = pressed.arm.skin.surfaces.iter().map(|surface| surface.link).collect();
     let report = pressed.report();
-    let bare: Vec<_> = report
-        .contacts
-        .iter()
-        .filter(|contact| !covered.contains(&contact.link))
-        .collect();
+    let bare: Vec<_> = report.contacts.iter().filter(|contact| !covered.contains(&contact.link)).collect();
     let force: f64 = bare.iter().map(|contact| contact.force_world.length()).sum();
     let depth_m = bare.iter().map(|contact| contact.penetration_m).fold(0.0, f64::max);
     let law_n = std::f64::consts::PI * HARD_N_PER_M3 * (0.06 * 0.015_f64).sqrt() * 0.005_f64.powi(2);
@@ -149,10 +130,7 @@ fn a_leaf_pushes_back_less_than_a_trunk() {
 /// the exchanged work is unexplained at steps of 1 ms, and the contacts take more than a fifth of the actuators' work.
 #[test]
 fn dragging_along_a_trunk_keeps_the_balance() {
-    let options = PhysicsOptions {
-        step_s: 0.001,
-        gravity_m_per_s2: 9.81,
-    };
+    let options = PhysicsOptions { step_s: 0.001, gravity_m_per_s2: 9.81 };
     let mut pressed = beside(trunk(), 0.017, options);
     let mut balance = EnergyBalance::new(&pressed.simulation);
     let arm = pressed.arm.clone();
@@ -160,10 +138,7 @@ fn dragging_along_a_trunk_keeps_the_balance() {
     let poses = arm.forward_kinematics(&posture);
     let place = poses[pressed.forearm].transform_point(PLACE_LINK);
     let jacobian = pressed.jacobian(&poses, place).transpose();
-    let (press, drag) = (
-        &jacobian * Vector3::from((across * 6.0).to_array()),
-        &jacobian * Vector3::new(8.0, 0.0, 0.0),
-    );
+    let (press, drag) = (&jacobian * Vector3::from((across * 6.0).to_array()), &jacobian * Vector3::new(8.0, 0.0, 0.0));
     for frame in 0..600 {
         let pressing = (f64::from(frame) / 100.0).min(1.0);
         let dragging = (f64::from(frame - 200) * 0.02).max(0.0).sin();
@@ -171,15 +146,9 @@ fn dragging_along_a_trunk_keeps_the_balance() {
             start + (press[joint] * pressing + drag[joint] * dragging) / arm.joints[joint].stiffness_nm_per_rad
         };
         let equilibrium: Vec<f64> = posture.iter().enumerate().map(angle).collect();
-        pressed
-            .simulation
-            .step_observed(&equilibrium, &mut |step| balance.observe_step(step));
+        pressed.simulation.step_observed(&equilibrium, &mut |step| balance.observe_step(step));
     }
     let sums = balance.sums();
     assert!(sums.contacts_j > 0.2 * sums.actuators_j, "{sums:?}");
-    assert!(
-        sums.residual_j().abs() < 2e-3 * sums.exchanged_j,
-        "{sums:?}: {}",
-        sums.residual_j()
-    );
+    assert!(sums.residual_j().abs() < 2e-3 * sums.exchanged_j, "{sums:?}: {}", sums.residual_j());
 }

@@ -56,10 +56,7 @@ fn trials() -> Vec<Trial> {
     of("leaf", 0, 4).chain(of("trunk", 100, 12)).collect()
 }
 
-const FOLDS: Folds = Folds {
-    count: 2,
-    by: FoldBy::Position,
-};
+const FOLDS: Folds = Folds { count: 2, by: FoldBy::Position };
 
 /// Tests the series over all contacts on trials that can be counted by hand: short contacts count at every point with
 /// their last verdict, although none was used for fitting. Leaving them out overestimates the accuracy.
@@ -101,10 +98,6 @@ fn nothing_long_enough_to_fit_on_is_refused() {
     let mut all = trials();
     all.retain(|trial| trial.category.as_deref() == Some("trunk") || trial.samples.len() == 1);
     let error = accuracy_by_samples_of_all(&all, &Threshold { min: 5 }, FOLDS, 5).unwrap_err();
-    let expected = EvaluateError::TooShort {
-        category: "leaf".into(),
-        fold: 1,
-        samples: 5,
-    };
+    let expected = EvaluateError::TooShort { category: "leaf".into(), fold: 1, samples: 5 };
     assert_eq!(error, expected);
 }

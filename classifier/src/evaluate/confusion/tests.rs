@@ -9,10 +9,7 @@ fn accuracy(rows: &[(&str, &str, usize)]) -> Accuracy {
 }
 
 fn evaluation(rows: &[(&str, &str, usize)]) -> Evaluation {
-    let rows: Vec<_> = rows
-        .iter()
-        .map(|&(truth, verdict, count)| (truth, verdict, 0, count))
-        .collect();
+    let rows: Vec<_> = rows.iter().map(|&(truth, verdict, count)| (truth, verdict, 0, count)).collect();
     Evaluation::of(predictions(&rows), &["leaf".into(), "trunk".into()], vec![]).unwrap()
 }
 
@@ -20,12 +17,7 @@ fn evaluation(rows: &[(&str, &str, usize)]) -> Evaluation {
 /// same figures.
 #[test]
 fn baseline_and_balance_follow_from_the_counts() {
-    let rows = [
-        ("leaf", "leaf", 24),
-        ("leaf", "trunk", 6),
-        ("trunk", "trunk", 4),
-        ("trunk", "leaf", 6),
-    ];
+    let rows = [("leaf", "leaf", 24), ("leaf", "trunk", 6), ("trunk", "trunk", 4), ("trunk", "leaf", 6)];
     let found = evaluation(&rows);
     let expected = Accuracy {
         trials: 40,
@@ -53,12 +45,8 @@ fn one_verdict_for_all_is_the_baseline() {
 /// Tests that uncertain counts as wrong, and that outlier is wrong for a known category.
 #[test]
 fn uncertain_and_outlier_are_wrong() {
-    let found = accuracy(&[
-        ("leaf", "leaf", 6),
-        ("leaf", "uncertain", 4),
-        ("trunk", "trunk", 9),
-        ("trunk", "outlier", 1),
-    ]);
+    let found =
+        accuracy(&[("leaf", "leaf", 6), ("leaf", "uncertain", 4), ("trunk", "trunk", 9), ("trunk", "outlier", 1)]);
     assert_eq!(found.accuracy, 15.0 / 20.0);
     assert_eq!(found.balanced_accuracy, Some((0.6 + 0.9) / 2.0));
     assert_eq!(found.majority_baseline, 0.5);
@@ -98,20 +86,12 @@ fn without_trials_there_are_no_figures() {
 fn touched_and_untouched_are_judged_apart() {
     let models = ["leaf".to_owned(), "trunk".to_owned()];
     let with = |rows: &[(&str, &str, usize)], touched| {
-        let rows: Vec<_> = rows
-            .iter()
-            .map(|&(truth, verdict, count)| (truth, verdict, 0, count))
-            .collect();
+        let rows: Vec<_> = rows.iter().map(|&(truth, verdict, count)| (truth, verdict, 0, count)).collect();
         let mut predictions = predictions(&rows);
-        predictions
-            .iter_mut()
-            .for_each(|prediction| prediction.touched = touched);
+        predictions.iter_mut().for_each(|prediction| prediction.touched = touched);
         predictions
     };
-    let mut all = with(
-        &[("leaf", "leaf", 6), ("trunk", "trunk", 3), ("trunk", "leaf", 1)],
-        Some(true),
-    );
+    let mut all = with(&[("leaf", "leaf", 6), ("trunk", "trunk", 3), ("trunk", "leaf", 1)], Some(true));
     all.extend(with(&[("leaf", "leaf", 1), ("trunk", "leaf", 9)], Some(false)));
     all.extend(with(&[("leaf", "leaf", 2)], None));
     let split = Evaluation::of(all, &models, vec![]).unwrap().by_touch.unwrap();

@@ -41,11 +41,7 @@ fn points_are_the_counts_at_their_thresholds() {
         assert_eq!(point.true_positive_rate, at_least(&positives, threshold));
         assert_eq!(point.false_positive_rate, at_least(&negatives, threshold));
     }
-    let rates: Vec<_> = curve
-        .points
-        .iter()
-        .map(|p| (p.false_positive_rate, p.true_positive_rate))
-        .collect();
+    let rates: Vec<_> = curve.points.iter().map(|p| (p.false_positive_rate, p.true_positive_rate)).collect();
     assert!(rates.is_sorted_by(|a, b| a.0 <= b.0 && a.1 <= b.1));
     assert_eq!((rates[0], rates[5]), ((0.0, 0.0), (1.0, 1.0)));
     assert_eq!(RocCurve::of(&[], &negatives), None);
@@ -71,9 +67,7 @@ fn a_category_is_set_against_all_others() {
 /// The false and true positive rates of a curve's points.
 fn rates(curve: &RocCurve) -> Vec<(f64, f64)> {
     let points = curve.points.iter();
-    points
-        .map(|point| (point.false_positive_rate, point.true_positive_rate))
-        .collect()
+    points.map(|point| (point.false_positive_rate, point.true_positive_rate)).collect()
 }
 
 /// Tests that the smallest margins are called outliers first, on scores whose answer is worked out by hand.
@@ -93,20 +87,10 @@ fn the_smallest_leads_are_called_outliers_first() {
     let curve = outlier_roc(&evaluation, &judge, 0.0).unwrap();
     assert!((curve.area - 4.0 / 6.0).abs() < 1e-15, "{}", curve.area);
     let third = 1.0 / 3.0;
-    let by_hand = [
-        (0.0, 0.0),
-        (third, 0.0),
-        (third, 0.5),
-        (third, 1.0),
-        (2.0 * third, 1.0),
-        (1.0, 1.0),
-    ];
+    let by_hand = [(0.0, 0.0), (third, 0.0), (third, 0.5), (third, 1.0), (2.0 * third, 1.0), (1.0, 1.0)];
     assert_eq!(rates(&curve), by_hand);
     let thresholds: Vec<Option<f64>> = curve.points.iter().map(|point| point.threshold).collect();
-    assert_eq!(
-        thresholds,
-        [None, Some(30.0), Some(60.0), Some(85.0), Some(90.0), Some(200.0)]
-    );
+    assert_eq!(thresholds, [None, Some(30.0), Some(60.0), Some(85.0), Some(90.0), Some(200.0)]);
     // Outliers with smaller margins than all others are found without a false alarm; with larger ones they never are.
     let apart = |outlier: f64, known: f64| scored(&[("outlier", [outlier, 0.0]), ("leaf", [known, 0.0])]);
     let area = |evaluation| outlier_roc(&evaluation, &judge, 0.0).unwrap().area;
@@ -131,26 +115,15 @@ fn the_curve_passes_through_the_rule() {
     let judge = Decision::paper().prepare(&["leaf".into(), "trunk".into()]).unwrap();
     let curve = outlier_roc(&evaluation, &judge, 15.0).unwrap();
     let verdicts = |outlier: bool| {
-        let own: Vec<_> = evaluation
-            .predictions
-            .iter()
-            .filter(|prediction| (prediction.category == "outlier") == outlier)
-            .collect();
-        let called = own
-            .iter()
-            .filter(|prediction| judge.choose(&prediction.scores) == crate::decision::Choice::Outlier);
+        let own: Vec<_> =
+            evaluation.predictions.iter().filter(|prediction| (prediction.category == "outlier") == outlier).collect();
+        let called =
+            own.iter().filter(|prediction| judge.choose(&prediction.scores) == crate::decision::Choice::Outlier);
         called.count() as f64 / own.len() as f64
     };
     // The last point with a margin of at most 80 nats, the paper's upper threshold.
-    let at_80 = curve
-        .points
-        .iter()
-        .rfind(|point| point.threshold.is_some_and(|margin| margin <= 80.0))
-        .unwrap();
-    assert_eq!(
-        (at_80.false_positive_rate, at_80.true_positive_rate),
-        (verdicts(false), verdicts(true))
-    );
+    let at_80 = curve.points.iter().rfind(|point| point.threshold.is_some_and(|margin| margin <= 80.0)).unwrap();
+    assert_eq!((at_80.false_positive_rate, at_80.true_positive_rate), (verdicts(false), verdicts(true)));
     // A straight line from the last trial that is not uncertain to the end.
     assert_eq!(rates(&curve)[3..], [(2.0 / 3.0, 0.5), (1.0, 1.0)]);
 }

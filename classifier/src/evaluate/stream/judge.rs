@@ -54,11 +54,7 @@ pub fn classify_stream(
         let verdicts = online.update(frame)?;
         stream.seconds.push(start.elapsed().as_secs_f64());
         let judged = verdicts.filter_map(|taxel| {
-            Some(Judged {
-                taxel: taxel.taxel,
-                samples: taxel.samples,
-                verdict: place(&taxel.verdict)?,
-            })
+            Some(Judged { taxel: taxel.taxel, samples: taxel.samples, verdict: place(&taxel.verdict)? })
         });
         stream.observe(frame, judged, &mut followed);
     }
@@ -103,12 +99,7 @@ struct Followed<'a> {
 
 impl<'a> Followed<'a> {
     fn new(recording: &'a Recording, patch: Option<&str>, truth: StreamTruth) -> Self {
-        Followed {
-            recording,
-            patch: recording.layout.chosen_patch(patch).unwrap_or_default(),
-            truth,
-            last: Vec::new(),
-        }
+        Followed { recording, patch: recording.layout.chosen_patch(patch).unwrap_or_default(), truth, last: Vec::new() }
     }
 }
 
@@ -122,14 +113,8 @@ struct Pressing {
 impl Pressing {
     fn of(frame: &Frame, patch: usize, recording: &Recording, truths: &[Category]) -> Self {
         let mut by_taxel = Vec::new();
-        for reading in frame
-            .taxels
-            .iter()
-            .filter(|reading| usize::from(reading.patch) == patch)
-        {
-            let object = reading
-                .object
-                .and_then(|object| recording.objects.get(usize::from(object)));
+        for reading in frame.taxels.iter().filter(|reading| usize::from(reading.patch) == patch) {
+            let object = reading.object.and_then(|object| recording.objects.get(usize::from(object)));
             if let Some(object) = object {
                 by_taxel.push((usize::from(reading.taxel), object.category));
             }
@@ -220,11 +205,7 @@ impl Stream {
             && let Some(truth) = truth
         {
             *place = Some(self.contacts.len());
-            self.contacts.push(StreamContact {
-                truth,
-                samples: 0,
-                first_right: None,
-            });
+            self.contacts.push(StreamContact { truth, samples: 0, first_right: None });
         }
         let Some(contact) = place.and_then(|place| self.contacts.get_mut(place)) else {
             return;

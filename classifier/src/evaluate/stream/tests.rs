@@ -27,11 +27,7 @@ fn models() -> HmmClassifier {
 }
 
 fn options(rule: Rule) -> OnlineOptions {
-    OnlineOptions {
-        patch: None,
-        threshold_n: 0.0,
-        decision: Decision::new(rule),
-    }
+    OnlineOptions { patch: None, threshold_n: 0.0, decision: Decision::new(rule) }
 }
 
 /// Six frames: taxel 2 touches the leaf (object 0) lightly, taxel 7 the trunk (object 1) lightly, taxel 9 the trunk
@@ -39,9 +35,7 @@ fn options(rule: Rule) -> OnlineOptions {
 fn reach() -> Recording {
     let full = [(2, 0.5, Some(0)), (7, 0.5, Some(1)), (9, 3.0, Some(1)), (11, 3.0, None)];
     let broken = [full[0], full[1], full[3]];
-    let frames: Vec<Drawn> = (0..6)
-        .map(|k| (0.0, if k == 4 { &broken[..] } else { &full[..] }))
-        .collect();
+    let frames: Vec<Drawn> = (0..6).map(|k| (0.0, if k == 4 { &broken[..] } else { &full[..] })).collect();
     recording(&frames)
 }
 
@@ -50,29 +44,13 @@ fn reach() -> Recording {
 #[test]
 fn verdicts_are_tallied_by_truth() {
     let stream = classify_stream(&models(), &reach(), &options(Rule::Argmax), StreamTruth::Object).unwrap();
-    let total = Tally {
-        correct: 6 + 5,
-        misclassified: 6,
-        uncertain: 0,
-        unknown: 6,
-    };
+    let total = Tally { correct: 6 + 5, misclassified: 6, uncertain: 0, unknown: 6 };
     assert_eq!(stream.total(), total);
     assert_eq!(stream.verdicts, ["leaf", "trunk", "uncertain", "outlier"]);
-    let expected = [
-        vec![6, 0, 0, 0],
-        vec![6, 5, 0, 0],
-        vec![0; 4],
-        vec![0; 4],
-        vec![0, 6, 0, 0],
-    ];
+    let expected = [vec![6, 0, 0, 0], vec![6, 5, 0, 0], vec![0; 4], vec![0; 4], vec![0, 6, 0, 0]];
     assert_eq!(stream.taxel_frames, expected);
     assert_eq!(stream.frames[4].by_verdict, [2, 1, 0, 0]);
-    assert!(
-        stream
-            .frames
-            .iter()
-            .all(|frame| frame.touched == [true, true, false, false])
-    );
+    assert!(stream.frames.iter().all(|frame| frame.touched == [true, true, false, false]));
     assert_eq!(stream.seconds.len(), 6);
 }
 
@@ -82,11 +60,7 @@ fn verdicts_are_tallied_by_truth() {
 fn the_first_right_verdict_of_each_contact_is_found() {
     let rule = Rule::UncertainBelow { margin: 5.0 };
     let stream = classify_stream(&models(), &reach(), &options(rule), StreamTruth::Object).unwrap();
-    let contact = |truth, samples, first_right| StreamContact {
-        truth,
-        samples,
-        first_right,
-    };
+    let contact = |truth, samples, first_right| StreamContact { truth, samples, first_right };
     let expected = [
         contact(Category::LEAF, 6, Some(2)),
         contact(Category::TRUNK, 6, None),
@@ -104,12 +78,7 @@ fn a_category_has_a_tally_of_its_own() {
     let stream = classify_stream(&models(), &reach(), &options(rule), StreamTruth::Object).unwrap();
     let (leaf, trunk) = (stream.tally_of(Category::LEAF), stream.tally_of(Category::TRUNK));
     // In their first samples taxel 2, taxel 7 and both contacts of taxel 9 are uncertain.
-    let tally = |correct, misclassified, uncertain| Tally {
-        correct,
-        misclassified,
-        uncertain,
-        unknown: 0,
-    };
+    let tally = |correct, misclassified, uncertain| Tally { correct, misclassified, uncertain, unknown: 0 };
     assert_eq!(leaf, tally(5, 0, 1));
     assert_eq!(trunk, tally(3, 5, 3));
     assert_eq!(stream.tally_of(Category::OUTLIER), Tally::default());
@@ -122,12 +91,7 @@ fn a_category_has_a_tally_of_its_own() {
 fn an_environment_is_everyones_truth() {
     let truth = StreamTruth::Environment(Category::TRUNK);
     let stream = classify_stream(&models(), &reach(), &options(Rule::Argmax), truth).unwrap();
-    let total = Tally {
-        correct: 5 + 6,
-        misclassified: 12,
-        uncertain: 0,
-        unknown: 0,
-    };
+    let total = Tally { correct: 5 + 6, misclassified: 12, uncertain: 0, unknown: 0 };
     assert_eq!(stream.total(), total);
 }
 
@@ -140,11 +104,7 @@ fn samples_used_are_those_at_the_verdict() {
     let stream = classify_stream(&models(), &reach(), &options(rule), StreamTruth::Object).unwrap();
     let used: Vec<f64> = stream.frames.iter().map(|frame| frame.mean_samples_used).collect();
     assert_eq!(used, [0.0, 0.0, 0.0, 4.0, 4.0, 3.0]);
-    let since: Vec<f64> = stream
-        .frames
-        .iter()
-        .map(|frame| frame.mean_samples_since_contact)
-        .collect();
+    let since: Vec<f64> = stream.frames.iter().map(|frame| frame.mean_samples_since_contact).collect();
     assert_eq!(since, [1.0, 2.0, 3.0, 4.0, 5.0, (6.0 * 3.0 + 1.0) / 4.0]);
     assert_eq!(stream.mean_samples_used(), Some((4.0 + 4.0 + 3.0) / 6.0));
     assert_eq!(stream.frames[5].tally.uncertain, 1);
@@ -155,15 +115,9 @@ fn samples_used_are_those_at_the_verdict() {
 #[test]
 fn a_foreign_object_is_rightly_an_outlier() {
     let mut recording = reach();
-    recording.objects[1] = ObjectRecord {
-        kind: "foam_roll".into(),
-        category: Category::OUTLIER,
-        ..recording.objects[1].clone()
-    };
-    let rule = Rule::OutlierBand {
-        uncertain_below: 0.0,
-        category_above: 10.0,
-    };
+    recording.objects[1] =
+        ObjectRecord { kind: "foam_roll".into(), category: Category::OUTLIER, ..recording.objects[1].clone() };
+    let rule = Rule::OutlierBand { uncertain_below: 0.0, category_above: 10.0 };
     let stream = classify_stream(&models(), &recording, &options(rule), StreamTruth::Object).unwrap();
     // Margins grow by 3.125 nats per sample: outlier after samples 1 to 3, then a category.
     assert_eq!(stream.taxel_frames[0], [3, 0, 0, 3]);
@@ -176,12 +130,8 @@ fn a_foreign_object_is_rightly_an_outlier() {
 /// called outlier was once right in a stream and wrong as a trial.
 #[test]
 fn right_in_a_stream_is_right_as_a_trial() {
-    let verdicts = [
-        Verdict::Category("leaf".into()),
-        Verdict::Category("trunk".into()),
-        Verdict::Uncertain,
-        Verdict::Outlier,
-    ];
+    let verdicts =
+        [Verdict::Category("leaf".into()), Verdict::Category("trunk".into()), Verdict::Uncertain, Verdict::Outlier];
     let mut right = Vec::new();
     for truth in Category::BUILT_IN {
         for verdict in &verdicts {
@@ -197,21 +147,13 @@ fn right_in_a_stream_is_right_as_a_trial() {
                 scores: vec![],
                 verdict: verdict.clone(),
             };
-            assert_eq!(
-                tally.correct == 1,
-                prediction.is_correct(),
-                "{truth:?} called {verdict}"
-            );
+            assert_eq!(tally.correct == 1, prediction.is_correct(), "{truth:?} called {verdict}");
             if prediction.is_correct() {
                 right.push((truth, verdict.name()));
             }
         }
     }
-    let expected = [
-        (Category::LEAF, "leaf"),
-        (Category::TRUNK, "trunk"),
-        (Category::OUTLIER, "outlier"),
-    ];
+    let expected = [(Category::LEAF, "leaf"), (Category::TRUNK, "trunk"), (Category::OUTLIER, "outlier")];
     assert_eq!(right, expected);
 }
 

@@ -10,10 +10,7 @@ use crate::estimator::{Classifier, Estimator};
 use crate::evaluate::tests::{OneNumber, scored};
 use crate::evaluate::{Folds, HeldOut};
 
-const TARGETS: ThresholdTargets = ThresholdTargets {
-    false_positive_rate: 0.1,
-    outlier_prior: 0.05,
-};
+const TARGETS: ThresholdTargets = ThresholdTargets { false_positive_rate: 0.1, outlier_prior: 0.05 };
 
 /// Scores of `count` trials per category. The margin in favour of the true category is normal with mean 3 nats and
 /// standard deviation 3 nats.
@@ -34,10 +31,7 @@ fn drawn(count: usize, seed: u64) -> Evaluation {
 
 fn band(chosen: &ChosenThresholds) -> (f64, f64) {
     match chosen.decision.rule {
-        Rule::OutlierBand {
-            uncertain_below,
-            category_above,
-        } => (uncertain_below, category_above),
+        Rule::OutlierBand { uncertain_below, category_above } => (uncertain_below, category_above),
         rule => panic!("{rule:?} is no band"),
     }
 }
@@ -47,24 +41,15 @@ fn band(chosen: &ChosenThresholds) -> (f64, f64) {
 #[test]
 fn thresholds_are_the_quantiles_of_the_distribution() {
     let z_at_2_percent = 2.053_749;
-    let targets = ThresholdTargets {
-        false_positive_rate: 0.02,
-        outlier_prior: 0.05,
-    };
+    let targets = ThresholdTargets { false_positive_rate: 0.02, outlier_prior: 0.05 };
     let chosen = choose_thresholds(&drawn(50_000, 1), &BTreeMap::new(), targets).unwrap();
     let (uncertain_below, category_above) = band(&chosen);
     let expected = 3.0 * z_at_2_percent - 3.0;
     // Standard error of the quantile: sqrt(α(1 − α)/n) over the density, here 0.039. The tolerance is four of these.
-    assert!(
-        (category_above - expected).abs() < 0.16,
-        "{category_above} for {expected}"
-    );
+    assert!((category_above - expected).abs() < 0.16, "{category_above} for {expected}");
     assert!((chosen.outlier - 0.05 / 0.95).abs() < 1e-3, "{}", chosen.outlier);
     assert!(0.0 < uncertain_below && uncertain_below < category_above);
-    assert!(
-        chosen.false_positive_rate.values().all(|rate| *rate <= 0.02),
-        "{chosen:?}"
-    );
+    assert!(chosen.false_positive_rate.values().all(|rate| *rate <= 0.02), "{chosen:?}");
 }
 
 /// Tests the rate where its conditions hold, with independent trials and a single scoring rule: over many small
@@ -99,10 +84,7 @@ fn counts_stand_at_the_border() {
         rows.push(("leaf", [margin, 0.0]));
         rows.push(("trunk", [0.0, 20.0]));
     }
-    let targets = ThresholdTargets {
-        false_positive_rate: 0.25,
-        outlier_prior: 0.2,
-    };
+    let targets = ThresholdTargets { false_positive_rate: 0.25, outlier_prior: 0.2 };
     let chosen = choose_thresholds(&scored(&rows), &BTreeMap::new(), targets).unwrap();
     // The third largest mistake is 5. The band may hold π/(1 − π) = 1/4 of the known: (k_leaf + 1 + 0 + 1)/12/2 ≤ 1/4
     // for k_leaf ≤ 4, and margins of 5, 4, 3, 2 are in it.
@@ -115,10 +97,7 @@ fn counts_stand_at_the_border() {
 /// Tests that with an outlier prior of zero the band contains only a margin equal to the threshold.
 #[test]
 fn no_outliers_expected_leaves_no_band() {
-    let targets = ThresholdTargets {
-        outlier_prior: 0.0,
-        ..TARGETS
-    };
+    let targets = ThresholdTargets { outlier_prior: 0.0, ..TARGETS };
     let chosen = choose_thresholds(&drawn(500, 3), &BTreeMap::new(), targets).unwrap();
     let (uncertain_below, category_above) = band(&chosen);
     assert_eq!(uncertain_below, category_above);
@@ -132,40 +111,17 @@ fn no_outliers_expected_leaves_no_band() {
 fn what_cannot_be_held_is_refused() {
     let data = drawn(8, 4);
     let choose = |data: &Evaluation, false_positive_rate, outlier_prior| {
-        let targets = ThresholdTargets {
-            false_positive_rate,
-            outlier_prior,
-        };
+        let targets = ThresholdTargets { false_positive_rate, outlier_prior };
         choose_thresholds(data, &BTreeMap::new(), targets).unwrap_err()
     };
-    for (rate, prior) in [
-        (0.0, 0.1),
-        (1.0, 0.1),
-        (f64::NAN, 0.1),
-        (0.2, 0.5),
-        (0.2, -0.1),
-        (0.2, f64::NAN),
-    ] {
+    for (rate, prior) in [(0.0, 0.1), (1.0, 0.1), (f64::NAN, 0.1), (0.2, 0.5), (0.2, -0.1), (0.2, f64::NAN)] {
         let error = choose(&data, rate, prior);
         assert!(matches!(error, ThresholdError::BadTarget { .. }), "{error}");
     }
     let error = choose(&data, 0.1, 0.1);
-    assert!(
-        matches!(
-            error,
-            ThresholdError::TooFewTrials {
-                found: 8,
-                needed: 9,
-                ..
-            }
-        ),
-        "{error}"
-    );
+    assert!(matches!(error, ThresholdError::TooFewTrials { found: 8, needed: 9, .. }), "{error}");
     let impossible = scored(
-        &[("leaf", [f64::NEG_INFINITY, 0.0]); 9]
-            .into_iter()
-            .chain([("trunk", [0.0, 1.0]); 9])
-            .collect::<Vec<_>>(),
+        &[("leaf", [f64::NEG_INFINITY, 0.0]); 9].into_iter().chain([("trunk", [0.0, 1.0]); 9]).collect::<Vec<_>>(),
     );
     let error = choose(&impossible, 0.2, 0.1);
     assert!(matches!(error, ThresholdError::NoThreshold { .. }), "{error}");
@@ -196,22 +152,13 @@ fn thresholds_of_whole_trials_are_late_sample_by_sample() {
         patch: None,
         taxel: None,
         samples: (0..10)
-            .map(|k| Sample {
-                time_s: 0.01 * f64::from(k),
-                force_n,
-                motion_m: None,
-                region: None,
-                touched: None,
-            })
+            .map(|k| Sample { time_s: 0.01 * f64::from(k), force_n, motion_m: None, region: None, touched: None })
             .collect(),
     };
     let leaves = (0..12).map(|n| trial(n, "leaf", if n % 4 == 0 { 0.5 } else { -1.0 }));
     let trunks = (12..24).map(|n| trial(n, "trunk", 1.0));
     let trials: Vec<Trial> = leaves.chain(trunks).collect();
-    let targets = ThresholdTargets {
-        false_positive_rate: 0.25,
-        outlier_prior: 0.0,
-    };
+    let targets = ThresholdTargets { false_positive_rate: 0.25, outlier_prior: 0.0 };
     let held_out = HeldOut::of(&trials, &Sum, Folds::paper()).unwrap();
     let chosen = held_out.choose_thresholds(&BTreeMap::new(), targets).unwrap();
     assert_eq!(band(&chosen), (5.0, 5.0));

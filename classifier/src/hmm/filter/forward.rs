@@ -58,9 +58,8 @@ impl ForwardTables {
         for to in 0..states {
             let entry = |from: usize| transition.get(from * states + to).copied().unwrap_or(0.0);
             let first = (0..states).find(|&from| entry(from) > 0.0).unwrap_or(0) / CHUNK * CHUNK;
-            let end = (0..states)
-                .rfind(|&from| entry(from) > 0.0)
-                .map_or(first, |last| (last + 1).next_multiple_of(CHUNK));
+            let end =
+                (0..states).rfind(|&from| entry(from) > 0.0).map_or(first, |last| (last + 1).next_multiple_of(CHUNK));
             let begin = entries.len();
             entries.extend((first..end).map(entry));
             into.push((first..end, begin..entries.len()));
@@ -85,11 +84,7 @@ fn split(number: f64) -> (f64, f64) {
     if number == 0.0 {
         return (0.0, ZERO_EXPONENT);
     }
-    let (number, offset) = if number < f64::MIN_POSITIVE {
-        (number * 2f64.powi(200), -200.0)
-    } else {
-        (number, 0.0)
-    };
+    let (number, offset) = if number < f64::MIN_POSITIVE { (number * 2f64.powi(200), -200.0) } else { (number, 0.0) };
     let (mantissa, exponent) = parts(number);
     (mantissa, exponent + offset)
 }
@@ -139,9 +134,7 @@ impl Forward {
             let mut sums = [[0.0; WIDTH]; 2];
             for (relative, probability) in before.iter().zip(entries) {
                 for k in 0..CHUNK {
-                    sums[k % 2] = zip(sums[k % 2], relative[k], |sum, relative| {
-                        sum + probability[k] * relative
-                    });
+                    sums[k % 2] = zip(sums[k % 2], relative[k], |sum, relative| sum + probability[k] * relative);
                 }
             }
             let (mut sum, mut base) = (add(sums[0], sums[1]), plain_base);
@@ -164,9 +157,7 @@ impl Forward {
     /// The largest exponent of each stream.
     #[inline(always)]
     fn top(&self) -> Tile {
-        self.exponent
-            .iter()
-            .fold([ZERO_EXPONENT; WIDTH], |top, exponent| zip(*exponent, top, larger))
+        self.exponent.iter().fold([ZERO_EXPONENT; WIDTH], |top, exponent| zip(*exponent, top, larger))
     }
 
     /// The natural logarithm of the sum of each stream's weights; −inf where there are none.

@@ -32,9 +32,7 @@ impl ViterbiTables {
             tiles,
             left_to_right,
             initial: tiled(1, states, f64::NEG_INFINITY, |_, state| math::log2(initial[state])),
-            transition: pairs
-                .map(|(from, tile)| std::array::from_fn(|lane| row(from * WIDTH + lane, tile)))
-                .collect(),
+            transition: pairs.map(|(from, tile)| std::array::from_fn(|lane| row(from * WIDTH + lane, tile))).collect(),
         }
     }
 
@@ -60,10 +58,7 @@ pub(in crate::hmm) struct Viterbi {
 impl Viterbi {
     pub(super) fn new(states: usize) -> Self {
         let nothing = vec![[f64::NEG_INFINITY; WIDTH]; tiles_for(states)];
-        Viterbi {
-            log2: nothing.clone(),
-            into: nothing,
-        }
+        Viterbi { log2: nothing.clone(), into: nothing }
     }
 
     /// Takes one sample, given feature by feature.
@@ -84,9 +79,7 @@ impl Viterbi {
         }
         for (tile, (log2, into)) in self.log2.iter_mut().zip(&self.into).enumerate() {
             // The comparison turns NaN, from infinities of opposite sign, into −inf.
-            *log2 = map(add(*into, gaussians.log2_of_states(tile, sample)), |log2| {
-                larger(log2, f64::NEG_INFINITY)
-            });
+            *log2 = map(add(*into, gaussians.log2_of_states(tile, sample)), |log2| larger(log2, f64::NEG_INFINITY));
         }
     }
 

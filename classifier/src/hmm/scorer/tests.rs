@@ -25,20 +25,9 @@ pub(in crate::hmm) fn small_problem() -> impl Strategy<Value = (HmmParameters, V
         });
         let transition = proptest::collection::vec(row.clone(), n);
         let samples = (1usize..=5).prop_flat_map(move |t| proptest::collection::vec(-20.0..20.0, t * d));
-        let states = (
-            proptest::collection::vec(mean, n),
-            proptest::collection::vec(covariance, n),
-        );
+        let states = (proptest::collection::vec(mean, n), proptest::collection::vec(covariance, n));
         (row, transition, states, samples).prop_map(|(initial, transition, (mean, covariance), samples)| {
-            (
-                HmmParameters {
-                    initial,
-                    transition,
-                    mean,
-                    covariance,
-                },
-                samples,
-            )
+            (HmmParameters { initial, transition, mean, covariance }, samples)
         })
     })
 }
@@ -54,10 +43,7 @@ fn path_log_probabilities(parameters: &HmmParameters, observations: &Observation
         } else {
             let v = sample[1] - mean[1];
             let determinant = c[0][0] * c[1][1] - c[0][1] * c[1][0];
-            (
-                (c[1][1] * u * u - 2.0 * c[0][1] * u * v + c[0][0] * v * v) / determinant,
-                determinant,
-            )
+            ((c[1][1] * u * u - 2.0 * c[0][1] * u * v + c[0][0] * v * v) / determinant, determinant)
         };
         -0.5 * (square + determinant.ln() + sample.len() as f64 * std::f64::consts::TAU.ln())
     };
@@ -65,15 +51,9 @@ fn path_log_probabilities(parameters: &HmmParameters, observations: &Observation
     (0..n.pow(steps as u32))
         .map(|code| {
             let path: Vec<usize> = (0..steps).map(|t| code / n.pow(t as u32) % n).collect();
-            let moves: f64 = path
-                .windows(2)
-                .map(|pair| parameters.transition[pair[0]][pair[1]].ln())
-                .sum();
-            let densities: f64 = path
-                .iter()
-                .zip(observations.samples())
-                .map(|(&state, sample)| log_density(state, sample))
-                .sum();
+            let moves: f64 = path.windows(2).map(|pair| parameters.transition[pair[0]][pair[1]].ln()).sum();
+            let densities: f64 =
+                path.iter().zip(observations.samples()).map(|(&state, sample)| log_density(state, sample)).sum();
             parameters.initial[path[0]].ln() + moves + densities
         })
         .collect()
@@ -124,24 +104,14 @@ fn left_to_right_models_score_foreign_data_exactly() {
         initial[0] = 1.0 - 1e-12;
         initial[n - 1] = 1e-12;
         let mean: Vec<Vec<f64>> = (0..n).map(|_| vec![rng.random_range(0.0..3.0)]).collect();
-        let covariance = (0..n)
-            .map(|_| vec![vec![10.0f64.powf(rng.random_range(-5.0..-2.0))]])
-            .collect();
-        let parameters = HmmParameters {
-            initial,
-            transition,
-            mean,
-            covariance,
-        };
+        let covariance = (0..n).map(|_| vec![vec![10.0f64.powf(rng.random_range(-5.0..-2.0))]]).collect();
+        let parameters = HmmParameters { initial, transition, mean, covariance };
         let values: Vec<f64> = (0..200).map(|t| 4.0 * (0.1 * f64::from(t + round)).sin()).collect();
         let expected = slow_log_forward(&parameters, &values);
         let observations = Observations::new(1, values).unwrap();
         let scorer = Scorer::from(GaussianHmm::new(parameters).unwrap());
         let found = scorer.log_probability(ScoreKind::Forward, &observations).unwrap();
-        assert!(
-            expected.is_finite() && expected < -1e4,
-            "the data must be foreign: {expected}"
-        );
+        assert!(expected.is_finite() && expected < -1e4, "the data must be foreign: {expected}");
         assert!(((found - expected) / expected).abs() < 1e-12, "{found} for {expected}");
     }
 }
@@ -151,19 +121,13 @@ fn slow_log_forward(parameters: &HmmParameters, values: &[f64]) -> f64 {
     let n = parameters.initial.len();
     let add = |a: f64, b: f64| {
         let (low, high) = (a.min(b), a.max(b));
-        if low == f64::NEG_INFINITY {
-            high
-        } else {
-            high + (low - high).exp().ln_1p()
-        }
+        if low == f64::NEG_INFINITY { high } else { high + (low - high).exp().ln_1p() }
     };
     let density = |state: usize, x: f64| {
         let (mean, variance) = (parameters.mean[state][0], parameters.covariance[state][0][0]);
         -0.5 * ((x - mean).powi(2) / variance + (std::f64::consts::TAU * variance).ln())
     };
-    let mut alpha: Vec<f64> = (0..n)
-        .map(|j| parameters.initial[j].ln() + density(j, values[0]))
-        .collect();
+    let mut alpha: Vec<f64> = (0..n).map(|j| parameters.initial[j].ln() + density(j, values[0])).collect();
     for &x in &values[1..] {
         alpha = (0..n)
             .map(|j| {
@@ -193,16 +157,12 @@ fn trained_left_to_right(rng: &mut ChaCha8Rng) -> HmmParameters {
         row.iter_mut().for_each(|weight| *weight /= sum);
         row
     };
-    let mean: Vec<Vec<f64>> = (0..n)
-        .map(|j| vec![0.3 * j as f64 + rng.random_range(0.0..0.1)])
-        .collect();
+    let mean: Vec<Vec<f64>> = (0..n).map(|j| vec![0.3 * j as f64 + rng.random_range(0.0..0.1)]).collect();
     HmmParameters {
         initial: row(0, rng),
         transition: (0..n).map(|i| row(i, rng)).collect(),
         mean,
-        covariance: (0..n)
-            .map(|_| vec![vec![10.0f64.powf(rng.random_range(-4.0..0.0))]])
-            .collect(),
+        covariance: (0..n).map(|_| vec![vec![10.0f64.powf(rng.random_range(-4.0..0.0))]]).collect(),
     }
 }
 
@@ -215,17 +175,9 @@ fn holds_oscillations_and_outliers_are_exact() {
     let noise = |rng: &mut ChaCha8Rng| rng.random_range(-0.02..0.02);
     for round in 0..6 {
         let hold = if round == 0 { 20_000 } else { 700 };
-        let held: Vec<f64> = (0..hold)
-            .map(|t| (0.1 * f64::from(t)).min(2.8) + noise(&mut rng))
-            .collect();
-        let back: Vec<f64> = held
-            .iter()
-            .copied()
-            .chain((0..40).map(|t| 2.8 - 0.07 * f64::from(t)))
-            .collect();
-        let swing: Vec<f64> = (0..300)
-            .map(|t| if t % 50 < 25 { 0.05 } else { 5.0 } + noise(&mut rng))
-            .collect();
+        let held: Vec<f64> = (0..hold).map(|t| (0.1 * f64::from(t)).min(2.8) + noise(&mut rng)).collect();
+        let back: Vec<f64> = held.iter().copied().chain((0..40).map(|t| 2.8 - 0.07 * f64::from(t))).collect();
+        let swing: Vec<f64> = (0..300).map(|t| if t % 50 < 25 { 0.05 } else { 5.0 } + noise(&mut rng)).collect();
         let mut outlier = swing.clone();
         outlier[150] = 1e6;
         let parameters = trained_left_to_right(&mut rng);
@@ -235,11 +187,7 @@ fn holds_oscillations_and_outliers_are_exact() {
             let observations = Observations::new(1, values).unwrap();
             let found = scorer.log_probability(ScoreKind::Forward, &observations).unwrap();
             let close = found == expected || ((found - expected) / expected).abs() < 1e-9;
-            assert!(
-                close,
-                "round {round}, {} samples: {found} for {expected}",
-                observations.sample_count()
-            );
+            assert!(close, "round {round}, {} samples: {found} for {expected}", observations.sample_count());
         }
     }
 }
@@ -258,14 +206,9 @@ fn one_by_one_and_together_are_the_same_bits() {
         let together = scorer.log_probabilities(kind, &all).unwrap();
         for (sequence, found) in sequences.iter().zip(together) {
             let mut running = RunningScore::new(kind, &scorer);
-            sequence
-                .samples()
-                .for_each(|sample| running.push(&scorer, sample).unwrap());
+            sequence.samples().for_each(|sample| running.push(&scorer, sample).unwrap());
             assert_eq!(found.to_bits(), running.log_probability().to_bits());
-            assert_eq!(
-                found.to_bits(),
-                scorer.log_probability(kind, sequence).unwrap().to_bits()
-            );
+            assert_eq!(found.to_bits(), scorer.log_probability(kind, sequence).unwrap().to_bits());
         }
     }
     assert_eq!(scorer.log_probabilities(ScoreKind::Forward, &[]), Ok(vec![]));

@@ -74,20 +74,13 @@ impl Pass {
         let (n, last) = (model.states, sequence.sample_count() - 1);
         self.log_beta.fill(0.0);
         let alpha = &self.log_alpha[last * n..];
-        fill(
-            &mut self.probability,
-            alpha.iter().map(|alpha| probability(alpha - log_likelihood)),
-        );
+        fill(&mut self.probability, alpha.iter().map(|alpha| probability(alpha - log_likelihood)));
         counts.count_sample(model, sequence.sample(last), &self.probability);
         for t in (0..last).rev() {
             self.step_back(n, t, log_likelihood, counts);
             counts.count_sample(model, sequence.sample(t), &self.probability);
         }
-        counts
-            .initial
-            .iter_mut()
-            .zip(&self.probability)
-            .for_each(|(sum, gamma)| *sum += gamma);
+        counts.initial.iter_mut().zip(&self.probability).for_each(|(sum, gamma)| *sum += gamma);
     }
 
     /// Turns β of sample t + 1 into β and γ of sample t, and adds the expected transitions ξ between the two samples.
@@ -95,16 +88,10 @@ impl Pass {
     /// β_i = Σ_j a_ij b_j β_j, and ξ_ij is γ_i times the share of j in that sum.
     fn step_back(&mut self, n: usize, t: usize, log_likelihood: f64, counts: &mut Statistics) {
         let density = &self.log_density[(t + 1) * n..(t + 2) * n];
-        fill(
-            &mut self.log_ahead,
-            density.iter().zip(&self.log_beta).map(|(density, beta)| density + beta),
-        );
+        fill(&mut self.log_ahead, density.iter().zip(&self.log_beta).map(|(density, beta)| density + beta));
         for i in 0..n {
             let row = &self.log_transition[i * n..(i + 1) * n];
-            fill(
-                &mut self.terms,
-                row.iter().zip(&self.log_ahead).map(|(a, ahead)| a + ahead),
-            );
+            fill(&mut self.terms, row.iter().zip(&self.log_ahead).map(|(a, ahead)| a + ahead));
             let (log_sum, sum) = log_sum_exp(&mut self.terms);
             self.log_beta[i] = log_sum;
             let gamma = probability(self.log_alpha[t * n + i] + log_sum - log_likelihood);
@@ -127,11 +114,7 @@ fn fill(buffer: &mut [f64], items: impl Iterator<Item = f64>) {
 /// exp of a log-probability. Results below exp(−690), near the smallest numbers of f64, count as zero, because
 /// subnormal numbers are slow and inexact.
 fn probability(log_probability: f64) -> f64 {
-    if log_probability < -690.0 {
-        0.0
-    } else {
-        math::exp(log_probability)
-    }
+    if log_probability < -690.0 { 0.0 } else { math::exp(log_probability) }
 }
 
 /// ln Σ exp(terms); −inf if all terms are −inf. The terms are replaced by exp(term − largest term), whose sum is

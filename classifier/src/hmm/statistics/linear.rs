@@ -105,20 +105,14 @@ impl TiledMatrix {
             let end = (0..size).rfind(filled).map_or(first, |last| (last / WIDTH + 1) * WIDTH);
             let begin = rows.len();
             rows.extend((first..end).map(row));
-            spans.push(Span {
-                rows: first..end,
-                places: begin..rows.len(),
-            });
+            spans.push(Span { rows: first..end, places: begin..rows.len() });
         }
         TiledMatrix { spans, rows }
     }
 
     /// The matrix with a function applied to its entries.
     fn map(&self, entry: impl Fn(f64) -> f64) -> Self {
-        TiledMatrix {
-            spans: self.spans.clone(),
-            rows: self.rows.iter().map(|row| row.map(&entry)).collect(),
-        }
+        TiledMatrix { spans: self.spans.clone(), rows: self.rows.iter().map(|row| row.map(&entry)).collect() }
     }
 
     /// The rows of each tile, in order.
@@ -152,9 +146,7 @@ impl TiledMatrix {
         let of_rows = exponents.as_flattened();
         for (tile, span) in self.spans.iter().enumerate() {
             let of_columns = exponents[tile];
-            let rows = self.rows[span.places.clone()]
-                .iter_mut()
-                .zip(&plain.rows[span.places.clone()]);
+            let rows = self.rows[span.places.clone()].iter_mut().zip(&plain.rows[span.places.clone()]);
             for ((out, plain), of_row) in rows.zip(&of_rows[span.rows.clone()]) {
                 *out = zip(*plain, of_columns, |entry, of_column| {
                     let change = larger(sign * (of_row - of_column), LOG2_MIN_TRANSITION);

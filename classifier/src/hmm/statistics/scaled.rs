@@ -112,12 +112,7 @@ impl Pass {
     #[inline(always)]
     fn forward(&mut self, model: &LinearModel, sequence: &Observations) -> Option<f64> {
         let (tiles, samples) = (model.tiles, sequence.sample_count());
-        for buffer in [
-            &mut self.ahead,
-            &mut self.weight,
-            &mut self.per_sum,
-            &mut self.probability,
-        ] {
+        for buffer in [&mut self.ahead, &mut self.weight, &mut self.per_sum, &mut self.probability] {
             buffer.resize(tiles * samples, [0.0; WIDTH]);
         }
         self.sound.resize(samples, 0.0);
@@ -166,13 +161,8 @@ impl Pass {
         let (before, after) = (&before[before.len() - tiles..], &mut after[..tiles]);
         let weights = &mut self.weight[sample * tiles..(sample + 1) * tiles];
         let per_sum = &self.per_sum[sample * tiles..(sample + 1) * tiles];
-        let largest_sum = -exponent(
-            per_sum
-                .as_flattened()
-                .iter()
-                .copied()
-                .fold(f64::INFINITY, |a, b| if a < b { a } else { b }),
-        );
+        let largest_sum =
+            -exponent(per_sum.as_flattened().iter().copied().fold(f64::INFINITY, |a, b| if a < b { a } else { b }));
         let sound = self.sound[sample];
         for (((after, before), weight), per_sum) in after.iter_mut().zip(before).zip(&*weights).zip(per_sum) {
             for lane in 0..WIDTH {
@@ -211,16 +201,10 @@ impl Pass {
         let tiles = model.tiles;
         let last = (samples - 1) * tiles;
         let exponents = &self.exponents[(samples - 1) / BLOCK * tiles..][..tiles];
-        let highest = largest(
-            exponents
-                .iter()
-                .fold([f64::NEG_INFINITY; WIDTH], |a, b| zip(a, *b, larger)),
-        );
+        let highest = largest(exponents.iter().fold([f64::NEG_INFINITY; WIDTH], |a, b| zip(a, *b, larger)));
         let mut total = [0.0; WIDTH];
-        for ((out, weight), exponents) in self.probability[last..last + tiles]
-            .iter_mut()
-            .zip(&self.weight[last..])
-            .zip(exponents)
+        for ((out, weight), exponents) in
+            self.probability[last..last + tiles].iter_mut().zip(&self.weight[last..]).zip(exponents)
         {
             *out = zip(*weight, *exponents, |weight, exponent| {
                 weight * integer_power_of_two(larger(exponent - highest, -700.0))

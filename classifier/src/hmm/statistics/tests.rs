@@ -8,18 +8,12 @@ use crate::vector::BASELINE_ONLY;
 /// A model with the authors' initial transitions, whose narrow and wide states have means from 0 to 3 N.
 fn model(states: usize, topology: Topology, dimension: usize, rng: &mut ChaCha8Rng) -> GaussianHmm {
     let mean = |state: usize, rng: &mut ChaCha8Rng| -> Vec<f64> {
-        (0..dimension)
-            .map(|_| 3.0 * state as f64 / states as f64 + rng.random_range(0.0..0.2))
-            .collect()
+        (0..dimension).map(|_| 3.0 * state as f64 / states as f64 + rng.random_range(0.0..0.2)).collect()
     };
     let covariance = |rng: &mut ChaCha8Rng| -> Vec<Vec<f64>> {
-        let variance: Vec<f64> = (0..dimension)
-            .map(|_| 10.0f64.powf(rng.random_range(-4.0..0.0)))
-            .collect();
+        let variance: Vec<f64> = (0..dimension).map(|_| 10.0f64.powf(rng.random_range(-4.0..0.0))).collect();
         let entry = |i: usize, j: usize| if i == j { 1.0 } else { 0.4 } * (variance[i] * variance[j]).sqrt();
-        (0..dimension)
-            .map(|i| (0..dimension).map(|j| entry(i, j)).collect())
-            .collect()
+        (0..dimension).map(|i| (0..dimension).map(|j| entry(i, j)).collect()).collect()
     };
     GaussianHmm::new(HmmParameters {
         initial: vec![1.0 / states as f64; states],
@@ -35,25 +29,17 @@ fn press(samples: usize, dimension: usize, number: usize, rng: &mut ChaCha8Rng) 
     let values = (0..samples).flat_map(|t| {
         let rise = (0.2 * t as f64).min(2.9);
         let left = (samples - t) as f64;
-        let force = if number.is_multiple_of(2) {
-            rise.min(0.1 * left)
-        } else {
-            rise
-        };
+        let force = if number.is_multiple_of(2) { rise.min(0.1 * left) } else { rise };
         vec![force + rng.random_range(-0.05..0.05); dimension]
     });
     let mut values: Vec<f64> = values.collect();
-    values
-        .iter_mut()
-        .for_each(|value| *value += 0.01 * (*value * 7e3).sin());
+    values.iter_mut().for_each(|value| *value += 0.01 * (*value * 7e3).sin());
     Observations::new(dimension, values).unwrap()
 }
 
 fn exactly(model: &GaussianHmm, sequence: &Observations) -> Statistics {
     let mut exact = Statistics::zero(model.states, model.dimension);
-    exact
-        .count_exactly(model, sequence, &mut exact::Pass::new(model))
-        .unwrap();
+    exact.count_exactly(model, sequence, &mut exact::Pass::new(model)).unwrap();
     exact
 }
 
@@ -87,15 +73,9 @@ fn the_scaled_pass_counts_what_log_space_counts() {
             let tolerance = if samples > 2000 { 1e-6 } else { 1e-9 };
             // The probabilities add up to the number of samples, more precisely than in log space.
             let total: f64 = found.occupancy.iter().sum();
-            assert!(
-                (total / samples as f64 - 1.0).abs() < 1e-12,
-                "{states}, {samples}: {total}"
-            );
+            assert!((total / samples as f64 - 1.0).abs() < 1e-12, "{states}, {samples}: {total}");
             let difference = (log_likelihood - expected.log_likelihood).abs();
-            assert!(
-                difference < 1e-9 * expected.log_likelihood.abs().max(1.0),
-                "{states}, {samples}: {difference:e}"
-            );
+            assert!(difference < 1e-9 * expected.log_likelihood.abs().max(1.0), "{states}, {samples}: {difference:e}");
             for (name, found, expected) in [
                 ("initial", found.initial, expected.initial),
                 ("transition", found.transition, expected.transition),
@@ -105,10 +85,7 @@ fn the_scaled_pass_counts_what_log_space_counts() {
             ] {
                 for (found, expected) in found.iter().zip(&expected) {
                     let close = (found - expected).abs() < tolerance * expected.abs().max(1.0);
-                    assert!(
-                        close,
-                        "{states} states, {samples} samples, {name}: {found:e} for {expected:e}"
-                    );
+                    assert!(close, "{states} states, {samples} samples, {name}: {found:e} for {expected:e}");
                 }
             }
         }
@@ -168,18 +145,9 @@ fn every_processor_gets_the_same_bits() {
             let counts = Statistics::collect(&model, &sequences).ok().unwrap();
             let scores =
                 [ScoreKind::Forward, ScoreKind::Viterbi].map(|kind| scorer.log_probabilities(kind, &all).unwrap());
-            let numbers = [
-                counts.initial,
-                counts.transition,
-                counts.occupancy,
-                counts.first,
-                counts.second,
-            ];
+            let numbers = [counts.initial, counts.transition, counts.occupancy, counts.first, counts.second];
             let numbers = numbers.concat().into_iter().chain(scores.concat());
-            (
-                counts.log_likelihood.to_bits(),
-                numbers.map(f64::to_bits).collect::<Vec<_>>(),
-            )
+            (counts.log_likelihood.to_bits(), numbers.map(f64::to_bits).collect::<Vec<_>>())
         };
         let here = compute();
         BASELINE_ONLY.set(true);

@@ -43,27 +43,15 @@ fn known_parameters_are_recovered() {
     let mut rng = ChaCha8Rng::seed_from_u64(11);
     let sequences: Vec<_> = (0..400).map(|_| sample(&truth, 100, &mut rng)).collect();
     let start = univariate(&[0.5, 0.5], &[&[0.5, 0.5], &[0.5, 0.5]], &[0.0, 3.0], &[1.0, 1.0]);
-    let options = TrainingOptions {
-        tolerance: 1e-9,
-        ..TrainingOptions::default()
-    };
+    let options = TrainingOptions { tolerance: 1e-9, ..TrainingOptions::default() };
     let (model, history) = train(&GaussianHmm::new(start).unwrap(), &sequences, &options).unwrap();
     assert!(matches!(history.stop, Stop::Converged { .. }), "{:?}", history.stop);
     let found = model.parameters();
     for state in 0..2 {
         assert!((found.initial[state] - truth.initial[state]).abs() < 0.05, "{found:?}");
-        assert!(
-            (found.transition[state][0] - truth.transition[state][0]).abs() < 0.05,
-            "{found:?}"
-        );
-        assert!(
-            (found.mean[state][0] / truth.mean[state][0] - 1.0).abs() < 0.05,
-            "{found:?}"
-        );
-        assert!(
-            (found.covariance[state][0][0] / truth.covariance[state][0][0] - 1.0).abs() < 0.05,
-            "{found:?}"
-        );
+        assert!((found.transition[state][0] - truth.transition[state][0]).abs() < 0.05, "{found:?}");
+        assert!((found.mean[state][0] / truth.mean[state][0] - 1.0).abs() < 0.05, "{found:?}");
+        assert!((found.covariance[state][0][0] / truth.covariance[state][0][0] - 1.0).abs() < 0.05, "{found:?}");
     }
 }
 
@@ -83,10 +71,7 @@ fn one_iteration_matches_counting_by_hand() {
                     (-0.5 * (sequence[t] - mean).powi(2) / variance).exp() / (std::f64::consts::TAU * variance).sqrt()
                 };
                 let steps: f64 = (1..4).map(|t| start.transition[path[t - 1]][path[t]]).product();
-                (
-                    path,
-                    start.initial[path[0]] * steps * (0..4).map(density).product::<f64>(),
-                )
+                (path, start.initial[path[0]] * steps * (0..4).map(density).product::<f64>())
             })
             .collect();
         let total: f64 = paths.iter().map(|(_, probability)| probability).sum();
@@ -103,19 +88,9 @@ fn one_iteration_matches_counting_by_hand() {
             }
         }
     }
-    let observations: Vec<_> = sequences
-        .iter()
-        .map(|s| Observations::new(1, s.to_vec()).unwrap())
-        .collect();
-    let options = TrainingOptions {
-        iterations: 1,
-        tolerance: 0.0,
-        variance_floor: 0.0,
-    };
-    let found = train(&GaussianHmm::new(start).unwrap(), &observations, &options)
-        .unwrap()
-        .0
-        .parameters();
+    let observations: Vec<_> = sequences.iter().map(|s| Observations::new(1, s.to_vec()).unwrap()).collect();
+    let options = TrainingOptions { iterations: 1, tolerance: 0.0, variance_floor: 0.0 };
+    let found = train(&GaussianHmm::new(start).unwrap(), &observations, &options).unwrap().0.parameters();
     for i in 0..2 {
         let mean = sum[i] / weight[i];
         assert!((found.initial[i] - first[i] / 2.0).abs() < 1e-13);
@@ -131,42 +106,21 @@ fn one_iteration_matches_counting_by_hand() {
 /// the likelihood still increases in every iteration, although quantized samples push the variance down.
 #[test]
 fn zeros_stay_zero_and_the_floor_holds() {
-    let quantized = |values: &[f64]| {
-        values
-            .iter()
-            .map(|value| (value * 10.0).round() / 10.0)
-            .collect::<Vec<_>>()
-    };
+    let quantized = |values: &[f64]| values.iter().map(|value| (value * 10.0).round() / 10.0).collect::<Vec<_>>();
     let mut rng = ChaCha8Rng::seed_from_u64(5);
     let sequences: Vec<_> = (0..12)
         .map(|_| {
             let noise: Vec<f64> = (0..80).map(|_| rng.random_range(0.0..0.15)).collect();
-            let rise: Vec<f64> = noise
-                .iter()
-                .enumerate()
-                .map(|(t, noise)| (0.05 * t as f64).min(1.0) + noise)
-                .collect();
-            let both = quantized(&rise)
-                .into_iter()
-                .flat_map(|value| [value, 2.0 * value])
-                .collect();
+            let rise: Vec<f64> =
+                noise.iter().enumerate().map(|(t, noise)| (0.05 * t as f64).min(1.0) + noise).collect();
+            let both = quantized(&rise).into_iter().flat_map(|value| [value, 2.0 * value]).collect();
             Observations::new(2, both).unwrap()
         })
         .collect();
     let floor = 1e-4;
-    let start = equal_slice_start(
-        &sequences,
-        5,
-        Topology::LeftToRight,
-        InitialDistribution::FirstState,
-        floor,
-    )
-    .unwrap();
-    let options = TrainingOptions {
-        iterations: 40,
-        tolerance: 0.0,
-        variance_floor: floor,
-    };
+    let start =
+        equal_slice_start(&sequences, 5, Topology::LeftToRight, InitialDistribution::FirstState, floor).unwrap();
+    let options = TrainingOptions { iterations: 40, tolerance: 0.0, variance_floor: floor };
     let (model, history) = train(&start, &sequences, &options).unwrap();
     let parameters = model.parameters();
     assert_eq!(parameters.initial, [1.0, 0.0, 0.0, 0.0, 0.0]);
@@ -175,10 +129,7 @@ fn zeros_stay_zero_and_the_floor_holds() {
     }
     // The second feature is twice the first, so without a floor every covariance would be singular.
     for matrix in &parameters.covariance {
-        let (trace, determinant) = (
-            matrix[0][0] + matrix[1][1],
-            matrix[0][0] * matrix[1][1] - matrix[0][1].powi(2),
-        );
+        let (trace, determinant) = (matrix[0][0] + matrix[1][1], matrix[0][0] * matrix[1][1] - matrix[0][1].powi(2));
         let smallest = trace / 2.0 - (trace * trace / 4.0 - determinant).max(0.0).sqrt();
         assert!((smallest / floor - 1.0).abs() < 1e-6, "{smallest}");
     }
@@ -186,15 +137,9 @@ fn zeros_stay_zero_and_the_floor_holds() {
     for pair in history.log_likelihood.windows(2) {
         assert!(pair[1] >= pair[0] - 1e-9 * pair[0].abs(), "{pair:?}");
     }
-    let unguarded = TrainingOptions {
-        variance_floor: 0.0,
-        ..options
-    };
+    let unguarded = TrainingOptions { variance_floor: 0.0, ..options };
     let error = train(&start, &sequences, &unguarded).unwrap_err();
-    assert!(
-        matches!(error, TrainingError::SingularCovariance { iteration: 1, .. }),
-        "{error}"
-    );
+    assert!(matches!(error, TrainingError::SingularCovariance { iteration: 1, .. }), "{error}");
 }
 
 /// Tests each reason to stop: a gain above or below the tolerance, any decrease however small, and tolerance 0.
@@ -204,10 +149,7 @@ fn a_decrease_is_never_convergence() {
     assert_eq!(judge(-100.0, -99.995, 3, 1e-4), Some(Stop::Converged { iteration: 3 }));
     assert_eq!(judge(-100.0, -100.0, 3, 1e-4), Some(Stop::Converged { iteration: 3 }));
     let by = 100.0f64.next_up() - 100.0;
-    assert_eq!(
-        judge(-100.0, -100.0 - by, 3, 1e-4),
-        Some(Stop::Fell { iteration: 3, by })
-    );
+    assert_eq!(judge(-100.0, -100.0 - by, 3, 1e-4), Some(Stop::Fell { iteration: 3, by }));
     assert_eq!(judge(-100.0, -100.0, 3, 0.0), None);
     assert_eq!(judge(-100.0, -101.0, 3, 0.0), None);
 }
@@ -217,17 +159,11 @@ fn a_decrease_is_never_convergence() {
 fn an_empty_state_is_named_and_kept() {
     let start = univariate(&[1.0, 0.0], &[&[1.0, 0.0], &[0.5, 0.5]], &[0.0, 9.0], &[1.0, 2.0]);
     let sequences = [Observations::new(1, vec![0.1, 0.3, 0.2]).unwrap()];
-    let options = TrainingOptions {
-        iterations: 3,
-        ..TrainingOptions::default()
-    };
+    let options = TrainingOptions { iterations: 3, ..TrainingOptions::default() };
     let (model, history) = train(&GaussianHmm::new(start.clone()).unwrap(), &sequences, &options).unwrap();
     assert_eq!(history.empty_states, [1]);
     let parameters = model.parameters();
-    assert_eq!(
-        (&parameters.mean[1], &parameters.transition[1]),
-        (&start.mean[1], &start.transition[1])
-    );
+    assert_eq!((&parameters.mean[1], &parameters.transition[1]), (&start.mean[1], &start.transition[1]));
     assert!((parameters.mean[0][0] - 0.2).abs() < 1e-15);
 }
 
@@ -240,34 +176,15 @@ fn invalid_requests_are_refused() {
     let two = Observations::new(2, vec![0.0, 1.0]).unwrap();
     assert_eq!(train(&model, &[], &options).unwrap_err(), TrainingError::NoSequences);
     let mixed = train(&model, &[one.clone(), two.clone()], &options).unwrap_err();
-    assert_eq!(
-        mixed,
-        TrainingError::Dimension {
-            sequence: 1,
-            found: 2,
-            expected: 1
-        }
-    );
-    assert!(matches!(
-        train(&model, &[two], &options),
-        Err(TrainingError::Dimension { .. })
-    ));
+    assert_eq!(mixed, TrainingError::Dimension { sequence: 1, found: 2, expected: 1 });
+    assert!(matches!(train(&model, &[two], &options), Err(TrainingError::Dimension { .. })));
     for tolerance in [-1.0, f64::NAN, f64::INFINITY] {
         let options = TrainingOptions { tolerance, ..options };
-        assert!(matches!(
-            train(&model, std::slice::from_ref(&one), &options),
-            Err(TrainingError::BadOption { .. })
-        ));
+        assert!(matches!(train(&model, std::slice::from_ref(&one), &options), Err(TrainingError::BadOption { .. })));
     }
     let far = Observations::new(1, vec![1e200]).unwrap();
     let impossible = train(&model, &[one, far], &options).unwrap_err();
-    assert_eq!(
-        impossible,
-        TrainingError::Impossible {
-            sequence: 1,
-            iteration: 1
-        }
-    );
+    assert_eq!(impossible, TrainingError::Impossible { sequence: 1, iteration: 1 });
 }
 
 proptest! {

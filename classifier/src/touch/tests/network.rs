@@ -6,11 +6,7 @@ use crate::vector::BASELINE_ONLY;
 fn checkerboard() -> Vec<Row<2>> {
     let place = |index: usize| ((index as f64 + 0.5) / 20.0) * 2.0 - 1.0;
     let points = (0..400).map(|index| [place(index % 20), place(index / 20)]);
-    let row = |features: [f64; 2]| Row {
-        features,
-        class: usize::from(features[0] * features[1] < 0.0),
-        weight: 1.0,
-    };
+    let row = |features: [f64; 2]| Row { features, class: usize::from(features[0] * features[1] < 0.0), weight: 1.0 };
     points.map(row).collect()
 }
 
@@ -67,9 +63,7 @@ fn rows_side_by_side_have_the_scores_of_one_row() {
             |index: usize| (features[index] - number(&file["mean"][index])) * number(&file["scale"][index]);
         let inputs = [standardized(0).clamp(-5.0, 5.0), standardized(1).clamp(-5.0, 5.0), 1.0];
         let unit = |unit: usize| -> f64 {
-            let sum: f64 = (0..3)
-                .map(|input| inputs[input] * number(&file["hidden"][input][unit]))
-                .sum();
+            let sum: f64 = (0..3).map(|input| inputs[input] * number(&file["hidden"][input][unit])).sum();
             sum.max(0.0)
         };
         [0, 1].map(|class| {
@@ -89,10 +83,7 @@ fn rows_side_by_side_have_the_scores_of_one_row() {
             network.scores(&features, &mut scores);
             for (score, described) in scores.iter().zip(described(&features)) {
                 // The sums have 24 terms in another order.
-                assert!(
-                    (score - described).abs() < 1e-12 * (1.0 + described.abs()),
-                    "{score} {described}"
-                );
+                assert!((score - described).abs() < 1e-12 * (1.0 + described.abs()), "{score} {described}");
             }
             expected.extend(scores);
         }

@@ -29,23 +29,9 @@ fn a_contact_is_followed_over_the_skin() {
     for frame in &recording.frames {
         tracker.update(frame).unwrap();
         let regions = tracker.regions().iter();
-        found.push(
-            regions
-                .map(|region| (region.contact, region.course.samples()))
-                .collect::<Vec<_>>(),
-        );
+        found.push(regions.map(|region| (region.contact, region.course.samples())).collect::<Vec<_>>());
     }
-    assert_eq!(
-        found,
-        [
-            vec![(1, 1)],
-            vec![(1, 2)],
-            vec![(1, 3)],
-            vec![(2, 1), (1, 4)],
-            vec![],
-            vec![(3, 1)],
-        ]
-    );
+    assert_eq!(found, [vec![(1, 1)], vec![(1, 2)], vec![(1, 3)], vec![(2, 1), (1, 4)], vec![], vec![(3, 1)],]);
 }
 
 /// Tests that both parts of a region that splits keep its course and the larger part keeps its number, and that the
@@ -62,11 +48,7 @@ fn parts_of_a_region_keep_its_course() {
     for frame in &recording.frames {
         tracker.update(frame).unwrap();
         let regions = tracker.regions().iter();
-        found.push(
-            regions
-                .map(|region| (region.contact, region.course.samples()))
-                .collect::<Vec<_>>(),
-        );
+        found.push(regions.map(|region| (region.contact, region.course.samples())).collect::<Vec<_>>());
     }
     assert_eq!(found, [vec![(1, 1)], vec![(1, 2), (2, 2)], vec![(1, 3)]]);
 }

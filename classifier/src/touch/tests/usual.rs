@@ -10,13 +10,7 @@ fn number(index: usize) -> f64 {
 fn rows(shift: f64) -> Vec<[f64; 5]> {
     let row = |index: usize| {
         let own: [f64; 5] = std::array::from_fn(|place| number(5 * index + place));
-        [
-            own[0] + shift,
-            own[1] + 0.5 * own[0],
-            own[2] * 2.0,
-            own[3] - shift,
-            own[4],
-        ]
+        [own[0] + shift, own[1] + 0.5 * own[0], own[2] * 2.0, own[3] - shift, own[4]]
     };
     (0..300).map(row).collect()
 }
@@ -38,10 +32,7 @@ fn distances_are_those_of_mahalanobis() {
     let usual = Usual::fit(&categories);
     for index in 0..50 {
         let point: [f64; 5] = std::array::from_fn(|place| 6.0 * number(1000 + 5 * index + place));
-        let expected = categories
-            .iter()
-            .map(|rows| mahalanobis(rows, &point))
-            .fold(f64::INFINITY, f64::min);
+        let expected = categories.iter().map(|rows| mahalanobis(rows, &point)).fold(f64::INFINITY, f64::min);
         let found = usual.distance(&point);
         assert!((found - expected).abs() < 1e-9 * expected, "{found} {expected}");
     }

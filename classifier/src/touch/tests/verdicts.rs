@@ -30,10 +30,7 @@ fn too_little_to_fit_to_is_refused() {
     assert_eq!(examples.fit(), Err(ModelError::NoCategories { trials: 3 }));
     examples.add(&reaches()[0]).unwrap();
     let error = examples.fit().unwrap_err().to_string();
-    assert!(
-        error.contains("touches the skin in one of 4 recordings; allowed: 2"),
-        "{error}"
-    );
+    assert!(error.contains("touches the skin in one of 4 recordings; allowed: 2"), "{error}");
     assert!(examples.feature_worth().is_empty());
 }
 
@@ -73,11 +70,7 @@ fn springs_are_told_apart() {
     for frame in &reach.frames[..11] {
         classifier.update(frame).unwrap();
     }
-    let touch = classifier
-        .taxels()
-        .iter()
-        .find(|taxel| taxel.taxel == 7)
-        .map(|taxel| taxel.touch);
+    let touch = classifier.taxels().iter().find(|taxel| taxel.taxel == 7).map(|taxel| taxel.touch);
     assert_eq!(touch, Some(Touch::Unknown));
 }
 
@@ -135,11 +128,7 @@ fn files_are_exact_and_checked() {
         ("underbrush-touch/1", "underbrush-touch/9", "format"),
         ("\"leaf\"", "\"zebra\"", "categories"),
         ("\"threshold_n\"", "\"threshold\"", "options"),
-        (
-            "\"unknown_share\": 0.01",
-            "\"unknown_share\": 2",
-            "decision.unknown_share",
-        ),
+        ("\"unknown_share\": 0.01", "\"unknown_share\": 2", "decision.unknown_share"),
         ("\"sharpness\": ", "\"sharpness\": -", "touched"),
         ("\"mean\": [", "\"mean\": [ 0.0,", "touched"),
     ] {
@@ -154,11 +143,7 @@ fn files_are_exact_and_checked() {
 /// of an uncertain verdict.
 #[test]
 fn verdicts_follow_the_costs() {
-    let decision = TouchDecision {
-        unknown_share: 0.05,
-        cost_of_uncertain: 0.2,
-        ..TouchDecision::default()
-    };
+    let decision = TouchDecision { unknown_share: 0.05, cost_of_uncertain: 0.2, ..TouchDecision::default() };
     assert_eq!(decision.of_region(&[0.1, 0.9], 0.04), Touch::Unknown);
     assert_eq!(decision.of_region(&[0.1, 0.9], 0.06), Touch::Category(1));
     assert_eq!(decision.of_region(&[0.3, 0.7], 0.06), Touch::Uncertain);

@@ -5,17 +5,10 @@ use super::*;
 /// Tests 4-connectivity (no diagonals), wrap-around as the layout says, and the option that overrides it.
 #[test]
 fn components_wrap_around_only_where_asked() {
-    let recording = recording(&[(
-        0.0,
-        &[(0, 1.0, Some(0)), (5, 2.0, Some(0)), (7, 3.0, Some(0)), (14, 4.0, None)],
-    )]);
+    let recording = recording(&[(0.0, &[(0, 1.0, Some(0)), (5, 2.0, Some(0)), (7, 3.0, Some(0)), (14, 4.0, None)])]);
     let largest = |wrap| -> Vec<f64> {
         let options = TrialOptions { wrap, ..any_force() };
-        component_trials(&recording, &options)
-            .unwrap()
-            .iter()
-            .flat_map(forces)
-            .collect()
+        component_trials(&recording, &options).unwrap().iter().flat_map(forces).collect()
     };
     assert_eq!(largest(None), [2.0, 3.0, 4.0]);
     assert_eq!(largest(Some(false)), [1.0, 2.0, 3.0, 4.0]);
@@ -40,21 +33,10 @@ fn a_component_reports_its_largest_force_and_the_motion_of_its_centre() {
 /// Columns 0–1 and column 3.
 const APART: Drawn = (0.0, &[(0, 1.0, Some(0)), (1, 1.0, Some(0)), (3, 2.0, Some(1))]);
 /// Columns 0–3.
-const TOGETHER: Drawn = (
-    0.0,
-    &[
-        (0, 1.1, Some(0)),
-        (1, 1.0, Some(0)),
-        (2, 0.1, Some(0)),
-        (3, 2.2, Some(1)),
-    ],
-);
+const TOGETHER: Drawn = (0.0, &[(0, 1.1, Some(0)), (1, 1.0, Some(0)), (2, 0.1, Some(0)), (3, 2.2, Some(1))]);
 
 fn without_wrap(frames: &[Drawn]) -> Vec<ContactTrial> {
-    let options = TrialOptions {
-        wrap: Some(false),
-        ..any_force()
-    };
+    let options = TrialOptions { wrap: Some(false), ..any_force() };
     component_trials(&recording(frames), &options).unwrap()
 }
 
@@ -62,10 +44,7 @@ fn without_wrap(frames: &[Drawn]) -> Vec<ContactTrial> {
 #[test]
 fn of_two_merging_components_the_nearer_goes_on() {
     let trials = without_wrap(&[APART, TOGETHER]);
-    assert_eq!(
-        trials.iter().map(forces).collect::<Vec<_>>(),
-        [vec![1.0, 2.2], vec![2.0]]
-    );
+    assert_eq!(trials.iter().map(forces).collect::<Vec<_>>(), [vec![1.0, 2.2], vec![2.0]]);
     assert_eq!(motions_mm(&trials[0]), [0.0, 10.0]);
 }
 
@@ -73,10 +52,7 @@ fn of_two_merging_components_the_nearer_goes_on() {
 #[test]
 fn of_a_splitting_component_the_nearer_piece_goes_on() {
     let trials = without_wrap(&[TOGETHER, APART]);
-    assert_eq!(
-        trials.iter().map(forces).collect::<Vec<_>>(),
-        [vec![2.2, 1.0], vec![2.0]]
-    );
+    assert_eq!(trials.iter().map(forces).collect::<Vec<_>>(), [vec![2.2, 1.0], vec![2.0]]);
     assert_eq!(motions_mm(&trials[1]), [0.0]);
 }
 
@@ -90,10 +66,7 @@ fn tracking_is_greedy_by_world_distance() {
         (-0.01, &[(2, 3.0, Some(0))]),
         (-0.01, &[(17, 4.0, Some(0))]),
     ]);
-    let options = TrialOptions {
-        wrap: Some(false),
-        ..any_force()
-    };
+    let options = TrialOptions { wrap: Some(false), ..any_force() };
     let trials = component_trials(&recording, &options).unwrap();
     let expected = [vec![1.0, 2.0, 3.0], vec![5.0, 6.0], vec![4.0]];
     assert_eq!(trials.iter().map(forces).collect::<Vec<_>>(), expected);
@@ -106,27 +79,14 @@ fn tracking_is_greedy_by_world_distance() {
 #[test]
 fn samples_know_their_contact_region() {
     let recording = recording(&[
-        (
-            0.0,
-            &[
-                (1, 0.5, Some(0)),
-                (2, 0.25, None),
-                (8, 1.0, Some(0)),
-                (11, 2.0, Some(1)),
-            ],
-        ),
+        (0.0, &[(1, 0.5, Some(0)), (2, 0.25, None), (8, 1.0, Some(0)), (11, 2.0, Some(1))]),
         (0.0, &[(1, 0.5, Some(0)), (8, 0.75, Some(0)), (11, 2.0, Some(1))]),
     ]);
     let of = |contact: &ContactTrial| -> Vec<(u32, f64, f64)> {
         let regions = contact.trial.samples.iter().map(|sample| sample.region.unwrap());
-        regions
-            .map(|region| (region.taxels, region.largest_force_n, region.force_sum_n))
-            .collect()
+        regions.map(|region| (region.taxels, region.largest_force_n, region.force_sum_n)).collect()
     };
-    let options = TrialOptions {
-        wrap: Some(false),
-        ..any_force()
-    };
+    let options = TrialOptions { wrap: Some(false), ..any_force() };
     let taxels = taxel_trials(&recording, &options).unwrap();
     let joined = (3, 1.0, 1.75);
     let expected = [
@@ -135,28 +95,13 @@ fn samples_know_their_contact_region() {
         (Some(8), vec![joined, (1, 0.75, 0.75)]),
         (Some(11), vec![(1, 2.0, 2.0), (1, 2.0, 2.0)]),
     ];
-    assert_eq!(
-        taxels
-            .iter()
-            .map(|contact| (contact.trial.taxel, of(contact)))
-            .collect::<Vec<_>>(),
-        expected
-    );
+    assert_eq!(taxels.iter().map(|contact| (contact.trial.taxel, of(contact))).collect::<Vec<_>>(), expected);
     let components = component_trials(&recording, &options).unwrap();
     assert_eq!(of(&components[0])[0], joined);
-    assert!(
-        components
-            .iter()
-            .all(|contact| of(contact).len() == contact.trial.samples.len())
-    );
+    assert!(components.iter().all(|contact| of(contact).len() == contact.trial.samples.len()));
     // Without a grid the neighbours are unknown.
     let mut loose = recording;
     loose.layout.patches[0].grid = None;
     let trials = taxel_trials(&loose, &options).unwrap();
-    assert!(
-        trials
-            .iter()
-            .flat_map(|contact| &contact.trial.samples)
-            .all(|sample| sample.region.is_none())
-    );
+    assert!(trials.iter().flat_map(|contact| &contact.trial.samples).all(|sample| sample.region.is_none()));
 }

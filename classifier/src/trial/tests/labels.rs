@@ -13,10 +13,7 @@ fn truth_is_the_object_of_most_samples() {
         (0.0, &[(0, 1.0, Some(1))]),
     ]);
     let trials = taxel_trials(&recording, &any_force()).unwrap();
-    assert_eq!(
-        (trials[0].object, trials[0].trial.category.as_deref()),
-        (Some(1), Some("trunk"))
-    );
+    assert_eq!((trials[0].object, trials[0].trial.category.as_deref()), (Some(1), Some("trunk")));
     assert_eq!((trials[1].object, &trials[1].trial.category), (None, &None));
 }
 
@@ -55,10 +52,7 @@ fn a_trial_knows_when_it_was_touched() {
             reading.true_normal_force_n = if reading.taxel == pressed { 0.004 } else { 0.0 };
         }
     }
-    let options = TrialOptions {
-        labels: Labels::Environment,
-        ..any_force()
-    };
+    let options = TrialOptions { labels: Labels::Environment, ..any_force() };
     let touched = |trials: Vec<ContactTrial>| -> Vec<(u32, Vec<Option<bool>>, Option<bool>)> {
         let of = |contact: ContactTrial| {
             assert_eq!(contact.trial.category.as_deref(), Some("trunk"));
@@ -68,11 +62,7 @@ fn a_trial_knows_when_it_was_touched() {
         trials.into_iter().map(of).collect()
     };
     let [yes, no] = [Some(true), Some(false)];
-    let by_taxel = vec![
-        (7, vec![yes, yes, no], yes),
-        (8, vec![no, no, yes], yes),
-        (12, vec![no; 3], no),
-    ];
+    let by_taxel = vec![(7, vec![yes, yes, no], yes), (8, vec![no, no, yes], yes), (12, vec![no; 3], no)];
     assert_eq!(touched(taxel_trials(&reach, &options).unwrap()), by_taxel);
     let by_component = vec![(7, vec![yes; 3], yes), (12, vec![no; 3], no)];
     assert_eq!(touched(component_trials(&reach, &options).unwrap()), by_component);

@@ -12,10 +12,7 @@ use super::*;
 
 /// Options under which every taxel that senses any force is in contact; the hand-made recordings have small forces.
 pub(crate) fn any_force() -> TrialOptions {
-    TrialOptions {
-        threshold_n: 0.0,
-        ..TrialOptions::default()
-    }
+    TrialOptions { threshold_n: 0.0, ..TrialOptions::default() }
 }
 
 const PITCH_M: f64 = 0.01;
@@ -30,19 +27,8 @@ pub(crate) fn layout() -> SkinLayout {
             area_m2: 1e-4,
         })
         .collect();
-    let grid = Some(Grid {
-        rows: 3,
-        columns: 6,
-        wraps: true,
-    });
-    SkinLayout {
-        patches: vec![Patch {
-            name: "forearm".into(),
-            link: "forearm".into(),
-            grid,
-            taxels,
-        }],
-    }
+    let grid = Some(Grid { rows: 3, columns: 6, wraps: true });
+    SkinLayout { patches: vec![Patch { name: "forearm".into(), link: "forearm".into(), grid, taxels }] }
 }
 
 /// One frame: (taxel, sensed force, object) of each taxel, and the patch's shift along world x, m.
@@ -60,10 +46,7 @@ pub(crate) fn recording(frames: &[Drawn]) -> Recording {
         .iter()
         .enumerate()
         .map(|(index, (shift_m, readings))| {
-            let pose = Pose {
-                position: DVec3::new(*shift_m, 0.0, 0.0),
-                orientation: DQuat::IDENTITY,
-            };
+            let pose = Pose { position: DVec3::new(*shift_m, 0.0, 0.0), orientation: DQuat::IDENTITY };
             Frame {
                 time_s: index as f64 * 0.01,
                 joint_angle_rad: vec![],
@@ -111,12 +94,7 @@ fn forces(contact: &ContactTrial) -> Vec<f64> {
 }
 
 fn motions_mm(contact: &ContactTrial) -> Vec<f64> {
-    contact
-        .trial
-        .samples
-        .iter()
-        .map(|sample| (1e6 * sample.motion_m.unwrap()).round() / 1e3)
-        .collect()
+    contact.trial.samples.iter().map(|sample| (1e6 * sample.motion_m.unwrap()).round() / 1e3).collect()
 }
 
 /// Tests that trials start and end with contact, that motion is measured in the world frame from the start of each
@@ -132,14 +110,7 @@ fn a_taxel_makes_one_trial_per_contact() {
     let trials = taxel_trials(&recording, &any_force()).unwrap();
     let summary: Vec<_> = trials
         .iter()
-        .map(|contact| {
-            (
-                contact.trial.trial,
-                contact.trial.taxel,
-                contact.trial.category.as_deref(),
-                contact.object,
-            )
-        })
+        .map(|contact| (contact.trial.trial, contact.trial.taxel, contact.trial.category.as_deref(), contact.object))
         .collect();
     assert_eq!(
         summary,
@@ -169,15 +140,9 @@ fn threshold_and_length_leave_out_trials() {
         let trials = taxel_trials(&recording, options).unwrap();
         trials.iter().map(forces).collect()
     };
-    let options = TrialOptions {
-        threshold_n: 0.2,
-        ..any_force()
-    };
+    let options = TrialOptions { threshold_n: 0.2, ..any_force() };
     assert_eq!(found(&options), [vec![0.9], vec![0.3, 0.3]]);
-    let options = TrialOptions {
-        min_samples: 2,
-        ..options
-    };
+    let options = TrialOptions { min_samples: 2, ..options };
     assert_eq!(found(&options), [[0.3, 0.3]]);
 }
 
@@ -185,41 +150,16 @@ fn threshold_and_length_leave_out_trials() {
 #[test]
 fn bad_input_is_named() {
     let sound = recording(&[(0.0, &[(0, 1.0, Some(0))])]);
-    let unknown = TrialOptions {
-        patch: Some("elbow".into()),
-        ..any_force()
-    };
-    assert!(matches!(
-        taxel_trials(&sound, &unknown),
-        Err(TrialError::UnknownPatch { .. })
-    ));
-    let negative = TrialOptions {
-        threshold_n: -1.0,
-        ..any_force()
-    };
-    assert!(matches!(
-        taxel_trials(&sound, &negative),
-        Err(TrialError::BadOption { .. })
-    ));
-    let endless = TrialOptions {
-        association_distance_m: f64::NAN,
-        ..any_force()
-    };
-    assert!(matches!(
-        component_trials(&sound, &endless),
-        Err(TrialError::BadOption { .. })
-    ));
+    let unknown = TrialOptions { patch: Some("elbow".into()), ..any_force() };
+    assert!(matches!(taxel_trials(&sound, &unknown), Err(TrialError::UnknownPatch { .. })));
+    let negative = TrialOptions { threshold_n: -1.0, ..any_force() };
+    assert!(matches!(taxel_trials(&sound, &negative), Err(TrialError::BadOption { .. })));
+    let endless = TrialOptions { association_distance_m: f64::NAN, ..any_force() };
+    assert!(matches!(component_trials(&sound, &endless), Err(TrialError::BadOption { .. })));
 
     let mut gridless = sound.clone();
-    gridless.layout.patches[0].grid = Some(Grid {
-        rows: 4,
-        columns: 4,
-        wraps: false,
-    });
-    assert!(matches!(
-        component_trials(&gridless, &any_force()),
-        Err(TrialError::NoGrid { .. })
-    ));
+    gridless.layout.patches[0].grid = Some(Grid { rows: 4, columns: 4, wraps: false });
+    assert!(matches!(component_trials(&gridless, &any_force()), Err(TrialError::NoGrid { .. })));
     assert!(taxel_trials(&gridless, &any_force()).is_ok());
 
     let breakages: [fn(&mut Recording); 4] = [

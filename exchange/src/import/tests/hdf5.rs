@@ -14,34 +14,21 @@ use crate::{ExchangeError, write_hdf5};
 #[test]
 fn trials_come_back_from_hdf5() {
     let (_folder, path) = file("reaches.h5");
-    let reaches: Vec<_> = (0..12)
-        .map(|index| reach(&format!("scene {index}"), index, 1100))
-        .collect();
+    let reaches: Vec<_> = (0..12).map(|index| reach(&format!("scene {index}"), index, 1100)).collect();
     write_hdf5::<ExchangeError>(&path, |writer| reaches.iter().try_for_each(|reach| writer.push(reach))).unwrap();
     let mapping =
         "[time]\nrate_hz = 100\n[force]\nfrom = \"data/*/obs/tactile_sleeve\"\n[trial]\ncategory_from = \"scene\"\n";
     let found = imported(&path, mapping).unwrap();
     assert_eq!((found.reaches, found.frames), (12, 13_200));
     for (index, recording) in reaches.iter().enumerate() {
-        let of_reach: Vec<Trial> = found
-            .trials
-            .iter()
-            .filter(|trial| trial.reach == Some(index as u64))
-            .cloned()
-            .collect();
-        assert!(
-            of_reach
-                .iter()
-                .all(|trial| trial.category.as_deref() == Some(recording.scene.as_str()))
-        );
+        let of_reach: Vec<Trial> =
+            found.trials.iter().filter(|trial| trial.reach == Some(index as u64)).cloned().collect();
+        assert!(of_reach.iter().all(|trial| trial.category.as_deref() == Some(recording.scene.as_str())));
         assert!(of_reach.len() > 10, "{} trials", of_reach.len());
         assert_eq!(by_taxel(&of_reach), expected(recording, 0, 0.03), "reach {index}");
     }
     let one = "[time]\nrate_hz = 100\n[force]\nfrom = \"data/demo_3/obs/tactile_tip\"\n";
-    assert_eq!(
-        by_taxel(&imported(&path, one).unwrap().trials),
-        expected(&reaches[3], 1, 0.03)
-    );
+    assert_eq!(by_taxel(&imported(&path, one).unwrap().trials), expected(&reaches[3], 1, 0.03));
 }
 
 /// Writes 50 frames of two taxels as `forces`, and their times as `t`, each with this type and these bytes for a 1.
@@ -51,9 +38,7 @@ fn hdf5_of(path: &Path, forces: (Datatype, &[u8]), times: (Datatype, &[u8])) {
     for (name, (datatype, one), shape) in tables {
         let count: u64 = shape.iter().product();
         let dataset = file.root().create_dataset(name, |dataset| {
-            dataset
-                .with_raw_data(datatype, one.repeat(count as usize), count)
-                .with_shape(&shape);
+            dataset.with_raw_data(datatype, one.repeat(count as usize), count).with_shape(&shape);
         });
         dataset.unwrap();
     }
@@ -76,11 +61,7 @@ fn half_precision_in_hdf5_is_refused() {
             mantissa_size: 10,
             exponent_bias: 15,
         };
-        let datatype = Datatype::FloatingPoint {
-            size: 2,
-            byte_order: DatatypeByteOrder::LittleEndian,
-            layout,
-        };
+        let datatype = Datatype::FloatingPoint { size: 2, byte_order: DatatypeByteOrder::LittleEndian, layout };
         let one: &[u8] = &[0x00, 0x3c];
         (datatype, one)
     };
@@ -113,14 +94,8 @@ fn an_error_in_hdf5_names_the_reach() {
         .find(|reading| reading.patch == 0 && reading.taxel == 4);
     reading.unwrap().sensed_force_n = -5.0;
     write_hdf5::<ExchangeError>(&path, |writer| reaches.iter().try_for_each(|reach| writer.push(reach))).unwrap();
-    let error = refused(
-        &path,
-        "[time]\nrate_hz = 100\n[force]\nfrom = \"data/*/obs/tactile_sleeve\"\n",
-    );
-    assert_eq!(
-        (error.line, error.field.as_str()),
-        (Some(1), "data/demo_1, force of taxel 4")
-    );
+    let error = refused(&path, "[time]\nrate_hz = 100\n[force]\nfrom = \"data/*/obs/tactile_sleeve\"\n");
+    assert_eq!((error.line, error.field.as_str()), (Some(1), "data/demo_1, force of taxel 4"));
 }
 
 /// Tests that the error about something missing in an HDF5 file gives the line of the mapping, and that damaged files do
@@ -139,15 +114,9 @@ fn what_is_missing_or_damaged_is_named() {
         assert_eq!((error.line, error.field.as_str()), (Some(4), "force.from"), "{error}");
         assert!(error.found.contains(found), "{error}");
     }
-    let error = refused(
-        &path,
-        "[time]\nfrom = \"data/*/obs/eef_pos\"\n[force]\nfrom = \"data/*/obs/tactile_tip\"\n",
-    );
+    let error = refused(&path, "[time]\nfrom = \"data/*/obs/eef_pos\"\n[force]\nfrom = \"data/*/obs/tactile_tip\"\n");
     assert_eq!((error.line, error.field.as_str()), (Some(2), "time.from"));
-    let category = format!(
-        "{}[trial]\ncategory_from = \"label\"\n",
-        mapping("data/*/obs/tactile_tip")
-    );
+    let category = format!("{}[trial]\ncategory_from = \"label\"\n", mapping("data/*/obs/tactile_tip"));
     let error = refused(&path, &category);
     assert_eq!((error.line, error.field.as_str()), (Some(6), "trial.category_from"));
     assert!(error.allowed.contains("outcome"), "{error}");
@@ -161,10 +130,5 @@ fn declared_frames_that_the_file_cannot_hold_are_refused() {
     std::fs::write(&path, include_bytes!("declared-frames.h5")).unwrap();
     let error = refused(&path, "[time]\nrate_hz = 100\n[force]\nfrom = \"force\"\n");
     assert_eq!(error.field, "force");
-    assert!(
-        error
-            .allowed
-            .starts_with("at most 1100 bytes for each byte of the file"),
-        "{error}"
-    );
+    assert!(error.allowed.starts_with("at most 1100 bytes for each byte of the file"), "{error}");
 }

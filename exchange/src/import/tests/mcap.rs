@@ -83,12 +83,7 @@ fn arrays_of_ros_and_lists_in_json_are_read() {
         let expected = BTreeMap::from([(0, vec![vec![(0.0, 0.5), (0.001, 0.25)]]), (2, vec![vec![(0.0, 2.0)]])]);
         assert_eq!(by_taxel(&found.trials), expected, "{schema}");
     }
-    mcap_of(
-        &path,
-        "std_msgs/msg/Float64MultiArray",
-        "cdr",
-        &[multi_array(&frames[0], false), vec![0, 1, 0, 0, 9]],
-    );
+    mcap_of(&path, "std_msgs/msg/Float64MultiArray", "cdr", &[multi_array(&frames[0], false), vec![0, 1, 0, 0, 9]]);
     let error = refused(&path, "[force]\ntopic = \"/skin\"\nfrom = \"data\"\n");
     assert_eq!((error.line, error.field.as_str()), (Some(2), "message of /skin"));
     mcap_of(&path, "sensor_msgs/msg/Image", "cdr", &[vec![0, 1, 0, 0]]);
@@ -119,11 +114,9 @@ fn rows_of_a_grid_may_be_padded() {
     let trials = [0.5, 0.25, 0.125, 0.75].map(|force_n| vec![vec![(0.0, force_n)]]);
     let expected: BTreeMap<u32, Vec<Vec<(f64, f64)>>> = (0..).zip(trials).collect();
     assert_eq!(by_taxel(&imported(&path, mapping).unwrap().trials), expected);
-    for (row_stride, bytes, found) in [
-        (4, 32, "rows of 4 bytes for 2 cells of 4"),
-        (0, 32, "0 bytes"),
-        (16, 24, "24 bytes in rows of 16"),
-    ] {
+    for (row_stride, bytes, found) in
+        [(4, 32, "rows of 4 bytes for 2 cells of 4"), (0, 32, "0 bytes"), (16, 24, "24 bytes in rows of 16")]
+    {
         grid(row_stride, bytes);
         let error = refused(&path, mapping);
         assert_eq!((error.line, error.field.as_str()), (Some(1), "message of /skin"));
@@ -154,10 +147,7 @@ fn what_is_missing_or_damaged_is_named() {
     let error = refused(&log, "[force]\ntopic = \"/palm\"\nfrom = \"data\"\n");
     assert_eq!((error.line, error.field.as_str()), (Some(2), "force.topic"));
     assert!(error.allowed.contains("/skin/sleeve (foxglove.Grid)"), "{error}");
-    let error = refused(
-        &log,
-        "[time]\nunit = \"ms\"\n[force]\ntopic = \"/skin/sleeve\"\nfrom = \"sensed_force_n\"\n",
-    );
+    let error = refused(&log, "[time]\nunit = \"ms\"\n[force]\ntopic = \"/skin/sleeve\"\nfrom = \"sensed_force_n\"\n");
     assert_eq!((error.line, error.field.as_str()), (Some(2), "time.unit"));
     let error = refused(&log, "[force]\ntopic = \"/skin/sleeve\"\nfrom = \"force\"\n");
     assert_eq!(error.found, "the fields sensed_force_n");

@@ -30,11 +30,7 @@ fn refused(path: &Path, mapping: &str) -> InputError {
 
 /// Time and force of the samples of a trial.
 fn samples(trial: &Trial) -> Vec<(f64, f64)> {
-    trial
-        .samples
-        .iter()
-        .map(|sample| (sample.time_s, sample.force_n))
-        .collect()
+    trial.samples.iter().map(|sample| (sample.time_s, sample.force_n)).collect()
 }
 
 /// The trials of one patch in the frames of a recording, by taxel. This is a second implementation of the cutter's
@@ -54,10 +50,7 @@ fn expected(
                 if before.insert(taxel, index) != index.checked_sub(1) || of_taxel.is_empty() {
                     of_taxel.push(Vec::new());
                 }
-                of_taxel
-                    .last_mut()
-                    .unwrap()
-                    .push((frame.time_s, reading.sensed_force_n));
+                of_taxel.last_mut().unwrap().push((frame.time_s, reading.sensed_force_n));
             }
         }
     }

@@ -41,32 +41,13 @@ reach_from = \"run\"
 fn rows_become_trials() {
     let (_folder, path) = file("log.csv");
     written(&path, LOG);
-    let Imported {
-        trials,
-        frames,
-        reaches,
-    } = imported(&path, MAPPING).unwrap();
+    let Imported { trials, frames, reaches } = imported(&path, MAPPING).unwrap();
     assert_eq!((frames, reaches), (6, 2));
     let facts: Vec<_> = trials
         .iter()
-        .map(|trial| {
-            (
-                trial.trial,
-                trial.reach.unwrap(),
-                trial.taxel.unwrap(),
-                trial.category.as_deref().unwrap(),
-            )
-        })
+        .map(|trial| (trial.trial, trial.reach.unwrap(), trial.taxel.unwrap(), trial.category.as_deref().unwrap()))
         .collect();
-    assert_eq!(
-        facts,
-        [
-            (0, 0, 1, "leaf"),
-            (1, 0, 0, "leaf"),
-            (2, 0, 1, "leaf"),
-            (3, 1, 1, "trunk")
-        ]
-    );
+    assert_eq!(facts, [(0, 0, 1, "leaf"), (1, 0, 0, "leaf"), (2, 0, 1, "leaf"), (3, 1, 1, "trunk")]);
     assert!(trials.iter().all(|trial| trial.patch.as_deref() == Some("palm")));
     assert_eq!(samples(&trials[0]), [(1.0, 0.5), (1.01, 0.5)]);
     assert_eq!(samples(&trials[1]), [(1.01, 0.25), (1.02, 0.25)]);
@@ -76,16 +57,9 @@ fn rows_become_trials() {
     assert_eq!((sample.motion_m, sample.region, sample.touched), (None, None, None));
 
     let longer = MAPPING.replace("threshold_n = 0.1", "threshold_n = 0.03\nmin_samples = 2");
-    let taxels = |trials: &[Trial]| {
-        trials
-            .iter()
-            .map(|trial| (trial.taxel.unwrap(), trial.samples.len()))
-            .collect::<Vec<_>>()
-    };
-    assert_eq!(
-        taxels(&imported(&path, &longer).unwrap().trials),
-        [(1, 2), (0, 2), (1, 2)]
-    );
+    let taxels =
+        |trials: &[Trial]| trials.iter().map(|trial| (trial.taxel.unwrap(), trial.samples.len())).collect::<Vec<_>>();
+    assert_eq!(taxels(&imported(&path, &longer).unwrap().trials), [(1, 2), (0, 2), (1, 2)]);
 }
 
 /// Tests that a category that could be mistaken for the verdict `uncertain` is refused with its place.
@@ -94,14 +68,8 @@ fn a_category_called_uncertain_is_refused() {
     let (_folder, path) = file("log.csv");
     written(&path, &LOG.replace("trunk", "uncertain"));
     let error = refused(&path, MAPPING);
-    assert_eq!(
-        (error.field.as_str(), error.found.as_str()),
-        ("category", "\"uncertain\"")
-    );
-    assert!(
-        error.line.is_some() && error.allowed.contains("which is a verdict"),
-        "{error}"
-    );
+    assert_eq!((error.field.as_str(), error.found.as_str()), ("category", "\"uncertain\""));
+    assert!(error.line.is_some() && error.allowed.contains("which is a verdict"), "{error}");
 }
 
 /// Tests that scale and offset are applied to raw readings, that times may follow from a rate, and that one taxel needs
@@ -113,18 +81,10 @@ fn raw_readings_are_scaled() {
     let mapping = "[time]\nrate_hz = 50\n[force]\nfrom = \"adc\"\nscale_n = 0.01\noffset_n = -5.12\n[trial]\ncategory = \"leaf\"\n";
     let trials = imported(&path, mapping).unwrap().trials;
     assert_eq!(trials.len(), 1);
-    let [first, second] = samples(&trials[0])[..] else {
-        panic!("{trials:?}")
-    };
+    let [first, second] = samples(&trials[0])[..] else { panic!("{trials:?}") };
     assert_eq!((first.0, second.0), (0.02, 0.04));
-    assert!(
-        (first.1 - 0.88).abs() < 1e-12 && (second.1 - 1.88).abs() < 1e-12,
-        "{first:?} {second:?}"
-    );
-    assert_eq!(
-        (trials[0].category.as_deref(), trials[0].reach),
-        (Some("leaf"), Some(0))
-    );
+    assert!((first.1 - 0.88).abs() < 1e-12 && (second.1 - 1.88).abs() < 1e-12, "{first:?} {second:?}");
+    assert_eq!((trials[0].category.as_deref(), trials[0].reach), (Some("leaf"), Some(0)));
 }
 
 /// Tests that a wrong mapping is refused with its line and field, and with what is allowed.
@@ -133,70 +93,25 @@ fn a_wrong_mapping_is_refused_by_line_and_field() {
     let (_folder, path) = file("log.csv");
     written(&path, LOG);
     let changes: [(&str, &str, usize, &str, &str); 13] = [
-        (
-            "unit = \"mN\"",
-            "unit = \"N/m\"",
-            7,
-            "force.unit",
-            "N, mN, kN, gf, kgf, lbf",
-        ),
+        ("unit = \"mN\"", "unit = \"N/m\"", 7, "force.unit", "N, mN, kN, gf, kgf, lbf"),
         ("unit = \"ms\"", "unit = \"min\"", 3, "time.unit", "s, ms, us, ns"),
-        (
-            "from = \"stamp\"",
-            "from = \"t\"",
-            2,
-            "time.from",
-            "run, stamp, left, ft_0, ft_1, label",
-        ),
-        (
-            "from = \"stamp\"",
-            "rate_hz = 0",
-            2,
-            "time.rate_hz",
-            "0.01 to 100000 Hz",
-        ),
+        ("from = \"stamp\"", "from = \"t\"", 2, "time.from", "run, stamp, left, ft_0, ft_1, label"),
+        ("from = \"stamp\"", "rate_hz = 0", 2, "time.rate_hz", "0.01 to 100000 Hz"),
         ("from = \"stamp\"", "rate_hz = 100", 3, "time.unit", "one of"),
         ("from = \"stamp\"", "", 1, "time.from", "or `rate_hz`"),
         ("taxels = 2", "taxels = 3", 5, "force.from", "a column of"),
         ("taxels = 2", "", 4, "force.taxels", "`taxels = N`"),
         ("ft_{taxel}", "ft_0", 5, "force.from", "{taxel}"),
-        (
-            "threshold_n = 0.1",
-            "threshold_n = -1",
-            10,
-            "trial.threshold_n",
-            "0 to 10000 N",
-        ),
-        (
-            "threshold_n = 0.1",
-            "treshold_n = 1",
-            10,
-            "mapping",
-            "underbrush schema mapping",
-        ),
-        (
-            "taxels = 2",
-            "taxels = 2\ntopic = \"/skin\"",
-            7,
-            "force.topic",
-            "no such key for CSV",
-        ),
-        (
-            "patch = \"palm\"",
-            "category = \"leaf\"",
-            11,
-            "trial.category_from",
-            "one of",
-        ),
+        ("threshold_n = 0.1", "threshold_n = -1", 10, "trial.threshold_n", "0 to 10000 N"),
+        ("threshold_n = 0.1", "treshold_n = 1", 10, "mapping", "underbrush schema mapping"),
+        ("taxels = 2", "taxels = 2\ntopic = \"/skin\"", 7, "force.topic", "no such key for CSV"),
+        ("patch = \"palm\"", "category = \"leaf\"", 11, "trial.category_from", "one of"),
     ];
     for (before, after, line, field, allowed) in changes {
         assert!(MAPPING.contains(before));
         let error = refused(&path, &MAPPING.replace(before, after));
         assert_eq!((error.line, error.field.as_str()), (Some(line), field), "{error}");
-        assert!(
-            error.file.ends_with("log.toml") && error.allowed.contains(allowed),
-            "{error}"
-        );
+        assert!(error.file.ends_with("log.toml") && error.allowed.contains(allowed), "{error}");
     }
     let nowhere = Mapping::load(Path::new("nowhere.toml"));
     assert!(matches!(nowhere, Err(ExchangeError::Input(error)) if error.found == "no such file"));
@@ -228,10 +143,7 @@ fn wrong_data_are_refused_by_line() {
     assert!(error.found.contains("ended before"), "{error}");
     written(&path, LOG);
     let error = refused(&path, &MAPPING.replace("threshold_n = 0.1", "threshold_n = 0.5"));
-    assert_eq!(
-        (error.field.as_str(), error.found.as_str()),
-        ("trials", "none in 6 frames")
-    );
+    assert_eq!((error.field.as_str(), error.found.as_str()), ("trials", "none in 6 frames"));
     let (_other, text) = file("log.txt");
     written(&text, LOG);
     assert_eq!(refused(&text, MAPPING).field, "file name");

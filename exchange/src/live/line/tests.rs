@@ -7,21 +7,10 @@ use super::*;
 
 /// Two patches: `sleeve` with 4 taxels and `tip` with 2.
 fn layout() -> SkinLayout {
-    let taxel = Taxel {
-        position_link: DVec3::ZERO,
-        normal_link: DVec3::Z,
-        tangent_link: DVec3::X,
-        area_m2: 1e-4,
-    };
-    let patch = |name: &str, taxels| Patch {
-        name: name.into(),
-        link: "link".into(),
-        grid: None,
-        taxels: vec![taxel; taxels],
-    };
-    SkinLayout {
-        patches: vec![patch("sleeve", 4), patch("tip", 2)],
-    }
+    let taxel = Taxel { position_link: DVec3::ZERO, normal_link: DVec3::Z, tangent_link: DVec3::X, area_m2: 1e-4 };
+    let patch =
+        |name: &str, taxels| Patch { name: name.into(), link: "link".into(), grid: None, taxels: vec![taxel; taxels] };
+    SkinLayout { patches: vec![patch("sleeve", 4), patch("tip", 2)] }
 }
 
 fn force_alone() -> LineParser {
@@ -47,10 +36,7 @@ fn only_what_is_used_is_asked_for() {
     let line = r#"{"taxels":[{"taxel":1,"patch":"tip","sensed_force_n":2,"true_normal_force_n":"lost","object":-7},
         {"patch":0,"taxel":3,"sensed_force_n":0.5}],"time_s":1.5,"patch_pose_world":"none","joint_angle_rad":null}"#;
     let found = frame(&mut force_alone(), line);
-    let felt = found
-        .taxels
-        .iter()
-        .map(|taxel| (taxel.patch, taxel.taxel, taxel.sensed_force_n));
+    let felt = found.taxels.iter().map(|taxel| (taxel.patch, taxel.taxel, taxel.sensed_force_n));
     let felt: Vec<_> = felt.collect();
     assert_eq!(felt, [(0, 3, 0.5), (1, 1, 2.0)]);
     assert_eq!(found.time_s, 1.5);
@@ -89,242 +75,65 @@ fn every_fault_is_named() {
         |text: &str| format!(r#"{{"time_s":9,"taxels":[{{"patch":0,"taxel":0,"sensed_force_n":1}},{text}]}}"#);
     let posed = |text: &str| format!(r#"{{"time_s":9,"taxels":[],"patch_pose_world":{text}}}"#);
     let pose = |position: &str, orientation: &str| {
-        posed(&format!(
-            r#"{{"sleeve":{{"position":{position},"orientation":{orientation}}}}}"#
-        ))
+        posed(&format!(r#"{{"sleeve":{{"position":{position},"orientation":{orientation}}}}}"#))
     };
     let unit = "[0,0,0,1]";
     let long = "x".repeat(5000);
     let cases: Vec<(String, &str, &str, &str)> = vec![
         ("{\"time_s\": ".into(), "line", "EOF while parsing", "one JSON object"),
         ("[]".into(), "line", "[]", "one JSON object"),
-        (
-            "17 taxels".into(),
-            "line",
-            "trailing characters at byte 4",
-            "one JSON object",
-        ),
+        ("17 taxels".into(), "line", "trailing characters at byte 4", "one JSON object"),
         (long.clone(), "line", "xxxx…", "one JSON object"),
-        (
-            r#"{"time_s":9,"time_s":8,"taxels":[]}"#.into(),
-            "line",
-            "key \"time_s\" more than once",
-            "each key once",
-        ),
+        (r#"{"time_s":9,"time_s":8,"taxels":[]}"#.into(), "line", "key \"time_s\" more than once", "each key once"),
         (r#"{"taxels":[]}"#.into(), "time_s", "nothing", "seconds"),
-        (
-            r#"{"time_s":"9","taxels":[]}"#.into(),
-            "time_s",
-            "\"9\"",
-            "a number from",
-        ),
-        (
-            r#"{"time_s":1e300,"taxels":[]}"#.into(),
-            "time_s",
-            "1e+300",
-            "a number from",
-        ),
-        (
-            r#"{"time_s":1e999,"taxels":[]}"#.into(),
-            "line",
-            "number out of range",
-            "one JSON object",
-        ),
-        (
-            r#"{"time_s":NaN,"taxels":[]}"#.into(),
-            "line",
-            "expected value",
-            "one JSON object",
-        ),
-        (
-            r#"{"time_s":5,"taxels":[]}"#.into(),
-            "time_s",
-            "5",
-            "later than 5 s, the time of line 1",
-        ),
-        (
-            r#"{"time_s":4.9,"taxels":[]}"#.into(),
-            "time_s",
-            "4.9",
-            "{\"reset\":true}",
-        ),
+        (r#"{"time_s":"9","taxels":[]}"#.into(), "time_s", "\"9\"", "a number from"),
+        (r#"{"time_s":1e300,"taxels":[]}"#.into(), "time_s", "1e+300", "a number from"),
+        (r#"{"time_s":1e999,"taxels":[]}"#.into(), "line", "number out of range", "one JSON object"),
+        (r#"{"time_s":NaN,"taxels":[]}"#.into(), "line", "expected value", "one JSON object"),
+        (r#"{"time_s":5,"taxels":[]}"#.into(), "time_s", "5", "later than 5 s, the time of line 1"),
+        (r#"{"time_s":4.9,"taxels":[]}"#.into(), "time_s", "4.9", "{\"reset\":true}"),
         (r#"{"time_s":9}"#.into(), "taxels", "nothing", "a list of readings"),
-        (
-            r#"{"time_s":9,"taxels":{}}"#.into(),
-            "taxels",
-            "{}",
-            "a list of readings",
-        ),
+        (r#"{"time_s":9,"taxels":{}}"#.into(), "taxels", "{}", "a list of readings"),
         (reading("7"), "taxels[1]", "7", "an object with patch, taxel"),
-        (
-            reading(r#"{"taxel":1,"sensed_force_n":1}"#),
-            "taxels[1].patch",
-            "nothing",
-            "0 or \"sleeve\", 1 or \"tip\"",
-        ),
-        (
-            reading(r#"{"patch":2,"taxel":1,"sensed_force_n":1}"#),
-            "taxels[1].patch",
-            "2",
-            "0 or \"sleeve\"",
-        ),
-        (
-            reading(r#"{"patch":-1,"taxel":1,"sensed_force_n":1}"#),
-            "taxels[1].patch",
-            "-1",
-            "0 or \"sleeve\"",
-        ),
-        (
-            reading(r#"{"patch":65536,"taxel":1,"sensed_force_n":1}"#),
-            "taxels[1].patch",
-            "65536",
-            "0 or \"sleeve\"",
-        ),
-        (
-            reading(r#"{"patch":"elbow","taxel":1,"sensed_force_n":1}"#),
-            "taxels[1].patch",
-            "\"elbow\"",
-            "\"tip\"",
-        ),
-        (
-            reading(r#"{"patch":0,"sensed_force_n":1}"#),
-            "taxels[1].taxel",
-            "nothing",
-            "patch sleeve: 0 to 3",
-        ),
-        (
-            reading(r#"{"patch":0,"taxel":4,"sensed_force_n":1}"#),
-            "taxels[1].taxel",
-            "4",
-            "patch sleeve: 0 to 3",
-        ),
-        (
-            reading(r#"{"patch":"tip","taxel":2,"sensed_force_n":1}"#),
-            "taxels[1].taxel",
-            "2",
-            "patch tip: 0 to 1",
-        ),
-        (
-            reading(r#"{"patch":0,"taxel":1.5,"sensed_force_n":1}"#),
-            "taxels[1].taxel",
-            "1.5",
-            "0 to 3",
-        ),
-        (
-            reading(r#"{"patch":0,"taxel":65537,"sensed_force_n":1}"#),
-            "taxels[1].taxel",
-            "65537",
-            "0 to 3",
-        ),
+        (reading(r#"{"taxel":1,"sensed_force_n":1}"#), "taxels[1].patch", "nothing", "0 or \"sleeve\", 1 or \"tip\""),
+        (reading(r#"{"patch":2,"taxel":1,"sensed_force_n":1}"#), "taxels[1].patch", "2", "0 or \"sleeve\""),
+        (reading(r#"{"patch":-1,"taxel":1,"sensed_force_n":1}"#), "taxels[1].patch", "-1", "0 or \"sleeve\""),
+        (reading(r#"{"patch":65536,"taxel":1,"sensed_force_n":1}"#), "taxels[1].patch", "65536", "0 or \"sleeve\""),
+        (reading(r#"{"patch":"elbow","taxel":1,"sensed_force_n":1}"#), "taxels[1].patch", "\"elbow\"", "\"tip\""),
+        (reading(r#"{"patch":0,"sensed_force_n":1}"#), "taxels[1].taxel", "nothing", "patch sleeve: 0 to 3"),
+        (reading(r#"{"patch":0,"taxel":4,"sensed_force_n":1}"#), "taxels[1].taxel", "4", "patch sleeve: 0 to 3"),
+        (reading(r#"{"patch":"tip","taxel":2,"sensed_force_n":1}"#), "taxels[1].taxel", "2", "patch tip: 0 to 1"),
+        (reading(r#"{"patch":0,"taxel":1.5,"sensed_force_n":1}"#), "taxels[1].taxel", "1.5", "0 to 3"),
+        (reading(r#"{"patch":0,"taxel":65537,"sensed_force_n":1}"#), "taxels[1].taxel", "65537", "0 to 3"),
         (
             reading(r#"{"patch":"sleeve","taxel":0,"sensed_force_n":1}"#),
             "taxels[1].taxel",
             "0",
             "taxels[0].taxel names it",
         ),
-        (
-            reading(r#"{"patch":0,"taxel":1}"#),
-            "taxels[1].sensed_force_n",
-            "nothing",
-            "newtons",
-        ),
-        (
-            reading(r#"{"patch":0,"taxel":1,"sensed_force_n":null}"#),
-            "taxels[1].sensed_force_n",
-            "nothing",
-            "newtons",
-        ),
-        (
-            reading(r#"{"patch":0,"taxel":1,"sensed_force_n":-5}"#),
-            "taxels[1].sensed_force_n",
-            "-5",
-            "a number from 0",
-        ),
+        (reading(r#"{"patch":0,"taxel":1}"#), "taxels[1].sensed_force_n", "nothing", "newtons"),
+        (reading(r#"{"patch":0,"taxel":1,"sensed_force_n":null}"#), "taxels[1].sensed_force_n", "nothing", "newtons"),
+        (reading(r#"{"patch":0,"taxel":1,"sensed_force_n":-5}"#), "taxels[1].sensed_force_n", "-5", "a number from 0"),
         (
             reading(r#"{"patch":0,"taxel":1,"sensed_force_n":1e300}"#),
             "taxels[1].sensed_force_n",
             "1e+300",
             "a number from 0",
         ),
-        (
-            r#"{"time_s":9,"taxels":[]}"#.into(),
-            "patch_pose_world",
-            "nothing",
-            "as this model uses motion",
-        ),
+        (r#"{"time_s":9,"taxels":[]}"#.into(), "patch_pose_world", "nothing", "as this model uses motion"),
         (posed("[]"), "patch_pose_world", "[]", "a list of 2 poses"),
-        (
-            posed("[null,null]"),
-            "patch_pose_world[0]",
-            "null",
-            "position and orientation",
-        ),
-        (
-            posed("{}"),
-            "patch_pose_world.sleeve",
-            "nothing",
-            "the pose of patch sleeve",
-        ),
-        (
-            posed(r#"{"elbow":{}}"#),
-            "patch_pose_world",
-            "key \"elbow\"",
-            "sleeve, tip",
-        ),
-        (
-            posed(r#"{"sleeve":{"orientation":[0,0,0,1]}}"#),
-            "patch_pose_world.sleeve.position",
-            "nothing",
-            "metres",
-        ),
-        (
-            pose("[1,2]", unit),
-            "patch_pose_world.sleeve.position",
-            "[1,2]",
-            "x, y and z",
-        ),
-        (
-            pose("[1,2,1e300]", unit),
-            "patch_pose_world.sleeve.position",
-            "[1,2,1e+300]",
-            "from -1e8 to 1e8 m",
-        ),
-        (
-            pose("[1,2,3]", "[0,0,0,0]"),
-            "patch_pose_world.sleeve.orientation",
-            "[0,0,0,0]",
-            "of length 1",
-        ),
-        (
-            pose("[1,2,3]", "[0,0,0,2]"),
-            "patch_pose_world.sleeve.orientation",
-            "[0,0,0,2]",
-            "of length 1",
-        ),
-        (
-            pose("[1,2,3]", "[1e200,1e200,0,0]"),
-            "patch_pose_world.sleeve.orientation",
-            "1e+200",
-            "of length 1",
-        ),
-        (
-            pose("[1,2,3]", "[0,0,1]"),
-            "patch_pose_world.sleeve.orientation",
-            "[0,0,1]",
-            "x, y, z, w",
-        ),
-        (
-            r#"{"reset":false}"#.into(),
-            "reset",
-            "false",
-            "true, in a line of its own",
-        ),
-        (
-            r#"{"reset":true,"time_s":1}"#.into(),
-            "reset",
-            "true",
-            "in a line of its own",
-        ),
+        (posed("[null,null]"), "patch_pose_world[0]", "null", "position and orientation"),
+        (posed("{}"), "patch_pose_world.sleeve", "nothing", "the pose of patch sleeve"),
+        (posed(r#"{"elbow":{}}"#), "patch_pose_world", "key \"elbow\"", "sleeve, tip"),
+        (posed(r#"{"sleeve":{"orientation":[0,0,0,1]}}"#), "patch_pose_world.sleeve.position", "nothing", "metres"),
+        (pose("[1,2]", unit), "patch_pose_world.sleeve.position", "[1,2]", "x, y and z"),
+        (pose("[1,2,1e300]", unit), "patch_pose_world.sleeve.position", "[1,2,1e+300]", "from -1e8 to 1e8 m"),
+        (pose("[1,2,3]", "[0,0,0,0]"), "patch_pose_world.sleeve.orientation", "[0,0,0,0]", "of length 1"),
+        (pose("[1,2,3]", "[0,0,0,2]"), "patch_pose_world.sleeve.orientation", "[0,0,0,2]", "of length 1"),
+        (pose("[1,2,3]", "[1e200,1e200,0,0]"), "patch_pose_world.sleeve.orientation", "1e+200", "of length 1"),
+        (pose("[1,2,3]", "[0,0,1]"), "patch_pose_world.sleeve.orientation", "[0,0,1]", "x, y, z, w"),
+        (r#"{"reset":false}"#.into(), "reset", "false", "true, in a line of its own"),
+        (r#"{"reset":true,"time_s":1}"#.into(), "reset", "true", "in a line of its own"),
     ];
     for (line, field, found, allowed) in cases {
         // Only models that use motion see faults of poses. All models see the other faults.
@@ -356,14 +165,7 @@ fn a_reset_lets_time_begin_anew() {
 
 /// Possible values in a reading, valid and invalid.
 fn reading() -> impl Strategy<Value = String> {
-    let patch = prop_oneof![
-        Just("0"),
-        Just("1"),
-        Just("\"sleeve\""),
-        Just("\"tip\""),
-        Just("2"),
-        Just("null")
-    ];
+    let patch = prop_oneof![Just("0"), Just("1"), Just("\"sleeve\""), Just("\"tip\""), Just("2"), Just("null")];
     let force = prop_oneof![
         4 => (0.0..1e4_f64).prop_map(|force| force.to_string()),
         1 => any::<f64>().prop_map(|force| force.to_string()),

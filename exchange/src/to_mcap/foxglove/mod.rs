@@ -102,10 +102,7 @@ pub(super) struct PoseMessage {
 
 impl From<Pose> for PoseMessage {
     fn from(pose: Pose) -> Self {
-        PoseMessage {
-            position: pose.position.into(),
-            orientation: pose.orientation.into(),
-        }
+        PoseMessage { position: pose.position.into(), orientation: pose.orientation.into() }
     }
 }
 

@@ -67,22 +67,14 @@ fn reach() -> Recording {
             patch_pose_world: Vec::new(),
             contact_force_world: Vec::new(),
         }],
-        audit: Audit {
-            energy_residual: 0.005,
-            largest_contact_residual: 5e-6,
-            ..Audit::default()
-        },
+        audit: Audit { energy_residual: 0.005, largest_contact_residual: 5e-6, ..Audit::default() },
     }
 }
 
 /// Verdicts on that reach: of 10 taxel frames on the leaf 6 are right, 1 is called nothing, 1 an outlier, and 2 are
 /// uncertain. Nothing presses in 4 more, of which 1 is called nothing.
 fn stream() -> Stream {
-    let contact = |truth, first_right| StreamContact {
-        truth,
-        samples: 20,
-        first_right,
-    };
+    let contact = |truth, first_right| StreamContact { truth, samples: 20, first_right };
     let frame = |in_contact| StreamFrame {
         time_s: 0.0,
         in_contact,
@@ -94,9 +86,7 @@ fn stream() -> Stream {
     };
     Stream {
         truths: vec![Category::LEAF, Category::TRUNK],
-        verdicts: ["leaf", "trunk", "uncertain", "outlier", "nothing"]
-            .map(String::from)
-            .to_vec(),
+        verdicts: ["leaf", "trunk", "uncertain", "outlier", "nothing"].map(String::from).to_vec(),
         frames: vec![frame(0), frame(4), frame(8)],
         taxel_frames: vec![vec![6, 0, 2, 1, 1], vec![0; 5], vec![3, 0, 0, 0, 1]],
         contacts: vec![
@@ -114,11 +104,7 @@ fn stream() -> Stream {
 #[test]
 fn metrics_are_what_they_say() {
     let (recording, stream) = (reach(), stream());
-    let measured = Measured {
-        recording: &recording,
-        goals: 4,
-        stream: Some(&stream),
-    };
+    let measured = Measured { recording: &recording, goals: 4, stream: Some(&stream) };
     let expected = [
         // The contact residual is half of its bound of 1e-5, and the energy residual is a quarter of its bound of 0.02.
         ("audit", Some(0.5), Some(0.5)),
@@ -148,18 +134,11 @@ fn metrics_are_what_they_say() {
             (Some(found), Some(expected)) => (found - expected).abs() < 1e-12,
             (found, expected) => found == expected,
         };
-        assert!(
-            close(found(Category::LEAF), of_leaf),
-            "{name}: {:?}",
-            found(Category::LEAF)
-        );
+        assert!(close(found(Category::LEAF), of_leaf), "{name}: {:?}", found(Category::LEAF));
         let other = found(Category::OUTLIER);
         assert!(close(other, of_outlier), "{name} of an outlier: {other:?}");
     }
-    let without_model = Measured {
-        stream: None,
-        ..measured
-    };
+    let without_model = Measured { stream: None, ..measured };
     for metric in &METRICS {
         let value = metric.of_reach(&without_model, Some(Category::LEAF));
         assert_eq!(value.is_none(), metric.needs_model, "{}", metric.name);

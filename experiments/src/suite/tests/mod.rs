@@ -42,10 +42,7 @@ fn written(text: &str) -> (tempfile::TempDir, PathBuf) {
 fn result(suite: &Suite, values: &[&[f64]]) -> SuiteResult {
     let scene = &suite.scenes[0];
     let of_bound = |(own, values): (&SceneBound, &&[f64])| {
-        let values = values.iter().zip(0..).map(|(value, reach_index)| ReachValue {
-            reach_index,
-            value: *value,
-        });
+        let values = values.iter().zip(0..).map(|(value, reach_index)| ReachValue { reach_index, value: *value });
         run::held(own, values.collect())
     };
     let bounds = scene.bounds.iter().zip(values).map(of_bound).collect();
@@ -75,23 +72,11 @@ fn bounds_keep_the_order_of_the_file() {
     let (_folder, file) = written(SUITE);
     let suite = Suite::load(&file).unwrap();
     let names: Vec<String> = suite.scenes[0].bounds.iter().map(SceneBound::name).collect();
-    let expected = [
-        "peak_force_n.trunk",
-        "goals_reached",
-        "audit",
-        "mean_force_n.leaf",
-        "mean_force_n.trunk",
-    ];
+    let expected = ["peak_force_n.trunk", "goals_reached", "audit", "mean_force_n.leaf", "mean_force_n.trunk"];
     assert_eq!(names, expected);
     let leaf = suite.scenes[0].bounds[3].bound;
-    assert_eq!(
-        (leaf.at_least, leaf.at_most, leaf.blessed),
-        (Some(0.5), Some(0.7), Some(0.6))
-    );
-    assert_eq!(
-        (suite.name.as_str(), suite.seed, suite.scenes[0].reaches),
-        ("suite", 7, 4)
-    );
+    assert_eq!((leaf.at_least, leaf.at_most, leaf.blessed), (Some(0.5), Some(0.7), Some(0.6)));
+    assert_eq!((suite.name.as_str(), suite.seed, suite.scenes[0].reaches), ("suite", 7, 4));
 }
 
 /// Tests every verdict on a bound, the standard error of a mean, and which reach is to be looked at: the smallest value
@@ -110,14 +95,8 @@ fn values_are_held_against_bounds() {
     assert_eq!(found[1].standard_error, Some(0.125));
     assert_eq!((found[2].found, found[2].standard_error), (Some(1.25), None));
     let worst = |place: usize| found[place].look_at.map(|own| own.reach_index);
-    assert_eq!(
-        [worst(1), worst(2), worst(3), worst(4)],
-        [Some(0), Some(1), Some(1), None]
-    );
-    let holding = result(
-        &suite,
-        &[&[5.0, 6.0], &[1.0, 1.0], &[0.5, 0.75], &[0.5, 0.75], &[8.0, 9.0]],
-    );
+    assert_eq!([worst(1), worst(2), worst(3), worst(4)], [Some(0), Some(1), Some(1), None]);
+    let holding = result(&suite, &[&[5.0, 6.0], &[1.0, 1.0], &[0.5, 0.75], &[0.5, 0.75], &[8.0, 9.0]]);
     let verdicts = holding.scenes[0].bounds.iter().map(|own| own.verdict);
     assert_eq!(verdicts.filter(|own| *own == BoundVerdict::Holds).count(), 4);
 }
@@ -159,10 +138,7 @@ fn blessing_changes_the_bounds_alone() {
     let leaf = bounds[3];
     // Rounded to four digits, away from what was found.
     let high = leaf.at_most.unwrap();
-    assert!(
-        (0.0..1e-3 * high).contains(&(high - (2.0 + margin))),
-        "{leaf:?}, margin {margin}"
-    );
+    assert!((0.0..1e-3 * high).contains(&(high - (2.0 + margin))), "{leaf:?}, margin {margin}");
     let again = blessed.hold(found);
     assert!(again.passed, "{again:?}");
     // The same run gives the same text again.
@@ -175,21 +151,9 @@ fn blessing_changes_the_bounds_alone() {
 fn bounds_without_braces_are_not_blessed() {
     let in_braces = "goals_reached = { at_least = 0.25 }";
     for (text, line, name) in [
-        (
-            SUITE.replace(in_braces, "goals_reached.at_least = 0.25"),
-            13,
-            "bounds.goals_reached",
-        ),
-        (
-            SUITE.replace("trunk = { at_most = 9 }", "trunk.at_most = 9"),
-            17,
-            "bounds.mean_force_n.trunk",
-        ),
-        (
-            format!("{SUITE}[scenes.bounds.largest_force_n.leaf]\nat_most = 3\n"),
-            18,
-            "bounds.largest_force_n.leaf",
-        ),
+        (SUITE.replace(in_braces, "goals_reached.at_least = 0.25"), 13, "bounds.goals_reached"),
+        (SUITE.replace("trunk = { at_most = 9 }", "trunk.at_most = 9"), 17, "bounds.mean_force_n.trunk"),
+        (format!("{SUITE}[scenes.bounds.largest_force_n.leaf]\nat_most = 3\n"), 18, "bounds.largest_force_n.leaf"),
     ] {
         assert_ne!(text, SUITE);
         let (_folder, file) = written(&text);
@@ -208,10 +172,7 @@ fn bounds_without_braces_are_not_blessed() {
 fn a_file_is_not_replaced_by_one_that_cannot_be_read() {
     let (_folder, file) = written(SUITE);
     let mut suite = Suite::load(&file).unwrap();
-    let found = result(
-        &suite,
-        &[&[5.0, 6.0], &[0.5, 1.0], &[0.25, 0.125], &[1.0, 3.0], &[2.0, 3.0]],
-    );
+    let found = result(&suite, &[&[5.0, 6.0], &[0.5, 1.0], &[0.25, 0.125], &[1.0, 3.0], &[2.0, 3.0]]);
     suite.scenes[0].bounds[1].span.end -= 3;
     let error = checked::blessed(&suite, found, &file, &Silent).unwrap_err().to_string();
     assert!(error.contains("nothing was written"), "{error}");
@@ -224,23 +185,12 @@ fn a_file_is_not_replaced_by_one_that_cannot_be_read() {
 fn bounds_that_allow_everything_are_noticed() {
     let (_folder, file) = written(SUITE);
     let suite = Suite::load(&file).unwrap();
-    let found = result(
-        &suite,
-        &[
-            &[1.0, 9.0],
-            &[0.0, 1.0, 0.0, 1.0],
-            &[0.25, 0.125],
-            &[1.0, 1.0],
-            &[2.0, 3.0],
-        ],
-    );
+    let found = result(&suite, &[&[1.0, 9.0], &[0.0, 1.0, 0.0, 1.0], &[0.25, 0.125], &[1.0, 1.0], &[2.0, 3.0]]);
     std::fs::write(&file, bless::text(&suite, &found).unwrap()).unwrap();
     let blessed = Suite::load(&file).unwrap().hold(found);
     let bounds = blessed.scenes[0].bounds.iter();
-    let everything: Vec<&str> = bounds
-        .filter(|bound| bound.allows_everything())
-        .map(|bound| bound.name.as_str())
-        .collect();
+    let everything: Vec<&str> =
+        bounds.filter(|bound| bound.allows_everything()).map(|bound| bound.name.as_str()).collect();
     // The lower bounds on the trunk's peak force and on the goals are both 0, but only the force has an upper bound.
     assert_eq!(everything, ["goals_reached"]);
 }
@@ -252,8 +202,5 @@ fn one_value_is_not_blessed() {
     let suite = Suite::load(&file).unwrap();
     let found = result(&suite, &[&[5.0], &[0.5, 1.0], &[0.25, 0.125], &[1.0, 3.0], &[2.0, 2.0]]);
     let error = bless::text(&suite, &found).unwrap_err().to_string();
-    assert!(
-        error.contains("peak_force_n.trunk was measured in 1 of 4 reaches"),
-        "{error}"
-    );
+    assert!(error.contains("peak_force_n.trunk was measured in 1 of 4 reaches"), "{error}");
 }

@@ -10,18 +10,9 @@ pub(super) fn check_bodies(recording: &Recording) -> Result<(), Violation> {
         let field = |name: &str| format!("bodies[{index}].{name}");
         if let BodyOwner::Object(object) = body.owner {
             let known = usize::from(object) < recording.objects.len();
-            require(
-                known,
-                || field("owner"),
-                || format!("object {object}"),
-                "the index of an object",
-            )?;
+            require(known, || field("owner"), || format!("object {object}"), "the index of an object")?;
         }
-        let poses = body
-            .parts
-            .iter()
-            .map(|part| part.pose_body)
-            .chain([body.rest_pose_world]);
+        let poses = body.parts.iter().map(|part| part.pose_body).chain([body.rest_pose_world]);
         for pose in poses {
             finite(pose.numbers(), || field("parts and rest_pose_world"))?;
             require_unit(pose.orientation.length(), || field("parts and rest_pose_world"))?;
@@ -33,12 +24,7 @@ pub(super) fn check_bodies(recording: &Recording) -> Result<(), Violation> {
         for point in &body.track {
             let known = point.frame >= next && (point.frame as usize) < recording.frames.len();
             let found = || point.frame.to_string();
-            require(
-                known,
-                || field("track"),
-                found,
-                "the index of a later frame than that of the previous point",
-            )?;
+            require(known, || field("track"), found, "the index of a later frame than that of the previous point")?;
             next = point.frame + 1;
             let numbers = point.position_world_m.into_iter().chain(point.orientation_world);
             finite(numbers.map(f64::from), || field("track"))?;
@@ -52,10 +38,5 @@ pub(super) fn check_bodies(recording: &Recording) -> Result<(), Violation> {
 /// Checks that a quaternion has unit length, up to the rounding of tracks.
 fn require_unit(length: f64, field: impl FnOnce() -> String) -> Result<(), Violation> {
     let unit = (length - 1.0).abs() <= 2.0 * ORIENTATION_STEP;
-    require(
-        unit,
-        field,
-        || format!("a quaternion of length {length}"),
-        "a quaternion of length 1",
-    )
+    require(unit, field, || format!("a quaternion of length {length}"), "a quaternion of length 1")
 }

@@ -21,33 +21,14 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
     let lengths = [frame.patch_pose_world.len(), frame.contact_force_world.len()];
     let found = || format!("{lengths:?} for {patches} patches");
     let each = lengths == [patches; 2];
-    require(
-        each,
-        || field("patch_pose_world and contact_force_world"),
-        found,
-        "one per patch",
-    )?;
+    require(each, || field("patch_pose_world and contact_force_world"), found, "one per patch")?;
     let numbers = [frame.time_s].into_iter().chain(frame.goal_position_world.to_array());
-    finite(numbers.chain(frame.end_effector_pose_world.numbers()), || {
-        field("time, goal or end effector pose")
-    })?;
-    finite(frame.patch_pose_world.iter().flat_map(Pose::numbers), || {
-        field("patch_pose_world")
-    })?;
-    finite(
-        frame.contact_force_world.iter().flat_map(|force| force.to_array()),
-        || field("contact_force_world"),
-    )?;
-    let sorted = frame
-        .taxels
-        .is_sorted_by(|a, b| (a.patch, a.taxel) < (b.patch, b.taxel));
+    finite(numbers.chain(frame.end_effector_pose_world.numbers()), || field("time, goal or end effector pose"))?;
+    finite(frame.patch_pose_world.iter().flat_map(Pose::numbers), || field("patch_pose_world"))?;
+    finite(frame.contact_force_world.iter().flat_map(|force| force.to_array()), || field("contact_force_world"))?;
+    let sorted = frame.taxels.is_sorted_by(|a, b| (a.patch, a.taxel) < (b.patch, b.taxel));
     let found = || "out of order, or one twice".to_string();
-    require(
-        sorted,
-        || field("taxels"),
-        found,
-        "each taxel once, sorted by patch, then taxel",
-    )?;
+    require(sorted, || field("taxels"), found, "each taxel once, sorted by patch, then taxel")?;
     for (position, reading) in frame.taxels.iter().enumerate() {
         let field = || field(&format!("taxels[{position}]"));
         let patch = recording.layout.patches.get(usize::from(reading.patch));
@@ -67,12 +48,7 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
         ];
         finite(forces, field)?;
         let something = reading.object.is_some() || forces.iter().any(|&force| force != 0.0);
-        require(
-            something,
-            field,
-            || "all zeros".into(),
-            "only taxels with a force or an object",
-        )?;
+        require(something, field, || "all zeros".into(), "only taxels with a force or an object")?;
     }
     Ok(())
 }

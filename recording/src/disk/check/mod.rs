@@ -35,29 +35,18 @@ fn check_header(recording: &Recording) -> Result<(), Violation> {
     check_robot(&recording.layout, recording.rate_hz, &recording.joint_names)?;
     let objects = recording.objects.len();
     // The ground truth of taxels holds object indices as 16-bit integers, with −1 for none.
-    require(
-        objects <= 32768,
-        || "objects".into(),
-        || format!("{objects} objects"),
-        "at most 32768 objects",
-    )?;
+    require(objects <= 32768, || "objects".into(), || format!("{objects} objects"), "at most 32768 objects")?;
     for field in Audit::FIELDS {
         finite([(field.get)(&recording.audit)], || format!("audit.{}", field.name))?;
     }
     for (index, object) in recording.objects.iter().enumerate() {
-        let numbers = object
-            .position_world
-            .to_array()
-            .into_iter()
-            .chain(object.parameters.values().copied());
+        let numbers = object.position_world.to_array().into_iter().chain(object.parameters.values().copied());
         finite(numbers, || format!("objects[{index}]"))?;
     }
     check_categories(&recording.further_categories())?;
     for (index, goal) in recording.goals.iter().enumerate() {
         let times = [goal.start_time_s, goal.end_time_s];
-        finite(goal.position_world.to_array().into_iter().chain(times), || {
-            format!("goals[{index}]")
-        })?;
+        finite(goal.position_world.to_array().into_iter().chain(times), || format!("goals[{index}]"))?;
         let Some(stop) = &goal.safety_stop else { continue };
         let field = |name: &str| format!("goals[{index}].safety_stop{name}");
         require(
@@ -75,15 +64,8 @@ fn check_header(recording: &Recording) -> Result<(), Violation> {
             format!("contacts[{index}]{name}")
         })?;
         let ordered = contact.first_frame <= contact.last_frame;
-        require(
-            ordered,
-            || field("last_frame"),
-            || contact.last_frame.to_string(),
-            "first_frame or later",
-        )?;
-        finite([contact.peak_force_n, contact.mean_force_n], || {
-            field("peak_force_n and mean_force_n")
-        })?;
+        require(ordered, || field("last_frame"), || contact.last_frame.to_string(), "first_frame or later")?;
+        finite([contact.peak_force_n, contact.mean_force_n], || field("peak_force_n and mean_force_n"))?;
     }
     Ok(())
 }
@@ -99,12 +81,7 @@ fn check_place(
 ) -> Result<(), Violation> {
     if let Some(patch) = patch {
         let known = recording.layout.patches.get(usize::from(patch));
-        require(
-            known.is_some(),
-            || field(".patch"),
-            || patch.to_string(),
-            "the index of a patch of the layout",
-        )?;
+        require(known.is_some(), || field(".patch"), || patch.to_string(), "the index of a patch of the layout")?;
         require(
             known.is_some_and(|patch| patch.link == link),
             || field(".link"),
@@ -112,12 +89,7 @@ fn check_place(
             "the link that carries the patch",
         )?;
     } else {
-        require(
-            !link.is_empty(),
-            || field(".link"),
-            || "no name".into(),
-            "the name of a link",
-        )?;
+        require(!link.is_empty(), || field(".link"), || "no name".into(), "the name of a link")?;
     }
     require(
         usize::from(object) < recording.objects.len(),
@@ -136,11 +108,7 @@ pub(super) fn check_recording(recording: &Recording) -> Result<(), Violation> {
         let field = || format!("contacts[{index}].last_frame");
         require(inside, field, || contact.last_frame.to_string(), "the index of a frame")?;
     }
-    recording
-        .frames
-        .iter()
-        .enumerate()
-        .try_for_each(|(index, frame)| check_frame(recording, index, frame))?;
+    recording.frames.iter().enumerate().try_for_each(|(index, frame)| check_frame(recording, index, frame))?;
     check_physics(recording)?;
     // Last, because tracks refer to frames.
     check_bodies(recording)

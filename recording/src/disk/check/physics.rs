@@ -18,16 +18,8 @@ pub(super) fn check_physics(recording: &Recording) -> Result<(), Violation> {
         check_frame(index, frame)?;
     }
     for (index, contact) in recording.contacts.iter().enumerate() {
-        for (name, force) in [
-            ("peak_force_n", contact.peak_force_n),
-            ("mean_force_n", contact.mean_force_n),
-        ] {
-            require(
-                force >= 0.0,
-                || format!("contacts[{index}].{name}"),
-                || force.to_string(),
-                "0 or more",
-            )?;
+        for (name, force) in [("peak_force_n", contact.peak_force_n), ("mean_force_n", contact.mean_force_n)] {
+            require(force >= 0.0, || format!("contacts[{index}].{name}"), || force.to_string(), "0 or more")?;
         }
     }
     Ok(())
@@ -67,10 +59,9 @@ fn check_frame(index: usize, frame: &Frame) -> Result<(), Violation> {
         check_orientation(pose, || field("patch_pose_world"))?;
     }
     for (position, reading) in frame.taxels.iter().enumerate() {
-        for (name, force) in [
-            ("true_normal_force_n", reading.true_normal_force_n),
-            ("sensed_force_n", reading.sensed_force_n),
-        ] {
+        for (name, force) in
+            [("true_normal_force_n", reading.true_normal_force_n), ("sensed_force_n", reading.sensed_force_n)]
+        {
             let field = || field(&format!("taxels[{position}].{name}"));
             require(force >= 0.0, field, || force.to_string(), "0 or more")?;
         }

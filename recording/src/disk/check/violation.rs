@@ -20,12 +20,7 @@ impl Violation {
     /// The error when writing to a file.
     pub(in crate::disk) fn unwritable(self, path: &Path) -> DiskError {
         let Violation { field, found, allowed } = self;
-        DiskError::Unwritable {
-            path: path.to_path_buf(),
-            field,
-            found,
-            allowed: allowed.to_string(),
-        }
+        DiskError::Unwritable { path: path.to_path_buf(), field, found, allowed: allowed.to_string() }
     }
 
     /// The error when reading from a file.
@@ -42,25 +37,13 @@ pub(in crate::disk) fn require(
     found: impl FnOnce() -> String,
     allowed: &'static str,
 ) -> Result<(), Violation> {
-    if holds {
-        Ok(())
-    } else {
-        Err(Violation {
-            field: field(),
-            found: found(),
-            allowed,
-        })
-    }
+    if holds { Ok(()) } else { Err(Violation { field: field(), found: found(), allowed }) }
 }
 
 /// `Err` with the first number that is not finite.
 pub(super) fn finite(values: impl IntoIterator<Item = f64>, field: impl FnOnce() -> String) -> Result<(), Violation> {
     match values.into_iter().find(|value| !value.is_finite()) {
         None => Ok(()),
-        Some(value) => Err(Violation {
-            field: field(),
-            found: value.to_string(),
-            allowed: "finite numbers",
-        }),
+        Some(value) => Err(Violation { field: field(), found: value.to_string(), allowed: "finite numbers" }),
     }
 }

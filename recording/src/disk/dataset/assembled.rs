@@ -63,10 +63,7 @@ impl<W: Write> Write for Hashed<W> {
 /// Writes a state as one line of JSON and its BLAKE3 hash as another. The histograms of the statistics are tens of megabytes as
 /// text and more as a tree of values, so neither is made in memory.
 fn write_hashed(state: &impl Serialize, to: impl Write) -> io::Result<()> {
-    let mut to = Hashed {
-        to: BufWriter::new(to),
-        hasher: blake3::Hasher::new(),
-    };
+    let mut to = Hashed { to: BufWriter::new(to), hasher: blake3::Hasher::new() };
     serde_json::to_writer(&mut to, state)?;
     to.write_all(b"\n")?;
     let Hashed { mut to, hasher } = to;

@@ -19,11 +19,7 @@ pub(super) fn card(info: &Info, categories: &[Category]) -> String {
             Some(_) => table.path.to_string(),
             None => format!("{}/*/*.parquet", table.path),
         };
-        let default = if table.name == FRAMES.name {
-            "  default: true\n"
-        } else {
-            ""
-        };
+        let default = if table.name == FRAMES.name { "  default: true\n" } else { "" };
         let _ = write!(text, "- config_name: {}\n  data_files: {files}\n{default}", table.name);
     }
     let _ = write!(

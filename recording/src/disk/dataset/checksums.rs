@@ -43,10 +43,7 @@ struct ChecksumFile {
 impl FileSum {
     /// The size and hash of bytes in memory.
     pub(super) fn of_bytes(bytes: &[u8]) -> Self {
-        FileSum {
-            bytes: bytes.len() as u64,
-            blake3: blake3::hash(bytes).to_hex().to_string(),
-        }
+        FileSum { bytes: bytes.len() as u64, blake3: blake3::hash(bytes).to_hex().to_string() }
     }
 
     /// The size and hash of a file.
@@ -54,10 +51,7 @@ impl FileSum {
         let mut hasher = blake3::Hasher::new();
         let file = File::open(path).map_err(DiskError::io(path, "read"))?;
         hasher.update_reader(file).map_err(DiskError::io(path, "read"))?;
-        Ok(FileSum {
-            bytes: hasher.count(),
-            blake3: hasher.finalize().to_hex().to_string(),
-        })
+        Ok(FileSum { bytes: hasher.count(), blake3: hasher.finalize().to_hex().to_string() })
     }
 }
 
@@ -99,10 +93,7 @@ impl Checksums {
     /// Writes the list with its own hash.
     pub(super) fn write(&self, dir: &Path) -> Result<(), DiskError> {
         let path = dir.join(names::CHECKSUMS);
-        let file = ChecksumFile {
-            blake3: self.hash(),
-            files: self.clone(),
-        };
+        let file = ChecksumFile { blake3: self.hash(), files: self.clone() };
         write_bytes(&path, &json_bytes(&path, &file)?)
     }
 

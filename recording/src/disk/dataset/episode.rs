@@ -54,12 +54,7 @@ pub(super) struct Place {
 impl Episode {
     /// The entry of a recording, which may be without frames.
     pub(super) fn new(task: String, place: Place, recording: Recording) -> Self {
-        let Place {
-            frames,
-            first_index,
-            chunk_index,
-            file_index,
-        } = place;
+        let Place { frames, first_index, chunk_index, file_index } = place;
         Episode {
             task,
             frames,

@@ -135,17 +135,11 @@ fn read_batch(batch: &Batch, episodes: &mut Vec<Episode>) -> Result<(), DiskErro
     let whole = |name: &str, number: i64| batch.index::<u32>(name, number, COUNTS);
     let count = |name: &str, number: i64| whole(name, number).map(|number| number as usize);
     let counts = |name: &str| batch.fixed::<i64>(name, 1);
-    let patches: Vec<_> = batch
-        .columns
-        .iter()
-        .filter_map(|column| column.name.strip_prefix(TOUCHED_FRAMES))
-        .collect();
+    let patches: Vec<_> = batch.columns.iter().filter_map(|column| column.name.strip_prefix(TOUCHED_FRAMES)).collect();
     let stops = batch.rows_as::<StopRow>()?;
     for (place, (row, stop)) in batch.rows_as::<EpisodeRow>()?.into_iter().zip(stops).enumerate() {
         let frames = count("length", row.length)?;
-        let expected = episodes
-            .last()
-            .map_or(0, |episode| episode.first_index + episode.frames);
+        let expected = episodes.last().map_or(0, |episode| episode.first_index + episode.frames);
         if usize::try_from(row.episode_index) != Ok(episodes.len()) || usize::try_from(row.from_index) != Ok(expected) {
             let found = format!("episode {} from frame {}", row.episode_index, row.from_index);
             let allowed = format!("episode {} from frame {expected}", episodes.len());

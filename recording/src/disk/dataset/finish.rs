@@ -90,16 +90,9 @@ pub(super) fn assemble_from(
         });
         files.write_frames(&columns_of(&features, &rows, 0..0), columns)?;
         files.end_episode(position, &recording)?;
-        let place = Place {
-            frames,
-            first_index: assembled.total_frames,
-            chunk_index,
-            file_index,
-        };
+        let place = Place { frames, first_index: assembled.total_frames, chunk_index, file_index };
         assembled.total_frames += frames;
-        assembled
-            .episodes
-            .push(Episode::new(planned.task.clone(), place, recording));
+        assembled.episodes.push(Episode::new(planned.task.clone(), place, recording));
     }
     assembled.files_end(&mut files, dir)?;
     write_episodes(&dir.join(names::EPISODES), &assembled.episodes)?;

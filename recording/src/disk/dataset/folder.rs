@@ -65,10 +65,7 @@ pub(super) fn look(dir: &Path) -> Result<Folder, DiskError> {
 pub(super) fn list(folder: &Path) -> Result<Vec<String>, DiskError> {
     let entries = fs::read_dir(folder).map_err(DiskError::io(folder, "read"))?;
     let name = |entry: std::io::Result<fs::DirEntry>| Ok(entry?.file_name().to_string_lossy().into_owned());
-    entries
-        .map(name)
-        .collect::<std::io::Result<_>>()
-        .map_err(DiskError::io(folder, "read"))
+    entries.map(name).collect::<std::io::Result<_>>().map_err(DiskError::io(folder, "read"))
 }
 
 /// Stores the plan. If there is one already, it must be the same.
@@ -83,11 +80,7 @@ pub(super) fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskErro
 /// Checks that the finished set in a folder has the given plan, and returns an error if it does not.
 pub(super) fn require_same_set(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
     let stored = serde_json::to_value(Dataset::open(dir)?.plan());
-    require_same(
-        dir,
-        &stored.map_err(|error| DiskError::io(dir, "compare")(error.into()))?,
-        plan,
-    )
+    require_same(dir, &stored.map_err(|error| DiskError::io(dir, "compare")(error.into()))?, plan)
 }
 
 /// The lock file of a folder. It is removed after the plan, so all processes open the same file while there is a plan.
@@ -113,12 +106,7 @@ fn require_same(dir: &Path, stored: &Value, plan: &DatasetPlan) -> Result<(), Di
     let given = serde_json::to_value(plan).map_err(|error| DiskError::io(dir, "compare")(error.into()))?;
     match first_difference(stored, &given) {
         None => Ok(()),
-        Some((field, stored, given)) => Err(DiskError::PlanDiffers {
-            dir: dir.to_path_buf(),
-            field,
-            stored,
-            given,
-        }),
+        Some((field, stored, given)) => Err(DiskError::PlanDiffers { dir: dir.to_path_buf(), field, stored, given }),
     }
 }
 
@@ -148,11 +136,7 @@ pub fn remove_dataset(dir: impl AsRef<Path>) -> Result<(), DiskError> {
     }
     for name in order {
         let path = dir.join(name);
-        let removed = if name == names::CARD {
-            fs::remove_file(&path)
-        } else {
-            fs::remove_dir_all(&path)
-        };
+        let removed = if name == names::CARD { fs::remove_file(&path) } else { fs::remove_dir_all(&path) };
         match removed {
             Err(error) if error.kind() == ErrorKind::NotFound => {}
             removed => removed.map_err(DiskError::io(&path, "remove"))?,

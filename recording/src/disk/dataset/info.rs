@@ -71,10 +71,7 @@ impl Info {
             splits: [("train".to_string(), format!("0:{total_episodes}"))].into(),
             data_path: "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet".to_string(),
             video_path: None,
-            features: features
-                .iter()
-                .map(|feature| (feature.name.clone(), FeatureInfo::of(feature)))
-                .collect(),
+            features: features.iter().map(|feature| (feature.name.clone(), FeatureInfo::of(feature))).collect(),
         }
     }
 }
@@ -104,11 +101,7 @@ impl FeatureInfo {
 /// LeRobot requires an integer if the rate is a whole number.
 fn serialize_rate<S: Serializer>(rate_hz: &f64, serializer: S) -> Result<S::Ok, S::Error> {
     let whole = *rate_hz as u64;
-    if whole as f64 == *rate_hz {
-        serializer.serialize_u64(whole)
-    } else {
-        serializer.serialize_f64(*rate_hz)
-    }
+    if whole as f64 == *rate_hz { serializer.serialize_u64(whole) } else { serializer.serialize_f64(*rate_hz) }
 }
 
 /// The content of `meta/provenance.json`.
@@ -134,8 +127,6 @@ pub(super) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, DiskError
         })?;
     serde_json::from_slice(&bytes).map_err(|error| {
         let found = error.to_string();
-        InputError::new(path, "JSON", found, "the fields that underbrush writes", remedy)
-            .at_line(error.line())
-            .into()
+        InputError::new(path, "JSON", found, "the fields that underbrush writes", remedy).at_line(error.line()).into()
     })
 }

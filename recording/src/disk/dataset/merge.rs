@@ -53,11 +53,7 @@ fn require_same_campaign(first: &Dataset, part: &Dataset) -> Result<(), DiskErro
         return Err(error(&field, found, expected));
     }
     if expected.count != found.count {
-        return Err(error(
-            "shard",
-            found.to_string(),
-            format!("a part of {}", expected.count),
-        ));
+        return Err(error("shard", found.to_string(), format!("a part of {}", expected.count)));
     }
     Ok(())
 }
@@ -65,29 +61,15 @@ fn require_same_campaign(first: &Dataset, part: &Dataset) -> Result<(), DiskErro
 /// An error that names the missing parts, if there are any.
 fn require_all(places: &BTreeMap<u64, Dataset>, count: u64) -> Result<(), DiskError> {
     let absent = (0..count).filter(|index| !places.contains_key(index));
-    let named: Vec<String> = absent
-        .take(MOST_NAMED)
-        .map(|index| Shard { index, count }.to_string())
-        .collect();
+    let named: Vec<String> = absent.take(MOST_NAMED).map(|index| Shard { index, count }.to_string()).collect();
     let Some(first) = places.values().next().filter(|_| !named.is_empty()) else {
         return Ok(());
     };
     let more = count - places.len() as u64 - named.len() as u64;
-    let more = if more > 0 {
-        format!(" and {more} more")
-    } else {
-        String::new()
-    };
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     let found = format!("{} of {count} parts, without {}{more}", places.len(), named.join(", "));
     let remedy = "generate the missing parts with --shard, and name the folders of all parts";
-    Err(InputError::new(
-        first.dir(),
-        "shard",
-        found,
-        format!("all {count} parts, each once"),
-        remedy,
-    )
-    .into())
+    Err(InputError::new(first.dir(), "shard", found, format!("all {count} parts, each once"), remedy).into())
 }
 
 /// Scene and index of all reaches of a campaign, in order, according to its scenes.
@@ -112,10 +94,7 @@ fn joined(parts: &[Dataset], whole: &DatasetPlan) -> Result<Vec<PlannedEpisode>,
         };
         if episode.scene != scene || episode.reach_index != reach_index {
             let found = format!("reach {} of {}", episode.reach_index, episode.scene);
-            return Err(error(
-                part,
-                &format!("{found} in place of reach {reach_index} of {scene}"),
-            ));
+            return Err(error(part, &format!("{found} in place of reach {reach_index} of {scene}")));
         }
         episodes.push(episode);
     }

@@ -107,11 +107,7 @@ impl FileText {
     /// A text with its hash.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
         let text = text.into();
-        FileText {
-            name: name.into(),
-            blake3: blake3::hash(text.as_bytes()).to_hex().to_string(),
-            text,
-        }
+        FileText { name: name.into(), blake3: blake3::hash(text.as_bytes()).to_hex().to_string(), text }
     }
 }
 
@@ -160,11 +156,7 @@ fn search(path: &str, stored: Option<&Value>, given: Option<&Value>) -> Option<(
         (Some(Value::Object(a)), Some(Value::Object(b))) => {
             let keys: BTreeSet<_> = a.keys().chain(b.keys()).collect();
             keys.into_iter().find_map(|key| {
-                let path = if path.is_empty() {
-                    key.to_string()
-                } else {
-                    format!("{path}.{key}")
-                };
+                let path = if path.is_empty() { key.to_string() } else { format!("{path}.{key}") };
                 search(&path, a.get(key), b.get(key))
             })
         }

@@ -67,9 +67,7 @@ impl EpisodeRows {
 /// The smallest and the largest episode of a row group, as far as its statistics give them.
 fn episodes_of(footer: &ParquetMetaData, group: usize) -> [Option<i64>; 2] {
     let columns = footer.row_group(group).columns();
-    let column = columns
-        .iter()
-        .find(|column| column.column_path().string() == EPISODE_COLUMN);
+    let column = columns.iter().find(|column| column.column_path().string() == EPISODE_COLUMN);
     match column.and_then(|column| column.statistics()) {
         Some(Statistics::Int64(found)) => [found.min_opt().copied(), found.max_opt().copied()],
         _ => [None, None],
@@ -103,11 +101,7 @@ pub(in crate::disk) fn read_rows(
             all
         } else {
             let only_episodes = |name: &str| {
-                if name == EPISODE_COLUMN {
-                    Want::Fixed(1)
-                } else {
-                    Want::Nothing
-                }
+                if name == EPISODE_COLUMN { Want::Fixed(1) } else { Want::Nothing }
             };
             let batch = table.batch(group, all, &only_episodes)?;
             let episodes = batch.fixed::<i64>(EPISODE_COLUMN, 1)?;
@@ -119,10 +113,7 @@ pub(in crate::disk) fn read_rows(
             batches.push(table.batch(group, rows, want)?);
         }
     }
-    Ok(EpisodeRows {
-        path: table.file.path().to_path_buf(),
-        batches,
-    })
+    Ok(EpisodeRows { path: table.file.path().to_path_buf(), batches })
 }
 
 impl Footers {
@@ -159,12 +150,7 @@ impl Footers {
 
     fn open(&self, path: &Path) -> Result<ParquetTable, DiskError> {
         let file = ParquetInput::open(path)?;
-        let known = self
-            .known
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .get(path)
-            .cloned();
+        let known = self.known.lock().unwrap_or_else(PoisonError::into_inner).get(path).cloned();
         if let Some(footer) = known {
             return Ok(ParquetTable { file, footer });
         }

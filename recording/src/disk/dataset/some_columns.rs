@@ -65,11 +65,7 @@ impl Dataset {
         for batch in self.read_columns(index, &[column])? {
             let (width, single) = self.width_of_floats(column).unwrap_or((1, false));
             let numbers: Vec<f64> = match single {
-                true => batch
-                    .fixed::<f32>(column, width)?
-                    .iter()
-                    .map(|number| f64::from(*number))
-                    .collect(),
+                true => batch.fixed::<f32>(column, width)?.iter().map(|number| f64::from(*number)).collect(),
                 false => batch.fixed::<f64>(column, width)?.to_vec(),
             };
             // Numbers beyond the end of `to` are only counted.
@@ -81,14 +77,7 @@ impl Dataset {
             return Ok(());
         }
         let found = format!("{found} numbers in reach {index}");
-        Err(InputError::new(
-            self.dir(),
-            column,
-            found,
-            format!("{places} numbers"),
-            "copy the data set again",
-        )
-        .into())
+        Err(InputError::new(self.dir(), column, found, format!("{places} numbers"), "copy the data set again").into())
     }
 
     /// The names of the tables that [`Dataset::read_table`] reads.
@@ -104,9 +93,7 @@ impl Dataset {
     /// As [`Dataset::read_columns`].
     pub fn read_table(&self, index: usize, folder: &str) -> Result<Vec<Batch>, DiskError> {
         let known = Self::table_names();
-        let table = TABLES
-            .iter()
-            .find(|table| table.path == folder && known.contains(&table.path));
+        let table = TABLES.iter().find(|table| table.path == folder && known.contains(&table.path));
         let Some(table) = table else {
             return Err(InputError::new(self.dir(), "table", folder, known.join(", "), "choose one of them").into());
         };
@@ -115,11 +102,7 @@ impl Dataset {
 
     fn read_rows(&self, index: usize, table: &Table, columns: Option<&[&str]>) -> Result<Vec<Batch>, DiskError> {
         let Some(episode) = self.episodes().get(index) else {
-            return Err(DiskError::NoSuchReach {
-                dir: self.dir().to_path_buf(),
-                index,
-                count: self.episodes().len(),
-            });
+            return Err(DiskError::NoSuchReach { dir: self.dir().to_path_buf(), index, count: self.episodes().len() });
         };
         let path = self.file(&names::table(table, episode.chunk_index, episode.file_index))?;
         if table.path != FRAMES.path {
@@ -129,9 +112,7 @@ impl Dataset {
         let want = |name: &str| {
             let feature = features.iter().find(|feature| feature.name == name);
             let width = feature.filter(|_| columns.is_none_or(|columns| columns.contains(&name)));
-            width
-                .and_then(|feature| feature.width)
-                .map_or(Want::Nothing, Want::Fixed)
+            width.and_then(|feature| feature.width).map_or(Want::Nothing, Want::Fixed)
         };
         Ok(self.footers.rows(&path, index, &want)?.expect(episode.frames)?.batches)
     }

@@ -39,13 +39,7 @@ pub(super) fn write(path: &Path, recording: &Recording) -> Result<FileSum, DiskE
 pub(super) fn read(path: &Path) -> Result<Recording, DiskError> {
     let damaged = |cause: io::Error| {
         let remedy = "remove the file, and generate the set with --resume";
-        InputError::new(
-            path,
-            "staged reach",
-            cause.to_string(),
-            "a reach that this program has staged",
-            remedy,
-        )
+        InputError::new(path, "staged reach", cause.to_string(), "a reach that this program has staged", remedy)
     };
     let bytes = fs::read(path).map_err(DiskError::io(path, "read"))?;
     let recording = decode(&bytes).map_err(damaged)?;
@@ -91,10 +85,7 @@ mod tests {
             let mut damaged = bytes.clone();
             damaged[place] ^= 1;
             let found = decode(&damaged);
-            assert!(
-                found.is_err() || found.is_ok_and(|found| found == *recording),
-                "byte {place} is changed"
-            );
+            assert!(found.is_err() || found.is_ok_and(|found| found == *recording), "byte {place} is changed");
             assert!(decode(&bytes[..place]).is_err(), "only {place} bytes");
         }
     }

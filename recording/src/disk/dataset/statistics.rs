@@ -46,26 +46,14 @@ fn bin(number: f64) -> i32 {
 /// The number in a bin that is nearest to zero.
 fn smallest_in(bin: i32) -> f64 {
     let magnitude = |bin: i32| f64::from_bits((bin as u64) << BIN_SHIFT);
-    if bin < 0 {
-        -magnitude(-(bin + 1))
-    } else {
-        magnitude(bin)
-    }
+    if bin < 0 { -magnitude(-(bin + 1)) } else { magnitude(bin) }
 }
 
 impl ColumnStatistics {
     fn new(width: usize) -> Self {
-        let element = Element {
-            min: f64::INFINITY,
-            max: f64::NEG_INFINITY,
-            mean: 0.0,
-            squares: 0.0,
-            bins: BTreeMap::new(),
-        };
-        ColumnStatistics {
-            count: 0,
-            elements: vec![element; width],
-        }
+        let element =
+            Element { min: f64::INFINITY, max: f64::NEG_INFINITY, mean: 0.0, squares: 0.0, bins: BTreeMap::new() };
+        ColumnStatistics { count: 0, elements: vec![element; width] }
     }
 
     fn add(&mut self, numbers: &[f64]) {
@@ -101,10 +89,7 @@ impl ColumnStatistics {
         summary.insert("min".into(), each(&|element| element.min));
         summary.insert("max".into(), each(&|element| element.max));
         summary.insert("mean".into(), each(&|element| element.mean));
-        summary.insert(
-            "std".into(),
-            each(&|element| (element.squares / self.count as f64).sqrt()),
-        );
+        summary.insert("std".into(), each(&|element| (element.squares / self.count as f64).sqrt()));
         summary.insert("count".into(), json!([self.count]));
         for (name, percent) in PERCENTILES {
             summary.insert(name.into(), each(&|element| element.percentile(self.count, percent)));
@@ -152,9 +137,7 @@ impl Statistics {
     /// Statistics without any row.
     pub(super) fn new(features: &[Feature]) -> Self {
         let column = |feature: &Feature| (feature.name.clone(), ColumnStatistics::new(feature.width.unwrap_or(1)));
-        Statistics {
-            columns: features.iter().map(column).collect(),
-        }
+        Statistics { columns: features.iter().map(column).collect() }
     }
 
     /// Adds rows, given the same columns.
@@ -166,10 +149,7 @@ impl Statistics {
 
     /// The content of `meta/stats.json`: one list per statistic, with one entry per number.
     pub(super) fn summary(&self) -> BTreeMap<&str, Value> {
-        self.columns
-            .iter()
-            .map(|(name, column)| (name.as_str(), column.summary()))
-            .collect()
+        self.columns.iter().map(|(name, column)| (name.as_str(), column.summary())).collect()
     }
 }
 

@@ -33,27 +33,13 @@ type ColumnsOf = fn(usize, &Recording) -> Vec<Column>;
 
 /// The tables of ground truth.
 const TRUTH: [(&Table, ColumnsOf); 7] = [
-    (&TRUTH_TAXELS, |episode, recording| {
-        Row::write(&taxel_rows(episode, recording))
-    }),
-    (&TRUTH_PATCHES, |episode, recording| {
-        Row::write(&patch_rows(episode, recording))
-    }),
-    (&TRUTH_OBJECTS, |episode, recording| {
-        Row::write(&object_rows(episode, recording))
-    }),
-    (&TRUTH_CONTACTS, |episode, recording| {
-        Row::write(&contact_rows(episode, recording))
-    }),
-    (&TRUTH_GOALS, |episode, recording| {
-        Row::write(&goal_rows(episode, recording))
-    }),
-    (&TRUTH_BODIES, |episode, recording| {
-        Row::write(&body_rows(episode, recording))
-    }),
-    (&TRUTH_POSES, |episode, recording| {
-        Row::write(&pose_rows(episode, recording))
-    }),
+    (&TRUTH_TAXELS, |episode, recording| Row::write(&taxel_rows(episode, recording))),
+    (&TRUTH_PATCHES, |episode, recording| Row::write(&patch_rows(episode, recording))),
+    (&TRUTH_OBJECTS, |episode, recording| Row::write(&object_rows(episode, recording))),
+    (&TRUTH_CONTACTS, |episode, recording| Row::write(&contact_rows(episode, recording))),
+    (&TRUTH_GOALS, |episode, recording| Row::write(&goal_rows(episode, recording))),
+    (&TRUTH_BODIES, |episode, recording| Row::write(&body_rows(episode, recording))),
+    (&TRUTH_POSES, |episode, recording| Row::write(&pose_rows(episode, recording))),
 ];
 
 /// One file of one table.
@@ -70,13 +56,7 @@ struct TableFile {
 
 impl TableFile {
     fn new(dir: &Path, table: &'static Table, name: String) -> Self {
-        TableFile {
-            path: dir.join(&name),
-            name,
-            table,
-            file: None,
-            episodes: Vec::new(),
-        }
+        TableFile { path: dir.join(&name), name, table, file: None, episodes: Vec::new() }
     }
 
     /// The file, which is created for columns like these if there is none.
@@ -136,14 +116,7 @@ pub(super) struct TableFiles<'a> {
 impl<'a> TableFiles<'a> {
     /// Continues after this many complete files of each table.
     pub(super) fn new(dir: &'a Path, categories: &'a [Category], bytes_per_file: u64, begun: usize) -> Self {
-        TableFiles {
-            dir,
-            categories,
-            bytes_per_file,
-            files: None,
-            staged_bytes: 0,
-            begun,
-        }
+        TableFiles { dir, categories, bytes_per_file, files: None, staged_bytes: 0, begun }
     }
 
     /// Number of files of each table started so far.

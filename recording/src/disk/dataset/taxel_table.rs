@@ -34,10 +34,7 @@ pub(super) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<(), DiskE
         let taxels = patch.taxels.iter().enumerate();
         rows.extend(taxels.map(|(index, taxel)| row(patch, index, taxel)));
     }
-    let bare = |patch: &Patch| Patch {
-        taxels: Vec::new(),
-        ..patch.clone()
-    };
+    let bare = |patch: &Patch| Patch { taxels: Vec::new(), ..patch.clone() };
     let patches = serde_json::to_string(&layout.patches.iter().map(bare).collect::<Vec<_>>())
         .map_err(|error| DiskError::io(path, "write")(error.into()))?;
     let columns = SkinTaxel::write(&rows);

@@ -35,11 +35,8 @@ fn bare_row(episode: usize, index: usize, body: &Body, recording: &Recording) ->
 
 /// The row of a shape of a body.
 fn with_part(row: TruthBody, part: &BodyPart) -> TruthBody {
-    let mut row = TruthBody {
-        position_body: part.pose_body.position,
-        orientation_body: part.pose_body.orientation,
-        ..row
-    };
+    let mut row =
+        TruthBody { position_body: part.pose_body.position, orientation_body: part.pose_body.orientation, ..row };
     let shape = match &part.shape {
         BodyShape::Sphere { radius_m } => {
             row.radius_m = Some(*radius_m);
@@ -89,21 +86,13 @@ fn shape_of(batch: &Batch, row: &TruthBody) -> Result<Option<BodyShape>, DiskErr
     let length_m = || row.length_m.ok_or_else(|| missing("length_m"));
     Ok(Some(match shape {
         "sphere" => BodyShape::Sphere { radius_m: radius_m()? },
-        "cylinder" => BodyShape::Cylinder {
-            radius_m: radius_m()?,
-            length_m: length_m()?,
-        },
-        "capsule" => BodyShape::Capsule {
-            radius_m: radius_m()?,
-            length_m: length_m()?,
-        },
-        "box" => BodyShape::Box {
-            size_m: row.size.ok_or_else(|| missing("size_x_m"))?,
-        },
+        "cylinder" => BodyShape::Cylinder { radius_m: radius_m()?, length_m: length_m()? },
+        "capsule" => BodyShape::Capsule { radius_m: radius_m()?, length_m: length_m()? },
+        "box" => BodyShape::Box { size_m: row.size.ok_or_else(|| missing("size_x_m"))? },
         "hull" => match row.points_m.as_deref().map(<[f64]>::as_chunks) {
-            Some((points, [])) => BodyShape::Hull {
-                points_m: points.iter().map(|point| DVec3::from_array(*point)).collect(),
-            },
+            Some((points, [])) => {
+                BodyShape::Hull { points_m: points.iter().map(|point| DVec3::from_array(*point)).collect() }
+            }
             _ => return Err(batch.error("points_m", "no list of points", "a list of x y z")),
         },
         other => return Err(batch.error("shape", other, "sphere, cylinder, capsule, box or hull")),
@@ -134,10 +123,7 @@ pub(super) fn read_bodies(rows: &EpisodeRows) -> Result<Vec<Body>, DiskError> {
                 return Err(batch.error("body_index", row.body_index.to_string(), allowed));
             }
             if let (Some(shape), Some(body)) = (shape_of(batch, &row)?, bodies.last_mut()) {
-                body.parts.push(BodyPart {
-                    shape,
-                    pose_body: Pose::new(row.position_body, row.orientation_body),
-                });
+                body.parts.push(BodyPart { shape, pose_body: Pose::new(row.position_body, row.orientation_body) });
             }
         }
     }

@@ -42,16 +42,12 @@ pub(super) fn taxel_rows(episode: usize, recording: &Recording) -> Vec<TruthTaxe
         })
     };
     let frames = recording.frames.iter().enumerate();
-    frames
-        .flat_map(|(index, frame)| frame.taxels.iter().filter_map(move |reading| row(index, reading)))
-        .collect()
+    frames.flat_map(|(index, frame)| frame.taxels.iter().filter_map(move |reading| row(index, reading))).collect()
 }
 
 /// The indices of the frame and patch of a row.
 fn place(rows: &Batch, recording: &Recording, frame: i64, patch: &str) -> Result<Place, DiskError> {
-    let found = usize::try_from(frame)
-        .ok()
-        .filter(|frame| *frame < recording.frames.len());
+    let found = usize::try_from(frame).ok().filter(|frame| *frame < recording.frames.len());
     let frame = found.ok_or_else(|| {
         let allowed = format!("the index of a frame in an episode of {}", recording.frames.len());
         rows.error("frame_index", frame.to_string(), allowed)

@@ -17,9 +17,7 @@ pub(super) fn pose_rows(episode: usize, recording: &Recording) -> Vec<TruthPose>
         orientation_world: point.orientation_world,
     };
     let bodies = recording.bodies.iter().enumerate();
-    bodies
-        .flat_map(|(index, body)| body.track.iter().map(move |point| row(index, point)))
-        .collect()
+    bodies.flat_map(|(index, body)| body.track.iter().map(move |point| row(index, point))).collect()
 }
 
 /// Adds the motion to an episode's bodies.
@@ -29,11 +27,7 @@ pub(super) fn add_poses(rows: &EpisodeRows, bodies: &mut [Body]) -> Result<(), D
         for row in batch.rows_as::<TruthPose>()? {
             let index = usize::try_from(row.body_index).ok();
             let body = index.and_then(|index| bodies.get_mut(index)).ok_or_else(|| {
-                batch.error(
-                    "body_index",
-                    row.body_index.to_string(),
-                    format!("a body below {count}"),
-                )
+                batch.error("body_index", row.body_index.to_string(), format!("a body below {count}"))
             })?;
             body.track.push(TrackPoint {
                 frame: batch.index("frame_index", row.frame_index, COUNTS)?,

@@ -70,15 +70,7 @@ impl DatasetWriter {
     pub(super) fn locked(dir: PathBuf, plan: DatasetPlan, lock: File) -> Result<Self, DiskError> {
         let whole = is_there(&dir.join(names::INFO))?;
         let bytes_per_file = BYTES_PER_FILE;
-        Ok(DatasetWriter {
-            staging: Staging {
-                dir,
-                plan,
-                bytes_per_file,
-            },
-            whole,
-            lock,
-        })
+        Ok(DatasetWriter { staging: Staging { dir, plan, bytes_per_file }, whole, lock })
     }
 
     /// The plan.
@@ -140,11 +132,7 @@ impl DatasetWriter {
         let (plan, provenance) = (&self.staging.plan, &self.staging.plan.provenance);
         let Some(episode) = plan.episodes.get(position) else {
             let (dir, count) = (self.staging.dir.clone(), plan.episodes.len());
-            return Err(DiskError::NoSuchReach {
-                dir,
-                index: position,
-                count,
-            });
+            return Err(DiskError::NoSuchReach { dir, index: position, count });
         };
         let joints = format!("{:?}", recording.joint_names);
         let layout = format!("another layout, with {} taxels", recording.layout.taxel_count());
@@ -156,32 +144,15 @@ impl DatasetWriter {
         let facts = [
             ("categories", unplanned.is_empty(), unplanned.join(", ")),
             ("scene", recording.scene == episode.scene, recording.scene.clone()),
-            (
-                "reach_index",
-                recording.reach_index == episode.reach_index,
-                recording.reach_index.to_string(),
-            ),
+            ("reach_index", recording.reach_index == episode.reach_index, recording.reach_index.to_string()),
             ("seed", recording.seed == provenance.seed, recording.seed.to_string()),
-            (
-                "controller",
-                recording.controller == provenance.controller,
-                recording.controller.clone(),
-            ),
-            (
-                "rate_hz",
-                recording.rate_hz == plan.rate_hz,
-                recording.rate_hz.to_string(),
-            ),
+            ("controller", recording.controller == provenance.controller, recording.controller.clone()),
+            ("rate_hz", recording.rate_hz == plan.rate_hz, recording.rate_hz.to_string()),
             ("joint_names", recording.joint_names == plan.joint_names, joints),
             ("layout", recording.layout == plan.layout, layout),
         ];
         let planned = facts.into_iter().try_for_each(|(field, same, found)| {
-            require(
-                same,
-                || field.to_string(),
-                || found,
-                "the value in the plan of the data set",
-            )
+            require(same, || field.to_string(), || found, "the value in the plan of the data set")
         });
         let frames = !recording.frames.is_empty();
         planned
@@ -197,11 +168,7 @@ impl DatasetWriter {
     /// can be resumed.
     pub fn finish(self) -> Result<Dataset, DiskError> {
         if let [first, rest @ ..] = self.missing()?.as_slice() {
-            return Err(DiskError::ReachesMissing {
-                dir: self.staging.dir,
-                count: rest.len() + 1,
-                first: *first,
-            });
+            return Err(DiskError::ReachesMissing { dir: self.staging.dir, count: rest.len() + 1, first: *first });
         }
         if !self.whole {
             assemble(&self.staging)?;
@@ -258,10 +225,5 @@ fn is_of(sum: &Path, file: &Path) -> Result<bool, DiskError> {
 pub(super) fn check_plan(plan: &DatasetPlan) -> Result<(), Violation> {
     check_robot(&plan.layout, plan.rate_hz, &plan.joint_names)?;
     check_categories(&plan.categories)?;
-    require(
-        !plan.episodes.is_empty(),
-        || "episodes".into(),
-        || "none".into(),
-        "at least one reach",
-    )
+    require(!plan.episodes.is_empty(), || "episodes".into(), || "none".into(), "at least one reach")
 }

@@ -158,10 +158,7 @@ mod tests {
         assert!(entry(std::slice::from_ref(&plain)).is_none());
         let (_, text) = entry(&[plain, Column::fixed("pose", 7, vec![0.0; 7])]).unwrap();
         let message = BASE64_STANDARD.decode(text).unwrap();
-        assert_eq!(
-            (word(&message, 0), word(&message, 4)),
-            (u32::MAX as usize, message.len() - 8)
-        );
+        assert_eq!((word(&message, 0), word(&message, 4)), (u32::MAX as usize, message.len() - 8));
         let bytes = &message[8..];
         let schema = followed(bytes, field_of(bytes, followed(bytes, 0), 2));
         let fields = followed(bytes, field_of(bytes, schema, 1));
@@ -170,11 +167,7 @@ mod tests {
             let name = followed(bytes, field_of(bytes, field, 0));
             let name = &bytes[name + 4..name + 4 + word(bytes, name)];
             let content = followed(bytes, field_of(bytes, field, 3));
-            (
-                name,
-                word(bytes, field_of(bytes, field, 2)),
-                word(bytes, field_of(bytes, content, 0)),
-            )
+            (name, word(bytes, field_of(bytes, field, 2)), word(bytes, field_of(bytes, content, 0)))
         };
         assert_eq!(word(bytes, fields), 2);
         // A number of 64 bits, and a list of seven.

@@ -79,9 +79,7 @@ impl Batch {
         for described in R::COLUMNS {
             for name in part_names(described) {
                 let column = self.column(&name)?;
-                described
-                    .fits(column)
-                    .map_err(|(found, allowed)| self.error(&name, found, allowed))?;
+                described.fits(column).map_err(|(found, allowed)| self.error(&name, found, allowed))?;
                 columns.push(column);
             }
         }

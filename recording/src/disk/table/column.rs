@@ -123,11 +123,7 @@ pub struct Column {
 impl Column {
     /// A column with `width` values in each row.
     pub(in crate::disk) fn fixed<T: Value>(name: impl Into<String>, width: usize, values: Vec<T>) -> Self {
-        Column {
-            name: name.into(),
-            values: T::all(values),
-            rows: Rows::Fixed(width),
-        }
+        Column { name: name.into(), values: T::all(values), rows: Rows::Fixed(width) }
     }
 
     /// A column with one value in each row.
@@ -173,11 +169,7 @@ impl Column {
 
     /// The value in a row of a plain column as text; empty if it is missing.
     pub(in crate::disk) fn shown(&self, row: usize) -> String {
-        if self.is_missing(row) {
-            String::new()
-        } else {
-            self.values.shown(row)
-        }
+        if self.is_missing(row) { String::new() } else { self.values.shown(row) }
     }
 
     /// Number of rows without a value.

@@ -37,9 +37,7 @@ pub(in crate::disk) struct Reader {
 
 /// An error with the same meaning, because errors cannot be cloned.
 fn copy(error: &io::Error) -> io::Error {
-    error
-        .raw_os_error()
-        .map_or_else(|| error.kind().into(), io::Error::from_raw_os_error)
+    error.raw_os_error().map_or_else(|| error.kind().into(), io::Error::from_raw_os_error)
 }
 
 impl ParquetInput {
@@ -47,12 +45,7 @@ impl ParquetInput {
     pub(in crate::disk) fn open(path: &Path) -> Result<Self, DiskError> {
         let file = open_input(path)?;
         let bytes = file.metadata().map_err(DiskError::io(path, "read"))?.len();
-        Ok(ParquetInput {
-            path: path.to_path_buf(),
-            file: Arc::new(file),
-            bytes,
-            failed: Arc::default(),
-        })
+        Ok(ParquetInput { path: path.to_path_buf(), file: Arc::new(file), bytes, failed: Arc::default() })
     }
 
     /// Runs a step of the decoder on this file. Some damaged files (with a negative offset in the footer, for example) make the
@@ -73,9 +66,7 @@ impl ParquetInput {
         let size = |number: i64| u64::try_from(number).unwrap_or(u64::MAX);
         let groups = footer.row_groups();
         let rows = groups.iter().map(|group| size(group.num_rows()));
-        let rows = rows
-            .fold(0, u64::saturating_add)
-            .max(size(footer.file_metadata().num_rows()));
+        let rows = rows.fold(0, u64::saturating_add).max(size(footer.file_metadata().num_rows()));
         limits::TABLE_ROWS.check(&self.path, "rows", rows)?;
         if rows > limits::ROWS_OF_ANY_FILE {
             limits::ROWS_PER_BYTE.check(&self.path, "rows", rows.div_ceil(self.bytes.max(1)))?;
@@ -186,15 +177,9 @@ mod tests {
         let damaged = input.decode(|| Err::<(), _>("no footer"));
         assert!(matches!(damaged, Err(DiskError::Input(_))));
         // A file that is open for writing only cannot be read: the kernel says EBADF.
-        let unreadable = ParquetInput {
-            file: Arc::new(File::options().write(true).open(&path).unwrap()),
-            ..input
-        };
+        let unreadable = ParquetInput { file: Arc::new(File::options().write(true).open(&path).unwrap()), ..input };
         let failed = unreadable.decode(|| unreadable.get_bytes(0, 8).map_err(|_| "words of the decoder"));
-        let Err(DiskError::Io {
-            path: named, source, ..
-        }) = failed
-        else {
+        let Err(DiskError::Io { path: named, source, .. }) = failed else {
             panic!("{failed:?}");
         };
         assert_eq!((named, source.raw_os_error()), (path, Some(9)));

@@ -83,13 +83,7 @@ impl ParquetTable {
 
     /// All rows in batches, up to the first error, with the columns that `want` names.
     pub(in crate::disk) fn batches<'a>(&'a self, want: &'a dyn Fn(&str) -> Want) -> Batches<'a> {
-        Batches {
-            table: self,
-            want,
-            group: 0,
-            left: 0,
-            columns: Vec::new(),
-        }
+        Batches { table: self, want, group: 0, left: 0, columns: Vec::new() }
     }
 
     /// The columns of a row group that `want` names, from the first row on.
@@ -146,12 +140,7 @@ impl ParquetTable {
 
     /// Number of rows of a row group that may be decoded at once.
     fn rows_at_once(&self, group: usize) -> usize {
-        let texts = self
-            .footer
-            .row_group(group)
-            .columns()
-            .iter()
-            .filter(|column| is_text(column));
+        let texts = self.footer.row_group(group).columns().iter().filter(|column| is_text(column));
         let largest = texts.map(|column| column.uncompressed_size()).max().unwrap_or(0);
         // A dictionary may hold one long text that every row repeats.
         let rows = usize::try_from(TEXT_PER_BATCH_BYTES / largest.max(1)).unwrap_or(1);
@@ -192,11 +181,7 @@ impl Batches<'_> {
             self.group += 1;
         }
         let rows = self.left.min(self.table.rows_at_once(self.group - 1));
-        let columns = self
-            .columns
-            .iter_mut()
-            .map(|column| column.next(rows))
-            .collect::<Result<_, _>>()?;
+        let columns = self.columns.iter_mut().map(|column| column.next(rows)).collect::<Result<_, _>>()?;
         self.left -= rows;
         Ok(Some(self.table.batch_of(rows, columns)))
     }
@@ -255,10 +240,7 @@ fn type_of(column: &ColumnDescriptor) -> Option<Type> {
         (Physical::BYTE_ARRAY, _) => {
             let text = match logical {
                 Some(logical) => matches!(logical, LogicalType::String | LogicalType::Enum | LogicalType::Json),
-                None => matches!(
-                    column.converted_type(),
-                    Converted::UTF8 | Converted::ENUM | Converted::JSON
-                ),
+                None => matches!(column.converted_type(), Converted::UTF8 | Converted::ENUM | Converted::JSON),
             };
             text.then_some(Type::Text)
         }
@@ -298,27 +280,13 @@ impl ColumnValues {
             let pages = SerializedPageReader::new(Arc::new(file.clone()), chunk, rows, None)?;
             Ok(get_column_reader(Arc::clone(&column), Box::new(pages)))
         })?;
-        Ok(ColumnValues {
-            kind: type_of(&column),
-            level: column.max_def_level(),
-            reader,
-            name,
-            want,
-            file,
-        })
+        Ok(ColumnValues { kind: type_of(&column), level: column.max_def_level(), reader, name, want, file })
     }
 
     /// The next rows.
     fn next(&mut self, rows: usize) -> Result<Column, DiskError> {
         use ColumnReader as From;
-        let ColumnValues {
-            file,
-            name,
-            kind,
-            level,
-            reader,
-            want,
-        } = self;
+        let ColumnValues { file, name, kind, level, reader, want } = self;
         let path = file.path().to_path_buf();
         let refused = |found: &str| unknown(&path, name, found);
         let mut shared = Shared::default();
@@ -346,9 +314,9 @@ impl ColumnValues {
             (From::FloatColumnReader(reader), Some(_)) => read!(reader, Some)?,
             (From::DoubleColumnReader(reader), Some(_)) => read!(reader, Some)?,
             (From::BoolColumnReader(reader), Some(_)) => read!(reader, Some)?,
-            (From::ByteArrayColumnReader(reader), Some(_)) => read!(reader, |bytes| {
-                Some(shared.text(std::str::from_utf8(bytes.data()).ok()?))
-            })?,
+            (From::ByteArrayColumnReader(reader), Some(_)) => {
+                read!(reader, |bytes| { Some(shared.text(std::str::from_utf8(bytes.data()).ok()?)) })?
+            }
             // A column of another type may have no values, as that of pandas without any.
             (reader, _) => read_nothing!(
                 reader: BoolColumnReader, Int32ColumnReader, Int64ColumnReader, Int96ColumnReader, FloatColumnReader,
@@ -359,11 +327,7 @@ impl ColumnValues {
             Want::Fixed(width) => fixed_if_possible(rows, *width),
             _ => rows,
         };
-        Ok(Column {
-            name: name.clone(),
-            values,
-            rows,
-        })
+        Ok(Column { name: name.clone(), values, rows })
     }
 }
 
@@ -394,12 +358,7 @@ impl<T> Levels<T> {
     fn read<D: DataType<T = T>>(reader: &mut ColumnReaderImpl<D>, rows: usize) -> Result<Self, ParquetError> {
         let (mut values, mut definition, mut repetition) = (Vec::new(), Vec::new(), Vec::new());
         let (rows, ..) = reader.read_records(rows, Some(&mut definition), Some(&mut repetition), &mut values)?;
-        Ok(Levels {
-            values,
-            definition,
-            repetition,
-            rows,
-        })
+        Ok(Levels { values, definition, repetition, rows })
     }
 
     /// The values row by row. `level` is the definition level of a present value. The error names what `convert` does

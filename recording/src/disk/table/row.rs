@@ -124,10 +124,7 @@ impl<T: Value> Field for Option<T> {
     {
         let present = fields.clone().map(Option::is_some).collect();
         let column = Column::of(names.concat(), fields.map(|field| field.clone().unwrap_or_default()));
-        vec![Column {
-            rows: Rows::Optional(present),
-            ..column
-        }]
+        vec![Column { rows: Rows::Optional(present), ..column }]
     }
 
     fn read(columns: &mut Iter<&Column>, row: usize) -> Self {
@@ -151,10 +148,7 @@ impl<T: Value> Field for Option<Vec<T>> {
             ends.push(values.len());
         }
         let present = fields.map(Option::is_some).collect();
-        vec![Column {
-            rows: Rows::Lists { ends, present },
-            ..Column::fixed(names.concat(), 1, values)
-        }]
+        vec![Column { rows: Rows::Lists { ends, present }, ..Column::fixed(names.concat(), 1, values) }]
     }
 
     fn read(columns: &mut Iter<&Column>, row: usize) -> Self {

@@ -131,11 +131,7 @@ impl ParquetFile {
         let schema = schema.map_err(DiskError::encode(path))?;
         let writer = SerializedFileWriter::new(whole_file::begin(path)?, Arc::new(schema), Arc::new(properties))
             .map_err(DiskError::encode(path))?;
-        Ok(ParquetFile {
-            path: path.to_path_buf(),
-            writer,
-            sealed,
-        })
+        Ok(ParquetFile { path: path.to_path_buf(), writer, sealed })
     }
 
     /// Writes a row group, unless it has no rows. Its rows come in batches; only what is encoded is kept in memory.
@@ -147,9 +143,7 @@ impl ParquetFile {
         let properties = Arc::clone(self.writer.properties());
         let columns = self.writer.schema_descr().columns().to_vec();
         let mut chunks: Vec<_> = columns.iter().map(|_| TrackedWrite::new(Vec::new())).collect();
-        let pages = chunks
-            .iter_mut()
-            .map(|chunk| Box::new(SerializedPageWriter::new(chunk)));
+        let pages = chunks.iter_mut().map(|chunk| Box::new(SerializedPageWriter::new(chunk)));
         let mut writers: Vec<_> = columns
             .into_iter()
             .zip(pages)
@@ -166,10 +160,7 @@ impl ParquetFile {
         if rows == 0 {
             return Ok(());
         }
-        let closed = writers
-            .into_iter()
-            .map(ColumnWriter::close)
-            .collect::<Result<Vec<_>, _>>();
+        let closed = writers.into_iter().map(ColumnWriter::close).collect::<Result<Vec<_>, _>>();
         let closed = closed.map_err(encode())?;
         let path = &self.path;
         let append = || -> Result<(), ParquetError> {
@@ -223,16 +214,10 @@ fn put(writer: &mut ColumnWriter, column: &Column) -> Result<(), ParquetError> {
             let mut last: Option<(&Text, ByteArray)> = None;
             put_typed(to, values, rows, |value| match &last {
                 Some((text, bytes)) if Text::ptr_eq(text, value) => bytes.clone(),
-                _ => last
-                    .insert((value, ByteArray::from(value.as_bytes().to_vec())))
-                    .1
-                    .clone(),
+                _ => last.insert((value, ByteArray::from(value.as_bytes().to_vec()))).1.clone(),
             })
         }
-        _ => Err(ParquetError::General(format!(
-            "a column {} of another type",
-            column.name
-        ))),
+        _ => Err(ParquetError::General(format!("a column {} of another type", column.name))),
     }
 }
 

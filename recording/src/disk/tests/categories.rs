@@ -18,10 +18,7 @@ fn with_reeds() -> Vec<Recording> {
 }
 
 fn plan_with(categories: &[Category]) -> DatasetPlan {
-    DatasetPlan {
-        categories: categories.to_vec(),
-        ..plan()
-    }
+    DatasetPlan { categories: categories.to_vec(), ..plan() }
 }
 
 /// Tests that a set with a further category is read back as it was, by a reader that knows the category from the set
@@ -77,10 +74,7 @@ fn an_unplanned_category_is_refused() {
     let error = writer.stage(0, &with_reeds()[0]).unwrap_err();
     assert!(matches!(error, DiskError::Unwritable { .. }), "{error:?}");
     let text = error.to_string();
-    assert!(
-        text.contains("categories") && text.contains("reed with code 4"),
-        "{text}"
-    );
+    assert!(text.contains("categories") && text.contains("reed with code 4"), "{text}");
 }
 
 /// Tests that two categories of one name or of one code are refused, in a plan and in a recording.

@@ -15,20 +15,13 @@ const FRAMES: [usize; 5] = [40, 25, 1500, 10, 33];
 const REACHES: [u64; 5] = [4, 9, 14, 19, 24];
 
 pub(in crate::disk) fn recordings() -> Vec<Recording> {
-    let mut recordings: Vec<_> = REACHES
-        .iter()
-        .zip(FRAMES)
-        .map(|(&index, frames)| reach(index, frames))
-        .collect();
+    let mut recordings: Vec<_> = REACHES.iter().zip(FRAMES).map(|(&index, frames)| reach(index, frames)).collect();
     // A reach without objects, goals and contacts.
     let quiet = &mut recordings[3];
     quiet.frames.iter_mut().for_each(|frame| frame.taxels.clear());
     quiet.objects.clear();
     quiet.bodies.truncate(1);
-    quiet
-        .frames
-        .iter_mut()
-        .for_each(|frame| frame.contact_force_world.fill(glam::DVec3::ZERO));
+    quiet.frames.iter_mut().for_each(|frame| frame.contact_force_world.fill(glam::DVec3::ZERO));
     quiet.goals.clear();
     quiet.contacts.clear();
     recordings[1].scene = "trunks".into();
@@ -39,22 +32,12 @@ pub(in crate::disk) fn recordings() -> Vec<Recording> {
     // An aborted reach.
     let stopped = &mut recordings[2].goals[0];
     stopped.outcome = Outcome::Aborted;
-    stopped.safety_stop = Some(SafetyStop {
-        object: 0,
-        link: "forearm_link".into(),
-        patch: Some(0),
-        force_n: 101.5,
-    });
+    stopped.safety_stop = Some(SafetyStop { object: 0, link: "forearm_link".into(), patch: Some(0), force_n: 101.5 });
     recordings
 }
 
 pub(super) fn scene_text(name: &str, text: &str) -> SceneText {
-    SceneText {
-        name: name.into(),
-        reaches: 25,
-        arm: 0,
-        file: FileText::new(format!("{name}.toml"), text),
-    }
+    SceneText { name: name.into(), reaches: 25, arm: 0, file: FileText::new(format!("{name}.toml"), text) }
 }
 
 pub(super) fn plan() -> DatasetPlan {
@@ -75,10 +58,7 @@ pub(super) fn plan() -> DatasetPlan {
             scenes: vec![scene_text("foliage", "[leaf]\n"), scene_text("trunks", "[trunk]\n")],
             arms: vec![ArmText {
                 name: "cody".into(),
-                files: vec![
-                    FileText::new("cody.toml", "stiff\n"),
-                    FileText::new("cody.urdf", "<robot/>\n"),
-                ],
+                files: vec![FileText::new("cody.toml", "stiff\n"), FileText::new("cody.urdf", "<robot/>\n")],
             }],
             seed: 7,
             controller: "cody-2013".into(),
@@ -151,10 +131,7 @@ fn every_reach_comes_back_as_it_was_staged() {
     for (index, recording) in recordings().iter().enumerate() {
         assert_eq!(&set.read_reach(index).unwrap(), recording, "reach {index}");
     }
-    assert!(matches!(
-        set.read_reach(5),
-        Err(DiskError::NoSuchReach { index: 5, count: 5, .. })
-    ));
+    assert!(matches!(set.read_reach(5), Err(DiskError::NoSuchReach { index: 5, count: 5, .. })));
     assert_eq!(set.layout(), &plan().layout);
     assert_eq!(set.provenance(), &plan().provenance);
     set.verify().unwrap();
@@ -168,15 +145,9 @@ fn episodes_say_where_their_frames_are_and_how_they_ended() {
     let episodes = set.episodes();
     let starts: Vec<_> = episodes.iter().map(|episode| episode.first_index).collect();
     assert_eq!(starts, [0, 40, 65, 1565, 1575]);
-    assert_eq!(
-        episodes.iter().map(|episode| episode.frames).collect::<Vec<_>>(),
-        FRAMES
-    );
+    assert_eq!(episodes.iter().map(|episode| episode.frames).collect::<Vec<_>>(), FRAMES);
     let files: Vec<_> = episodes.iter().map(|episode| episode.file_index).collect();
-    assert!(
-        files.is_sorted() && files[0] == 0 && files[4] > 0,
-        "several data files in order: {files:?}"
-    );
+    assert!(files.is_sorted() && files[0] == 0 && files[4] > 0, "several data files in order: {files:?}");
     let outcomes: Vec<_> = episodes.iter().map(|episode| episode.outcome).collect();
     let (reached, stuck, aborted) = (Outcome::Reached, Outcome::Stuck, Outcome::Aborted);
     assert_eq!(outcomes, [reached, stuck, aborted, reached, reached]);
@@ -189,13 +160,7 @@ fn episodes_say_where_their_frames_are_and_how_they_ended() {
         force_n: 101.5,
     };
     assert_eq!(stops, [None, None, Some(stop), None, None]);
-    assert_eq!(
-        episodes
-            .iter()
-            .map(|episode| episode.goal_outcomes.reached)
-            .collect::<Vec<_>>(),
-        [1, 0, 0, 0, 1]
-    );
+    assert_eq!(episodes.iter().map(|episode| episode.goal_outcomes.reached).collect::<Vec<_>>(), [1, 0, 0, 0, 1]);
     // In episode 1 only a bare link has contact, in episode 3 nothing.
     let touched_frames = |patch: &str| -> Vec<u32> {
         let frames = episodes.iter().map(|episode| episode.touched_frames[patch]);
@@ -203,23 +168,13 @@ fn episodes_say_where_their_frames_are_and_how_they_ended() {
     };
     assert_eq!(touched_frames("forearm"), [39, 0, 1499, 0, 32]);
     assert_eq!(touched_frames("tip"), [0; 5]);
-    assert_eq!(
-        episodes.iter().map(|episode| episode.reach_index).collect::<Vec<_>>(),
-        REACHES
-    );
+    assert_eq!(episodes.iter().map(|episode| episode.reach_index).collect::<Vec<_>>(), REACHES);
     assert_eq!(episodes[1].task, "reach the goal through trunks");
     let info = set.info();
-    assert_eq!(
-        (info.total_episodes, info.total_frames, info.total_tasks, info.fps),
-        (5, 1608, 2, 100.0)
-    );
+    assert_eq!((info.total_episodes, info.total_frames, info.total_tasks, info.fps), (5, 1608, 2, 100.0));
     assert_eq!(info.features["observation.tactile.forearm"].shape, [12]);
     assert_eq!(info.features["observation.tactile.tip"].dtype, "float32");
-    assert!(
-        fs::read_to_string(folder.path().join("meta/info.json"))
-            .unwrap()
-            .contains("\"fps\": 100,")
-    );
+    assert!(fs::read_to_string(folder.path().join("meta/info.json")).unwrap().contains("\"fps\": 100,"));
 }
 
 /// Tests stats.json against sums over the recordings themselves.
@@ -231,22 +186,12 @@ fn statistics_cover_every_feature_number_by_number() {
     let stats: serde_json::Value = serde_json::from_str(&text).unwrap();
     for (name, feature) in &set.info().features {
         for figure in ["min", "max", "mean", "std", "q01", "q50", "q99"] {
-            assert_eq!(
-                stats[name][figure].as_array().unwrap().len(),
-                feature.shape[0],
-                "{name} {figure}"
-            );
+            assert_eq!(stats[name][figure].as_array().unwrap().len(), feature.shape[0], "{name} {figure}");
         }
     }
-    let frames: Vec<_> = recordings()
-        .into_iter()
-        .flat_map(|recording| recording.frames)
-        .collect();
+    let frames: Vec<_> = recordings().into_iter().flat_map(|recording| recording.frames).collect();
     let sensed = |frame: &crate::Frame| {
-        let reading = frame
-            .taxels
-            .iter()
-            .find(|reading| (reading.patch, reading.taxel) == (0, 6));
+        let reading = frame.taxels.iter().find(|reading| (reading.patch, reading.taxel) == (0, 6));
         reading.map_or(0.0, |reading| reading.sensed_force_n)
     };
     let forces: Vec<f64> = frames.iter().map(sensed).collect();
@@ -272,10 +217,7 @@ fn a_folder_that_is_no_finished_set_is_named_for_what_it_is() {
     let unfinished = folder.path().join("unfinished");
     begin(&unfinished, false).stage(0, &recordings()[0]).unwrap();
     let error = Dataset::open(&unfinished).unwrap_err();
-    assert!(
-        matches!(error, DiskError::Unfinished { .. }) && error.to_string().contains("--resume"),
-        "{error}"
-    );
+    assert!(matches!(error, DiskError::Unfinished { .. }) && error.to_string().contains("--resume"), "{error}");
     make(&dir);
     let (info, provenance) = (dir.join("meta/info.json"), dir.join("meta/provenance.json"));
     for (path, from, to, field) in [
@@ -292,27 +234,18 @@ fn a_folder_that_is_no_finished_set_is_named_for_what_it_is() {
     }
     Dataset::open(&dir).unwrap();
     fs::rename(&provenance, folder.path().join("aside")).unwrap();
-    assert_eq!(
-        input_error(Dataset::open(&dir)).found,
-        "a data set without meta/provenance.json"
-    );
+    assert_eq!(input_error(Dataset::open(&dir)).found, "a data set without meta/provenance.json");
     let others = ["checksums.json", "taxels.parquet"].map(|name| dir.join("meta").join(name));
     for name in &others {
         fs::rename(name, name.with_extension("aside")).unwrap();
     }
-    assert_eq!(
-        input_error(Dataset::open(&dir)).found,
-        "a LeRobot data set of another program"
-    );
+    assert_eq!(input_error(Dataset::open(&dir)).found, "a LeRobot data set of another program");
     for name in &others {
         fs::rename(name.with_extension("aside"), name).unwrap();
     }
     fs::rename(folder.path().join("aside"), &provenance).unwrap();
     fs::remove_file(&info).unwrap();
-    assert_eq!(
-        input_error(Dataset::open(&dir)).found,
-        "a data set without meta/info.json"
-    );
+    assert_eq!(input_error(Dataset::open(&dir)).found, "a data set without meta/info.json");
 }
 
 /// Tests that a missing or truncated file, and a file with one changed bit, is named.
@@ -333,9 +266,8 @@ fn every_missing_torn_or_changed_file_is_named() {
         }
         fs::remove_file(&path).unwrap();
         // Without these the folder cannot be recognized as a finished set.
-        let decisive = ["info.json", "provenance.json", "checksums.json"]
-            .iter()
-            .any(|decisive| name.ends_with(decisive));
+        let decisive =
+            ["info.json", "provenance.json", "checksums.json"].iter().any(|decisive| name.ends_with(decisive));
         assert_eq!(input_error(check()).file, if decisive { folder.path() } else { &path });
         fs::write(&path, bytes).unwrap();
         check().unwrap();
@@ -355,10 +287,7 @@ fn a_changed_table_is_named_when_it_is_first_read() {
     bytes[place] ^= 4;
     fs::write(&path, &bytes).unwrap();
     let error = input_error(set.read_reach(0));
-    assert_eq!(
-        (error.file.as_path(), error.field.as_str()),
-        (path.as_path(), "checksum")
-    );
+    assert_eq!((error.file.as_path(), error.field.as_str()), (path.as_path(), "checksum"));
     bytes[place] ^= 4;
     fs::write(&path, &bytes).unwrap();
     assert_eq!(set.read_reach(0).unwrap(), recordings()[0]);
@@ -392,12 +321,7 @@ fn the_list_of_checksums_cannot_be_changed_unnoticed() {
     let error = input_error(Dataset::open(folder.path()));
     assert_eq!(error.found, "a file that meta/checksums.json does not list");
     fs::write(&list, &whole).unwrap();
-    for extra in [
-        "data/chunk-000/file-001.parquet.bak",
-        "meta/notes.txt",
-        "data/extra.parquet",
-        "truth/x.parquet",
-    ] {
+    for extra in ["data/chunk-000/file-001.parquet.bak", "meta/notes.txt", "data/extra.parquet", "truth/x.parquet"] {
         let path = folder.path().join(extra);
         let made_folder = !path.parent().unwrap().exists();
         fs::create_dir_all(path.parent().unwrap()).unwrap();

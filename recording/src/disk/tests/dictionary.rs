@@ -30,11 +30,7 @@ fn described(path: &Path, tables: &[&Table]) {
             let same = covers(&column, name);
             if same {
                 assert_eq!(about["description"], column.what, "{name}");
-                assert_eq!(
-                    about.get("unit").map_or("", |unit| unit.as_str().unwrap()),
-                    column.unit,
-                    "{name}"
-                );
+                assert_eq!(about.get("unit").map_or("", |unit| unit.as_str().unwrap()), column.unit, "{name}");
             }
             same
         });
@@ -59,21 +55,8 @@ fn every_column_is_described_in_the_file_itself() {
     write_recording(&recording, &reach(0, 5)).unwrap();
     described(&recording, &[&FRAMES, &RECORDING_TRUTH]);
     let trials = folder.path().join("trials.parquet");
-    let sample = Sample {
-        time_s: 0.0,
-        force_n: 1.0,
-        motion_m: None,
-        region: None,
-        touched: None,
-    };
-    let trial = Trial {
-        trial: 1,
-        category: None,
-        reach: None,
-        patch: None,
-        taxel: None,
-        samples: vec![sample],
-    };
+    let sample = Sample { time_s: 0.0, force_n: 1.0, motion_m: None, region: None, touched: None };
+    let trial = Trial { trial: 1, category: None, reach: None, patch: None, taxel: None, samples: vec![sample] };
     write_trials(&trials, [trial]).unwrap();
     described(&trials, &[&TRIALS]);
 }
@@ -87,22 +70,14 @@ fn readers_of_some_years_know_the_order_of_columns() {
     write_recording(&recording, &reach(0, 5)).unwrap();
     let tables = TABLES.into_iter().map(|table| set.join(table.path));
     let file = |path: PathBuf| {
-        if path.is_file() {
-            path
-        } else {
-            path.join("chunk-000/file-000.parquet")
-        }
+        if path.is_file() { path } else { path.join("chunk-000/file-000.parquet") }
     };
     for path in tables.map(file).chain([recording]) {
         let footer = ParquetTable::open(&path).unwrap().footer;
         let orders = footer.file_metadata().column_orders().unwrap();
         assert_eq!(orders.len(), footer.file_metadata().schema_descr().num_columns());
         for order in orders {
-            assert!(
-                matches!(order, ColumnOrder::TYPE_DEFINED_ORDER(_)),
-                "{}: {order}",
-                path.display()
-            );
+            assert!(matches!(order, ColumnOrder::TYPE_DEFINED_ORDER(_)), "{}: {order}", path.display());
         }
     }
 }

@@ -48,10 +48,7 @@ fn a_crash_costs_only_the_reaches_in_progress() {
     for position in [3, 1, 4] {
         writer.stage(position, &recordings[position]).unwrap();
     }
-    assert!(matches!(
-        DatasetWriter::create(&broken, plan(), true),
-        Err(DiskError::InUse { .. })
-    ));
+    assert!(matches!(DatasetWriter::create(&broken, plan(), true), Err(DiskError::InUse { .. })));
     drop(writer);
     let staged = |name: &str| broken.join("incomplete").join(name);
     // Reach 1 is truncated, reach 2 has no checksum yet, and a temporary file of reach 0 is left.
@@ -59,10 +56,7 @@ fn a_crash_costs_only_the_reaches_in_progress() {
     fs::write(staged("reach-000001.bin"), &bytes[..bytes.len() - 8]).unwrap();
     fs::write(staged("reach-000002.bin"), &bytes).unwrap();
     fs::write(staged(".underbrush-unfinished-x"), b"PAR1").unwrap();
-    assert!(matches!(
-        DatasetWriter::create(&broken, plan(), false),
-        Err(DiskError::Unfinished { .. })
-    ));
+    assert!(matches!(DatasetWriter::create(&broken, plan(), false), Err(DiskError::Unfinished { .. })));
     let writer = begin(&broken, true);
     assert_eq!(writer.missing().unwrap(), [0, 1, 2]);
     let writer = match writer.finish() {
@@ -100,23 +94,12 @@ fn a_finish_killed_at_any_file_is_taken_up_again() {
         for (place, (name, bytes)) in files.iter().enumerate().take(written + 1) {
             let path = dir.join(name);
             fs::create_dir_all(path.parent().unwrap()).unwrap();
-            fs::write(
-                path,
-                if place < written {
-                    &bytes[..]
-                } else {
-                    &bytes[..bytes.len() / 2]
-                },
-            )
-            .unwrap();
+            fs::write(path, if place < written { &bytes[..] } else { &bytes[..bytes.len() / 2] }).unwrap();
         }
         resume_and_compare(&dir);
     }
     // Killed while removing: the set is complete, and a part of `incomplete/` is left.
-    let rest: Vec<_> = contents(&staged)
-        .into_keys()
-        .filter(|name| !name.ends_with("plan.json"))
-        .collect();
+    let rest: Vec<_> = contents(&staged).into_keys().filter(|name| !name.ends_with("plan.json")).collect();
     for removed in 0..=rest.len() {
         let dir = folder.path().join(format!("removing-{removed}"));
         copy(&staged, &dir);
@@ -210,9 +193,7 @@ fn another_plan_is_refused_by_its_first_differing_field() {
         let mut other = plan();
         change(&mut other);
         match DatasetWriter::create(folder.path(), other, true) {
-            Err(DiskError::PlanDiffers {
-                field, stored, given, ..
-            }) => {
+            Err(DiskError::PlanDiffers { field, stored, given, .. }) => {
                 assert_eq!(field, expected);
                 assert_ne!(stored, given);
             }
@@ -245,10 +226,7 @@ fn only_the_planned_reach_can_be_staged() {
             other => panic!("{expected}: {other:?}"),
         }
     }
-    assert!(matches!(
-        writer.stage(5, &recordings()[0]),
-        Err(DiskError::NoSuchReach { .. })
-    ));
+    assert!(matches!(writer.stage(5, &recordings()[0]), Err(DiskError::NoSuchReach { .. })));
     let mut empty = plan();
     empty.episodes.clear();
     let refused = DatasetWriter::create(folder.path().join("none"), empty, false);

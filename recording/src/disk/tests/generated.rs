@@ -23,10 +23,8 @@ fn vector() -> impl Strategy<Value = DVec3> {
 }
 
 fn pose() -> impl Strategy<Value = Pose> {
-    (vector(), [number(), number(), number(), number()]).prop_map(|(position, [x, y, z, w])| Pose {
-        position,
-        orientation: DQuat::from_xyzw(x, y, z, w),
-    })
+    (vector(), [number(), number(), number(), number()])
+        .prop_map(|(position, [x, y, z, w])| Pose { position, orientation: DQuat::from_xyzw(x, y, z, w) })
 }
 
 fn taxel() -> impl Strategy<Value = Taxel> {
@@ -53,34 +51,21 @@ fn patch() -> impl Strategy<Value = Patch> {
 
 fn object() -> impl Strategy<Value = ObjectRecord> {
     let parameters = prop::collection::btree_map("[a-z_]{1,12}", number(), 0..4);
-    (
-        "[a-z_]{1,9}",
-        prop::sample::select(Category::BUILT_IN.to_vec()),
-        vector(),
-        parameters,
+    ("[a-z_]{1,9}", prop::sample::select(Category::BUILT_IN.to_vec()), vector(), parameters).prop_map(
+        |(kind, category, position_world, parameters)| ObjectRecord { kind, category, position_world, parameters },
     )
-        .prop_map(|(kind, category, position_world, parameters)| ObjectRecord {
-            kind,
-            category,
-            position_world,
-            parameters,
-        })
 }
 
 fn goal() -> impl Strategy<Value = GoalRecord> {
-    (
-        vector(),
-        number(),
-        number(),
-        prop::sample::select(Outcome::ALL.to_vec()),
-    )
-        .prop_map(|(position_world, start_time_s, end_time_s, outcome)| GoalRecord {
+    (vector(), number(), number(), prop::sample::select(Outcome::ALL.to_vec())).prop_map(
+        |(position_world, start_time_s, end_time_s, outcome)| GoalRecord {
             position_world,
             start_time_s,
             end_time_s,
             outcome,
             safety_stop: None,
-        })
+        },
+    )
 }
 
 /// A place where something presses on the arm: link, patch and object from any indices.
@@ -98,11 +83,7 @@ fn frame(joints: usize, layout: SkinLayout, objects: usize) -> impl Strategy<Val
     let joint = || prop::collection::vec(number(), joints);
     let patches = layout.patches.len();
     let readings = layout.taxel_count();
-    let reading = (
-        [number(), number(), number(), number()],
-        prop::option::of(any::<Index>()),
-        any::<bool>(),
-    );
+    let reading = ([number(), number(), number(), number()], prop::option::of(any::<Index>()), any::<bool>());
     (
         (number(), joint(), joint(), joint(), joint()),
         (pose(), vector(), any::<u16>()),
@@ -130,30 +111,23 @@ fn frame(joints: usize, layout: SkinLayout, objects: usize) -> impl Strategy<Val
 fn readings_of(layout: &SkinLayout, raw: &[RawReading], objects: usize) -> Vec<TaxelReading> {
     let places = layout.patches.iter().enumerate();
     let places = places.flat_map(|(patch, part)| (0..part.taxels.len()).map(move |taxel| (patch, taxel)));
-    let readings = places
-        .zip(raw)
-        .filter(|(_, (.., listed))| *listed)
-        .map(|((patch, taxel), (forces, object, _))| {
-            let object = object
-                .filter(|_| objects > 0)
-                .map(|object| object.index(objects) as u16);
-            let [true_normal_force_n, first_shear, second_shear, sensed_force_n] = *forces;
-            let sensed_force_n = f64::from(sensed_force_n.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32);
-            TaxelReading {
-                patch: patch as u16,
-                taxel: taxel as u16,
-                true_normal_force_n,
-                true_shear_force_n: [first_shear, second_shear],
-                sensed_force_n,
-                object,
-            }
-        });
+    let readings = places.zip(raw).filter(|(_, (.., listed))| *listed).map(|((patch, taxel), (forces, object, _))| {
+        let object = object.filter(|_| objects > 0).map(|object| object.index(objects) as u16);
+        let [true_normal_force_n, first_shear, second_shear, sensed_force_n] = *forces;
+        let sensed_force_n = f64::from(sensed_force_n.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32);
+        TaxelReading {
+            patch: patch as u16,
+            taxel: taxel as u16,
+            true_normal_force_n,
+            true_shear_force_n: [first_shear, second_shear],
+            sensed_force_n,
+            object,
+        }
+    });
     let speaks = |reading: &TaxelReading| {
         let shear = reading.true_shear_force_n;
         reading.object.is_some()
-            || [reading.true_normal_force_n, shear[0], shear[1], reading.sensed_force_n]
-                .iter()
-                .any(|&n| n != 0.0)
+            || [reading.true_normal_force_n, shear[0], shear[1], reading.sensed_force_n].iter().any(|&n| n != 0.0)
     };
     readings.filter(speaks).collect()
 }
@@ -200,14 +174,9 @@ fn physical(mut recording: Recording) -> Recording {
 }
 
 fn unit_pose() -> impl Strategy<Value = Pose> {
-    (
-        [-2.0..2.0f64, -2.0..2.0, -2.0..2.0],
-        [-3.0..3.0f64, -1.5..1.5, -3.0..3.0],
-    )
-        .prop_map(|(position, [a, b, c])| Pose {
-            position: DVec3::from_array(position),
-            orientation: DQuat::from_euler(glam::EulerRot::ZYX, a, b, c),
-        })
+    ([-2.0..2.0f64, -2.0..2.0, -2.0..2.0], [-3.0..3.0f64, -1.5..1.5, -3.0..3.0]).prop_map(|(position, [a, b, c])| {
+        Pose { position: DVec3::from_array(position), orientation: DQuat::from_euler(glam::EulerRot::ZYX, a, b, c) }
+    })
 }
 
 fn shape() -> impl Strategy<Value = BodyShape> {
@@ -229,9 +198,8 @@ fn bodies(objects: usize, frames: usize) -> impl Strategy<Value = Vec<Body>> {
     let body = body.prop_map(move |(object, parts, rest_pose_world, poses)| {
         let object = object.filter(|_| objects > 0);
         let mut body = Body {
-            owner: object.map_or(BodyOwner::Link("a link".into()), |object| {
-                BodyOwner::Object(object.index(objects) as u16)
-            }),
+            owner: object
+                .map_or(BodyOwner::Link("a link".into()), |object| BodyOwner::Object(object.index(objects) as u16)),
             parts,
             rest_pose_world,
             track: Vec::new(),
@@ -267,73 +235,48 @@ fn any_numbers() -> impl Strategy<Value = Recording> {
         }
         let bodies = bodies(objects.len(), frames);
         let frames = prop::collection::vec(frame(joints, layout.clone(), objects.len()), frames);
-        let contact = (
-            prop::option::of(any::<Index>()),
-            any::<[Index; 3]>(),
-            number(),
-            number(),
-        );
+        let contact = (prop::option::of(any::<Index>()), any::<[Index; 3]>(), number(), number());
         let contacts = prop::collection::vec(contact, 0..4);
-        (
-            (frames, bodies),
-            contacts,
-            any::<(u64, u64)>(),
-            1e-3..1e4f64,
-            audit(),
-            "\\PC{0,8}",
-        )
-            .prop_map(
-                move |((frames, bodies), contacts, (seed, reach_index), rate_hz, audit, scene)| {
-                    let possible = !objects.is_empty() && !frames.is_empty();
-                    let contacts =
-                        contacts
-                            .into_iter()
-                            .filter(|_| possible)
-                            .map(|(patch, [object, a, b], peak, mean)| {
-                                let (a, b) = (a.index(frames.len()) as u32, b.index(frames.len()) as u32);
-                                let (link, patch, object) = place(&layout, objects.len(), patch, object);
-                                Contact {
-                                    link,
-                                    patch,
-                                    object,
-                                    first_frame: a.min(b),
-                                    last_frame: a.max(b),
-                                    peak_force_n: peak,
-                                    mean_force_n: mean,
-                                }
-                            });
-                    let goals = goals.iter().map(|(goal, stop)| {
-                        let stop = stop.filter(|_| goal.outcome == Outcome::Aborted && !objects.is_empty());
-                        let safety_stop = stop.map(|(index, force_n)| {
-                            let (link, patch, object) = place(&layout, objects.len(), Some(index), index);
-                            SafetyStop {
-                                object,
-                                link,
-                                patch,
-                                force_n,
-                            }
-                        });
-                        GoalRecord {
-                            safety_stop,
-                            ..goal.clone()
-                        }
-                    });
-                    Recording {
-                        scene,
-                        controller: "cody-2013".into(),
-                        seed,
-                        reach_index,
-                        rate_hz,
-                        joint_names: (0..joints).map(|joint| format!("joint {joint}")).collect(),
-                        contacts: contacts.collect(),
-                        layout: layout.clone(),
-                        objects: objects.clone(),
-                        bodies,
-                        goals: goals.collect(),
-                        frames,
-                        audit,
+        ((frames, bodies), contacts, any::<(u64, u64)>(), 1e-3..1e4f64, audit(), "\\PC{0,8}").prop_map(
+            move |((frames, bodies), contacts, (seed, reach_index), rate_hz, audit, scene)| {
+                let possible = !objects.is_empty() && !frames.is_empty();
+                let contacts = contacts.into_iter().filter(|_| possible).map(|(patch, [object, a, b], peak, mean)| {
+                    let (a, b) = (a.index(frames.len()) as u32, b.index(frames.len()) as u32);
+                    let (link, patch, object) = place(&layout, objects.len(), patch, object);
+                    Contact {
+                        link,
+                        patch,
+                        object,
+                        first_frame: a.min(b),
+                        last_frame: a.max(b),
+                        peak_force_n: peak,
+                        mean_force_n: mean,
                     }
-                },
-            )
+                });
+                let goals = goals.iter().map(|(goal, stop)| {
+                    let stop = stop.filter(|_| goal.outcome == Outcome::Aborted && !objects.is_empty());
+                    let safety_stop = stop.map(|(index, force_n)| {
+                        let (link, patch, object) = place(&layout, objects.len(), Some(index), index);
+                        SafetyStop { object, link, patch, force_n }
+                    });
+                    GoalRecord { safety_stop, ..goal.clone() }
+                });
+                Recording {
+                    scene,
+                    controller: "cody-2013".into(),
+                    seed,
+                    reach_index,
+                    rate_hz,
+                    joint_names: (0..joints).map(|joint| format!("joint {joint}")).collect(),
+                    contacts: contacts.collect(),
+                    layout: layout.clone(),
+                    objects: objects.clone(),
+                    bodies,
+                    goals: goals.collect(),
+                    frames,
+                    audit,
+                }
+            },
+        )
     })
 }

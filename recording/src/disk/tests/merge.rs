@@ -12,10 +12,7 @@ const SCENES: [(&str, u64); 2] = [("foliage", 4), ("trunks", 7)];
 /// The reaches of the campaign, of different lengths.
 fn campaign() -> Vec<Recording> {
     let reaches = SCENES.into_iter().flat_map(|(scene, count)| {
-        (0..count).map(move |index| Recording {
-            scene: scene.into(),
-            ..reach(index, 10 + 7 * index as usize)
-        })
+        (0..count).map(move |index| Recording { scene: scene.into(), ..reach(index, 10 + 7 * index as usize) })
     });
     reaches.collect()
 }
@@ -24,12 +21,8 @@ fn campaign() -> Vec<Recording> {
 fn plan_of(shard: Option<Shard>) -> DatasetPlan {
     let mut plan = plan();
     plan.provenance.shard = shard;
-    plan.provenance.scenes = SCENES
-        .map(|(name, reaches)| crate::disk::SceneText {
-            reaches,
-            ..scene_text(name, "[leaf]\n")
-        })
-        .into();
+    plan.provenance.scenes =
+        SCENES.map(|(name, reaches)| crate::disk::SceneText { reaches, ..scene_text(name, "[leaf]\n") }).into();
     let of_this_part = |position: &usize| shard.is_none_or(|shard| shard.holds(*position as u64));
     let reaches = campaign();
     plan.episodes = (0..reaches.len())

@@ -35,13 +35,7 @@ fn link(offset: f64, frames: usize) -> Body {
     };
     let mut body = Body {
         owner: BodyOwner::Link("forearm_link".into()),
-        parts: vec![BodyPart {
-            shape: BodyShape::Capsule {
-                radius_m: 0.046,
-                length_m: 0.2,
-            },
-            pose_body: pose(0),
-        }],
+        parts: vec![BodyPart { shape: BodyShape::Capsule { radius_m: 0.046, length_m: 0.2 }, pose_body: pose(0) }],
         rest_pose_world: pose(0),
         track: Vec::new(),
     };
@@ -51,11 +45,7 @@ fn link(offset: f64, frames: usize) -> Body {
 
 /// The only body of an object, at rest.
 fn stem(object: u16) -> Body {
-    Body {
-        owner: BodyOwner::Object(object),
-        parts: Vec::new(),
-        ..link(0.1 * f64::from(object), 0)
-    }
+    Body { owner: BodyOwner::Object(object), parts: Vec::new(), ..link(0.1 * f64::from(object), 0) }
 }
 
 /// A small smooth reach: two joints, a sleeve of 3 × 4 taxels, one taxel at the tip, and `frames` samples at 100 Hz.
@@ -72,18 +62,8 @@ pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
         grid,
         taxels: (0..taxels).map(|index| taxel(index as f64 / 2.0)).collect(),
     };
-    let sleeve = patch(
-        "forearm",
-        12,
-        Some(Grid {
-            rows: 3,
-            columns: 4,
-            wraps: true,
-        }),
-    );
-    let layout = SkinLayout {
-        patches: vec![sleeve, patch("tip", 1, None)],
-    };
+    let sleeve = patch("forearm", 12, Some(Grid { rows: 3, columns: 4, wraps: true }));
+    let layout = SkinLayout { patches: vec![sleeve, patch("tip", 1, None)] };
     let object = |kind: &str, category, x| ObjectRecord {
         kind: kind.into(),
         category,
@@ -102,10 +82,7 @@ pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
             sensed_force_n: f64::from((force * 100.0).round() as f32 / 100.0),
             object: Some(object),
         };
-        let pose = Pose {
-            position: DVec3::new(time_s, offset, 0.3),
-            orientation: DQuat::from_rotation_z(time_s),
-        };
+        let pose = Pose { position: DVec3::new(time_s, offset, 0.3), orientation: DQuat::from_rotation_z(time_s) };
         Frame {
             time_s,
             joint_angle_rad: vec![time_s.sin() + offset, time_s.cos()],
@@ -117,11 +94,7 @@ pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
             goal_index: 0,
             patch_pose_world: vec![pose; 2],
             contact_force_world: vec![DVec3::new(-force, 0.0, 0.0), DVec3::ZERO],
-            taxels: if force > 0.0 {
-                vec![reading(0, 5, 1), reading(0, 6, 1), reading(1, 0, 0)]
-            } else {
-                Vec::new()
-            },
+            taxels: if force > 0.0 { vec![reading(0, 5, 1), reading(0, 6, 1), reading(1, 0, 0)] } else { Vec::new() },
         }
     };
     Recording {
@@ -132,20 +105,13 @@ pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
         rate_hz: 100.0,
         joint_names: vec!["shoulder".into(), "elbow".into()],
         layout,
-        objects: vec![
-            object("trunk", Category::TRUNK, 0.2),
-            object("leaf", Category::LEAF, 0.3 + offset),
-        ],
+        objects: vec![object("trunk", Category::TRUNK, 0.2), object("leaf", Category::LEAF, 0.3 + offset)],
         bodies: vec![link(offset, frames), stem(0), stem(1)],
         goals: vec![GoalRecord {
             position_world: DVec3::new(0.5, 0.1, -0.1),
             start_time_s: 0.0,
             end_time_s: frames as f64 * 0.01,
-            outcome: if reach_index.is_multiple_of(2) {
-                Outcome::Reached
-            } else {
-                Outcome::Stuck
-            },
+            outcome: if reach_index.is_multiple_of(2) { Outcome::Reached } else { Outcome::Stuck },
             safety_stop: None,
         }],
         contacts: vec![Contact {

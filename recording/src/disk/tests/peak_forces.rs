@@ -8,21 +8,10 @@ fn peak_forces_are_those_of_the_contacts() {
     let set = make(folder.path());
     let expected: Vec<f64> = recordings()
         .iter()
-        .map(|recording| {
-            recording
-                .contacts
-                .iter()
-                .fold(0.0, |peak, contact| contact.peak_force_n.max(peak))
-        })
+        .map(|recording| recording.contacts.iter().fold(0.0, |peak, contact| contact.peak_force_n.max(peak)))
         .collect();
     assert_eq!(expected.iter().filter(|peak| **peak == 0.0).count(), 1);
-    let files = set
-        .episodes()
-        .iter()
-        .map(|episode| (episode.chunk_index, episode.file_index));
-    assert!(
-        files.collect::<std::collections::BTreeSet<_>>().len() > 1,
-        "one file would not test the order"
-    );
+    let files = set.episodes().iter().map(|episode| (episode.chunk_index, episode.file_index));
+    assert!(files.collect::<std::collections::BTreeSet<_>>().len() > 1, "one file would not test the order");
     assert_eq!(set.peak_contact_forces_n().unwrap(), expected);
 }

@@ -47,9 +47,7 @@ fn pages_have_the_numbers_of_the_columns() {
         wide += usize::from(width > 1);
         for (index, episode) in set.episodes().iter().enumerate() {
             // Lists of any length are read without the shortcut.
-            let path = folder
-                .path()
-                .join(format!("data/chunk-000/file-{:03}.parquet", episode.file_index));
+            let path = folder.path().join(format!("data/chunk-000/file-{:03}.parquet", episode.file_index));
             let table = ParquetTable::open(&path).unwrap();
             let want = |found: &str| if found == name { Want::All } else { Want::Nothing };
             let mut slowly = table.batch(index, 0..episode.frames, &want).unwrap().columns.remove(0);
@@ -60,23 +58,14 @@ fn pages_have_the_numbers_of_the_columns() {
             let batches = set.read_columns(index, &[&name]).unwrap();
             assert_eq!(batches[0].columns, [slowly]);
             let numbers = |batch: &Batch| match single {
-                true => batch
-                    .fixed::<f32>(&name, width)
-                    .unwrap()
-                    .iter()
-                    .map(|number| f64::from(*number))
-                    .collect(),
+                true => batch.fixed::<f32>(&name, width).unwrap().iter().map(|number| f64::from(*number)).collect(),
                 false => batch.fixed::<f64>(&name, width).unwrap().to_vec(),
             };
             let expected: Vec<f64> = batches.iter().flat_map(numbers).collect();
             let mut found = vec![f64::NAN; episode.frames * width];
-            set.read_floats(index, &name, |number| 2.0 * number, &mut found)
-                .unwrap();
+            set.read_floats(index, &name, |number| 2.0 * number, &mut found).unwrap();
             assert_eq!(found.len(), expected.len(), "{name}");
-            assert!(
-                found.iter().zip(&expected).all(|(found, own)| *found == 2.0 * own),
-                "{name}"
-            );
+            assert!(found.iter().zip(&expected).all(|(found, own)| *found == 2.0 * own), "{name}");
         }
     }
     assert!(wide > 5, "{wide} columns of several numbers");
@@ -87,14 +76,8 @@ fn pages_have_the_numbers_of_the_columns() {
     let mut short = vec![0.0; frames * width - 1];
     assert!(set.read_floats(1, COLUMN, |number| number, &mut short).is_err());
     assert_eq!(short, whole[..short.len()]);
-    assert!(
-        set.read_floats(2, COLUMN, |number| number, &mut []).is_err(),
-        "no such reach"
-    );
-    assert!(
-        set.read_floats(0, COLUMN, |number| number, &mut [0.0]).is_err(),
-        "not one number"
-    );
+    assert!(set.read_floats(2, COLUMN, |number| number, &mut []).is_err(), "no such reach");
+    assert!(set.read_floats(0, COLUMN, |number| number, &mut [0.0]).is_err(), "not one number");
 }
 
 /// Tests when pages are read directly. Plain numbers are; the same numbers in another encoding are left to the column
@@ -120,19 +103,14 @@ fn other_encodings_are_left_to_the_column_reader() {
     assert_eq!(read(&path, 1, count + 1).unwrap(), None);
     let other = folder.path().join("other.parquet");
     let schema = format!("message schema {{ optional float {COLUMN}; }}");
-    let properties = WriterProperties::builder()
-        .set_dictionary_enabled(false)
-        .set_encoding(Encoding::BYTE_STREAM_SPLIT)
-        .build();
+    let properties =
+        WriterProperties::builder().set_dictionary_enabled(false).set_encoding(Encoding::BYTE_STREAM_SPLIT).build();
     let file = fs::File::create(&other).unwrap();
     let schema = Arc::new(parse_message_type(&schema).unwrap());
     let mut writer = SerializedFileWriter::new(file, schema, Arc::new(properties)).unwrap();
     let mut group = writer.next_row_group().unwrap();
     let mut column = group.next_column().unwrap().unwrap();
-    column
-        .typed::<FloatType>()
-        .write_batch(&numbers, Some(&vec![1; count]), None)
-        .unwrap();
+    column.typed::<FloatType>().write_batch(&numbers, Some(&vec![1; count]), None).unwrap();
     column.close().unwrap();
     group.close().unwrap();
     writer.close().unwrap();

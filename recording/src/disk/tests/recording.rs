@@ -40,11 +40,7 @@ fn a_long_reach_comes_back_and_gives_the_same_bytes_twice() {
     }
     assert_eq!(read_recording(&paths[0]).unwrap(), recording);
     assert_eq!(fs::read(&paths[0]).unwrap(), fs::read(&paths[1]).unwrap());
-    assert_eq!(
-        fs::read_dir(folder.path()).unwrap().count(),
-        2,
-        "no temporary file is left"
-    );
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "no temporary file is left");
 }
 
 /// Tests that every rule is checked before a byte is written, and that the error names the field.
@@ -53,17 +49,11 @@ fn a_recording_that_breaks_a_rule_is_not_written() {
     let spoiled: [Change<Recording>; 21] = [
         ("rate_hz", |r| r.rate_hz = 0.0),
         ("joint_names", |r| r.joint_names.clear()),
-        ("layout.patches[1].name", |r| {
-            r.layout.patches[1].name = "forearm".into()
-        }),
-        ("layout.patches[0].name", |r| {
-            r.layout.patches[0].name = "fore/arm".into()
-        }),
+        ("layout.patches[1].name", |r| r.layout.patches[1].name = "forearm".into()),
+        ("layout.patches[0].name", |r| r.layout.patches[0].name = "fore/arm".into()),
         ("layout.patches[0].grid", |r| r.layout.patches[0].taxels.truncate(11)),
         ("layout.patches[1].taxels", |r| r.layout.patches[1].taxels.clear()),
-        ("frames[4].joint_torque_nm", |r| {
-            r.frames[4].joint_torque_nm = vec![f64::NAN, 0.0]
-        }),
+        ("frames[4].joint_torque_nm", |r| r.frames[4].joint_torque_nm = vec![f64::NAN, 0.0]),
         ("frames[4].joint_angle_rad", |r| r.frames[4].joint_angle_rad.push(0.0)),
         ("frames[9].taxels", |r| r.frames[9].taxels.swap(0, 1)),
         ("frames[9].taxels[2]", |r| r.frames[9].taxels[2].taxel = 1),
@@ -109,11 +99,7 @@ fn a_recording_that_breaks_a_rule_is_not_written() {
 fn a_silent_taxel_is_not_written() {
     let mut recording = reach(0, 20);
     let reading = &mut recording.frames[9].taxels[1];
-    (
-        reading.true_normal_force_n,
-        reading.true_shear_force_n,
-        reading.sensed_force_n,
-    ) = (0.0, [0.0, -0.0], 0.0);
+    (reading.true_normal_force_n, reading.true_shear_force_n, reading.sensed_force_n) = (0.0, [0.0, -0.0], 0.0);
     let folder = tempfile::tempdir().unwrap();
     write_recording(folder.path().join("kept.parquet"), &recording).unwrap();
     recording.frames[9].taxels[1].object = None;

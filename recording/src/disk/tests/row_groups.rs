@@ -69,22 +69,11 @@ fn reading_a_reach_touches_its_own_row_groups_alone() {
             }
             let other = folder.path().join("spoiled.parquet");
             fs::write(&other, spoiled).unwrap();
-            let table = ParquetTable {
-                file: ParquetInput::open(&other).unwrap(),
-                footer: Arc::clone(metadata),
-            };
+            let table = ParquetTable { file: ParquetInput::open(&other).unwrap(), footer: Arc::clone(metadata) };
             let found = read_rows(&table, episode, &|_| Want::All).unwrap();
-            let columns = |rows: &EpisodeRows| {
-                rows.batches
-                    .iter()
-                    .map(|batch| batch.columns.clone())
-                    .collect::<Vec<_>>()
-            };
-            assert!(
-                found.count() > 0 && columns(&found) == columns(&expected),
-                "{}",
-                described.path
-            );
+            let columns =
+                |rows: &EpisodeRows| rows.batches.iter().map(|batch| batch.columns.clone()).collect::<Vec<_>>();
+            assert!(found.count() > 0 && columns(&found) == columns(&expected), "{}", described.path);
         }
     }
     assert!(several >= 4, "only {several} tables have several row groups");

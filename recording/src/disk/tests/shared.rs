@@ -44,20 +44,9 @@ fn the_last_part_makes_the_set() {
     let [whole, shared] = ["whole", "shared"].map(|name| folder.path().join(name));
     make(&whole);
     // Of the five reaches, the runs have 2; 2 again; 0 and 3; 1 and 3; and 1 and 4, after which the set is complete.
-    let runs = [
-        (2, 3, false),
-        (2, 3, false),
-        (0, 3, false),
-        (1, 2, false),
-        (1, 3, true),
-        (0, 2, false),
-    ];
+    let runs = [(2, 3, false), (2, 3, false), (0, 3, false), (1, 2, false), (1, 3, true), (0, 2, false)];
     for (index, count, makes_the_set) in runs {
-        assert_eq!(
-            run(&shared, Shard { index, count }),
-            makes_the_set,
-            "{index} of {count}"
-        );
+        assert_eq!(run(&shared, Shard { index, count }), makes_the_set, "{index} of {count}");
         match Dataset::open(&shared) {
             Ok(set) => set.verify().unwrap(),
             Err(error) => assert!(matches!(error, DiskError::Unfinished { .. }), "{error}"),

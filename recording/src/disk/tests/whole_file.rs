@@ -7,9 +7,7 @@ use crate::disk::{DiskError, write_file, write_trials};
 
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();
-    let mut names: Vec<String> = entries
-        .map(|entry| entry.unwrap().file_name().to_str().unwrap().to_owned())
-        .collect();
+    let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().to_str().unwrap().to_owned()).collect();
     names.sort();
     names
 }

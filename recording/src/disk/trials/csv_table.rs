@@ -22,17 +22,12 @@ fn line_of(text: &[u8], position: &csv::Position) -> usize {
 fn refused(path: &Path, text: &[u8], error: csv::Error) -> DiskError {
     let line = error.position().map(|position| line_of(text, position));
     match error.into_kind() {
-        csv::ErrorKind::Io(source) => DiskError::Io {
-            path: path.to_path_buf(),
-            action: "read",
-            source,
-        },
+        csv::ErrorKind::Io(source) => DiskError::Io { path: path.to_path_buf(), action: "read", source },
         kind => {
             let (found, allowed) = match kind {
-                csv::ErrorKind::UnequalLengths { expected_len, len, .. } => (
-                    format!("{len} cells"),
-                    format!("{expected_len} cells, as in the header"),
-                ),
+                csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+                    (format!("{len} cells"), format!("{expected_len} cells, as in the header"))
+                }
                 csv::ErrorKind::Utf8 { .. } => ("bytes that are not UTF-8".into(), "UTF-8 text".to_string()),
                 other => (format!("{other:?}"), "CSV with a header line".to_string()),
             };
@@ -52,24 +47,13 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
     let places = place_columns(path, &names)?;
     let mut collector = Collector::default();
     let mut record = csv::StringRecord::new();
-    while reader
-        .read_record(&mut record)
-        .map_err(|error| refused(path, &text, error))?
-    {
+    while reader.read_record(&mut record).map_err(|error| refused(path, &text, error))? {
         let cell = |place: Option<usize>| match place.and_then(|place| record.get(place)) {
             None | Some("") => Cell::Missing,
             Some(text) => Cell::Text(text),
         };
         let line = record.position().map_or(0, |position| line_of(&text, position));
-        collector.push(
-            path,
-            Cells {
-                path,
-                line,
-                cells: places.map(cell),
-            }
-            .row()?,
-        )?;
+        collector.push(path, Cells { path, line, cells: places.map(cell) }.row()?)?;
     }
     Ok(collector.finish())
 }
@@ -84,13 +68,9 @@ pub(super) fn write(path: &Path, trials: impl Iterator<Item = Result<Trial, Disk
         push(&mut rows, &trial?);
         let columns = TrialRow::write(&rows);
         for row in 0..rows.len() {
-            writer
-                .write_record(columns.iter().map(|column| column.shown(row)))
-                .map_err(failed)?;
+            writer.write_record(columns.iter().map(|column| column.shown(row))).map_err(failed)?;
         }
     }
-    let temporary = writer
-        .into_inner()
-        .map_err(|error| DiskError::io(path, "write")(error.into_error()))?;
+    let temporary = writer.into_inner().map_err(|error| DiskError::io(path, "write")(error.into_error()))?;
     whole_file::commit(temporary, path)
 }

@@ -180,19 +180,9 @@ pub fn trial_table(trials: &[Trial]) -> Batch {
 fn check(trial: &Trial, numbers: &mut BTreeSet<u64>) -> Result<(), Violation> {
     let field = |name: &str| format!("trial {}, {name}", trial.trial);
     let new = numbers.insert(trial.trial);
-    require(
-        new,
-        || field("trial"),
-        || "the number of an earlier trial".into(),
-        "unique numbers",
-    )?;
+    require(new, || field("trial"), || "the number of an earlier trial".into(), "unique numbers")?;
     for (name, text) in [("category", &trial.category), ("patch", &trial.patch)] {
-        require(
-            text.as_deref() != Some(""),
-            || field(name),
-            || "an empty name".into(),
-            "a name, or None",
-        )?;
+        require(text.as_deref() != Some(""), || field(name), || "an empty name".into(), "a name, or None")?;
         let name_fault = match name {
             "category" => Category::name_fault,
             _ => |text: &str| (!is_plain(text)).then_some(PLAIN),
@@ -201,28 +191,13 @@ fn check(trial: &Trial, numbers: &mut BTreeSet<u64>) -> Result<(), Violation> {
             require(false, || field(name), || format!("{text:?}"), allowed)?;
         }
     }
-    require(
-        !trial.samples.is_empty(),
-        || field("samples"),
-        || "none".into(),
-        "at least one sample",
-    )?;
+    require(!trial.samples.is_empty(), || field("samples"), || "none".into(), "at least one sample")?;
     for sample in &trial.samples {
         if let Some((column, found, allowed)) = sample.fault() {
             let found = || format!("{found} (allowed: {allowed})");
-            require(
-                false,
-                || field(column),
-                found,
-                "numbers within `underbrush_recording::limits`",
-            )?;
+            require(false, || field(column), found, "numbers within `underbrush_recording::limits`")?;
         }
     }
     let increasing = trial.samples.is_sorted_by(|a, b| a.time_s < b.time_s);
-    require(
-        increasing,
-        || field("time_s"),
-        || "times that do not increase".into(),
-        "strictly increasing times",
-    )
+    require(increasing, || field("time_s"), || "times that do not increase".into(), "strictly increasing times")
 }

@@ -22,11 +22,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
     let fields = table.footer.file_metadata().schema().get_fields().iter();
     place_columns(path, &fields.map(|field| field.name().to_owned()).collect::<Vec<_>>())?;
     let want = |name: &str| {
-        if COLUMNS.contains(&name) {
-            Want::All
-        } else {
-            Want::Nothing
-        }
+        if COLUMNS.contains(&name) { Want::All } else { Want::Nothing }
     };
     let mut collector = Collector::default();
     let mut line = 0;

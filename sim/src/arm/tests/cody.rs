@@ -9,31 +9,11 @@ use crate::geometry::engine_shape;
 /// Mass (kg), centre of mass (m) and inertia Ixx Iyy Izz Ixy Ixz Iyz (kg m²) in the modified-DH frames, as published.
 type Published = (f64, [f64; 3], [f64; 6]);
 const LINKS: [Published; 5] = [
-    (
-        2.0036,
-        [0.008106, -0.002865, -0.009494],
-        [0.004658, 0.003056, 0.003212, -0.000504, 0.000078, -0.000268],
-    ),
-    (
-        0.6362,
-        [-0.034129, -0.022504, -0.000872],
-        [0.001240, 0.001281, 0.000966, 0.000206, -0.000016, -0.000010],
-    ),
-    (
-        2.3017,
-        [0.004806, -0.003196, -0.089098],
-        [0.015647, 0.015788, 0.002339, -0.000001, -0.000525, -0.000603],
-    ),
-    (
-        0.3388,
-        [0.0, 0.035097, 0.005934],
-        [0.000663, 0.000574, 0.000409, 0.0, 0.0, -0.000060],
-    ),
-    (
-        1.184,
-        [0.000236, -0.001590, -0.128330],
-        [0.005892, 0.005680, 0.000761, 0.000001, -0.000003, -0.000035],
-    ),
+    (2.0036, [0.008106, -0.002865, -0.009494], [0.004658, 0.003056, 0.003212, -0.000504, 0.000078, -0.000268]),
+    (0.6362, [-0.034129, -0.022504, -0.000872], [0.001240, 0.001281, 0.000966, 0.000206, -0.000016, -0.000010]),
+    (2.3017, [0.004806, -0.003196, -0.089098], [0.015647, 0.015788, 0.002339, -0.000001, -0.000525, -0.000603]),
+    (0.3388, [0.0, 0.035097, 0.005934], [0.000663, 0.000574, 0.000409, 0.0, 0.0, -0.000060]),
+    (1.184, [0.000236, -0.001590, -0.128330], [0.005892, 0.005680, 0.000761, 0.000001, -0.000003, -0.000035]),
 ];
 
 #[test]
@@ -68,11 +48,7 @@ fn inertia_is_the_published_one_in_link_frames() {
         assert!((link.mass_kg - mass).abs() < 1e-9);
         assert!((link_center.coords - center).amax() < 1e-6, "{}", link.name);
         let stated = Matrix3::from_column_slice(&link.inertia_link.to_cols_array());
-        assert!(
-            (stated - inertia).amax() < 1e-6,
-            "{}: {stated} against {inertia}",
-            link.name
-        );
+        assert!((stated - inertia).amax() < 1e-6, "{}: {stated} against {inertia}", link.name);
     }
 }
 
@@ -83,10 +59,7 @@ fn forearm_skin_is_a_closed_sleeve_short_of_the_wrist() {
     let arm = Arm::cody().unwrap();
     let patch = &arm.skin.layout.patches[0];
     let grid = patch.grid.unwrap();
-    assert_eq!(
-        (patch.name.as_str(), grid.rows, grid.columns, grid.wraps),
-        ("forearm", 16, 24, true)
-    );
+    assert_eq!((patch.name.as_str(), grid.rows, grid.columns, grid.wraps), ("forearm", 16, 24, true));
     assert_eq!(patch.taxels.len(), 384);
     let link = arm.link_index(&patch.link).unwrap();
     // The link after the forearm roll (joint 4): the skin rotates with it.
@@ -112,10 +85,7 @@ fn flipper_skin_has_its_69_taxels_on_the_flipper() {
     // every taxel is at most about 6 mm away from the surface of the collision shapes.
     let arm = Arm::cody().unwrap();
     let patch = &arm.skin.layout.patches[1];
-    assert_eq!(
-        (patch.name.as_str(), patch.link.as_str(), patch.taxels.len()),
-        ("flipper", "flipper", 69)
-    );
+    assert_eq!((patch.name.as_str(), patch.link.as_str(), patch.taxels.len()), ("flipper", "flipper", 69));
     let tip = patch.taxels[24];
     assert!(tip.position_link.distance(arm.end_effector_pose_link.position) < 1e-12);
     assert!(tip.normal_link.distance(DVec3::NEG_Z) < 1e-12);
@@ -125,22 +95,13 @@ fn flipper_skin_has_its_69_taxels_on_the_flipper() {
         let distance = |collider: &super::super::LinkCollider| {
             let (shape, rotation) = engine_shape(&collider.shape).unwrap();
             shape.distance_to_local_point(
-                (collider.pose_link * rotation)
-                    .inverse()
-                    .transform_point(taxel.position_link),
+                (collider.pose_link * rotation).inverse().transform_point(taxel.position_link),
                 false,
             )
         };
-        let nearest = link
-            .colliders
-            .iter()
-            .map(distance)
-            .fold(f64::INFINITY, |a, b| if b.abs() < a.abs() { b } else { a });
-        assert!(
-            nearest.abs() < 0.0065,
-            "taxel at {} is {nearest} m off",
-            taxel.position_link
-        );
+        let nearest =
+            link.colliders.iter().map(distance).fold(f64::INFINITY, |a, b| if b.abs() < a.abs() { b } else { a });
+        assert!(nearest.abs() < 0.0065, "taxel at {} is {nearest} m off", taxel.position_link);
     }
 }
 
@@ -149,11 +110,8 @@ fn tangents_are_unit_and_across_the_normal() {
     // Tests the frames in which shear is given.
     let arm = Arm::cody().unwrap();
     for taxel in arm.skin.layout.patches.iter().flat_map(|patch| &patch.taxels) {
-        let frame = DMat3::from_cols(
-            taxel.tangent_link,
-            taxel.normal_link.cross(taxel.tangent_link),
-            taxel.normal_link,
-        );
+        let frame =
+            DMat3::from_cols(taxel.tangent_link, taxel.normal_link.cross(taxel.tangent_link), taxel.normal_link);
         assert!((frame * frame.transpose()).abs_diff_eq(DMat3::IDENTITY, 1e-9));
     }
 }
@@ -173,12 +131,7 @@ fn surface_points_tile_their_taxel() {
             let spacing = taxel.area_m2.sqrt() / 3.0;
             assert!((points[4].position_link.distance(points[1].position_link) - spacing).abs() < 1e-12);
             assert!((points[1].position_link - points[4].position_link).dot(taxel.tangent_link) < 0.0);
-            if let SurfaceForm::Cylinder {
-                axis_point_link,
-                axis_link,
-                radius_m,
-            } = surface.form
-            {
+            if let SurfaceForm::Cylinder { axis_point_link, axis_link, radius_m } = surface.form {
                 for point in points {
                     let from_axis = (point.position_link - axis_point_link).reject_from_normalized(axis_link);
                     assert!((from_axis.length() - radius_m).abs() < 1e-12);

@@ -25,19 +25,13 @@ fn cody_from_disk_is_cody() {
 fn earlier_keys_are_still_read() {
     // Tests that the model stiffness is read under its earlier key too, and that an error about it names its line.
     let earlier = |value: &str| {
-        let (present, value) = (
-            "model_stiffness_nm_per_rad = 3.2",
-            format!("believed_stiffness_nm_per_rad = {value}"),
-        );
+        let (present, value) = ("model_stiffness_nm_per_rad = 3.2", format!("believed_stiffness_nm_per_rad = {value}"));
         altered_cody("cody.toml", present, &value)
     };
     let arm = earlier("4.5").unwrap();
     assert_eq!(arm.joints[3].model_stiffness_nm_per_rad, 4.5);
     let error = earlier("0.0").unwrap_err();
-    let line = cody_file(Path::new("cody.toml"))
-        .unwrap()
-        .lines()
-        .position(|line| line.ends_with("rad = 3.2"));
+    let line = cody_file(Path::new("cody.toml")).unwrap().lines().position(|line| line.ends_with("rad = 3.2"));
     assert_eq!(error.line, line.map(|line| line + 1), "{error}");
 }
 
@@ -112,9 +106,7 @@ fn bad_values_are_refused_with_their_place() {
         ("cody.skin.toml", "[1e-4, 15e-4]", "[15e-4, 1e-4]", "derived_area_limits_m2", "smaller first"),
     ];
     for (name, from, to, field, text) in cases {
-        let error = altered_cody(name, from, to)
-            .err()
-            .unwrap_or_else(|| panic!("{to:?} was accepted in {name}"));
+        let error = altered_cody(name, from, to).err().unwrap_or_else(|| panic!("{to:?} was accepted in {name}"));
         let file = error.file.to_string_lossy();
         assert!(file.ends_with(".toml") || file.ends_with(".urdf"), "{to:?}: {error}");
         assert!(error.field.contains(field), "{to:?}: {error}");
@@ -128,11 +120,7 @@ fn errors_name_the_line() {
     // Tests the line numbers of errors at a key of a later table, at an XML element and of a parse error. Each is the
     // line of the altered text.
     for (name, from, to) in [
-        (
-            "cody.toml",
-            "damping_nm_s_per_rad = 1.43",
-            "damping_nm_s_per_rad = -1.43",
-        ),
+        ("cody.toml", "damping_nm_s_per_rad = 1.43", "damping_nm_s_per_rad = -1.43"),
         ("cody.toml", "start_deg = 122.0", "start_deg = 1220.0"),
         ("cody.toml", "tip_link = \"flipper_tip\"", "tip_link = \"nowhere\""),
         (
@@ -141,19 +129,11 @@ fn errors_name_the_line() {
             "<link name=\"elbow\"><inertial><mass value=\"-1\"/><inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial></link><link name=\"spare\">",
         ),
         ("cody.skin.toml", "row_pitch_m = 0.0108", "row_pitch_m = \"wide\""),
-        (
-            "cody.skin.toml",
-            "position_m = [0.02442, 0.01410, -0.21740]",
-            "position_m = [inf, 0.01410, -0.21740]",
-        ),
+        ("cody.skin.toml", "position_m = [0.02442, 0.01410, -0.21740]", "position_m = [inf, 0.01410, -0.21740]"),
     ] {
         let text = cody_file(Path::new(name)).unwrap();
         let line = text[..text.find(from).unwrap()].lines().count().max(1);
-        let line = if text[..text.find(from).unwrap()].ends_with('\n') {
-            line + 1
-        } else {
-            line
-        };
+        let line = if text[..text.find(from).unwrap()].ends_with('\n') { line + 1 } else { line };
         let error = altered_cody(name, from, to).unwrap_err();
         assert_eq!(error.line, Some(line), "{error}");
         assert_eq!(error.file, Path::new(name));
@@ -218,22 +198,13 @@ fn skins_that_cannot_feel_are_refused() {
     ];
     for (name, from, to, field, text) in cases {
         let error = altered_cody(name, from, &to).unwrap_err();
-        assert!(
-            error.field.contains(field) && error.found.contains(text),
-            "{to}: {error}"
-        );
-        assert!(
-            error.file == Path::new("cody.skin.toml") && error.line.is_some(),
-            "{error}"
-        );
+        assert!(error.field.contains(field) && error.found.contains(text), "{to}: {error}");
+        assert!(error.file == Path::new("cody.skin.toml") && error.line.is_some(), "{error}");
     }
     assert_eq!(Arm::cody().unwrap().skin_doubts(), [""; 0]);
     let thick = altered_cody("cody.urdf", forearm, &with_radius(0.0535)).unwrap();
     let doubts = thick.skin_doubts();
-    assert!(
-        doubts.len() == 1 && doubts[0].contains("384 of 384 taxels"),
-        "{doubts:?}"
-    );
+    assert!(doubts.len() == 1 && doubts[0].contains("384 of 384 taxels"), "{doubts:?}");
 }
 
 #[test]
@@ -263,11 +234,7 @@ fn rigidly_joined_links_become_one() {
     assert!((link.mass_kg - 4.0).abs() < 1e-12);
     // 1 kg at z = 0.1 and 3 kg at 0.3: centre at 0.25, Steiner part 1 · 0.15² + 3 · 0.05² = 0.03.
     assert!((link.center_of_mass_link.z - 0.25).abs() < 1e-12);
-    let diagonal = [
-        link.inertia_link.x_axis.x,
-        link.inertia_link.y_axis.y,
-        link.inertia_link.z_axis.z,
-    ];
+    let diagonal = [link.inertia_link.x_axis.x, link.inertia_link.y_axis.y, link.inertia_link.z_axis.z];
     for (found, expected) in diagonal.iter().zip([0.001 + 0.002 + 0.03, 0.002 + 0.001 + 0.03, 0.003]) {
         assert!((found - expected).abs() < 1e-12, "{diagonal:?}");
     }

@@ -71,16 +71,7 @@ fn zero_posture_hangs_straight_down() {
     let elbow = DVec3::new(0.00635, -0.18493 - 0.03175, -0.27795);
     let wrist = elbow - DVec3::Z * 0.27853;
     let shoulder = DVec3::Y * -0.18493;
-    let expected = [
-        DVec3::ZERO,
-        DVec3::ZERO,
-        shoulder,
-        shoulder - DVec3::Y * 0.03175,
-        elbow,
-        wrist,
-        wrist,
-        wrist,
-    ];
+    let expected = [DVec3::ZERO, DVec3::ZERO, shoulder, shoulder - DVec3::Y * 0.03175, elbow, wrist, wrist, wrist];
     for (link, origin) in links.iter().zip(expected) {
         assert!(link.position.distance(origin) < 1e-15);
         assert!((DMat3::from_quat(link.orientation) - DMat3::IDENTITY).abs_diff_eq(DMat3::ZERO, 1e-15));
@@ -99,10 +90,7 @@ fn positive_angles_swing_forward_outward_and_bend() {
     };
     let rest = arm.end_effector_pose(&arm.forward_kinematics(&[0.0; 7])).position;
     assert!(end_effector(0).x > rest.x + 0.1, "flexion swings forward");
-    assert!(
-        end_effector(1).y < rest.y - 0.1,
-        "abduction of a right arm swings to the right"
-    );
+    assert!(end_effector(1).y < rest.y - 0.1, "abduction of a right arm swings to the right");
     assert!(end_effector(3).x > rest.x + 0.1, "the elbow bends forward");
     assert!(end_effector(5).x > rest.x + 0.1, "the wrist pitches forward");
 }
@@ -133,11 +121,7 @@ fn jacobians_are_the_derivatives_of_the_poses() {
                 assert!((angular[(row, joint)] - rotation_rate[row]).abs() < 2e-9);
             }
             if joint >= link {
-                assert_eq!(
-                    position.column(joint).amax(),
-                    0.0,
-                    "joint {joint} cannot move link {link}"
-                );
+                assert_eq!(position.column(joint).amax(), 0.0, "joint {joint} cannot move link {link}");
             }
         }
     }

@@ -16,10 +16,7 @@ pub(super) trait FlatShape {
 impl FlatShape for Cuboid {
     fn flat(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
         let half = self.half_extents;
-        DVec3::AXES
-            .into_iter()
-            .flat_map(|axis| [axis, -axis])
-            .map(move |normal| (normal, normal * half))
+        DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]).map(move |normal| (normal, normal * half))
     }
 }
 
@@ -52,14 +49,8 @@ impl Faces {
         for (normal, point) in faces {
             let height = normal.dot(point - view.origin);
             let across = view.components(normal);
-            let inside = Slope {
-                value: height,
-                gradient: -across.truncate(),
-            };
-            let end = || Slope {
-                value: height / across.z,
-                gradient: across.truncate() / -across.z,
-            };
+            let inside = Slope { value: height, gradient: -across.truncate() };
+            let end = || Slope { value: height / across.z, gradient: across.truncate() / -across.z };
             if across.z.abs() <= PARALLEL {
                 self.beside.push(inside);
             } else if across.z > 0.0 {
@@ -89,8 +80,5 @@ fn least(functions: &[Slope], place: DVec2, sign: f64) -> Slope {
             (value, gradient) = (here, function.gradient);
         }
     }
-    Slope {
-        value: sign * value,
-        gradient,
-    }
+    Slope { value: sign * value, gradient }
 }

@@ -49,10 +49,7 @@ impl std::ops::Sub for Slope {
     type Output = Slope;
 
     fn sub(self, other: Slope) -> Slope {
-        Slope {
-            value: self.value - other.value,
-            gradient: self.gradient - other.gradient,
-        }
+        Slope { value: self.value - other.value, gradient: self.gradient - other.gradient }
     }
 }
 
@@ -77,10 +74,7 @@ pub struct Chord {
 
 impl Chord {
     fn outside(inside: Slope) -> Self {
-        Chord {
-            inside,
-            end_m: Slope::default(),
-        }
+        Chord { inside, end_m: Slope::default() }
     }
 
     /// The chord between two ends, m, if the first end lies before the second. `slope` returns the first end for 0 and
@@ -90,14 +84,8 @@ impl Chord {
         if length_m <= 0.0 {
             return Chord::outside(slope(1) - slope(0));
         }
-        let inside = Slope {
-            value: length_m,
-            gradient: DVec2::ZERO,
-        };
-        Chord {
-            inside,
-            end_m: slope(end as usize),
-        }
+        let inside = Slope { value: length_m, gradient: DVec2::ZERO };
+        Chord { inside, end_m: slope(end as usize) }
     }
 
     /// The end, m; `None` if the line misses the shape.
@@ -179,9 +167,8 @@ mod tests {
 
     /// Convex hulls of a few corners.
     fn hull() -> impl Strategy<Value = SharedShape> {
-        prop::collection::vec(vector(0.1), 8..12).prop_filter_map("corners in one plane have no hull", |corners| {
-            SharedShape::convex_hull(&corners)
-        })
+        prop::collection::vec(vector(0.1), 8..12)
+            .prop_filter_map("corners in one plane have no hull", |corners| SharedShape::convex_hull(&corners))
     }
 
     proptest! {

@@ -23,13 +23,7 @@ impl Capsule {
     pub(super) fn new(ends: [DVec3; 2], radius_m: f64, view: &View) -> Self {
         let [start, end] = ends.map(|end| view.point(end));
         let axis = (end - start).normalize_or_zero();
-        Capsule {
-            start,
-            axis,
-            length_m: start.distance(end),
-            radius_m,
-            endless: Endless::new(axis, radius_m),
-        }
+        Capsule { start, axis, length_m: start.distance(end), radius_m, endless: Endless::new(axis, radius_m) }
     }
 
     pub(super) fn at(&self, place: DVec2, end: End) -> Chord {
@@ -37,10 +31,7 @@ impl Capsule {
         let flat = self.axis.truncate() * self.length_m;
         let share = offset.truncate().dot(flat) / flat.length_squared().max(PARALLEL * PARALLEL);
         let away = offset.truncate() - flat * share.clamp(0.0, 1.0);
-        let inside = Slope {
-            value: self.radius_m * self.radius_m - away.length_squared(),
-            gradient: -2.0 * away,
-        };
+        let inside = Slope { value: self.radius_m * self.radius_m - away.length_squared(), gradient: -2.0 * away };
         if inside.value <= 0.0 {
             return Chord::outside(inside);
         }
@@ -75,10 +66,7 @@ impl Capsule {
         let end_m = ends[end as usize];
         let point = offset + DVec3::Z * end_m;
         let along = point.dot(self.axis).clamp(0.0, self.length_m);
-        Chord {
-            inside,
-            end_m: surface(end_m, point - self.axis * along),
-        }
+        Chord { inside, end_m: surface(end_m, point - self.axis * along) }
     }
 }
 
@@ -138,10 +126,7 @@ impl Cylinder {
         };
         Chord::between(ends_m, end, |end| {
             if at_cap[end] {
-                return Slope {
-                    value: ends_m[end],
-                    gradient: self.cap_gradient,
-                };
+                return Slope { value: ends_m[end], gradient: self.cap_gradient };
             }
             let point = offset + DVec3::Z * ends_m[end];
             surface(ends_m[end], point - axis * point.dot(axis))
@@ -176,39 +161,23 @@ impl Endless {
     fn new(axis: DVec3, radius_m: f64) -> Self {
         let flat = axis.truncate();
         let square = flat.length_squared();
-        Endless {
-            axis,
-            limit: radius_m * radius_m,
-            square,
-            across: flat.perp() / square.sqrt(),
-        }
+        Endless { axis, limit: radius_m * radius_m, square, across: flat.perp() / square.sqrt() }
     }
 
     /// The line at `offset` from a point of the axis.
     fn line(&self, offset: DVec3) -> Round {
-        let Endless {
-            axis,
-            limit,
-            square,
-            across,
-        } = *self;
+        let Endless { axis, limit, square, across } = *self;
         if square <= PARALLEL * PARALLEL {
             let away = offset.truncate();
             return Round {
-                inside: Slope {
-                    value: limit - away.length_squared(),
-                    gradient: -2.0 * away,
-                },
+                inside: Slope { value: limit - away.length_squared(), gradient: -2.0 * away },
                 square: 0.0,
                 middle: 0.0,
             };
         }
         let distance = offset.truncate().dot(across);
         Round {
-            inside: Slope {
-                value: limit - distance * distance,
-                gradient: across * (-2.0 * distance),
-            },
+            inside: Slope { value: limit - distance * distance, gradient: across * (-2.0 * distance) },
             square,
             middle: (axis.z * offset.dot(axis) - offset.z) / square,
         }
@@ -229,8 +198,5 @@ impl Round {
 fn surface(end_m: f64, normal: DVec3) -> Slope {
     let steepest = f64::MIN_POSITIVE.sqrt();
     let along = if normal.z.abs() > steepest { normal.z } else { steepest };
-    Slope {
-        value: end_m,
-        gradient: normal.truncate() / -along,
-    }
+    Slope { value: end_m, gradient: normal.truncate() / -along }
 }

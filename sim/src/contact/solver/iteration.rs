@@ -181,11 +181,7 @@ impl Solver {
 
     /// The sum of the squared residuals, each divided by its velocity's own entry of the mass matrix.
     fn squared_residual(&self) -> f64 {
-        let residuals = |block: &Block| {
-            self.residual[block.offset..block.offset + block.size]
-                .iter()
-                .enumerate()
-        };
+        let residuals = |block: &Block| self.residual[block.offset..block.offset + block.size].iter().enumerate();
         let squares = self.blocks.iter().flat_map(|block| {
             residuals(block).map(|(row, residual)| residual * residual / self.mass[block.mass + row * (block.size + 1)])
         });

@@ -136,11 +136,7 @@ impl Solver {
         self.free.extend(free);
         self.velocity.extend(before);
         let size = self.free.len() - offset;
-        self.blocks.push(Block {
-            offset,
-            size,
-            mass: self.mass.len(),
-        });
+        self.blocks.push(Block { offset, size, mass: self.mass.len() });
         for row in 0..size {
             self.mass.extend((0..size).map(|column| mass(row, column)));
         }
@@ -189,10 +185,7 @@ impl Solver {
     pub fn change(&self, block: usize) -> impl Iterator<Item = f64> + '_ {
         let block = self.blocks[block];
         let range = block.offset..block.offset + block.size;
-        self.velocity[range.clone()]
-            .iter()
-            .zip(&self.free[range])
-            .map(|(u, free)| u - free)
+        self.velocity[range.clone()].iter().zip(&self.free[range]).map(|(u, free)| u - free)
     }
 
     /// Index of a block's first velocity.

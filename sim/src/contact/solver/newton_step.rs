@@ -53,15 +53,9 @@ impl Solver {
                             continue;
                         }
                         let other_block = self.blocks[other.block];
-                        let width = if other.block == own.block {
-                            row + 1
-                        } else {
-                            other_block.size
-                        };
+                        let width = if other.block == own.block { row + 1 } else { other_block.size };
                         let columns = &self.columns[other.columns..other.columns + width];
-                        let targets = self
-                            .matrix
-                            .row_and_column_mut(own_block.offset + row, other_block.offset);
+                        let targets = self.matrix.row_and_column_mut(own_block.offset + row, other_block.offset);
                         for (target, pushed) in targets.into_iter().zip(&sides) {
                             for (entry, column) in target.iter_mut().zip(columns) {
                                 *entry += pushed.iter().zip(column).map(|(a, b)| a * b).sum::<f64>();
@@ -162,11 +156,7 @@ impl Stiffness {
         } else {
             Matrix3::zeros()
         };
-        Stiffness {
-            normal: normal.stiffness,
-            friction: friction.stiffness,
-            coupling,
-        }
+        Stiffness { normal: normal.stiffness, friction: friction.stiffness, coupling }
     }
 
     fn times(&self, column: &[f64; ROWS]) -> [f64; ROWS] {
@@ -176,10 +166,7 @@ impl Stiffness {
 
     fn transposed_times(&self, row: &[f64; ROWS]) -> [f64; ROWS] {
         let (first, second) = split(row);
-        join(
-            self.normal * first + self.coupling.tr_mul(&second),
-            self.friction * second,
-        )
+        join(self.normal * first + self.coupling.tr_mul(&second), self.friction * second)
     }
 }
 

@@ -20,10 +20,7 @@ fn reaches_goals_in_free_space() {
         let mut random = ChaCha8Rng::seed_from_u64(11);
         for _ in 0..10 {
             // A goal that the arm can reach from near this posture.
-            let near: Vec<f64> = middle()
-                .iter()
-                .map(|angle| angle + random.random_range(-0.4..0.4))
-                .collect();
+            let near: Vec<f64> = middle().iter().map(|angle| angle + random.random_range(-0.4..0.4)).collect();
             let goal = Situation::at(&arm, &near).end_effector().position;
             let mut angle = arm.start_posture_rad();
             let mut last = Situation::at(&arm, &angle).end_effector().position;
@@ -64,10 +61,7 @@ impl Wall {
         let position =
             links[link].transform_point(arm.skin.layout.patches[self.patch].taxels[self.taxel].position_link);
         let jacobian = DMatrix::from_column_slice(3, 7, arm.position_jacobian(&links, link, position).as_slice());
-        (
-            (self.point - position).dot(self.push),
-            -jacobian.tr_mul(&vector(self.push)),
-        )
+        ((self.point - position).dot(self.push), -jacobian.tr_mul(&vector(self.push)))
     }
 
     /// Moves the equilibrium angles from `from` to `to` in small steps and lets the arm come to rest after each: K (φ −
@@ -118,13 +112,8 @@ fn push(
     let forward = |index: &usize| (pose.orientation * taxels[*index].normal_link).x;
     let taxel = (168..192).max_by(|a, b| forward(a).total_cmp(&forward(b))).unwrap();
     let outward = pose.orientation * taxels[taxel].normal_link;
-    let wall = Wall {
-        patch: 0,
-        taxel,
-        point: pose.transform_point(taxels[taxel].position_link),
-        push: -outward,
-        stiffness,
-    };
+    let wall =
+        Wall { patch: 0, taxel, point: pose.transform_point(taxels[taxel].position_link), push: -outward, stiffness };
     let goal = situation.end_effector().position + outward * goal_ahead;
     let mut equilibrium = start.clone();
     equilibrium[0] += ahead;
@@ -156,17 +145,9 @@ fn forces_over_the_limit_fall_below_it() {
         for stiffness in [preset.contact_stiffness_n_per_m, 5000.0] {
             let ahead = if stiffness < 100.0 { 0.40 } else { 0.25 };
             let forces = push(&arm, &mut controller, stiffness, ahead, 0.0, 300);
-            assert!(
-                forces[0] > preset.force_limit_n,
-                "the push must start above the limit: {} N",
-                forces[0]
-            );
+            assert!(forces[0] > preset.force_limit_n, "the push must start above the limit: {} N", forces[0]);
             let last = forces[forces.len() - 1];
-            assert!(
-                last <= preset.force_limit_n * 1.001,
-                "{}: {last} N at {stiffness} N/m",
-                preset.name
-            );
+            assert!(last <= preset.force_limit_n * 1.001, "{}: {last} N at {stiffness} N/m", preset.name);
         }
     }
 }
@@ -179,24 +160,10 @@ fn goals_behind_a_wall_are_pushed_for_within_the_limit() {
     for preset in [Preset::cody_2013(), Preset::ijrr_foliage()] {
         let stiffness = preset.contact_stiffness_n_per_m;
         let largest = |forces: Vec<f64>| forces.into_iter().fold(0.0, f64::max);
-        let felt = largest(push(
-            &arm,
-            &mut ModelPredictive::new(preset.clone(), &arm),
-            stiffness,
-            0.0,
-            0.4,
-            1500,
-        ));
+        let felt = largest(push(&arm, &mut ModelPredictive::new(preset.clone(), &arm), stiffness, 0.0, 0.4, 1500));
         let limit = preset.force_limit_n;
         assert!((0.5 * limit..1.02 * limit).contains(&felt), "{}: {felt} N", preset.name);
-        let unfelt = largest(push(
-            &arm,
-            &mut Blind::new(preset.clone(), &arm),
-            stiffness,
-            0.0,
-            0.4,
-            1500,
-        ));
+        let unfelt = largest(push(&arm, &mut Blind::new(preset.clone(), &arm), stiffness, 0.0, 0.4, 1500));
         assert!(unfelt > 1.3 * limit, "{}: {unfelt} N without skin", preset.name);
     }
 }

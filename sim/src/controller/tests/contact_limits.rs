@@ -48,13 +48,7 @@ fn one_joint_presses_up_to_the_contacts_limit() {
     let newton_per_rad = spring * lever_m * stiffness / (stiffness + spring * lever_m * lever_m);
     let angle = [0.5 * (arm.joints[0].controller_limits_rad[0] + arm.joints[0].controller_limits_rad[1])];
     let along_x = |lever_m: f64| Matrix3xX::from_column_slice(&[lever_m, 0.0, 0.0]);
-    let limits = [
-        (None, 0.1),
-        (Some(6.0), 0.1),
-        (Some(1.5), 0.05),
-        (Some(1.47), 0.02),
-        (Some(1.2), 0.0),
-    ];
+    let limits = [(None, 0.1), (Some(6.0), 0.1), (Some(1.5), 0.05), (Some(1.47), 0.02), (Some(1.2), 0.0)];
     for (allowed_force_n, expected_n) in limits {
         let output = ModelPredictive::new(preset.clone(), &arm).control(&ControllerInput {
             joint_angle_rad: &angle,

@@ -46,16 +46,9 @@ enum Peer {
 
 /// The same program through Clarabel's interior-point method.
 fn peer(program: &QuadraticProgram) -> Peer {
-    let rows: Vec<Vec<f64>> = program
-        .constraints
-        .row_iter()
-        .map(|row| row.iter().map(|entry| -entry).collect())
-        .collect();
-    let hessian: Vec<Vec<f64>> = program
-        .hessian
-        .row_iter()
-        .map(|row| row.iter().copied().collect())
-        .collect();
+    let rows: Vec<Vec<f64>> =
+        program.constraints.row_iter().map(|row| row.iter().map(|entry| -entry).collect()).collect();
+    let hessian: Vec<Vec<f64>> = program.hessian.row_iter().map(|row| row.iter().copied().collect()).collect();
     let sparse = |rows: &[Vec<f64>]| {
         let (rows_count, columns) = (rows.len(), program.gradient.len());
         let mut entries = (Vec::new(), Vec::new(), Vec::new());
@@ -78,15 +71,8 @@ fn peer(program: &QuadraticProgram) -> Peer {
     };
     let cones = [NonnegativeConeT(rows.len())];
     let upper = sparse(&hessian).to_triu();
-    let mut solver = DefaultSolver::new(
-        &upper,
-        program.gradient.as_slice(),
-        &sparse(&rows),
-        &bounds,
-        &cones,
-        settings,
-    )
-    .unwrap();
+    let mut solver =
+        DefaultSolver::new(&upper, program.gradient.as_slice(), &sparse(&rows), &bounds, &cones, settings).unwrap();
     solver.solve();
     match solver.solution.status {
         SolverStatus::Solved => Peer::Optimal(solver.solution.x.clone()),
@@ -101,20 +87,11 @@ fn programs() -> impl Strategy<Value = QuadraticProgram> {
     (1usize..=8, 0usize..=40, any::<bool>()).prop_flat_map(|(variables, count, whole)| {
         let entries = move |size: usize| {
             prop::collection::vec(-3.0..3.0f64, size).prop_map(move |values| {
-                values
-                    .into_iter()
-                    .map(|v| if whole { v.round() } else { v })
-                    .collect::<Vec<f64>>()
+                values.into_iter().map(|v| if whole { v.round() } else { v }).collect::<Vec<f64>>()
             })
         };
         let copies = prop::collection::vec((0usize..40, prop_oneof![Just(1.0), Just(-1.0), Just(2.0)]), 0..6);
-        (
-            entries(variables * variables),
-            entries(variables),
-            entries(count * variables),
-            entries(count),
-            copies,
-        )
+        (entries(variables * variables), entries(variables), entries(count * variables), entries(count), copies)
             .prop_map(move |(square, gradient, rows, bounds, copies)| {
                 let square = DMatrix::from_row_slice(variables, variables, &square);
                 let hessian = &square * square.transpose() + DMatrix::identity(variables, variables) * 0.1;
@@ -156,12 +133,8 @@ proptest! {
 #[test]
 fn example_by_hand() {
     // Tests a program solved by hand: nearest point to (3, 4) with x + y ≤ 4, x ≤ 1 is (1, 3).
-    let solution = optimum(&program(
-        DMatrix::identity(2, 2),
-        &[-3.0, -4.0],
-        &[&[-1.0, -1.0], &[-1.0, 0.0]],
-        &[-4.0, -1.0],
-    ));
+    let solution =
+        optimum(&program(DMatrix::identity(2, 2), &[-3.0, -4.0], &[&[-1.0, -1.0], &[-1.0, 0.0]], &[-4.0, -1.0]));
     assert!((solution.minimizer[0] - 1.0).abs() < 1e-12 && (solution.minimizer[1] - 3.0).abs() < 1e-12);
     let mut active = solution.active;
     active.sort_unstable();
@@ -183,10 +156,7 @@ fn empty_boxes_are_infeasible() {
     let identity = DMatrix::identity(2, 2);
     let empty: [(&[&[f64]], &[f64]); 3] = [
         (&[&[1.0, 0.0], &[-1.0, 0.0]], &[1.0, 0.0]),
-        (
-            &[&[1.0, 1.0], &[0.0, -1.0], &[-1.0, 0.0], &[0.0, 1.0]],
-            &[2.0 + 1e-6, -1.0, -1.0, 0.0],
-        ),
+        (&[&[1.0, 1.0], &[0.0, -1.0], &[-1.0, 0.0], &[0.0, 1.0]], &[2.0 + 1e-6, -1.0, -1.0, 0.0]),
         (&[&[0.0, 0.0]], &[1.0]),
     ];
     for (rows, bounds) in empty {
@@ -214,25 +184,10 @@ fn degenerate_vertices_end() {
 fn bad_programs_are_told_apart() {
     // Tests the outcomes without a solution: an indefinite or singular Hessian, NaN, wrong sizes.
     let indefinite = DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 2.0, 1.0]);
-    assert_eq!(
-        program(indefinite, &[0.0, 0.0], &[], &[]).solve(),
-        Outcome::NotPositiveDefinite
-    );
-    assert_eq!(
-        program(DMatrix::zeros(2, 2), &[0.0, 0.0], &[], &[]).solve(),
-        Outcome::NotPositiveDefinite
-    );
+    assert_eq!(program(indefinite, &[0.0, 0.0], &[], &[]).solve(), Outcome::NotPositiveDefinite);
+    assert_eq!(program(DMatrix::zeros(2, 2), &[0.0, 0.0], &[], &[]).solve(), Outcome::NotPositiveDefinite);
     let identity = DMatrix::identity(2, 2);
-    assert_eq!(
-        program(identity.clone(), &[f64::NAN, 0.0], &[], &[]).solve(),
-        Outcome::Malformed
-    );
-    assert_eq!(
-        program(identity.clone(), &[0.0, 0.0], &[&[1.0, f64::INFINITY]], &[0.0]).solve(),
-        Outcome::Malformed
-    );
-    assert_eq!(
-        program(identity, &[0.0, 0.0], &[&[1.0, 0.0]], &[0.0, 1.0]).solve(),
-        Outcome::Malformed
-    );
+    assert_eq!(program(identity.clone(), &[f64::NAN, 0.0], &[], &[]).solve(), Outcome::Malformed);
+    assert_eq!(program(identity.clone(), &[0.0, 0.0], &[&[1.0, f64::INFINITY]], &[0.0]).solve(), Outcome::Malformed);
+    assert_eq!(program(identity, &[0.0, 0.0], &[&[1.0, 0.0]], &[0.0, 1.0]).solve(), Outcome::Malformed);
 }

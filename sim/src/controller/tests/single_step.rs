@@ -25,16 +25,10 @@ fn model(situation: &Situation<'_>, preset: &Preset) -> (DMatrix<f64>, Vec<(f64,
         let normal = -vector(contact.inward_normal_world);
         let contact_stiffness = normal * normal.transpose() * preset.contact_stiffness_n_per_m;
         stiffness += jacobian.transpose() * contact_stiffness * &jacobian;
-        rows.push((
-            contact.force_n,
-            (normal.transpose() * contact_stiffness * jacobian).transpose(),
-        ));
+        rows.push((contact.force_n, (normal.transpose() * contact_stiffness * jacobian).transpose()));
     }
     let response = stiffness.try_inverse().unwrap() * spring;
-    let rows = rows
-        .into_iter()
-        .map(|(force, row)| (force, response.tr_mul(&row)))
-        .collect();
+    let rows = rows.into_iter().map(|(force, row)| (force, response.tr_mul(&row))).collect();
     (response, rows)
 }
 
@@ -46,15 +40,8 @@ fn cost(situation: &Situation<'_>, preset: &Preset, change: &DVector<f64>) -> f6
     let wanted = vector(error.normalize() * preset.end_effector_step_m * (error.length() / slow).min(1.0));
     let moved = DMatrix::from_column_slice(3, 7, situation.end_effector_jacobian().as_slice()) * &response * change;
     let position = (wanted - moved).norm_squared() * preset.position_weight;
-    let springs = situation
-        .arm
-        .joints
-        .iter()
-        .map(|joint| joint.model_stiffness_nm_per_rad);
-    let torque: f64 = springs
-        .zip(change)
-        .map(|(stiffness, change)| (stiffness * change).powi(2))
-        .sum();
+    let springs = situation.arm.joints.iter().map(|joint| joint.model_stiffness_nm_per_rad);
+    let torque: f64 = springs.zip(change).map(|(stiffness, change)| (stiffness * change).powi(2)).sum();
     let over: Vec<&(f64, DVector<f64>)> = rows.iter().filter(|(force, _)| *force > preset.force_limit_n).collect();
     let excess = |row: &DVector<f64>| (row.dot(change) + preset.over_limit_force_reduction_n).powi(2);
     let force: f64 = over.iter().map(|(_, row)| excess(row)).sum();
@@ -78,9 +65,7 @@ fn violation(situation: &Situation<'_>, preset: &Preset, change: &DVector<f64>) 
     for (index, joint) in situation.arm.joints.iter().enumerate() {
         let angle = situation.angle[index] + moved[index];
         let [lower, upper] = joint.controller_limits_rad;
-        worst = worst
-            .max(angle - upper.max(situation.angle[index]))
-            .max(lower.min(situation.angle[index]) - angle);
+        worst = worst.max(angle - upper.max(situation.angle[index])).max(lower.min(situation.angle[index]) - angle);
         let step = (joint.slew_limit_rad_per_s / preset.rate_hz).min(preset.equilibrium_step_rad.unwrap_or(10.0));
         worst = worst.max(change[index].abs() - step);
         if let Some(limit) = preset.equilibrium_offset_rad {
@@ -115,10 +100,7 @@ pub(super) fn random_situation<'a>(arm: &'a Arm, random: &mut ChaCha8Rng) -> Sit
 fn change_of(situation: &Situation<'_>, controller: &mut dyn Controller) -> (ControlStatus, DVector<f64>) {
     let output = situation.step(controller);
     let pairs = output.equilibrium_angle_rad.iter().zip(&situation.equilibrium);
-    (
-        output.status,
-        DVector::from_iterator(7, pairs.map(|(after, before)| after - before)),
-    )
+    (output.status, DVector::from_iterator(7, pairs.map(|(after, before)| after - before)))
 }
 
 #[test]
@@ -152,11 +134,7 @@ fn steps_are_the_constrained_minimum_of_the_published_cost() {
                 }
             }
         }
-        assert!(
-            solved > 200 && compared > 1000,
-            "{}: {solved} solved, {compared} compared",
-            preset.name
-        );
+        assert!(solved > 200 && compared > 1000, "{}: {solved} solved, {compared} compared", preset.name);
     }
 }
 
@@ -221,16 +199,11 @@ fn far_equilibrium_angles_are_reset() {
         situation.goal_position_world += DVec3::X * 0.2;
         let output = situation.step(&mut cody);
         assert_eq!(output.status, ControlStatus::Solved);
-        let after = (output.equilibrium_angle_rad[3] - situation.angle[3])
-            .to_degrees()
-            .abs();
+        let after = (output.equilibrium_angle_rad[3] - situation.angle[3]).to_degrees().abs();
         if reset {
             assert!(after <= 0.5 + 1e-9, "{after}° after {offset_deg}°");
         } else {
-            assert!(
-                after <= 20.0_f64.max(offset_deg) + 1e-9 && after >= offset_deg - 0.5 - 1e-9,
-                "{after}°"
-            );
+            assert!(after <= 20.0_f64.max(offset_deg) + 1e-9 && after >= offset_deg - 0.5 - 1e-9, "{after}°");
         }
         let output = situation.step(&mut ModelPredictive::new(Preset::ijrr_foliage(), &arm));
         let after = (output.equilibrium_angle_rad[3] - situation.equilibrium[3]).abs();

@@ -7,10 +7,7 @@ use crate::object::{Footing, Specification};
 /// stand are drawn from a mixed group, and that all rolls of the default ranges stand.
 #[test]
 fn only_rolls_that_stand_are_drawn() {
-    let footing = Footing {
-        height_m: 0.0,
-        foam_modulus_pa: None,
-    };
+    let footing = Footing { height_m: 0.0, foam_modulus_pa: None };
     let mut random = crate::seed::stream(0, "rolls", 0, "clutter");
     let group =
         |modulus_pa: &str| -> FoamRollSpecification { toml::from_str(&format!("count = 1\n{modulus_pa}")).unwrap() };

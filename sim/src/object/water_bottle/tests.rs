@@ -3,10 +3,7 @@
 use super::*;
 use crate::object::{Footing, Specification};
 
-const FOOTING: Footing = Footing {
-    height_m: 0.0,
-    foam_modulus_pa: None,
-};
+const FOOTING: Footing = Footing { height_m: 0.0, foam_modulus_pa: None };
 
 /// Tests that a group of bottles that would overflow is refused with the mass of water that fits, and that no bottle of
 /// a mixed group overflows.
@@ -30,13 +27,7 @@ fn no_bottle_overflows() {
 /// 0.4 m high, and 3.1416 kg of water, which is 0.1 m deep.
 #[test]
 fn mass_and_inertia_are_those_of_wall_and_water() {
-    let bottle = WaterBottle {
-        diameter_m: 0.2,
-        height_m: 0.4,
-        empty_mass_kg: 1.0,
-        water_mass_kg: PI,
-        friction: 0.2,
-    };
+    let bottle = WaterBottle { diameter_m: 0.2, height_m: 0.4, empty_mass_kg: 1.0, water_mass_kg: PI, friction: 0.2 };
     // (1 · 0.2 + π · 0.05) / (1 + π)
     let center = bottle.center_of_mass_m();
     assert!((center - 0.0862179).abs() < 1e-6, "{center}");

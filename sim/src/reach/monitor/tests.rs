@@ -51,28 +51,13 @@ fn a_goal_is_reached_within_the_distance() {
 #[test]
 fn an_end_effector_without_progress_is_stuck() {
     let border_m = 1.0 / 4096.0;
-    assert_eq!(
-        end(rules(), |frame| frame as f64 * border_m),
-        Some((25, Outcome::TimedOut))
-    );
-    assert_eq!(
-        end(rules(), |frame| frame as f64 * 0.99 * border_m),
-        Some((8, Outcome::Stuck))
-    );
+    assert_eq!(end(rules(), |frame| frame as f64 * border_m), Some((25, Outcome::TimedOut)));
+    assert_eq!(end(rules(), |frame| frame as f64 * 0.99 * border_m), Some((8, Outcome::Stuck)));
     // 4 and 5 frames of a window of 9: the means are 4.5 v apart.
-    let odd = || ReachRules {
-        stuck_window_s: 0.09,
-        ..rules()
-    };
+    let odd = || ReachRules { stuck_window_s: 0.09, ..rules() };
     let border_m = border_m * 8.0 / 9.0;
-    assert_eq!(
-        end(odd(), |frame| frame as f64 * 1.01 * border_m),
-        Some((25, Outcome::TimedOut))
-    );
-    assert_eq!(
-        end(odd(), |frame| frame as f64 * 0.99 * border_m),
-        Some((9, Outcome::Stuck))
-    );
+    assert_eq!(end(odd(), |frame| frame as f64 * 1.01 * border_m), Some((25, Outcome::TimedOut)));
+    assert_eq!(end(odd(), |frame| frame as f64 * 0.99 * border_m), Some((9, Outcome::Stuck)));
 }
 
 /// Tests that an arm that shakes in place is stuck, and that an arm that stops after moving is stuck once it has been
@@ -93,10 +78,7 @@ fn shaking_is_no_headway() {
 fn time_runs_out() {
     let moving = |frame: usize| frame as f64;
     assert_eq!(end(rules(), moving), Some((25, Outcome::TimedOut)));
-    let short = ReachRules {
-        time_out_s: 0.08,
-        ..rules()
-    };
+    let short = ReachRules { time_out_s: 0.08, ..rules() };
     assert_eq!(end(short, moving), Some((8, Outcome::TimedOut)));
     assert_eq!(end(short, |_| 0.0), Some((8, Outcome::Stuck)));
 }

@@ -7,10 +7,7 @@ use super::*;
 #[test]
 fn crosstalk_moves_force_and_loses_none() {
     let share = 0.2;
-    let mut sensor = sensor(&SensorOptions {
-        crosstalk_share: share,
-        ..SensorOptions::off()
-    });
+    let mut sensor = sensor(&SensorOptions { crosstalk_share: share, ..SensorOptions::off() });
     for taxel in 0..384 {
         sensor.press(FOREARM, taxel, 1.0);
         sensor.sample();
@@ -18,17 +15,11 @@ fn crosstalk_moves_force_and_loses_none() {
         let sum: f64 = kernel.iter().sum();
         assert!((sum - 1.0).abs() < ROUNDING, "taxel {taxel}: {sum}");
         let (row, column) = (taxel / COLUMNS, taxel % COLUMNS);
-        let mut around = vec![
-            row * COLUMNS + (column + 1) % COLUMNS,
-            row * COLUMNS + (column + COLUMNS - 1) % COLUMNS,
-        ];
+        let mut around = vec![row * COLUMNS + (column + 1) % COLUMNS, row * COLUMNS + (column + COLUMNS - 1) % COLUMNS];
         around.extend((row > 0).then(|| taxel - COLUMNS));
         around.extend((row < 15).then(|| taxel + COLUMNS));
         for next in &around {
-            assert!(
-                (kernel[*next] - share / 4.0).abs() < ROUNDING * share,
-                "taxel {taxel} to {next}"
-            );
+            assert!((kernel[*next] - share / 4.0).abs() < ROUNDING * share, "taxel {taxel} to {next}");
         }
         assert_eq!(kernel.iter().filter(|part| **part != 0.0).count(), around.len() + 1);
     }
@@ -42,28 +33,19 @@ fn crosstalk_moves_force_and_loses_none() {
 #[test]
 fn creep_follows_its_step_response() {
     let (share, force) = (0.05, 2.0);
-    let mut sensor = sensor(&SensorOptions {
-        creep_share_per_decade: share,
-        ..SensorOptions::off()
-    });
+    let mut sensor = sensor(&SensorOptions { creep_share_per_decade: share, ..SensorOptions::off() });
     let decay = |frames: i32, time_s: f64| (-f64::from(frames) * FRAME_PERIOD_S / time_s).exp();
     let sum = |part: &dyn Fn(f64) -> f64| [0.1, 1.0, 10.0, 100.0].into_iter().map(part).sum::<f64>();
     let held = 3000;
     for frame in 1..=held {
         let reading = press(&mut sensor, (FOREARM, 50), force);
         let expected = force * (1.0 + share * sum(&|time_s| 1.0 - decay(frame, time_s)));
-        assert!(
-            (reading - expected).abs() < 1e-10 + ROUNDING * expected,
-            "{frame}: {reading}, {expected}"
-        );
+        assert!((reading - expected).abs() < 1e-10 + ROUNDING * expected, "{frame}: {reading}, {expected}");
     }
     for frame in 1..=held {
         let reading = press(&mut sensor, (FOREARM, 50), 0.0);
         let expected = force * share * sum(&|time_s| (1.0 - decay(held, time_s)) * decay(frame, time_s));
-        assert!(
-            (reading - expected).abs() < 1e-10 + ROUNDING * expected,
-            "{frame}: {reading}, {expected}"
-        );
+        assert!((reading - expected).abs() < 1e-10 + ROUNDING * expected, "{frame}: {reading}, {expected}");
     }
 }
 
@@ -72,10 +54,7 @@ fn creep_follows_its_step_response() {
 #[test]
 fn creep_goes_with_the_logarithm_of_time() {
     let share = 0.05;
-    let mut sensor = sensor(&SensorOptions {
-        creep_share_per_decade: share,
-        ..SensorOptions::off()
-    });
+    let mut sensor = sensor(&SensorOptions { creep_share_per_decade: share, ..SensorOptions::off() });
     let mut readings = vec![1.0];
     readings.extend((0..10_000).map(|_| press(&mut sensor, (FOREARM, 50), 1.0)));
     for (from, to) in [(10, 100), (100, 1000), (1000, 10_000)] {

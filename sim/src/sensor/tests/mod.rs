@@ -67,22 +67,14 @@ proptest! {
 /// that a force over the gate is read, and where floor and saturation cut.
 #[test]
 fn gate_floor_and_saturation_cut_where_they_say() {
-    let mut gated = sensor(&SensorOptions {
-        noise_n: 0.005,
-        gate_sigmas: 6.0,
-        ..SensorOptions::off()
-    });
+    let mut gated = sensor(&SensorOptions { noise_n: 0.005, gate_sigmas: 6.0, ..SensorOptions::off() });
     for _ in 0..100 {
         gated.sample();
         assert!((0..384).all(|taxel| gated.reading_n(FOREARM, taxel) == 0.0));
     }
     // Ten sigmas over the gate.
     assert!(press(&mut gated, (FOREARM, 0), 0.08) > 0.03);
-    let mut cut = sensor(&SensorOptions {
-        floor_n: 1.0,
-        saturation_n: 17.0,
-        ..SensorOptions::off()
-    });
+    let mut cut = sensor(&SensorOptions { floor_n: 1.0, saturation_n: 17.0, ..SensorOptions::off() });
     let readings = [0.99, 1.01, 16.5, 17.5].map(|force| press(&mut cut, (FOREARM, 0), force));
     assert_eq!(readings, [0.0, single(1.01), 16.5, 17.0]);
 }
@@ -91,15 +83,9 @@ fn gate_floor_and_saturation_cut_where_they_say() {
 #[test]
 fn readings_are_late_by_whole_frames() {
     for delay_frames in [0, 1, 3] {
-        let mut sensor = sensor(&SensorOptions {
-            delay_frames,
-            ..SensorOptions::off()
-        });
+        let mut sensor = sensor(&SensorOptions { delay_frames, ..SensorOptions::off() });
         let forces: Vec<f64> = (1..20).map(f64::from).collect();
-        let readings: Vec<f64> = forces
-            .iter()
-            .map(|force| press(&mut sensor, (FLIPPER, 5), *force))
-            .collect();
+        let readings: Vec<f64> = forces.iter().map(|force| press(&mut sensor, (FLIPPER, 5), *force)).collect();
         let delay = delay_frames as usize;
         assert!(readings[..delay].iter().all(|reading| *reading == 0.0));
         assert_eq!(readings[delay..], forces[..forces.len() - delay]);
@@ -118,16 +104,10 @@ fn dead_taxels_read_nothing() {
     };
     let dead_in = |reach: u64| {
         let mut sensor = Sensor::new(&options, &skin, 1, "test", reach);
-        let all = || {
-            (0..384)
-                .map(|taxel| (FOREARM, taxel))
-                .chain((0..69).map(|taxel| (FLIPPER, taxel)))
-        };
+        let all = || (0..384).map(|taxel| (FOREARM, taxel)).chain((0..69).map(|taxel| (FLIPPER, taxel)));
         all().for_each(|(patch, taxel)| sensor.press(patch, taxel, 1.0));
         sensor.sample();
-        all()
-            .map(|(patch, taxel)| sensor.reading_n(patch, taxel) == 0.0)
-            .collect::<Vec<bool>>()
+        all().map(|(patch, taxel)| sensor.reading_n(patch, taxel) == 0.0).collect::<Vec<bool>>()
     };
     let reaches: Vec<Vec<bool>> = (0..20).map(dead_in).collect();
     assert!(reaches.iter().all(|dead| dead[384 + 4]));
@@ -136,23 +116,11 @@ fn dead_taxels_read_nothing() {
     // Without the one listed taxel of each reach.
     let drawn = reaches.iter().flatten().filter(|dead| **dead).count() as f64 - 20.0;
     let trials = 20.0 * 452.0;
-    assert!(
-        (drawn - 0.2 * trials).abs() < 3.0 * (trials * 0.2 * 0.8f64).sqrt(),
-        "{drawn} of {trials}"
-    );
-    let noisy = SensorOptions {
-        noise_n: 0.01,
-        ..SensorOptions::off()
-    };
-    let one_dead = SensorOptions {
-        dead_taxels: BTreeMap::from([("forearm".to_string(), vec![9])]),
-        ..noisy.clone()
-    };
+    assert!((drawn - 0.2 * trials).abs() < 3.0 * (trials * 0.2 * 0.8f64).sqrt(), "{drawn} of {trials}");
+    let noisy = SensorOptions { noise_n: 0.01, ..SensorOptions::off() };
+    let one_dead = SensorOptions { dead_taxels: BTreeMap::from([("forearm".to_string(), vec![9])]), ..noisy.clone() };
     let (mut whole, mut broken) = (sensor(&noisy), sensor(&one_dead));
-    assert_eq!(
-        press(&mut broken, (FOREARM, 10), 1.0),
-        press(&mut whole, (FOREARM, 10), 1.0)
-    );
+    assert_eq!(press(&mut broken, (FOREARM, 10), 1.0), press(&mut whole, (FOREARM, 10), 1.0));
     assert_eq!(press(&mut broken, (FOREARM, 9), 1.0), 0.0);
 }
 
@@ -194,18 +162,9 @@ fn faults_are_found() {
     for options in [with_dead("forearm", 384), with_dead("elbow", 0), repeated] {
         assert_eq!(fault(options).as_deref(), Some("dead_taxels"));
     }
-    let fabric = FabricOptions {
-        hysteresis_share: 1.0,
-        ..FabricOptions::default()
-    };
-    let options = SensorOptions {
-        fabric,
-        ..SensorOptions::default()
-    };
+    let fabric = FabricOptions { hysteresis_share: 1.0, ..FabricOptions::default() };
+    let options = SensorOptions { fabric, ..SensorOptions::default() };
     assert_eq!(fault(options).as_deref(), Some("fabric.hysteresis_share"));
-    let options = SensorOptions {
-        creep_share_per_decade: -0.1,
-        ..SensorOptions::default()
-    };
+    let options = SensorOptions { creep_share_per_decade: -0.1, ..SensorOptions::default() };
     assert_eq!(fault(options).as_deref(), Some("creep_share_per_decade"));
 }

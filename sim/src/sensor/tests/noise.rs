@@ -9,10 +9,7 @@ fn noise_has_the_variance_asked_for() {
     let sigma = 0.005;
     // A force far from zero, so that no reading is clamped.
     let (force, frames) = (1.0, 2000);
-    let mut sensor = sensor(&SensorOptions {
-        noise_n: sigma,
-        ..SensorOptions::off()
-    });
+    let mut sensor = sensor(&SensorOptions { noise_n: sigma, ..SensorOptions::off() });
     let taxels = 384;
     let mut deviations = Vec::new();
     for _ in 0..frames {
@@ -24,11 +21,7 @@ fn noise_has_the_variance_asked_for() {
     }
     let count = deviations.len() as f64;
     let mean = deviations.iter().sum::<f64>() / count;
-    let variance = deviations
-        .iter()
-        .map(|deviation| (deviation - mean).powi(2))
-        .sum::<f64>()
-        / (count - 1.0);
+    let variance = deviations.iter().map(|deviation| (deviation - mean).powi(2)).sum::<f64>() / (count - 1.0);
     assert!(mean.abs() < 3.0 * sigma / count.sqrt(), "mean {mean}");
     let error = variance / (sigma * sigma) - 1.0;
     assert!(error.abs() < 3.0 * (2.0 / count).sqrt(), "variance {error} off");
@@ -43,10 +36,7 @@ fn noise_has_the_variance_asked_for() {
 /// Tests that a contact on one taxel does not change the noise of another taxel or of the other technology.
 #[test]
 fn noise_does_not_depend_on_other_taxels() {
-    let options = SensorOptions {
-        crosstalk_share: 0.0,
-        ..SensorOptions::default()
-    };
+    let options = SensorOptions { crosstalk_share: 0.0, ..SensorOptions::default() };
     let readings = |touched: bool| {
         let mut sensor = sensor(&options);
         let mut readings = Vec::new();
@@ -72,17 +62,12 @@ fn noise_does_not_depend_on_the_noise_of_the_other_technology() {
     let readings = |fabric_noise_n: f64| {
         let options = SensorOptions {
             noise_n: 0.01,
-            fabric: FabricOptions {
-                noise_n: fabric_noise_n,
-                ..SensorOptions::off().fabric
-            },
+            fabric: FabricOptions { noise_n: fabric_noise_n, ..SensorOptions::off().fabric },
             ..SensorOptions::off()
         };
         let mut sensor = sensor(&options);
         // In a later frame the generator has also drawn for the fabric.
-        (0..5)
-            .map(|_| press(&mut sensor, (FOREARM, 7), 1.0))
-            .collect::<Vec<f64>>()
+        (0..5).map(|_| press(&mut sensor, (FOREARM, 7), 1.0)).collect::<Vec<f64>>()
     };
     assert_eq!(readings(0.0), readings(0.02));
 }

@@ -12,9 +12,7 @@ impl ContactStep {
         for body in &scratch.order {
             let block = scratch.block_of_body[*body];
             scratch.displacement.clear();
-            scratch
-                .displacement
-                .extend(scratch.solver.change(block).map(|change| change * parts.step_s));
+            scratch.displacement.extend(scratch.solver.change(block).map(|change| change * parts.step_s));
             if scratch.displacement.iter().all(|part| *part == 0.0) {
                 continue;
             }
@@ -49,9 +47,7 @@ impl ContactStep {
             });
             self.contacts.push(PatchContact {
                 colliders: candidate.colliders,
-                position_body: candidate
-                    .body_poses
-                    .map(|pose| pose.inverse_transform_point(position_world)),
+                position_body: candidate.body_poses.map(|pose| pose.inverse_transform_point(position_world)),
                 normal_world: plane.normal_world,
                 normal_impulse,
                 impulse_world: plane.normal_world * normal_impulse + tangential(&solved.friction_impulse),
@@ -70,11 +66,7 @@ impl ContactStep {
         for (patch, candidate) in scratch.candidates.iter().enumerate() {
             let to_body = |vector| candidate.body_poses[1].inverse_transform_vector(vector);
             let solved = scratch.solver.solved(patch);
-            let deflection = if solved.normal_impulse[0] > 0.0 {
-                solved.deflection_m
-            } else {
-                Vector3::zeros()
-            };
+            let deflection = if solved.normal_impulse[0] > 0.0 { solved.deflection_m } else { Vector3::zeros() };
             scratch.kept.push((
                 key(&candidate.colliders),
                 Kept {

@@ -39,10 +39,7 @@ pub(super) struct Detection {
 
 impl Default for Detection {
     fn default() -> Self {
-        Detection {
-            manifold: ContactManifold::new(),
-            faces: [Faces::default(), Faces::default()],
-        }
+        Detection { manifold: ContactManifold::new(), faces: [Faces::default(), Faces::default()] }
     }
 }
 
@@ -101,14 +98,8 @@ impl<'a> Meeting<'a> {
             bodies: [colliders[0].parent()?, colliders[1].parent()?].map(|body| body.into_raw_parts()),
             links,
             body_poses,
-            pair: Pair {
-                shapes: colliders.map(|collider| collider.shape()),
-                poses_world: shape_poses,
-            },
-            law: Law {
-                interface: step.surface(handles[0])?.with(&step.surface(handles[1])?),
-                step_s: parts.step_s,
-            },
+            pair: Pair { shapes: colliders.map(|collider| collider.shape()), poses_world: shape_poses },
+            law: Law { interface: step.surface(handles[0])?.with(&step.surface(handles[1])?), step_s: parts.step_s },
         })
     }
 
@@ -151,14 +142,7 @@ impl ContactStep {
         detection: &mut Detection,
         parts: &Parts,
     ) -> Option<Candidate> {
-        let &Meeting {
-            handles,
-            bodies,
-            links,
-            body_poses,
-            ref pair,
-            law,
-        } = meeting;
+        let &Meeting { handles, bodies, links, body_poses, ref pair, law } = meeting;
         if !detection.find(pair, parts.near_m) {
             return None;
         }
@@ -218,19 +202,17 @@ impl Candidate {
         let [first, second] = plane.tangents_world;
         let normal = plane.normal_world;
         let to_center = in_plane(&plane.tangents_world, self.center.x, self.center.y);
-        copied
-            .motion_of(link, plane.origin_world)
-            .map(move |[linear, angular]| {
-                let at_center = linear + angular.cross(to_center);
-                [
-                    sign * linear.dot(normal),
-                    sign * angular.dot(first),
-                    sign * angular.dot(second),
-                    sign * at_center.dot(first),
-                    sign * at_center.dot(second),
-                    sign * self.radius_m * angular.dot(normal),
-                ]
-            })
+        copied.motion_of(link, plane.origin_world).map(move |[linear, angular]| {
+            let at_center = linear + angular.cross(to_center);
+            [
+                sign * linear.dot(normal),
+                sign * angular.dot(first),
+                sign * angular.dot(second),
+                sign * at_center.dot(first),
+                sign * at_center.dot(second),
+                sign * self.radius_m * angular.dot(normal),
+            ]
+        })
     }
 }
 
@@ -238,11 +220,7 @@ impl Candidate {
 fn place(pair: &Pair, manifold: &ContactManifold<(), ()>, kept_normal: Option<DVec3>, faces: &mut [Faces; 2]) -> Plane {
     // The manifold's normal points from the first shape to the second.
     let found = -pair.poses_world[0].transform_vector(manifold.local_n1);
-    let deepest = manifold
-        .points
-        .iter()
-        .map(|point| point.dist)
-        .fold(f64::INFINITY, f64::min);
+    let deepest = manifold.points.iter().map(|point| point.dist).fold(f64::INFINITY, f64::min);
     // The mean of the near-deepest points. It is inside the overlap whenever there is one.
     let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
     for point in &manifold.points {

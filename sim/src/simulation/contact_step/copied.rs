@@ -29,13 +29,7 @@ pub(super) struct LinkOf {
 
 impl Copied {
     pub(super) fn new(index: MultibodyIndex) -> Self {
-        Copied {
-            index,
-            velocity: Vec::new(),
-            poses: Vec::new(),
-            centers_of_mass: Vec::new(),
-            jacobians: Vec::new(),
-        }
+        Copied { index, velocity: Vec::new(), poses: Vec::new(), centers_of_mass: Vec::new(), jacobians: Vec::new() }
     }
 
     pub(super) fn copy(&mut self, index: MultibodyIndex, multibody: &Multibody, bodies: &RigidBodySet) {

@@ -35,11 +35,7 @@ impl Meeting<'_> {
         let (point_world, normal_world, overlap_m) = self.deepest().unwrap_or(along_list);
         let plane = self.pair.plane(point_world, normal_world);
         let (over_m, _) = self.closing_m(&plane, overlap_m, copies, parts);
-        if overlap_m - over_m.max(0.0) > SHALLOW_M {
-            overlap_m
-        } else {
-            0.0
-        }
+        if overlap_m - over_m.max(0.0) > SHALLOW_M { overlap_m } else { 0.0 }
     }
 
     /// The plane across `normal_world` through points that the shapes have in common, if there are any, and the overlap
@@ -123,7 +119,5 @@ fn hull_normals(shape: &dyn Shape) -> impl Iterator<Item = DVec3> {
 fn extent_m(pair: &Pair, side: usize, direction_world: DVec3) -> f64 {
     let shape = pair.shapes[side].as_support_map();
     let pose = parry_pose(&pair.poses_world[side]);
-    shape.map_or(f64::NEG_INFINITY, |shape| {
-        shape.support_point(&pose, direction_world).dot(direction_world)
-    })
+    shape.map_or(f64::NEG_INFINITY, |shape| shape.support_point(&pose, direction_world).dot(direction_world))
 }

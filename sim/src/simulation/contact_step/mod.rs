@@ -213,11 +213,7 @@ impl ContactStep {
         scratch.solver.start(parts.step_s);
         scratch.patches_of_body.clear();
         scratch.patches_of_body.resize(scratch.count, 0);
-        for link in scratch
-            .candidates
-            .iter()
-            .flat_map(|candidate| candidate.links.iter().flatten())
-        {
+        for link in scratch.candidates.iter().flat_map(|candidate| candidate.links.iter().flatten()) {
             scratch.patches_of_body[link.body] += 1;
         }
         for stop in &self.stops {
@@ -227,9 +223,7 @@ impl ContactStep {
         }
         scratch.order.clear();
         let counts = &scratch.patches_of_body;
-        scratch
-            .order
-            .extend((0..scratch.count).filter(|body| counts[*body] > 0));
+        scratch.order.extend((0..scratch.count).filter(|body| counts[*body] > 0));
         scratch.order.sort_by_key(|body| counts[*body]);
         scratch.block_of_body.clear();
         scratch.block_of_body.resize(scratch.count, usize::MAX);
@@ -258,9 +252,7 @@ impl ContactStep {
                 let copied = &scratch.bodies[link.body];
                 let sign = if side == 0 { 1.0 } else { -1.0 };
                 let columns = candidate.columns(copied, link.link, sign);
-                scratch
-                    .solver
-                    .add_side(patch, side, scratch.block_of_body[link.body], columns);
+                scratch.solver.add_side(patch, side, scratch.block_of_body[link.body], columns);
             }
         }
         for stop in &self.stops {

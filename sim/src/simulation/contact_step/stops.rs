@@ -43,14 +43,12 @@ impl JointStop {
         // The engine has moved on to the end of its step.
         let angle = link.joint.coords()[self.axis] - parts.step_s * multibody.joint_velocity(link)[0];
         let [lower, upper] = self.limits_rad;
-        Some(
-            [(1.0, lower - angle), (-1.0, angle - upper)].map(|(sign, overlap_rad)| Stop {
-                index: first + link.assembly_id(),
-                sign,
-                overlap_rad,
-                stiffness_nm_per_rad: self.stiffness_nm_per_rad,
-                loss_time_s: self.loss_time_s,
-            }),
-        )
+        Some([(1.0, lower - angle), (-1.0, angle - upper)].map(|(sign, overlap_rad)| Stop {
+            index: first + link.assembly_id(),
+            sign,
+            overlap_rad,
+            stiffness_nm_per_rad: self.stiffness_nm_per_rad,
+            loss_time_s: self.loss_time_s,
+        }))
     }
 }

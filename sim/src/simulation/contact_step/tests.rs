@@ -8,17 +8,11 @@ use crate::physics::PhysicsOptions;
 use crate::simulation::rig::{FreeBody, Rig};
 
 fn rig() -> Rig {
-    Rig::new(PhysicsOptions {
-        step_s: 0.005,
-        gravity_m_per_s2: 0.0,
-    })
+    Rig::new(PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 0.0 })
 }
 
 fn part(shape: BodyShape) -> BodyPart {
-    BodyPart {
-        shape,
-        pose_body: Pose::IDENTITY,
-    }
+    BodyPart { shape, pose_body: Pose::IDENTITY }
 }
 
 /// Tests that a plate of 4 mm carries a ball of 1 g that is pressed against it with 5 N. Free of contacts for a step of
@@ -26,15 +20,8 @@ fn part(shape: BodyShape) -> BodyPart {
 #[test]
 fn a_light_body_under_load_stays_on_a_thin_plate() {
     let mut rig = rig();
-    let plate = BodyShape::Box {
-        size_m: DVec3::new(0.2, 0.2, 0.004),
-    };
-    rig.add_fixed(
-        &part(plate),
-        Surface::hard(0.3),
-        &Pose::from_position(DVec3::Z * -0.002),
-    )
-    .unwrap();
+    let plate = BodyShape::Box { size_m: DVec3::new(0.2, 0.2, 0.004) };
+    rig.add_fixed(&part(plate), Surface::hard(0.3), &Pose::from_position(DVec3::Z * -0.002)).unwrap();
     let ball = rig
         .add_free(&FreeBody {
             part: part(BodyShape::Sphere { radius_m: 0.005 }),
@@ -49,16 +36,8 @@ fn a_light_body_under_load_stays_on_a_thin_plate() {
         rig.load(ball, DVec3::Z * -5.0, rig.center_of_mass_world(ball), DVec3::ZERO);
         rig.step();
     }
-    assert!(
-        (rig.pressing_force_n(ball) - 5.0).abs() < 1e-4,
-        "{} N",
-        rig.pressing_force_n(ball)
-    );
-    assert!(
-        rig.pose_world(ball).position.z > 0.0,
-        "{}",
-        rig.pose_world(ball).position
-    );
+    assert!((rig.pressing_force_n(ball) - 5.0).abs() < 1e-4, "{} N", rig.pressing_force_n(ball));
+    assert!(rig.pose_world(ball).position.z > 0.0, "{}", rig.pose_world(ball).position);
 }
 
 /// Tests that the corners of a box that lie 2 to 6 mm inside the rim of a cylinder press on it, however the box is turned.
@@ -68,15 +47,8 @@ fn corners_and_edges_on_a_rim_press() {
         // Golden ratios spread the cases evenly.
         let spread = |step: f64, low: f64, high: f64| low + (high - low) * (f64::from(case) * step).fract();
         let mut rig = rig();
-        let forearm = BodyShape::Cylinder {
-            radius_m: 0.046,
-            length_m: 0.237,
-        };
-        let skin = Surface {
-            compliance_m3_per_n: 1.0 / 3e7,
-            loss_time_s: 0.002,
-            friction: 0.3,
-        };
+        let forearm = BodyShape::Cylinder { radius_m: 0.046, length_m: 0.237 };
+        let skin = Surface { compliance_m3_per_n: 1.0 / 3e7, loss_time_s: 0.002, friction: 0.3 };
         rig.add_fixed(&part(forearm), skin, &Pose::IDENTITY).unwrap();
         // A piece of a leaf near the rim, turned at random, 2 to 6 mm inside both the mantle and the end.
         let half = DVec3::new(0.001, 0.0186, 0.0099);

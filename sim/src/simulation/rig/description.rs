@@ -164,10 +164,7 @@ fn collider(collider: &Collider, surface: Surface) -> Option<ColliderDescription
     let pose = collider.position_wrt_parent().map_or(WorldPose::IDENTITY, from_parry);
     let groups = collider.collision_groups();
     Some(ColliderDescription {
-        part: BodyPart {
-            shape,
-            pose_body: pose * shape_pose,
-        },
+        part: BodyPart { shape, pose_body: pose * shape_pose },
         friction: surface.friction,
         groups: [groups.memberships.bits(), groups.filter.bits()],
     })
@@ -182,14 +179,8 @@ mod tests {
     /// Tests that the friction of a shape is the friction of its surface; the engine's own coefficients are not used.
     #[test]
     fn friction_is_that_of_the_surface() {
-        let arm = Arm {
-            friction: 0.27,
-            ..Arm::cody().unwrap()
-        };
-        let mut rig = Rig::new(PhysicsOptions {
-            step_s: 0.005,
-            gravity_m_per_s2: 9.81,
-        });
+        let arm = Arm { friction: 0.27, ..Arm::cody().unwrap() };
+        let mut rig = Rig::new(PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 9.81 });
         rig.add_arm(&arm);
         let trees = rig.describe().trees;
         let shapes: Vec<_> = trees.iter().flatten().flat_map(|link| &link.colliders).collect();

@@ -59,11 +59,7 @@ fn a_loaded_simulation_continues_bit_for_bit() {
         let end = (start + 60).min(angles.len());
         let found = go_on(&mut loaded, &angles[start..end]);
         for (found, expected) in found.iter().zip(&reports[start..end]) {
-            assert_eq!(
-                format!("{found:?}"),
-                format!("{expected:?}"),
-                "saved after frame {start}"
-            );
+            assert_eq!(format!("{found:?}"), format!("{expected:?}"), "saved after frame {start}");
         }
         // Saving again gives the same bytes, so nothing that is saved was lost on the way.
         assert!(loaded.save().unwrap() == saved[end], "saved after frame {start}");

@@ -49,9 +49,7 @@ fn advance(simulation: &mut Simulation, equilibrium_angle_rad: &[f64]) -> Alloca
     for _ in 0..2 {
         let world = &mut state.world;
         count(&mut found.before_steps, || {
-            world
-                .arm
-                .set_equilibrium(&model.arm, equilibrium_angle_rad, &mut world.engine);
+            world.arm.set_equilibrium(&model.arm, equilibrium_angle_rad, &mut world.engine);
             for mechanism in world.mechanisms.iter_mut().flatten() {
                 mechanism.relax(&mut world.engine);
             }
@@ -114,15 +112,9 @@ fn only_the_engine_allocates_in_a_frame() {
         // Within the contact step, parry's search makes its lists anew for each pair, and the engine the list of bodies
         // that were moved: 102 to 147 allocations in these frames. One allocation of our own for each patch, node or
         // iteration would exceed the bound.
-        assert!(
-            found.contacts <= 24 * touching,
-            "frame {frame}: {found:?} for {touching} contacts"
-        );
+        assert!(found.contacts <= 24 * touching, "frame {frame}: {found:?} for {touching} contacts");
     }
-    assert!(
-        counted > 50,
-        "{counted} frames without a change of the engine's objects"
-    );
+    assert!(counted > 50, "{counted} frames without a change of the engine's objects");
 }
 
 /// Tests that an object that touched the arm in a frame stays in the engine until the next one, even if it rests and

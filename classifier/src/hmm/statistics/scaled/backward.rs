@@ -49,16 +49,9 @@ impl Pass {
         let ratios = self.ahead[here.clone()].iter_mut().zip(&self.per_sum[here.clone()]);
         let states = self.probability[here.clone()].iter().zip(&self.weight[here]);
         for ((ratio, per_sum), (probability, weight)) in ratios.zip(states) {
-            *ratio = map(multiply(*probability, *per_sum), |ratio| {
-                if ratio < MIN_RATIO { 0.0 } else { ratio }
-            });
-            let unsound = zip(
-                *probability,
-                *weight,
-                |probability, weight| {
-                    if weight < sound { probability } else { 0.0 }
-                },
-            );
+            *ratio = map(multiply(*probability, *per_sum), |ratio| if ratio < MIN_RATIO { 0.0 } else { ratio });
+            let unsound =
+                zip(*probability, *weight, |probability, weight| if weight < sound { probability } else { 0.0 });
             worst = zip(unsound, worst, larger);
         }
         worst
@@ -106,10 +99,8 @@ impl Pass {
                         let weighted = multiply(probability[tile], model.gaussians.deviation(row, sample[row], tile));
                         occupancy = add(occupancy, probability[tile]);
                         first = add(first, weighted);
-                        second = add(
-                            second,
-                            multiply(weighted, model.gaussians.deviation(column, sample[column], tile)),
-                        );
+                        second =
+                            add(second, multiply(weighted, model.gaussians.deviation(column, sample[column], tile)));
                     }
                     let place = (row * d + column) * tiles + tile;
                     self.second[place] = add(self.second[place], second);
@@ -145,11 +136,7 @@ impl Pass {
             }
         }
         for (tile, span) in self.backward.spans().iter().enumerate() {
-            for (to, counts) in span
-                .rows
-                .clone()
-                .zip(&self.transitions[span.places.clone()])
-                .filter(|(to, _)| *to < n)
+            for (to, counts) in span.rows.clone().zip(&self.transitions[span.places.clone()]).filter(|(to, _)| *to < n)
             {
                 for (from, count) in (tile * WIDTH..n).zip(counts) {
                     statistics.transition[from * n + to] += count;

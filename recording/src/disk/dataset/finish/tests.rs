@@ -7,9 +7,7 @@ use crate::disk::tests::dataset::{begin, contents, copy, make, recordings};
 /// Positions of the reaches that are still staged.
 fn staged(writer: &DatasetWriter) -> Vec<usize> {
     let positions = 0..writer.plan().episodes.len();
-    positions
-        .filter(|position| writer.staging.path(*position).exists())
-        .collect()
+    positions.filter(|position| writer.staging.path(*position).exists()).collect()
 }
 
 /// Tests that a staged reach is removed as soon as it is in complete files, so that finishing does not take twice the
@@ -19,11 +17,7 @@ fn staged(writer: &DatasetWriter) -> Vec<usize> {
 fn reaches_are_freed_file_by_file() {
     let folder = tempfile::tempdir().unwrap();
     let [unbroken, ready] = ["unbroken", "ready"].map(|name| folder.path().join(name));
-    let files: Vec<usize> = make(&unbroken)
-        .episodes()
-        .iter()
-        .map(|episode| episode.file_index)
-        .collect();
+    let files: Vec<usize> = make(&unbroken).episodes().iter().map(|episode| episode.file_index).collect();
     let whole = contents(&unbroken);
     let writer = begin(&ready, false);
     for (position, recording) in recordings().iter().enumerate() {

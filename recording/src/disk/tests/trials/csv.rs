@@ -42,21 +42,8 @@ fn a_table_of_another_hand_is_understood() {
                 x,0.5,0.00,7,3.0,\r\n\
                 y,1e-1, 0.50,2,,0.002\r\n\
                 \"z,z\",-0.7,0.01,7.0,3,\r\n";
-    let trial = |trial, taxel, samples| Trial {
-        trial,
-        category: None,
-        reach: None,
-        patch: None,
-        taxel,
-        samples,
-    };
-    let sample = |time_s, force_n, motion_m| Sample {
-        time_s,
-        force_n,
-        motion_m,
-        region: None,
-        touched: None,
-    };
+    let trial = |trial, taxel, samples| Trial { trial, category: None, reach: None, patch: None, taxel, samples };
+    let sample = |time_s, force_n, motion_m| Sample { time_s, force_n, motion_m, region: None, touched: None };
     let expected = vec![
         trial(7, Some(3), vec![sample(0.0, 0.5, None), sample(0.01, -0.7, None)]),
         trial(2, None, vec![sample(0.5, 0.1, Some(0.002))]),
@@ -70,11 +57,7 @@ fn a_region_is_whole_or_absent() {
     let head = "trial,time_s,force_n,region_taxels,region_largest_force_n,region_force_sum_n\n1,0.0,0.1,,,\n";
     let trials = read_text(&format!("{head}1,0.01,0.5,3,1.5,2.25\n")).unwrap();
     let regions: Vec<_> = trials[0].samples.iter().map(|sample| sample.region).collect();
-    let region = Region {
-        taxels: 3,
-        largest_force_n: 1.5,
-        force_sum_n: 2.25,
-    };
+    let region = Region { taxels: 3, largest_force_n: 1.5, force_sum_n: 2.25 };
     assert_eq!(regions, [None, Some(region)]);
     let error = refused(read_text(&format!("{head}1,0.01,0.5,3,,2.25\n")));
     assert_eq!((error.line, error.field.as_str()), (Some(3), "region_largest_force_n"));
@@ -101,11 +84,7 @@ fn every_fault_of_a_csv_table_is_named_with_its_line() {
         ("1,leaf,0,5,0.01\n", 3, "row"),
     ] {
         let error = refused(read_text(&format!("{head}{rest}")));
-        assert_eq!(
-            (error.line, error.field.as_str()),
-            (Some(line), field),
-            "{rest}: {error}"
-        );
+        assert_eq!((error.line, error.field.as_str()), (Some(line), field), "{rest}: {error}");
     }
     for (text, field) in [
         ("", "trial"),
@@ -144,13 +123,8 @@ fn names_that_change_a_terminal_are_refused() {
         let mut trial = read_text(&format!("{head}1,leaf,forearm,0.0,0.1\n")).unwrap().remove(0);
         trial.category = Some(name.to_owned());
         let folder = tempfile::tempdir().unwrap();
-        let error = write_trials(folder.path().join("t.csv"), [trial])
-            .unwrap_err()
-            .to_string();
-        assert!(
-            error.contains("trial 1, category") && error.contains("control characters"),
-            "{error}"
-        );
+        let error = write_trials(folder.path().join("t.csv"), [trial]).unwrap_err().to_string();
+        assert!(error.contains("trial 1, category") && error.contains("control characters"), "{error}");
     }
 }
 
@@ -188,9 +162,7 @@ fn numbers_out_of_range_are_refused() {
         read_text(&format!("{columns}\n{}\n", row.join(",")))
     };
     for (column, name) in names.iter().enumerate() {
-        for cell in [
-            "NaN", "inf", "-inf", "1e300", "-1e300", "-1e30", "1e308", "1e30", "-5", "much",
-        ] {
+        for cell in ["NaN", "inf", "-inf", "1e300", "-1e300", "-1e30", "1e308", "1e30", "-5", "much"] {
             if (*name, cell) == ("time_s", "-5") {
                 continue;
             }

@@ -47,23 +47,11 @@ fn any_trials() -> impl Strategy<Value = Vec<Trial>> {
         touched,
     };
     let name = || prop::option::of("\\PC{1,8}");
-    let facts = (
-        name(),
-        prop::option::of(any::<u64>()),
-        name(),
-        prop::option::of(any::<u32>()),
-    );
+    let facts = (name(), prop::option::of(any::<u64>()), name(), prop::option::of(any::<u32>()));
     prop::collection::btree_map(any::<u64>(), (facts, samples), 1..9).prop_map(move |trials| {
         let trial = move |(trial, ((category, reach, patch, taxel), samples))| {
             let samples: std::collections::BTreeMap<_, _> = samples;
-            Trial {
-                trial,
-                category,
-                reach,
-                patch,
-                taxel,
-                samples: samples.into_iter().map(sample).collect(),
-            }
+            Trial { trial, category, reach, patch, taxel, samples: samples.into_iter().map(sample).collect() }
         };
         // Largest number first, because the order of the rows counts, not the order of the numbers.
         trials.into_iter().rev().map(trial).collect()
@@ -108,10 +96,7 @@ fn refused(result: Result<Vec<Trial>, DiskError>) -> InputError {
 #[test]
 fn other_extensions_and_absent_files_are_refused() {
     let folder = tempfile::tempdir().unwrap();
-    assert_eq!(
-        refused(read_trials(folder.path().join("trials.xlsx"))).field,
-        "file name"
-    );
+    assert_eq!(refused(read_trials(folder.path().join("trials.xlsx"))).field, "file name");
     let written = write_trials(folder.path().join("trials"), []);
     assert!(matches!(written, Err(DiskError::Input(error)) if error.field == "file name"));
     for name in ["absent.csv", "absent.parquet"] {
@@ -122,46 +107,25 @@ fn other_extensions_and_absent_files_are_refused() {
 /// Tests that each rule for tables of trials is checked before the file appears.
 #[test]
 fn trials_that_could_not_be_read_back_are_not_written() {
-    let sample = Sample {
-        time_s: 0.0,
-        force_n: 1.0,
-        motion_m: None,
-        region: None,
-        touched: None,
-    };
-    let good = Trial {
-        trial: 1,
-        category: Some("leaf".into()),
-        reach: None,
-        patch: None,
-        taxel: None,
-        samples: vec![sample],
-    };
+    let sample = Sample { time_s: 0.0, force_n: 1.0, motion_m: None, region: None, touched: None };
+    let good =
+        Trial { trial: 1, category: Some("leaf".into()), reach: None, patch: None, taxel: None, samples: vec![sample] };
     let changes: [Change<Trial>; 9] = [
         ("trial 1, trial", |trial| trial.trial = 1),
         ("trial 2, category", |trial| trial.category = Some(String::new())),
         ("trial 2, category", |trial| trial.category = Some("uncertain".into())),
         ("trial 2, samples", |trial| trial.samples.clear()),
-        ("trial 2, motion_m", |trial| {
-            trial.samples[0].motion_m = Some(f64::INFINITY)
-        }),
+        ("trial 2, motion_m", |trial| trial.samples[0].motion_m = Some(f64::INFINITY)),
         ("trial 2, force_n", |trial| trial.samples[0].force_n = -5.0),
         ("trial 2, time_s", |trial| trial.samples[0].time_s = 1e300),
         ("trial 2, region_force_sum_n", |trial| {
-            trial.samples[0].region = Some(Region {
-                taxels: 2,
-                largest_force_n: 1.0,
-                force_sum_n: 0.5,
-            });
+            trial.samples[0].region = Some(Region { taxels: 2, largest_force_n: 1.0, force_sum_n: 0.5 });
         }),
         ("trial 2, time_s", |trial| trial.samples.push(trial.samples[0])),
     ];
     let folder = tempfile::tempdir().unwrap();
     for (expected, change) in changes {
-        let mut bad = Trial {
-            trial: 2,
-            ..good.clone()
-        };
+        let mut bad = Trial { trial: 2, ..good.clone() };
         change(&mut bad);
         for name in ["trials.csv", "trials.parquet"] {
             let path = folder.path().join(name);
@@ -169,11 +133,7 @@ fn trials_that_could_not_be_read_back_are_not_written() {
                 Err(DiskError::Unwritable { field, .. }) => assert_eq!(field, expected),
                 other => panic!("{expected}: {other:?}"),
             }
-            assert_eq!(
-                fs::read_dir(folder.path()).unwrap().count(),
-                0,
-                "nothing is left behind"
-            );
+            assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left behind");
         }
     }
 }

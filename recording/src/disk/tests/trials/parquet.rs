@@ -44,9 +44,7 @@ fn texts(values: &[&str]) -> Values {
 
 /// Writes a file as other programs do: text by dictionary, plain or compressed, in pages of version 1 or 2.
 fn write_parquet(path: &Path, columns: &[Foreign], compression: Compression, version: WriterVersion) {
-    let fields = columns
-        .iter()
-        .map(|(name, kind, _)| format!("optional {};", kind.replace("NAME", name)));
+    let fields = columns.iter().map(|(name, kind, _)| format!("optional {};", kind.replace("NAME", name)));
     let schema = format!("message schema {{ {} }}", fields.collect::<String>());
     let schema = Arc::new(parse_message_type(&schema).unwrap());
     let properties = WriterProperties::builder()
@@ -63,10 +61,7 @@ fn write_parquet(path: &Path, columns: &[Foreign], compression: Compression, ver
             ($kind:ty, $values:expr) => {{
                 let levels: Vec<i16> = $values.iter().map(|value| i16::from(value.is_some())).collect();
                 let values: Vec<<$kind as DataType>::T> = $values.iter().flatten().cloned().collect();
-                column
-                    .typed::<$kind>()
-                    .write_batch(&values, Some(&levels), None)
-                    .unwrap();
+                column.typed::<$kind>().write_batch(&values, Some(&levels), None).unwrap();
             }};
         }
         match values {
@@ -88,12 +83,7 @@ fn write_snappy(path: &Path, columns: &[Foreign]) {
 }
 
 fn write_zstd(path: &Path, columns: &[Foreign]) {
-    write_parquet(
-        path,
-        columns,
-        Compression::ZSTD(Default::default()),
-        WriterVersion::PARQUET_1_0,
-    );
+    write_parquet(path, columns, Compression::ZSTD(Default::default()), WriterVersion::PARQUET_1_0);
 }
 
 fn foreign_columns() -> Vec<Foreign> {
@@ -101,11 +91,7 @@ fn foreign_columns() -> Vec<Foreign> {
         ("noise", NOTHING, Values::Int32(vec![None; 3])),
         ("category", TEXT, texts(&["leaf", "leaf", "trunk"])),
         ("trial", INT16, Values::Int32(all([1, 1, 2]))),
-        (
-            "patch",
-            TEXT,
-            Values::Text(vec![Some("forearm".into()), Some("forearm".into()), None]),
-        ),
+        ("patch", TEXT, Values::Text(vec![Some("forearm".into()), Some("forearm".into()), None])),
         ("taxel", DOUBLE, Values::Double(vec![Some(5.0), Some(5.0), None])),
         ("reach", UINT8, Values::Int32(all([3, 3, 4]))),
         ("time_s", "float NAME", Values::Float(all([0.0, 0.5, 0.25]))),
@@ -127,30 +113,12 @@ fn types_that_pandas_and_polars_write_are_accepted() {
     ] {
         write_parquet(&path, &foreign_columns(), compression, version);
         let trials = read_trials(&path).unwrap();
-        let facts = |t: &Trial| {
-            (
-                t.trial,
-                t.category.clone(),
-                t.reach,
-                t.patch.clone(),
-                t.taxel,
-                t.samples.len(),
-            )
-        };
-        assert_eq!(
-            facts(&trials[0]),
-            (1, Some("leaf".into()), Some(3), Some("forearm".into()), Some(5), 2)
-        );
+        let facts = |t: &Trial| (t.trial, t.category.clone(), t.reach, t.patch.clone(), t.taxel, t.samples.len());
+        assert_eq!(facts(&trials[0]), (1, Some("leaf".into()), Some(3), Some("forearm".into()), Some(5), 2));
         assert_eq!(facts(&trials[1]), (2, Some("trunk".into()), Some(4), None, None, 1));
         assert_eq!(
             trials[0].samples[1],
-            Sample {
-                time_s: 0.5,
-                force_n: 0.2,
-                motion_m: None,
-                region: None,
-                touched: None,
-            }
+            Sample { time_s: 0.5, force_n: 0.2, motion_m: None, region: None, touched: None }
         );
     }
 }
@@ -162,10 +130,7 @@ fn every_fault_of_a_parquet_table_is_named_with_its_row() {
     let path = folder.path().join("trials.parquet");
     let faults: [(Foreign, Option<usize>); 7] = [
         (("force_n", DOUBLE, Values::Double(all([0.1, f64::NAN, 0.3]))), Some(2)),
-        (
-            ("force_n", DOUBLE, Values::Double(vec![Some(0.1), Some(0.2), None])),
-            Some(3),
-        ),
+        (("force_n", DOUBLE, Values::Double(vec![Some(0.1), Some(0.2), None])), Some(3)),
         (("time_s", DOUBLE, Values::Double(all([0.5, 0.5, 0.0]))), Some(2)),
         (("taxel", DOUBLE, Values::Double(all([5.5, 5.5, 1.0]))), Some(1)),
         (("trial", INT16, Values::Int32(all([1, -1, 2]))), Some(2)),
@@ -181,10 +146,7 @@ fn every_fault_of_a_parquet_table_is_named_with_its_row() {
         assert_eq!((error.field.as_str(), error.line), (field, row), "{error}");
     }
     for gone in ["trial", "time_s", "force_n"] {
-        let columns: Vec<_> = foreign_columns()
-            .into_iter()
-            .filter(|(name, ..)| *name != gone)
-            .collect();
+        let columns: Vec<_> = foreign_columns().into_iter().filter(|(name, ..)| *name != gone).collect();
         write_snappy(&path, &columns);
         assert_eq!(refused(read_trials(&path)).field, gone);
     }
@@ -204,18 +166,9 @@ fn touched_in_parquet_may_be_a_flag_or_a_number() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("trials.parquet");
     let columns: [(Foreign, [Option<bool>; 2]); 4] = [
-        (
-            ("touched", FLAG, Values::Flag(all([false, true, false]))),
-            [Some(true), Some(false)],
-        ),
-        (
-            ("touched", UINT8, Values::Int32(all([0, 0, 1]))),
-            [Some(false), Some(true)],
-        ),
-        (
-            ("touched", DOUBLE, Values::Double(vec![Some(1.0), Some(0.0), None])),
-            [Some(true), None],
-        ),
+        (("touched", FLAG, Values::Flag(all([false, true, false]))), [Some(true), Some(false)]),
+        (("touched", UINT8, Values::Int32(all([0, 0, 1]))), [Some(false), Some(true)]),
+        (("touched", DOUBLE, Values::Double(vec![Some(1.0), Some(0.0), None])), [Some(true), None]),
         (("touched", NOTHING, Values::Int32(vec![None; 3])), [None, None]),
     ];
     for (touched, expected) in columns {
@@ -236,22 +189,13 @@ fn tables_that_expand_are_refused() {
     let table = |rows: usize, category: String| -> Vec<Foreign> {
         vec![
             ("trial", "int64 NAME", Values::Int64(all(vec![1; rows]))),
-            (
-                "category",
-                TEXT,
-                Values::Text(vec![Some(category.as_str().into()); rows]),
-            ),
+            ("category", TEXT, Values::Text(vec![Some(category.as_str().into()); rows])),
             ("time_s", "int64 NAME", Values::Int64(all(vec![1; rows]))),
             ("force_n", DOUBLE, Values::Double(all(vec![1.0; rows]))),
         ]
     };
     for (rows, category, field, allowed) in [
-        (
-            1_000_000,
-            "leaf".to_owned(),
-            "rows",
-            "at most 4 rows for each byte of the file",
-        ),
+        (1_000_000, "leaf".to_owned(), "rows", "at most 4 rows for each byte of the file"),
         (3, "x".repeat(17 << 20), "category", "at most 16777216 bytes"),
         (3, "x".repeat(1001), "category", "at most 1000 bytes"),
     ] {
@@ -272,11 +216,7 @@ fn a_long_text_is_refused_before_it_is_repeated() {
     let rows = 100;
     let columns: Vec<Foreign> = vec![
         ("trial", "int64 NAME", Values::Int64(all(vec![1; rows]))),
-        (
-            "category",
-            TEXT,
-            Values::Text(vec![Some("x".repeat(12 << 20).as_str().into()); rows]),
-        ),
+        ("category", TEXT, Values::Text(vec![Some("x".repeat(12 << 20).as_str().into()); rows])),
         ("time_s", "int64 NAME", Values::Int64(all(0..rows as i64))),
         ("force_n", DOUBLE, Values::Double(all(vec![1.0; rows]))),
     ];

@@ -11,10 +11,7 @@ use crate::simulation::engine::Engine;
 
 /// A pendulum on one compliant joint: 1.5 kg at 0.3 m, 0.004 kg m² about the centre of mass.
 fn one_joint_arm() -> Arm {
-    let source = |name: &str, text: &str| ArmSource {
-        name: name.into(),
-        text: text.into(),
-    };
+    let source = |name: &str, text: &str| ArmSource { name: name.into(), text: text.into() };
     let arm = r#"name = "one"
         urdf = "one.urdf"
         skin = "one.skin.toml"
@@ -33,11 +30,8 @@ fn one_joint_arm() -> Arm {
         <mass value="1.5"/><inertia ixx="0.004" ixy="0" ixz="0" iyy="0.004" iyz="0" izz="0.004"/></inertial></link>
         <joint name="hinge" type="revolute"><parent link="base"/><child link="bar"/><axis xyz="0 1 0"/>
         <limit lower="-3" upper="3" effort="100" velocity="1"/></joint></robot>"#;
-    let files = [
-        source("one.toml", arm),
-        source("one.urdf", urdf),
-        source("one.skin.toml", "stiffness_n_per_m3 = 1e7"),
-    ];
+    let files =
+        [source("one.toml", arm), source("one.urdf", urdf), source("one.skin.toml", "stiffness_n_per_m3 = 1e7")];
     Arm::from_files(&files).unwrap()
 }
 
@@ -47,10 +41,7 @@ fn step_of_the_equilibrium_angle_gives_the_second_order_response() {
     // ω₀ = sqrt(K/I), ζ = D / (2 sqrt(K I)); period 2π/(ω₀ sqrt(1 − ζ²)), overshoot exp(−π ζ / sqrt(1 − ζ²)).
     let arm = one_joint_arm();
     let step_s = 1e-4;
-    let options = PhysicsOptions {
-        step_s,
-        gravity_m_per_s2: 9.81,
-    };
+    let options = PhysicsOptions { step_s, gravity_m_per_s2: 9.81 };
     let mut engine = Engine::new(options);
     let bodies = ArmBodies::insert(&arm, &[0.0], &mut engine);
     let target = 0.2;
@@ -60,10 +51,7 @@ fn step_of_the_equilibrium_angle_gives_the_second_order_response() {
     let mut last = 0.0;
     for step in 0..25_000 {
         engine.step();
-        let angle = joints(&bodies, &engine)
-            .iter()
-            .map(|joint| joint.angle_rad)
-            .collect::<Vec<f64>>()[0];
+        let angle = joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>()[0];
         if last < target && angle >= target {
             rising.push(step_s * (f64::from(step) + (target - last) / (angle - last)));
         }
@@ -81,67 +69,38 @@ fn step_of_the_equilibrium_angle_gives_the_second_order_response() {
     assert!((period * damped / TAU - 1.0).abs() < 5e-3, "period {period} s");
     let overshoot = (highest - target) / target;
     let expected = (-std::f64::consts::PI * ratio / (1.0 - ratio * ratio).sqrt()).exp();
-    assert!(
-        (overshoot / expected - 1.0).abs() < 5e-3,
-        "overshoot {overshoot}, expected {expected}"
-    );
+    assert!((overshoot / expected - 1.0).abs() < 5e-3, "overshoot {overshoot}, expected {expected}");
 }
 
 #[test]
 fn end_effector_force_at_rest_is_held_by_the_springs() {
     // Tests statics: K (φ − q) + Jᵀ f = 0 for a known force at the end effector, to 1e-3 of the largest joint torque.
     let arm = Arm::cody().unwrap();
-    let options = PhysicsOptions {
-        step_s: 0.005,
-        gravity_m_per_s2: 9.81,
-    };
+    let options = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 9.81 };
     let posture = arm.start_posture_rad();
     for force in [DVec3::new(-4.0, 0.0, 0.0), DVec3::new(1.0, 3.0, -2.0)] {
         let mut engine = Engine::new(options);
         let bodies = ArmBodies::insert(&arm, &posture, &mut engine);
         for _ in 0..2400 {
-            let end_effector = arm.end_effector_pose(
-                &arm.forward_kinematics(
-                    &joints(&bodies, &engine)
-                        .iter()
-                        .map(|joint| joint.angle_rad)
-                        .collect::<Vec<f64>>(),
-                ),
-            );
+            let end_effector = arm.end_effector_pose(&arm.forward_kinematics(
+                &joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>(),
+            ));
             let body = &mut engine.bodies[bodies.links[arm.end_effector_link]];
             body.reset_forces(true);
             body.reset_torques(true);
             body.add_force_at_point(force, end_effector.position, true);
             engine.step();
         }
-        let angles = joints(&bodies, &engine)
-            .iter()
-            .map(|joint| joint.angle_rad)
-            .collect::<Vec<f64>>();
+        let angles = joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>();
         let links = arm.forward_kinematics(&angles);
         let jacobian = arm.position_jacobian(&links, arm.end_effector_link, arm.end_effector_pose(&links).position);
         let load = jacobian.transpose() * Vector3::new(force.x, force.y, force.z);
         let stiffness = arm.joints.iter().map(|joint| joint.stiffness_nm_per_rad);
-        let spring = DVector::from_iterator(
-            7,
-            stiffness
-                .zip(posture.iter().zip(&angles))
-                .map(|(k, (rest, q))| k * (rest - q)),
-        );
-        assert!(
-            load.amax() > 0.5,
-            "the force must load the joints for the check to mean anything"
-        );
+        let spring =
+            DVector::from_iterator(7, stiffness.zip(posture.iter().zip(&angles)).map(|(k, (rest, q))| k * (rest - q)));
+        assert!(load.amax() > 0.5, "the force must load the joints for the check to mean anything");
         assert!((&spring + &load).amax() < 1e-3 * load.amax(), "{spring} against {load}");
-        let read = joints(&bodies, &engine)
-            .iter()
-            .map(|joint| joint.torque_nm)
-            .collect::<Vec<f64>>();
-        assert!(
-            spring
-                .iter()
-                .zip(&read)
-                .all(|(spring, read)| (spring - read).abs() < 1e-3 * load.amax())
-        );
+        let read = joints(&bodies, &engine).iter().map(|joint| joint.torque_nm).collect::<Vec<f64>>();
+        assert!(spring.iter().zip(&read).all(|(spring, read)| (spring - read).abs() < 1e-3 * load.amax()));
     }
 }

@@ -10,10 +10,7 @@ use crate::simulation::report::JointState;
 
 mod dynamics;
 
-const OPTIONS: PhysicsOptions = PhysicsOptions {
-    step_s: 0.005,
-    gravity_m_per_s2: 9.81,
-};
+const OPTIONS: PhysicsOptions = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 9.81 };
 
 /// The state of every joint.
 fn joints(bodies: &ArmBodies, engine: &Engine) -> Vec<JointState> {
@@ -61,19 +58,10 @@ fn engine_has_the_same_inertia() {
     let arm = Arm::cody().unwrap();
     let (engine, bodies) = inserted(&arm, &arm.start_posture_rad());
     for ((handle, frame), link) in bodies.links.iter().zip(&bodies.inertia_frames).zip(&arm.links).skip(1) {
-        let properties = engine.bodies[*handle]
-            .mass_properties()
-            .local_mprops
-            .transform_by(frame);
+        let properties = engine.bodies[*handle].mass_properties().local_mprops.transform_by(frame);
         assert!((properties.mass() - link.mass_kg).abs() < 1e-12);
         assert!(properties.local_com.distance(link.center_of_mass_link) < 1e-15);
-        assert!(
-            properties
-                .reconstruct_inertia_matrix()
-                .abs_diff_eq(link.inertia_link, 1e-12),
-            "{}",
-            link.name
-        );
+        assert!(properties.reconstruct_inertia_matrix().abs_diff_eq(link.inertia_link, 1e-12), "{}", link.name);
     }
 }
 
@@ -95,10 +83,7 @@ fn arm_stays_where_it_is_put() {
     for ((joint, handle), damping) in arm.joints.iter().zip(&bodies.joints).zip(multibody.damping().iter()) {
         assert_eq!(*damping, joint.damping_nm_s_per_rad);
         let (multibody, link) = engine.joints.get(*handle).unwrap();
-        assert_eq!(
-            multibody.link(link).unwrap().joint().spring(3).0,
-            joint.stiffness_nm_per_rad
-        );
+        assert_eq!(multibody.link(link).unwrap().joint().spring(3).0, joint.stiffness_nm_per_rad);
     }
 }
 
@@ -112,36 +97,21 @@ fn torque_stays_within_the_actuator_limit() {
         let (mut engine, bodies) = inserted(&arm, &posture);
         let far: Vec<f64> = posture.iter().map(|angle| angle + sign * 10.0).collect();
         bodies.set_equilibrium(&arm, &far, &mut engine);
-        for (torque, joint) in joints(&bodies, &engine)
-            .iter()
-            .map(|joint| joint.torque_nm)
-            .collect::<Vec<f64>>()
-            .iter()
-            .zip(&arm.joints)
+        for (torque, joint) in
+            joints(&bodies, &engine).iter().map(|joint| joint.torque_nm).collect::<Vec<f64>>().iter().zip(&arm.joints)
         {
-            assert!(
-                (torque - sign * joint.torque_limit_nm).abs() < 1e-9,
-                "{}: {torque} Nm",
-                joint.name
-            );
+            assert!((torque - sign * joint.torque_limit_nm).abs() < 1e-9, "{}: {torque} Nm", joint.name);
         }
         for _ in 0..400 {
             bodies.set_equilibrium(&arm, &far, &mut engine);
             engine.step();
         }
-        let angles = joints(&bodies, &engine)
-            .iter()
-            .map(|joint| joint.angle_rad)
-            .collect::<Vec<f64>>();
+        let angles = joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>();
         for (angle, joint) in angles.iter().zip(&arm.joints) {
             // A stop gives way by 0.035 rad under the full torque.
             let [lower, upper] = joint.limits_rad;
             let stop = if sign > 0.0 { upper } else { lower };
-            assert!(
-                (angle - stop).abs() < 0.05,
-                "{} is at {angle}, its stop at {stop}",
-                joint.name
-            );
+            assert!((angle - stop).abs() < 0.05, "{} is at {angle}, its stop at {stop}", joint.name);
         }
     }
 }
@@ -157,9 +127,7 @@ fn shapes_sit_where_the_files_put_them() {
         let boxes = bodies.colliders.iter().filter(|(_, on)| *on == link);
         boxes
             .map(|(collider, _)| {
-                engine.colliders[*collider]
-                    .shape()
-                    .compute_aabb(engine.colliders[*collider].position())
+                engine.colliders[*collider].shape().compute_aabb(engine.colliders[*collider].position())
             })
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), bounds| {
                 (low.min(bounds.mins.z), high.max(bounds.maxs.z))
@@ -167,16 +135,10 @@ fn shapes_sit_where_the_files_put_them() {
     };
     let elbow_z = -0.27795;
     let (low, high) = lowest_and_highest("forearm");
-    assert!(
-        (high - (elbow_z - 0.0300)).abs() < 1e-4 && (low - (elbow_z - 0.267)).abs() < 1e-3,
-        "{low} {high}"
-    );
+    assert!((high - (elbow_z - 0.0300)).abs() < 1e-4 && (low - (elbow_z - 0.267)).abs() < 1e-3, "{low} {high}");
     let (low, high) = lowest_and_highest("flipper");
     let wrist_z = elbow_z - 0.27853;
-    assert!(
-        (low - (wrist_z - 0.27)).abs() < 1e-9 && (high - (wrist_z - 0.02)).abs() < 1e-9,
-        "{low} {high}"
-    );
+    assert!((low - (wrist_z - 0.27)).abs() < 1e-9 && (high - (wrist_z - 0.02)).abs() < 1e-9, "{low} {high}");
 }
 
 /// Tests that an engine that has lost its numbers does not make the springs panic: NaN comes back as NaN.

@@ -12,16 +12,9 @@ use crate::simulation::engine::Engine;
 /// rises again and counts as at rest.
 #[test]
 fn a_load_presses_the_top_in() {
-    let block = FoamBlock {
-        height_m: 0.08,
-        wet: true,
-        modulus_pa: 5.0e4,
-    };
+    let block = FoamBlock { height_m: 0.08, wet: true, modulus_pa: 5.0e4 };
     let relaxing_share = block.parameters()["relaxing_share"];
-    let options = PhysicsOptions {
-        step_s: 0.005,
-        gravity_m_per_s2: 0.0,
-    };
+    let options = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 0.0 };
     let mut engine = Engine::new(options);
     let mut mechanism = build(&block, &mut engine);
     let top = mechanism.bodies()[1];
@@ -33,17 +26,11 @@ fn a_load_presses_the_top_in() {
             mechanism.relax(&mut engine);
             engine.step();
         }
-        (
-            -engine.bodies[top].position().translation.z,
-            mechanism.is_at_rest(&engine),
-        )
+        (-engine.bodies[top].position().translation.z, mechanism.is_at_rest(&engine))
     };
     let (depth_m, _) = press(40.0, 30.0);
     let expected = 30.0 * 0.08 / (5.0e4 * 0.025 * (1.0 - relaxing_share));
-    assert!(
-        (depth_m / expected - 1.0).abs() < 1e-3,
-        "found {depth_m}, expected {expected}"
-    );
+    assert!((depth_m / expected - 1.0).abs() < 1e-3, "found {depth_m}, expected {expected}");
     let (depth_m, at_rest) = press(40.0, 0.0);
     assert!(depth_m.abs() < 1e-6 && at_rest, "left at {depth_m}");
 }

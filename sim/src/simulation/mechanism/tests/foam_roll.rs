@@ -19,10 +19,7 @@ fn a_push_creeps_and_recovers() {
         relaxation_time_s: 2.0,
         density_kg_per_m3: 30.0,
     };
-    let options = PhysicsOptions {
-        step_s: 0.005,
-        gravity_m_per_s2: 0.0,
-    };
+    let options = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 0.0 };
     let mut engine = Engine::new(options);
     let mut mechanism = build(&roll, &mut engine);
     // The core takes the force, so that only the lean shows.
@@ -46,22 +43,12 @@ fn a_push_creeps_and_recovers() {
     // Two seconds let the roll's own vibration (3 Hz, damping ratio 0.2) die out.
     let early = lean(2.0, force);
     let expected = at_once * (1.0 + (1.0 - (-2.0 / retardation).exp()));
-    assert!(
-        (early / expected - 1.0).abs() < 0.02,
-        "after 2 s found {early}, expected {expected}"
-    );
+    assert!((early / expected - 1.0).abs() < 0.02, "after 2 s found {early}, expected {expected}");
     let late = lean(40.0, force);
-    assert!(
-        (late / (2.0 * at_once) - 1.0).abs() < 0.02,
-        "at last found {late}, expected {}",
-        2.0 * at_once
-    );
+    assert!((late / (2.0 * at_once) - 1.0).abs() < 0.02, "at last found {late}, expected {}", 2.0 * at_once);
     let soon_after = lean(2.0, 0.0);
     let expected = at_once * (-2.0 / retardation).exp();
-    assert!(
-        (soon_after / expected - 1.0).abs() < 0.02,
-        "2 s after release found {soon_after}, expected {expected}"
-    );
+    assert!((soon_after / expected - 1.0).abs() < 0.02, "2 s after release found {soon_after}, expected {expected}");
     assert!(lean(60.0, 0.0).abs() < 1e-4 * at_once.max(1.0));
 }
 
@@ -80,10 +67,7 @@ fn roll(modulus_pa: f64) -> FoamRoll {
 /// How far the tip of a roll is from upright, m, `seconds` seconds after the start of a push of 50 mN at its top that
 /// lasts half a second.
 fn lean_after_a_push_m(roll: &FoamRoll, seconds: f64) -> f64 {
-    let options = PhysicsOptions {
-        step_s: 0.005,
-        gravity_m_per_s2: 9.81,
-    };
+    let options = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 9.81 };
     let mut engine = Engine::new(options);
     let mut mechanism = build(roll, &mut engine);
     let core = mechanism.bodies()[2];

@@ -9,10 +9,7 @@ use crate::simulation::engine::Engine;
 
 /// Displacement of a leaf's tip under a constant force at the tip, m.
 fn tip_deflection(leaf: &Leaf, force: DVec3) -> DVec3 {
-    let options = PhysicsOptions {
-        step_s: 0.01,
-        gravity_m_per_s2: 0.0,
-    };
+    let options = PhysicsOptions { step_s: 0.01, gravity_m_per_s2: 0.0 };
     let mut engine = Engine::new(options);
     let mechanism = build(leaf, &mut engine);
     let last = mechanism.bodies()[mechanism.bodies().len() - 1];
@@ -49,10 +46,7 @@ fn small_tip_load_bends_as_a_beam() {
     let expected = load * leaf.height_m.powi(3) / 3.0 / leaf.flexural_rigidity_n_m2;
     for sign in [1.0, -1.0] {
         let found = tip_deflection(&leaf, DVec3::X * load * sign).x * sign;
-        assert!(
-            (found / expected - 1.0).abs() < 1e-3,
-            "found {found} m, expected {expected} m"
-        );
+        assert!((found / expected - 1.0).abs() < 1e-3, "found {found} m, expected {expected} m");
     }
 }
 
@@ -73,8 +67,5 @@ fn root_compliance_adds_its_own_deflection() {
     );
     let sideways = tip_deflection(&leaf, DVec3::Y * load).y;
     let expected = load * leaf.height_m.powi(2) / leaf.sideways_stiffness_nm_per_rad();
-    assert!(
-        (sideways / expected - 1.0).abs() < 2e-3,
-        "found {sideways}, expected {expected}"
-    );
+    assert!((sideways / expected - 1.0).abs() < 2e-3, "found {sideways}, expected {expected}");
 }

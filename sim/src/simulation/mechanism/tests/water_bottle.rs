@@ -11,19 +11,11 @@ use crate::physics::PhysicsOptions;
 use crate::simulation::engine::Engine;
 use crate::simulation::mechanism::Mechanism;
 
-const OPTIONS: PhysicsOptions = PhysicsOptions {
-    step_s: 0.005,
-    gravity_m_per_s2: 9.81,
-};
+const OPTIONS: PhysicsOptions = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 9.81 };
 
 /// On the table its coefficient of friction is 0.3.
-const BOTTLE: WaterBottle = WaterBottle {
-    diameter_m: 0.26,
-    height_m: 0.45,
-    empty_mass_kg: 0.75,
-    water_mass_kg: 0.25,
-    friction: 0.2,
-};
+const BOTTLE: WaterBottle =
+    WaterBottle { diameter_m: 0.26, height_m: 0.45, empty_mass_kg: 0.75, water_mass_kg: 0.25, friction: 0.2 };
 
 /// The force at which it slides, N.
 const SLIPPING_N: f64 = 0.3 * 9.81;
@@ -74,9 +66,7 @@ fn a_push_beside_the_middle_turns_it() {
     push(&mut engine, &mechanism, DVec3::X * 1.3 * SLIPPING_N, beside, 0.2);
     let stopped = push(&mut engine, &mechanism, DVec3::ZERO, DVec3::ZERO, 2.0);
     assert!(stopped.x > 0.01, "{stopped}");
-    let forward = engine.bodies[mechanism.bodies()[1]]
-        .position()
-        .transform_vector(DVec3::X);
+    let forward = engine.bodies[mechanism.bodies()[1]].position().transform_vector(DVec3::X);
     assert!(forward.y < -0.1, "{forward}");
     let later = push(&mut engine, &mechanism, DVec3::ZERO, DVec3::ZERO, 2.0);
     assert!((later - stopped).length() < 1e-6, "{stopped} {later}");
@@ -87,19 +77,10 @@ fn a_push_beside_the_middle_turns_it() {
 #[test]
 fn a_trunk_stops_it() {
     let mut engine = Engine::new(OPTIONS);
-    let trunk = Trunk {
-        diameter_m: 0.03,
-        height_m: 0.5,
-    };
+    let trunk = Trunk { diameter_m: 0.03, height_m: 0.5 };
     Mechanism::build(&trunk.structure(), &mut engine, DVec3::X * 0.2, 0.0);
     let mechanism = build(&BOTTLE, &mut engine);
-    let base = push(
-        &mut engine,
-        &mechanism,
-        DVec3::X * 1.3 * SLIPPING_N,
-        DVec3::Z * 0.2,
-        4.0,
-    );
+    let base = push(&mut engine, &mechanism, DVec3::X * 1.3 * SLIPPING_N, DVec3::Z * 0.2, 4.0);
     // The surfaces meet at 0.2 − 0.015 − 0.13 m.
     assert!((base.x - 0.055).abs() < 1e-3, "{base}");
 }
@@ -110,13 +91,7 @@ fn a_trunk_stops_it() {
 fn pushed_at_its_top_it_falls_over() {
     let mut engine = Engine::new(OPTIONS);
     let mechanism = build(&BOTTLE, &mut engine);
-    push(
-        &mut engine,
-        &mechanism,
-        DVec3::X * 0.98 * SLIPPING_N,
-        DVec3::Z * 0.45,
-        1.5,
-    );
+    push(&mut engine, &mechanism, DVec3::X * 0.98 * SLIPPING_N, DVec3::Z * 0.45, 1.5);
     push(&mut engine, &mechanism, DVec3::ZERO, DVec3::ZERO, 5.0);
     let pose = *engine.bodies[mechanism.bodies()[1]].position();
     let axis = pose.transform_vector(DVec3::Z);
