@@ -118,17 +118,10 @@ fn hundred_taxels() -> (SkinLayout, Frame) {
         object: None,
     });
     let frame = Frame {
-        time_s: 0.0,
-        joint_angle_rad: Vec::new(),
-        joint_velocity_rad_per_s: Vec::new(),
-        equilibrium_angle_rad: Vec::new(),
-        joint_torque_nm: Vec::new(),
         end_effector_pose_world: pose,
-        goal_position_world: DVec3::ZERO,
-        goal_index: 0,
         patch_pose_world: vec![pose],
-        contact_force_world: vec![DVec3::ZERO],
         taxels: readings.collect(),
+        ..Frame::blank(1)
     };
     (SkinLayout { patches: vec![patch] }, frame)
 }

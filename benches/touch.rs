@@ -59,16 +59,10 @@ fn frame(index: usize, object: usize, regions: usize) -> Frame {
     taxels.sort_by_key(|reading| reading.taxel);
     Frame {
         time_s: index as f64 * 0.01,
-        joint_angle_rad: vec![],
-        joint_velocity_rad_per_s: vec![],
-        equilibrium_angle_rad: vec![],
-        joint_torque_nm: vec![],
         end_effector_pose_world: pose,
-        goal_position_world: DVec3::ZERO,
-        goal_index: 0,
         patch_pose_world: vec![pose],
-        contact_force_world: vec![DVec3::ZERO],
         taxels,
+        ..Frame::blank(1)
     }
 }
 

@@ -89,15 +89,8 @@ fn frame(time_s: f64, force_n: f64) -> Frame {
     let pose = Pose::new(DVec3::ZERO, DQuat::IDENTITY);
     Frame {
         time_s,
-        joint_angle_rad: vec![],
-        joint_velocity_rad_per_s: vec![],
-        equilibrium_angle_rad: vec![],
-        joint_torque_nm: vec![],
         end_effector_pose_world: pose,
-        goal_position_world: DVec3::ZERO,
-        goal_index: 0,
         patch_pose_world: vec![pose],
-        contact_force_world: vec![DVec3::ZERO],
         taxels: vec![TaxelReading {
             patch: 0,
             taxel: 0,
@@ -106,6 +99,7 @@ fn frame(time_s: f64, force_n: f64) -> Frame {
             sensed_force_n: force_n,
             object: None,
         }],
+        ..Frame::blank(1)
     }
 }
 

@@ -115,19 +115,7 @@ impl PyFrame {
         if !time_s.is_finite() {
             return Err(Failure::argument("time_s", time_s.to_string(), "a finite time", "give seconds"));
         }
-        let frame = Frame {
-            time_s,
-            joint_angle_rad: Vec::new(),
-            joint_velocity_rad_per_s: Vec::new(),
-            equilibrium_angle_rad: Vec::new(),
-            joint_torque_nm: Vec::new(),
-            end_effector_pose_world: Pose::IDENTITY,
-            goal_position_world: DVec3::ZERO,
-            goal_index: 0,
-            contact_force_world: vec![DVec3::ZERO; layout.patches.len()],
-            patch_pose_world: poses,
-            taxels,
-        };
+        let frame = Frame { time_s, patch_pose_world: poses, taxels, ..Frame::blank(layout.patches.len()) };
         Ok(PyFrame { frame, layout })
     }
 

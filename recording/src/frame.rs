@@ -132,3 +132,23 @@ pub struct Frame {
     /// Taxels with a true or a sensed force, sorted by patch, then taxel.
     pub taxels: Vec<TaxelReading>,
 }
+
+impl Frame {
+    /// A frame in which everything is zero and no taxel has a force, of an arm with this number of patches. It has no
+    /// joints.
+    pub fn blank(patches: usize) -> Self {
+        Frame {
+            time_s: 0.0,
+            joint_angle_rad: Vec::new(),
+            joint_velocity_rad_per_s: Vec::new(),
+            equilibrium_angle_rad: Vec::new(),
+            joint_torque_nm: Vec::new(),
+            end_effector_pose_world: Pose::IDENTITY,
+            goal_position_world: DVec3::ZERO,
+            goal_index: 0,
+            patch_pose_world: vec![Pose::IDENTITY; patches],
+            contact_force_world: vec![DVec3::ZERO; patches],
+            taxels: Vec::new(),
+        }
+    }
+}

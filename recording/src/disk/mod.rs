@@ -4,7 +4,7 @@
 //! * a data set of many reaches: a folder in the LeRobotDataset v3.0 layout, [`DatasetWriter`] and [`Dataset`];
 //! * contact trials: a CSV or Parquet table with one row per sample, [`read_trials`] and [`write_trials`].
 //!
-//! `dictionary.rs` lists all tables with their columns, units and codes. What is written and read, the card of a data
+//! `tables/dictionary.rs` lists all tables with their columns, units and codes. What is written and read, the card of a data
 //! set, the metadata of the files and `docs/data.md` follow from it. The frames of a data set hold what a robot could know; ground
 //! truth is in separate tables. A single recording holds both in one file.
 //!
@@ -13,25 +13,22 @@
 
 mod check;
 mod dataset;
-mod description;
-mod dictionary;
 mod error;
-mod frames;
 mod input_file;
 mod output_file;
 mod recording_file;
 mod seal;
 mod table;
+mod tables;
 #[cfg(test)]
 mod tests;
 mod trials;
-mod truth_columns;
 mod unfinished;
 mod whole_file;
 
 pub use dataset::{
-    ArmText, Dataset, DatasetPlan, DatasetWriter, Episode, FeatureInfo, FileText, Info, PlannedEpisode, Provenance,
-    SceneText, Shard, Shards, file_blake3, remove_dataset,
+    ArmText, Dataset, DatasetPlan, DatasetWriter, FeatureInfo, FileText, Info, PlannedEpisode, Provenance, SceneText,
+    Shard, Shards, file_blake3, remove_dataset,
 };
 pub use error::DiskError;
 pub use input_file::{is_folder, is_there};
@@ -39,6 +36,7 @@ pub use output_file::{check_free, check_not_input};
 pub use recording_file::{is_recording, read_recording, recording_columns, recording_table, write_recording};
 pub use table::batch::Batch;
 pub use table::column::{Column, Rows, Text, Values};
+pub use tables::episode::Episode;
 pub use trials::{read_trials, trial_table, write_trials};
 pub use unfinished::abandon_unfinished_files;
 pub use whole_file::{remove_leftovers, write_file, write_whole};

@@ -4,13 +4,15 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::check::{check_layout, check_recording};
-use super::description::{about, about_entry};
-use super::dictionary::{FRAMES, RECORDING_TRUTH, Table};
-use super::frames::{FRAME_COLUMNS, Feature, Numbering, ReachRows, append_frames, columns_of, features, wanted};
 use super::table::batch::Batch;
 use super::table::read::ParquetTable;
 use super::table::write::{ParquetFile, ROWS_PER_BATCH};
-use super::truth_columns::{TRUTH_COLUMNS, moves};
+use super::tables::description::{about, about_entry};
+use super::tables::dictionary::{FRAMES, RECORDING_TRUTH, Table};
+use super::tables::frames::{
+    FRAME_COLUMNS, Feature, Numbering, ReachRows, append_frames, columns_of, features, wanted,
+};
+use super::tables::truth_columns::{TRUTH_COLUMNS, moves};
 use super::{DiskError, seal};
 use crate::{InputError, Recording};
 

@@ -130,6 +130,15 @@ pub fn write_whole<E: From<DiskError>>(path: &Path, write: impl FnOnce(&Path) ->
     Ok(commit(temporary, path)?)
 }
 
+/// Removes a file or a folder with all that it holds, if it is there.
+pub(super) fn remove_if_there(path: &Path) -> Result<(), DiskError> {
+    let removed = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+    match removed {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(DiskError::io(path, "remove")(error)),
+        _ => Ok(()),
+    }
+}
+
 /// Makes renames in a folder survive a power failure. Only Unix systems can open folders for this.
 pub(super) fn sync_folder(folder: &Path) -> Result<(), DiskError> {
     if cfg!(unix) {

@@ -32,16 +32,11 @@ fn moment(hand: [f64; 3], goal: [f64; 3]) -> (Snapshot, SkinLayout) {
     let pose = Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY };
     let frame = Frame {
         time_s: 1.0,
-        joint_angle_rad: Vec::new(),
-        joint_velocity_rad_per_s: Vec::new(),
-        equilibrium_angle_rad: Vec::new(),
-        joint_torque_nm: Vec::new(),
         end_effector_pose_world: pose,
         goal_position_world: goal.into(),
-        goal_index: 0,
         patch_pose_world: vec![pose],
-        contact_force_world: vec![DVec3::ZERO],
         taxels: vec![reading(0, Some(0)), reading(1, None)],
+        ..Frame::blank(1)
     };
     let taxel =
         Taxel { position_link: DVec3::from(hand) / 2.0, normal_link: DVec3::Z, tangent_link: DVec3::X, area_m2: 1e-4 };

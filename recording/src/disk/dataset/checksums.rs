@@ -19,14 +19,14 @@ const REMEDY: &str = "copy the data set again, or generate it again";
 /// Size and hash of each file by its path relative to the folder, with `/` as separator.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
-pub(super) struct Checksums {
+pub(in crate::disk) struct Checksums {
     files: BTreeMap<String, FileSum>,
 }
 
 /// Size and hash of one file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct FileSum {
+pub(in crate::disk) struct FileSum {
     bytes: u64,
     blake3: String,
 }
@@ -42,12 +42,12 @@ struct ChecksumFile {
 
 impl FileSum {
     /// The size and hash of bytes in memory.
-    pub(super) fn of_bytes(bytes: &[u8]) -> Self {
+    pub(in crate::disk) fn of_bytes(bytes: &[u8]) -> Self {
         FileSum { bytes: bytes.len() as u64, blake3: blake3::hash(bytes).to_hex().to_string() }
     }
 
     /// The size and hash of a file.
-    pub(super) fn of_file(path: &Path) -> Result<Self, DiskError> {
+    pub(in crate::disk) fn of_file(path: &Path) -> Result<Self, DiskError> {
         let mut hasher = blake3::Hasher::new();
         let file = File::open(path).map_err(DiskError::io(path, "read"))?;
         hasher.update_reader(file).map_err(DiskError::io(path, "read"))?;
@@ -66,12 +66,12 @@ pub fn file_blake3(path: &Path) -> Result<String, DiskError> {
 
 impl Checksums {
     /// Adds a file.
-    pub(super) fn add(&mut self, name: impl Into<String>, sum: FileSum) {
+    pub(in crate::disk) fn add(&mut self, name: impl Into<String>, sum: FileSum) {
         self.files.insert(name.into(), sum);
     }
 
     /// Adds every file in a folder of the data set and its subfolders.
-    pub(super) fn add_folder(&mut self, dir: &Path, folder: &str) -> Result<(), DiskError> {
+    pub(in crate::disk) fn add_folder(&mut self, dir: &Path, folder: &str) -> Result<(), DiskError> {
         for name in files_below(dir, folder)? {
             let sum = FileSum::of_file(&dir.join(&name))?;
             self.add(name, sum);
@@ -80,7 +80,7 @@ impl Checksums {
     }
 
     /// Reads the list and checks it against its own hash.
-    pub(super) fn read(dir: &Path) -> Result<Self, DiskError> {
+    pub(in crate::disk) fn read(dir: &Path) -> Result<Self, DiskError> {
         let path = dir.join(names::CHECKSUMS);
         let ChecksumFile { blake3, files } = read_json(&path)?;
         let found = files.hash();
@@ -91,7 +91,7 @@ impl Checksums {
     }
 
     /// Writes the list with its own hash.
-    pub(super) fn write(&self, dir: &Path) -> Result<(), DiskError> {
+    pub(in crate::disk) fn write(&self, dir: &Path) -> Result<(), DiskError> {
         let path = dir.join(names::CHECKSUMS);
         let file = ChecksumFile { blake3: self.hash(), files: self.clone() };
         write_bytes(&path, &json_bytes(&path, &file)?)
@@ -102,7 +102,7 @@ impl Checksums {
     }
 
     /// Hash of the lines of some of the files, hexadecimal.
-    pub(super) fn hash_of(&self, is_wanted: impl Fn(&str) -> bool) -> String {
+    pub(in crate::disk) fn hash_of(&self, is_wanted: impl Fn(&str) -> bool) -> String {
         let mut hasher = blake3::Hasher::new();
         for (name, FileSum { bytes, blake3 }) in self.files.iter().filter(|(name, _)| is_wanted(name)) {
             hasher.update(format!("{name} {bytes} {blake3}\n").as_bytes());
@@ -111,12 +111,12 @@ impl Checksums {
     }
 
     /// Names of the files, sorted.
-    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+    pub(in crate::disk) fn names(&self) -> impl Iterator<Item = &str> {
         self.files.keys().map(String::as_str)
     }
 
     /// Checks that every listed file exists with its size, and that the folders hold no other file.
-    pub(super) fn check_listing(&self, dir: &Path) -> Result<(), DiskError> {
+    pub(in crate::disk) fn check_listing(&self, dir: &Path) -> Result<(), DiskError> {
         for name in self.names() {
             self.check_size(dir, name)?;
         }
@@ -156,7 +156,7 @@ impl Checksums {
     }
 
     /// Checks the hash of a file.
-    pub(super) fn check(&self, dir: &Path, name: &str) -> Result<(), DiskError> {
+    pub(in crate::disk) fn check(&self, dir: &Path, name: &str) -> Result<(), DiskError> {
         self.check_size(dir, name)?;
         let (path, expected) = (dir.join(name), self.expected(dir, name)?);
         let found = FileSum::of_file(&path)?;
@@ -168,7 +168,7 @@ impl Checksums {
 }
 
 /// Paths of the files in a folder of the data set and its subfolders, relative to the set.
-pub(super) fn files_below(dir: &Path, folder: &str) -> Result<Vec<String>, DiskError> {
+pub(in crate::disk) fn files_below(dir: &Path, folder: &str) -> Result<Vec<String>, DiskError> {
     let path = dir.join(folder);
     let mut names = Vec::new();
     for entry in fs::read_dir(&path).map_err(DiskError::io(&path, "read"))? {

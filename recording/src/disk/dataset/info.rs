@@ -9,18 +9,18 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::{DatasetPlan, Provenance};
 use crate::disk::DiskError;
-use crate::disk::frames::Feature;
+use crate::disk::tables::frames::Feature;
 use crate::limits::JSON_BYTES;
 use crate::{Category, InputError, read_bytes};
 
 /// Version of LeRobot's layout that this program writes and reads.
-pub(super) const CODEBASE_VERSION: &str = "v3.0";
+pub(in crate::disk) const CODEBASE_VERSION: &str = "v3.0";
 /// Version of this program's additions to that layout.
-pub(super) const FORMAT: &str = "underbrush-dataset/3";
+pub(in crate::disk) const FORMAT: &str = "underbrush-dataset/3";
 /// Size at which a new data file is started, MB: LeRobot's default.
-pub(super) const MEGABYTES_PER_FILE: u64 = 100;
+pub(in crate::disk) const MEGABYTES_PER_FILE: u64 = 100;
 /// Data files per folder.
-pub(super) const FILES_PER_CHUNK: usize = 1000;
+pub(in crate::disk) const FILES_PER_CHUNK: usize = 1000;
 
 /// The content of `meta/info.json`, with LeRobot's names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -56,7 +56,12 @@ pub struct Info {
 
 impl Info {
     /// The information about a set with this plan.
-    pub(super) fn new(plan: &DatasetPlan, total_frames: usize, total_tasks: usize, features: &[Feature]) -> Self {
+    pub(in crate::disk) fn new(
+        plan: &DatasetPlan,
+        total_frames: usize,
+        total_tasks: usize,
+        features: &[Feature],
+    ) -> Self {
         let total_episodes = plan.episodes.len();
         Info {
             codebase_version: CODEBASE_VERSION.to_string(),
@@ -106,18 +111,18 @@ fn serialize_rate<S: Serializer>(rate_hz: &f64, serializer: S) -> Result<S::Ok, 
 
 /// The content of `meta/provenance.json`.
 #[derive(Serialize, Deserialize)]
-pub(super) struct ProvenanceFile {
+pub(in crate::disk) struct ProvenanceFile {
     /// Always [`FORMAT`].
-    pub(super) format: String,
+    pub(in crate::disk) format: String,
     /// Categories of objects besides the built-in ones.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(super) categories: Vec<Category>,
+    pub(in crate::disk) categories: Vec<Category>,
     /// The origin of the data.
-    pub(super) provenance: Provenance,
+    pub(in crate::disk) provenance: Provenance,
 }
 
 /// Reads a JSON file.
-pub(super) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, DiskError> {
+pub(in crate::disk) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, DiskError> {
     let remedy = "copy or generate the data set again";
     // What is no file here was not made by a person, so it is a failure to read a file of the set.
     let bytes =

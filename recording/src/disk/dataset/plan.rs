@@ -138,7 +138,7 @@ impl fmt::Display for Shard {
 /// The first difference between two plans: its path and both values. The provenance is compared first because
 /// everything else follows from it. A changed skin file is then reported as that file, and not as the first taxel
 /// that moved.
-pub(super) fn first_difference(stored: &Value, given: &Value) -> Option<(String, String, String)> {
+pub(in crate::disk) fn first_difference(stored: &Value, given: &Value) -> Option<(String, String, String)> {
     const FIRST: &str = "provenance";
     search(FIRST, stored.get(FIRST), given.get(FIRST)).or_else(|| search("", Some(stored), Some(given)))
 }

@@ -11,4 +11,5 @@ pub(super) mod parquet_input;
 pub(super) mod plain_pages;
 pub(super) mod read;
 pub(super) mod row;
+pub(super) mod row_groups;
 pub(super) mod write;

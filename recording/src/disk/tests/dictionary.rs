@@ -6,9 +6,9 @@ use serde_json::{Value, json};
 
 use super::dataset::make;
 use super::reach;
-use crate::disk::description::{covers, describe_tables};
-use crate::disk::dictionary::{FRAMES, RECORDING_TRUTH, TABLES, Table};
 use crate::disk::table::read::{COLUMNS_KEY, ParquetTable};
+use crate::disk::tables::description::{covers, describe_tables};
+use crate::disk::tables::dictionary::{FRAMES, RECORDING_TRUTH, TABLES, Table};
 use crate::disk::trials::TRIALS;
 use crate::disk::{write_recording, write_trials};
 use crate::{Sample, Trial};

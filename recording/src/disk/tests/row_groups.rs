@@ -4,10 +4,11 @@ use std::sync::Arc;
 use super::dataset::plan;
 use super::reach;
 use crate::Recording;
-use crate::disk::dataset::{EpisodeRows, ROWS_PER_GROUP, read_rows, row_groups_of};
-use crate::disk::dictionary::{TABLES, Table};
+use crate::disk::dataset::ROWS_PER_GROUP;
 use crate::disk::table::parquet_input::ParquetInput;
 use crate::disk::table::read::{ParquetTable, Want};
+use crate::disk::table::row_groups::{EpisodeRows, read_rows, row_groups_of};
+use crate::disk::tables::dictionary::{TABLES, Table};
 use crate::disk::{Dataset, DatasetWriter};
 
 /// Number of reaches. Together they fill several row groups of every table except goals and objects.

@@ -16,11 +16,11 @@ use std::path::Path;
 
 use super::DiskError;
 use super::check::{Violation, require};
-use super::dictionary::Table;
 use super::table::batch::Batch;
 use super::table::column::Text;
 use super::table::row::{Row, row};
 use super::whole_file::remove_leftovers;
+use crate::disk::tables::dictionary::Table;
 use crate::plain_text::{PLAIN, is_plain};
 use crate::{Category, InputError, Trial};
 

@@ -5,12 +5,12 @@ use std::path::Path;
 use super::cell::{Cell, Cells};
 use super::collect::Collector;
 use super::{COLUMNS, TOUCHED, TRIALS, TrialRow, place_columns, push};
-use crate::disk::description::{about, about_entry};
 use crate::disk::table::batch::Batch;
 use crate::disk::table::column::{Column, Values};
 use crate::disk::table::read::{ParquetTable, Want};
 use crate::disk::table::row::Row;
 use crate::disk::table::write::{ParquetFile, ROWS_PER_BATCH};
+use crate::disk::tables::description::{about, about_entry};
 use crate::disk::{DiskError, seal};
 use crate::{InputError, Trial};
 

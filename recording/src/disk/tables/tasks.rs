@@ -10,7 +10,7 @@ use crate::disk::table::column::{Column, Text};
 use crate::disk::table::write::write_table;
 
 /// The tasks in the order of their first episodes, with their indices.
-pub(super) fn number_tasks<'a>(tasks: impl IntoIterator<Item = &'a str>) -> BTreeMap<&'a str, i64> {
+pub(in crate::disk) fn number_tasks<'a>(tasks: impl IntoIterator<Item = &'a str>) -> BTreeMap<&'a str, i64> {
     let mut numbers = BTreeMap::new();
     for task in tasks {
         let next = numbers.len() as i64;
@@ -25,7 +25,7 @@ fn pandas_column(name: &str, pandas: &str, numpy: &str) -> Value {
 }
 
 /// Writes the tasks. LeRobot takes the sentence from the pandas index, so the metadata declare `task` as the index.
-pub(super) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, i64>) -> Result<(), DiskError> {
+pub(in crate::disk) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, i64>) -> Result<(), DiskError> {
     let mut tasks: Vec<_> = numbers.iter().map(|(task, number)| (*number, *task)).collect();
     tasks.sort_unstable();
     let columns = vec![

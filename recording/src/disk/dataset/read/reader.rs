@@ -4,26 +4,26 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use super::checksums::Checksums;
-use super::episode::Episode;
-use super::episode_table::read_episodes;
-use super::info::{CODEBASE_VERSION, FORMAT, Info, ProvenanceFile, read_json};
-use super::row_groups::Footers;
-use super::taxel_table::read_taxels;
-use super::truth_bodies::read_bodies;
-use super::truth_frames::{add_patches, add_taxels};
-use super::truth_poses::add_poses;
-use super::truth_tables::{read_contacts, read_goals, read_objects};
-use super::{DatasetPlan, PlannedEpisode, Provenance, names};
 use crate::disk::DiskError;
 use crate::disk::check::check_recording;
-use crate::disk::dictionary::{
-    FRAMES, TRUTH_BODIES, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES, TRUTH_TAXELS, Table,
-};
-use crate::disk::frames::{FRAME_COLUMNS, Feature, append_frames, features, wanted};
+use crate::disk::dataset::checksums::Checksums;
+use crate::disk::dataset::info::{CODEBASE_VERSION, FORMAT, Info, ProvenanceFile, read_json};
+use crate::disk::dataset::{DatasetPlan, PlannedEpisode, Provenance, names};
 use crate::disk::input_file::{is_there, metadata};
 use crate::disk::table::read::{ParquetTable, Want};
+use crate::disk::table::row_groups::Footers;
 use crate::disk::table::write::EPISODE_COLUMN;
+use crate::disk::tables::dictionary::{
+    FRAMES, TRUTH_BODIES, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES, TRUTH_TAXELS, Table,
+};
+use crate::disk::tables::episode::Episode;
+use crate::disk::tables::episode_table::read_episodes;
+use crate::disk::tables::frames::{FRAME_COLUMNS, Feature, append_frames, features, wanted};
+use crate::disk::tables::taxel_table::read_taxels;
+use crate::disk::tables::truth_bodies::read_bodies;
+use crate::disk::tables::truth_frames::{add_patches, add_taxels};
+use crate::disk::tables::truth_poses::add_poses;
+use crate::disk::tables::truth_tables::{read_contacts, read_goals, read_objects};
 use crate::{Category, InputError, Recording, SkinLayout};
 
 /// A finished data set on disk. Frames are read reach by reach.
@@ -36,10 +36,10 @@ pub struct Dataset {
     joint_names: Vec<String>,
     layout: SkinLayout,
     episodes: Vec<Episode>,
-    pub(super) checksums: Checksums,
+    pub(in crate::disk) checksums: Checksums,
     /// Files whose hashes have been checked.
     checked: Mutex<BTreeSet<String>>,
-    pub(super) footers: Footers,
+    pub(in crate::disk) footers: Footers,
 }
 
 /// An error if the files in a folder show that it is not a finished data set.
@@ -161,6 +161,12 @@ impl Dataset {
         &self.episodes
     }
 
+    /// A reach by its index from 0; [`DiskError::NoSuchReach`] for an index outside the set.
+    pub(super) fn episode(&self, index: usize) -> Result<&Episode, DiskError> {
+        let error = || DiskError::NoSuchReach { dir: self.dir.clone(), index, count: self.episodes.len() };
+        self.episodes.get(index).ok_or_else(error)
+    }
+
     /// The plan of the set.
     pub fn plan(&self) -> DatasetPlan {
         let episode = |episode: &Episode| PlannedEpisode {
@@ -215,13 +221,13 @@ impl Dataset {
     }
 
     /// The columns of the frames.
-    pub(super) fn features(&self) -> Vec<Feature> {
+    pub(in crate::disk) fn features(&self) -> Vec<Feature> {
         features(FRAME_COLUMNS, &self.joint_names, &self.layout)
     }
 
     /// The path of a file of the set, for reading. Its hash is checked the first time. All tables are read through this
     /// function.
-    pub(super) fn file(&self, name: &str) -> Result<PathBuf, DiskError> {
+    pub(in crate::disk) fn file(&self, name: &str) -> Result<PathBuf, DiskError> {
         let known = |checked: &BTreeSet<String>| checked.contains(name);
         if !known(&self.checked.lock().unwrap_or_else(PoisonError::into_inner)) {
             // Done without the lock: two threads may check the same file, but none waits for another.
@@ -267,9 +273,7 @@ impl Dataset {
     /// # Errors
     /// [`DiskError::NoSuchReach`] for an index outside the set; [`DiskError::Input`] for damaged files.
     pub fn read_reach(&self, index: usize) -> Result<Recording, DiskError> {
-        let Some(episode) = self.episodes.get(index) else {
-            return Err(DiskError::NoSuchReach { dir: self.dir.clone(), index, count: self.episodes.len() });
-        };
+        let episode = self.episode(index)?;
         let file = |table: &Table| self.file(&names::table(table, episode.chunk_index, episode.file_index));
         let rows = |table: &Table| self.footers.rows(&file(table)?, index, &|_| Want::All);
         let mut recording = Recording {

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::row_groups::EpisodeRows;
 use crate::disk::DiskError;
-use crate::disk::dictionary::TruthBody;
 use crate::disk::table::batch::Batch;
+use crate::disk::table::row_groups::EpisodeRows;
+use crate::disk::tables::dictionary::TruthBody;
 use crate::{Body, BodyOwner, BodyPart, BodyShape, Pose, Recording};
 
 /// A row of a body without shapes.
@@ -64,7 +64,7 @@ fn with_part(row: TruthBody, part: &BodyPart) -> TruthBody {
 }
 
 /// An episode's bodies.
-pub(super) fn body_rows(episode: usize, recording: &Recording) -> Vec<TruthBody> {
+pub(in crate::disk) fn body_rows(episode: usize, recording: &Recording) -> Vec<TruthBody> {
     let mut rows = Vec::new();
     for (index, body) in recording.bodies.iter().enumerate() {
         let bare = bare_row(episode, index, body, recording);
@@ -100,7 +100,7 @@ fn shape_of(batch: &Batch, row: &TruthBody) -> Result<Option<BodyShape>, DiskErr
 }
 
 /// Reads the bodies of an episode, without their motion.
-pub(super) fn read_bodies(rows: &EpisodeRows) -> Result<Vec<Body>, DiskError> {
+pub(in crate::disk) fn read_bodies(rows: &EpisodeRows) -> Result<Vec<Body>, DiskError> {
     let mut bodies: Vec<Body> = Vec::new();
     for batch in &rows.batches {
         for row in batch.rows_as::<TruthBody>()? {

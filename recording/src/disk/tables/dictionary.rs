@@ -5,22 +5,22 @@
 
 use glam::{DQuat, DVec3};
 
-use super::frames::FRAME_COLUMNS;
-use super::table::column::Text;
-use super::table::row::{Described, Row, row};
-use super::truth_columns::TRUTH_COLUMNS;
+use crate::disk::table::column::Text;
+use crate::disk::table::row::{Described, Row, row};
+use crate::disk::tables::frames::FRAME_COLUMNS;
+use crate::disk::tables::truth_columns::TRUTH_COLUMNS;
 
 /// One table.
 #[derive(Clone, Copy)]
-pub(super) struct Table {
+pub(in crate::disk) struct Table {
     /// Name in the card, for `datasets.load_dataset(FOLDER, NAME)`.
-    pub(super) name: &'static str,
+    pub(in crate::disk) name: &'static str,
     /// Folder or file, relative to the data set.
-    pub(super) path: &'static str,
+    pub(in crate::disk) path: &'static str,
     /// What a row is.
-    pub(super) row: &'static str,
+    pub(in crate::disk) row: &'static str,
     /// Its columns.
-    pub(super) columns: fn() -> Vec<Described>,
+    pub(in crate::disk) columns: fn() -> Vec<Described>,
 }
 
 const fn table<R: Row>(name: &'static str, path: &'static str, row: &'static str) -> Table {
@@ -28,7 +28,7 @@ const fn table<R: Row>(name: &'static str, path: &'static str, row: &'static str
 }
 
 /// The frames.
-pub(super) const FRAMES: Table = Table {
+pub(in crate::disk) const FRAMES: Table = Table {
     name: "frames",
     path: "data",
     row: "a frame; J joints, n taxels in each patch",
@@ -36,7 +36,7 @@ pub(super) const FRAMES: Table = Table {
 };
 
 /// The columns that a single recording has in addition to those of [`FRAMES`].
-pub(super) const RECORDING_TRUTH: Table = Table {
+pub(in crate::disk) const RECORDING_TRUTH: Table = Table {
     name: "recording",
     path: "the file of a single recording",
     row: "a frame; the columns of `data` come first, then these",
@@ -64,7 +64,7 @@ row! {
 }
 
 /// Ground truth of each taxel.
-pub(super) const TRUTH_TAXELS: Table = table::<TruthTaxel>(
+pub(in crate::disk) const TRUTH_TAXELS: Table = table::<TruthTaxel>(
     "truth_taxels",
     "truth/taxels",
     "a taxel in contact, in one frame; taxels without contact have no row",
@@ -82,7 +82,7 @@ row! {
 }
 
 /// Ground truth of each patch.
-pub(super) const TRUTH_PATCHES: Table =
+pub(in crate::disk) const TRUTH_PATCHES: Table =
     table::<TruthPatch>("truth_patches", "truth/patches", "a patch in contact, in one frame");
 
 row! {
@@ -109,7 +109,7 @@ row! {
 }
 
 /// Bodies and their shapes.
-pub(super) const TRUTH_BODIES: Table = table::<TruthBody>(
+pub(in crate::disk) const TRUTH_BODIES: Table = table::<TruthBody>(
     "truth_bodies",
     "truth/bodies",
     "a collision shape of a rigid body (a link, or a part of an object that moves as one piece)",
@@ -129,7 +129,7 @@ row! {
 }
 
 /// Poses over time.
-pub(super) const TRUTH_POSES: Table = table::<TruthPose>(
+pub(in crate::disk) const TRUTH_POSES: Table = table::<TruthPose>(
     "truth_poses",
     "truth/poses",
     "a body in a frame where its pose differs from the previous frame; the pose holds until the body's next row. Before \
@@ -149,7 +149,7 @@ row! {
 }
 
 /// Objects.
-pub(super) const TRUTH_OBJECTS: Table =
+pub(in crate::disk) const TRUTH_OBJECTS: Table =
     table::<TruthObject>("truth_objects", "truth/objects", "an object in the clutter of a reach");
 
 row! {
@@ -170,7 +170,7 @@ row! {
 }
 
 /// Goals.
-pub(super) const TRUTH_GOALS: Table = table::<TruthGoal>("truth_goals", "truth/goals", "a goal of a reach");
+pub(in crate::disk) const TRUTH_GOALS: Table = table::<TruthGoal>("truth_goals", "truth/goals", "a goal of a reach");
 
 row! {
     /// A row of [`TRUTH_CONTACTS`].
@@ -188,7 +188,7 @@ row! {
 }
 
 /// Contacts.
-pub(super) const TRUTH_CONTACTS: Table = table::<TruthContact>(
+pub(in crate::disk) const TRUTH_CONTACTS: Table = table::<TruthContact>(
     "truth_contacts",
     "truth/contacts",
     "a contact of an object with a patch or a bare link, from its first frame to its last",
@@ -210,10 +210,10 @@ row! {
 }
 
 /// Taxels.
-pub(super) const TAXELS: Table = table::<SkinTaxel>("taxels", "meta/taxels.parquet", "a taxel");
+pub(in crate::disk) const TAXELS: Table = table::<SkinTaxel>("taxels", "meta/taxels.parquet", "a taxel");
 
 /// All tables that are described here. LeRobot's own tables in `meta/` are not among them.
-pub(super) const TABLES: [&Table; 9] = [
+pub(in crate::disk) const TABLES: [&Table; 9] = [
     &FRAMES,
     &TRUTH_TAXELS,
     &TRUTH_PATCHES,

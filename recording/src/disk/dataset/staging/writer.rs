@@ -5,15 +5,16 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::assembled::Assembled;
-use super::checksums::FileSum;
 use super::finish::{assemble, assemble_from};
 use super::folder::{Folder, list, look, not_locked, open_lock, remove_incomplete, require_same_set, settle_plan};
-use super::info::read_json;
-use super::staging::{BYTES_PER_FILE, Staging};
-use super::{Dataset, DatasetPlan, Shard, names, staged_reach};
+use super::staged::{BYTES_PER_FILE, Staging};
+use super::staged_reach;
 use crate::Recording;
 use crate::disk::DiskError;
 use crate::disk::check::{Violation, check_categories, check_robot, require};
+use crate::disk::dataset::checksums::FileSum;
+use crate::disk::dataset::info::read_json;
+use crate::disk::dataset::{Dataset, DatasetPlan, Shard, names};
 use crate::disk::input_file::is_there;
 use crate::disk::whole_file::{create_folder, json_bytes, sync_folder, write_bytes};
 
@@ -28,10 +29,10 @@ pub struct DatasetWriter {
     pub(in crate::disk) staging: Staging,
     /// Whether an earlier [`DatasetWriter::finish`] was killed after writing everything, so that only `incomplete/`
     /// has to be removed.
-    pub(super) whole: bool,
+    pub(in crate::disk) whole: bool,
     /// Held until the end: alone, or together with other processes after [`DatasetWriter::share`]. The system releases it
     /// if the process dies.
-    pub(super) lock: File,
+    pub(in crate::disk) lock: File,
 }
 
 impl DatasetWriter {
@@ -67,7 +68,7 @@ impl DatasetWriter {
     }
 
     /// A writer for a folder that is locked and has this plan.
-    pub(super) fn locked(dir: PathBuf, plan: DatasetPlan, lock: File) -> Result<Self, DiskError> {
+    pub(in crate::disk) fn locked(dir: PathBuf, plan: DatasetPlan, lock: File) -> Result<Self, DiskError> {
         let whole = is_there(&dir.join(names::INFO))?;
         let bytes_per_file = BYTES_PER_FILE;
         Ok(DatasetWriter { staging: Staging { dir, plan, bytes_per_file }, whole, lock })
@@ -105,7 +106,7 @@ impl DatasetWriter {
     }
 
     /// Positions in the plan whose reaches are not yet in complete files of the set. They have to be staged.
-    pub(super) fn to_assemble(&self) -> Result<Range<usize>, DiskError> {
+    pub(in crate::disk) fn to_assemble(&self) -> Result<Range<usize>, DiskError> {
         let count = self.staging.plan.episodes.len();
         if self.whole {
             return Ok(count..count);
@@ -222,7 +223,7 @@ fn is_of(sum: &Path, file: &Path) -> Result<bool, DiskError> {
     }
 }
 
-pub(super) fn check_plan(plan: &DatasetPlan) -> Result<(), Violation> {
+pub(in crate::disk) fn check_plan(plan: &DatasetPlan) -> Result<(), Violation> {
     check_robot(&plan.layout, plan.rate_hz, &plan.joint_names)?;
     check_categories(&plan.categories)?;
     require(!plan.episodes.is_empty(), || "episodes".into(), || "none".into(), "at least one reach")

@@ -1,13 +1,13 @@
 //! Reads some columns of one table of a reach, for programs that do not need a whole recording.
 
-use super::names;
-use super::reader::Dataset;
 use crate::InputError;
 use crate::disk::DiskError;
-use crate::disk::dictionary::{FRAMES, TABLES, TAXELS, Table};
+use crate::disk::dataset::names;
+use crate::disk::dataset::read::reader::Dataset;
 use crate::disk::table::batch::Batch;
 use crate::disk::table::column::Type;
 use crate::disk::table::read::Want;
+use crate::disk::tables::dictionary::{FRAMES, TABLES, TAXELS, Table};
 
 impl Dataset {
     /// The names of the columns of `data/`, the table of frames, in their order.
@@ -53,11 +53,10 @@ impl Dataset {
         convert: impl Fn(f64) -> N,
         to: &mut [N],
     ) -> Result<(), DiskError> {
-        if let Some(episode) = self.episodes().get(index) {
-            let path = self.file(&names::table(&FRAMES, episode.chunk_index, episode.file_index))?;
-            if self.footers.numbers(&path, index, column, &convert, to)? {
-                return Ok(());
-            }
+        let episode = self.episode(index)?;
+        let path = self.file(&names::table(&FRAMES, episode.chunk_index, episode.file_index))?;
+        if self.footers.numbers(&path, index, column, &convert, to)? {
+            return Ok(());
         }
         // A file that another program has rewritten may store the numbers in another way.
         let places = to.len();
@@ -101,9 +100,7 @@ impl Dataset {
     }
 
     fn read_rows(&self, index: usize, table: &Table, columns: Option<&[&str]>) -> Result<Vec<Batch>, DiskError> {
-        let Some(episode) = self.episodes().get(index) else {
-            return Err(DiskError::NoSuchReach { dir: self.dir().to_path_buf(), index, count: self.episodes().len() });
-        };
+        let episode = self.episode(index)?;
         let path = self.file(&names::table(table, episode.chunk_index, episode.file_index))?;
         if table.path != FRAMES.path {
             return Ok(self.footers.rows(&path, index, &|_| Want::All)?.batches);

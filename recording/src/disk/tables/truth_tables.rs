@@ -1,19 +1,19 @@
 //! Ground truth per reach: the tables `truth/objects`, `truth/goals` and `truth/contacts`.
 
-use super::row_groups::EpisodeRows;
 use crate::disk::DiskError;
-use crate::disk::dictionary::{TruthContact, TruthGoal, TruthObject};
 use crate::disk::table::batch::Batch;
 use crate::disk::table::column::Text;
+use crate::disk::table::row_groups::EpisodeRows;
+use crate::disk::tables::dictionary::{TruthContact, TruthGoal, TruthObject};
 use crate::{Category, Contact, GoalRecord, ObjectRecord, Outcome, Recording, SafetyStop, SkinLayout};
 
 /// What the index of an object may be.
-pub(super) const OBJECTS: &str = "0 to 32767";
+pub(in crate::disk) const OBJECTS: &str = "0 to 32767";
 /// What a whole number of 32 bits may be.
-pub(super) const COUNTS: &str = "0 to 4294967295";
+pub(in crate::disk) const COUNTS: &str = "0 to 4294967295";
 
 /// An episode's objects, with their parameters as JSON objects.
-pub(super) fn object_rows(episode: usize, recording: &Recording) -> Vec<TruthObject> {
+pub(in crate::disk) fn object_rows(episode: usize, recording: &Recording) -> Vec<TruthObject> {
     let row = |(index, object): (usize, &ObjectRecord)| TruthObject {
         episode_index: episode as i64,
         object_index: index as i32,
@@ -27,7 +27,7 @@ pub(super) fn object_rows(episode: usize, recording: &Recording) -> Vec<TruthObj
 }
 
 /// The objects of an episode of a set with `further` categories.
-pub(super) fn read_objects(rows: &EpisodeRows, further: &[Category]) -> Result<Vec<ObjectRecord>, DiskError> {
+pub(in crate::disk) fn read_objects(rows: &EpisodeRows, further: &[Category]) -> Result<Vec<ObjectRecord>, DiskError> {
     let all = || Category::BUILT_IN.iter().chain(further);
     let known = |name: &str| all().find(|category| category.name() == name).copied();
     rows.read(|batch, row: TruthObject| {
@@ -45,7 +45,7 @@ pub(super) fn read_objects(rows: &EpisodeRows, further: &[Category]) -> Result<V
 }
 
 /// An episode's goals.
-pub(super) fn goal_rows(episode: usize, recording: &Recording) -> Vec<TruthGoal> {
+pub(in crate::disk) fn goal_rows(episode: usize, recording: &Recording) -> Vec<TruthGoal> {
     let row = |(index, goal): (usize, &GoalRecord)| {
         let stop = goal.safety_stop.as_ref();
         TruthGoal {
@@ -65,7 +65,7 @@ pub(super) fn goal_rows(episode: usize, recording: &Recording) -> Vec<TruthGoal>
 }
 
 /// Reads the goals of an episode.
-pub(super) fn read_goals(rows: &EpisodeRows, layout: &SkinLayout) -> Result<Vec<GoalRecord>, DiskError> {
+pub(in crate::disk) fn read_goals(rows: &EpisodeRows, layout: &SkinLayout) -> Result<Vec<GoalRecord>, DiskError> {
     rows.read(|batch, row: TruthGoal| {
         let safety_stop = match (row.stop_object_index, row.stop_link, row.stop_force_n) {
             (Some(object), Some(link), Some(force_n)) => Some(SafetyStop {
@@ -88,7 +88,7 @@ pub(super) fn read_goals(rows: &EpisodeRows, layout: &SkinLayout) -> Result<Vec<
 }
 
 /// The error for a contact that ended a goal or a reach and is not given whole.
-pub(super) fn some_missing(batch: &Batch) -> DiskError {
+pub(in crate::disk) fn some_missing(batch: &Batch) -> DiskError {
     let allowed = "all of them (stop_patch may be null), or none";
     batch.error("the columns stop_…", "only some of them", allowed)
 }
@@ -110,12 +110,12 @@ fn patch_index(batch: &Batch, column: &str, name: Option<&str>, layout: &SkinLay
 }
 
 /// The outcome with a name.
-pub(super) fn read_outcome(batch: &Batch, name: &str) -> Result<Outcome, DiskError> {
+pub(in crate::disk) fn read_outcome(batch: &Batch, name: &str) -> Result<Outcome, DiskError> {
     Outcome::from_name(name).ok_or_else(|| batch.error("outcome", name, "reached, stuck, timed_out or aborted"))
 }
 
 /// An episode's contacts. The patch is null for a part of the link without skin.
-pub(super) fn contact_rows(episode: usize, recording: &Recording) -> Vec<TruthContact> {
+pub(in crate::disk) fn contact_rows(episode: usize, recording: &Recording) -> Vec<TruthContact> {
     let row = |contact: &Contact| TruthContact {
         episode_index: episode as i64,
         link: contact.link.as_str().into(),
@@ -131,7 +131,7 @@ pub(super) fn contact_rows(episode: usize, recording: &Recording) -> Vec<TruthCo
 }
 
 /// Reads the contacts of an episode.
-pub(super) fn read_contacts(rows: &EpisodeRows, layout: &SkinLayout) -> Result<Vec<Contact>, DiskError> {
+pub(in crate::disk) fn read_contacts(rows: &EpisodeRows, layout: &SkinLayout) -> Result<Vec<Contact>, DiskError> {
     rows.read(|batch, row: TruthContact| {
         Ok(Contact {
             link: row.link.to_string(),

@@ -44,16 +44,16 @@ pub struct Episode {
 }
 
 /// The place of the frames of an episode, as in the fields of the same names in [`Episode`].
-pub(super) struct Place {
-    pub(super) frames: usize,
-    pub(super) first_index: usize,
-    pub(super) chunk_index: usize,
-    pub(super) file_index: usize,
+pub(in crate::disk) struct Place {
+    pub(in crate::disk) frames: usize,
+    pub(in crate::disk) first_index: usize,
+    pub(in crate::disk) chunk_index: usize,
+    pub(in crate::disk) file_index: usize,
 }
 
 impl Episode {
     /// The entry of a recording, which may be without frames.
-    pub(super) fn new(task: String, place: Place, recording: Recording) -> Self {
+    pub(in crate::disk) fn new(task: String, place: Place, recording: Recording) -> Self {
         let Place { frames, first_index, chunk_index, file_index } = place;
         Episode {
             task,

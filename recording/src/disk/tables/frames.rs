@@ -8,11 +8,11 @@ use std::ops::Range;
 
 use glam::{DQuat, DVec3};
 
-use super::DiskError;
-use super::table::batch::Batch;
-use super::table::column::{Column, Rows, Type, Value, Values};
-use super::table::read::Want;
-use super::table::row::{Described, Width};
+use crate::disk::DiskError;
+use crate::disk::table::batch::Batch;
+use crate::disk::table::column::{Column, Rows, Type, Value, Values};
+use crate::disk::table::read::Want;
+use crate::disk::table::row::{Described, Width};
 use crate::{Frame, Pose, Recording, SkinLayout, TaxelReading, TrackPoint};
 
 /// Names of the numbers in a pose column.
@@ -21,44 +21,44 @@ const POSITION: Width = Width::Named(&["x_m", "y_m", "z_m"]);
 
 /// The position of a reach in a data set; the default is the position of a single reach.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Numbering {
+pub(in crate::disk) struct Numbering {
     /// The episode.
-    pub(super) episode: usize,
+    pub(in crate::disk) episode: usize,
     /// Index of its first frame among all frames of the set.
-    pub(super) first_index: usize,
+    pub(in crate::disk) first_index: usize,
     /// The task.
-    pub(super) task: i64,
+    pub(in crate::disk) task: i64,
 }
 
 /// A checked recording, whose frames are rows.
-pub(super) struct ReachRows<'a> {
-    pub(super) recording: &'a Recording,
-    pub(super) numbering: Numbering,
+pub(in crate::disk) struct ReachRows<'a> {
+    pub(in crate::disk) recording: &'a Recording,
+    pub(in crate::disk) numbering: Numbering,
     /// The points of all tracks with their bodies, frame by frame.
-    pub(super) moves: Vec<(usize, TrackPoint)>,
+    pub(in crate::disk) moves: Vec<(usize, TrackPoint)>,
 }
 
 impl ReachRows<'_> {
     /// The frame of a place.
-    pub(super) fn frame(&self, place: Place) -> &Frame {
+    pub(in crate::disk) fn frame(&self, place: Place) -> &Frame {
         &self.recording.frames[place.frame]
     }
 
     /// The readings of a place.
-    pub(super) fn readings(&self, place: Place) -> impl Iterator<Item = &TaxelReading> {
+    pub(in crate::disk) fn readings(&self, place: Place) -> impl Iterator<Item = &TaxelReading> {
         readings_of(self.recording, place)
     }
 }
 
 /// Where a value stands: the index of the frame, and of the patch for columns of patches.
 #[derive(Clone, Copy)]
-pub(super) struct Place {
-    pub(super) frame: usize,
-    pub(super) patch: usize,
+pub(in crate::disk) struct Place {
+    pub(in crate::disk) frame: usize,
+    pub(in crate::disk) patch: usize,
 }
 
 /// What a value is, and what it may be.
-pub(super) type Fault = (String, String);
+pub(in crate::disk) type Fault = (String, String);
 
 /// Makes the column of a patch in some frames, with this name and width.
 type Give = fn(&ReachRows, Range<usize>, usize, (&str, Option<usize>)) -> Column;
@@ -66,15 +66,15 @@ type Give = fn(&ReachRows, Range<usize>, usize, (&str, Option<usize>)) -> Column
 type Take = fn(&mut Recording, usize, usize, &Column) -> Result<(), Fault>;
 
 /// A column of frames.
-pub(super) struct FrameColumn {
-    pub(super) described: Described,
-    pub(super) give: Give,
+pub(in crate::disk) struct FrameColumn {
+    pub(in crate::disk) described: Described,
+    pub(in crate::disk) give: Give,
     /// `None` if the values follow from others.
-    pub(super) take: Option<Take>,
+    pub(in crate::disk) take: Option<Take>,
 }
 
 /// Makes a column from a function that fills a row, which has the column's width and zeros.
-pub(super) fn give_rows<T: Value>(
+pub(in crate::disk) fn give_rows<T: Value>(
     rows: &ReachRows,
     frames: Range<usize>,
     patch: usize,
@@ -90,7 +90,7 @@ pub(super) fn give_rows<T: Value>(
 }
 
 /// Makes a column from a function that appends a list.
-pub(super) fn give_lists<T: Value>(
+pub(in crate::disk) fn give_lists<T: Value>(
     rows: &ReachRows,
     frames: Range<usize>,
     patch: usize,
@@ -108,7 +108,7 @@ pub(super) fn give_lists<T: Value>(
 }
 
 /// Adds the values of a column row by row.
-pub(super) fn take_rows<T: Value>(
+pub(in crate::disk) fn take_rows<T: Value>(
     recording: &mut Recording,
     first: usize,
     patch: usize,
@@ -126,7 +126,7 @@ macro_rules! frame_columns {
         $by:ident give $give:expr;
         $(take $take:expr;)?
     )*) => {
-        &[$($crate::disk::frames::FrameColumn {
+        &[$($crate::disk::tables::frames::FrameColumn {
             described: $crate::disk::table::row::Described {
                 name: $name,
                 value: <$value as $crate::disk::table::column::Value>::TYPE,
@@ -135,27 +135,27 @@ macro_rules! frame_columns {
                 unit: $unit,
                 what: $what,
             },
-            give: |rows, frames, patch, column| $crate::disk::frames::$by::<$value>(rows, frames, patch, column, $give),
+            give: |rows, frames, patch, column| $crate::disk::tables::frames::$by::<$value>(rows, frames, patch, column, $give),
             take: frame_columns!(take $value $(, $take)?),
         }),*]
     };
     (take $value:ty) => { None };
     (take $value:ty, $take:expr) => {
         Some(|recording, first, patch, column| {
-            $crate::disk::frames::take_rows::<$value>(recording, first, patch, column, $take)
+            $crate::disk::tables::frames::take_rows::<$value>(recording, first, patch, column, $take)
         })
     };
 }
-pub(super) use frame_columns;
+pub(in crate::disk) use frame_columns;
 
 /// Sets a field.
-pub(super) fn set<T>(field: &mut T, value: T) -> Result<(), Fault> {
+pub(in crate::disk) fn set<T>(field: &mut T, value: T) -> Result<(), Fault> {
     *field = value;
     Ok(())
 }
 
 /// The columns of frames in data sets and recordings.
-pub(super) static FRAME_COLUMNS: &[FrameColumn] = frame_columns! {
+pub(in crate::disk) static FRAME_COLUMNS: &[FrameColumn] = frame_columns! {
     // LeRobot computes the time stamp from the frame rate. The measured time has its own column, in full precision.
     "timestamp": Width::One, f32, "s", "frame_index / rate, as LeRobot defines it";
         give_rows give |rows, place, to| to.fill((place.frame as f64 / rows.recording.rate_hz) as f32);
@@ -221,15 +221,15 @@ pub(super) static FRAME_COLUMNS: &[FrameColumn] = frame_columns! {
 
 /// A column of the frames of a robot: of one of its patches, if the column belongs to patches.
 #[derive(Clone)]
-pub(super) struct Feature {
+pub(in crate::disk) struct Feature {
     column: &'static FrameColumn,
     /// Name of the column, without "/".
-    pub(super) name: String,
+    pub(in crate::disk) name: String,
     patch: usize,
     /// Numbers in a row; `None` for lists.
-    pub(super) width: Option<usize>,
+    pub(in crate::disk) width: Option<usize>,
     /// Names of the numbers, unless they are taxels.
-    pub(super) names: Option<Vec<String>>,
+    pub(in crate::disk) names: Option<Vec<String>>,
 }
 
 impl Feature {
@@ -250,7 +250,7 @@ impl Feature {
     }
 
     /// Type of its numbers.
-    pub(super) fn number(&self) -> Type {
+    pub(in crate::disk) fn number(&self) -> Type {
         self.column.described.value
     }
 
@@ -296,7 +296,11 @@ impl Feature {
 }
 
 /// The columns of the frames of a robot, in file order: those of a patch stand together.
-pub(super) fn features(columns: &'static [FrameColumn], joint_names: &[String], layout: &SkinLayout) -> Vec<Feature> {
+pub(in crate::disk) fn features(
+    columns: &'static [FrameColumn],
+    joint_names: &[String],
+    layout: &SkinLayout,
+) -> Vec<Feature> {
     let of_patches = |column: &FrameColumn| column.described.name.ends_with("PATCH");
     let mut features = Vec::new();
     for group in columns.chunk_by(|a, b| of_patches(a) == of_patches(b)) {
@@ -309,47 +313,38 @@ pub(super) fn features(columns: &'static [FrameColumn], joint_names: &[String], 
 }
 
 /// The columns of some frames.
-pub(super) fn columns_of(features: &[Feature], rows: &ReachRows, frames: Range<usize>) -> Vec<Column> {
+pub(in crate::disk) fn columns_of(features: &[Feature], rows: &ReachRows, frames: Range<usize>) -> Vec<Column> {
     let give =
         |feature: &Feature| (feature.column.give)(rows, frames.clone(), feature.patch, (&feature.name, feature.width));
     features.iter().map(give).collect()
 }
 
 /// What a reader of frames needs of the column with a name.
-pub(super) fn wanted(features: &[Feature]) -> impl Fn(&str) -> Want {
+pub(in crate::disk) fn wanted(features: &[Feature]) -> impl Fn(&str) -> Want {
     move |name| features.iter().find(|feature| feature.name == name).map_or(Want::Nothing, Feature::want)
 }
 
 /// Appends the rows of a batch to the frames of a recording whose other fields are known. What the columns do not hold is
 /// left out.
-pub(super) fn append_frames(features: &[Feature], batch: &Batch, recording: &mut Recording) -> Result<(), DiskError> {
+pub(in crate::disk) fn append_frames(
+    features: &[Feature],
+    batch: &Batch,
+    recording: &mut Recording,
+) -> Result<(), DiskError> {
     let patches = recording.layout.patches.len();
-    let blank = Frame {
-        time_s: 0.0,
-        joint_angle_rad: Vec::new(),
-        joint_velocity_rad_per_s: Vec::new(),
-        equilibrium_angle_rad: Vec::new(),
-        joint_torque_nm: Vec::new(),
-        end_effector_pose_world: Pose::IDENTITY,
-        goal_position_world: DVec3::ZERO,
-        goal_index: 0,
-        patch_pose_world: vec![Pose::IDENTITY; patches],
-        contact_force_world: vec![DVec3::ZERO; patches],
-        taxels: Vec::new(),
-    };
     let first = recording.frames.len();
-    recording.frames.resize(first + batch.rows, blank);
+    recording.frames.resize(first + batch.rows, Frame::blank(patches));
     features.iter().try_for_each(|feature| feature.take(batch, recording, first))
 }
 
 /// The readings of the taxels of a patch in a frame.
-pub(super) fn readings_of(recording: &Recording, place: Place) -> impl Iterator<Item = &TaxelReading> {
+pub(in crate::disk) fn readings_of(recording: &Recording, place: Place) -> impl Iterator<Item = &TaxelReading> {
     let of_patch = move |reading: &&TaxelReading| usize::from(reading.patch) == place.patch;
     recording.frames[place.frame].taxels.iter().filter(of_patch)
 }
 
 /// The reading of a taxel, which is added if the frame has none.
-pub(super) fn reading_of(recording: &mut Recording, place: Place, taxel: usize) -> &mut TaxelReading {
+pub(in crate::disk) fn reading_of(recording: &mut Recording, place: Place, taxel: usize) -> &mut TaxelReading {
     let taxels = &mut recording.frames[place.frame].taxels;
     // Both fit, as the layout was checked.
     let key = (place.patch as u16, taxel as u16);
@@ -374,6 +369,6 @@ fn pose(numbers: &[f64]) -> Pose {
 }
 
 /// Whether a number is the one stored for taxels that a frame does not list: 0, but not −0, so that reading is exact.
-pub(super) fn is_nothing(number: f64) -> bool {
+pub(in crate::disk) fn is_nothing(number: f64) -> bool {
     number.to_bits() == 0
 }

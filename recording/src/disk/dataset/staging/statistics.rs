@@ -11,8 +11,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use crate::disk::frames::Feature;
 use crate::disk::table::column::{Column, Values};
+use crate::disk::tables::frames::Feature;
 
 /// The quantiles that LeRobot stores, by name, in percent.
 const PERCENTILES: [(&str, u64); 5] = [("q01", 1), ("q10", 10), ("q50", 50), ("q90", 90), ("q99", 99)];
@@ -129,26 +129,26 @@ fn pair((bin, samples): (&i32, &u64)) -> (f64, u64) {
 
 /// Statistics of all columns. Once a row has been added, they survive a round trip through JSON unchanged.
 #[derive(Debug, Serialize, Deserialize)]
-pub(super) struct Statistics {
+pub(in crate::disk) struct Statistics {
     columns: Vec<(String, ColumnStatistics)>,
 }
 
 impl Statistics {
     /// Statistics without any row.
-    pub(super) fn new(features: &[Feature]) -> Self {
+    pub(in crate::disk) fn new(features: &[Feature]) -> Self {
         let column = |feature: &Feature| (feature.name.clone(), ColumnStatistics::new(feature.width.unwrap_or(1)));
         Statistics { columns: features.iter().map(column).collect() }
     }
 
     /// Adds rows, given the same columns.
-    pub(super) fn add(&mut self, columns: &[Column]) {
+    pub(in crate::disk) fn add(&mut self, columns: &[Column]) {
         for ((_, statistics), column) in self.columns.iter_mut().zip(columns) {
             statistics.add(&numbers(column));
         }
     }
 
     /// The content of `meta/stats.json`: one list per statistic, with one entry per number.
-    pub(super) fn summary(&self) -> BTreeMap<&str, Value> {
+    pub(in crate::disk) fn summary(&self) -> BTreeMap<&str, Value> {
         self.columns.iter().map(|(name, column)| (name.as_str(), column.summary())).collect()
     }
 }

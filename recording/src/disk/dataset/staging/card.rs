@@ -6,13 +6,13 @@
 use std::fmt::Write;
 
 use crate::Category;
-use crate::disk::description::describe_tables;
-use crate::disk::dictionary::{FRAMES, TABLES};
+use crate::disk::tables::description::describe_tables;
+use crate::disk::tables::dictionary::{FRAMES, TABLES};
 
-use super::Info;
+use crate::disk::dataset::Info;
 
 /// The card of a set with objects of further `categories`.
-pub(super) fn card(info: &Info, categories: &[Category]) -> String {
+pub(in crate::disk) fn card(info: &Info, categories: &[Category]) -> String {
     let mut text = "---\ntags:\n- LeRobot\n- tactile\nconfigs:\n".to_string();
     for table in TABLES {
         let files = match table.path.strip_suffix(".parquet") {

@@ -1,14 +1,14 @@
 //! The motion of bodies: the table `truth/poses`, with one row per frame in which a body moves.
 
-use super::row_groups::EpisodeRows;
-use super::truth_tables::COUNTS;
 use crate::disk::DiskError;
-use crate::disk::dictionary::TruthPose;
+use crate::disk::table::row_groups::EpisodeRows;
+use crate::disk::tables::dictionary::TruthPose;
+use crate::disk::tables::truth_tables::COUNTS;
 use crate::{Body, Recording, TrackPoint};
 
 /// An episode's moving bodies, one after the other: the numbers of one body change little from row to row, which
 /// compresses well.
-pub(super) fn pose_rows(episode: usize, recording: &Recording) -> Vec<TruthPose> {
+pub(in crate::disk) fn pose_rows(episode: usize, recording: &Recording) -> Vec<TruthPose> {
     let row = |body: usize, point: &TrackPoint| TruthPose {
         episode_index: episode as i64,
         body_index: body as i32,
@@ -21,7 +21,7 @@ pub(super) fn pose_rows(episode: usize, recording: &Recording) -> Vec<TruthPose>
 }
 
 /// Adds the motion to an episode's bodies.
-pub(super) fn add_poses(rows: &EpisodeRows, bodies: &mut [Body]) -> Result<(), DiskError> {
+pub(in crate::disk) fn add_poses(rows: &EpisodeRows, bodies: &mut [Body]) -> Result<(), DiskError> {
     let count = bodies.len();
     for batch in &rows.batches {
         for row in batch.rows_as::<TruthPose>()? {

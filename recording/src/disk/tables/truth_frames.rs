@@ -6,13 +6,13 @@
 
 use glam::DVec3;
 
-use super::row_groups::EpisodeRows;
 use crate::disk::DiskError;
-use crate::disk::dictionary::{TruthPatch, TruthTaxel};
-use crate::disk::frames::{Place, is_nothing, reading_of};
 use crate::disk::table::batch::Batch;
 use crate::disk::table::column::Text;
-use crate::disk::truth_columns::NONE;
+use crate::disk::table::row_groups::EpisodeRows;
+use crate::disk::tables::dictionary::{TruthPatch, TruthTaxel};
+use crate::disk::tables::frames::{Place, is_nothing, reading_of};
+use crate::disk::tables::truth_columns::NONE;
 use crate::{Recording, TaxelReading};
 
 /// The names of the patches.
@@ -22,7 +22,7 @@ fn patch_names(recording: &Recording) -> Vec<Text> {
 }
 
 /// An episode's taxels in contact.
-pub(super) fn taxel_rows(episode: usize, recording: &Recording) -> Vec<TruthTaxel> {
+pub(in crate::disk) fn taxel_rows(episode: usize, recording: &Recording) -> Vec<TruthTaxel> {
     let patches = patch_names(recording);
     let row = |frame: usize, reading: &TaxelReading| {
         let [tangent, binormal] = reading.true_shear_force_n;
@@ -58,7 +58,7 @@ fn place(rows: &Batch, recording: &Recording, frame: i64, patch: &str) -> Result
 }
 
 /// Adds the ground truth of taxels to an episode's frames.
-pub(super) fn add_taxels(rows: &EpisodeRows, recording: &mut Recording) -> Result<(), DiskError> {
+pub(in crate::disk) fn add_taxels(rows: &EpisodeRows, recording: &mut Recording) -> Result<(), DiskError> {
     for batch in &rows.batches {
         for row in batch.rows_as::<TruthTaxel>()? {
             let place = place(batch, recording, row.frame_index, &row.patch)?;
@@ -98,7 +98,7 @@ fn object_of(batch: &Batch, recording: &Recording, row: &TruthTaxel) -> Result<O
 }
 
 /// An episode's patches in contact.
-pub(super) fn patch_rows(episode: usize, recording: &Recording) -> Vec<TruthPatch> {
+pub(in crate::disk) fn patch_rows(episode: usize, recording: &Recording) -> Vec<TruthPatch> {
     let patches = patch_names(recording);
     let mut rows = Vec::new();
     for (frame, found) in recording.frames.iter().enumerate() {
@@ -117,7 +117,7 @@ pub(super) fn patch_rows(episode: usize, recording: &Recording) -> Vec<TruthPatc
 }
 
 /// Adds the contact forces on patches to an episode's frames.
-pub(super) fn add_patches(rows: &EpisodeRows, recording: &mut Recording) -> Result<(), DiskError> {
+pub(in crate::disk) fn add_patches(rows: &EpisodeRows, recording: &mut Recording) -> Result<(), DiskError> {
     for batch in &rows.batches {
         for row in batch.rows_as::<TruthPatch>()? {
             let place = place(batch, recording, row.frame_index, &row.patch)?;

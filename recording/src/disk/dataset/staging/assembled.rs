@@ -11,32 +11,32 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::checksums::{Checksums, FileSum};
-use super::episode::Episode;
-use super::names;
 use super::statistics::Statistics;
 use super::table_files::TableFiles;
 use crate::disk::DiskError;
+use crate::disk::dataset::checksums::{Checksums, FileSum};
+use crate::disk::dataset::names;
+use crate::disk::tables::episode::Episode;
 use crate::disk::whole_file::{begin, commit, json_bytes, write_bytes};
 
 /// Everything about the reaches in complete files that the rest of the set depends on.
 #[derive(Debug, Serialize, Deserialize)]
-pub(super) struct Assembled {
+pub(in crate::disk) struct Assembled {
     /// Number of complete files of each table.
-    pub(super) files: usize,
+    pub(in crate::disk) files: usize,
     /// The episodes in them.
     #[serde(skip)]
-    pub(super) episodes: Vec<Episode>,
+    pub(in crate::disk) episodes: Vec<Episode>,
     /// Checksums of the lists of episodes, one for each file.
     lists: Vec<FileSum>,
     /// Number of episodes in these lists.
     listed: usize,
     /// Number of frames of the episodes.
-    pub(super) total_frames: usize,
+    pub(in crate::disk) total_frames: usize,
     /// Statistics of the frames.
-    pub(super) statistics: Statistics,
+    pub(in crate::disk) statistics: Statistics,
     /// Checksums of the files.
-    pub(super) checksums: Checksums,
+    pub(in crate::disk) checksums: Checksums,
 }
 
 /// Bytes of the last line: a hash in hexadecimal digits and the end of the line.
@@ -93,7 +93,7 @@ fn list_path(dir: &Path, number: usize) -> PathBuf {
 
 impl Assembled {
     /// The state before the first reach.
-    pub(super) fn nothing(statistics: Statistics) -> Self {
+    pub(in crate::disk) fn nothing(statistics: Statistics) -> Self {
         Assembled {
             files: 0,
             episodes: Vec::new(),
@@ -110,7 +110,7 @@ impl Assembled {
     ///
     /// # Errors
     /// [`DiskError::Io`] if a file cannot be read. Its reaches are no longer staged, so they must not count as missing.
-    pub(super) fn read(dir: &Path) -> Result<Option<Self>, DiskError> {
+    pub(in crate::disk) fn read(dir: &Path) -> Result<Option<Self>, DiskError> {
         let stored = read_if_there(&dir.join(names::ASSEMBLED))?;
         let state = stored.as_deref().and_then(hashed);
         let Some(mut assembled) = state.and_then(|json| serde_json::from_slice::<Assembled>(json).ok()) else {
@@ -134,7 +134,7 @@ impl Assembled {
 
     /// Closes the current files and stores the progress. The staged reaches of the episodes so far are then no longer
     /// needed.
-    pub(super) fn files_end(&mut self, files: &mut TableFiles, dir: &Path) -> Result<(), DiskError> {
+    pub(in crate::disk) fn files_end(&mut self, files: &mut TableFiles, dir: &Path) -> Result<(), DiskError> {
         for name in files.close()? {
             let sum = FileSum::of_file(&dir.join(&name))?;
             self.checksums.add(name, sum);

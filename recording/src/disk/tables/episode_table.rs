@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use super::episode::Episode;
-use super::truth_tables::{COUNTS, OBJECTS, read_outcome, some_missing};
 use crate::disk::DiskError;
 use crate::disk::table::batch::Batch;
 use crate::disk::table::column::{Column, Text};
 use crate::disk::table::read::{ParquetTable, Want};
 use crate::disk::table::row::{Row, row};
 use crate::disk::table::write::write_table;
+use crate::disk::tables::episode::Episode;
+use crate::disk::tables::truth_tables::{COUNTS, OBJECTS, read_outcome, some_missing};
 use crate::{Audit, GoalOutcomes, NamedStop, Outcome};
 
 row! {
@@ -54,7 +54,7 @@ fn goals_column(outcome: Outcome) -> String {
 const TOUCHED_FRAMES: &str = "touched_frames.";
 
 /// Writes the episodes, in order.
-pub(super) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), DiskError> {
+pub(in crate::disk) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), DiskError> {
     let row = |(index, episode): (usize, &Episode)| EpisodeRow {
         episode_index: index as i64,
         tasks: Some(vec![episode.task.as_str().into()]),
@@ -107,7 +107,7 @@ pub(super) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), Di
 }
 
 /// Reads the episodes, in order.
-pub(super) fn read_episodes(path: &Path) -> Result<Vec<Episode>, DiskError> {
+pub(in crate::disk) fn read_episodes(path: &Path) -> Result<Vec<Episode>, DiskError> {
     let mut episodes = Vec::new();
     for batch in ParquetTable::open(path)?.batches(&|_| Want::All) {
         read_batch(&batch?, &mut episodes)?;

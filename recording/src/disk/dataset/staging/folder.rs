@@ -6,20 +6,20 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::info::read_json;
-use super::plan::first_difference;
-use super::{Dataset, DatasetPlan, names};
 use crate::InputError;
 use crate::disk::DiskError;
+use crate::disk::dataset::info::read_json;
+use crate::disk::dataset::plan::first_difference;
+use crate::disk::dataset::{Dataset, DatasetPlan, names};
 use crate::disk::input_file::{is_there, metadata};
-use crate::disk::whole_file::{TEMPORARY_PREFIX, json_bytes, sync_folder, write_new_bytes};
+use crate::disk::whole_file::{TEMPORARY_PREFIX, json_bytes, remove_if_there, sync_folder, write_new_bytes};
 
 /// How often removing `incomplete/` is tried. Choice: each attempt fails only if another process starts at that very
 /// moment.
 const ATTEMPTS: usize = 10;
 
 /// The state of a folder for a new data set.
-pub(super) enum Folder {
+pub(in crate::disk) enum Folder {
     Empty,
     Begun,
     Finished,
@@ -27,7 +27,7 @@ pub(super) enum Folder {
 }
 
 /// Finds out what a folder holds.
-pub(super) fn look(dir: &Path) -> Result<Folder, DiskError> {
+pub(in crate::disk) fn look(dir: &Path) -> Result<Folder, DiskError> {
     let of_ours = || -> Result<Option<Folder>, DiskError> {
         // The plan is removed after everything else has been written, so it has to be looked for first.
         let [plan, info] = [names::PLAN, names::INFO].map(|name| is_there(&dir.join(name)));
@@ -62,14 +62,14 @@ pub(super) fn look(dir: &Path) -> Result<Folder, DiskError> {
 }
 
 /// Names of the files and folders in a folder.
-pub(super) fn list(folder: &Path) -> Result<Vec<String>, DiskError> {
+pub(in crate::disk) fn list(folder: &Path) -> Result<Vec<String>, DiskError> {
     let entries = fs::read_dir(folder).map_err(DiskError::io(folder, "read"))?;
     let name = |entry: std::io::Result<fs::DirEntry>| Ok(entry?.file_name().to_string_lossy().into_owned());
     entries.map(name).collect::<std::io::Result<_>>().map_err(DiskError::io(folder, "read"))
 }
 
 /// Stores the plan. If there is one already, it must be the same.
-pub(super) fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
+pub(in crate::disk) fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
     let path = dir.join(names::PLAN);
     if !is_there(&path)? {
         write_new_bytes(&path, &json_bytes(&path, plan)?)?;
@@ -78,13 +78,13 @@ pub(super) fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskErro
 }
 
 /// Checks that the finished set in a folder has the given plan, and returns an error if it does not.
-pub(super) fn require_same_set(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
+pub(in crate::disk) fn require_same_set(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
     let stored = serde_json::to_value(Dataset::open(dir)?.plan());
     require_same(dir, &stored.map_err(|error| DiskError::io(dir, "compare")(error.into()))?, plan)
 }
 
 /// The lock file of a folder. It is removed after the plan, so all processes open the same file while there is a plan.
-pub(super) fn open_lock(dir: &Path) -> Result<File, DiskError> {
+pub(in crate::disk) fn open_lock(dir: &Path) -> Result<File, DiskError> {
     let path = dir.join(names::LOCK);
     let mut options = File::options();
     // Network file systems allow a shared lock only on files that are open for reading.
@@ -93,7 +93,7 @@ pub(super) fn open_lock(dir: &Path) -> Result<File, DiskError> {
 }
 
 /// For `map_err` after trying to lock that file.
-pub(super) fn not_locked(dir: &Path) -> impl FnOnce(TryLockError) -> DiskError {
+pub(in crate::disk) fn not_locked(dir: &Path) -> impl FnOnce(TryLockError) -> DiskError {
     let dir = dir.to_path_buf();
     move |error| match error {
         TryLockError::WouldBlock => DiskError::InUse { dir },
@@ -134,19 +134,12 @@ pub fn remove_dataset(dir: impl AsRef<Path>) -> Result<(), DiskError> {
         let remedy = "move it away, or choose another folder";
         return Err(InputError::new(dir, "folder of the data set", found, "a data set alone", remedy).into());
     }
-    for name in order {
-        let path = dir.join(name);
-        let removed = if name == names::CARD { fs::remove_file(&path) } else { fs::remove_dir_all(&path) };
-        match removed {
-            Err(error) if error.kind() == ErrorKind::NotFound => {}
-            removed => removed.map_err(DiskError::io(&path, "remove"))?,
-        }
-    }
+    order.into_iter().try_for_each(|name| remove_if_there(&dir.join(name)))?;
     sync_folder(dir)
 }
 
 /// Removes the folder `incomplete/` of a set whose plan has been removed. The set is then finished.
-pub(super) fn remove_incomplete(dir: &Path) -> Result<(), DiskError> {
+pub(in crate::disk) fn remove_incomplete(dir: &Path) -> Result<(), DiskError> {
     let incomplete = dir.join(names::INCOMPLETE);
     for _ in 0..ATTEMPTS {
         match fs::remove_dir_all(&incomplete) {

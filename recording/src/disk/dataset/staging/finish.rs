@@ -6,36 +6,36 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::io::ErrorKind;
 use std::path::Path;
 
 use super::assembled::Assembled;
 use super::card::card;
-use super::checksums::{FileSum, files_below};
-use super::episode::{Episode, Place};
-use super::episode_table::write_episodes;
-use super::info::{FORMAT, Info, ProvenanceFile};
-use super::staging::Staging;
+use super::staged::Staging;
+use super::staged_reach;
 use super::statistics::Statistics;
 use super::table_files::TableFiles;
-use super::tasks::{number_tasks, write_tasks};
-use super::taxel_table::write_taxels;
-use super::{names, staged_reach};
 use crate::disk::DiskError;
-use crate::disk::frames::{FRAME_COLUMNS, Numbering, ReachRows, columns_of, features};
+use crate::disk::dataset::checksums::{FileSum, files_below};
+use crate::disk::dataset::info::{FORMAT, Info, ProvenanceFile};
+use crate::disk::dataset::names;
 use crate::disk::input_file::is_there;
 use crate::disk::recording_file::batches;
-use crate::disk::whole_file::{create_folder, json_bytes, remove_leftovers, write_bytes};
+use crate::disk::tables::episode::{Episode, Place};
+use crate::disk::tables::episode_table::write_episodes;
+use crate::disk::tables::frames::{FRAME_COLUMNS, Numbering, ReachRows, columns_of, features};
+use crate::disk::tables::tasks::{number_tasks, write_tasks};
+use crate::disk::tables::taxel_table::write_taxels;
+use crate::disk::whole_file::{create_folder, json_bytes, remove_if_there, remove_leftovers, write_bytes};
 use crate::{Category, Recording};
 
 /// Writes the whole set from the staged reaches, with `meta/info.json` last.
-pub(super) fn assemble(staging: &Staging) -> Result<(), DiskError> {
+pub(in crate::disk) fn assemble(staging: &Staging) -> Result<(), DiskError> {
     assemble_from(staging, |position| staged_reach::read(&staging.path(position)))
 }
 
 /// Writes the whole set, with `meta/info.json` last. `reach` returns the reach at a position of the plan and has to leave
 /// it staged, because the size of the staged file decides where a new data file begins.
-pub(super) fn assemble_from(
+pub(in crate::disk) fn assemble_from(
     staging: &Staging,
     mut reach: impl FnMut(usize) -> Result<Recording, DiskError>,
 ) -> Result<(), DiskError> {
@@ -114,13 +114,6 @@ fn remove_all_but(dir: &Path, whole: BTreeSet<&str>) -> Result<(), DiskError> {
         }
     }
     Ok(())
-}
-
-fn remove_if_there(path: &Path) -> Result<(), DiskError> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() != ErrorKind::NotFound => Err(DiskError::io(path, "remove")(error)),
-        _ => Ok(()),
-    }
 }
 
 /// Hashes all other files, then writes the file that makes the set complete.

@@ -6,20 +6,20 @@
 
 use std::path::{Path, PathBuf};
 
-use super::info::FILES_PER_CHUNK;
-use super::names;
-use super::truth_bodies::body_rows;
-use super::truth_frames::{patch_rows, taxel_rows};
-use super::truth_poses::pose_rows;
-use super::truth_tables::{contact_rows, goal_rows, object_rows};
 use crate::disk::DiskError;
-use crate::disk::description::about_entry;
-use crate::disk::dictionary::{
-    FRAMES, TRUTH_BODIES, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES, TRUTH_TAXELS, Table,
-};
+use crate::disk::dataset::info::FILES_PER_CHUNK;
+use crate::disk::dataset::names;
 use crate::disk::table::column::Column;
 use crate::disk::table::row::Row;
 use crate::disk::table::write::ParquetFile;
+use crate::disk::tables::description::about_entry;
+use crate::disk::tables::dictionary::{
+    FRAMES, TRUTH_BODIES, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES, TRUTH_TAXELS, Table,
+};
+use crate::disk::tables::truth_bodies::body_rows;
+use crate::disk::tables::truth_frames::{patch_rows, taxel_rows};
+use crate::disk::tables::truth_poses::pose_rows;
+use crate::disk::tables::truth_tables::{contact_rows, goal_rows, object_rows};
 use crate::disk::whole_file::create_folder;
 use crate::{Category, Recording};
 
@@ -102,7 +102,7 @@ struct Files {
 }
 
 /// The files of all tables, written one after the other.
-pub(super) struct TableFiles<'a> {
+pub(in crate::disk) struct TableFiles<'a> {
     dir: &'a Path,
     /// Categories that are not built in.
     categories: &'a [Category],
@@ -115,22 +115,22 @@ pub(super) struct TableFiles<'a> {
 
 impl<'a> TableFiles<'a> {
     /// Continues after this many complete files of each table.
-    pub(super) fn new(dir: &'a Path, categories: &'a [Category], bytes_per_file: u64, begun: usize) -> Self {
+    pub(in crate::disk) fn new(dir: &'a Path, categories: &'a [Category], bytes_per_file: u64, begun: usize) -> Self {
         TableFiles { dir, categories, bytes_per_file, files: None, staged_bytes: 0, begun }
     }
 
     /// Number of files of each table started so far.
-    pub(super) fn begun(&self) -> usize {
+    pub(in crate::disk) fn begun(&self) -> usize {
         self.begun
     }
 
     /// Whether an episode with this many staged bytes has to go into new files.
-    pub(super) fn is_full_for(&self, staged_bytes: u64) -> bool {
+    pub(in crate::disk) fn is_full_for(&self, staged_bytes: u64) -> bool {
         self.files.is_some() && self.staged_bytes + staged_bytes > self.bytes_per_file
     }
 
     /// Prepares for an episode with this many staged bytes. Returns chunk and number of its files.
-    pub(super) fn begin_episode(&mut self, staged_bytes: u64) -> (usize, usize) {
+    pub(in crate::disk) fn begin_episode(&mut self, staged_bytes: u64) -> (usize, usize) {
         self.staged_bytes += staged_bytes;
         if self.files.is_none() {
             self.begun += 1;
@@ -145,7 +145,7 @@ impl<'a> TableFiles<'a> {
     }
 
     /// Writes the frames of the episode, which come in batches and have columns like these, as a row group.
-    pub(super) fn write_frames(
+    pub(in crate::disk) fn write_frames(
         &mut self,
         columns: &[Column],
         batches: impl Iterator<Item = Result<Vec<Column>, DiskError>>,
@@ -155,7 +155,7 @@ impl<'a> TableFiles<'a> {
     }
 
     /// Writes the ground truth of the episode, and ends it.
-    pub(super) fn end_episode(&mut self, episode: usize, recording: &Recording) -> Result<(), DiskError> {
+    pub(in crate::disk) fn end_episode(&mut self, episode: usize, recording: &Recording) -> Result<(), DiskError> {
         let Some(files) = &mut self.files else { return Ok(()) };
         for ((_, columns), file) in TRUTH.iter().zip(&mut files.truth) {
             file.add_episode(columns(episode, recording), self.categories)?;
@@ -164,7 +164,7 @@ impl<'a> TableFiles<'a> {
     }
 
     /// Closes the current files. Returns their names.
-    pub(super) fn close(&mut self) -> Result<Vec<String>, DiskError> {
+    pub(in crate::disk) fn close(&mut self) -> Result<Vec<String>, DiskError> {
         self.staged_bytes = 0;
         let Some(files) = self.files.take() else {
             return Ok(Vec::new());

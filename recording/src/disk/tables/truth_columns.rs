@@ -3,17 +3,19 @@
 
 use glam::DVec3;
 
-use super::frames::{Fault, FrameColumn, Place, ReachRows, frame_columns, is_nothing, reading_of, readings_of, set};
-use super::table::row::Width;
+use crate::disk::table::row::Width;
+use crate::disk::tables::frames::{
+    Fault, FrameColumn, Place, ReachRows, frame_columns, is_nothing, reading_of, readings_of, set,
+};
 use crate::{Recording, TaxelReading, TrackPoint};
 
 /// "No object" and "no category".
-pub(super) const NONE: i8 = -1;
+pub(in crate::disk) const NONE: i8 = -1;
 
 const FORCE: Width = Width::Named(&["x_n", "y_n", "z_n"]);
 
 /// The columns.
-pub(super) static TRUTH_COLUMNS: &[FrameColumn] = frame_columns! {
+pub(in crate::disk) static TRUTH_COLUMNS: &[FrameColumn] = frame_columns! {
     "truth.normal_force.PATCH": Width::Taxels(1), f64, "N", "true normal force on each taxel, before the sensor";
         give_rows give |rows, place, to| {
             rows.readings(place).for_each(|reading| to[usize::from(reading.taxel)] = reading.true_normal_force_n);
@@ -93,7 +95,7 @@ pub(super) static TRUTH_COLUMNS: &[FrameColumn] = frame_columns! {
 };
 
 /// The points of all tracks with their bodies, frame by frame.
-pub(super) fn moves(recording: &Recording) -> Vec<(usize, TrackPoint)> {
+pub(in crate::disk) fn moves(recording: &Recording) -> Vec<(usize, TrackPoint)> {
     let bodies = recording.bodies.iter().enumerate();
     let mut moves: Vec<_> =
         bodies.flat_map(|(body, found)| found.track.iter().map(move |point| (body, *point))).collect();

@@ -23,7 +23,7 @@ const MOST_FOOTERS: usize = 512;
 /// The footers of files that have been read. They are kept, because parsing a footer takes longer the more reaches its
 /// file holds.
 #[derive(Debug, Default)]
-pub(super) struct Footers {
+pub(in crate::disk) struct Footers {
     known: Mutex<HashMap<PathBuf, Arc<ParquetMetaData>>>,
 }
 
@@ -41,7 +41,7 @@ impl EpisodeRows {
     }
 
     /// An error unless the number of rows is as expected.
-    pub(super) fn expect(self, count: usize) -> Result<Self, DiskError> {
+    pub(in crate::disk) fn expect(self, count: usize) -> Result<Self, DiskError> {
         if self.count() == count {
             return Ok(self);
         }
@@ -50,7 +50,7 @@ impl EpisodeRows {
     }
 
     /// What `read` makes of the rows.
-    pub(super) fn read<R: Row, T>(
+    pub(in crate::disk) fn read<R: Row, T>(
         &self,
         read: impl Fn(&Batch, R) -> Result<T, DiskError>,
     ) -> Result<Vec<T>, DiskError> {
@@ -118,7 +118,7 @@ pub(in crate::disk) fn read_rows(
 
 impl Footers {
     /// The rows of an episode in a file, with the columns that `want` names.
-    pub(super) fn rows(
+    pub(in crate::disk) fn rows(
         &self,
         path: &Path,
         episode: usize,
@@ -129,7 +129,7 @@ impl Footers {
 
     /// Reads the numbers of a column of an episode into `to`. Returns `false` unless the episode is alone in its row
     /// group and [`plain_pages::read`] can read the column.
-    pub(super) fn numbers<N>(
+    pub(in crate::disk) fn numbers<N>(
         &self,
         path: &Path,
         episode: usize,

@@ -5,19 +5,19 @@ use std::path::Path;
 
 use crate::disk::DiskError;
 use crate::disk::check::check_layout;
-use crate::disk::description::about_entry;
-use crate::disk::dictionary::{SkinTaxel, TAXELS};
 use crate::disk::table::parquet_input::broken;
 use crate::disk::table::read::{ParquetTable, Want};
 use crate::disk::table::row::Row;
 use crate::disk::table::write::write_table;
+use crate::disk::tables::description::about_entry;
+use crate::disk::tables::dictionary::{SkinTaxel, TAXELS};
 use crate::{Patch, SkinLayout, Taxel};
 
 /// Metadata key of the patches without their taxels, as JSON.
 const PATCHES_KEY: &str = "underbrush.patches";
 
 /// Writes the taxel table.
-pub(super) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<(), DiskError> {
+pub(in crate::disk) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<(), DiskError> {
     let row = |patch: &Patch, index: usize, taxel: &Taxel| SkinTaxel {
         patch: patch.name.as_str().into(),
         taxel: index as i32,
@@ -43,7 +43,7 @@ pub(super) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<(), DiskE
 }
 
 /// Reads the skin.
-pub(super) fn read_taxels(path: &Path) -> Result<SkinLayout, DiskError> {
+pub(in crate::disk) fn read_taxels(path: &Path) -> Result<SkinLayout, DiskError> {
     let table = ParquetTable::open(path)?;
     let patches: Vec<Patch> = serde_json::from_str(&table.key_value(PATCHES_KEY)?)
         .map_err(|error| broken(path, format!("{PATCHES_KEY}: {error}")))?;

@@ -11,9 +11,9 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::checksums::FileSum;
 use crate::disk::DiskError;
 use crate::disk::check::check_recording;
+use crate::disk::dataset::checksums::FileSum;
 use crate::disk::recording_file::without_frames;
 use crate::disk::whole_file::write_bytes;
 use crate::{Frame, InputError, Recording, TrackPoint};
@@ -25,7 +25,7 @@ const LEVEL: i32 = 1;
 ///
 /// # Errors
 /// [`DiskError::Unwritable`] for a recording that breaks a rule of its types; [`DiskError::Io`] if it cannot be written.
-pub(super) fn write(path: &Path, recording: &Recording) -> Result<FileSum, DiskError> {
+pub(in crate::disk) fn write(path: &Path, recording: &Recording) -> Result<FileSum, DiskError> {
     check_recording(recording).map_err(|violation| violation.unwritable(path))?;
     let bytes = encode(recording).map_err(DiskError::io(path, "write"))?;
     write_bytes(path, &bytes)?;
@@ -36,7 +36,7 @@ pub(super) fn write(path: &Path, recording: &Recording) -> Result<FileSum, DiskE
 ///
 /// # Errors
 /// [`DiskError::Io`] for a file that cannot be read; [`DiskError::Input`] for one that is damaged.
-pub(super) fn read(path: &Path) -> Result<Recording, DiskError> {
+pub(in crate::disk) fn read(path: &Path) -> Result<Recording, DiskError> {
     let damaged = |cause: io::Error| {
         let remedy = "remove the file, and generate the set with --resume";
         InputError::new(path, "staged reach", cause.to_string(), "a reach that this program has staged", remedy)

@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::dictionary::Table;
-use super::table::column::{Column, Type};
-use super::table::read::COLUMNS_KEY;
-use super::table::row::{Described, part_names};
 use crate::Category;
+use crate::disk::table::column::{Column, Type};
+use crate::disk::table::read::COLUMNS_KEY;
+use crate::disk::table::row::{Described, part_names};
+use crate::disk::tables::dictionary::Table;
 
 /// The codes of the built-in categories and of `further` ones with their names; −1 is none.
-pub(super) fn category_codes(further: &[Category]) -> BTreeMap<i8, String> {
+pub(in crate::disk) fn category_codes(further: &[Category]) -> BTreeMap<i8, String> {
     let categories = Category::BUILT_IN.iter().chain(further);
     let codes = categories.map(|category| (category.code(), category.name().to_owned()));
     codes.chain([(-1, "none".to_owned())]).collect()
@@ -29,7 +29,7 @@ struct About {
 
 /// The columns of a file with their descriptions, units and codes, as a JSON object; `further` are categories that are
 /// not built in.
-pub(super) fn about(tables: &[&Table], columns: &[Column], further: &[Category]) -> String {
+pub(in crate::disk) fn about(tables: &[&Table], columns: &[Column], further: &[Category]) -> String {
     let described: Vec<Described> = tables.iter().flat_map(|table| (table.columns)()).collect();
     let mut all = BTreeMap::new();
     for column in columns {
@@ -48,12 +48,16 @@ pub(super) fn about(tables: &[&Table], columns: &[Column], further: &[Category])
 }
 
 /// As [`about`], as an entry of the metadata of a file.
-pub(super) fn about_entry(tables: &[&Table], columns: &[Column], further: &[Category]) -> (&'static str, String) {
+pub(in crate::disk) fn about_entry(
+    tables: &[&Table],
+    columns: &[Column],
+    further: &[Category],
+) -> (&'static str, String) {
     (COLUMNS_KEY, about(tables, columns, further))
 }
 
 /// Whether an entry describes a column of a file.
-pub(super) fn covers(described: &Described, name: &str) -> bool {
+pub(in crate::disk) fn covers(described: &Described, name: &str) -> bool {
     match described.name.strip_suffix("PATCH") {
         Some(prefix) => name.starts_with(prefix),
         None => part_names(described).iter().any(|part| part == name),
@@ -72,7 +76,7 @@ fn describe(table: &Table) -> String {
 }
 
 /// Tables, columns, units and codes in Markdown; `further` are categories that are not built in.
-pub(super) fn describe_tables(tables: &[&Table], further: &[Category]) -> String {
+pub(in crate::disk) fn describe_tables(tables: &[&Table], further: &[Category]) -> String {
     let codes: Vec<_> = category_codes(further).iter().map(|(code, name)| format!("{code} {name}")).collect();
     let codes = codes.join(", ").replace('-', "−");
     let mut text = format!("Category codes: {codes}. The metadata of the Parquet files have units and codes, too.\n");

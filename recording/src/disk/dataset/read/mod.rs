@@ -1,0 +1,4 @@
+//! Reads a finished data set.
+
+pub(super) mod reader;
+mod some_columns;
