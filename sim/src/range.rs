@@ -15,7 +15,7 @@ mod placement;
 mod schema;
 
 pub use placement::{PLACE_M, Placement, YAW_DEG};
-pub use schema::Within;
+pub use schema::{Within, schema_within};
 
 /// A number as `0.3`, `{ uniform = [low, high] }` or `{ normal = [mean, standard_deviation] }`.
 ///

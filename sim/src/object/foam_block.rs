@@ -5,106 +5,58 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
-use schemars::JsonSchema;
-use serde::Deserialize;
 use underbrush_recording::{BodyShape, Category};
 
 use super::FRICTION;
+use super::group::{Declared, Group, Kind};
 use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Maxwell, Spring, Structure, part};
-use super::{Footing, Object, Specification, StandsOn};
+use super::{Footing, Object, StandsOn};
 use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
-use crate::range::{DrawError, Limited, Placement, Quantity, Within};
-
-const CATEGORY: Category = Category::BLOCK;
+use crate::range::{Draw, DrawError};
 
 /// Length and width of a block, m (paper, section IV-A).
 const LENGTH_M: f64 = 0.25;
 const WIDTH_M: f64 = 0.10;
 
-/// A group of foam blocks in a scene file.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct FoamBlockSpecification {
-    /// How many.
-    pub count: u32,
-    /// Where they may lie; the scene's workspace if not given.
-    pub place: Option<Placement>,
-    /// Height, m.
-    #[serde(default = "default_height")]
-    #[schemars(transform = Within(HEIGHT_LIMITS_M))]
-    pub height_m: Quantity,
-    /// Probability that a block is wet, 0 to 1.
-    #[serde(default = "default_wet_share")]
-    #[schemars(transform = Within(SHARE_LIMITS))]
-    pub wet_share: Quantity,
-    /// Modulus of dry foam, Pa.
-    #[serde(default = "default_dry_modulus")]
-    #[schemars(transform = Within(MODULUS_LIMITS_PA))]
-    pub dry_modulus_pa: Quantity,
-    /// Modulus of wet foam around a leaf's root, Pa.
-    #[serde(default = "default_wet_modulus")]
-    #[schemars(transform = Within(MODULUS_LIMITS_PA))]
-    pub wet_modulus_pa: Quantity,
-}
-
-/// Choice: bricks of floral foam are 8 cm high. A single height keeps the platform level, as in the paper's Fig. 2.
-fn default_height() -> Quantity {
-    Quantity::fixed(0.08)
-}
-
-/// The paper combines wet and dry foam but gives no proportion. Choice: half of each.
-fn default_wet_share() -> Quantity {
-    Quantity::fixed(0.5)
-}
-
-/// Choice: dry phenolic floral foam has a modulus of a few MPa before it crushes.
-fn default_dry_modulus() -> Quantity {
-    Quantity::uniform(1.0e6, 3.0e6)
-}
-
-/// Choice: foam that is soaked and has been pierced before holds a root about forty times more softly.
-fn default_wet_modulus() -> Quantity {
-    Quantity::uniform(3.0e4, 8.0e4)
-}
-
-/// From a mat to a block as high as the clutter.
-const HEIGHT_LIMITS_M: (f64, f64) = (0.01, 0.5);
-const SHARE_LIMITS: (f64, f64) = (0.0, 1.0);
 /// From the softest foams, of a few kPa, to solid plastic.
 const MODULUS_LIMITS_PA: (f64, f64) = (1.0e3, 1.0e9);
 
-impl Specification for FoamBlockSpecification {
-    fn count(&self) -> u32 {
-        self.count
-    }
+impl Kind for FoamBlock {
+    const GROUP: (&'static str, &'static str) = ("FoamBlockSpecification", "A group of foam blocks in a scene file.");
+    const QUANTITIES: &'static [Declared] = &[
+        // Choice: bricks of floral foam are 8 cm high. A single height keeps the platform level, as in the paper's Fig. 2.
+        // Limits: from a mat to a block as high as the clutter.
+        Declared { name: "height_m", text: "Height, m.", default: Draw::Fixed(0.08), limits: (0.01, 0.5) },
+        // The paper combines wet and dry foam but gives no proportion. Choice: half of each.
+        Declared {
+            name: "wet_share",
+            text: "Probability that a block is wet, 0 to 1.",
+            default: Draw::Fixed(0.5),
+            limits: (0.0, 1.0),
+        },
+        // Choice: dry phenolic floral foam has a modulus of a few MPa before it crushes.
+        Declared {
+            name: "dry_modulus_pa",
+            text: "Modulus of dry foam, Pa.",
+            default: Draw::Uniform(1.0e6, 3.0e6),
+            limits: MODULUS_LIMITS_PA,
+        },
+        // Choice: foam that is soaked and has been pierced before holds a root about forty times more softly.
+        Declared {
+            name: "wet_modulus_pa",
+            text: "Modulus of wet foam around a leaf's root, Pa.",
+            default: Draw::Uniform(3.0e4, 8.0e4),
+            limits: MODULUS_LIMITS_PA,
+        },
+    ];
+    const CATEGORY: Category = Category::BLOCK;
+    const STANDS_ON: StandsOn = StandsOn::Table;
 
-    fn place(&self) -> Option<&Placement> {
-        self.place.as_ref()
-    }
-
-    fn quantities(&self) -> Vec<Limited<'_>> {
-        vec![
-            Limited::new("height_m", &self.height_m, HEIGHT_LIMITS_M),
-            Limited::new("wet_share", &self.wet_share, SHARE_LIMITS),
-            Limited::new("dry_modulus_pa", &self.dry_modulus_pa, MODULUS_LIMITS_PA),
-            Limited::new("wet_modulus_pa", &self.wet_modulus_pa, MODULUS_LIMITS_PA),
-        ]
-    }
-
-    fn draw(&self, random: &mut ChaCha8Rng, _: &Footing) -> Result<Box<dyn Object>, DrawError> {
-        let height_m = self.height_m.draw(random, HEIGHT_LIMITS_M)?;
-        let wet = random.next_u32() as f64 / 2f64.powi(32) < self.wet_share.draw(random, SHARE_LIMITS)?;
-        let modulus = if wet { &self.wet_modulus_pa } else { &self.dry_modulus_pa };
-        Ok(Box::new(FoamBlock { height_m, wet, modulus_pa: modulus.draw(random, MODULUS_LIMITS_PA)? }))
-    }
-
-    fn category(&self) -> Category {
-        CATEGORY
-    }
-
-    fn stands_on(&self) -> StandsOn {
-        StandsOn::Table
+    fn draw(group: &Group<Self>, random: &mut ChaCha8Rng, _: &Footing) -> Result<Self, DrawError> {
+        let height_m = group.draw_nth(0, random)?;
+        let wet = random.next_u32() as f64 / 2f64.powi(32) < group.draw_nth(1, random)?;
+        Ok(FoamBlock { height_m, wet, modulus_pa: group.draw_nth(if wet { 3 } else { 2 }, random)? })
     }
 }
 
@@ -173,7 +125,7 @@ impl Object for FoamBlock {
     }
 
     fn category(&self) -> Category {
-        CATEGORY
+        Self::CATEGORY
     }
 
     /// No: goals lie above it.

@@ -1,42 +1,61 @@
 //! Foam roll: the outlier, soft and slow to recover (paper, section V-D and Fig. 14).
 
-mod specification;
-
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{BodyShape, Category};
 
+use super::group::{Declared, Group, Kind, quantities};
 use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Maxwell, Spring, Structure, part};
-use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Object};
+use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Object, StandsOn};
 use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
-
-pub use specification::FoamRollSpecification;
-
-const CATEGORY: Category = Category::OUTLIER;
+use crate::range::{Draw, DrawError, draw_possible};
 
 /// Number of slices that a roll is cut into along its height. Choice: each is then about half as high as the arm is
 /// thick.
 const SLICES: usize = 10;
 
-/// One foam roll standing on the table. Its core leans as a whole on two hinges at the base, and each slice slides
-/// sideways on the core where it is pushed. Every spring is a standard linear solid (Zener model).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FoamRoll {
-    /// Diameter, m.
-    pub diameter_m: f64,
-    /// Height, m.
-    pub height_m: f64,
-    /// Instantaneous modulus, Pa.
-    pub modulus_pa: f64,
-    /// Share of the modulus that relaxes.
-    pub relaxing_share: f64,
-    /// Relaxation time, s.
-    pub relaxation_time_s: f64,
-    /// Density, kg/m³.
-    pub density_kg_per_m3: f64,
+quantities! {
+    /// One foam roll standing on the table. Its core leans as a whole on two hinges at the base, and each slice slides
+    /// sideways on the core where it is pushed. Every spring is a standard linear solid (Zener model).
+    pub struct FoamRoll {
+        // Choice: rolls of soft polyethylene or polyurethane foam, 10–15 cm thick. Limits: from pipe insulation to a
+        // bolster.
+        /// Diameter, m.
+        diameter_m: Draw::Uniform(0.10, 0.15), 0.02, 0.5;
+        // The limits of trunks.
+        /// Height over the table, m.
+        height_m: Draw::Uniform(0.45, 0.55), 0.05, 2.0;
+        // Choice: open-cell polyurethane to soft polyethylene foam.
+        /// Instantaneous modulus, Pa.
+        modulus_pa: Draw::Uniform(5.0e4, 2.0e5), 1.0e3, 1.0e8;
+        // Choice: viscoelastic foams relax to about half of their instantaneous stiffness.
+        /// Share of that modulus that relaxes, 0 to 0.95.
+        relaxing_share: Draw::Uniform(0.4, 0.6), 0.0, 0.95;
+        // Choice: "slow to recover" means seconds. Limits: from the length of a frame to a quarter of an hour.
+        /// Relaxation time, s.
+        relaxation_time_s: Draw::Uniform(1.0, 3.0), 0.01, 1000.0;
+        // Limits: from aerogel to soaked foam.
+        /// Density, kg/m³.
+        density_kg_per_m3: Draw::Fixed(30.0), 1.0, 1000.0;
+    }
+}
+
+impl Kind for FoamRoll {
+    const GROUP: (&'static str, &'static str) = ("FoamRollSpecification", "A group of foam rolls in a scene file.");
+    const QUANTITIES: &'static [Declared] = Self::DECLARED;
+    const CATEGORY: Category = Category::OUTLIER;
+    const STANDS_ON: StandsOn = StandsOn::Table;
+
+    fn draw(group: &Group<Self>, random: &mut ChaCha8Rng, _: &Footing) -> Result<Self, DrawError> {
+        // If nearly all rolls of these ranges would topple, the error asks for a higher modulus.
+        let enough = |roll: &FoamRoll| roll.modulus_pa * roll.load_share() / LARGEST_LOAD_SHARE;
+        let refusal = |roll: &FoamRoll| group.refusal("modulus_pa", Some(enough(roll)), None);
+        draw_possible(|| Self::draw_all(group, random), FoamRoll::stands_by_itself, refusal)
+    }
 }
 
 /// A roll counts as standing up to this share of its toppling load. Choice: it then leans at most five times as far as
@@ -111,7 +130,7 @@ impl Object for FoamRoll {
     }
 
     fn category(&self) -> Category {
-        CATEGORY
+        Self::CATEGORY
     }
 
     /// The arm presses its surface in, but cannot pass it.
@@ -132,14 +151,7 @@ impl Object for FoamRoll {
     }
 
     fn parameters(&self) -> BTreeMap<String, f64> {
-        BTreeMap::from([
-            ("diameter_m".into(), self.diameter_m),
-            ("height_m".into(), self.height_m),
-            ("modulus_pa".into(), self.modulus_pa),
-            ("relaxing_share".into(), self.relaxing_share),
-            ("relaxation_time_s".into(), self.relaxation_time_s),
-            ("density_kg_per_m3".into(), self.density_kg_per_m3),
-        ])
+        self.values()
     }
 
     fn structure(&self) -> Structure {

@@ -1,21 +1,82 @@
 //! Leaf: a bendable cantilever stuck in foam (paper, section IV-A).
 
-mod specification;
-
 use std::collections::BTreeMap;
 
 use glam::DVec3;
+use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{BodyShape, Category};
 
+use super::group::{Declared, Group, Kind, quantities};
 use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Spring, Structure, part};
-use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Object};
+use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Object, StandsOn};
 use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
 use crate::quadrature::gauss_legendre;
+use crate::range::{Draw, DrawError, draw_possible};
 
-pub use specification::{LeafSpecification, SEGMENT_LIMITS};
+quantities! {
+    /// What is drawn for a leaf. The foot frame of its blade: x normal to the blade, y along its width, z up.
+    struct DrawnLeaf {
+        // Choice: half the height of a foam block. Limits: from a stem that hardly holds to the height of two blocks.
+        /// How deep the stem is stuck into the foam, m.
+        root_depth_m: Draw::Uniform(0.03, 0.05), 0.005, 0.2;
+        // Choice: the foliage in the paper's Fig. 2 looks 25–40 cm high. The arm passes over lower leaves than the limit;
+        // higher ones are bushes.
+        /// Height over the foam, m.
+        height_m: Draw::Uniform(0.25, 0.40), 0.05, 1.0;
+        // Blades of artificial plants are 20–50 mm wide. Limits: from a blade of grass to a banana leaf.
+        /// Width of the blade, m.
+        width_m: Draw::Uniform(0.02, 0.05), 0.003, 0.3;
+        // E I = E w t³ / 12 of plastic sheet ranges from 1e-4 to 4e-2 N m². Choice: far below 5e-3 a leaf of this height
+        // could not carry its own weight, and a leaf that cannot is drawn again. Limits: from thin foil (a blade 3 mm
+        // wide, 0.1 mm thick) to a plastic rod of 1 cm.
+        /// Flexural rigidity E I of the blade, N m².
+        flexural_rigidity_n_m2: Draw::Uniform(0.005, 0.05), 1.0e-5, 10.0;
+        // Plastic sheet of 0.5–1.2 mm. Limits: from foil of 10 µm to 2 cm of wood.
+        /// Mass per area, kg/m².
+        mass_per_area_kg_per_m2: Draw::Uniform(0.5, 1.0), 0.01, 20.0;
+        // Low-density polyethylene and soft PVC, from which leaves and stems are moulded, have tan δ of 0.1–0.2 at room
+        // temperature; the air's drag on a swinging blade adds some hundredths. Rubber at its glass transition reaches 2.
+        /// Loss factor of the material.
+        loss_factor: Draw::Uniform(0.1, 0.2), 0.0, 2.0;
+        // Choice: with four, a leaf that is pushed at a third of its height or higher is within 4 % of the continuous
+        // beam, far less than the uncertainty of a plant's stiffness. The engine's cost grows with the cube of the number.
+        /// Number of elastic segments, each with one hinge; the nearest whole number of what is drawn.
+        segments: Draw::Fixed(4.0), 2.0, 40.0;
+    }
+}
 
-const CATEGORY: Category = Category::LEAF;
+impl Kind for Leaf {
+    const GROUP: (&'static str, &'static str) = (
+        "LeafSpecification",
+        "A group of leaves in a scene file. They stand on foam blocks only. The blade's foot frame: x normal to the blade, \
+         y along its width, z up.",
+    );
+    const QUANTITIES: &'static [Declared] = DrawnLeaf::DECLARED;
+    const CATEGORY: Category = Category::LEAF;
+    const STANDS_ON: StandsOn = StandsOn::Foam;
+
+    fn draw(group: &Group<Self>, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Self, DrawError> {
+        let draw = || {
+            let drawn = DrawnLeaf::draw_all(group, random)?;
+            Ok(Leaf {
+                height_m: drawn.height_m,
+                width_m: drawn.width_m,
+                flexural_rigidity_n_m2: drawn.flexural_rigidity_n_m2,
+                mass_per_area_kg_per_m2: drawn.mass_per_area_kg_per_m2,
+                loss_factor: drawn.loss_factor,
+                root_stiffness_nm_per_rad: footing
+                    .foam_modulus_pa
+                    .map(|modulus| root_stiffness_nm_per_rad(modulus, drawn.root_depth_m)),
+                segments: drawn.segments.round() as u32,
+            })
+        };
+        // If nearly all leaves of these ranges would lie down, the error asks for a higher rigidity.
+        let enough = |leaf: &Leaf| leaf.flexural_rigidity_n_m2 * leaf.load_share() / LARGEST_LOAD_SHARE;
+        let refusal = |leaf: &Leaf| group.refusal("flexural_rigidity_n_m2", Some(enough(leaf)), None);
+        draw_possible(draw, Leaf::stands_by_itself, refusal)
+    }
+}
 
 /// Rotational stiffness of a root of depth `depth_m` in foam of the given modulus, Nm/rad. A rigid peg in a Winkler
 /// foundation of modulus E per unit length that rotates about the surface resists with ∫ E x² dx = E d³ / 3 (Hetényi,
@@ -153,7 +214,7 @@ impl Object for Leaf {
     }
 
     fn category(&self) -> Category {
-        CATEGORY
+        Self::CATEGORY
     }
 
     fn is_obstacle(&self) -> bool {

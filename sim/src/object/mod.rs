@@ -1,20 +1,19 @@
 //! The kinds of objects in the clutter: one file for each, and the list `for_each_object_kind`.
 //!
-//! A kind has two types: a *specification*, which holds what a scene file says about a group of such objects, and an
-//! *object*, one concrete instance drawn from it. The object describes its bodies and joints as plain data
+//! A kind declares its quantities once ([`group`]): what a scene file may say about a group of such objects follows from
+//! that. An object is one concrete instance drawn from a group. It describes its bodies and joints as plain data
 //! ([`structure`]) and does not depend on the engine. To add a kind, write a file like `trunk.rs` and add its line to
 //! the list. A kind that belongs to none of the built-in categories defines its own, as `wand.rs` does for the tests.
 
 use std::collections::BTreeMap;
 
-use rand_chacha::ChaCha8Rng;
 use underbrush_recording::Category;
 
 use crate::geometry::Footprint;
-use crate::range::{DrawError, Limited, Placement};
 
 pub mod foam_block;
 pub mod foam_roll;
+pub mod group;
 pub mod leaf;
 pub mod structure;
 pub mod trunk;
@@ -22,59 +21,31 @@ pub mod trunk;
 pub mod wand;
 pub mod water_bottle;
 
+pub use group::{Group, Specification};
 pub use structure::Structure;
 
-/// The list of object kinds, as `key in the scene file: specification type`. Objects are placed in this order, so
+/// The list of object kinds, as `key in the scene file: type of the object`. Objects are placed in this order, so
 /// whatever others stand on comes before them.
 macro_rules! for_each_object_kind {
     ($apply:ident) => {
         $apply! {
             /// Stiff stems fixed to the table.
-            trunk: $crate::object::trunk::TrunkSpecification,
+            trunk: $crate::object::trunk::Trunk,
             /// Soft rolls, foreign to the foliage.
-            foam_roll: $crate::object::foam_roll::FoamRollSpecification,
+            foam_roll: $crate::object::foam_roll::FoamRoll,
             /// Nearly empty water bottles that slide on the table, foreign to the foliage.
-            water_bottle: $crate::object::water_bottle::WaterBottleSpecification,
+            water_bottle: $crate::object::water_bottle::WaterBottle,
             /// Blocks of the ground platform.
-            foam_block: $crate::object::foam_block::FoamBlockSpecification,
+            foam_block: $crate::object::foam_block::FoamBlock,
             /// Bendable leaves that stand in foam.
-            leaf: $crate::object::leaf::LeafSpecification,
+            leaf: $crate::object::leaf::Leaf,
             /// A made-up object of the tests.
             #[cfg(test)]
-            wand: $crate::object::wand::WandSpecification,
+            wand: $crate::object::wand::Wand,
         }
     };
 }
 pub(crate) use for_each_object_kind;
-
-/// What a scene file says about a group of objects of one kind.
-pub trait Specification {
-    /// How many there are.
-    fn count(&self) -> u32;
-
-    /// Where they may stand, if the group says so.
-    fn place(&self) -> Option<&Placement>;
-
-    /// Every range with its name and the physical limits of its values, for validation and error messages.
-    fn quantities(&self) -> Vec<Limited<'_>>;
-
-    /// Draws one object. `footing` is what it stands on.
-    ///
-    /// # Errors
-    /// If a range holds (almost) no physical values.
-    fn draw(&self, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Box<dyn Object>, DrawError>;
-
-    /// Any other error in the group: `(field, found, allowed)`.
-    fn fault(&self) -> Option<(&'static str, String, String)> {
-        None
-    }
-
-    /// What the objects must stand on.
-    fn stands_on(&self) -> StandsOn;
-
-    /// Their ground-truth category.
-    fn category(&self) -> Category;
-}
 
 /// What an object must stand on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,8 +6,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{Body, BodyOwner, Category};
 
-use super::trunk::TrunkSpecification;
-use super::{Footing, Specification, wand};
+use super::trunk::Trunk;
+use super::{Footing, Group, Specification, wand};
 use crate::reach::ReachPlan;
 use crate::scene::{Objects, Scene};
 
@@ -85,7 +85,7 @@ fn trunks_are_not_lower_than_their_radius() {
     let mut random = ChaCha8Rng::seed_from_u64(0);
     let mut draw = |diameter_m: &str| {
         let text = format!("count = 1\ndiameter_m = {diameter_m}\nheight_m = {{ uniform = [0.05, 0.1] }}\n");
-        let group: TrunkSpecification = toml::from_str(&text).unwrap();
+        let group: Group<Trunk> = toml::from_str(&text).unwrap();
         group.draw(&mut random, &footing).map(|trunk| trunk.parameters())
     };
     for _ in 0..30 {

@@ -6,64 +6,36 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
-use schemars::JsonSchema;
-use serde::Deserialize;
 use underbrush_recording::{BodyShape, Category};
 
+use super::group::{Declared, Group, Kind, quantities};
 use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Spring, Structure, part};
-use super::{Footing, Object, Specification, StandsOn};
+use super::{Footing, Object, StandsOn};
 use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
-use crate::range::{DrawError, Limited, Placement, Quantity};
+use crate::range::{Draw, DrawError};
 
 pub(super) const CATEGORY: Category = Category::new("wand", 127).unwrap();
 
-const HEIGHT_LIMITS_M: (f64, f64) = (0.1, 1.0);
 const RADIUS_M: f64 = 0.01;
 const MASS_KG: f64 = 0.05;
 
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct WandSpecification {
-    pub count: u32,
-    pub place: Option<Placement>,
-    #[serde(default = "default_height")]
-    pub height_m: Quantity,
-}
-
-fn default_height() -> Quantity {
-    Quantity::uniform(0.45, 0.55)
-}
-
-impl Specification for WandSpecification {
-    fn count(&self) -> u32 {
-        self.count
-    }
-
-    fn place(&self) -> Option<&Placement> {
-        self.place.as_ref()
-    }
-
-    fn quantities(&self) -> Vec<Limited<'_>> {
-        vec![Limited::new("height_m", &self.height_m, HEIGHT_LIMITS_M)]
-    }
-
-    fn draw(&self, random: &mut ChaCha8Rng, _: &Footing) -> Result<Box<dyn Object>, DrawError> {
-        Ok(Box::new(Wand { height_m: self.height_m.draw(random, HEIGHT_LIMITS_M)? }))
-    }
-
-    fn category(&self) -> Category {
-        CATEGORY
-    }
-
-    fn stands_on(&self) -> StandsOn {
-        StandsOn::Table
+quantities! {
+    pub struct Wand {
+        /// Height over the table, m.
+        height_m: Draw::Uniform(0.45, 0.55), 0.1, 1.0;
     }
 }
 
-#[derive(Clone, Copy, Debug)]
-pub struct Wand {
-    pub height_m: f64,
+impl Kind for Wand {
+    const GROUP: (&'static str, &'static str) = ("WandSpecification", "A group of wands.");
+    const QUANTITIES: &'static [Declared] = Self::DECLARED;
+    const CATEGORY: Category = CATEGORY;
+    const STANDS_ON: StandsOn = StandsOn::Table;
+
+    fn draw(group: &Group<Self>, random: &mut ChaCha8Rng, _: &Footing) -> Result<Self, DrawError> {
+        Self::draw_all(group, random)
+    }
 }
 
 impl Object for Wand {
@@ -92,7 +64,7 @@ impl Object for Wand {
     }
 
     fn parameters(&self) -> BTreeMap<String, f64> {
-        BTreeMap::from([("height_m".into(), self.height_m)])
+        self.values()
     }
 
     fn structure(&self) -> Structure {

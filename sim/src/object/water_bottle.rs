@@ -1,19 +1,18 @@
 //! Water bottle: an outlier that stands free on the table, and slides or tips over when it is pushed.
 
-mod specification;
-
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use glam::DVec3;
+use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{BodyShape, Category};
 
+use super::group::{Declared, Group, Kind, quantities};
 use super::structure::{Body, CollisionGroup, Inertia, Joint, Structure, part};
-use super::{Object, TABLE_FRICTION};
+use super::{Footing, Object, StandsOn, TABLE_FRICTION};
 use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
-
-pub use specification::WaterBottleSpecification;
+use crate::range::{Draw, DrawError, draw_possible};
 
 /// The category of water bottles. Like the foam roll, a bottle does not belong to the foliage; it has a category of its
 /// own because it feels different from a roll.
@@ -21,23 +20,50 @@ pub const CATEGORY: Category = Category::new("bottle", 4).expect("a valid name a
 
 const WATER_DENSITY_KG_PER_M3: f64 = 1000.0;
 
-/// One bottle of a water dispenser, nearly empty. It is a rigid upright cylinder that no joint holds: it stands on the
-/// table by contact alone.
-///
-/// If it is pushed slowly below the height r / μ, it slides and resists with μ m g, however far it has been pushed. If
-/// it is pushed higher up, it tips over.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WaterBottle {
-    /// Diameter, m.
-    pub diameter_m: f64,
-    /// Height, m.
-    pub height_m: f64,
-    /// Mass of the empty bottle, kg.
-    pub empty_mass_kg: f64,
-    /// Mass of the water in it, kg.
-    pub water_mass_kg: f64,
-    /// Coefficient of friction of its surface. A contact has the mean of the coefficients of its two surfaces.
-    pub friction: f64,
+quantities! {
+    /// One bottle of a water dispenser, nearly empty. It is a rigid upright cylinder that no joint holds: it stands on the
+    /// table by contact alone.
+    ///
+    /// If it is pushed slowly below the height r / μ, it slides and resists with μ m g, however far it has been pushed. If
+    /// it is pushed higher up, it tips over.
+    pub struct WaterBottle {
+        // Bottles of water dispensers: those of 3 US gallons (11.4 l) are 25 cm thick and 38 cm high, those of 5 (18.9 l)
+        // are 27 cm thick and 49 cm high. Smaller bottles are lower than the arm passes, or so slim that it tips them
+        // over. Limits: those of foam rolls, from a glass tube to a barrel.
+        /// Diameter, m.
+        diameter_m: Draw::Uniform(0.25, 0.27), 0.02, 0.5;
+        // The limits of trunks.
+        /// Height over the table, m.
+        height_m: Draw::Uniform(0.38, 0.49), 0.05, 2.0;
+        // Empty polycarbonate bottles of 5 gallons weigh about 0.75 kg. Limits: from a thin film of plastic to a steel
+        // barrel.
+        /// Mass of the empty bottle, kg.
+        empty_mass_kg: Draw::Fixed(0.75), 0.01, 30.0;
+        // Choice: a rest of at most half a litre. A full bottle would resist with 50 N, which is more than the 3 N that
+        // the controller allows a contact, and would feel like a trunk. The upper limit is that of a barrel; a draw of
+        // more than the bottle holds is refused.
+        /// Mass of the water in it, kg.
+        water_mass_kg: Draw::Uniform(0.0, 0.5), 0.0, 300.0;
+        // Choice: the coefficient of a contact is then 0.25 to 0.30 with the table (0.4) and 0.20 to 0.25 with Cody's skin
+        // (0.3). Hard plastics slide on smooth table tops with 0.2 to 0.4. The limits are those of an arm's friction.
+        /// Coefficient of friction of the bottle; the table has 0.4, and a contact has the mean of its two surfaces.
+        friction: Draw::Uniform(0.1, 0.2), 0.0, 2.0;
+    }
+}
+
+impl Kind for WaterBottle {
+    const GROUP: (&'static str, &'static str) =
+        ("WaterBottleSpecification", "A group of water bottles in a scene file.");
+    const QUANTITIES: &'static [Declared] = Self::DECLARED;
+    const CATEGORY: Category = CATEGORY;
+    const STANDS_ON: StandsOn = StandsOn::Table;
+
+    fn draw(group: &Group<Self>, random: &mut ChaCha8Rng, _: &Footing) -> Result<Self, DrawError> {
+        let is_possible = |bottle: &WaterBottle| bottle.water_mass_kg <= bottle.capacity_kg();
+        // If nearly all bottles of these ranges would overflow, the error asks for less water.
+        let refusal = |bottle: &WaterBottle| group.refusal("water_mass_kg", None, Some(bottle.capacity_kg()));
+        draw_possible(|| Self::draw_all(group, random), is_possible, refusal)
+    }
 }
 
 impl WaterBottle {
@@ -125,13 +151,7 @@ impl Object for WaterBottle {
     }
 
     fn parameters(&self) -> BTreeMap<String, f64> {
-        BTreeMap::from([
-            ("diameter_m".into(), self.diameter_m),
-            ("height_m".into(), self.height_m),
-            ("empty_mass_kg".into(), self.empty_mass_kg),
-            ("water_mass_kg".into(), self.water_mass_kg),
-            ("friction".into(), self.friction),
-        ])
+        self.values()
     }
 
     fn structure(&self) -> Structure {

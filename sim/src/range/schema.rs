@@ -24,15 +24,19 @@ fn forms(value: &Schema, deviation: &Schema) -> Schema {
     json_schema!({ "oneOf": [value, range("uniform", pair(value)), range("normal", pair(deviation))] })
 }
 
+/// The schema of a quantity with these limits.
+pub fn schema_within((min, max): (f64, f64)) -> Schema {
+    let value = json_schema!({ "type": "number", "minimum": min, "maximum": max });
+    let deviation = json_schema!({ "type": "number", "minimum": 0.0, "maximum": max - min });
+    forms(&value, &deviation)
+}
+
 /// Puts a field's limits into its schema.
 pub struct Within(pub (f64, f64));
 
 impl Transform for Within {
     fn transform(&mut self, schema: &mut Schema) {
-        let (min, max) = self.0;
-        let value = json_schema!({ "type": "number", "minimum": min, "maximum": max });
-        let deviation = json_schema!({ "type": "number", "minimum": 0.0, "maximum": max - min });
-        let mut forms = forms(&value, &deviation);
+        let mut forms = schema_within(self.0);
         if schema.remove("$ref").is_some() {
             if let Some(forms) = forms.remove("oneOf") {
                 schema.insert("oneOf".into(), forms);

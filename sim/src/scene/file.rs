@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::limits;
 use crate::controller::ControllerKind;
-use crate::object::{Specification, for_each_object_kind};
+use crate::object::{Group, Specification, for_each_object_kind};
 use crate::physics::PhysicsOptions;
 use crate::range::{PLACE_M, Quantity, Within};
 use crate::sensor::SensorOptions;
@@ -174,12 +174,12 @@ impl PhysicsSection {
 }
 
 macro_rules! define_objects {
-    ($($(#[$attribute:meta])* $key:ident: $specification:ty,)*) => {
+    ($($(#[$attribute:meta])* $key:ident: $kind:ty,)*) => {
         /// All groups of objects in a scene file, one list for each kind.
         #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields, default)]
         pub struct Objects {
-            $($(#[$attribute])* pub $key: Vec<$specification>,)*
+            $($(#[$attribute])* pub $key: Vec<Group<$kind>>,)*
         }
 
         impl Objects {

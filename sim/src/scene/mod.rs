@@ -161,9 +161,6 @@ impl Scene {
                     }
                 }
             }
-            if let Some((field, found, allowed)) = group.fault() {
-                return Err(self.fault(&format!("{place}.{field}"), found, allowed));
-            }
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
 use super::*;
-use crate::object::{Footing, Specification};
+use crate::object::Specification;
 
 const FOOTING: Footing = Footing { height_m: 0.0, foam_modulus_pa: None };
 
@@ -10,7 +10,7 @@ const FOOTING: Footing = Footing { height_m: 0.0, foam_modulus_pa: None };
 #[test]
 fn no_bottle_overflows() {
     let mut random = crate::seed::stream(0, "bottles", 0, "clutter");
-    let group = |text: &str| -> WaterBottleSpecification { toml::from_str(&format!("count = 1\n{text}")).unwrap() };
+    let group = |text: &str| -> Group<WaterBottle> { toml::from_str(&format!("count = 1\n{text}")).unwrap() };
     let full = "diameter_m = 0.2\nheight_m = 0.3\n";
     // π 0.1² · 0.3 m³ are 9.42 l.
     let error = group(&format!("{full}water_mass_kg = 9.5")).draw(&mut random, &FOOTING);

@@ -1,0 +1,224 @@
+//! Groups of objects in a scene file, and the declaration of the quantities of a kind of objects.
+
+use std::marker::PhantomData;
+
+use rand_chacha::ChaCha8Rng;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::Deserialize;
+use serde::de::{Deserializer, Error, MapAccess, Visitor};
+use underbrush_recording::Category;
+
+use super::{Footing, Object, StandsOn};
+use crate::range::{Draw, DrawError, Limited, Placement, Quantity, schema_within};
+
+/// A quantity of a kind of objects. The key of the scene file, its schema, default and limits follow from it.
+pub struct Declared {
+    /// Its key in the scene file, with its unit.
+    pub name: &'static str,
+    /// What it is.
+    pub text: &'static str,
+    /// How it is drawn if a scene file does not say otherwise.
+    pub default: Draw,
+    /// Smallest and largest value that make physical sense.
+    pub limits: (f64, f64),
+}
+
+/// A kind of objects, as a scene file can ask for it.
+pub trait Kind: Object + Clone + Sized + 'static {
+    /// Name and description of a group in the schema of scene files.
+    const GROUP: (&'static str, &'static str);
+    /// Its quantities.
+    const QUANTITIES: &'static [Declared];
+    /// Its ground-truth category.
+    const CATEGORY: Category;
+    /// What it must stand on.
+    const STANDS_ON: StandsOn;
+
+    /// Draws one object. `footing` is what it stands on.
+    ///
+    /// # Errors
+    /// If a range holds (almost) no physical values.
+    fn draw(group: &Group<Self>, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Self, DrawError>;
+}
+
+/// What a scene file says about a group of objects of one kind.
+pub trait Specification {
+    /// How many there are.
+    fn count(&self) -> u32;
+
+    /// Where they may stand, if the group says so.
+    fn place(&self) -> Option<&Placement>;
+
+    /// Every range with its name and the physical limits of its values, for validation and error messages.
+    fn quantities(&self) -> Vec<Limited<'_>>;
+
+    /// Draws one object. `footing` is what it stands on.
+    ///
+    /// # Errors
+    /// If a range holds (almost) no physical values.
+    fn draw(&self, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Box<dyn Object>, DrawError>;
+
+    /// What the objects must stand on.
+    fn stands_on(&self) -> StandsOn;
+
+    /// Their ground-truth category.
+    fn category(&self) -> Category;
+}
+
+/// A group of objects of one kind in a scene file.
+#[derive(Clone, Debug)]
+pub struct Group<K> {
+    count: u32,
+    place: Option<Placement>,
+    /// The ranges of the kind's quantities, in the order of their declarations.
+    ranges: Vec<Quantity>,
+    kind: PhantomData<K>,
+}
+
+impl<K: Kind> Group<K> {
+    /// Draws the quantity with this number among the declarations.
+    ///
+    /// # Errors
+    /// If its range holds (almost) no physical values.
+    pub fn draw_nth(&self, number: usize, random: &mut ChaCha8Rng) -> Result<f64, DrawError> {
+        self.ranges[number].draw(random, K::QUANTITIES[number].limits)
+    }
+
+    /// The error for a group of which (almost) no object is possible: this quantity has to be within these limits,
+    /// each that of its declaration if not given.
+    pub fn refusal(&self, name: &str, low: Option<f64>, high: Option<f64>) -> DrawError {
+        let declared = K::QUANTITIES.iter().zip(&self.ranges).find(|(declared, _)| declared.name == name);
+        let (draw, limits) = declared
+            .map_or((Draw::Fixed(f64::NAN), (f64::NAN, f64::NAN)), |(declared, range)| (range.draw, declared.limits));
+        DrawError { draw, low: low.unwrap_or(limits.0), high: high.unwrap_or(limits.1) }
+    }
+}
+
+impl<K: Kind> Specification for Group<K> {
+    fn count(&self) -> u32 {
+        self.count
+    }
+
+    fn place(&self) -> Option<&Placement> {
+        self.place.as_ref()
+    }
+
+    fn quantities(&self) -> Vec<Limited<'_>> {
+        let ranges = K::QUANTITIES.iter().zip(&self.ranges);
+        ranges.map(|(declared, range)| Limited::new(declared.name, range, declared.limits)).collect()
+    }
+
+    fn draw(&self, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Box<dyn Object>, DrawError> {
+        Ok(Box::new(K::draw(self, random, footing)?))
+    }
+
+    fn stands_on(&self) -> StandsOn {
+        K::STANDS_ON
+    }
+
+    fn category(&self) -> Category {
+        K::CATEGORY
+    }
+}
+
+impl<'de, K: Kind> Deserialize<'de> for Group<K> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct GroupVisitor<K>(PhantomData<K>);
+        impl<'de, K: Kind> Visitor<'de> for GroupVisitor<K> {
+            type Value = Group<K>;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a group of objects: `count`, and the ranges of their quantities")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Group<K>, A::Error> {
+                let (mut count, mut place) = (None, None);
+                let defaults = K::QUANTITIES.iter().map(|declared| Quantity { draw: declared.default, span: 0..0 });
+                let mut ranges: Vec<Quantity> = defaults.collect();
+                while let Some(key) = map.next_key::<String>()? {
+                    match (key.as_str(), K::QUANTITIES.iter().position(|declared| declared.name == key)) {
+                        ("count", _) => count = Some(map.next_value()?),
+                        ("place", _) => place = Some(map.next_value()?),
+                        (_, Some(number)) => ranges[number] = map.next_value()?,
+                        (_, None) => {
+                            let names = K::QUANTITIES.iter().map(|declared| format!(", `{}`", declared.name));
+                            let names: String = names.collect();
+                            let text = format!("unknown field `{key}`, expected one of `count`, `place`{names}");
+                            return Err(A::Error::custom(text));
+                        }
+                    }
+                }
+                let count = count.ok_or_else(|| A::Error::missing_field("count"))?;
+                Ok(Group { count, place, ranges, kind: PhantomData })
+            }
+        }
+        deserializer.deserialize_map(GroupVisitor(PhantomData))
+    }
+}
+
+impl<K: Kind> JsonSchema for Group<K> {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        K::GROUP.0.into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let mut count = generator.subschema_for::<u32>();
+        count.insert("description".into(), "How many.".into());
+        let mut place = generator.subschema_for::<Option<Placement>>();
+        place.insert("description".into(), "Where they may stand; the scene's workspace if not given.".into());
+        let mut properties = Schema::default();
+        properties.insert("count".into(), count.into());
+        properties.insert("place".into(), place.into());
+        for declared in K::QUANTITIES {
+            let mut own = schema_within(declared.limits);
+            own.insert("description".into(), declared.text.trim().into());
+            properties.insert(declared.name.into(), own.into());
+        }
+        json_schema!({
+            "description": K::GROUP.1,
+            "type": "object",
+            "properties": properties,
+            "additionalProperties": false,
+            "required": ["count"],
+        })
+    }
+}
+
+/// Declares the quantities of a kind of objects once: `name: default, lowest, highest;`, with what it is as its
+/// documentation. Makes the type with a value for each, the list of declarations, and how all are drawn, in this order.
+macro_rules! quantities {
+    ($(#[$attribute:meta])* $visibility:vis struct $drawn:ident {
+        $($(#[doc = $text:literal])+ $name:ident: $default:expr, $low:expr, $high:expr;)+
+    }) => {
+        $(#[$attribute])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        $visibility struct $drawn {
+            $($(#[doc = $text])+ pub $name: f64,)+
+        }
+
+        impl $drawn {
+            const DECLARED: &'static [$crate::object::group::Declared] = &[$($crate::object::group::Declared {
+                name: stringify!($name),
+                text: concat!($($text),+),
+                default: $default,
+                limits: ($low, $high),
+            },)+];
+
+            fn draw_all<K: $crate::object::group::Kind>(
+                group: &$crate::object::group::Group<K>,
+                random: &mut rand_chacha::ChaCha8Rng,
+            ) -> Result<Self, $crate::range::DrawError> {
+                let mut numbers = 0..;
+                let mut next = || group.draw_nth(numbers.next().unwrap_or_default(), random);
+                Ok($drawn { $($name: next()?),+ })
+            }
+
+            /// The values by name.
+            #[allow(dead_code, reason = "not all kinds record just what is drawn")]
+            fn values(&self) -> std::collections::BTreeMap<String, f64> {
+                [$((stringify!($name), self.$name)),+].map(|(name, value)| (name.to_owned(), value)).into()
+            }
+        }
+    };
+}
+pub(super) use quantities;
