@@ -5,7 +5,7 @@
 //! 0.3 s, and the forces on all links in each frame of 10 ms are compared. In so short a time a leaf rarely follows a
 //! different path, so these errors are due to the step. *Reaches*: whole reaches at each step, in which leaves do
 //! follow different paths. There only means can be compared, each with its standard error over the reaches. See
-//! `benches/README.md`.
+//! `docs/evidence/time-step.md`.
 //!
 //! The replay is open loop, because with the controller in the loop two runs would differ in their motions.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]

@@ -160,7 +160,7 @@ pub struct PhysicsSection {
 
 impl Default for PhysicsSection {
     /// 5 ms: steps of 10 ms make leaves chatter, and steps of 2.5 ms change the figures little at twice the cost.
-    /// `benches/README.md` gives the convergence in the step.
+    /// `docs/evidence/time-step.md` gives the convergence in the step.
     fn default() -> Self {
         PhysicsSection { step_s: 0.005, gravity_m_per_s2: 9.81, dormancy: true }
     }
