@@ -84,7 +84,7 @@ pub const MAX_TAXELS: usize = 65_536;
 /// Number of patches of a skin. Each has its own columns in a data set.
 pub const MAX_PATCHES: usize = 1000;
 
-/// The most that a reader takes from one file, so that no file, whoever made it, takes all memory.
+/// The most that a reader takes from one file, so that no file can fill the memory.
 #[derive(Debug)]
 pub struct Ceiling {
     /// What is limited.

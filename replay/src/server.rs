@@ -83,7 +83,7 @@ impl Server {
         })
     }
 
-    /// The address of the page. Whoever knows it can read the reaches, and command a running one.
+    /// The address of the page. Anyone who knows it can read the reaches, and command a running one.
     pub fn address(&self) -> &str {
         &self.address
     }

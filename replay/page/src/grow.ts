@@ -56,13 +56,13 @@ export function join(known: Reach, piece: Container): ReachData {
   return new Joined({ ...known.header, ...header, contacts: joinContacts(known.header.contacts, header) }, all);
 }
 
-/** A contact that may have gone on is in the news; earlier ones are known. */
+/** Adds new contacts. The last known contact comes with the update again, because it may have gone on. */
 function joinContacts(known: Contact[], { from, contacts }: Header): Contact[] {
   const ended = known.filter((contact) => contact.last_frame + 1 < from);
   return [...ended, ...contacts].sort((a, b) => a.first_frame - b.first_frame);
 }
 
-/** The stored poses, which stand body by body. */
+/** Pose tracks, grouped by body. */
 function joinTracks(known: Map<string, Numbers>, more: Map<string, Numbers>): Map<string, Numbers> {
   const [before, after] = [known.get("track_start") as Rows, more.get("track_start") as Rows];
   const each = (name: string, width: number) => {
@@ -96,7 +96,7 @@ function coursesOf(arrays: Map<string, Numbers>): Course[] {
   return Array.from(taxels, (taxel, index) => ({ taxel, first: firsts[index]!, object: objects[index]!, rows: [[starts[index]!, starts[index + 1]!]] }));
 }
 
-/** The contact trials: one that goes on has its new samples in the news. */
+/** Contact trials. An open trial's new samples come with the update. */
 function joinTrials(known: Map<string, Numbers>, more: Map<string, Numbers>, { patchOf }: Reach): Map<string, Numbers> {
   const all = coursesOf(known).map((course) => ({ ...course, rows: [course.rows[0]!, [0, 0]] as [number, number][] }));
   const key = ({ taxel, first }: Course) => `${taxel} ${first}`;

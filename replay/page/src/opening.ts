@@ -99,7 +99,7 @@ export class Opening {
     return judged;
   }
 
-  /** Loads what is new of a reach that runs, and gives the number of its frames. Who looks at its last frame goes on doing so. */
+  /** Loads what is new of a reach that runs, and gives the number of its frames. A view at the last frame follows new frames. */
   async grow(ended: boolean): Promise<number> {
     const { store, panes, timeline, lists, header } = this.views;
     try {

@@ -50,7 +50,7 @@ fn add_moment(report: &mut Report, moment: &Moment, place: usize) {
     let untouched = moment.verdicts.keys().filter(|taxel| !moment.pressed.contains(taxel));
     let caption = format!(
         "Scene {}, draw {}, {:.2} s after the start: the moment with the most taxels in contact. {}. Grey marks of the same \
-         shapes are taxels that nothing presses on (spurious readings, creep, crosstalk): {} of {} here. Taxels on the far \
+         shapes are untouched taxels (spurious readings, creep, crosstalk): {} of {} here. Taxels on the far \
          side are seen through the arm. {}.",
         moment.scene,
         moment.reach_index,
