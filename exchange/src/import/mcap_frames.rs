@@ -11,7 +11,8 @@ use super::cutter::{Cutter, Place};
 use super::message::{Decoder, decoder};
 use super::{Mapping, opened};
 use crate::ExchangeError;
-use crate::mcap::{Channel, Fault, Item, Reader};
+use crate::mcap::{Fault, read as read_records};
+use mcap::records::{Channel, Record};
 
 /// Nanoseconds per second.
 const PER_SECOND: f64 = 1e9;
@@ -91,14 +92,15 @@ impl Reading<'_> {
         Ok(())
     }
 
-    fn item(&mut self, item: Item, cutter: &mut Cutter) -> Result<(), InputError> {
-        match item {
-            Item::Schema(schema) => {
-                self.schemas.insert(schema.id, schema.name);
+    fn record(&mut self, record: Record, cutter: &mut Cutter) -> Result<(), InputError> {
+        match record {
+            Record::Schema { header, .. } => {
+                self.schemas.insert(header.id, header.name);
                 Ok(())
             }
-            Item::Channel(channel) => self.channel(channel),
-            Item::Message(channel, time_ns, data) => self.message(channel, time_ns, data, cutter),
+            Record::Channel(channel) => self.channel(channel),
+            Record::Message { header, data } => self.message(header.channel_id, header.log_time, &data, cutter),
+            _ => Ok(()),
         }
     }
 
@@ -152,7 +154,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
         start: None,
     };
     let file = BufReader::new(opened(path)?);
-    let read = Reader::new(file).read(|item| Ok::<(), Stop>(reading.item(item, cutter)?));
+    let read = read_records(file, |record| Ok::<(), Stop>(reading.record(record, cutter)?));
     read.map_err(|stop| stop.about(path))?;
     if reading.messages == 0 {
         let topics = reading.topics.iter().map(|(topic, schema)| format!("{topic} ({schema})"));

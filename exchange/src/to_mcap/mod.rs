@@ -50,7 +50,7 @@ pub fn write_mcap(path: &Path, recording: &Recording) -> Result<(), ExchangeErro
 
 /// The bytes of the file.
 fn encode(recording: &Recording) -> io::Result<Vec<u8>> {
-    let mut reach = Reach::begin(recording);
+    let mut reach = Reach::begin(recording)?;
     let mut goal: Option<DVec3> = None;
     for (index, frame) in recording.frames.iter().enumerate() {
         let nanoseconds = nanoseconds(frame.time_s);
@@ -90,13 +90,13 @@ struct Reach<'a> {
 }
 
 /// Adds a channel of joint states, as ROS 2 encodes them.
-fn joint_channel(writer: &mut Writer, topic: &str) -> u16 {
+fn joint_channel(writer: &mut Writer, topic: &str) -> io::Result<u16> {
     let definition = cdr::JOINT_STATE.as_bytes();
     writer.channel(topic, "cdr", "sensor_msgs/msg/JointState", "ros2msg", definition)
 }
 
 /// Adds a channel of JSON messages.
-fn json_channel<M: Message>(writer: &mut Writer, topic: &str) -> u16 {
+fn json_channel<M: Message>(writer: &mut Writer, topic: &str) -> io::Result<u16> {
     let schema = foxglove::schema::<M>().to_value().to_string();
     writer.channel(topic, "json", M::NAME, "jsonschema", schema.as_bytes())
 }
@@ -107,30 +107,30 @@ fn grid_frame(patch: &Patch) -> String {
 }
 
 impl<'a> Reach<'a> {
-    fn begin(recording: &'a Recording) -> Self {
-        let mut writer = Writer::new("underbrush");
+    fn begin(recording: &'a Recording) -> io::Result<Self> {
+        let mut writer = Writer::new("underbrush")?;
         writer.metadata(
             "underbrush.reach",
-            &Map::from([
+            Map::from([
                 ("scene".into(), recording.scene.clone()),
                 ("seed".into(), recording.seed.to_string()),
                 ("reach_index".into(), recording.reach_index.to_string()),
                 ("controller".into(), recording.controller.clone()),
                 ("outcome".into(), recording.outcome().name().into()),
             ]),
-        );
-        let joint_states = joint_channel(&mut writer, "/joint_states");
-        let equilibrium = joint_channel(&mut writer, "/equilibrium");
-        let transforms = json_channel::<FrameTransforms>(&mut writer, "/tf");
-        let scene = json_channel::<SceneUpdate>(&mut writer, "/scene");
-        let goal = json_channel::<SceneUpdate>(&mut writer, "/goal");
+        )?;
+        let joint_states = joint_channel(&mut writer, "/joint_states")?;
+        let equilibrium = joint_channel(&mut writer, "/equilibrium")?;
+        let transforms = json_channel::<FrameTransforms>(&mut writer, "/tf")?;
+        let scene = json_channel::<SceneUpdate>(&mut writer, "/scene")?;
+        let goal = json_channel::<SceneUpdate>(&mut writer, "/goal")?;
         let mut skin = Vec::new();
         for patch in &recording.layout.patches {
             let topic = format!("/skin/{}", patch.name);
-            let grid = patch.grid.map(|_| json_channel::<Grid>(&mut writer, &topic));
-            skin.push((grid, json_channel::<PointCloud>(&mut writer, &format!("{topic}/pressed"))));
+            let grid = patch.grid.map(|_| json_channel::<Grid>(&mut writer, &topic)).transpose()?;
+            skin.push((grid, json_channel::<PointCloud>(&mut writer, &format!("{topic}/pressed"))?));
         }
-        Reach {
+        Ok(Reach {
             writer,
             recording,
             frames: scene::frame_names(recording),
@@ -140,7 +140,7 @@ impl<'a> Reach<'a> {
             scene,
             goal,
             skin,
-        }
+        })
     }
 
     fn send(&mut self, channel: u16, nanoseconds: u64, message: &impl Message) -> io::Result<()> {

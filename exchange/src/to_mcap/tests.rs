@@ -7,15 +7,18 @@ use underbrush_recording::{BodyOwner, Pose};
 
 use super::{FRAMES_BETWEEN_ALL, encode, write_mcap};
 use crate::example::{file, reach};
-use crate::mcap::{Fault, Item, Reader};
+use crate::mcap::{Fault, read};
+use mcap::records::Record;
 
 /// All messages of a topic with their times, ns.
 fn messages(bytes: &[u8], topic: &str) -> Vec<(u64, Vec<u8>)> {
     let (mut channel_id, mut messages) = (None, Vec::new());
-    let read = Reader::new(bytes).read(|item| {
-        match item {
-            Item::Channel(channel) if channel.topic == topic => channel_id = Some(channel.id),
-            Item::Message(id, time_ns, data) if channel_id == Some(id) => messages.push((time_ns, data.to_vec())),
+    let read = read(bytes, |record| {
+        match record {
+            Record::Channel(channel) if channel.topic == topic => channel_id = Some(channel.id),
+            Record::Message { header, data } if channel_id == Some(header.channel_id) => {
+                messages.push((header.log_time, data.into_owned()));
+            }
             _ => {}
         }
         Ok::<(), Fault>(())
@@ -167,20 +170,12 @@ fn the_file_has_known_schemas() {
     write_mcap(&path, &recording).unwrap();
     let bytes = std::fs::read(&path).unwrap();
     assert_eq!(bytes, encode(&recording).unwrap());
-    let (mut schemas, mut channels) = (BTreeMap::new(), BTreeMap::new());
-    let read = Reader::new(&bytes[..]).read(|item| {
-        match item {
-            Item::Schema(schema) => drop(schemas.insert(schema.id, schema)),
-            Item::Channel(channel) => drop(channels.insert(channel.topic.clone(), channel)),
-            Item::Message(..) => {}
-        }
-        Ok::<(), Fault>(())
-    });
-    read.unwrap();
-    let found: BTreeMap<&str, (&str, &str, &str)> = channels
+    let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+    let found: BTreeMap<&str, (&str, &str, &str)> = summary
+        .channels
         .values()
         .map(|channel| {
-            let schema = &schemas[&channel.schema_id];
+            let schema = channel.schema.as_ref().unwrap();
             let parts = (schema.name.as_str(), schema.encoding.as_str(), channel.message_encoding.as_str());
             (channel.topic.as_str(), parts)
         })
@@ -198,7 +193,7 @@ fn the_file_has_known_schemas() {
         ("/skin/tip/pressed", foxglove("foxglove.PointCloud")),
     ]);
     assert_eq!(found, expected);
-    for schema in schemas.values().filter(|schema| schema.encoding == "jsonschema") {
+    for schema in summary.schemas.values().filter(|schema| schema.encoding == "jsonschema") {
         let text = std::str::from_utf8(&schema.data).unwrap();
         assert!(!text.contains("$ref"), "{text}");
         let parsed: Value = serde_json::from_str(text).unwrap();

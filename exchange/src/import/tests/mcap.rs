@@ -25,8 +25,8 @@ fn trials_come_back_from_a_grid_in_mcap() {
 
 /// Writes one message per millisecond, starting at a Unix time in 2026.
 fn mcap_of(path: &Path, schema: &str, encoding: &str, messages: &[Vec<u8>]) {
-    let mut writer = Writer::new("a robot");
-    let channel = writer.channel("/skin", encoding, schema, "ros2msg", b"");
+    let mut writer = Writer::new("a robot").unwrap();
+    let channel = writer.channel("/skin", encoding, schema, "ros2msg", b"").unwrap();
     for (index, message) in messages.iter().enumerate() {
         let time_ns = 1_790_000_000_000_000_000 + 1_000_000 * index as u64;
         writer.message(channel, time_ns, message).unwrap();
