@@ -9,6 +9,17 @@ use serde::{Deserialize, Serialize};
 pub const FRAME_PERIOD_S: f64 = 0.01;
 
 /// A rigid pose, in the frame that the field's name ends with.
+///
+/// ```
+/// use glam::{DQuat, DVec3};
+/// use underbrush_recording::Pose;
+///
+/// // A link that is turned by 90° about z, half a metre ahead.
+/// let link = Pose::new(DVec3::X * 0.5, DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2));
+/// let tip_world = link.transform_point(DVec3::X * 0.1);
+/// assert!(tip_world.distance(DVec3::new(0.5, 0.1, 0.0)) < 1e-12);
+/// assert!(link.inverse_transform_point(tip_world).distance(DVec3::X * 0.1) < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
     /// Origin, m.
@@ -136,6 +147,14 @@ pub struct Frame {
 impl Frame {
     /// A frame in which everything is zero and no taxel has a force, of an arm with this number of patches. It has no
     /// joints.
+    ///
+    /// ```
+    /// use underbrush_recording::Frame;
+    ///
+    /// // A frame of a robot that says only when it was and what its skin of two patches feels.
+    /// let frame = Frame { time_s: 0.01, ..Frame::blank(2) };
+    /// assert!(frame.taxels.is_empty() && frame.patch_pose_world.len() == 2);
+    /// ```
     pub fn blank(patches: usize) -> Self {
         Frame {
             time_s: 0.0,

@@ -7,6 +7,13 @@ use std::path::{Path, PathBuf};
 ///
 /// The program prints it, with the offending line if `line` is known, and ends with exit status 2, or 1 if the operating
 /// system failed to read the file.
+///
+/// ```
+/// use underbrush_recording::InputError;
+///
+/// let error = InputError::new("leaf.toml", "goals.count", "0", "1 to 100", "change the value in the scene file").at_line(7);
+/// assert!(error.to_string().contains("goals.count"));
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InputError {
     /// The file.

@@ -9,6 +9,13 @@ use std::path::Path;
 use crate::InputError;
 
 /// The smallest and largest allowed value of a number.
+///
+/// ```
+/// use underbrush_recording::Limits;
+///
+/// const FRICTION: Limits = Limits::new(0.0, 2.0, "");
+/// assert!(FRICTION.hold(0.4) && !FRICTION.hold(f64::NAN));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// The smallest value.

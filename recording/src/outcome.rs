@@ -39,6 +39,15 @@ impl Outcome {
 }
 
 /// The number of goals with each outcome.
+///
+/// ```
+/// use underbrush_recording::{GoalOutcomes, Outcome};
+///
+/// let mut outcomes = GoalOutcomes::default();
+/// outcomes.count(Outcome::Reached);
+/// outcomes.count(Outcome::Stuck);
+/// assert_eq!((outcomes.of(Outcome::Reached), outcomes.tried()), (1, 2));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GoalOutcomes {
     /// Goals that were reached.

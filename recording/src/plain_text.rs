@@ -25,6 +25,13 @@ pub fn is_plain(text: &str) -> bool {
 
 /// The text with its control characters and bidirectional controls as `\u001b`, JSON's escapes, so that JSON keeps its
 /// meaning. Line breaks and tabs stay.
+///
+/// ```
+/// use underbrush_recording::plain_text::escaped;
+///
+/// // A name from a file cannot clear the terminal.
+/// assert_eq!(escaped("leaf\u{1b}[2J"), r"leaf\u001b[2J");
+/// ```
 pub fn escaped(text: &str) -> Cow<'_, str> {
     let stays = |character: char| is_plain_character(character) || matches!(character, '\n' | '\t');
     if text.chars().all(stays) {

@@ -18,6 +18,18 @@ mod place;
 mod tests;
 
 /// The drawn objects of one reach and its goals.
+///
+/// ```
+/// use underbrush_sim::reach::ReachPlan;
+/// use underbrush_sim::scene::Scene;
+///
+/// let text = "summary = \"Trunks\"\n[[objects.trunk]]\ncount = 3\n";
+/// let plan = ReachPlan::new(Scene::parse("trunks.toml", text.into())?, None, 5)?;
+/// let clutter = plan.draw(0)?;
+/// assert!(clutter.objects.iter().all(|placed| placed.object.kind() == "trunk"));
+/// assert_eq!((clutter.objects.len(), clutter.goals.len()), (3, 4));
+/// # Ok::<(), underbrush_recording::InputError>(())
+/// ```
 #[derive(Debug)]
 pub struct Clutter {
     /// The objects in the order in which they were placed.

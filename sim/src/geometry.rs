@@ -62,6 +62,15 @@ impl Capsule {
 }
 
 /// Smallest distance between the segments `a`–`b` and `c`–`d`, m; a segment may be a point.
+///
+/// ```
+/// use glam::DVec3;
+/// use underbrush_sim::geometry::segment_distance;
+///
+/// // Two crossing sticks, one 0.2 m above the other.
+/// let distance_m = segment_distance(-DVec3::X, DVec3::X, DVec3::new(0.0, -1.0, 0.2), DVec3::new(0.0, 1.0, 0.2));
+/// assert!((distance_m - 0.2).abs() < 1e-12);
+/// ```
 pub fn segment_distance(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
     let (first, second) = (Segment::new(a, b), Segment::new(c, d));
     let (on_first, on_second) = closest_points_segment_segment_with_locations(&ParryPose::IDENTITY, &first, &second);

@@ -20,6 +20,17 @@ pub use schema::{Within, schema_within};
 /// A number as `0.3`, `{ uniform = [low, high] }` or `{ normal = [mean, standard_deviation] }`.
 ///
 /// A normal draw is repeated until it falls within the field's physical limits (a truncated normal distribution).
+///
+/// ```
+/// use underbrush_sim::range::Quantity;
+///
+/// let mut random = underbrush_sim::seed::stream(1, "an example", 0, "heights");
+/// let height_m = Quantity::uniform(0.25, 0.40).draw(&mut random, (0.05, 1.0))?;
+/// assert!((0.25..=0.40).contains(&height_m));
+/// // Outside its physical limits nothing is drawn.
+/// assert!(Quantity::fixed(3.0).draw(&mut random, (0.05, 1.0)).is_err());
+/// # Ok::<(), underbrush_sim::range::DrawError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantity {
     /// How the value is drawn.

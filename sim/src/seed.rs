@@ -8,6 +8,16 @@ use underbrush_recording::math;
 /// [`Scene::stream`](crate::scene::Scene::stream).
 ///
 /// A stream depends only on these four arguments, so threads, shards and other scenes do not change it.
+///
+/// ```
+/// use rand::Rng;
+/// use underbrush_sim::seed::stream;
+///
+/// // Each reach draws its own numbers, the same in every run.
+/// let draw = |reach| stream(7, "leaf", reach, "goals").next_u64();
+/// assert_eq!(draw(0), draw(0));
+/// assert_ne!(draw(0), draw(1));
+/// ```
 pub fn stream(seed: u64, scene: &str, reach_index: u64, purpose: &str) -> ChaCha8Rng {
     let mut hasher = blake3::Hasher::new_derive_key("underbrush 2026 random streams");
     hasher.update(&seed.to_le_bytes());

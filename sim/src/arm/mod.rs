@@ -29,6 +29,16 @@ pub use at_start::{ArmAtStart, SkinAlongArm};
 pub use skin::Skin;
 
 /// A serial arm. Its base link is fixed, and the base link's frame is the world frame.
+///
+/// ```
+/// use underbrush_sim::arm::Arm;
+///
+/// let arm = Arm::cody()?;
+/// assert_eq!(arm.joints.len(), 7);
+/// let taxels: usize = arm.skin.layout.patches.iter().map(|patch| patch.taxels.len()).sum();
+/// assert_eq!(taxels, 384 + 69);
+/// # Ok::<(), underbrush_recording::InputError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Arm {
     /// Name.

@@ -4,6 +4,15 @@ use serde::{Deserialize, Serialize};
 
 /// The surface of a link or an object. The layer under it is an elastic foundation (Winkler): it deflects by the pressure on
 /// it times its compliance, independently of its surroundings.
+///
+/// ```
+/// use underbrush_sim::contact::surface::Surface;
+///
+/// // The compliances of two surfaces add; friction is their mean.
+/// let skin = Surface { compliance_m3_per_n: 5e-8, loss_time_s: 0.0, friction: 0.3 };
+/// let contact = skin.with(&Surface::hard(0.4));
+/// assert!((contact.friction - 0.35).abs() < 1e-12);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Surface {
     /// Deflection per pressure, m³/N; 0 for a surface that is rigid compared with skin.

@@ -9,6 +9,16 @@ use super::{Blind, Controller, ModelPredictive, Preset};
 use crate::arm::Arm;
 
 /// A controller that ships.
+///
+/// ```
+/// use underbrush_sim::controller::ControllerKind;
+///
+/// let kind = ControllerKind::from_name("cody-2013")?;
+/// assert_eq!(kind.name(), "cody-2013");
+/// // An unknown name gives the known ones.
+/// assert!(ControllerKind::from_name("cody").unwrap_err().to_string().contains("cody-2013"));
+/// # Ok::<(), underbrush_sim::controller::UnknownController>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(try_from = "String")]
 pub enum ControllerKind {

@@ -40,6 +40,22 @@ pub struct Stepped {
 }
 
 /// One arm that an agent moves.
+///
+/// ```
+/// use underbrush_sim::environment::{Environment, EnvironmentOptions};
+/// use underbrush_sim::reach::ReachPlan;
+/// use underbrush_sim::scene::Scene;
+///
+/// let text = "summary = \"A trunk\"\n[[objects.trunk]]\ncount = 1\n";
+/// let plan = ReachPlan::new(Scene::parse("trunk.toml", text.into())?, None, 1)?;
+/// let mut environment = Environment::new(plan, EnvironmentOptions::default())?;
+/// let mut observation = vec![0.0; environment.observation_size()];
+/// environment.reset(Some(3), &mut observation)?;
+/// let still = vec![0.0; environment.action_size()];
+/// let stepped = environment.step(&still, &mut observation)?;
+/// assert!(stepped.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Environment {
     plan: ReachPlan,
     options: EnvironmentOptions,

@@ -95,6 +95,24 @@ pub fn root_stiffness_nm_per_rad(foam_modulus_pa: f64, depth_m: f64) -> f64 {
 ///
 /// The root's rotation about the blade's weak axis and the lowest hinge are less than a segment apart and are combined
 /// into one hinge ([`Leaf::lowest_hinge`]).
+///
+/// ```
+/// use underbrush_sim::object::Object;
+/// use underbrush_sim::object::leaf::Leaf;
+///
+/// let leaf = Leaf {
+///     height_m: 0.3,
+///     width_m: 0.03,
+///     flexural_rigidity_n_m2: 0.02,
+///     mass_per_area_kg_per_m2: 0.7,
+///     loss_factor: 0.15,
+///     root_stiffness_nm_per_rad: None,
+///     segments: 4,
+/// };
+/// assert!(leaf.stands_by_itself());
+/// // The foot, a root that leans, and five pieces between and beyond four hinges.
+/// assert_eq!(leaf.structure().bodies.len(), 7);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leaf {
     /// Height, m.

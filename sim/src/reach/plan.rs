@@ -15,6 +15,18 @@ use crate::sensor::Sensor;
 use crate::simulation::{Setup, Simulation};
 
 /// Everything that decides a reach except its index.
+///
+/// ```
+/// use underbrush_sim::reach::ReachPlan;
+/// use underbrush_sim::scene::Scene;
+///
+/// let text = "summary = \"A trunk\"\n[goals]\ncount = 1\n[[objects.trunk]]\ncount = 1\n";
+/// let plan = ReachPlan::new(Scene::parse("trunk.toml", text.into())?, None, 1)?;
+/// let recording = plan.run(0, &mut |_, _| {})?;
+/// assert_eq!(recording.goals.len(), 1);
+/// assert_eq!(recording.frames[1].time_s, 0.01);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct ReachPlan {
     /// The scene.

@@ -22,6 +22,18 @@ pub use file::{Goals, Objects, PhysicsSection, RobotSection, SceneFile, Workspac
 pub use shipped::{SHIPPED, shipped};
 
 /// One scene: the ranges from which the clutter of each reach is drawn.
+///
+/// ```
+/// use underbrush_sim::scene::Scene;
+///
+/// let text = "summary = \"Two trunks\"\n[[objects.trunk]]\ncount = 2\ndiameter_m = 0.03\n";
+/// let scene = Scene::parse("trunks.toml", text.into())?;
+/// assert_eq!(scene.file.objects.groups().len(), 1);
+/// // An error names the line.
+/// let error = Scene::parse("trunks.toml", text.replace("0.03", "3.0")).unwrap_err();
+/// assert!(error.to_string().contains("diameter_m"), "{error}");
+/// # Ok::<(), underbrush_recording::InputError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// Name: the file's name without its extension.

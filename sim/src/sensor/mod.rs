@@ -41,6 +41,21 @@ enum Electronics {
 ///
 /// Every taxel is sampled in every frame, in the same order, so that the noise of one does not depend on what touches
 /// another.
+///
+/// ```
+/// use underbrush_sim::arm::Arm;
+/// use underbrush_sim::sensor::{Sensor, SensorOptions};
+///
+/// let arm = Arm::cody()?;
+/// let mut sensor = Sensor::new(&SensorOptions::default(), &arm.skin, 1, "an example", 0);
+/// // 2 N on the tenth taxel of the first patch for half a second.
+/// for _ in 0..50 {
+///     sensor.press(0, 10, 2.0);
+///     sensor.sample();
+/// }
+/// assert!(sensor.reading_n(0, 10) > 0.5);
+/// # Ok::<(), underbrush_recording::InputError>(())
+/// ```
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Sensor {
     /// Electronics of each patch, in the layout's order, and the indices of its taxels in the vectors below.

@@ -55,6 +55,22 @@ pub struct Setup {
 }
 
 /// One arm in one clutter. A copy continues exactly as the original does, bit for bit.
+///
+/// ```
+/// use underbrush_sim::reach::ReachPlan;
+/// use underbrush_sim::scene::Scene;
+///
+/// let text = "summary = \"A trunk\"\n[[objects.trunk]]\ncount = 1\n";
+/// let plan = ReachPlan::new(Scene::parse("trunk.toml", text.into())?, None, 1)?;
+/// let mut simulation = plan.simulation(0)?;
+/// // The arm holds its posture for 0.1 s.
+/// let posture_rad = plan.arm.start_posture_rad();
+/// for _ in 0..10 {
+///     simulation.step(&posture_rad);
+/// }
+/// assert!((simulation.report().time_s() - 0.1).abs() < 1e-9);
+/// # Ok::<(), underbrush_recording::InputError>(())
+/// ```
 #[derive(Clone)]
 pub struct Simulation {
     model: Arc<Model>,

@@ -47,6 +47,20 @@ pub struct FreeBody {
 }
 
 /// Bodies and objects in an engine of their own.
+///
+/// ```
+/// use glam::DVec3;
+/// use underbrush_recording::BodyShape;
+/// use underbrush_sim::physics::PhysicsOptions;
+/// use underbrush_sim::object::trunk::Trunk;
+/// use underbrush_sim::simulation::rig::Rig;
+///
+/// // A trunk is fixed to the ground, whatever pushes it.
+/// let mut rig = Rig::new(PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 9.81 });
+/// let bodies = rig.add_object(&Trunk { diameter_m: 0.03, height_m: 0.5 });
+/// rig.step();
+/// assert_eq!(rig.velocity_world(bodies[0]), DVec3::ZERO);
+/// ```
 pub struct Rig {
     engine: Engine,
     bodies: Vec<RigidBodyHandle>,

@@ -38,6 +38,15 @@ pub fn hinges(count: u32) -> Option<Vec<(f64, f64)>> {
 
 /// Deflection, m, of a chain at a small transverse load that acts `height_m` from the clamp: Σ P (a − x_k)² w_k L / E I
 /// over the hinges below the load. `None` as for [`hinges`].
+///
+/// ```
+/// use underbrush_oracles::beam::beam_deflection_m;
+/// use underbrush_oracles::chain::deflection_m;
+///
+/// // Under a load at the tip a chain of four hinges bends as far as the beam.
+/// let chain = deflection_m(0.1, 0.3, 0.3, 0.02, 4);
+/// assert!(chain.is_some_and(|chain_m| (chain_m / beam_deflection_m(0.1, 0.3, 0.02) - 1.0).abs() < 1e-9));
+/// ```
 pub fn deflection_m(load_n: f64, height_m: f64, length_m: f64, flexural_rigidity_n_m2: f64, count: u32) -> Option<f64> {
     let deflection_m = |(place, weight): (f64, f64)| {
         let lever_m = (height_m - place * length_m).max(0.0);

@@ -71,6 +71,14 @@ pub fn small_load_error(load: f64) -> f64 {
 }
 
 /// Tip under a pure moment M at the tip, which bends the strip to an arc of `angle_rad` = M L / E I.
+///
+/// ```
+/// use underbrush_oracles::elastica::under_end_moment;
+///
+/// // A moment that bends a strip to a full circle brings its tip back to the clamp.
+/// let tip = under_end_moment(2.0 * std::f64::consts::PI);
+/// assert!(tip.sideways.abs() < 1e-12 && (tip.shortening - 1.0).abs() < 1e-12);
+/// ```
 pub fn under_end_moment(angle_rad: f64) -> Tip {
     Tip { sideways: (1.0 - angle_rad.cos()) / angle_rad, shortening: 1.0 - angle_rad.sin() / angle_rad }
 }

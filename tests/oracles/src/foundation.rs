@@ -4,6 +4,14 @@
 use std::f64::consts::PI;
 
 /// Force, N, of a sphere of radius `radius_m` pressed `depth_m` into the layer: π k R d².
+///
+/// ```
+/// use underbrush_oracles::foundation::sphere_force_n;
+///
+/// // The force grows with the square of the depth.
+/// let [shallow, deep] = [1e-3, 2e-3].map(|depth_m| sphere_force_n(2e7, 0.02, depth_m));
+/// assert!((deep / shallow - 4.0).abs() < 1e-12);
+/// ```
 pub fn sphere_force_n(stiffness_n_per_m3: f64, radius_m: f64, depth_m: f64) -> f64 {
     PI * stiffness_n_per_m3 * radius_m * depth_m * depth_m
 }

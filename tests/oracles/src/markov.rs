@@ -4,6 +4,15 @@
 /// state, `transition` one row per state, `log_density` one row per sample with one entry per state.
 ///
 /// The number of paths is states^samples, so this is only for a handful of each.
+///
+/// ```
+/// use underbrush_oracles::markov::log_sum_over_paths;
+///
+/// // Two states that give the same density: the path does not matter.
+/// let density = vec![vec![-1.0, -1.0]; 3];
+/// let found = log_sum_over_paths(&[0.5, 0.5], &[vec![0.9, 0.1], vec![0.2, 0.8]], &density);
+/// assert!((found + 3.0).abs() < 1e-12);
+/// ```
 pub fn log_sum_over_paths(initial: &[f64], transition: &[Vec<f64>], log_density: &[Vec<f64>]) -> f64 {
     let states = initial.len();
     let samples = log_density.len();

@@ -1,6 +1,13 @@
 //! Orders of convergence: the slope of log error over log spacing.
 
 /// Slope of the straight line through (ln x, ln y) by least squares; NaN where a value is not positive.
+///
+/// ```
+/// use underbrush_oracles::order::log_log_slope;
+///
+/// // An error that falls by four when the step is halved is of the second order.
+/// assert!((log_log_slope(&[(0.4, 1.6), (0.2, 0.4), (0.1, 0.1)]) - 2.0).abs() < 1e-12);
+/// ```
 pub fn log_log_slope(points: &[(f64, f64)]) -> f64 {
     let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
     let count = logs.len() as f64;

@@ -3,6 +3,16 @@
 use std::f64::consts::{PI, TAU};
 
 /// A damped oscillator with damping ratio below 1.
+///
+/// ```
+/// use underbrush_oracles::oscillator::Oscillator;
+///
+/// // 1 kg on 100 N/m with 2 N s/m: ω₀ = 10 rad/s, ζ = 0.1.
+/// let oscillator = Oscillator::new(1.0, 100.0, 2.0);
+/// assert!((oscillator.frequency_rad_per_s - 10.0).abs() < 1e-12);
+/// assert!((oscillator.damping_ratio - 0.1).abs() < 1e-12);
+/// assert!((oscillator.overshoot() - 0.729).abs() < 1e-3);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Oscillator {
     /// Undamped natural frequency ω₀, rad/s.

@@ -1,6 +1,13 @@
 //! Friction on a slope, stiffnesses in series, and upright cylinders that are pushed over.
 
 /// The slope, rad, at which a body with coefficient of friction `friction` begins to slide: atan μ.
+///
+/// ```
+/// use underbrush_oracles::statics::{sliding_acceleration_m_per_s2, slip_angle_rad};
+///
+/// // At the angle of friction a sliding body keeps its speed.
+/// assert!(sliding_acceleration_m_per_s2(9.81, slip_angle_rad(0.4), 0.4).abs() < 1e-12);
+/// ```
 pub fn slip_angle_rad(friction: f64) -> f64 {
     friction.atan()
 }
@@ -11,6 +18,12 @@ pub fn sliding_acceleration_m_per_s2(gravity_m_per_s2: f64, slope_rad: f64, fric
 }
 
 /// Stiffness of springs in series, N/m: (Σ 1/k)⁻¹.
+///
+/// ```
+/// use underbrush_oracles::statics::in_series;
+///
+/// assert!((in_series(&[100.0, 100.0]) - 50.0).abs() < 1e-12);
+/// ```
 pub fn in_series(stiffness_n_per_m: &[f64]) -> f64 {
     1.0 / stiffness_n_per_m.iter().map(|stiffness| 1.0 / stiffness).sum::<f64>()
 }
