@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use crate::drawing::{Axis, Chart, Dash, Layer, Shape, Style, escape, svg_document};
+use crate::drawing::{Axis, Dash, Layer, Shape, Style, chart, escape, svg_document};
 use underbrush_validation::{Portrait, Section};
 
 const CELL_PX: f64 = 24.0;
@@ -148,18 +148,12 @@ pub fn roll_loop(points: &[(f64, f64)]) -> String {
     let in_mm =
         |points: &[(f64, f64)]| Shape::Line(points.iter().map(|(way_m, force_n)| (1e3 * way_m, *force_n)).collect());
     let strongest_n = points.iter().map(|point| point.1).fold(0.0, f64::max);
-    let chart = Chart {
-        name: "foam-roll".into(),
-        title: "A foam roll pushed and let go by the forearm".into(),
-        description: format!(
-            "The force rises to {strongest_n:.2} N and falls along a lower path: the foam loses energy."
-        ),
-        x: Axis::from_zero("way of the forearm since first contact / mm"),
-        y: Axis::from_zero("force / N"),
-        layers: vec![
-            Layer::new("pushed", Style::line("#b23a4a", Dash::Solid), in_mm(&points[..points.len().min(farthest + 1)])),
-            Layer::new("let go", Style::line("#1f4fd1", Dash::Dashed), in_mm(&points[farthest..])),
-        ],
-    };
-    chart.svg()
+    let description =
+        format!("The force rises to {strongest_n:.2} N and falls along a lower path: the foam loses energy.");
+    let axes = (Axis::from_zero("way of the forearm since first contact / mm"), Axis::from_zero("force / N"));
+    let layers = vec![
+        Layer::new("pushed", Style::line("#b23a4a", Dash::Solid), in_mm(&points[..points.len().min(farthest + 1)])),
+        Layer::new("let go", Style::line("#1f4fd1", Dash::Dashed), in_mm(&points[farthest..])),
+    ];
+    chart("foam-roll", "A foam roll pushed and let go by the forearm", description, axes, layers)
 }

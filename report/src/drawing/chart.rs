@@ -30,6 +30,17 @@ const LINE: f64 = 21.0;
 /// Mean width of a letter of a sans-serif font, relative to the font size.
 const LETTER: f64 = 0.54;
 
+/// A chart as an SVG element, with its horizontal and its vertical axis.
+pub fn chart(
+    name: impl Into<String>,
+    title: impl Into<String>,
+    description: impl Into<String>,
+    (x, y): (Axis, Axis),
+    layers: Vec<Layer>,
+) -> String {
+    Chart { name: name.into(), title: title.into(), description: description.into(), x, y, layers }.svg()
+}
+
 impl Chart {
     /// The chart as an SVG element that fills the available width.
     pub fn svg(&self) -> String {

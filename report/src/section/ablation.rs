@@ -1,9 +1,10 @@
 //! Ablation: the cross-validation table with one thing changed at a time.
 
+use underbrush_experiments::cell::unit_name;
 use underbrush_experiments::definition::TableOneUnit;
-use underbrush_experiments::experiment::ablation::{AS_IS, Ablated, Outcome, described};
+use underbrush_experiments::experiment::ablation::{AS_IS, Ablated, MeanAccuracy, Outcome, described};
 
-use crate::drawing::{Cell, Table};
+use crate::drawing::{Rows, Table};
 use crate::report::Report;
 
 /// Adds the section.
@@ -24,8 +25,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     let changes: Vec<String> = changes.map(|(name, what)| format!("{name}: {what}")).collect();
     report.page.list(&changes);
     let table = table(&outcome.ablation, &report.results.definition.labels());
-    report.print(&table, 10);
-    report.table(table);
+    report.printed(table, 10);
 }
 
 /// The effect of the changes on the difference from the published table.
@@ -61,48 +61,27 @@ fn sentence(rows: &[Ablated]) -> Option<String> {
 }
 
 fn table(rows: &[Ablated], labels: &[&str]) -> Table {
-    let mut columns: Vec<String> = [
-        "changed",
-        "mean difference / points",
-        "orderings that hold",
-        "pairs in order",
-        "components / %",
-        "balanced / %",
-        "majority / %",
-        "taxels / %",
-        "balanced / %",
-        "majority / %",
-    ]
-    .map(str::to_owned)
-    .to_vec();
-    for unit in ["component", "taxel"] {
-        columns.extend(labels.iter().map(|label| format!("{unit} trials a reach, {label}")));
-    }
-    let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     let caption = "One thing changed at a time, first recipe: mean absolute difference from the published cells, and mean \
                    accuracies over the cells of each unit";
-    let mut table = Table::new("ablation", caption, &columns);
-    for row in rows {
-        let mut cells = vec![
-            row.change.as_str().into(),
-            Cell::optional(row.mean_absolute_difference_points, 1),
-            format!("{} of {}", row.orderings_holding, row.orderings).into(),
-            format!("{} of {}", row.pairs_holding, row.pairs).into(),
-        ];
-        for own in [&row.component, &row.taxel] {
-            let own = own.as_ref();
-            cells.push(Cell::optional(own.map(|own| own.accuracy), 1));
-            cells.push(Cell::optional(own.map(|own| own.balanced_accuracy), 1));
-            cells.push(Cell::optional(own.map(|own| own.majority_baseline), 1));
-        }
-        for unit in [TableOneUnit::Component, TableOneUnit::Taxel] {
-            for label in labels {
+    let accuracies = |rows: Rows<_>, name: &str, of: fn(&Ablated) -> Option<&MeanAccuracy>| {
+        rows.number(name, 1, |row| of(row).map(|own| own.accuracy))
+            .number("balanced / %", 1, |row| of(row).map(|own| own.balanced_accuracy))
+            .number("majority / %", 1, |row| of(row).map(|own| own.majority_baseline))
+    };
+    let rows = Rows::of(rows)
+        .column("changed", |row| row.change.as_str())
+        .number("mean difference / points", 1, |row| row.mean_absolute_difference_points)
+        .column("orderings that hold", |row| format!("{} of {}", row.orderings_holding, row.orderings))
+        .column("pairs in order", |row| format!("{} of {}", row.pairs_holding, row.pairs));
+    let rows = accuracies(rows, "components / %", |row| row.component.as_ref());
+    let mut rows = accuracies(rows, "taxels / %", |row| row.taxel.as_ref());
+    for unit in [TableOneUnit::Component, TableOneUnit::Taxel] {
+        for label in labels {
+            rows = rows.number(format!("{} trials a reach, {label}", unit_name(unit)), 1, |row| {
                 let mut counted = row.trials_per_reach.iter();
-                let own = counted.find(|own| own.by == unit && own.category == *label);
-                cells.push(Cell::optional(own.map(|own| own.per_reach), 1));
-            }
+                counted.find(|own| own.by == unit && own.category == *label).map(|own| own.per_reach)
+            });
         }
-        table.rows.push(cells);
     }
-    table
+    rows.table("ablation", caption)
 }

@@ -6,8 +6,8 @@ use underbrush_experiments::experiment::campaigns::{CampaignCell, Campaigns, Out
 use super::classifiers;
 use super::table_one::trials_and_features;
 use crate::agreement::{self, Compared};
-use crate::drawing::{Cell, Table};
-use crate::report::{CAMPAIGN_COLUMNS, Report, campaign_cells, campaigns_by_touch, possessive, seeds, with_published};
+use crate::drawing::{Rows, Table};
+use crate::report::{CAMPAIGN_COLUMNS, Report, campaign_cells, campaigns_by_touch, possessive, seeds};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &Outcome) {
@@ -80,9 +80,7 @@ fn add_classifiers(report: &mut Report, campaigns: &Campaigns) {
     if let Some(text) = classifiers::features(&report.results.definition.file.classifiers, &means) {
         report.page.paragraph(&text);
     }
-    let table = classifiers_table(campaigns, best);
-    report.print(&table, 10);
-    report.table(table);
+    report.printed(classifiers_table(campaigns, best), 10);
     let rows = campaigns.classifiers.iter().map(|own| (own.classifier.clone(), &own.figures));
     report.table(campaigns_by_touch("campaign_classifiers_by_touch", "Other classifiers", rows));
 }
@@ -104,56 +102,36 @@ fn best_classifier(campaigns: &Campaigns, published: Option<f64>) -> Option<Stri
 }
 
 fn classifiers_table(campaigns: &Campaigns, published: Option<f64>) -> Table {
-    let mut columns = vec!["classifier"];
-    columns.extend(CAMPAIGN_COLUMNS);
-    columns.extend(published.map(|_| "against the paper's best"));
     let caption = format!(
         "Classifiers, mean of {} campaigns: accuracy, balanced accuracy and majority baseline in %, by whole reaches",
         campaigns.seeds.len()
     );
-    let mut table = Table::new("campaign_classifiers", caption, &columns);
-    for own in &campaigns.classifiers {
-        let mut row = vec![own.classifier.as_str().into()];
-        row.extend(campaign_cells(&own.figures));
-        row.extend(published.map(|best| Cell::Difference(own.figures.accuracy.mean - best, 1)));
-        table.rows.push(row);
-    }
-    table
+    Rows::of(&campaigns.classifiers)
+        .column("classifier", |own| own.classifier.as_str())
+        .columns(CAMPAIGN_COLUMNS, |own| campaign_cells(&own.figures))
+        .against_best(published, |own| own.figures.accuracy.mean)
+        .table("campaign_classifiers", caption)
 }
 
 /// The mean campaign in one recipe.
 fn of_recipe(campaigns: &Campaigns, recipe: &str) -> Table {
-    let published = campaigns.table_1.iter().any(|cell| cell.paper.is_some());
-    let columns = [&["trials, features", "states"], &CAMPAIGN_COLUMNS[..]].concat();
-    let columns = with_published(&columns, published);
     let caption = format!(
         "Mean of {} campaigns, {}, the {} recipe: accuracy, balanced accuracy and majority baseline, %",
         campaigns.seeds.len(),
         seeds(&campaigns.seeds),
         possessive(recipe)
     );
-    let mut table = Table::new("campaigns", caption, &columns);
-    for cell in campaigns.table_1.iter().filter(|cell| cell.key.recipe == recipe) {
-        let mut row = vec![trials_and_features(&cell.key), cell.key.states.into()];
-        row.extend(campaign_cells(&cell.figures));
-        if published {
-            row.push(Cell::optional(cell.paper, 1));
-            let difference = cell.paper.map(|paper| cell.figures.accuracy.mean - paper);
-            row.push(difference.map_or(Cell::Missing, |points| Cell::Difference(points, 1)));
-        }
-        table.rows.push(row);
-    }
-    table
+    Rows::of(campaigns.table_1.iter().filter(|cell| cell.key.recipe == recipe))
+        .column("trials, features", |cell| trials_and_features(&cell.key))
+        .column("states", |cell| cell.key.states)
+        .columns(CAMPAIGN_COLUMNS, |cell| campaign_cells(&cell.figures))
+        .against_published(|cell| cell.figures.accuracy.mean, |cell| cell.paper)
+        .table("campaigns", caption)
 }
 
 /// All cells, with their recipe in a column.
 fn all(campaigns: &Campaigns) -> Table {
-    let published = campaigns.table_1.iter().any(|cell| cell.paper.is_some());
-    let mut columns = vec![
-        "by",
-        "features",
-        "states",
-        "recipe",
+    let columns = [
         "accuracy_percent",
         "accuracy_sd",
         "accuracy_min",
@@ -163,35 +141,20 @@ fn all(campaigns: &Campaigns) -> Table {
         "majority_baseline_percent",
         "majority_baseline_sd",
     ];
-    columns.extend(published.then_some("paper_percent"));
-    let mut table = Table::new("campaigns", "Cross-validation over campaigns", &columns);
-    for cell in &campaigns.table_1 {
-        let mut row = vec![
-            unit_name(cell.key.by).into(),
-            cell.key.features.to_string().into(),
-            cell.key.states.into(),
-            cell.key.recipe.as_str().into(),
-        ];
-        row.extend(campaign_cells(&cell.figures));
-        row.extend(published.then(|| Cell::optional(cell.paper, 2)));
-        table.rows.push(row);
-    }
-    table
+    let published = campaigns.table_1.iter().any(|cell| cell.paper.is_some());
+    Rows::of(&campaigns.table_1)
+        .key(|cell| &cell.key)
+        .columns(columns, |cell| campaign_cells(&cell.figures))
+        .when(published, |rows| rows.number("paper_percent", 2, |cell| cell.paper))
+        .table("campaigns", "Cross-validation over campaigns")
 }
 
 fn trials(campaigns: &Campaigns) -> Table {
     let published = campaigns.trials_per_reach.iter().any(|row| row.paper.is_some());
-    let mut columns = vec!["trials", "per reach, mean", "SD"];
-    columns.extend(published.then_some("paper"));
-    let mut table = Table::new("campaign_trials_per_reach", "Contact trials over all campaigns", &columns);
-    for row in &campaigns.trials_per_reach {
-        let mut cells = vec![
-            format!("{}, {}", unit_name(row.by), row.category).into(),
-            Cell::Number(row.per_reach.mean, 1),
-            Cell::optional(row.per_reach.standard_deviation, 1),
-        ];
-        cells.extend(published.then(|| Cell::optional(row.paper, 1)));
-        table.rows.push(cells);
-    }
-    table
+    Rows::of(&campaigns.trials_per_reach)
+        .column("trials", |row| format!("{}, {}", unit_name(row.by), row.category))
+        .number("per reach, mean", 1, |row| row.per_reach.mean)
+        .number("SD", 1, |row| row.per_reach.standard_deviation)
+        .when(published, |rows| rows.number("paper", 1, |row| row.paper))
+        .table("campaign_trials_per_reach", "Contact trials over all campaigns")
 }

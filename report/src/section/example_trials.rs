@@ -4,7 +4,7 @@ use underbrush_experiments::experiment::example_trials::{Example, Outcome, Typic
 use underbrush_recording::{FRAME_PERIOD_S, Sample};
 
 use crate::category_looks::CategoryLooks;
-use crate::drawing::{Axis, Cell, Chart, Layer, Shape, Table};
+use crate::drawing::{Axis, Layer, Rows, Shape, Table, chart};
 use crate::replay_links;
 use crate::report::Report;
 
@@ -116,15 +116,8 @@ pub fn charts(outcome: &Outcome, looks: &CategoryLooks) -> Vec<String> {
             let style = looks.look(&example.category).line();
             layers.push(Layer::new(example.category.as_str(), style, Shape::Line(points)));
         }
-        let chart = Chart {
-            name: format!("figure-5-{what}"),
-            title: format!("{what} of a taxel"),
-            description,
-            x: Axis::from_zero("time since contact / s"),
-            y: Axis::from_zero(label),
-            layers,
-        };
-        chart.svg()
+        let axes = (Axis::from_zero("time since contact / s"), Axis::from_zero(label));
+        chart(format!("figure-5-{what}"), format!("{what} of a taxel"), description, axes, layers)
     };
     vec![
         of("Force", "force / N", "N", |sample| Some(sample.force_n)),
@@ -134,19 +127,15 @@ pub fn charts(outcome: &Outcome, looks: &CategoryLooks) -> Vec<String> {
 
 /// All examples, sample by sample.
 fn table(outcome: &Outcome) -> Table {
-    let columns = ["category", "trial", "time_since_contact_s", "force_n", "motion_m"];
-    let mut table = Table::new("figure_5", "Example trials", &columns);
-    for example in &outcome.figure_5 {
+    let samples = outcome.figure_5.iter().flat_map(|example| {
         let start_s = example.data.samples.first().map_or(0.0, |sample| sample.time_s);
-        for sample in &example.data.samples {
-            table.rows.push(vec![
-                example.category.as_str().into(),
-                Cell::Count(example.trial as usize),
-                Cell::Number(sample.time_s - start_s, 2),
-                Cell::Number(sample.force_n, 3),
-                Cell::optional(sample.motion_m, 4),
-            ]);
-        }
-    }
-    table
+        example.data.samples.iter().map(move |sample| (example, sample, sample.time_s - start_s))
+    });
+    Rows::of(samples)
+        .column("category", |(example, ..)| example.category.as_str())
+        .column("trial", |(example, ..)| example.trial as usize)
+        .number("time_since_contact_s", 2, |(.., since_s)| since_s)
+        .number("force_n", 3, |(_, sample, _)| sample.force_n)
+        .number("motion_m", 4, |(_, sample, _)| sample.motion_m)
+        .table("figure_5", "Example trials")
 }
