@@ -4,7 +4,6 @@ use underbrush_recording::fault::Fault;
 
 use crate::decision::DecisionError;
 use crate::error::ModelError;
-use crate::evaluate::touch_folds::TouchFoldsError;
 use crate::evaluate::{EvaluateError, ThresholdError};
 use crate::feature::FeatureError;
 use crate::online::OnlineError;
@@ -48,4 +47,4 @@ macro_rules! bad_usage {
         })*
     };
 }
-bad_usage!(TrialError, ThresholdError, DecisionError, FeatureError, TouchFoldsError);
+bad_usage!(TrialError, ThresholdError, DecisionError, FeatureError);

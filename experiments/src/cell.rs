@@ -43,6 +43,11 @@ impl CellKey {
         let (by, features) = (unit_name(self.by), self.features);
         format!("{by}, {features}, {} states", self.states)
     }
+
+    /// The cell with its recipe, as text.
+    pub fn with_recipe(&self) -> String {
+        format!("{}, {} recipe", self.name(), self.recipe)
+    }
 }
 
 /// `component` or `taxel`.

@@ -7,7 +7,7 @@ use underbrush_experiments::definition::TableOneUnit;
 
 use crate::accuracy_chart::{AccuracyChart, lowest};
 use crate::drawing::{Rows, Table};
-use crate::report::possessive;
+use crate::report::{Report, possessive};
 use crate::style::{self, PUBLISHED};
 use crate::text::counted;
 
@@ -32,29 +32,17 @@ pub struct Compared<'a> {
     pub published: Option<f64>,
 }
 
-/// The recipes of some cells, in order.
-pub fn recipes(cells: &[Compared]) -> Vec<String> {
-    let mut recipes: Vec<String> = cells.iter().map(|cell| cell.key.recipe.clone()).collect();
-    recipes.dedup();
-    recipes
-}
-
 /// A sentence, beginning with `what`, on the agreement with the published cells and on cells below the majority
 /// baseline.
 pub fn sentences(what: &str, cells: &[&Compared]) -> String {
-    let below: Vec<String> = cells
-        .iter()
-        .filter(|cell| cell.accuracy < cell.majority_baseline)
-        .map(|cell| {
-            format!(
-                "{}, {:.1} % (majority {:.1} %, balanced accuracy {:.1} %)",
-                cell.key.name(),
-                cell.accuracy,
-                cell.majority_baseline,
-                cell.balanced_accuracy
-            )
-        })
-        .collect();
+    let below = cells.iter().filter(|cell| cell.accuracy < cell.majority_baseline).map(|cell| {
+        let Compared { key, accuracy, majority_baseline, balanced_accuracy, .. } = cell;
+        let name = key.name();
+        format!(
+            "{name}, {accuracy:.1} % (majority {majority_baseline:.1} %, balanced accuracy {balanced_accuracy:.1} %)"
+        )
+    });
+    let below: Vec<String> = below.collect();
     let agreement = with_published(what, cells);
     let below = below_majority(&below, cells.len());
     agreement.map_or(below.clone(), |agreement| format!("{agreement} {below}"))
@@ -108,8 +96,31 @@ fn below_majority(below: &[String], cells: usize) -> String {
     )
 }
 
+/// Adds [`sentences`] on each recipe, which begin with what `what` makes of its name, and returns the recipes.
+pub fn add_sentences(report: &mut Report, cells: &[Compared], what: impl Fn(&str) -> String) -> Vec<String> {
+    let mut recipes: Vec<String> = cells.iter().map(|cell| cell.key.recipe.clone()).collect();
+    recipes.dedup();
+    for recipe in &recipes {
+        let own: Vec<&Compared> = cells.iter().filter(|cell| cell.key.recipe == *recipe).collect();
+        report.page.paragraph(&sentences(&what(&possessive(recipe)), &own));
+    }
+    recipes
+}
+
+/// Adds the published orderings, if there are any, as sentences and as a table.
+pub fn add_orderings(report: &mut Report, name: &str, caption: &str, own: &[Ordering]) {
+    if own.is_empty() {
+        return;
+    }
+    report.page.paragraph(&format!("{caption}:"));
+    report.page.list(&orderings(own));
+    let table = orderings_table(name, caption, own);
+    report.print(&table, 5);
+    report.numbers(table);
+}
+
 /// Each published ordering as a sentence.
-pub fn orderings(orderings: &[Ordering]) -> Vec<String> {
+fn orderings(orderings: &[Ordering]) -> Vec<String> {
     let sentence = |ordering: &Ordering| {
         let verdict = match ordering.pairs_holding {
             all if all == ordering.pairs => "this holds in all".to_owned(),
@@ -126,7 +137,7 @@ pub fn orderings(orderings: &[Ordering]) -> Vec<String> {
 }
 
 /// The published orderings as a table.
-pub fn orderings_table(name: &str, caption: &str, orderings: &[Ordering]) -> Table {
+fn orderings_table(name: &str, caption: &str, orderings: &[Ordering]) -> Table {
     Rows::of(orderings)
         .column("the paper's statement", |own| own.statement.as_str())
         .column("recipe", |own| own.recipe.as_str())

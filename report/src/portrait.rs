@@ -118,26 +118,18 @@ fn section(body: &mut String, portrait: &Portrait, top: f64, width: f64) {
         Section::Disc { radius_m } => {
             format!("<circle cx=\"{middle:.1}\" cy=\"{:.1}\" r=\"{:.1}\"", lowest - px(radius_m), px(radius_m))
         }
-        Section::Bar { along_m, away_m } => format!(
-            "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"",
-            middle - px(along_m) / 2.0,
-            lowest - px(away_m),
-            px(along_m),
-            px(away_m)
-        ),
+        Section::Bar { along_m, away_m } => {
+            let (x, y, width, height) = (middle - px(along_m) / 2.0, lowest - px(away_m), px(along_m), px(away_m));
+            format!("<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"")
+        }
     };
+    let (height, inner, skin, link) = (ABOVE + BELOW, width - 2.0 * MARGIN, px(SKIN_M), surface + px(SKIN_M));
     let _ = writeln!(
         body,
-        "<svg x=\"0\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{:.1}\" viewBox=\"0 {top:.1} {width:.1} {:.1}\">\
-         <rect x=\"{MARGIN}\" y=\"{surface:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#d9c9a3\"/>\
-         <rect x=\"{MARGIN}\" y=\"{:.1}\" width=\"{:.1}\" height=\"6\" fill=\"#6b7078\"/>\
-         {outline} fill=\"#3f7d4e\" fill-opacity=\"0.6\" stroke=\"#1d4a28\"/></svg>",
-        ABOVE + BELOW,
-        ABOVE + BELOW,
-        width - 2.0 * MARGIN,
-        px(SKIN_M),
-        surface + px(SKIN_M),
-        width - 2.0 * MARGIN
+        "<svg x=\"0\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" viewBox=\"0 {top:.1} {width:.1} {height:.1}\">\
+         <rect x=\"{MARGIN}\" y=\"{surface:.1}\" width=\"{inner:.1}\" height=\"{skin:.1}\" fill=\"#d9c9a3\"/>\
+         <rect x=\"{MARGIN}\" y=\"{link:.1}\" width=\"{inner:.1}\" height=\"6\" fill=\"#6b7078\"/>\
+         {outline} fill=\"#3f7d4e\" fill-opacity=\"0.6\" stroke=\"#1d4a28\"/></svg>"
     );
 }
 

@@ -1,9 +1,9 @@
 //! A report that is being written: the page, its tables, and the text for the terminal.
 
-use underbrush_experiments::accuracy::{Accuracy, Part};
+use underbrush_experiments::accuracy::{Accuracy, Figures, Part, Spread};
 use underbrush_experiments::cell::{CellKey, unit_name};
 use underbrush_experiments::definition::{Published, PublishedSection};
-use underbrush_experiments::experiment::campaigns::{CampaignFigures, CampaignPart};
+use underbrush_experiments::experiment::campaigns::CampaignFigures;
 use underbrush_experiments::results::Results;
 
 use crate::category_looks::CategoryLooks;
@@ -155,7 +155,7 @@ impl<T: Copy> Rows<T> {
 /// Figures over campaigns: mean, standard deviation, minimum and maximum of the accuracy, then mean and standard
 /// deviation of the balanced accuracy and of the majority baseline.
 pub fn campaign_cells(own: &CampaignFigures) -> [Cell; 8] {
-    let CampaignFigures { accuracy, balanced_accuracy, majority_baseline, .. } = own;
+    let Figures { accuracy, balanced_accuracy, majority_baseline } = &own.all;
     [
         Cell::Number(accuracy.mean, 1),
         Cell::optional(accuracy.standard_deviation, 1),
@@ -204,8 +204,8 @@ pub fn campaigns_by_touch<'a>(
     let caption = format!(
         "{what} over all campaigns: trials in which something touched the skin, and trials in which nothing did"
     );
-    let cells = |own: Option<&CampaignPart>| {
-        let percent = |value: fn(&CampaignPart) -> Option<f64>| Cell::optional(own.and_then(value), 1);
+    let cells = |own: Option<&Figures<Spread>>| {
+        let percent = |value: fn(&Figures<Spread>) -> Option<f64>| Cell::optional(own.and_then(value), 1);
         [
             percent(|own| Some(own.accuracy.mean)),
             percent(|own| own.accuracy.standard_deviation),

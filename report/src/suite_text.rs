@@ -34,15 +34,9 @@ pub fn of(results: &[SuiteResult]) -> String {
 fn of_suite(result: &SuiteResult) -> String {
     let mut text = format!("{}: {}\n", result.suite, result.summary);
     for scene in &result.scenes {
-        text += &format!(
-            "\n{} ({} of seed {}, {:.0} s simulated, {}): {}\n",
-            scene.scene,
-            counted(scene.reaches, "reach", "reaches"),
-            result.seed,
-            scene.simulated_s,
-            scene.controller,
-            scene.goals
-        );
+        let SceneResult { scene: name, simulated_s, controller, goals, .. } = scene;
+        let (reaches, seed) = (counted(scene.reaches, "reach", "reaches"), result.seed);
+        text += &format!("\n{name} ({reaches} of seed {seed}, {simulated_s:.0} s simulated, {controller}): {goals}\n");
         text += &Rows::of(&scene.bounds)
             .column("metric", |bound| bound.name.as_str())
             .column("found", |bound| shown(bound.found))
@@ -86,14 +80,11 @@ fn why(result: &SuiteResult, scene: &SceneResult, bound: &BoundResult) -> String
     };
     let mut text = format!("{}: {} {what}\n", scene.scene, bound.name);
     if let Some(worst) = bound.look_at {
+        let (index, value, file) = (worst.reach_index, number(worst.value), shell_word(&scene.file));
+        let (seed, controller) = (result.seed, &scene.controller);
         text += &format!(
-            "  look at reach {}, where it is {}:\n  underbrush reach {} --seed {} --index {} --controller {} --picture reach.svg\n",
-            worst.reach_index,
-            number(worst.value),
-            shell_word(&scene.file),
-            result.seed,
-            worst.reach_index,
-            scene.controller
+            "  look at reach {index}, where it is {value}:\n  underbrush reach {file} --seed {seed} --index {index} --controller \
+             {controller} --picture reach.svg\n"
         );
     }
     text

@@ -22,7 +22,9 @@ use crate::feature::{FeatureSet, SampleFault};
 pub(super) type TrialsByCategory<'a> = BTreeMap<String, Vec<&'a Trial>>;
 
 /// The options of a baseline, and what it does with trials and samples.
-pub(super) trait Baseline: Copy + Debug + Send + Sync + Serialize + DeserializeOwned + JsonSchema + 'static {
+pub(super) trait Baseline:
+    Copy + Debug + Send + Sync + Serialize + DeserializeOwned + JsonSchema + 'static
+{
     /// Name of the classifier.
     const NAME: &'static str;
     /// What is fitted, as a file holds it.

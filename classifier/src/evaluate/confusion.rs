@@ -1,12 +1,13 @@
 //! Confusion matrices, accuracies and figures by category.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use underbrush_recording::Category;
 
 use super::interval::{Interval, wilson};
 use super::prediction::Prediction;
+use super::record::Record;
 use crate::decision::Verdict;
 
 /// Counts of true category against verdict.
@@ -61,7 +62,9 @@ impl AccuracyByTouch {
                 None => unknown.push(prediction),
             }
         }
-        let accuracy = |part: Vec<&Prediction>| ConfusionMatrix::of(part, models).accuracy();
+        let accuracy = |part: Vec<&Prediction>| {
+            ConfusionMatrix::of(part.into_iter().map(|own| own.record(models)), models).accuracy()
+        };
         (touched.len() + untouched.len() > 0).then(|| AccuracyByTouch {
             touched: accuracy(touched),
             untouched: accuracy(untouched),
@@ -94,25 +97,15 @@ pub struct CategoryFigures {
 }
 
 impl ConfusionMatrix {
-    /// Counts predictions of a classifier with the categories `models`.
-    pub(super) fn of<'a>(predictions: impl IntoIterator<Item = &'a Prediction>, models: &[String]) -> Self {
-        let predictions: Vec<&Prediction> = predictions.into_iter().collect();
-        let truth: BTreeSet<&str> = predictions.iter().map(|prediction| prediction.category.as_str()).collect();
-        let truth: Vec<String> = truth.into_iter().map(str::to_owned).collect();
-        let mut verdict = models.to_vec();
+    /// Counts verdicts of a classifier with these categories.
+    pub fn of<'a>(records: impl IntoIterator<Item = Record<'a>>, categories: &[String]) -> Self {
+        let mut verdict = categories.to_vec();
         verdict.extend([Verdict::Uncertain.name().to_owned(), Verdict::Outlier.name().to_owned()]);
-        let mut count = vec![vec![0; verdict.len()]; truth.len()];
-        for prediction in predictions {
-            let column = match &prediction.verdict {
-                Verdict::Category(name) => models.iter().position(|model| model == name),
-                Verdict::Uncertain => Some(models.len()),
-                Verdict::Outlier => Some(models.len() + 1),
-            };
-            let row = truth.iter().position(|category| *category == prediction.category);
-            if let (Some(row), Some(column)) = (row, column) {
-                count[row][column] += 1;
-            }
+        let mut rows: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+        for record in records {
+            rows.entry(record.truth).or_insert_with(|| vec![0; verdict.len()])[record.verdict] += record.weight;
         }
+        let (truth, count) = rows.into_iter().map(|(truth, row)| (truth.to_owned(), row)).unzip();
         ConfusionMatrix { truth, verdict, count }
     }
 

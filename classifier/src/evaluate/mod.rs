@@ -12,6 +12,7 @@ mod held_out;
 mod interval;
 mod prediction;
 mod rates;
+mod record;
 mod roc;
 mod stream;
 mod threshold;
@@ -31,6 +32,7 @@ pub use held_out::HeldOut;
 pub use interval::{Interval, bootstrap_by_reach, wilson};
 pub use prediction::Prediction;
 pub use rates::Rates;
+pub use record::Record;
 pub use roc::{RocCurve, RocPoint, category_roc, outlier_roc};
 pub use stream::{
     NOTHING, Stream, StreamContact, StreamFrame, StreamTruth, Tally, classify_stream, classify_touch_stream,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::decision::Choice;
+use super::confusion::ConfusionMatrix;
 
 /// Rates of verdicts whose truth is known.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -21,25 +21,24 @@ pub struct Rates {
     pub outlier: f64,
 }
 
-/// The rates of verdicts, each given with its true category.
-pub(super) fn rates(choices: &[(&str, Choice)], categories: &[String]) -> Rates {
-    let fraction = |choice: Choice, counts: &dyn Fn(&str) -> bool| {
-        let pool = choices.iter().filter(|(truth, _)| counts(truth));
-        let taken = pool.clone().filter(|(_, found)| *found == choice).count();
-        taken as f64 / pool.count().max(1) as f64
+/// The rates of verdicts that were counted.
+pub(super) fn rates(confusion: &ConfusionMatrix) -> Rates {
+    let categories = confusion.verdict.len() - 2;
+    let share = |column: usize, counts: &dyn Fn(&str) -> bool| {
+        let rows = confusion.truth.iter().zip(&confusion.count).filter(|(truth, _)| counts(truth));
+        let taken: usize = rows.clone().map(|(_, row)| row[column]).sum();
+        let all: usize = rows.flat_map(|(_, row)| row).sum();
+        taken as f64 / all.max(1) as f64
     };
     let by_category = |own: bool| {
-        let rates = categories.iter().enumerate().map(|(index, category)| {
-            let rate = fraction(Choice::Category(index), &|truth| (truth == category) == own);
-            (category.clone(), rate)
-        });
-        rates.collect()
+        let names = confusion.verdict[..categories].iter().enumerate();
+        names.map(|(column, name)| (name.clone(), share(column, &|truth| (truth == name) == own))).collect()
     };
     Rates {
-        verdicts: choices.len(),
+        verdicts: confusion.count.iter().flatten().sum(),
         false_positive_rate: by_category(false),
         true_positive_rate: by_category(true),
-        uncertain: fraction(Choice::Uncertain, &|_| true),
-        outlier: fraction(Choice::Outlier, &|_| true),
+        uncertain: share(categories, &|_| true),
+        outlier: share(categories + 1, &|_| true),
     }
 }

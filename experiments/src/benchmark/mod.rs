@@ -26,7 +26,7 @@ use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::MakeController;
 use underbrush_sim::scene::Scene;
 
-use crate::dataset::{Campaign, PROGRAM_VERSION, Written};
+use crate::dataset::{Campaign, PROGRAM_VERSION};
 use crate::error::ExperimentError;
 use crate::files;
 use crate::progress::Progress;
@@ -140,10 +140,8 @@ impl Entry {
         let mut sets = Vec::new();
         for set in planned {
             progress.stage(&format!("Reaches of the set {}", set.name));
-            let dataset = match set.campaign.write(&set_folder(folder, &set.name, quick), true, progress)? {
-                Written::New(dataset) | Written::Before(dataset) => dataset,
-            };
-            sets.push((set.name, dataset));
+            let written = set.campaign.write(&set_folder(folder, &set.name, quick), true, progress)?;
+            sets.push((set.name, written.dataset()));
         }
         progress.stage("Figures");
         let record = |(name, dataset): &(String, Dataset)| SetRecord::of(name, dataset);

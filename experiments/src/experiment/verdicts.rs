@@ -170,20 +170,12 @@ fn held_out(
     fold: usize,
 ) -> Result<TouchEvaluation, ExperimentError> {
     let model = Arc::new(examples.some(|index| index % FOLDS != fold).fit()?);
-    let mut evaluation = TouchEvaluation::default();
-    for recording in recordings.iter().skip(fold).step_by(FOLDS) {
-        evaluation.add(TouchEvaluation::of(&model, recording)?);
-    }
-    Ok(evaluation)
+    Ok(TouchEvaluation::of_all(&model, recordings.iter().skip(fold).step_by(FOLDS))?)
 }
 
 /// The verdicts on all reaches of a scene.
 fn judge(model: &Arc<TouchModel>, found: &Found) -> Result<(String, TouchEvaluation), ExperimentError> {
-    let mut evaluation = TouchEvaluation::default();
-    for recording in &found.reaches {
-        evaluation.add(TouchEvaluation::of(model, recording)?);
-    }
-    Ok((found.scene.clone(), evaluation))
+    Ok((found.scene.clone(), TouchEvaluation::of_all(model, &found.reaches)?))
 }
 
 impl Verdicts {

@@ -1,8 +1,9 @@
 //! Ablation: the cross-validation table with one thing changed at a time.
 
+use underbrush_experiments::accuracy::Figures;
 use underbrush_experiments::cell::unit_name;
 use underbrush_experiments::definition::TableOneUnit;
-use underbrush_experiments::experiment::ablation::{AS_IS, Ablated, MeanAccuracy, Outcome, described};
+use underbrush_experiments::experiment::ablation::{AS_IS, Ablated, Outcome, described};
 
 use crate::drawing::{Rows, Table};
 use crate::report::Report;
@@ -18,9 +19,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         report.page.paragraph("Quick runs leave this out: they have too few reaches.");
         return;
     }
-    if let Some(text) = sentence(&outcome.ablation) {
-        report.page.paragraph(&text);
-    }
+    report.page.paragraphs(sentence(&outcome.ablation));
     let changes = file.ablation.iter().map(|name| described(*name));
     let changes: Vec<String> = changes.map(|(name, what)| format!("{name}: {what}")).collect();
     report.page.list(&changes);
@@ -34,28 +33,19 @@ fn sentence(rows: &[Ablated]) -> Option<String> {
     let as_is = as_is.first()?;
     let own = as_is.mean_absolute_difference_points?;
     let difference = |row: &Ablated| row.mean_absolute_difference_points.unwrap_or(f64::NAN);
-    let parts: Vec<String> = changed
-        .iter()
-        .map(|row| {
-            format!(
-                "{}: {:.1} points ({:+.1}), {} of {} orderings hold",
-                row.change,
-                difference(row),
-                difference(row) - own,
-                row.orderings_holding,
-                row.orderings
-            )
-        })
-        .collect();
+    let part = |row: &&Ablated| {
+        let Ablated { change, orderings_holding, orderings, .. } = row;
+        let (points, more) = (difference(row), difference(row) - own);
+        format!("{change}: {points:.1} points ({more:+.1}), {orderings_holding} of {orderings} orderings hold")
+    };
+    let parts = changed.iter().map(part).collect::<Vec<_>>().join("; ");
+    let Ablated { orderings_holding, orderings, .. } = as_is;
+    let cells = as_is.table_1.len();
     let nearer = changed.iter().filter(|row| difference(row) < own).count();
     Some(format!(
-        "Unchanged, the {} cells differ from the paper's by {own:.1} points on average, and {} of {} orderings hold. With one \
-         thing changed, {}. {nearer} of the {} changes come closer to the paper. This is one campaign; the intervals of the \
-         cross-validation table tell how far chance alone moves a cell.",
-        as_is.table_1.len(),
-        as_is.orderings_holding,
-        as_is.orderings,
-        parts.join("; "),
+        "Unchanged, the {cells} cells differ from the paper's by {own:.1} points on average, and {orderings_holding} of {orderings} \
+         orderings hold. With one thing changed, {parts}. {nearer} of the {} changes come closer to the paper. This is one \
+         campaign; the intervals of the cross-validation table tell how far chance alone moves a cell.",
         changed.len()
     ))
 }
@@ -63,7 +53,7 @@ fn sentence(rows: &[Ablated]) -> Option<String> {
 fn table(rows: &[Ablated], labels: &[&str]) -> Table {
     let caption = "One thing changed at a time, first recipe: mean absolute difference from the published cells, and mean \
                    accuracies over the cells of each unit";
-    let accuracies = |rows: Rows<_>, name: &str, of: fn(&Ablated) -> Option<&MeanAccuracy>| {
+    let accuracies = |rows: Rows<_>, name: &str, of: fn(&Ablated) -> Option<&Figures<f64>>| {
         rows.number(name, 1, |row| of(row).map(|own| own.accuracy))
             .number("balanced / %", 1, |row| of(row).map(|own| own.balanced_accuracy))
             .number("majority / %", 1, |row| of(row).map(|own| own.majority_baseline))

@@ -1,5 +1,6 @@
 //! Several independent campaigns: mean and spread.
 
+use underbrush_experiments::accuracy::Figures;
 use underbrush_experiments::cell::unit_name;
 use underbrush_experiments::experiment::campaigns::{CampaignCell, Campaigns, Outcome};
 
@@ -13,41 +14,27 @@ use crate::report::{CAMPAIGN_COLUMNS, Report, campaign_cells, campaigns_by_touch
 pub fn add(report: &mut Report, outcome: &Outcome) {
     let Some(campaigns) = &outcome.campaigns else { return };
     let compared: Vec<Compared> = campaigns.table_1.iter().map(compared).collect();
-    let recipes = agreement::recipes(&compared);
     report.section("campaigns", "Cross-validation over several campaigns");
+    let count = campaigns.seeds.len();
     report.page.paragraph(&format!(
-        "Means of {} independent campaigns, each with its own clutter, goals and noise; whiskers are one standard deviation \
-         over campaigns.",
-        campaigns.seeds.len()
+        "Means of {count} independent campaigns, each with its own clutter, goals and noise; whiskers are one standard deviation \
+         over campaigns."
     ));
-    for recipe in &recipes {
-        let own: Vec<&Compared> = compared.iter().filter(|cell| cell.key.recipe == *recipe).collect();
-        let what =
-            format!("In the mean of {} campaigns, with the {} recipe", campaigns.seeds.len(), possessive(recipe));
-        report.page.paragraph(&agreement::sentences(&what, &own));
-    }
+    let what = |recipe: &str| format!("In the mean of {count} campaigns, with the {recipe} recipe");
+    let recipes = agreement::add_sentences(report, &compared, what);
     report.page.figure(
         "The mean of all campaigns, with published figures and the majority baseline.",
         &agreement::charts("campaigns", ", mean of campaigns", &compared),
     );
-    if !campaigns.orderings.is_empty() {
-        let caption = "The paper's orderings on the mean campaign";
-        report.page.paragraph(&format!("{caption}:"));
-        report.page.list(&agreement::orderings(&campaigns.orderings));
-        let table = agreement::orderings_table("campaign_orderings", caption, &campaigns.orderings);
-        report.print(&table, 5);
-        report.numbers(table);
-    }
+    let caption = "The paper's orderings on the mean campaign";
+    agreement::add_orderings(report, "campaign_orderings", caption, &campaigns.orderings);
     for recipe in &recipes {
         let table = of_recipe(campaigns, recipe);
         report.page.table(&table);
         report.print(&table, 12);
     }
     report.tables.push(all(campaigns));
-    let rows = campaigns.table_1.iter().map(|cell| {
-        let name = format!("{}, {} recipe", cell.key.name(), cell.key.recipe);
-        (name, &cell.figures)
-    });
+    let rows = campaigns.table_1.iter().map(|cell| (cell.key.with_recipe(), &cell.figures));
     report.table(campaigns_by_touch("campaigns_by_touch", "Cross-validation", rows));
     report.table(trials(campaigns));
     if !campaigns.classifiers.is_empty() {
@@ -56,15 +43,15 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
 }
 
 fn compared(cell: &CampaignCell) -> Compared<'_> {
-    let own = &cell.figures.accuracy;
+    let Figures { accuracy: own, balanced_accuracy, majority_baseline } = &cell.figures.all;
     let deviation = own.standard_deviation.unwrap_or(0.0);
     Compared {
         key: &cell.key,
         accuracy: own.mean,
         interval: Some((own.mean - deviation, own.mean + deviation)),
         covers: false,
-        balanced_accuracy: cell.figures.balanced_accuracy.mean,
-        majority_baseline: cell.figures.majority_baseline.mean,
+        balanced_accuracy: balanced_accuracy.mean,
+        majority_baseline: majority_baseline.mean,
         published: cell.paper,
     }
 }
@@ -72,14 +59,10 @@ fn compared(cell: &CampaignCell) -> Compared<'_> {
 /// Other classifiers in the mean of all campaigns.
 fn add_classifiers(report: &mut Report, campaigns: &Campaigns) {
     let best = report.published().and_then(|own| own.best_accuracy_percent);
-    if let Some(text) = best_classifier(campaigns, best) {
-        report.page.paragraph(&text);
-    }
+    report.page.paragraphs(best_classifier(campaigns, best));
     let means: Vec<(&str, f64)> =
-        campaigns.classifiers.iter().map(|own| (own.classifier.as_str(), own.figures.accuracy.mean)).collect();
-    if let Some(text) = classifiers::features(&report.results.definition.file.classifiers, &means) {
-        report.page.paragraph(&text);
-    }
+        campaigns.classifiers.iter().map(|own| (own.classifier.as_str(), own.figures.all.accuracy.mean)).collect();
+    report.page.paragraphs(classifiers::features(&report.results.definition.file.classifiers, &means));
     report.printed(classifiers_table(campaigns, best), 10);
     let rows = campaigns.classifiers.iter().map(|own| (own.classifier.clone(), &own.figures));
     report.table(campaigns_by_touch("campaign_classifiers_by_touch", "Other classifiers", rows));
@@ -88,16 +71,16 @@ fn add_classifiers(report: &mut Report, campaigns: &Campaigns) {
 /// The best classifier in the mean of many campaigns, which are independent of each other.
 fn best_classifier(campaigns: &Campaigns, published: Option<f64>) -> Option<String> {
     let all = campaigns.classifiers.iter();
-    let best = all.max_by(|a, b| a.figures.accuracy.mean.total_cmp(&b.figures.accuracy.mean))?;
+    let best = all.max_by(|a, b| a.figures.all.accuracy.mean.total_cmp(&b.figures.all.accuracy.mean))?;
     let count = campaigns.seeds.len();
-    let own = &best.figures.accuracy;
+    let Figures { accuracy: own, balanced_accuracy, majority_baseline } = &best.figures.all;
     let error = own.standard_deviation? / (count as f64).sqrt();
     let against = published
         .map_or(String::new(), |paper| format!(" That is {:+.1} points from the paper's best.", own.mean - paper));
     Some(format!(
         "Over {count} campaigns {} has {:.1} % on average, with a standard error of {error:.1} points (balanced {:.1} %, majority \
          baseline {:.1} %).{against}",
-        best.classifier, own.mean, best.figures.balanced_accuracy.mean, best.figures.majority_baseline.mean
+        best.classifier, own.mean, balanced_accuracy.mean, majority_baseline.mean
     ))
 }
 
@@ -109,7 +92,7 @@ fn classifiers_table(campaigns: &Campaigns, published: Option<f64>) -> Table {
     Rows::of(&campaigns.classifiers)
         .column("classifier", |own| own.classifier.as_str())
         .columns(CAMPAIGN_COLUMNS, |own| campaign_cells(&own.figures))
-        .against_best(published, |own| own.figures.accuracy.mean)
+        .against_best(published, |own| own.figures.all.accuracy.mean)
         .table("campaign_classifiers", caption)
 }
 
@@ -125,7 +108,7 @@ fn of_recipe(campaigns: &Campaigns, recipe: &str) -> Table {
         .column("trials, features", |cell| trials_and_features(&cell.key))
         .column("states", |cell| cell.key.states)
         .columns(CAMPAIGN_COLUMNS, |cell| campaign_cells(&cell.figures))
-        .against_published(|cell| cell.figures.accuracy.mean, |cell| cell.paper)
+        .against_published(|cell| cell.figures.all.accuracy.mean, |cell| cell.paper)
         .table("campaigns", caption)
 }
 

@@ -24,9 +24,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     report.page.paragraph(&best_of(&outcome.classifiers, best));
     let accuracies: Vec<(&str, f64)> =
         outcome.classifiers.iter().map(|own| (own.classifier.as_str(), own.accuracy.accuracy)).collect();
-    if let Some(text) = features(&file.classifiers, &accuracies) {
-        report.page.paragraph(&text);
-    }
+    report.page.paragraphs(features(&file.classifiers, &accuracies));
     report.printed(table(&outcome.classifiers, best), 7);
     let rows = outcome.classifiers.iter().map(|own| (own.classifier.clone(), &own.accuracy));
     report.printed(by_touch("classifiers_by_touch", "Other classifiers", rows), 9);
@@ -120,20 +118,14 @@ fn speeds(speeds: &[Speed], min_samples: usize) -> String {
     let Some(first) = speeds.first() else {
         return String::new();
     };
-    let rows: Vec<String> = speeds
-        .iter()
-        .map(|speed| {
-            let (lasting, all) = (&speed.lasting_contacts, &speed.all_contacts);
-            format!(
-                "{}: {:.1} % and {:.1} % after 12 samples, {:.1} % and {:.1} % at the end",
-                speed.classifier,
-                after(lasting, Some(12)),
-                after(all, Some(12)),
-                after(lasting, None),
-                after(all, None)
-            )
-        })
-        .collect();
+    let row = |Speed { classifier, lasting_contacts, all_contacts }: &Speed| {
+        let [early, last] = [Some(12), None].map(|samples| {
+            let (lasting, all) = (after(lasting_contacts, samples), after(all_contacts, samples));
+            format!("{lasting:.1} % and {all:.1} %")
+        });
+        format!("{classifier}: {early} after 12 samples, {last} at the end")
+    };
+    let rows: Vec<String> = speeds.iter().map(row).collect();
     format!(
         "{} of {} contacts last {min_samples} samples or more. Accuracy on the longer ones and on all: {}.",
         count(&first.lasting_contacts),

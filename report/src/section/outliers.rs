@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use underbrush_classifier::decision::Rule;
-use underbrush_classifier::evaluate::{RocCurve, StreamFrame};
+use underbrush_classifier::evaluate::{RocCurve, StreamFrame, ThresholdTargets};
 use underbrush_experiments::experiment::outliers::{CHOSEN, Detection, Outcome};
 use underbrush_experiments::online::{Classified, Online};
 use underbrush_experiments::thresholds::Thresholds;
@@ -48,15 +48,11 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     }
     report.numbers(frames_table(&outcome.online));
     report.page.paragraph(&thresholds(&outcome.curves));
-    if let Some(text) = chosen_rule_online(&outcome.figure_15.detection) {
-        report.page.paragraph(&text);
-    }
+    report.page.paragraphs(chosen_rule_online(&outcome.figure_15.detection));
     report.printed(detection_table(outcome), usize::MAX);
     let charts = roc_charts(&outcome.curves, &outcome.first_label);
     if !charts.is_empty() {
-        if let Some(area) = outcome.roc.outlier_area {
-            report.page.paragraph(&roc(area));
-        }
+        report.page.paragraphs(outcome.roc.outlier_area.map(roc));
         let caption = format!(
             "The effect of every threshold. First chart: {} trials found against other trials mistaken for them as the minimum \
              margin falls, on training trials held out by reach. Second chart: outliers found against known categories mistaken \
@@ -80,24 +76,17 @@ fn thresholds(thresholds: &Thresholds) -> String {
         }
         other => format!("{other:?}"),
     };
-    let rates: Vec<String> = chosen
-        .false_positive_rate
-        .iter()
-        .map(|(category, rate)| {
-            let found = chosen.true_positive_rate.get(category).copied().unwrap_or(f64::NAN);
-            format!("{category}: {:.1} % of its own trials and {:.1} % of the others", 100.0 * found, 100.0 * rate)
-        })
-        .collect();
+    let rates = chosen.false_positive_rate.iter().map(|(category, rate)| {
+        let found = chosen.true_positive_rate.get(category).copied().unwrap_or(f64::NAN);
+        format!("{category}: {:.1} % of its own trials and {:.1} % of the others", 100.0 * found, 100.0 * rate)
+    });
+    let (trials, rates) = (chosen.trials, rates.collect::<Vec<_>>().join(", "));
+    let ThresholdTargets { false_positive_rate, outlier_prior } = chosen.targets;
+    let (uncertain, outlier) = (100.0 * chosen.uncertain, 100.0 * chosen.outlier);
     format!(
-        "These thresholds were chosen from {} training trials held out by reach, for a false-positive rate of {} and an \
-         outlier prior of {}: {rule}. On these trials, each category is given to {}; {:.1} % are uncertain, and {:.1} % are \
-         called outliers although none is one.",
-        chosen.trials,
-        chosen.targets.false_positive_rate,
-        chosen.targets.outlier_prior,
-        rates.join(", "),
-        100.0 * chosen.uncertain,
-        100.0 * chosen.outlier
+        "These thresholds were chosen from {trials} training trials held out by reach, for a false-positive rate of \
+         {false_positive_rate} and an outlier prior of {outlier_prior}: {rule}. On these trials, each category is given to {rates}; \
+         {uncertain:.1} % are uncertain, and {outlier:.1} % are called outliers although none is one."
     )
 }
 

@@ -21,20 +21,16 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         return;
     };
     let total = reach.stream.total();
+    let (every, draw) = (every(&report.results.definition.labels()), reach.reach_index);
+    let (found, drawn) = (outcome.online.general.len(), outcome.online.general_drawn);
+    let (states, seen) = (outcome.states, seen(&outcome.features));
+    let margin_nats = report.results.definition.file.thresholds.uncertain_below_nats;
+    let (untouched, all) = (total.unknown, total.unknown + total.judged());
     report.page.paragraph(&format!(
-        "This is the first reach in mixed clutter in which the patch touches {}: draw {}. {} of {} draws do so. The models \
-         have {} states and see {}; a taxel is uncertain below a margin of {} nats. The truth of a taxel is the \
-         object that presses most on it. In {} of {} taxel frames nothing presses (spurious readings, crosstalk and creep); \
-         these have no truth and are counted separately.",
-        every(&report.results.definition.labels()),
-        reach.reach_index,
-        outcome.online.general.len(),
-        outcome.online.general_drawn,
-        outcome.states,
-        seen(&outcome.features),
-        report.results.definition.file.thresholds.uncertain_below_nats,
-        total.unknown,
-        total.unknown + total.judged()
+        "This is the first reach in mixed clutter in which the patch touches {every}: draw {draw}. {found} of {drawn} draws do so. \
+         The models have {states} states and see {seen}; a taxel is uncertain below a margin of {margin_nats} nats. The truth of a \
+         taxel is the object that presses most on it. In {untouched} of {all} taxel frames nothing presses (spurious readings, \
+         crosstalk and creep); these have no truth and are counted separately."
     ));
     let timing = &report.results.timing;
     if let Some(seconds) = timing.figure_8_seconds_per_100_taxels {

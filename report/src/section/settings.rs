@@ -1,5 +1,6 @@
 //! Other arms and speeds: classifiers trained at one setting and tested at others.
 
+use underbrush_experiments::accuracy::Accuracy;
 use underbrush_experiments::experiment::settings::{Outcome, Split};
 
 use crate::drawing::{Cell, Rows, Table};
@@ -44,21 +45,16 @@ fn sentence(outcome: &Outcome, classifier: &str) -> Option<String> {
         let native = same.iter().find(|native| native.tested == split.tested);
         native.is_some_and(|native| (native.accuracy.low..=native.accuracy.high).contains(&split.accuracy.accuracy))
     };
+    let (here, there) = (mean(&same), mean(&other));
+    let covered = other.iter().filter(covered).count();
+    let Split { trained, tested, accuracy: Accuracy { accuracy, low, high, majority_baseline, .. }, .. } = lowest;
     Some(format!(
-        "{classifier}: {:.1} % on average at the setting of training, {:.1} % at others ({:+.1} points). {} of {} of these lie \
-         within the interval of the classifier that was trained at the setting of testing. The lowest accuracy is {:.1} % \
-         ({:.1} to {:.1}, majority baseline {:.1} %), trained at {} and tested at {}.",
-        mean(&same),
-        mean(&other),
-        mean(&other) - mean(&same),
-        other.iter().filter(covered).count(),
-        other.len(),
-        lowest.accuracy.accuracy,
-        lowest.accuracy.low,
-        lowest.accuracy.high,
-        lowest.accuracy.majority_baseline,
-        lowest.trained,
-        lowest.tested
+        "{classifier}: {here:.1} % on average at the setting of training, {there:.1} % at others ({:+.1} points). {covered} of {} of \
+         these lie within the interval of the classifier that was trained at the setting of testing. The lowest accuracy is \
+         {accuracy:.1} % ({low:.1} to {high:.1}, majority baseline {majority_baseline:.1} %), trained at {trained} and tested at \
+         {tested}.",
+        there - here,
+        other.len()
     ))
 }
 

@@ -11,7 +11,6 @@ use crate::report::{ACCURACY_COLUMNS, Report, by_touch, possessive, seeds};
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &Outcome) {
     let compared: Vec<Compared> = outcome.table_1.iter().map(compared).collect();
-    let recipes = agreement::recipes(&compared);
     let name = report.figure_name("table_one", "Cross-validation");
     report.section("table_one", "cross-validation");
     report.page.paragraph(&format!(
@@ -23,21 +22,14 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         },
         recipes_in_words(&report.results.definition.file.recipes)
     ));
-    if let Some(text) = choices(report) {
-        report.page.paragraph(&text);
-    }
+    report.page.paragraphs(choices(report));
     report.page.paragraph(&baselines(report, &outcome.table_1));
-    for recipe in &recipes {
-        let own: Vec<&Compared> = compared.iter().filter(|cell| cell.key.recipe == *recipe).collect();
-        let what = format!("With the {} recipe", possessive(recipe));
-        report.page.paragraph(&agreement::sentences(&what, &own));
-    }
-    let caption = match report.published().is_some() {
-        true => {
-            format!("{name} with the paper's figures and the majority baseline; whiskers are 95 % intervals by reach.")
-        }
-        false => "Accuracy with the majority baseline; whiskers are 95 % intervals by reach.".into(),
+    let recipes = agreement::add_sentences(report, &compared, |recipe| format!("With the {recipe} recipe"));
+    let (name_here, with) = match report.published().is_some() {
+        true => (name.as_str(), "the paper's figures and the majority baseline"),
+        false => ("Accuracy", "the majority baseline"),
     };
+    let caption = format!("{name_here} with {with}; whiskers are 95 % intervals by reach.");
     report.page.figure(&caption, &agreement::charts("table-1", "", &compared));
     for recipe in &recipes {
         // The page has a table for each recipe; the file has all cells.
@@ -46,18 +38,9 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         report.print(&table, 9);
     }
     report.tables.push(all(&name, &outcome.table_1));
-    let rows = outcome.table_1.iter().map(|cell| {
-        let name = format!("{}, {} recipe", cell.key.name(), cell.key.recipe);
-        (name, &cell.accuracy)
-    });
+    let rows = outcome.table_1.iter().map(|cell| (cell.key.with_recipe(), &cell.accuracy));
     report.printed(by_touch("table_1_by_touch", &name, rows), 9);
-    if !outcome.orderings.is_empty() {
-        report.page.paragraph("The paper's orderings:");
-        report.page.list(&agreement::orderings(&outcome.orderings));
-        let table = agreement::orderings_table("orderings", "The paper's orderings", &outcome.orderings);
-        report.print(&table, 5);
-        report.numbers(table);
-    }
+    agreement::add_orderings(report, "orderings", "The paper's orderings", &outcome.orderings);
 }
 
 fn compared(cell: &Cell) -> Compared<'_> {

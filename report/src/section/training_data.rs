@@ -17,9 +17,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         reaches.ends.goals,
         reaches.ends.touched_text()
     ));
-    if let Some(text) = against_published(&outcome.trials_per_reach) {
-        report.page.paragraph(&text);
-    }
+    report.page.paragraphs(against_published(&outcome.trials_per_reach));
     report.page.paragraph(&untouched(&outcome.trials_per_reach));
     report.printed(table(&outcome.trials_per_reach), 5);
 }
@@ -48,18 +46,11 @@ fn against_published(rows: &[TrialsPerReach]) -> Option<String> {
 /// How many trials came from the sensor alone, without contact.
 pub fn untouched(rows: &[TrialsPerReach]) -> String {
     let with_trials = rows.iter().filter(|row| row.trials > 0);
-    let parts: Vec<String> = with_trials
-        .map(|row| {
-            format!(
-                "{} of {} {} trials of {} ({:.0} %)",
-                row.untouched,
-                row.trials,
-                unit_name(row.by),
-                row.category,
-                100.0 * row.untouched as f64 / row.trials as f64
-            )
-        })
-        .collect();
+    let part = |TrialsPerReach { by, category, trials, untouched, .. }: &TrialsPerReach| {
+        let (unit, percent) = (unit_name(*by), 100.0 * *untouched as f64 / *trials as f64);
+        format!("{untouched} of {trials} {unit} trials of {category} ({percent:.0} %)")
+    };
+    let parts: Vec<String> = with_trials.map(part).collect();
     format!(
         "In some trials nothing ever touched the skin. They come from spurious readings, creep or crosstalk, and carry the \
          label of their scene, as they would on the robot: {}. Accuracies are also given separately for touched and \

@@ -47,15 +47,13 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
 
 fn accuracy(verdicts: &Verdicts) -> String {
     let percent = |share: Option<f64>| share.map_or("–".to_owned(), |share| format!("{:.1} %", 100.0 * share));
+    let (contacts, categories) = (verdicts.contacts, verdicts.categories.len());
+    let (whole, largest) = (percent(verdicts.touched_balanced_accuracy), percent(verdicts.largest_category_share));
+    let early = percent(verdicts.first_tenth_second_balanced_accuracy);
     format!(
-        "Of {} contacts of taxels that a known category truly touched, {} are right by the likeliest category over the whole \
-         contact and {} by its first tenth of a second (means over the categories; naming the most frequent category alone would \
-         be right for {} of the contacts, and for one category in {} on average).",
-        verdicts.contacts,
-        percent(verdicts.touched_balanced_accuracy),
-        percent(verdicts.first_tenth_second_balanced_accuracy),
-        percent(verdicts.largest_category_share),
-        verdicts.categories.len()
+        "Of {contacts} contacts of taxels that a known category truly touched, {whole} are right by the likeliest category over the \
+         whole contact and {early} by its first tenth of a second (means over the categories; naming the most frequent category \
+         alone would be right for {largest} of the contacts, and for one category in {categories} on average)."
     )
 }
 
