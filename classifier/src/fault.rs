@@ -19,25 +19,20 @@ impl From<ModelError> for Fault {
     }
 }
 
-impl From<EvaluateError> for Fault {
-    fn from(error: EvaluateError) -> Self {
-        match error {
-            EvaluateError::Model(model) => model.into(),
-            other => Fault::Usage(other.to_string()),
-        }
-    }
+macro_rules! bad_usage_or_model {
+    ($($error:ident),*) => {
+        $(impl From<$error> for Fault {
+            fn from(error: $error) -> Self {
+                match error {
+                    $error::Model(model) => model.into(),
+                    other => Fault::Usage(other.to_string()),
+                }
+            }
+        })*
+    };
 }
+bad_usage_or_model!(EvaluateError, OnlineError);
 
-impl From<OnlineError> for Fault {
-    fn from(error: OnlineError) -> Self {
-        match error {
-            OnlineError::Model(model) => model.into(),
-            other => Fault::Usage(other.to_string()),
-        }
-    }
-}
-
-/// All other errors are about arguments or input.
 macro_rules! bad_usage {
     ($($error:ty),*) => {
         $(impl From<$error> for Fault {

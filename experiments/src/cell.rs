@@ -3,12 +3,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::definition::TableOneUnit;
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::feature::FeatureSet;
 
 use crate::accuracy::Accuracy;
-use crate::definition::OrderingName;
+use crate::definition::{OrderingName, TableOneUnit};
 
 /// A cell of the table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

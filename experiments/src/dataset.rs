@@ -31,6 +31,7 @@ pub const PROGRAM: &str = "underbrush";
 pub const PROGRAM_VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "+", env!("UNDERBRUSH_DATA_SOURCES"));
 
 /// Reaches of some scenes, from one seed.
+#[derive(Default)]
 pub struct Campaign {
     /// The scenes, each with its number of reaches.
     pub scenes: Vec<(Scene, u64)>,
@@ -102,12 +103,10 @@ impl Campaign {
         check_model(dataset, verdicts.as_ref())?;
         let mut campaign = Campaign {
             verdicts,
-            scenes: Vec::new(),
-            arms: BTreeMap::new(),
             seed: provenance.seed,
             controller: Some(controller),
-            own_controller: None,
             shard: provenance.shard,
+            ..Campaign::default()
         };
         for (index, stored) in provenance.scenes.iter().enumerate() {
             let field = |name: &str| format!("scenes[{index}].{name}");
@@ -157,10 +156,7 @@ impl Campaign {
     fn plans(&self) -> Result<Vec<ReachPlan>, ExperimentError> {
         let controller = self.controller;
         let plan = |(scene, _): &(Scene, u64)| {
-            let plan = match self.arms.get(&scene.name) {
-                Some(arm) => ReachPlan::with_arm(scene.clone(), arm.clone(), controller, self.seed)?,
-                None => ReachPlan::new(scene.clone(), controller, self.seed)?,
-            };
+            let plan = reach_plan(scene.clone(), self.arms.get(&scene.name), controller, self.seed)?;
             let plan = match self.own_controller.clone() {
                 Some(make) => plan.with_controller(move |arm| make(arm)),
                 None => plan,
@@ -286,6 +282,19 @@ impl Campaign {
             controller_parameters,
             shard: self.shard,
         }
+    }
+}
+
+/// The plan of the reaches of a scene, with an arm that replaces the scene's if one is given.
+pub fn reach_plan(
+    scene: Scene,
+    arm: Option<&Arm>,
+    controller: Option<ControllerKind>,
+    seed: u64,
+) -> Result<ReachPlan, InputError> {
+    match arm {
+        Some(arm) => ReachPlan::with_arm(scene, arm.clone(), controller, seed),
+        None => ReachPlan::new(scene, controller, seed),
     }
 }
 

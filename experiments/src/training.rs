@@ -92,21 +92,13 @@ pub fn campaign(
         };
         let mut scene = scene.clone();
         change(&mut scene.file);
-        if let Some(arm) = experiment.arm() {
+        if let Some(arm) = &experiment.arm {
             arms.insert(scene.name.clone(), arm.clone());
         }
         scenes.push((scene, *reaches));
         labels.push((*reaches, training.label.clone()));
     }
-    let campaign = Campaign {
-        scenes,
-        arms,
-        seed,
-        controller: experiment.controller(),
-        own_controller: None,
-        verdicts: None,
-        shard: None,
-    };
+    let campaign = Campaign { scenes, arms, seed, controller: experiment.file.controller, ..Campaign::default() };
     Ok((campaign, Labelled { scenes: labels }))
 }
 

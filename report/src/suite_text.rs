@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use underbrush_experiments::ExperimentError;
-use underbrush_experiments::files;
 use underbrush_experiments::suite::Checked;
 use underbrush_experiments::suite::result::{BoundResult, BoundVerdict, SceneResult, SuiteResult};
+use underbrush_experiments::{ExperimentError, files};
 use underbrush_recording::math;
 
 use crate::drawing::Rows;

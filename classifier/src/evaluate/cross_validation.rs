@@ -10,8 +10,7 @@ use super::evaluation::Evaluation;
 use super::fold::Folds;
 use super::prediction::Prediction;
 use crate::decision::Decision;
-use crate::estimator::is_trained;
-use crate::estimator::{Classifier, Estimator};
+use crate::estimator::{Classifier, Estimator, is_trained};
 use crate::hmm::TrainingHistory;
 
 /// Evaluates a given classifier on trials; those without ground truth are skipped.

@@ -37,10 +37,9 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use thiserror::Error;
 
-use super::confusion::ConfusionMatrix;
+use super::confusion::{ConfusionMatrix, Rates};
 use super::evaluation::Evaluation;
 use super::prediction::Prediction;
-use super::rates::{Rates, rates};
 use super::record::Record;
 use crate::decision::{Decision, DecisionError, Judge, Rule};
 
@@ -265,7 +264,7 @@ pub(super) fn rates_by<'a>(
         verdict: judge.choose(scores).index(categories.len()),
         ..prediction.record(categories)
     });
-    rates(&ConfusionMatrix::of(records, categories))
+    ConfusionMatrix::of(records, categories).rates()
 }
 
 fn measure(held_out: &Evaluation, decision: Decision, judge: &Judge, targets: ThresholdTargets) -> ChosenThresholds {

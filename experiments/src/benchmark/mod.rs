@@ -5,7 +5,6 @@
 //! machine or many, and a row is the same byte for byte wherever the data were made.
 
 mod contacts;
-mod counts;
 mod frozen;
 mod judged_model;
 mod ranked;
@@ -94,10 +93,7 @@ impl Entry {
                 arms: frozen::arms(&scenes)?,
                 scenes: scenes.into_iter().map(|scene| (scene, reaches)).collect(),
                 seed,
-                controller: None,
-                own_controller: None,
-                verdicts: None,
-                shard: None,
+                ..Campaign::default()
             };
             Ok::<TestSet, ExperimentError>(TestSet { name, campaign })
         };

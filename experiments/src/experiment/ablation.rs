@@ -1,6 +1,5 @@
 //! Ablation: the cross-validation table with one thing changed at a time.
 
-use crate::definition::TableOneUnit;
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::trial::{Labels, TrialOptions};
 use underbrush_sim::scene::SceneFile;
@@ -9,7 +8,7 @@ use super::table_one;
 use super::training_data::{self, TrialsPerReach};
 use crate::accuracy::{Accuracy, Figures};
 use crate::cell::Cell;
-use crate::definition::{AblationName, Experiment};
+use crate::definition::{AblationName, Experiment, TableOneUnit};
 use crate::error::ExperimentError;
 use crate::estimators;
 use crate::session::Session;

@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 
-use crate::definition::TableOneUnit;
 use serde::{Deserialize, Serialize};
 
 use super::classifiers::{self, Compared};
@@ -11,7 +10,7 @@ use super::table_one;
 use super::training_data::{self, TrialsPerReach};
 use crate::accuracy::{Accuracy, Figures, Part, Spread};
 use crate::cell::{self, Cell, CellKey, Ordering, unit_name};
-use crate::definition::Experiment;
+use crate::definition::{Experiment, TableOneUnit};
 use crate::error::ExperimentError;
 use crate::session::Session;
 use crate::training::{self, Trials};

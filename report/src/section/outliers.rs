@@ -11,10 +11,9 @@ use underbrush_recording::{Category, FRAME_PERIOD_S};
 
 use crate::category_looks::CategoryLooks;
 use crate::drawing::{Axis, Dash, Layer, Rows, Shape, Style, Table, chart};
-use crate::replay_links;
 use crate::report::Report;
-use crate::roc;
 use crate::style::{FIRST, INK, OUTLIER};
+use crate::{replay_links, roc};
 
 /// Share of taxel frames left uncertain above which the page says that a rule fails. Choice: such a rule decides on
 /// fewer than one in ten.
