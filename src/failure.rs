@@ -6,7 +6,6 @@ use std::sync::Mutex;
 use serde::Serialize;
 use underbrush_classifier::ModelError;
 use underbrush_classifier::decision::DecisionError;
-use underbrush_classifier::evaluate::touch_folds::TouchFoldsError;
 use underbrush_classifier::evaluate::{EvaluateError, ThresholdError};
 use underbrush_classifier::online::OnlineError;
 use underbrush_classifier::trial::TrialError;
@@ -208,7 +207,6 @@ library_errors!(
     ModelError,
     TrialError,
     EvaluateError,
-    TouchFoldsError,
     ThresholdError,
     DecisionError,
     OnlineError,

@@ -170,6 +170,18 @@ pub enum Choice {
     Outlier,
 }
 
+impl Choice {
+    /// Its index among the verdicts of a classifier with this many categories: the categories, then uncertain, then
+    /// outlier.
+    pub fn index(self, categories: usize) -> usize {
+        match self {
+            Choice::Category(index) => index,
+            Choice::Uncertain => categories,
+            Choice::Outlier => categories + 1,
+        }
+    }
+}
+
 /// A [`Decision`] that was checked for the categories of a set of models.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judge {

@@ -4,7 +4,6 @@ use underbrush_recording::fault::Fault;
 
 use crate::decision::DecisionError;
 use crate::error::ModelError;
-use crate::evaluate::touch_folds::TouchFoldsError;
 use crate::evaluate::{EvaluateError, ThresholdError};
 use crate::feature::FeatureError;
 use crate::online::OnlineError;
@@ -20,25 +19,20 @@ impl From<ModelError> for Fault {
     }
 }
 
-impl From<EvaluateError> for Fault {
-    fn from(error: EvaluateError) -> Self {
-        match error {
-            EvaluateError::Model(model) => model.into(),
-            other => Fault::Usage(other.to_string()),
-        }
-    }
+macro_rules! bad_usage_or_model {
+    ($($error:ident),*) => {
+        $(impl From<$error> for Fault {
+            fn from(error: $error) -> Self {
+                match error {
+                    $error::Model(model) => model.into(),
+                    other => Fault::Usage(other.to_string()),
+                }
+            }
+        })*
+    };
 }
+bad_usage_or_model!(EvaluateError, OnlineError);
 
-impl From<OnlineError> for Fault {
-    fn from(error: OnlineError) -> Self {
-        match error {
-            OnlineError::Model(model) => model.into(),
-            other => Fault::Usage(other.to_string()),
-        }
-    }
-}
-
-/// All other errors are about arguments or input.
 macro_rules! bad_usage {
     ($($error:ty),*) => {
         $(impl From<$error> for Fault {
@@ -48,4 +42,4 @@ macro_rules! bad_usage {
         })*
     };
 }
-bad_usage!(TrialError, ThresholdError, DecisionError, FeatureError, TouchFoldsError);
+bad_usage!(TrialError, ThresholdError, DecisionError, FeatureError);

@@ -220,16 +220,7 @@ impl std::fmt::Debug for Contact {
 impl ContactScorer for Contact {
     fn push(&mut self, sample: &Sample) -> Result<bool, SampleFault> {
         let Expected { features, window, .. } = &self.model.expected;
-        let (length, dimension) = (self.samples.len(), features.dimension());
-        if length == window * dimension {
-            return Ok(false);
-        }
-        self.samples.resize(length + dimension, 0.0);
-        let read = features.read(sample, &mut self.samples[length..]);
-        if read.is_err() {
-            self.samples.truncate(length);
-        }
-        read.map(|()| true)
+        features.push_within(*window, &mut self.samples, sample)
     }
 
     fn scores(&self, scores: &mut [f64]) -> Result<(), ModelError> {

@@ -38,7 +38,32 @@ pub struct Part {
     pub majority_baseline: f64,
 }
 
+/// Accuracy, balanced accuracy and majority baseline, per cent: numbers, or spreads over campaigns.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Figures<T> {
+    /// See [`Accuracy::accuracy`].
+    pub accuracy: T,
+    /// See [`Accuracy::balanced_accuracy`].
+    pub balanced_accuracy: T,
+    /// See [`Accuracy::majority_baseline`].
+    pub majority_baseline: T,
+}
+
+impl<T> Figures<T> {
+    /// What `summary` makes of each figure of several accuracies.
+    pub fn over<A>(all: &[&A], of: fn(&A) -> [f64; 3], summary: impl Fn(&[f64]) -> T) -> Self {
+        let [accuracy, balanced_accuracy, majority_baseline] =
+            [0, 1, 2].map(|figure| summary(&all.iter().map(|own| of(own)[figure]).collect::<Vec<_>>()));
+        Figures { accuracy, balanced_accuracy, majority_baseline }
+    }
+}
+
 impl Part {
+    /// The figures in the order of [`Figures`].
+    pub fn figures(&self) -> [f64; 3] {
+        [self.accuracy, self.balanced_accuracy, self.majority_baseline]
+    }
+
     fn of(own: evaluate::Accuracy) -> Self {
         Part {
             trials: own.trials,
@@ -50,6 +75,11 @@ impl Part {
 }
 
 impl Accuracy {
+    /// The figures in the order of [`Figures`].
+    pub fn figures(&self) -> [f64; 3] {
+        [self.accuracy, self.balanced_accuracy, self.majority_baseline]
+    }
+
     /// The figures of an evaluation.
     pub fn of(evaluation: &Evaluation) -> Self {
         let interval = evaluation.accuracy_interval_by_reach.unwrap_or(evaluation.accuracy_interval_by_trial);

@@ -3,12 +3,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::definition::TableOneUnit;
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::feature::FeatureSet;
 
 use crate::accuracy::Accuracy;
-use crate::definition::OrderingName;
+use crate::definition::{OrderingName, TableOneUnit};
 
 /// A cell of the table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,6 +41,11 @@ impl CellKey {
     pub fn name(&self) -> String {
         let (by, features) = (unit_name(self.by), self.features);
         format!("{by}, {features}, {} states", self.states)
+    }
+
+    /// The cell with its recipe, as text.
+    pub fn with_recipe(&self) -> String {
+        format!("{}, {} recipe", self.name(), self.recipe)
     }
 }
 

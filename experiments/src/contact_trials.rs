@@ -48,16 +48,32 @@ pub fn of_dataset(
     options: &TrialOptions,
     progress: &dyn Progress,
 ) -> Result<Vec<Trial>, ExperimentError> {
-    let count = progress.count("reaches read", dataset.episodes().len() as u64, 0);
     let mut trials = Vec::new();
+    each_episode(dataset, progress, |episode, recording| {
+        let mut found = of_recording(recording, unit, options, trials.len() as u64)?;
+        found.iter_mut().for_each(|trial| trial.reach = Some(episode as u64));
+        trials.extend(found);
+        Ok(())
+    })?;
+    Ok(trials)
+}
+
+/// Reads the reaches of a data set one after the other.
+///
+/// # Errors
+/// If the set cannot be read, and the errors of `each`; [`ReachError::Stopped`] if the user ends the run.
+pub fn each_episode(
+    dataset: &Dataset,
+    progress: &dyn Progress,
+    mut each: impl FnMut(usize, &Recording) -> Result<(), TrialError>,
+) -> Result<(), ExperimentError> {
+    let count = progress.count("reaches read", dataset.episodes().len() as u64, 0);
     for episode in 0..dataset.episodes().len() {
         if progress.is_stopped() {
             return Err(ReachError::Stopped.into());
         }
-        let mut found = of_recording(&dataset.read_reach(episode)?, unit, options, trials.len() as u64)?;
-        found.iter_mut().for_each(|trial| trial.reach = Some(episode as u64));
-        trials.extend(found);
+        each(episode, &dataset.read_reach(episode)?)?;
         count.advance();
     }
-    Ok(trials)
+    Ok(())
 }

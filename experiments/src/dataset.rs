@@ -31,6 +31,7 @@ pub const PROGRAM: &str = "underbrush";
 pub const PROGRAM_VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "+", env!("UNDERBRUSH_DATA_SOURCES"));
 
 /// Reaches of some scenes, from one seed.
+#[derive(Default)]
 pub struct Campaign {
     /// The scenes, each with its number of reaches.
     pub scenes: Vec<(Scene, u64)>,
@@ -102,12 +103,10 @@ impl Campaign {
         check_model(dataset, verdicts.as_ref())?;
         let mut campaign = Campaign {
             verdicts,
-            scenes: Vec::new(),
-            arms: BTreeMap::new(),
             seed: provenance.seed,
             controller: Some(controller),
-            own_controller: None,
             shard: provenance.shard,
+            ..Campaign::default()
         };
         for (index, stored) in provenance.scenes.iter().enumerate() {
             let field = |name: &str| format!("scenes[{index}].{name}");
@@ -127,40 +126,21 @@ impl Campaign {
         Ok(campaign)
     }
 
-    /// Runs the campaign and passes on each recording with its position, in any order. Nothing is written.
-    pub fn run<E: std::error::Error + Send + 'static>(
+    /// Runs the campaign and returns what `make` makes of each recording, in the order of the reaches. Nothing is written.
+    pub fn each<T: Send, E: std::error::Error + Send + 'static>(
         &self,
         progress: &dyn Progress,
-        receive: impl Fn(usize, Recording) -> Result<(), E> + Sync,
-    ) -> Result<(), ExperimentError>
+        make: impl Fn(Recording) -> Result<T, E> + Sync,
+    ) -> Result<Vec<T>, ExperimentError>
     where
         ExperimentError: From<E>,
     {
-        let (plans, jobs) = (self.plans()?, self.jobs());
-        let count = progress.count("reaches", jobs.len() as u64, 0);
-        let counted = |position: usize, recording: Recording| {
-            let goals = recording.goal_outcomes();
-            receive(position, recording)?;
-            count.reach(goals);
-            Ok(())
-        };
-        let result = campaign::run_until(&plans, &jobs, counted, &|| progress.is_stopped());
-        drop(count);
-        Ok(result?)
+        each_reach(&self.plans()?, &self.jobs(), progress, |_, recording| make(recording))
     }
 
     /// Runs the campaign and returns its recordings in their order. They need about 10 MB per minute of simulated time.
     pub fn recordings(&self, progress: &dyn Progress) -> Result<Vec<Recording>, ExperimentError> {
-        let found: Mutex<Vec<(usize, Recording)>> = Mutex::default();
-        self.run(progress, |place, recording| {
-            if let Ok(mut found) = found.lock() {
-                found.push((place, recording));
-            }
-            Ok::<(), DiskError>(())
-        })?;
-        let mut found = found.into_inner().unwrap_or_default();
-        found.sort_by_key(|(place, _)| *place);
-        Ok(found.into_iter().map(|(_, recording)| recording).collect())
+        self.each(progress, Ok::<Recording, DiskError>)
     }
 
     /// Whether a finished data set is what this campaign would make.
@@ -176,10 +156,7 @@ impl Campaign {
     fn plans(&self) -> Result<Vec<ReachPlan>, ExperimentError> {
         let controller = self.controller;
         let plan = |(scene, _): &(Scene, u64)| {
-            let plan = match self.arms.get(&scene.name) {
-                Some(arm) => ReachPlan::with_arm(scene.clone(), arm.clone(), controller, self.seed)?,
-                None => ReachPlan::new(scene.clone(), controller, self.seed)?,
-            };
+            let plan = reach_plan(scene.clone(), self.arms.get(&scene.name), controller, self.seed)?;
             let plan = match self.own_controller.clone() {
                 Some(make) => plan.with_controller(move |arm| make(arm)),
                 None => plan,
@@ -306,6 +283,46 @@ impl Campaign {
             shard: self.shard,
         }
     }
+}
+
+/// The plan of the reaches of a scene, with an arm that replaces the scene's if one is given.
+pub fn reach_plan(
+    scene: Scene,
+    arm: Option<&Arm>,
+    controller: Option<ControllerKind>,
+    seed: u64,
+) -> Result<ReachPlan, InputError> {
+    match arm {
+        Some(arm) => ReachPlan::with_arm(scene, arm.clone(), controller, seed),
+        None => ReachPlan::new(scene, controller, seed),
+    }
+}
+
+/// Runs some reaches, several at a time, and returns what `make` makes of each job and its recording, in their order.
+pub fn each_reach<T: Send, E: std::error::Error + Send + 'static>(
+    plans: &[ReachPlan],
+    jobs: &[Job],
+    progress: &dyn Progress,
+    make: impl Fn(Job, Recording) -> Result<T, E> + Sync,
+) -> Result<Vec<T>, ExperimentError>
+where
+    ExperimentError: From<E>,
+{
+    let made: Mutex<BTreeMap<usize, T>> = Mutex::default();
+    let count = progress.count("reaches", jobs.len() as u64, 0);
+    let receive = |place: usize, recording: Recording| {
+        let goals = recording.goal_outcomes();
+        let own = make(jobs[place], recording)?;
+        if let Ok(mut made) = made.lock() {
+            made.insert(place, own);
+        }
+        count.reach(goals);
+        Ok(())
+    };
+    let result = campaign::run_until(plans, jobs, receive, &|| progress.is_stopped());
+    drop(count);
+    result?;
+    Ok(made.into_inner().unwrap_or_default().into_values().collect())
 }
 
 /// The categories of the scenes' objects that are not built in, each once, sorted by code.

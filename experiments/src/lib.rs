@@ -29,7 +29,6 @@ pub mod plan;
 mod progress;
 pub mod reaches;
 pub mod results;
-mod sealed;
 pub mod session;
 mod source;
 pub mod suite;

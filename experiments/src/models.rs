@@ -6,8 +6,7 @@ use underbrush_classifier::{HmmClassifier, Model};
 use crate::contact_trials::Unit;
 use crate::error::ExperimentError;
 use crate::session::Session;
-use crate::training;
-use crate::{estimators, model_data};
+use crate::{estimators, model_data, training};
 
 /// Hidden Markov models of force, by the first recipe, fitted to all taxel trials.
 pub struct Models(pub HmmClassifier);

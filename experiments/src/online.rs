@@ -9,10 +9,9 @@ use underbrush_recording::{Category, Recording};
 
 use crate::definition::Experiment;
 use crate::error::ExperimentError;
-use crate::models;
 use crate::reaches::{self, Found};
 use crate::session::Session;
-use crate::thresholds;
+use crate::{models, thresholds};
 
 /// A reach classified online.
 pub struct Classified {

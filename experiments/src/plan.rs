@@ -45,7 +45,7 @@ impl Plan {
             seed,
             quick,
             experiment: experiment.name.clone(),
-            hash: experiment.hash().into(),
+            hash: experiment.hash.clone(),
         }
     }
 

@@ -10,6 +10,7 @@ use underbrush_recording::disk::{DiskError, read_recording, write_recording};
 use underbrush_recording::{Category, Recording};
 use underbrush_sim::reach::ReachPlan;
 
+use crate::dataset::reach_plan;
 use crate::definition::Experiment;
 use crate::error::ExperimentError;
 use crate::files;
@@ -147,11 +148,7 @@ pub fn plan(experiment: &Experiment, source: &str, seed: u64) -> Result<ReachPla
     let Some(scene) = experiment.scene(source).cloned() else {
         return Err(ExperimentError::Request(format!("{source}: the experiment has no such scene")));
     };
-    let controller = experiment.controller();
-    Ok(match experiment.arm() {
-        Some(arm) => ReachPlan::with_arm(scene, arm.clone(), controller, seed)?,
-        None => ReachPlan::new(scene, controller, seed)?,
-    })
+    Ok(reach_plan(scene, experiment.arm.as_ref(), experiment.file.controller, seed)?)
 }
 
 /// Draws all test reaches, scenes in parallel.

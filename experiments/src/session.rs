@@ -130,7 +130,7 @@ impl<'a> Session<'a> {
 
     /// Everything that a cached result of a seed depends on.
     pub fn run_of(&self, seed: u64) -> Run {
-        Run { seed, quick: self.quick, experiment: self.experiment.hash().into() }
+        Run { seed, quick: self.quick, experiment: self.experiment.hash.clone() }
     }
 
     /// The result of a seed: cached by an earlier run, or computed now and then cached.

@@ -9,11 +9,9 @@ use underbrush_classifier::evaluate::{
 };
 
 use crate::error::ExperimentError;
-use crate::estimators;
-use crate::models;
-use crate::reaches;
 use crate::session::Session;
 use crate::training::{self, Trials};
+use crate::{estimators, models, reaches};
 
 /// Chosen thresholds and the ROC curves.
 pub struct Thresholds {

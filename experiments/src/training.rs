@@ -1,15 +1,14 @@
 //! Reaches through the training scenes, and the contact trials cut from them.
 
 use std::collections::BTreeMap;
-use std::sync::Mutex;
 
 use underbrush_classifier::trial::{ContactTrial, Labels, TrialError, TrialOptions, component_trials, taxel_trials};
 use underbrush_recording::disk::Dataset;
 use underbrush_recording::{Recording, Trial};
-use underbrush_sim::reach::ReachError;
 use underbrush_sim::scene::SceneFile;
 
-use crate::dataset::{Campaign, Written};
+use crate::contact_trials;
+use crate::dataset::Campaign;
 use crate::definition::Experiment;
 use crate::error::ExperimentError;
 use crate::progress::Progress;
@@ -63,9 +62,7 @@ pub fn run(session: &Session) -> Result<TrainingData, ExperimentError> {
                 progress.remark(&format!("  taken from {}", folder.display()));
                 Ok(dataset)
             }
-            _ => match campaign.write(&folder, true, progress)? {
-                Written::New(dataset) | Written::Before(dataset) => Ok(dataset),
-            },
+            _ => Ok(campaign.write(&folder, true, progress)?.dataset()),
         }
     })?;
     let contacts =
@@ -95,21 +92,13 @@ pub fn campaign(
         };
         let mut scene = scene.clone();
         change(&mut scene.file);
-        if let Some(arm) = experiment.arm() {
+        if let Some(arm) = &experiment.arm {
             arms.insert(scene.name.clone(), arm.clone());
         }
         scenes.push((scene, *reaches));
         labels.push((*reaches, training.label.clone()));
     }
-    let campaign = Campaign {
-        scenes,
-        arms,
-        seed,
-        controller: experiment.controller(),
-        own_controller: None,
-        verdicts: None,
-        shard: None,
-    };
+    let campaign = Campaign { scenes, arms, seed, controller: experiment.file.controller, ..Campaign::default() };
     Ok((campaign, Labelled { scenes: labels }))
 }
 
@@ -143,17 +132,12 @@ impl Trials {
     pub fn of_dataset(session: &Session, dataset: &Dataset, options: &TrialOptions) -> Result<Self, ExperimentError> {
         let (_, labelled) =
             campaign(session.experiment, session.seed, &reaches(session.experiment, session.quick), |_| {})?;
-        let count = session.progress.count("reaches read", dataset.episodes().len() as u64, 0);
-        let mut trials = Trials::default();
-        for episode in 0..dataset.episodes().len() {
-            if session.progress.is_stopped() {
-                return Err(ReachError::Stopped.into());
-            }
-            let own = Trials::cut(&dataset.read_reach(episode)?, options)?;
-            trials.append(episode, label_by(options, &labelled, episode), own);
-            count.advance();
-        }
-        Ok(trials)
+        let mut parts = Vec::new();
+        contact_trials::each_episode(dataset, session.progress, |_, recording| {
+            parts.push(Trials::cut(recording, options)?);
+            Ok(())
+        })?;
+        Ok(Trials::joined(options, &labelled, parts))
     }
 
     /// The trials of all reaches of a campaign, in their order.
@@ -163,11 +147,8 @@ impl Trials {
         recordings: &[Recording],
     ) -> Result<Self, ExperimentError> {
         let options = experiment.trial_options();
-        let mut trials = Trials::default();
-        for (place, recording) in recordings.iter().enumerate() {
-            trials.append(place, label_by(&options, labelled, place), Trials::cut(recording, &options)?);
-        }
-        Ok(trials)
+        let parts = recordings.iter().map(|recording| Trials::cut(recording, &options));
+        Ok(Trials::joined(&options, labelled, parts.collect::<Result<_, _>>()?))
     }
 
     /// Runs a campaign and keeps only its trials, because the frames of twenty campaigns would fill a disk.
@@ -177,21 +158,19 @@ impl Trials {
         progress: &dyn Progress,
     ) -> Result<Self, ExperimentError> {
         let options = experiment.trial_options();
-        let cut: Mutex<Vec<(usize, Trials)>> = Mutex::default();
-        campaign.run(progress, |place, recording| {
-            let own = Trials::cut(&recording, &options)?;
-            if let Ok(mut cut) = cut.lock() {
-                cut.push((place, own));
-            }
-            Ok::<(), TrialError>(())
-        })?;
-        let mut cut = cut.into_inner().unwrap_or_default();
-        cut.sort_by_key(|(place, _)| *place);
+        let parts = campaign.each(progress, |recording| Trials::cut(&recording, &options))?;
+        Ok(Trials::joined(&options, labelled, parts))
+    }
+
+    /// The trials of all reaches together. They have the labels of their scenes, unless trials are labelled by what
+    /// touches the taxel.
+    fn joined(options: &TrialOptions, labelled: &Labelled, parts: Vec<Trials>) -> Self {
         let mut trials = Trials::default();
-        for (place, own) in cut {
-            trials.append(place, label_by(&options, labelled, place), own);
+        for (place, own) in parts.into_iter().enumerate() {
+            let label = (options.labels == Labels::Environment).then(|| labelled.label(place)).flatten();
+            trials.append(place, label, own);
         }
-        Ok(trials)
+        trials
     }
 
     /// The trials of at least this many samples, renumbered as if extracted with [`TrialOptions::min_samples`].
@@ -203,9 +182,4 @@ impl Trials {
         };
         Trials { component: renumbered(&self.component), taxel: renumbered(&self.taxel) }
     }
-}
-
-/// The scene's label, unless trials are labelled by what touches the taxel.
-fn label_by<'a>(options: &TrialOptions, labelled: &'a Labelled, place: usize) -> Option<&'a str> {
-    (options.labels == Labels::Environment).then(|| labelled.label(place))?
 }

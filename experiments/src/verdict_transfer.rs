@@ -54,12 +54,12 @@ impl VerdictTransfer {
 /// Verdicts on both folds.
 struct Judged {
     evaluation: TouchEvaluation,
-    categories: usize,
+    categories: Vec<String>,
 }
 
 impl Judged {
     fn accuracy(&self) -> Option<f64> {
-        self.evaluation.balanced_accuracy(self.categories, |contact| contact.at_end)
+        self.evaluation.accuracy(&self.categories, |contact| contact.at_end)?.balanced_accuracy
     }
 }
 
@@ -70,7 +70,7 @@ fn judged(
     fitted: &FoldedReaches,
     tested: &FoldedReaches,
 ) -> Result<Option<Judged>, ExperimentError> {
-    let (mut evaluation, mut categories) = (TouchEvaluation::default(), 0);
+    let (mut evaluation, mut categories) = (TouchEvaluation::default(), Vec::new());
     for fold in 0..2 {
         let mut examples = TouchExamples::new(options.clone());
         for (_, recording) in fitted.iter().filter(|(own, _)| *own != fold) {
@@ -80,10 +80,9 @@ fn judged(
             Err(ModelError::NoCategories { .. } | ModelError::Mismatch { .. }) => return Ok(None),
             model => Arc::new(model?),
         };
-        categories = model.categories().len();
-        for (_, recording) in tested.iter().filter(|(own, _)| *own == fold) {
-            evaluation.add(TouchEvaluation::of(&model, recording)?);
-        }
+        categories = model.categories().to_vec();
+        let tested = tested.iter().filter(|(own, _)| *own == fold).map(|(_, recording)| recording);
+        evaluation.add(TouchEvaluation::of_all(&model, tested)?);
     }
     Ok(Some(Judged { evaluation, categories }))
 }

@@ -4,7 +4,6 @@ use pyo3::exceptions::{PyIndexError, PyKeyboardInterrupt};
 use pyo3::prelude::*;
 use underbrush_classifier::ModelError;
 use underbrush_classifier::decision::DecisionError;
-use underbrush_classifier::evaluate::touch_folds::TouchFoldsError;
 use underbrush_classifier::evaluate::{EvaluateError, ThresholdError};
 use underbrush_classifier::feature::FeatureError;
 use underbrush_classifier::online::OnlineError;
@@ -118,7 +117,6 @@ library_errors!(
     DiskError,
     TrialError,
     EvaluateError,
-    TouchFoldsError,
     ThresholdError,
     DecisionError,
     OnlineError,

@@ -5,8 +5,9 @@ use underbrush_classifier::feature::FeatureSet;
 use underbrush_experiments::cell::{CellKey, Ordering, unit_name};
 use underbrush_experiments::definition::TableOneUnit;
 
-use crate::drawing::{Axis, Chart, Layer, Point, Shape, Table};
-use crate::report::possessive;
+use crate::accuracy_chart::{AccuracyChart, lowest};
+use crate::drawing::{Rows, Table};
+use crate::report::{Report, possessive};
 use crate::style::{self, PUBLISHED};
 use crate::text::counted;
 
@@ -31,29 +32,17 @@ pub struct Compared<'a> {
     pub published: Option<f64>,
 }
 
-/// The recipes of some cells, in order.
-pub fn recipes(cells: &[Compared]) -> Vec<String> {
-    let mut recipes: Vec<String> = cells.iter().map(|cell| cell.key.recipe.clone()).collect();
-    recipes.dedup();
-    recipes
-}
-
 /// A sentence, beginning with `what`, on the agreement with the published cells and on cells below the majority
 /// baseline.
 pub fn sentences(what: &str, cells: &[&Compared]) -> String {
-    let below: Vec<String> = cells
-        .iter()
-        .filter(|cell| cell.accuracy < cell.majority_baseline)
-        .map(|cell| {
-            format!(
-                "{}, {:.1} % (majority {:.1} %, balanced accuracy {:.1} %)",
-                cell.key.name(),
-                cell.accuracy,
-                cell.majority_baseline,
-                cell.balanced_accuracy
-            )
-        })
-        .collect();
+    let below = cells.iter().filter(|cell| cell.accuracy < cell.majority_baseline).map(|cell| {
+        let Compared { key, accuracy, majority_baseline, balanced_accuracy, .. } = cell;
+        let name = key.name();
+        format!(
+            "{name}, {accuracy:.1} % (majority {majority_baseline:.1} %, balanced accuracy {balanced_accuracy:.1} %)"
+        )
+    });
+    let below: Vec<String> = below.collect();
     let agreement = with_published(what, cells);
     let below = below_majority(&below, cells.len());
     agreement.map_or(below.clone(), |agreement| format!("{agreement} {below}"))
@@ -107,8 +96,31 @@ fn below_majority(below: &[String], cells: usize) -> String {
     )
 }
 
+/// Adds [`sentences`] on each recipe, which begin with what `what` makes of its name, and returns the recipes.
+pub fn add_sentences(report: &mut Report, cells: &[Compared], what: impl Fn(&str) -> String) -> Vec<String> {
+    let mut recipes: Vec<String> = cells.iter().map(|cell| cell.key.recipe.clone()).collect();
+    recipes.dedup();
+    for recipe in &recipes {
+        let own: Vec<&Compared> = cells.iter().filter(|cell| cell.key.recipe == *recipe).collect();
+        report.page.paragraph(&sentences(&what(&possessive(recipe)), &own));
+    }
+    recipes
+}
+
+/// Adds the published orderings, if there are any, as sentences and as a table.
+pub fn add_orderings(report: &mut Report, name: &str, caption: &str, own: &[Ordering]) {
+    if own.is_empty() {
+        return;
+    }
+    report.page.paragraph(&format!("{caption}:"));
+    report.page.list(&orderings(own));
+    let table = orderings_table(name, caption, own);
+    report.print(&table, 5);
+    report.numbers(table);
+}
+
 /// Each published ordering as a sentence.
-pub fn orderings(orderings: &[Ordering]) -> Vec<String> {
+fn orderings(orderings: &[Ordering]) -> Vec<String> {
     let sentence = |ordering: &Ordering| {
         let verdict = match ordering.pairs_holding {
             all if all == ordering.pairs => "this holds in all".to_owned(),
@@ -125,92 +137,51 @@ pub fn orderings(orderings: &[Ordering]) -> Vec<String> {
 }
 
 /// The published orderings as a table.
-pub fn orderings_table(name: &str, caption: &str, orderings: &[Ordering]) -> Table {
-    let columns = ["the paper's statement", "recipe", "holds", "pairs", "pairs holding", "where not"];
-    let mut table = Table::new(name, caption, &columns);
-    for ordering in orderings {
-        table.rows.push(vec![
-            ordering.statement.as_str().into(),
-            ordering.recipe.as_str().into(),
-            (if ordering.holds { "true" } else { "false" }).into(),
-            ordering.pairs.into(),
-            ordering.pairs_holding.into(),
-            ordering.failing.join("; ").into(),
-        ]);
-    }
-    table
+fn orderings_table(name: &str, caption: &str, orderings: &[Ordering]) -> Table {
+    Rows::of(orderings)
+        .column("the paper's statement", |own| own.statement.as_str())
+        .column("recipe", |own| own.recipe.as_str())
+        .column("holds", |own| own.holds.to_string())
+        .column("pairs", |own| own.pairs)
+        .column("pairs holding", |own| own.pairs_holding)
+        .column("where not", |own| own.failing.join("; "))
+        .table(name, caption)
 }
 
 /// Accuracy over the number of states: a chart for each unit and feature set; `suffix` follows each title.
 pub fn charts(table: &str, suffix: &str, cells: &[Compared]) -> Vec<String> {
-    let lowest = lowest(cells);
+    let lowest =
+        lowest(cells.iter().map(|cell| cell.interval.map_or(cell.accuracy, |(low, _)| low.min(cell.accuracy))));
     let mut charts = Vec::new();
     for by in [TableOneUnit::Taxel, TableOneUnit::Component] {
         for features in [FeatureSet::FORCE, FeatureSet::FORCE_AND_MOTION] {
             let own = cells.iter().filter(|cell| (cell.key.by, cell.key.features) == (by, features));
             let own: Vec<&Compared> = own.collect();
             if !own.is_empty() {
-                charts.push(chart(table, format!("{}, {features}{suffix}", unit_name(by)), &own, lowest));
+                charts.push(chart(table, &format!("{}, {features}{suffix}", unit_name(by)), &own, lowest));
             }
         }
     }
     charts
 }
 
-fn chart(table: &str, title: String, cells: &[&Compared], lowest: f64) -> String {
+fn chart(table: &str, title: &str, cells: &[&Compared], lowest: f64) -> String {
     let mut states: Vec<usize> = cells.iter().map(|cell| cell.key.states).collect();
     states.sort_unstable();
     states.dedup();
     let mut recipes: Vec<&String> = cells.iter().map(|cell| &cell.key.recipe).collect();
     recipes.dedup();
-    let mut description = format!("Accuracy in per cent by number of hidden states, {title}.");
-    let mut layers = Vec::new();
-    let mut layer = |name: String, style, points: Vec<(usize, Point)>| {
-        if points.is_empty() {
-            return;
-        }
-        let values: Vec<String> = points.iter().map(|(states, point)| format!("{states}: {:.1}", point.y)).collect();
-        description += &format!(" {name}: {}.", values.join(", "));
-        let points = points.into_iter().map(|(_, point)| point).collect();
-        layers.push(Layer::new(name, style, Shape::Points(points)));
-    };
-    let place = |cell: &Compared| states.iter().position(|own| *own == cell.key.states).unwrap_or_default() as f64;
+    let place = |cell: &Compared| states.iter().position(|own| *own == cell.key.states).unwrap_or_default();
+    let description = format!("Accuracy in per cent by number of hidden states, {title}.");
+    let mut chart = AccuracyChart::new(description, states.iter().map(usize::to_string).collect());
     for (number, recipe) in recipes.iter().enumerate() {
         let own = cells.iter().filter(|cell| cell.key.recipe == **recipe);
-        let points = own.map(|cell| {
-            let point = Point {
-                x: place(cell) + style::aside(number, recipes.len()),
-                y: cell.accuracy,
-                interval: cell.interval,
-            };
-            (cell.key.states, point)
-        });
-        layer(format!("{} recipe", possessive(recipe)), style::paired(number), points.collect());
+        let points = own.map(|cell| (place(cell), cell.accuracy, cell.interval));
+        let aside = style::aside(number, recipes.len());
+        chart.series(&format!("{} recipe", possessive(recipe)), style::paired(number), aside, points);
     }
     let first = cells.iter().filter(|cell| Some(&&cell.key.recipe) == recipes.first());
-    let published = first.filter_map(|cell| {
-        let point = Point { x: place(cell), y: cell.published?, interval: None };
-        Some((cell.key.states, point))
-    });
-    layer("paper".into(), PUBLISHED, published.collect());
-    if let Some(cell) = cells.first() {
-        description += &format!(" Majority baseline: {:.1}.", cell.majority_baseline);
-        layers.push(style::majority_layer(cell.majority_baseline, states.len()));
-    }
-    let chart = Chart {
-        name: format!("{table}-{}", crate::drawing::slug(&title)),
-        title,
-        description,
-        x: Axis::names("hidden states", states.iter().map(usize::to_string)),
-        y: Axis::spanning("accuracy / %", lowest, 100.0),
-        layers,
-    };
-    chart.svg()
-}
-
-/// Lower end of the axes of accuracy, per cent: 40, or less if an interval begins lower.
-fn lowest(cells: &[Compared]) -> f64 {
-    let values = cells.iter().flat_map(|cell| [cell.accuracy, cell.interval.map_or(cell.accuracy, |(low, _)| low)]);
-    let lowest = values.fold(40.0, f64::min);
-    (lowest / 20.0).floor() * 20.0
+    chart.series("paper", PUBLISHED, 0.0, first.filter_map(|cell| Some((place(cell), cell.published?, None))));
+    chart.majority(cells.first().map(|cell| cell.majority_baseline));
+    chart.svg(format!("{table}-{}", crate::drawing::slug(title)), title, "hidden states", lowest)
 }

@@ -2,7 +2,8 @@
 
 use underbrush_experiments::benchmark::{Estimate, Figures, Reaching, Row, Transfer, Verdicts};
 
-use crate::text::{counted, table};
+use crate::drawing::Rows;
+use crate::text::counted;
 
 /// A sentence on what was judged, a table of the figures, and what they were measured on.
 pub fn of(row: &Row) -> String {
@@ -29,73 +30,48 @@ pub fn of(row: &Row) -> String {
 }
 
 fn of_verdicts(verdicts: &Verdicts) -> String {
-    let rows: Vec<Vec<String>> = (verdicts.moments.iter())
-        .map(|at| {
-            vec![
-                at.samples.map_or("whole contact".into(), |samples| samples.to_string()),
-                percent(&at.leaf_or_trunk),
-                percent(&at.nothing_leaf_or_trunk),
-                number(&at.foam_roll_area, 2),
-                number(&at.water_bottle_area, 2),
-            ]
-        })
-        .collect();
-    let header = [
-        "samples since contact",
-        "leaf or trunk / %",
-        "nothing, leaf or trunk / %",
-        "foam roll, ROC area",
-        "water bottle, ROC area",
-    ];
+    let table = Rows::of(&verdicts.moments)
+        .column("samples since contact", |at| at.samples.map_or("whole contact".into(), |samples| samples.to_string()))
+        .column("leaf or trunk / %", |at| percent(&at.leaf_or_trunk))
+        .column("nothing, leaf or trunk / %", |at| percent(&at.nothing_leaf_or_trunk))
+        .column("foam roll, ROC area", |at| number(&at.foam_roll_area, 2))
+        .column("water bottle, ROC area", |at| number(&at.water_bottle_area, 2))
+        .text();
     let counts = &verdicts.contacts;
     let two = majority(&[counts.leaf, counts.trunk]);
     format!(
-        "{}\nBalanced accuracies: naming one class always gives 50 and 33.3 %. In brackets: 95 % intervals over whole reaches.\n\
+        "{table}\nBalanced accuracies: naming one class always gives 50 and 33.3 %. In brackets: 95 % intervals over whole reaches.\n\
          Contacts: {} without a touch, {} with leaves, {} with trunks, {} with the foam roll, {} with the water bottle.\n\
          Always naming the more frequent of leaf and trunk is right in {two:.1} % of these contacts.\n",
-        table(&header, &rows),
-        counts.nothing,
-        counts.leaf,
-        counts.trunk,
-        counts.foam_roll,
-        counts.water_bottle,
+        counts.nothing, counts.leaf, counts.trunk, counts.foam_roll, counts.water_bottle,
     )
 }
 
 fn of_transfer(transfer: &Transfer) -> String {
-    let rows: Vec<Vec<String>> = (transfer.settings.iter())
-        .map(|setting| {
-            let [leaf, trunk] = setting.contacts;
-            vec![
-                setting.setting.clone(),
-                leaf.to_string(),
-                trunk.to_string(),
-                format!("{:.1}", majority(&setting.contacts)),
-                percent(&setting.leaf_or_trunk),
-                percent(&setting.difference),
-            ]
-        })
-        .collect();
-    let header = ["setting", "leaves", "trunks", "majority / %", "leaf or trunk / %", "difference / points"];
+    let table = Rows::of(&transfer.settings)
+        .column("setting", |own| own.setting.as_str())
+        .columns(["leaves", "trunks"], |own| own.contacts)
+        .number("majority / %", 1, |own| majority(&own.contacts))
+        .column("leaf or trunk / %", |own| percent(&own.leaf_or_trunk))
+        .column("difference / points", |own| percent(&own.difference))
+        .text();
     format!(
-        "{}\nBalanced accuracies at the end of contacts: naming one category always gives 50 %. The first setting is as in \
-         training.\nIn brackets: 95 % intervals over whole reaches.\n",
-        table(&header, &rows)
+        "{table}\nBalanced accuracies at the end of contacts: naming one category always gives 50 %. The first setting is as in \
+         training.\nIn brackets: 95 % intervals over whole reaches.\n"
     )
 }
 
 fn of_reaching(reaching: &Reaching) -> String {
-    let row = |name: &str, value: String| vec![name.to_owned(), value];
-    let rows = [
-        row("goals reached / %", percent(&reaching.reached)),
-        row("time for each goal reached / s", number(&reaching.seconds_for_each, 2)),
-        row("largest force on a trunk in a reach, mean / N", number(&reaching.trunk_peak_n, 2)),
-        row("impulse on leaves in a reach, mean / N s", number(&reaching.leaf_impulse_n_s, 2)),
-        row("largest force on a trunk in any reach / N", format!("{:.1}", reaching.largest_on_trunk_n)),
+    let figures = [
+        ("goals reached / %", percent(&reaching.reached)),
+        ("time for each goal reached / s", number(&reaching.seconds_for_each, 2)),
+        ("largest force on a trunk in a reach, mean / N", number(&reaching.trunk_peak_n, 2)),
+        ("impulse on leaves in a reach, mean / N s", number(&reaching.leaf_impulse_n_s, 2)),
+        ("largest force on a trunk in any reach / N", format!("{:.1}", reaching.largest_on_trunk_n)),
     ];
     format!(
         "{}\n{} with {}. In brackets: 95 % intervals over whole reaches.\n",
-        table(&["figure", "value"], &rows),
+        Rows::of(&figures).column("figure", |own| own.0).column("value", |own| own.1.as_str()).text(),
         counted(reaching.reaches, "reach", "reaches"),
         counted(reaching.goals, "goal", "goals")
     )

@@ -69,7 +69,7 @@ impl CategoryLooks {
 
     /// The looks of an experiment's labels and of all objects in its scenes.
     pub fn of_experiment(experiment: &Experiment) -> Self {
-        let groups = experiment.scenes().flat_map(|(_, scene)| scene.file.objects.groups());
+        let groups = experiment.scenes.values().flat_map(|scene| scene.file.objects.groups());
         let objects: BTreeSet<Category> = groups.map(|(_, _, group)| group.category()).collect();
         let mut names = experiment.labels();
         names.extend(objects.iter().map(|category| category.name()));

@@ -6,6 +6,7 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod accuracy_chart;
 mod agreement;
 pub mod benchmark_text;
 pub mod category_looks;
@@ -19,6 +20,7 @@ mod replay_pages;
 pub mod replayed;
 mod report;
 pub mod reproduction;
+mod roc;
 pub mod section;
 pub mod skin_map;
 mod style;
@@ -27,7 +29,7 @@ pub mod text;
 
 use underbrush_experiments::results::Results;
 
-use drawing::{Cell, Table};
+use drawing::Rows;
 use report::Report;
 
 /// A report, ready to be written.
@@ -81,11 +83,8 @@ fn what_was_run(report: &mut Report) {
             timing.processor, timing.cores, timing.threads, timing.wall_s
         ),
     ]);
-    let mut table = Table::new("stage_times", "Wall time", &["stage", "seconds"]);
-    for (stage, seconds) in &timing.stages {
-        table.rows.push(vec![(*stage).into(), Cell::Number(*seconds, 1)]);
-    }
-    report.table(table);
+    let times = Rows::of(&timing.stages).column("stage", |own| own.0).number("seconds", 1, |own| own.1);
+    report.table(times.table("stage_times", "Wall time"));
 }
 
 /// The text for a terminal: the reaches, the most important tables, and the difference from the published figures.

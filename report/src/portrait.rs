@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use crate::drawing::{Axis, Chart, Dash, Layer, Shape, Style, escape, svg_document};
+use crate::drawing::{Axis, Dash, Layer, Shape, Style, chart, escape, svg_document};
 use underbrush_validation::{Portrait, Section};
 
 const CELL_PX: f64 = 24.0;
@@ -118,26 +118,18 @@ fn section(body: &mut String, portrait: &Portrait, top: f64, width: f64) {
         Section::Disc { radius_m } => {
             format!("<circle cx=\"{middle:.1}\" cy=\"{:.1}\" r=\"{:.1}\"", lowest - px(radius_m), px(radius_m))
         }
-        Section::Bar { along_m, away_m } => format!(
-            "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"",
-            middle - px(along_m) / 2.0,
-            lowest - px(away_m),
-            px(along_m),
-            px(away_m)
-        ),
+        Section::Bar { along_m, away_m } => {
+            let (x, y, width, height) = (middle - px(along_m) / 2.0, lowest - px(away_m), px(along_m), px(away_m));
+            format!("<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\"")
+        }
     };
+    let (height, inner, skin, link) = (ABOVE + BELOW, width - 2.0 * MARGIN, px(SKIN_M), surface + px(SKIN_M));
     let _ = writeln!(
         body,
-        "<svg x=\"0\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{:.1}\" viewBox=\"0 {top:.1} {width:.1} {:.1}\">\
-         <rect x=\"{MARGIN}\" y=\"{surface:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#d9c9a3\"/>\
-         <rect x=\"{MARGIN}\" y=\"{:.1}\" width=\"{:.1}\" height=\"6\" fill=\"#6b7078\"/>\
-         {outline} fill=\"#3f7d4e\" fill-opacity=\"0.6\" stroke=\"#1d4a28\"/></svg>",
-        ABOVE + BELOW,
-        ABOVE + BELOW,
-        width - 2.0 * MARGIN,
-        px(SKIN_M),
-        surface + px(SKIN_M),
-        width - 2.0 * MARGIN
+        "<svg x=\"0\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" viewBox=\"0 {top:.1} {width:.1} {height:.1}\">\
+         <rect x=\"{MARGIN}\" y=\"{surface:.1}\" width=\"{inner:.1}\" height=\"{skin:.1}\" fill=\"#d9c9a3\"/>\
+         <rect x=\"{MARGIN}\" y=\"{link:.1}\" width=\"{inner:.1}\" height=\"6\" fill=\"#6b7078\"/>\
+         {outline} fill=\"#3f7d4e\" fill-opacity=\"0.6\" stroke=\"#1d4a28\"/></svg>"
     );
 }
 
@@ -148,18 +140,12 @@ pub fn roll_loop(points: &[(f64, f64)]) -> String {
     let in_mm =
         |points: &[(f64, f64)]| Shape::Line(points.iter().map(|(way_m, force_n)| (1e3 * way_m, *force_n)).collect());
     let strongest_n = points.iter().map(|point| point.1).fold(0.0, f64::max);
-    let chart = Chart {
-        name: "foam-roll".into(),
-        title: "A foam roll pushed and let go by the forearm".into(),
-        description: format!(
-            "The force rises to {strongest_n:.2} N and falls along a lower path: the foam loses energy."
-        ),
-        x: Axis::from_zero("way of the forearm since first contact / mm"),
-        y: Axis::from_zero("force / N"),
-        layers: vec![
-            Layer::new("pushed", Style::line("#b23a4a", Dash::Solid), in_mm(&points[..points.len().min(farthest + 1)])),
-            Layer::new("let go", Style::line("#1f4fd1", Dash::Dashed), in_mm(&points[farthest..])),
-        ],
-    };
-    chart.svg()
+    let description =
+        format!("The force rises to {strongest_n:.2} N and falls along a lower path: the foam loses energy.");
+    let axes = (Axis::from_zero("way of the forearm since first contact / mm"), Axis::from_zero("force / N"));
+    let layers = vec![
+        Layer::new("pushed", Style::line("#b23a4a", Dash::Solid), in_mm(&points[..points.len().min(farthest + 1)])),
+        Layer::new("let go", Style::line("#1f4fd1", Dash::Dashed), in_mm(&points[farthest..])),
+    ];
+    chart("foam-roll", "A foam roll pushed and let go by the forearm", description, axes, layers)
 }

@@ -5,9 +5,8 @@ use std::path::Path;
 use underbrush_classifier::Model;
 use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_experiments::experiment::example_trials;
-use underbrush_experiments::files;
 use underbrush_experiments::session::Session;
-use underbrush_experiments::{ExperimentError, models, online, reaches, training};
+use underbrush_experiments::{ExperimentError, files, models, online, reaches, training};
 use underbrush_recording::Recording;
 use underbrush_replay::{Held, Judging, JudgingModel, ReplayError, Source, single_file};
 

@@ -1,12 +1,13 @@
 //! A report that is being written: the page, its tables, and the text for the terminal.
 
-use underbrush_experiments::accuracy::{Accuracy, Part};
+use underbrush_experiments::accuracy::{Accuracy, Figures, Part, Spread};
+use underbrush_experiments::cell::{CellKey, unit_name};
 use underbrush_experiments::definition::{Published, PublishedSection};
-use underbrush_experiments::experiment::campaigns::{CampaignFigures, CampaignPart};
+use underbrush_experiments::experiment::campaigns::CampaignFigures;
 use underbrush_experiments::results::Results;
 
 use crate::category_looks::CategoryLooks;
-use crate::drawing::{Cell, Page, Table};
+use crate::drawing::{Cell, Page, Rows, Table};
 use crate::text;
 
 /// A report to which sections are added.
@@ -71,12 +72,15 @@ impl<'a> Report<'a> {
         self.tables.push(table);
     }
 
+    /// Shows a table, and prints its first columns on the terminal.
+    pub fn printed(&mut self, table: Table, columns: usize) {
+        self.print(&table, columns);
+        self.table(table);
+    }
+
     /// Prints the first columns of a table on the terminal.
     pub fn print(&mut self, table: &Table, columns: usize) {
-        let header: Vec<&str> = table.columns.iter().take(columns).map(String::as_str).collect();
-        let rows: Vec<Vec<String>> =
-            table.texts().into_iter().map(|row| row.into_iter().take(columns).collect()).collect();
-        self.terminal += &format!("{}\n{}\n", table.caption, text::table(&header, &rows));
+        self.terminal += &format!("{}\n{}\n", table.caption, text::first_columns(table, columns));
     }
 }
 
@@ -104,20 +108,54 @@ pub fn seeds(seeds: &[u64]) -> String {
     }
 }
 
-/// Accuracy, ends of its interval, balanced accuracy and majority baseline: an accuracy is never shown without them.
-pub fn accuracy_cells(own: &Accuracy, decimals: usize) -> [Cell; 5] {
-    [own.accuracy, own.low, own.high, own.balanced_accuracy, own.majority_baseline]
-        .map(|value| Cell::Number(value, decimals))
-}
-
-/// Column names of [`accuracy_cells`] in files of numbers.
+/// Names of the columns of [`Rows::accuracy`] in files of numbers, and in tables of the page.
 pub const ACCURACY_COLUMNS: [&str; 5] =
     ["accuracy_percent", "low_percent", "high_percent", "balanced_accuracy_percent", "majority_baseline_percent"];
+pub const ACCURACY_HEADINGS: [&str; 5] = ["accuracy / %", "from", "to", "balanced / %", "majority / %"];
+
+impl<T: Copy> Rows<T> {
+    /// Adds accuracy, ends of its interval, balanced accuracy and majority baseline: an accuracy is never shown without
+    /// them.
+    pub fn accuracy<'a>(self, names: [&str; 5], decimals: usize, accuracy: impl Fn(T) -> &'a Accuracy) -> Self {
+        self.columns(names, |thing| {
+            let own = accuracy(thing);
+            let values = [own.accuracy, own.low, own.high, own.balanced_accuracy, own.majority_baseline];
+            values.map(|value| Cell::Number(value, decimals))
+        })
+    }
+
+    /// Adds how far an accuracy is from the best published one, if there is one.
+    pub fn against_best(self, best: Option<f64>, accuracy: impl Fn(T) -> f64) -> Self {
+        self.when(best.is_some(), |rows| {
+            rows.column("against the paper's best", |thing| {
+                best.map_or(Cell::Missing, |best| Cell::Difference(accuracy(thing) - best, 1))
+            })
+        })
+    }
+
+    /// Adds which cell of the cross-validation table it is.
+    pub fn key<'a>(self, key: impl Fn(T) -> &'a CellKey) -> Self {
+        self.column("by", |thing| unit_name(key(thing).by))
+            .column("features", |thing| key(thing).features.to_string())
+            .column("states", |thing| key(thing).states)
+            .column("recipe", |thing| key(thing).recipe.as_str())
+    }
+
+    /// Adds the published figure, and how far the figure here, in per cent, is from it; nothing if none is published.
+    pub fn against_published(self, here: impl Fn(T) -> f64, paper: impl Fn(T) -> Option<f64>) -> Self {
+        let is_published = self.things().any(|thing| paper(thing).is_some());
+        self.when(is_published, |rows| {
+            rows.number("paper", 1, &paper).column("difference", |thing| {
+                paper(thing).map_or(Cell::Missing, |paper| Cell::Difference(here(thing) - paper, 1))
+            })
+        })
+    }
+}
 
 /// Figures over campaigns: mean, standard deviation, minimum and maximum of the accuracy, then mean and standard
 /// deviation of the balanced accuracy and of the majority baseline.
 pub fn campaign_cells(own: &CampaignFigures) -> [Cell; 8] {
-    let CampaignFigures { accuracy, balanced_accuracy, majority_baseline, .. } = own;
+    let Figures { accuracy, balanced_accuracy, majority_baseline } = &own.all;
     [
         Cell::Number(accuracy.mean, 1),
         Cell::optional(accuracy.standard_deviation, 1),
@@ -133,44 +171,28 @@ pub fn campaign_cells(own: &CampaignFigures) -> [Cell; 8] {
 /// Column names of [`campaign_cells`] in tables of the page.
 pub const CAMPAIGN_COLUMNS: [&str; 8] = ["mean", "SD", "min", "max", "balanced", "SD", "majority", "SD"];
 
-/// These columns, followed by one for the published figure and one for the difference if anything is published.
-pub fn with_published(columns: &[&'static str], published: bool) -> Vec<&'static str> {
-    let own: &[&str] = if published { &["paper", "difference"] } else { &[] };
-    columns.iter().chain(own).copied().collect()
-}
-
 /// Accuracies, split into trials in which something touched the skin and trials in which nothing did.
 pub fn by_touch<'a>(name: &str, what: &str, rows: impl Iterator<Item = (String, &'a Accuracy)>) -> Table {
-    let columns = [
-        "",
-        "touched trials",
-        "accuracy / %",
-        "balanced / %",
-        "majority / %",
-        "untouched trials",
-        "accuracy / %",
-        "balanced / %",
-        "majority / %",
-    ];
     let caption = format!("{what}: trials in which something touched the skin, and trials in which nothing did");
-    let mut table = Table::new(name, caption, &columns);
-    for (label, accuracy) in rows {
-        let mut row = vec![label.into()];
-        row.extend(part_cells(accuracy.touched.as_ref()));
-        row.extend(part_cells(accuracy.untouched.as_ref()));
-        table.rows.push(row);
-    }
-    table
-}
-
-fn part_cells(own: Option<&Part>) -> [Cell; 4] {
-    let percent = |value: fn(&Part) -> f64| Cell::optional(own.map(value), 1);
-    [
-        own.map_or(0, |own| own.trials).into(),
-        percent(|own| own.accuracy),
-        percent(|own| own.balanced_accuracy),
-        percent(|own| own.majority_baseline),
-    ]
+    let cells = |own: Option<&Part>| {
+        let percent = |value: fn(&Part) -> f64| Cell::optional(own.map(value), 1);
+        [
+            own.map_or(0, |own| own.trials).into(),
+            percent(|own| own.accuracy),
+            percent(|own| own.balanced_accuracy),
+            percent(|own| own.majority_baseline),
+        ]
+    };
+    let rows: Vec<(String, &Accuracy)> = rows.collect();
+    Rows::of(&rows)
+        .column("", |row| row.0.as_str())
+        .columns(["touched trials", "accuracy / %", "balanced / %", "majority / %"], |row| {
+            cells(row.1.touched.as_ref())
+        })
+        .columns(["untouched trials", "accuracy / %", "balanced / %", "majority / %"], |row| {
+            cells(row.1.untouched.as_ref())
+        })
+        .table(name, caption)
 }
 
 /// As [`by_touch`], for accuracies over campaigns.
@@ -179,36 +201,22 @@ pub fn campaigns_by_touch<'a>(
     what: &str,
     rows: impl Iterator<Item = (String, &'a CampaignFigures)>,
 ) -> Table {
-    let columns = [
-        "",
-        "touched, mean / %",
-        "SD",
-        "balanced / %",
-        "majority / %",
-        "untouched, mean / %",
-        "SD",
-        "balanced / %",
-        "majority / %",
-    ];
     let caption = format!(
         "{what} over all campaigns: trials in which something touched the skin, and trials in which nothing did"
     );
-    let mut table = Table::new(name, caption, &columns);
-    for (label, figures) in rows {
-        let mut row = vec![label.into()];
-        row.extend(campaign_part_cells(figures.touched.as_ref()));
-        row.extend(campaign_part_cells(figures.untouched.as_ref()));
-        table.rows.push(row);
-    }
-    table
-}
-
-fn campaign_part_cells(own: Option<&CampaignPart>) -> [Cell; 4] {
-    let percent = |value: fn(&CampaignPart) -> f64| Cell::optional(own.map(value), 1);
-    [
-        percent(|own| own.accuracy.mean),
-        Cell::optional(own.and_then(|own| own.accuracy.standard_deviation), 1),
-        percent(|own| own.balanced_accuracy.mean),
-        percent(|own| own.majority_baseline.mean),
-    ]
+    let cells = |own: Option<&Figures<Spread>>| {
+        let percent = |value: fn(&Figures<Spread>) -> Option<f64>| Cell::optional(own.and_then(value), 1);
+        [
+            percent(|own| Some(own.accuracy.mean)),
+            percent(|own| own.accuracy.standard_deviation),
+            percent(|own| Some(own.balanced_accuracy.mean)),
+            percent(|own| Some(own.majority_baseline.mean)),
+        ]
+    };
+    let rows: Vec<(String, &CampaignFigures)> = rows.collect();
+    Rows::of(&rows)
+        .column("", |row| row.0.as_str())
+        .columns(["touched, mean / %", "SD", "balanced / %", "majority / %"], |row| cells(row.1.touched.as_ref()))
+        .columns(["untouched, mean / %", "SD", "balanced / %", "majority / %"], |row| cells(row.1.untouched.as_ref()))
+        .table(name, caption)
 }

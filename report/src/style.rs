@@ -1,7 +1,7 @@
 //! Colours and marks of charts. Colour-blind readers can tell the colours apart, and every layer also has its own mark,
 //! dash or hatching.
 
-use crate::drawing::{Dash, Layer, Mark, Point, Shape, Style};
+use crate::drawing::{Dash, Mark, Style};
 
 /// Leaves.
 pub const LEAF: &str = "#1b8a4b";
@@ -55,17 +55,4 @@ pub fn paired(place: usize) -> Style {
 pub fn aside(place: usize, of: usize) -> f64 {
     let centred = place as f64 - (of.max(1) - 1) as f64 / 2.0;
     0.14 * centred
-}
-
-/// The majority baseline as a level over an axis of `places` names.
-pub fn majority_layer(percent: f64, places: usize) -> Layer {
-    let ends = [-0.5, places as f64 - 0.5].map(|x| (x, percent));
-    Layer::new("majority", MAJORITY, Shape::Line(ends.to_vec()))
-}
-
-/// Points over named positions as text, for readers who cannot see them.
-pub fn told(names: &[String], points: &[Point]) -> String {
-    let pairs = names.iter().zip(points);
-    let values: Vec<String> = pairs.map(|(name, point)| format!("{name}: {:.1}", point.y)).collect();
-    values.join(", ")
 }

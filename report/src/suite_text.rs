@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use underbrush_experiments::ExperimentError;
-use underbrush_experiments::files;
 use underbrush_experiments::suite::Checked;
 use underbrush_experiments::suite::result::{BoundResult, BoundVerdict, SceneResult, SuiteResult};
+use underbrush_experiments::{ExperimentError, files};
 use underbrush_recording::math;
 
+use crate::drawing::Rows;
 use crate::junit;
-use crate::text::{counted, table};
+use crate::text::counted;
 
 /// Names of the files that [`write()`] writes.
 pub const FILES: [&str; 2] = ["results.json", "junit.xml"];
@@ -33,17 +33,25 @@ pub fn of(results: &[SuiteResult]) -> String {
 fn of_suite(result: &SuiteResult) -> String {
     let mut text = format!("{}: {}\n", result.suite, result.summary);
     for scene in &result.scenes {
-        text += &format!(
-            "\n{} ({} of seed {}, {:.0} s simulated, {}): {}\n",
-            scene.scene,
-            counted(scene.reaches, "reach", "reaches"),
-            result.seed,
-            scene.simulated_s,
-            scene.controller,
-            scene.goals
-        );
-        let rows: Vec<Vec<String>> = scene.bounds.iter().map(row).collect();
-        text += &table(&["metric", "found", "± SE", "reaches", "at least", "at most", "blessed", ""], &rows);
+        let SceneResult { scene: name, simulated_s, controller, goals, .. } = scene;
+        let (reaches, seed) = (counted(scene.reaches, "reach", "reaches"), result.seed);
+        text += &format!("\n{name} ({reaches} of seed {seed}, {simulated_s:.0} s simulated, {controller}): {goals}\n");
+        text += &Rows::of(&scene.bounds)
+            .column("metric", |bound| bound.name.as_str())
+            .column("found", |bound| shown(bound.found))
+            .column("± SE", |bound| shown(bound.standard_error))
+            .column("reaches", |bound| bound.values.len())
+            .column("at least", |bound| shown(bound.at_least))
+            .column("at most", |bound| shown(bound.at_most))
+            .column("blessed", |bound| shown(bound.blessed))
+            .column("", |bound| match bound.verdict {
+                BoundVerdict::Holds => "holds",
+                BoundVerdict::TooSmall => "TOO SMALL",
+                BoundVerdict::TooLarge => "TOO LARGE",
+                BoundVerdict::NotMeasured => "NOT MEASURED",
+                BoundVerdict::NoBound => "NO BOUND",
+            })
+            .text();
     }
     let bounds: usize = result.scenes.iter().map(|scene| scene.bounds.len()).sum();
     let (unbounded, broken): (Vec<_>, Vec<_>) =
@@ -59,48 +67,23 @@ fn of_suite(result: &SuiteResult) -> String {
     text + &format!("\n{}: {held} of {bounds} bounds hold\n", result.suite)
 }
 
-fn row(bound: &BoundResult) -> Vec<String> {
-    let shown = |value: Option<f64>| value.map_or("-".into(), number);
-    let verdict = match bound.verdict {
-        BoundVerdict::Holds => "holds",
-        BoundVerdict::TooSmall => "TOO SMALL",
-        BoundVerdict::TooLarge => "TOO LARGE",
-        BoundVerdict::NotMeasured => "NOT MEASURED",
-        BoundVerdict::NoBound => "NO BOUND",
-    };
-    vec![
-        bound.name.clone(),
-        shown(bound.found),
-        shown(bound.standard_error),
-        bound.values.len().to_string(),
-        shown(bound.at_least),
-        shown(bound.at_most),
-        shown(bound.blessed),
-        verdict.into(),
-    ]
-}
-
 /// Why a bound is broken, and how to look at the reach that contributes most.
 fn why(result: &SuiteResult, scene: &SceneResult, bound: &BoundResult) -> String {
-    let found = bound.found.map_or("-".into(), number);
-    let limit = |value: Option<f64>| value.map_or("-".into(), number);
+    let found = shown(bound.found);
     let what = match bound.verdict {
-        BoundVerdict::TooSmall => format!("is {found}, less than at_least = {}", limit(bound.at_least)),
-        BoundVerdict::TooLarge => format!("is {found}, more than at_most = {}", limit(bound.at_most)),
+        BoundVerdict::TooSmall => format!("is {found}, less than at_least = {}", shown(bound.at_least)),
+        BoundVerdict::TooLarge => format!("is {found}, more than at_most = {}", shown(bound.at_most)),
         BoundVerdict::NotMeasured => "could not be measured in any reach".into(),
         BoundVerdict::NoBound => format!("is {found} and has no bound yet; write one with --bless"),
         BoundVerdict::Holds => "holds".into(),
     };
     let mut text = format!("{}: {} {what}\n", scene.scene, bound.name);
     if let Some(worst) = bound.look_at {
+        let (index, value, file) = (worst.reach_index, number(worst.value), shell_word(&scene.file));
+        let (seed, controller) = (result.seed, &scene.controller);
         text += &format!(
-            "  look at reach {}, where it is {}:\n  underbrush reach {} --seed {} --index {} --controller {} --picture reach.svg\n",
-            worst.reach_index,
-            number(worst.value),
-            shell_word(&scene.file),
-            result.seed,
-            worst.reach_index,
-            scene.controller
+            "  look at reach {index}, where it is {value}:\n  underbrush reach {file} --seed {seed} --index {index} --controller \
+             {controller} --picture reach.svg\n"
         );
     }
     text
@@ -113,6 +96,11 @@ fn shell_word(path: &str) -> String {
         true => path.to_owned(),
         false => format!("'{}'", path.replace('\'', "'\\''")),
     }
+}
+
+/// A number that may be missing.
+fn shown(value: Option<f64>) -> String {
+    value.map_or("-".into(), number)
 }
 
 /// A number with four significant digits.

@@ -5,6 +5,8 @@ use std::fmt::Display;
 
 use underbrush_experiments::audit::Worst;
 
+use crate::drawing::{Rows, Table};
+
 /// A number with its noun, such as "1 reach" or "2 reaches".
 pub fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, one: &str, many: &str) -> String {
     format!("{count} {}", if count == N::from(1) { one } else { many })
@@ -33,16 +35,29 @@ pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
 pub fn audit(worst: &BTreeMap<&'static str, Worst>) -> String {
     let passed = worst.iter().filter_map(|(name, worst)| {
         let bound = worst.bound.filter(|bound| worst.value > *bound)?;
-        Some(vec![
-            (*name).into(),
-            format!("{:.1e}", worst.value),
-            format!("{bound:.1e}"),
-            format!("{} {}", worst.scene, worst.reach_index),
-        ])
+        Some((*name, worst, bound))
     });
-    let rows: Vec<Vec<String>> = passed.collect();
-    if rows.is_empty() {
+    let rows = Rows::of(passed);
+    if rows.things().next().is_none() {
         return "audit: within bounds\n".into();
     }
-    table(&["audit, beyond its bounds", "value", "bound", "worst reach"], &rows)
+    rows.column("audit, beyond its bounds", |(name, ..)| name)
+        .column("value", |(_, worst, _)| format!("{:.1e}", worst.value))
+        .column("bound", |(.., bound)| format!("{bound:.1e}"))
+        .column("worst reach", |(_, worst, _)| format!("{} {}", worst.scene, worst.reach_index))
+        .text()
+}
+
+impl<T: Copy> Rows<T> {
+    /// The rows as a table for a terminal.
+    pub fn text(self) -> String {
+        first_columns(&self.table("", ""), usize::MAX)
+    }
+}
+
+/// The first columns of a table, for a terminal.
+pub fn first_columns(own: &Table, columns: usize) -> String {
+    let header: Vec<&str> = own.columns.iter().take(columns).map(String::as_str).collect();
+    let rows = own.texts().into_iter().map(|row| row.into_iter().take(columns).collect());
+    table(&header, &rows.collect::<Vec<_>>())
 }

@@ -1,35 +1,27 @@
 //! Echo-state network: a fixed random recurrent network with a fitted linear readout.
 
-use std::sync::Arc;
-
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
-use underbrush_recording::{InputError, Limits, Sample, Trial, math};
+use underbrush_recording::{Limits, Sample, math};
 
 use super::file::{self, FITTED, check_table};
-use crate::document::Document;
+use super::fitted::{self, Baseline, TrialsByCategory};
 use crate::error::{Fault, ModelError, check_limits};
-use crate::estimator::{
-    Classifier, ClassifierKind, ContactScorer, Estimator, Independent, OnlineScorer, trials_by_category,
-};
+use crate::estimator::ClassifierKind;
 use crate::feature::{FeatureError, FeatureSet, SampleFault};
 
 /// The entry in the list of classifiers.
-pub(crate) const KIND: ClassifierKind = ClassifierKind {
-    name: "echo-state-network",
-    aliases: &["recursive"],
-    summary: "Echo-state network: a fixed random recurrent network with a fitted linear readout at every sample",
-    estimator: |features| {
+pub(crate) const KIND: ClassifierKind = fitted::kind::<EchoStateNetwork>(
+    &["recursive"],
+    "Echo-state network: a fixed random recurrent network with a fitted linear readout at every sample",
+    |features| {
         let default = EchoStateNetwork::default();
         Box::new(EchoStateNetwork { features: features.unwrap_or(default.features), ..default })
     },
-    load,
-    schema: file::Fitted::<EchoStateNetwork, Parameters>::json_schema,
-};
+);
 
 /// Units. Choice: the cost of a fit grows with the cube of their number.
 const UNITS: Limits = Limits::new(1.0, 2000.0, "units");
@@ -108,22 +100,29 @@ const RADIUS: f64 = 0.9;
 const MIN_POSTERIOR: f64 = 1e-3;
 
 impl EchoStateNetwork {
-    fn check(&self) -> Result<(), Fault> {
-        check_limits("units", self.units as f64, UNITS)?;
-        check_limits("leak", self.leak, LEAK)?;
-        check_limits("penalty", self.penalty, PENALTY)
-    }
-
     /// Length of the input: a constant and the features.
     fn inputs(&self) -> usize {
         1 + self.features.dimension()
     }
 }
 
-impl Estimator for EchoStateNetwork {
-    fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
-        self.check()?;
-        let by_category = trials_by_category(trials.iter().copied())?;
+impl Baseline for EchoStateNetwork {
+    const NAME: &'static str = "echo-state-network";
+    type Parameters = Parameters;
+    type Learned = Learned;
+    type Contact = Contact;
+
+    fn features(&self) -> FeatureSet {
+        self.features
+    }
+
+    fn check(&self) -> Result<(), Fault> {
+        check_limits("units", self.units as f64, UNITS)?;
+        check_limits("leak", self.leak, LEAK)?;
+        check_limits("penalty", self.penalty, PENALTY)
+    }
+
+    fn learn(&self, by_category: &TrialsByCategory) -> Result<Learned, ModelError> {
         let network = Network::new(self);
         let size = self.units + self.inputs();
         let mut precision = DMatrix::from_diagonal_element(size, size, self.penalty);
@@ -136,11 +135,7 @@ impl Estimator for EchoStateNetwork {
                 let weight = 1.0 / (by_category.len() * trials.len() * trial.samples.len()) as f64;
                 let mut state = DVector::zeros(size);
                 for (index, sample) in trial.samples.iter().enumerate() {
-                    network.step(&mut state, sample).map_err(|fault| FeatureError::BadSample {
-                        trial: trial.trial,
-                        sample: index,
-                        fault,
-                    })?;
+                    network.step(self, &mut state, sample).map_err(|fault| fault.at(trial, index))?;
                     precision.ger(weight, &state, &state, 1.0);
                     target.column_mut(category).axpy(weight, &state, 1.0);
                 }
@@ -151,18 +146,51 @@ impl Estimator for EchoStateNetwork {
             found: format!("a regression with penalty {} that has no solution", self.penalty),
             allowed: "a larger penalty".into(),
         })?;
-        Ok(Box::new(EchoStateClassifier(Arc::new(Fitted {
-            categories: by_category.into_keys().collect(),
-            network,
-            readout,
-        }))))
+        Ok(Learned { network, readout })
+    }
+
+    fn parameters(learned: &Learned) -> Parameters {
+        Parameters {
+            recurrent: file::columns(&learned.network.recurrent),
+            inputs: file::columns(&learned.network.inputs),
+            readout: file::columns(&learned.readout),
+        }
+    }
+
+    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Learned, Fault> {
+        let Parameters { recurrent, inputs, readout } = &parameters;
+        let (units, size) = (self.units, self.units + self.inputs());
+        check_table("recurrent", recurrent, (units, units), FITTED)?;
+        check_table("inputs", inputs, (self.inputs(), units), FITTED)?;
+        check_table("readout", readout, (categories, size), FITTED)?;
+        let network =
+            Network { recurrent: file::from_columns(units, recurrent), inputs: file::from_columns(units, inputs) };
+        Ok(Learned { network, readout: file::from_columns(size, readout) })
+    }
+
+    fn begin(&self, learned: &Learned) -> Contact {
+        let (size, categories) = learned.readout.shape();
+        Contact { state: DVector::zeros(size), sum: DVector::zeros(categories), samples: 0 }
+    }
+
+    fn push(&self, learned: &Learned, contact: &mut Contact, sample: &Sample) -> Result<bool, SampleFault> {
+        learned.network.step(self, &mut contact.state, sample)?;
+        contact.sum += learned.readout.tr_mul(&contact.state);
+        contact.samples += 1;
+        Ok(true)
+    }
+
+    fn scores(&self, _: &Learned, contact: &Contact, scores: &mut [f64]) {
+        let mean = &contact.sum / contact.samples.max(1) as f64;
+        for (score, posterior) in scores.iter_mut().zip(mean.iter()) {
+            *score = math::ln(posterior.clamp(MIN_POSTERIOR, 1.0));
+        }
     }
 }
 
 /// The fixed random network. Its state vector ends with the inputs, so that the readout sees both.
 #[derive(Debug)]
 struct Network {
-    options: EchoStateNetwork,
     recurrent: DMatrix<f64>,
     inputs: DMatrix<f64>,
 }
@@ -178,15 +206,14 @@ impl Network {
         // `σ = max / √3`.
         let max = RADIUS * (3.0 / options.units as f64).sqrt();
         Network {
-            options: *options,
             recurrent: draw(options.units, options.units, max),
             inputs: draw(options.units, options.inputs(), 1.0),
         }
     }
 
-    fn step(&self, state: &mut DVector<f64>, sample: &Sample) -> Result<(), SampleFault> {
-        let EchoStateNetwork { features, units, leak, .. } = self.options;
-        let mut input = DVector::from_element(self.options.inputs(), 1.0);
+    fn step(&self, options: &EchoStateNetwork, state: &mut DVector<f64>, sample: &Sample) -> Result<(), SampleFault> {
+        let EchoStateNetwork { features, units, leak, .. } = *options;
+        let mut input = DVector::from_element(options.inputs(), 1.0);
         features.read(sample, &mut input.as_mut_slice()[1..])?;
         for (value, feature) in input.iter_mut().skip(1).zip(features.iter()) {
             *value *= feature.to_order_one;
@@ -201,8 +228,7 @@ impl Network {
 }
 
 #[derive(Debug)]
-struct Fitted {
-    categories: Vec<String>,
+pub(super) struct Learned {
     network: Network,
     /// One column per category.
     readout: DMatrix<f64>,
@@ -212,7 +238,7 @@ struct Fitted {
 #[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "EchoStateNetworkParameters")]
-struct Parameters {
+pub(super) struct Parameters {
     /// One row per source unit.
     recurrent: Vec<Vec<f64>>,
     /// One row per input.
@@ -221,79 +247,11 @@ struct Parameters {
     readout: Vec<Vec<f64>>,
 }
 
-#[derive(Debug)]
-struct EchoStateClassifier(Arc<Fitted>);
-
-fn load(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
-    let file::Fitted { categories, options, parameters } =
-        file::Fitted::<EchoStateNetwork, Parameters>::read(document, EchoStateNetwork::check)?;
-    let Parameters { recurrent, inputs, readout } = &parameters;
-    let (units, size) = (options.units, options.units + options.inputs());
-    check_table("recurrent", recurrent, (units, units), FITTED)
-        .and_then(|()| check_table("inputs", inputs, (options.inputs(), units), FITTED))
-        .and_then(|()| check_table("readout", readout, (categories.len(), size), FITTED))
-        .map_err(|fault| document.fault(fault.within("parameters")))?;
-    let network =
-        Network { options, recurrent: file::from_columns(units, recurrent), inputs: file::from_columns(units, inputs) };
-    let readout = file::from_columns(size, readout);
-    Ok(Box::new(EchoStateClassifier(Arc::new(Fitted { categories, network, readout }))))
-}
-
-impl Classifier for EchoStateClassifier {
-    fn name(&self) -> &'static str {
-        KIND.name
-    }
-
-    fn features(&self) -> FeatureSet {
-        self.0.network.options.features
-    }
-
-    fn categories(&self) -> Vec<String> {
-        self.0.categories.clone()
-    }
-
-    fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
-        let fresh = Contact {
-            state: DVector::zeros(self.0.readout.nrows()),
-            sum: DVector::zeros(self.0.categories.len()),
-            samples: 0,
-            fitted: Arc::clone(&self.0),
-        };
-        Box::new(Independent::new(fresh, contacts))
-    }
-
-    fn file_entries(&self) -> Vec<(&'static str, Value)> {
-        let parameters = Parameters {
-            recurrent: file::columns(&self.0.network.recurrent),
-            inputs: file::columns(&self.0.network.inputs),
-            readout: file::columns(&self.0.readout),
-        };
-        file::entries(&self.0.categories, &self.0.network.options, &parameters)
-    }
-}
-
+/// A contact so far.
 #[derive(Clone, Debug)]
-struct Contact {
-    fitted: Arc<Fitted>,
+pub(super) struct Contact {
     state: DVector<f64>,
     /// Sum of the readouts so far.
     sum: DVector<f64>,
     samples: usize,
-}
-
-impl ContactScorer for Contact {
-    fn push(&mut self, sample: &Sample) -> Result<bool, SampleFault> {
-        self.fitted.network.step(&mut self.state, sample)?;
-        self.sum += self.fitted.readout.tr_mul(&self.state);
-        self.samples += 1;
-        Ok(true)
-    }
-
-    fn scores(&self, scores: &mut [f64]) -> Result<(), ModelError> {
-        let mean = &self.sum / self.samples.max(1) as f64;
-        for (score, posterior) in scores.iter_mut().zip(mean.iter()) {
-            *score = math::ln(posterior.clamp(MIN_POSTERIOR, 1.0));
-        }
-        Ok(())
-    }
 }

@@ -2,12 +2,9 @@
 
 use nalgebra::DMatrix;
 use schemars::JsonSchema;
-use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-use underbrush_recording::{InputError, Limits};
+use serde::Deserialize;
+use underbrush_recording::Limits;
 
-use crate::document::Document;
 use crate::error::{Fault, check_limits};
 
 /// Fitted numbers of any kind. Choice: standardized features and forces stay far below; a larger number means a damaged
@@ -20,7 +17,7 @@ pub(super) const POSITIVE: Limits = Limits::new(1e-15, 1e12, "");
 /// The keys of a fitted baseline.
 #[derive(Deserialize, JsonSchema)]
 #[schemars(rename = "{O}File")]
-pub(super) struct Fitted<O, P> {
+pub(super) struct Keys<O, P> {
     /// Names in alphabetical order: the order of all scores.
     #[schemars(length(min = 1))]
     pub(super) categories: Vec<String>,
@@ -28,31 +25,6 @@ pub(super) struct Fitted<O, P> {
     pub(super) options: O,
     /// What was fitted.
     pub(super) parameters: P,
-}
-
-impl<O: DeserializeOwned, P: DeserializeOwned> Fitted<O, P> {
-    /// Reads the keys and checks the options. The caller checks the parameters.
-    pub(super) fn read(
-        document: &Document,
-        check_options: impl Fn(&O) -> Result<(), Fault>,
-    ) -> Result<Self, InputError> {
-        let fitted: Self = document.read()?;
-        if fitted.categories.is_empty() || !fitted.categories.is_sorted_by(|a, b| a < b) {
-            let found = fitted.categories.join(", ");
-            return Err(document.error("categories", found, "one or more names in alphabetical order, none twice"));
-        }
-        check_options(&fitted.options).map_err(|fault| document.fault(fault.within("options")))?;
-        Ok(fitted)
-    }
-}
-
-/// The entries that [`Fitted::read`] reads.
-pub(super) fn entries(
-    categories: &[String],
-    options: &impl Serialize,
-    parameters: &impl Serialize,
-) -> Vec<(&'static str, Value)> {
-    vec![("categories", json!(categories)), ("options", json!(options)), ("parameters", json!(parameters))]
 }
 
 /// Checks that a list has this length and that all numbers are within limits.

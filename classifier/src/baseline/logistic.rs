@@ -1,39 +1,31 @@
 //! Multinomial logistic regression over stream features.
 
-use std::sync::Arc;
-
 use nalgebra::{DMatrix, DVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
-use underbrush_recording::{InputError, Limits, Sample, Trial, math};
+use underbrush_recording::{Limits, Sample, math};
 
 use super::file::{self, FITTED, check_table};
+use super::fitted::{self, Baseline, TrialsByCategory};
 use super::table::{Standardization, Table};
-use crate::document::Document;
 use crate::error::{Fault, ModelError, check_limits};
-use crate::estimator::{Classifier, ClassifierKind, ContactScorer, Estimator, Independent, OnlineScorer};
+use crate::estimator::ClassifierKind;
 use crate::feature::{FeatureSet, SampleFault};
 use crate::stream_feature::{Selection, StreamFeatures, TAXEL_AND_REGION};
 
 /// The entry in the list of classifiers.
-pub(crate) const KIND: ClassifierKind = ClassifierKind {
-    name: "logistic",
-    aliases: &[],
-    summary: "Logistic regression on statistics of the forces on taxel and contact region since contact",
-    estimator: |features| Box::new(Logistic::with(features.unwrap_or(TAXEL_AND_REGION))),
-    load,
-    schema: file::Fitted::<Logistic, Parameters>::json_schema,
-};
+pub(crate) const KIND: ClassifierKind = fitted::kind::<Logistic>(
+    &[],
+    "Logistic regression on statistics of the forces on taxel and contact region since contact",
+    |features| Box::new(Logistic::with(features.unwrap_or(TAXEL_AND_REGION))),
+);
 
 /// [`KIND`] without the contact region: it sees what hidden Markov models of force and motion see.
 pub(crate) const TAXEL_KIND: ClassifierKind = ClassifierKind {
     name: "logistic-taxel",
-    aliases: &[],
     summary: "The same without the contact region: logistic with the features force,motion",
     estimator: |features| Box::new(Logistic::with(features.unwrap_or(FeatureSet::FORCE_AND_MOTION))),
-    load,
-    schema: file::Fitted::<Logistic, Parameters>::json_schema,
+    ..KIND
 };
 
 /// Penalties. Choice: without a penalty the minimum may not exist, and above 1e6 all weights are zero.
@@ -97,34 +89,62 @@ impl Logistic {
     fn with(features: FeatureSet) -> Self {
         Logistic { features, penalty: 1e-3 }
     }
+}
+
+impl Baseline for Logistic {
+    const NAME: &'static str = "logistic";
+    type Parameters = Parameters;
+    type Learned = Learned;
+    type Contact = StreamFeatures;
+
+    fn features(&self) -> FeatureSet {
+        self.features
+    }
 
     fn check(&self) -> Result<(), Fault> {
         check_limits("penalty", self.penalty, PENALTY)
     }
-}
 
-impl Estimator for Logistic {
-    fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
-        self.check()?;
+    fn learn(&self, trials: &TrialsByCategory) -> Result<Learned, ModelError> {
         let selection = Selection::of(self.features);
         let mut table = Table::of(trials, &selection)?;
         let standardization = Standardization::of(&mut table, &selection);
         let weights = minimize(&table, selection.dimension() + 1, self.penalty)?;
-        Ok(Box::new(LogisticClassifier(Arc::new(Fitted {
-            options: *self,
-            selection,
-            categories: table.categories,
-            standardization,
-            weights,
-        }))))
+        Ok(Learned { selection, standardization, weights })
+    }
+
+    fn parameters(learned: &Learned) -> Parameters {
+        let weights = file::columns(&learned.weights.transpose());
+        Parameters { standardization: learned.standardization.clone(), weights }
+    }
+
+    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Learned, Fault> {
+        let Parameters { standardization, weights } = parameters;
+        let selection = Selection::of(self.features);
+        let columns = selection.dimension() + 1;
+        standardization.check(selection.dimension()).map_err(|fault| fault.within("standardization"))?;
+        check_table("weights", &weights, (categories, columns), FITTED)?;
+        Ok(Learned { selection, standardization, weights: file::from_columns(columns, &weights).transpose() })
+    }
+
+    fn begin(&self, _: &Learned) -> StreamFeatures {
+        StreamFeatures::default()
+    }
+
+    fn push(&self, learned: &Learned, contact: &mut StreamFeatures, sample: &Sample) -> Result<bool, SampleFault> {
+        learned.selection.push(contact, sample).map(|()| true)
+    }
+
+    fn scores(&self, learned: &Learned, contact: &StreamFeatures, scores: &mut [f64]) {
+        let mut features = learned.selection.values(contact);
+        learned.standardization.apply(&mut features);
+        scores.copy_from_slice(&log_posterior(&learned.weights, &features));
     }
 }
 
 #[derive(Debug)]
-struct Fitted {
-    options: Logistic,
+pub(super) struct Learned {
     selection: Selection,
-    categories: Vec<String>,
     standardization: Standardization,
     /// One row per category: a weight per stream feature, then the constant.
     weights: DMatrix<f64>,
@@ -133,81 +153,10 @@ struct Fitted {
 #[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "LogisticParameters")]
-struct Parameters {
+pub(super) struct Parameters {
     standardization: Standardization,
     /// One row per category.
     weights: Vec<Vec<f64>>,
-}
-
-#[derive(Debug)]
-struct LogisticClassifier(Arc<Fitted>);
-
-fn load(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
-    let file::Fitted { categories, options, parameters } =
-        file::Fitted::<Logistic, Parameters>::read(document, Logistic::check)?;
-    let selection = Selection::of(options.features);
-    let (rows, columns) = (categories.len(), selection.dimension() + 1);
-    let standardization = parameters.standardization;
-    standardization
-        .check(selection.dimension())
-        .map_err(|fault| document.fault(fault.within("parameters.standardization")))?;
-    check_table("parameters.weights", &parameters.weights, (rows, columns), FITTED)
-        .map_err(|fault| document.fault(fault))?;
-    Ok(Box::new(LogisticClassifier(Arc::new(Fitted {
-        options,
-        selection,
-        categories,
-        standardization,
-        weights: file::from_columns(columns, &parameters.weights).transpose(),
-    }))))
-}
-
-impl Classifier for LogisticClassifier {
-    fn name(&self) -> &'static str {
-        KIND.name
-    }
-
-    fn features(&self) -> FeatureSet {
-        self.0.options.features
-    }
-
-    fn categories(&self) -> Vec<String> {
-        self.0.categories.clone()
-    }
-
-    fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
-        let fresh = Contact { fitted: Arc::clone(&self.0), state: StreamFeatures::default() };
-        Box::new(Independent::new(fresh, contacts))
-    }
-
-    fn file_entries(&self) -> Vec<(&'static str, Value)> {
-        let Fitted { options, categories, .. } = &*self.0;
-        let parameters = Parameters {
-            standardization: self.0.standardization.clone(),
-            weights: file::columns(&self.0.weights.transpose()),
-        };
-        file::entries(categories, options, &parameters)
-    }
-}
-
-#[derive(Clone, Debug)]
-struct Contact {
-    fitted: Arc<Fitted>,
-    state: StreamFeatures,
-}
-
-impl ContactScorer for Contact {
-    fn push(&mut self, sample: &Sample) -> Result<bool, SampleFault> {
-        self.fitted.selection.push(&mut self.state, sample)?;
-        Ok(true)
-    }
-
-    fn scores(&self, scores: &mut [f64]) -> Result<(), ModelError> {
-        let mut features = self.fitted.selection.values(&self.state);
-        self.fitted.standardization.apply(&mut features);
-        scores.copy_from_slice(&log_posterior(&self.fitted.weights, &features));
-        Ok(())
-    }
 }
 
 /// ln P(category | features), one per category.
@@ -225,7 +174,7 @@ fn log_posterior(weights: &DMatrix<f64>, features: &[f64]) -> Vec<f64> {
 /// The weights that minimize mean cross-entropy plus penalty. The problem is strictly convex, so Newton's method with a
 /// backtracking line search finds its only minimum.
 fn minimize(table: &Table, columns: usize, penalty: f64) -> Result<DMatrix<f64>, ModelError> {
-    let categories = table.categories.len();
+    let categories = table.categories;
     let objective = |weights: &DMatrix<f64>| {
         let entropy: f64 =
             table.rows.iter().map(|row| -row.weight * log_posterior(weights, &row.features)[row.category]).sum();
@@ -299,9 +248,10 @@ fn derivatives(table: &Table, weights: &DMatrix<f64>, penalty: f64) -> (DVector<
 
 /// The largest derivative of the objective at the fitted weights, by central differences.
 #[cfg(test)]
-pub(super) fn largest_slope(trials: &[&Trial], estimator: &Logistic) -> f64 {
+pub(super) fn largest_slope(trials: &[&underbrush_recording::Trial], estimator: &Logistic) -> f64 {
     let features = Selection::of(estimator.features);
-    let mut table = Table::of(trials, &features).unwrap();
+    let trials = crate::estimator::trials_by_category(trials.iter().copied()).unwrap();
+    let mut table = Table::of(&trials, &features).unwrap();
     Standardization::of(&mut table, &features);
     let weights = minimize(&table, features.dimension() + 1, estimator.penalty).unwrap();
     let objective = |weights: &DMatrix<f64>| {

@@ -13,6 +13,7 @@
 
 pub(crate) mod echo_state_network;
 mod file;
+mod fitted;
 pub(crate) mod logistic;
 pub(crate) mod naive_bayes;
 pub(crate) mod nearest_neighbours;

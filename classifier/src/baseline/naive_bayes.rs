@@ -1,29 +1,23 @@
 //! Naive Bayes over stream features.
 
-use std::sync::Arc;
-
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
-use underbrush_recording::{InputError, Sample, Trial, math};
+use underbrush_recording::{Sample, math};
 
-use super::file::{self, FITTED, POSITIVE, check_table};
+use super::file::{FITTED, POSITIVE, check_table};
+use super::fitted::{self, Baseline, TrialsByCategory};
 use super::table::{Standardization, Table};
-use crate::document::Document;
-use crate::error::ModelError;
-use crate::estimator::{Classifier, ClassifierKind, ContactScorer, Estimator, Independent, OnlineScorer};
+use crate::error::{Fault, ModelError};
+use crate::estimator::ClassifierKind;
 use crate::feature::{FeatureSet, SampleFault};
 use crate::stream_feature::{Selection, StreamFeatures};
 
 /// The entry in the list of classifiers.
-pub(crate) const KIND: ClassifierKind = ClassifierKind {
-    name: "naive-bayes",
-    aliases: &[],
-    summary: "Naive Bayes on statistics of the taxel's force and motion since contact",
-    estimator: |features| Box::new(features.map_or(NaiveBayes::default(), |features| NaiveBayes { features })),
-    load,
-    schema: file::Fitted::<NaiveBayes, Parameters>::json_schema,
-};
+pub(crate) const KIND: ClassifierKind = fitted::kind::<NaiveBayes>(
+    &[],
+    "Naive Bayes on statistics of the taxel's force and motion since contact",
+    |features| Box::new(features.map_or(NaiveBayes::default(), |features| NaiveBayes { features })),
+);
 
 /// Gaussian naive Bayes over the stream features of the contact so far ([`crate::stream_feature`]): the score of a
 /// category is the sum of the log-densities of its features.
@@ -78,13 +72,22 @@ impl Default for NaiveBayes {
 /// alone. Choice: a tenth of the standard deviation over all categories.
 const MIN_VARIANCE: f64 = 1e-2;
 
-impl Estimator for NaiveBayes {
-    fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
+impl Baseline for NaiveBayes {
+    const NAME: &'static str = "naive-bayes";
+    type Parameters = Parameters;
+    type Learned = (Selection, Parameters);
+    type Contact = StreamFeatures;
+
+    fn features(&self) -> FeatureSet {
+        self.features
+    }
+
+    fn learn(&self, trials: &TrialsByCategory) -> Result<Self::Learned, ModelError> {
         let selection = Selection::of(self.features);
         let mut table = Table::of(trials, &selection)?;
         let standardization = Standardization::of(&mut table, &selection);
         let (mut mean, mut variance) = (Vec::new(), Vec::new());
-        for category in 0..table.categories.len() {
+        for category in 0..table.categories {
             let rows = || table.rows.iter().filter(move |row| row.category == category);
             let total: f64 = rows().map(|row| row.weight).sum();
             let of_feature = |d: usize| {
@@ -96,91 +99,39 @@ impl Estimator for NaiveBayes {
             mean.push(means);
             variance.push(variances);
         }
-        Ok(Box::new(NaiveBayesClassifier(Arc::new(Fitted {
-            options: *self,
-            selection,
-            categories: table.categories,
-            parameters: Parameters { standardization, mean, variance },
-        }))))
-    }
-}
-
-#[derive(Debug)]
-struct Fitted {
-    options: NaiveBayes,
-    selection: Selection,
-    categories: Vec<String>,
-    parameters: Parameters,
-}
-
-#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(rename = "NaiveBayesParameters")]
-struct Parameters {
-    standardization: Standardization,
-    /// One row per category.
-    mean: Vec<Vec<f64>>,
-    variance: Vec<Vec<f64>>,
-}
-
-#[derive(Debug)]
-struct NaiveBayesClassifier(Arc<Fitted>);
-
-fn load(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
-    let file::Fitted { categories, options, parameters } =
-        file::Fitted::<NaiveBayes, Parameters>::read(document, |_| Ok(()))?;
-    let selection = Selection::of(options.features);
-    let shape = (categories.len(), selection.dimension());
-    let Parameters { standardization, mean, variance } = &parameters;
-    standardization
-        .check(selection.dimension())
-        .map_err(|fault| fault.within("standardization"))
-        .and_then(|()| check_table("mean", mean, shape, FITTED))
-        .and_then(|()| check_table("variance", variance, shape, POSITIVE))
-        .map_err(|fault| document.fault(fault.within("parameters")))?;
-    Ok(Box::new(NaiveBayesClassifier(Arc::new(Fitted { options, selection, categories, parameters }))))
-}
-
-impl Classifier for NaiveBayesClassifier {
-    fn name(&self) -> &'static str {
-        KIND.name
+        Ok((selection, Parameters { standardization, mean, variance }))
     }
 
-    fn features(&self) -> FeatureSet {
-        self.0.options.features
+    fn parameters((_, learned): &Self::Learned) -> Parameters {
+        learned.clone()
     }
 
-    fn categories(&self) -> Vec<String> {
-        self.0.categories.clone()
+    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Self::Learned, Fault> {
+        let selection = Selection::of(self.features);
+        let dimension = selection.dimension();
+        parameters.standardization.check(dimension).map_err(|fault| fault.within("standardization"))?;
+        check_table("mean", &parameters.mean, (categories, dimension), FITTED)?;
+        check_table("variance", &parameters.variance, (categories, dimension), POSITIVE)?;
+        Ok((selection, parameters))
     }
 
-    fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
-        let fresh = Contact { fitted: Arc::clone(&self.0), state: StreamFeatures::default() };
-        Box::new(Independent::new(fresh, contacts))
+    fn begin(&self, _: &Self::Learned) -> StreamFeatures {
+        StreamFeatures::default()
     }
 
-    fn file_entries(&self) -> Vec<(&'static str, Value)> {
-        file::entries(&self.0.categories, &self.0.options, &self.0.parameters)
-    }
-}
-
-#[derive(Clone, Debug)]
-struct Contact {
-    fitted: Arc<Fitted>,
-    state: StreamFeatures,
-}
-
-impl ContactScorer for Contact {
-    fn push(&mut self, sample: &Sample) -> Result<bool, SampleFault> {
-        self.fitted.selection.push(&mut self.state, sample)?;
-        Ok(true)
+    fn push(
+        &self,
+        (selection, _): &Self::Learned,
+        contact: &mut StreamFeatures,
+        sample: &Sample,
+    ) -> Result<bool, SampleFault> {
+        selection.push(contact, sample).map(|()| true)
     }
 
-    fn scores(&self, scores: &mut [f64]) -> Result<(), ModelError> {
-        let Parameters { standardization, mean, variance } = &self.fitted.parameters;
-        let mut features = self.fitted.selection.values(&self.state);
-        standardization.apply(&mut features);
-        for ((score, mean), variance) in scores.iter_mut().zip(mean).zip(variance) {
+    fn scores(&self, (selection, learned): &Self::Learned, contact: &StreamFeatures, scores: &mut [f64]) {
+        let mut features = selection.values(contact);
+        learned.standardization.apply(&mut features);
+        for ((score, mean), variance) in scores.iter_mut().zip(&learned.mean).zip(&learned.variance) {
             let gaussians = mean.iter().zip(variance).zip(&features);
             let densities = gaussians.map(|((mean, variance), feature)| {
                 let squared = (feature - mean).powi(2) / variance;
@@ -188,6 +139,15 @@ impl ContactScorer for Contact {
             });
             *score = densities.sum();
         }
-        Ok(())
     }
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "NaiveBayesParameters")]
+pub(super) struct Parameters {
+    standardization: Standardization,
+    /// One row per category.
+    mean: Vec<Vec<f64>>,
+    variance: Vec<Vec<f64>>,
 }

@@ -1,33 +1,25 @@
 //! The authors' earlier method: k nearest neighbours on principal components of a fixed window.
 
-use std::sync::Arc;
-
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
-use underbrush_recording::{InputError, Limits, Sample, Trial, math};
+use underbrush_recording::{Limits, Sample, math};
 
 use super::file::{self, FITTED, check_list, check_table};
-use crate::document::Document;
+use super::fitted::{self, Baseline, TrialsByCategory};
 use crate::error::{Fault, ModelError, check_limits};
-use crate::estimator::{
-    Classifier, ClassifierKind, ContactScorer, Estimator, Independent, OnlineScorer, trials_by_category,
-};
+use crate::estimator::ClassifierKind;
 use crate::feature::{AREA, FORCE, FeatureSet, MOTION, SampleFault};
 
 /// The entry in the list of classifiers.
-pub(crate) const KIND: ClassifierKind = ClassifierKind {
-    name: "nearest-neighbours",
-    aliases: &[],
-    summary: "The authors' earlier method: nearest neighbours on principal components of the first half second",
-    estimator: |features| {
+pub(crate) const KIND: ClassifierKind = fitted::kind::<NearestNeighbours>(
+    &[],
+    "The authors' earlier method: nearest neighbours on principal components of the first half second",
+    |features| {
         let default = NearestNeighbours::default();
         Box::new(NearestNeighbours { features: features.unwrap_or(default.features), ..default })
     },
-    load,
-    schema: file::Fitted::<NearestNeighbours, Parameters>::json_schema,
-};
+);
 
 /// Samples of a window. Choice: ten seconds at 100 Hz; the cost of a fit grows with the cube of the window.
 const WINDOW: Limits = Limits::new(1.0, 1000.0, "samples");
@@ -105,12 +97,6 @@ impl Default for NearestNeighbours {
 }
 
 impl NearestNeighbours {
-    fn check(&self) -> Result<(), Fault> {
-        check_limits("window", self.window as f64, WINDOW)?;
-        check_limits("neighbours", self.neighbours as f64, NEIGHBOURS)?;
-        check_limits("explained", self.explained, EXPLAINED)
-    }
-
     /// The first feature at each sample of the window, then the second, and so on. A window that is not full is padded
     /// with the last sample.
     fn channels(&self, samples: &[f64]) -> Vec<f64> {
@@ -121,12 +107,26 @@ impl NearestNeighbours {
     }
 }
 
-impl Estimator for NearestNeighbours {
-    fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
-        self.check()?;
-        let by_category = trials_by_category(trials.iter().copied())?;
+impl Baseline for NearestNeighbours {
+    const NAME: &'static str = "nearest-neighbours";
+    type Parameters = Parameters;
+    type Learned = Learned;
+    /// The samples of the window so far, one after the other.
+    type Contact = Vec<f64>;
+
+    fn features(&self) -> FeatureSet {
+        self.features
+    }
+
+    fn check(&self) -> Result<(), Fault> {
+        check_limits("window", self.window as f64, WINDOW)?;
+        check_limits("neighbours", self.neighbours as f64, NEIGHBOURS)?;
+        check_limits("explained", self.explained, EXPLAINED)
+    }
+
+    fn learn(&self, trials: &TrialsByCategory) -> Result<Learned, ModelError> {
         let (mut rows, mut category_of) = (Vec::new(), Vec::new());
-        for (category, trials) in by_category.values().enumerate() {
+        for (category, trials) in trials.values().enumerate() {
             for trial in trials {
                 let observations = self.features.observations(trial, Some(self.window))?;
                 let samples: Vec<f64> = observations.samples().flatten().copied().collect();
@@ -140,17 +140,69 @@ impl Estimator for NearestNeighbours {
             column.iter_mut().for_each(|value| *value = (*value - mean[d]) * scale[d / self.window]);
         }
         let components = principal_components(&matrix, self.explained);
-        Ok(Box::new(NearestNeighboursClassifier(Arc::new(Fitted {
-            options: *self,
-            count: by_category.values().map(Vec::len).collect(),
-            categories: by_category.into_keys().collect(),
+        Ok(Learned {
+            count: trials.values().map(Vec::len).collect(),
             mean,
             scale,
             // Not with `*`, for which nalgebra calls a library whose last digits depend on the processor.
             known: components.tr_mul(&matrix.transpose()),
             components,
             category_of,
-        }))))
+        })
+    }
+
+    fn parameters(learned: &Learned) -> Parameters {
+        Parameters {
+            mean: learned.mean.clone(),
+            scale: learned.scale.clone(),
+            components: file::columns(&learned.components),
+            category: learned.category_of.clone(),
+            trials: file::columns(&learned.known),
+        }
+    }
+
+    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Learned, Fault> {
+        check(self, categories, &parameters)?;
+        let category_of = parameters.category;
+        let of = |category: usize| category_of.iter().filter(|own| **own == category).count();
+        Ok(Learned {
+            count: (0..categories).map(of).collect(),
+            components: file::from_columns(parameters.mean.len(), &parameters.components),
+            known: file::from_columns(parameters.components.len(), &parameters.trials),
+            mean: parameters.mean,
+            scale: parameters.scale,
+            category_of,
+        })
+    }
+
+    fn begin(&self, _: &Learned) -> Vec<f64> {
+        Vec::new()
+    }
+
+    fn push(&self, _: &Learned, contact: &mut Vec<f64>, sample: &Sample) -> Result<bool, SampleFault> {
+        self.features.push_within(self.window, contact, sample)
+    }
+
+    /// The logarithm of each category's votes divided by its number of training trials, because frequent categories
+    /// have more neighbours. One additional vote is divided among all categories, so that none is impossible.
+    fn scores(&self, learned: &Learned, contact: &Vec<f64>, scores: &mut [f64]) {
+        let mut channels = self.channels(contact);
+        for (d, value) in channels.iter_mut().enumerate() {
+            *value = (*value - learned.mean[d]) * learned.scale[d / self.window];
+        }
+        let query = learned.components.tr_mul(&DVector::from_vec(channels));
+        let distances = learned.known.column_iter().map(|known| (known - &query).norm_squared());
+        let mut nearest: Vec<(f64, usize)> = distances.zip(learned.category_of.iter().copied()).collect();
+        let by_distance = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        let votes = self.neighbours.min(nearest.len());
+        if votes < nearest.len() {
+            nearest.select_nth_unstable_by(votes, by_distance);
+        }
+        let mut share = vec![1.0 / scores.len() as f64; scores.len()];
+        nearest[..votes].iter().for_each(|&(_, category)| share[category] += 1.0);
+        for ((score, share), count) in scores.iter_mut().zip(share).zip(&learned.count) {
+            *score = math::ln(share / *count as f64);
+        }
     }
 }
 
@@ -195,9 +247,7 @@ fn principal_components(rows: &DMatrix<f64>, explained: f64) -> DMatrix<f64> {
 }
 
 #[derive(Debug)]
-struct Fitted {
-    options: NearestNeighbours,
-    categories: Vec<String>,
+pub(super) struct Learned {
     /// Number of training trials by category.
     count: Vec<usize>,
     mean: Vec<f64>,
@@ -212,7 +262,7 @@ struct Fitted {
 #[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "NearestNeighboursParameters")]
-struct Parameters {
+pub(super) struct Parameters {
     /// Mean of each channel at each sample of the window.
     mean: Vec<f64>,
     /// Factor that each channel's deviation from the mean is multiplied by.
@@ -223,27 +273,6 @@ struct Parameters {
     category: Vec<usize>,
     /// One row per training trial.
     trials: Vec<Vec<f64>>,
-}
-
-#[derive(Debug)]
-struct NearestNeighboursClassifier(Arc<Fitted>);
-
-fn load(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
-    let file::Fitted { categories, options, parameters } =
-        file::Fitted::<NearestNeighbours, Parameters>::read(document, NearestNeighbours::check)?;
-    check(&options, categories.len(), &parameters).map_err(|fault| document.fault(fault.within("parameters")))?;
-    let category_of = parameters.category;
-    let of = |category: usize| category_of.iter().filter(|own| **own == category).count();
-    Ok(Box::new(NearestNeighboursClassifier(Arc::new(Fitted {
-        count: (0..categories.len()).map(of).collect(),
-        categories,
-        components: file::from_columns(parameters.mean.len(), &parameters.components),
-        known: file::from_columns(parameters.components.len(), &parameters.trials),
-        mean: parameters.mean,
-        scale: parameters.scale,
-        category_of,
-        options,
-    }))))
 }
 
 /// Checks the parameters of a file.
@@ -262,86 +291,5 @@ fn check(options: &NearestNeighbours, categories: usize, parameters: &Parameters
             Err(Fault::new("category", found, "indices of categories, from 0"))
         }
         None => Ok(()),
-    }
-}
-
-impl Fitted {
-    /// The logarithm of each category's votes divided by its number of training trials, because frequent categories
-    /// have more neighbours. One additional vote is divided among all categories, so that none is impossible.
-    fn scores(&self, mut channels: Vec<f64>, scores: &mut [f64]) {
-        for (d, value) in channels.iter_mut().enumerate() {
-            *value = (*value - self.mean[d]) * self.scale[d / self.options.window];
-        }
-        let query = self.components.tr_mul(&DVector::from_vec(channels));
-        let distances = self.known.column_iter().map(|known| (known - &query).norm_squared());
-        let mut nearest: Vec<(f64, usize)> = distances.zip(self.category_of.iter().copied()).collect();
-        let by_distance = |a: &(f64, usize), b: &(f64, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
-        let votes = self.options.neighbours.min(nearest.len());
-        if votes < nearest.len() {
-            nearest.select_nth_unstable_by(votes, by_distance);
-        }
-        let mut share = vec![1.0 / self.categories.len() as f64; self.categories.len()];
-        nearest[..votes].iter().for_each(|&(_, category)| share[category] += 1.0);
-        for ((score, share), count) in scores.iter_mut().zip(share).zip(&self.count) {
-            *score = math::ln(share / *count as f64);
-        }
-    }
-}
-
-impl Classifier for NearestNeighboursClassifier {
-    fn name(&self) -> &'static str {
-        KIND.name
-    }
-
-    fn features(&self) -> FeatureSet {
-        self.0.options.features
-    }
-
-    fn categories(&self) -> Vec<String> {
-        self.0.categories.clone()
-    }
-
-    fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
-        let fresh = Contact { fitted: Arc::clone(&self.0), samples: Vec::new() };
-        Box::new(Independent::new(fresh, contacts))
-    }
-
-    fn file_entries(&self) -> Vec<(&'static str, Value)> {
-        let parameters = Parameters {
-            mean: self.0.mean.clone(),
-            scale: self.0.scale.clone(),
-            components: file::columns(&self.0.components),
-            category: self.0.category_of.clone(),
-            trials: file::columns(&self.0.known),
-        };
-        file::entries(&self.0.categories, &self.0.options, &parameters)
-    }
-}
-
-#[derive(Clone, Debug)]
-struct Contact {
-    fitted: Arc<Fitted>,
-    /// The samples of the window so far, one after the other.
-    samples: Vec<f64>,
-}
-
-impl ContactScorer for Contact {
-    fn push(&mut self, sample: &Sample) -> Result<bool, SampleFault> {
-        let NearestNeighbours { features, window, .. } = self.fitted.options;
-        let (length, dimension) = (self.samples.len(), features.dimension());
-        if length == window * dimension {
-            return Ok(false);
-        }
-        self.samples.resize(length + dimension, 0.0);
-        let read = features.read(sample, &mut self.samples[length..]);
-        if read.is_err() {
-            self.samples.truncate(length);
-        }
-        read.map(|()| true)
-    }
-
-    fn scores(&self, scores: &mut [f64]) -> Result<(), ModelError> {
-        self.fitted.scores(self.fitted.options.channels(&self.samples), scores);
-        Ok(())
     }
 }

@@ -2,17 +2,17 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::Trial;
 
 use super::file::{FITTED, POSITIVE, check_list};
-use crate::error::{Fault, ModelError, check_limits};
-use crate::estimator::trials_by_category;
+use super::fitted::TrialsByCategory;
+use crate::error::{Fault, check_limits};
+use crate::feature::FeatureError;
 use crate::stream_feature::{SAMPLE_COUNTS, Selection};
 
 /// Rows of stream features: each training trial at several times.
 pub(super) struct Table {
-    /// Alphabetical.
-    pub(super) categories: Vec<String>,
+    /// Number of categories.
+    pub(super) categories: usize,
     /// One per row, in the order of the trials.
     pub(super) rows: Vec<Row>,
 }
@@ -31,8 +31,7 @@ pub(super) struct Row {
 impl Table {
     /// The trials after 1, 2, 3, 6, … samples and at their end, so that contacts that have just begun count as much as
     /// contacts that have ended.
-    pub(super) fn of(trials: &[&Trial], set: &Selection) -> Result<Self, ModelError> {
-        let by_category = trials_by_category(trials.iter().copied())?;
+    pub(super) fn of(by_category: &TrialsByCategory, set: &Selection) -> Result<Self, FeatureError> {
         let mut rows = Vec::new();
         for (category, trials) in by_category.values().enumerate() {
             let of_trial = 1.0 / (by_category.len() * trials.len()) as f64;
@@ -44,7 +43,7 @@ impl Table {
                 rows.extend(set.after(trial, &counts)?.into_iter().map(|features| Row { category, weight, features }));
             }
         }
-        Ok(Table { categories: by_category.into_keys().collect(), rows })
+        Ok(Table { categories: by_category.len(), rows })
     }
 }
 

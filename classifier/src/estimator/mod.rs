@@ -71,12 +71,7 @@ pub trait Classifier: Any + Debug + Send + Sync {
         for &count in counts {
             let mut is_new = false;
             for sample in &trial.samples[taken..count.clamp(taken, trial.samples.len())] {
-                let pushed = scorer.push(0, sample).map_err(|fault| FeatureError::BadSample {
-                    trial: trial.trial,
-                    sample: taken,
-                    fault,
-                })?;
-                if pushed {
+                if scorer.push(0, sample).map_err(|fault| fault.at(trial, taken))? {
                     scorer.advance();
                     is_new = true;
                 }

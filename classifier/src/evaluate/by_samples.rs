@@ -75,18 +75,8 @@ pub fn accuracy_by_samples_of_all(
         let of_trial = |trial: &&Trial| {
             let counts: Vec<usize> =
                 limits.iter().map(|limit| limit.unwrap_or(trial.samples.len().max(longest))).collect();
-            let scores = classifier.scores_after(trial, &counts)?;
-            let predictions = scores.into_iter().map(|scores| Prediction {
-                trial: trial.trial,
-                reach: trial.reach,
-                category: trial.category.clone().unwrap_or_default(),
-                fold,
-                samples: trial.samples.len(),
-                touched: trial.touched(),
-                verdict: judge.verdict(judge.choose(&scores)),
-                scores,
-            });
-            Ok(predictions.collect::<Vec<_>>())
+            let scores = classifier.scores_after(trial, &counts)?.into_iter();
+            Ok(scores.map(|scores| Prediction::of(trial, fold, &judge, scores)).collect::<Vec<_>>())
         };
         tested.iter().map(of_trial).collect()
     })?;
@@ -95,8 +85,9 @@ pub fn accuracy_by_samples_of_all(
         let lasting: Vec<&Prediction> =
             predictions.iter().filter(|prediction| limit.is_none_or(|limit| prediction.samples >= limit)).collect();
         let (count, categories) = (lasting.len(), &outcome.categories);
-        let all = ConfusionMatrix::of(&predictions, categories).accuracy();
-        let lasting = ConfusionMatrix::of(lasting, categories).accuracy();
+        let record = |prediction| Prediction::record(prediction, categories);
+        let all = ConfusionMatrix::of(predictions.iter().map(record), categories).accuracy();
+        let lasting = ConfusionMatrix::of(lasting.into_iter().map(record), categories).accuracy();
         AccuracyBySamples {
             samples: limit,
             accuracy: all.map_or(0.0, |all| all.accuracy),

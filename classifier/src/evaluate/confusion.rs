@@ -1,12 +1,13 @@
 //! Confusion matrices, accuracies and figures by category.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use underbrush_recording::Category;
 
 use super::interval::{Interval, wilson};
 use super::prediction::Prediction;
+use super::record::Record;
 use crate::decision::Verdict;
 
 /// Counts of true category against verdict.
@@ -61,7 +62,9 @@ impl AccuracyByTouch {
                 None => unknown.push(prediction),
             }
         }
-        let accuracy = |part: Vec<&Prediction>| ConfusionMatrix::of(part, models).accuracy();
+        let accuracy = |part: Vec<&Prediction>| {
+            ConfusionMatrix::of(part.into_iter().map(|own| own.record(models)), models).accuracy()
+        };
         (touched.len() + untouched.len() > 0).then(|| AccuracyByTouch {
             touched: accuracy(touched),
             untouched: accuracy(untouched),
@@ -93,26 +96,31 @@ pub struct CategoryFigures {
     pub outlier: usize,
 }
 
+/// Rates of verdicts whose truth is known.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rates {
+    /// Number of verdicts.
+    pub verdicts: usize,
+    /// By category: of the verdicts on other categories, the fraction that name this one.
+    pub false_positive_rate: BTreeMap<String, f64>,
+    /// By category: of the verdicts on this category, the fraction that name it.
+    pub true_positive_rate: BTreeMap<String, f64>,
+    /// Fraction of verdicts that are uncertain.
+    pub uncertain: f64,
+    /// Fraction of verdicts that are outlier.
+    pub outlier: f64,
+}
+
 impl ConfusionMatrix {
-    /// Counts predictions of a classifier with the categories `models`.
-    pub(super) fn of<'a>(predictions: impl IntoIterator<Item = &'a Prediction>, models: &[String]) -> Self {
-        let predictions: Vec<&Prediction> = predictions.into_iter().collect();
-        let truth: BTreeSet<&str> = predictions.iter().map(|prediction| prediction.category.as_str()).collect();
-        let truth: Vec<String> = truth.into_iter().map(str::to_owned).collect();
-        let mut verdict = models.to_vec();
+    /// Counts verdicts of a classifier with these categories.
+    pub fn of<'a>(records: impl IntoIterator<Item = Record<'a>>, categories: &[String]) -> Self {
+        let mut verdict = categories.to_vec();
         verdict.extend([Verdict::Uncertain.name().to_owned(), Verdict::Outlier.name().to_owned()]);
-        let mut count = vec![vec![0; verdict.len()]; truth.len()];
-        for prediction in predictions {
-            let column = match &prediction.verdict {
-                Verdict::Category(name) => models.iter().position(|model| model == name),
-                Verdict::Uncertain => Some(models.len()),
-                Verdict::Outlier => Some(models.len() + 1),
-            };
-            let row = truth.iter().position(|category| *category == prediction.category);
-            if let (Some(row), Some(column)) = (row, column) {
-                count[row][column] += 1;
-            }
+        let mut rows: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
+        for record in records {
+            rows.entry(record.truth).or_insert_with(|| vec![0; verdict.len()])[record.verdict] += record.weight;
         }
+        let (truth, count) = rows.into_iter().map(|(truth, row)| (truth.to_owned(), row)).unzip();
         ConfusionMatrix { truth, verdict, count }
     }
 
@@ -137,6 +145,28 @@ impl ConfusionMatrix {
             majority_baseline: fraction(majority.unwrap_or(0)),
             balanced_accuracy: (!recalls.is_empty()).then(|| recalls.iter().sum::<f64>() / recalls.len() as f64),
         })
+    }
+
+    /// The rates of verdicts that were counted.
+    pub(super) fn rates(&self) -> Rates {
+        let categories = self.verdict.len() - 2;
+        let share = |column: usize, counts: &dyn Fn(&str) -> bool| {
+            let rows = self.truth.iter().zip(&self.count).filter(|(truth, _)| counts(truth));
+            let taken: usize = rows.clone().map(|(_, row)| row[column]).sum();
+            let all: usize = rows.flat_map(|(_, row)| row).sum();
+            taken as f64 / all.max(1) as f64
+        };
+        let by_category = |own: bool| {
+            let names = self.verdict[..categories].iter().enumerate();
+            names.map(|(column, name)| (name.clone(), share(column, &|truth| (truth == name) == own))).collect()
+        };
+        Rates {
+            verdicts: self.count.iter().flatten().sum(),
+            false_positive_rate: by_category(false),
+            true_positive_rate: by_category(true),
+            uncertain: share(categories, &|_| true),
+            outlier: share(categories + 1, &|_| true),
+        }
     }
 
     /// Figures of each true category, in the order of the rows.

@@ -10,8 +10,7 @@ use super::evaluation::Evaluation;
 use super::fold::Folds;
 use super::prediction::Prediction;
 use crate::decision::Decision;
-use crate::estimator::is_trained;
-use crate::estimator::{Classifier, Estimator};
+use crate::estimator::{Classifier, Estimator, is_trained};
 use crate::hmm::TrainingHistory;
 
 /// Evaluates a given classifier on trials; those without ground truth are skipped.
@@ -98,6 +97,7 @@ pub(super) fn across_folds<T: Send>(
                     folds: folds.count,
                     left: names(&categories),
                     all: names(&all),
+                    remedy: "use more reaches; an evaluation can also use fewer folds or group by position",
                 });
             }
             let classifier = estimator.fit(&long_enough)?;
@@ -129,20 +129,8 @@ pub(super) fn predict<'a>(
     fold: usize,
 ) -> Result<Vec<Prediction>, EvaluateError> {
     let judge = decision.prepare(&classifier.categories())?;
-    let (trials, categories): (Vec<&Trial>, Vec<String>) =
-        trials.filter_map(|trial| trial.category.clone().map(|category| (trial, category))).unzip();
+    let trials: Vec<&Trial> = trials.filter(|trial| trial.category.is_some()).collect();
     let scores = classifier.scores_of_all(&trials)?;
-    let predictions = trials.iter().zip(categories).zip(scores);
-    Ok(predictions
-        .map(|((trial, category), scores)| Prediction {
-            trial: trial.trial,
-            reach: trial.reach,
-            category,
-            fold,
-            samples: trial.samples.len(),
-            touched: trial.touched(),
-            verdict: judge.verdict(judge.choose(&scores)),
-            scores,
-        })
-        .collect())
+    let predictions = trials.iter().zip(scores);
+    Ok(predictions.map(|(trial, scores)| Prediction::of(trial, fold, &judge, scores)).collect())
 }

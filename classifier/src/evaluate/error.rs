@@ -44,8 +44,7 @@ pub enum EvaluateError {
     },
     /// A fold by reach holds all trials of a category, which is a minority in all of its reaches.
     #[error(
-        "without fold {fold} of {folds}, only {} of the categories {} are left to fit to; use more reaches; an evaluation \
-         can also use fewer folds or group by position",
+        "without fold {fold} of {folds}, only {} of the categories {} are left to fit to; {remedy}",
         left.join(", "),
         all.join(", ")
     )]
@@ -58,6 +57,16 @@ pub enum EvaluateError {
         left: Vec<String>,
         /// All categories.
         all: Vec<String>,
+        /// What can be done.
+        remedy: &'static str,
+    },
+    /// More folds of whole reaches than reaches.
+    #[error("{reaches} reaches are fewer than the {folds} folds; use fewer folds or more reaches")]
+    FewReaches {
+        /// Number of reaches.
+        reaches: usize,
+        /// Number of folds.
+        folds: usize,
     },
     /// A fold leaves no trial of a category that is long enough to fit on.
     #[error(

@@ -56,7 +56,7 @@ impl Evaluation {
         models: &[String],
         training: Vec<BTreeMap<String, TrainingHistory>>,
     ) -> Result<Self, EvaluateError> {
-        let confusion = ConfusionMatrix::of(&predictions, models);
+        let confusion = ConfusionMatrix::of(predictions.iter().map(|own| own.record(models)), models);
         let Some(accuracy) = confusion.accuracy() else {
             return Err(EvaluateError::NoTruth);
         };

@@ -8,9 +8,8 @@ use super::cross_validation::{across_folds, predict};
 use super::error::EvaluateError;
 use super::evaluation::Evaluation;
 use super::fold::Folds;
-use super::rates::rates;
-use super::threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds};
-use crate::decision::{Choice, Decision};
+use super::threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds, rates_by};
+use crate::decision::Decision;
 use crate::estimator::Estimator;
 
 /// A cross-validation that also keeps the scores after each sample.
@@ -53,17 +52,10 @@ impl HeldOut {
         targets: ThresholdTargets,
     ) -> Result<ChosenThresholds, ThresholdError> {
         let mut chosen = choose_thresholds(&self.evaluation, prior, targets)?;
-        let categories = self.evaluation.known_categories();
-        let judge = chosen.decision.prepare(categories)?;
+        let judge = chosen.decision.prepare(self.evaluation.known_categories())?;
         let trials = self.evaluation.predictions.iter().zip(&self.scores_by_sample);
-        let choices: Vec<(&str, Choice)> = trials
-            .flat_map(|(prediction, scores)| {
-                let truth = prediction.category.as_str();
-                scores.iter().map(move |scores| (truth, scores))
-            })
-            .map(|(truth, scores)| (truth, judge.choose(scores)))
-            .collect();
-        chosen.sample_by_sample = Some(rates(&choices, categories));
+        let samples = trials.flat_map(|(trial, samples)| samples.iter().map(move |scores| (trial, scores.as_slice())));
+        chosen.sample_by_sample = Some(rates_by(&judge, &self.evaluation, samples));
         Ok(chosen)
     }
 }

@@ -11,7 +11,7 @@ mod fold;
 mod held_out;
 mod interval;
 mod prediction;
-mod rates;
+mod record;
 mod roc;
 mod stream;
 mod threshold;
@@ -21,7 +21,7 @@ mod touch_figures;
 pub mod touch_folds;
 
 pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples, accuracy_by_samples_of_all};
-pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix};
+pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix, Rates};
 pub use cross_validation::{cross_validate, evaluate};
 pub use error::EvaluateError;
 pub use evaluation::Evaluation;
@@ -30,7 +30,7 @@ pub use fold::{FoldBy, Folds};
 pub use held_out::HeldOut;
 pub use interval::{Interval, bootstrap_by_reach, wilson};
 pub use prediction::Prediction;
-pub use rates::Rates;
+pub use record::Record;
 pub use roc::{RocCurve, RocPoint, category_roc, outlier_roc};
 pub use stream::{
     NOTHING, Stream, StreamContact, StreamFrame, StreamTruth, Tally, classify_stream, classify_touch_stream,

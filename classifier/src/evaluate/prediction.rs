@@ -1,8 +1,10 @@
 //! The verdict on one trial, and when it is right.
 
 use serde::Serialize;
+use underbrush_recording::Trial;
 
-use crate::decision::Verdict;
+use super::record::Record;
+use crate::decision::{Judge, Verdict};
 
 /// The verdict on one trial.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -27,6 +29,31 @@ pub struct Prediction {
 }
 
 impl Prediction {
+    /// The verdict of a judge on a trial with these scores.
+    pub(super) fn of(trial: &Trial, fold: usize, judge: &Judge, scores: Vec<f64>) -> Self {
+        Prediction {
+            trial: trial.trial,
+            reach: trial.reach,
+            category: trial.category.clone().unwrap_or_default(),
+            fold,
+            samples: trial.samples.len(),
+            touched: trial.touched(),
+            verdict: judge.verdict(judge.choose(&scores)),
+            scores,
+        }
+    }
+
+    /// The record of this verdict by a classifier with these categories.
+    pub fn record<'a>(&'a self, categories: &[String]) -> Record<'a> {
+        let own = |name: &String| categories.iter().position(|category| category == name);
+        let verdict = match &self.verdict {
+            Verdict::Category(name) => own(name).unwrap_or(categories.len()),
+            Verdict::Uncertain => categories.len(),
+            Verdict::Outlier => categories.len() + 1,
+        };
+        Record { truth: &self.category, verdict, scores: &self.scores, reach: self.reach, weight: 1 }
+    }
+
     /// Whether the verdict is right. For a foreign object (category outlier) the right verdict is [`Verdict::Outlier`].
     ///
     /// No verdict is right for a foam block. It is not an outlier, because the paper defines an outlier as "an object

@@ -146,6 +146,7 @@ fn a_category_in_one_fold_only_is_refused() {
         folds: 2,
         left: vec!["trunk".into()],
         all: vec!["leaf".into(), "trunk".into()],
+        remedy: "use more reaches; an evaluation can also use fewer folds or group by position",
     };
     assert_eq!(error, expected);
     assert!(error.to_string().starts_with(

@@ -37,9 +37,11 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use thiserror::Error;
 
+use super::confusion::{ConfusionMatrix, Rates};
 use super::evaluation::Evaluation;
-use super::rates::{Rates, rates};
-use crate::decision::{Choice, Decision, DecisionError, Judge, Rule};
+use super::prediction::Prediction;
+use super::record::Record;
+use crate::decision::{Decision, DecisionError, Judge, Rule};
 
 /// The rates that thresholds must satisfy.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -251,11 +253,22 @@ fn uncertain_below(
     if share <= bound { 0.0 } else { threshold }
 }
 
+/// The rates of a judge's verdicts on held-out trials with these scores.
+pub(super) fn rates_by<'a>(
+    judge: &Judge,
+    held_out: &Evaluation,
+    scored: impl Iterator<Item = (&'a Prediction, &'a [f64])>,
+) -> Rates {
+    let categories = held_out.known_categories();
+    let records = scored.map(|(prediction, scores)| Record {
+        verdict: judge.choose(scores).index(categories.len()),
+        ..prediction.record(categories)
+    });
+    ConfusionMatrix::of(records, categories).rates()
+}
+
 fn measure(held_out: &Evaluation, decision: Decision, judge: &Judge, targets: ThresholdTargets) -> ChosenThresholds {
-    let predictions = held_out.predictions.iter();
-    let choices: Vec<(&str, Choice)> =
-        predictions.map(|prediction| (prediction.category.as_str(), judge.choose(&prediction.scores))).collect();
-    let rates = rates(&choices, held_out.known_categories());
+    let rates = rates_by(judge, held_out, held_out.predictions.iter().map(|own| (own, own.scores.as_slice())));
     ChosenThresholds {
         decision,
         targets,

@@ -5,6 +5,8 @@ use std::sync::Arc;
 use serde::Serialize;
 use underbrush_recording::{Category, Recording};
 
+use super::confusion::{Accuracy, ConfusionMatrix};
+use super::record::Record;
 use super::touch_contact::{JudgedContact, OpenContact};
 use crate::touch::{RegionTouch, TaxelTouch, Touch, TouchClassifier, TouchModel};
 use crate::trial::TrialError;
@@ -134,6 +136,21 @@ impl TouchEvaluation {
         Ok(evaluation)
     }
 
+    /// Judges several recordings.
+    ///
+    /// # Errors
+    /// As [`TouchEvaluation::of`].
+    pub fn of_all<'a>(
+        model: &Arc<TouchModel>,
+        recordings: impl IntoIterator<Item = &'a Recording>,
+    ) -> Result<Self, TrialError> {
+        let mut all = TouchEvaluation::default();
+        for recording in recordings {
+            all.add(TouchEvaluation::of(model, recording)?);
+        }
+        Ok(all)
+    }
+
     fn judge(
         &mut self,
         classifier: &TouchClassifier,
@@ -142,7 +159,7 @@ impl TouchEvaluation {
         recording: &Recording,
     ) {
         let categories = classifier.model().categories();
-        let touching = touching(classifier, taxel.taxel, recording);
+        let touching = classifier.tracker().image().pressing(taxel.taxel, recording);
         let truth = match touching {
             None => Touch::Nothing,
             Some(category) => known(categories, category).map_or(Touch::Unknown, Touch::Category),
@@ -186,7 +203,7 @@ impl TouchEvaluation {
         let tracker = classifier.tracker();
         let own = &tracker.regions()[index];
         let forces = tracker.taxels(own).iter().filter_map(|&taxel| {
-            let category = touching(classifier, taxel, recording)?;
+            let category = tracker.image().pressing(taxel, recording)?;
             Some((tracker.image().sensed_force_n(taxel), category))
         });
         let touched = forces.clone().count();
@@ -227,18 +244,20 @@ impl TouchEvaluation {
         known.iter().fold(TouchTally::default(), |sum, tally| sum.plus(tally))
     }
 
-    /// Mean over the true categories of the share of contacts for which the likeliest category is right; `None` unless
-    /// every category has a contact.
-    pub fn balanced_accuracy(&self, categories: usize, likeliest: impl Fn(&JudgedContact) -> usize) -> Option<f64> {
-        let share = |category: usize| {
-            let own = self.contacts.iter().filter(|contact| contact.category == category);
-            let (right, count) = own.fold((0, 0), |(right, count), contact| {
-                (right + usize::from(likeliest(contact) == category), count + 1)
-            });
-            (count > 0).then(|| right as f64 / count as f64)
+    /// How often the likeliest category of a contact is right, for a model with these categories; `None` without
+    /// contacts. There is no balanced accuracy unless every category has a contact.
+    pub fn accuracy(&self, categories: &[String], likeliest: fn(&JudgedContact) -> usize) -> Option<Accuracy> {
+        let record = |own: &JudgedContact| Record {
+            truth: &categories[own.category],
+            verdict: likeliest(own),
+            scores: &[],
+            reach: None,
+            weight: 1,
         };
-        let shares: Option<Vec<f64>> = (0..categories).map(share).collect();
-        shares.filter(|shares| !shares.is_empty()).map(|shares| shares.iter().sum::<f64>() / shares.len() as f64)
+        let confusion = ConfusionMatrix::of(self.contacts.iter().map(record), categories);
+        let accuracy = confusion.accuracy()?;
+        let balanced_accuracy = accuracy.balanced_accuracy.filter(|_| confusion.truth.len() == categories.len());
+        Some(Accuracy { balanced_accuracy, ..accuracy })
     }
 
     /// Mean difference between probability and frequency of the likeliest class, weighted by the counts of the bins
@@ -254,13 +273,6 @@ impl TouchEvaluation {
         let count: usize = self.calibration.iter().map(|bin| bin.count).sum();
         (count > 0).then(|| self.squared_error / count as f64)
     }
-}
-
-/// The category of the object that presses hardest on a taxel, by ground truth; `None` if nothing does.
-fn touching(classifier: &TouchClassifier, taxel: usize, recording: &Recording) -> Option<Category> {
-    let image = classifier.tracker().image();
-    let object = image.object(taxel).filter(|_| image.is_touched(taxel))?;
-    Some(recording.objects.get(usize::from(object))?.category)
 }
 
 fn known(categories: &[String], category: Category) -> Option<usize> {

@@ -7,7 +7,6 @@ use super::by_samples::SAMPLE_COUNTS;
 use super::confusion::Accuracy;
 use super::roc::RocCurve;
 use super::touch::{CalibrationBin, TouchDistance, TouchEvaluation, TouchTally};
-use super::touch_contact::JudgedContact;
 
 /// The rate of false alarms at which the share of outliers found is given.
 pub const FALSE_ALARMS: f64 = 0.05;
@@ -113,7 +112,6 @@ impl TouchFigures {
         let truths = ["nothing".to_owned()].into_iter();
         let truths = truths.chain(categories.iter().cloned()).chain([OTHERS.to_owned()]);
         let (nothing, known) = (evaluation.tallies.first().copied().unwrap_or_default(), evaluation.known());
-        let accuracy = |likeliest: fn(&JudgedContact) -> usize| accuracy(evaluation, categories.len(), likeliest);
         let mut until_right: Vec<usize> = contacts.iter().filter_map(|own| own.samples_until_right).collect();
         until_right.sort_unstable();
         TouchFigures {
@@ -131,8 +129,8 @@ impl TouchFigures {
             by_reach: ReachFigures::of(&evaluation.reaches),
             spurious_called_nothing: share(nothing.right, nothing.total()),
             touches_lost: share(known.nothing, known.total()),
-            contacts_at_end: accuracy(|own| own.at_end),
-            contacts_after_tenth_second: accuracy(|own| own.after_tenth_second),
+            contacts_at_end: evaluation.accuracy(categories, |own| own.at_end),
+            contacts_after_tenth_second: evaluation.accuracy(categories, |own| own.after_tenth_second),
             first_right_verdict: first_right(&until_right, contacts.len()),
             median_samples_until_right: until_right.get(until_right.len() / 2).copied(),
             expected_calibration_error: evaluation.expected_calibration_error(),
@@ -148,23 +146,6 @@ const OTHERS: &str = "anything else";
 
 fn share(part: usize, all: usize) -> Option<f64> {
     (all > 0).then(|| part as f64 / all as f64)
-}
-
-fn accuracy(
-    evaluation: &TouchEvaluation,
-    categories: usize,
-    likeliest: impl Fn(&JudgedContact) -> usize,
-) -> Option<Accuracy> {
-    let contacts = &evaluation.contacts;
-    let right = contacts.iter().filter(|own| likeliest(own) == own.category).count();
-    let of = |category: usize| contacts.iter().filter(|own| own.category == category).count();
-    let most = (0..categories).map(of).max()?;
-    Some(Accuracy {
-        trials: contacts.len(),
-        accuracy: share(right, contacts.len())?,
-        majority_baseline: share(most, contacts.len())?,
-        balanced_accuracy: evaluation.balanced_accuracy(categories, likeliest),
-    })
 }
 
 /// The share of contacts with a right verdict after 1, 2, 3, … samples. `until_right` is in ascending order, without
@@ -210,6 +191,7 @@ fn outliers(distances: &[TouchDistance]) -> Option<OutlierFigures> {
 #[cfg(test)]
 mod tests {
     use super::super::touch::TouchTally;
+    use super::super::touch_contact::JudgedContact;
     use super::*;
 
     fn contact(category: usize, ends: [usize; 2], samples_until_right: Option<usize>) -> JudgedContact {

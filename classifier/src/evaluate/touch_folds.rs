@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use serde::Serialize;
-use thiserror::Error;
 use underbrush_recording::Recording;
 
 use super::error::EvaluateError;
@@ -11,39 +10,6 @@ use super::touch::TouchEvaluation;
 use super::touch_figures::TouchFigures;
 use crate::touch::{FeatureWorth, TouchDecision, TouchExamples, TouchModel};
 use crate::trial::TrialError;
-
-/// Why touch models cannot be cross-validated.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum TouchFoldsError {
-    /// Fewer than two folds.
-    #[error(transparent)]
-    Folds(#[from] EvaluateError),
-    /// More folds than reaches.
-    #[error("{reaches} reaches are fewer than the {folds} folds; use fewer folds or more reaches")]
-    FewReaches {
-        /// Number of reaches.
-        reaches: usize,
-        /// Number of folds.
-        folds: usize,
-    },
-    /// A category is in the reaches of one fold only.
-    #[error(
-        "without fold {fold} of {folds}, only {} of the categories {} are left to fit to; use more reaches or another number of \
-         folds",
-        left.join(", "),
-        all.join(", ")
-    )]
-    FewCategories {
-        /// The fold, from 1.
-        fold: usize,
-        /// Number of folds.
-        folds: usize,
-        /// The categories that are left.
-        left: Vec<String>,
-        /// All categories.
-        all: Vec<String>,
-    },
-}
 
 /// The verdicts of touch models on reaches with ground truth, summarized.
 #[derive(Clone, Debug, Serialize)]
@@ -137,12 +103,12 @@ pub fn judge_touch<R: ReadReaches>(model: TouchModel, reaches: &R) -> Result<Tou
 ///
 /// # Errors
 /// If it is below 2, or above the number of reaches.
-pub fn check_folds(folds: usize, reaches: usize) -> Result<(), TouchFoldsError> {
+pub fn check_folds(folds: usize, reaches: usize) -> Result<(), EvaluateError> {
     if folds < 2 {
-        return Err(EvaluateError::FoldCount { found: folds }.into());
+        return Err(EvaluateError::FoldCount { found: folds });
     }
     if reaches < folds {
-        return Err(TouchFoldsError::FewReaches { reaches, folds });
+        return Err(EvaluateError::FewReaches { reaches, folds });
     }
     Ok(())
 }
@@ -151,14 +117,14 @@ pub fn check_folds(folds: usize, reaches: usize) -> Result<(), TouchFoldsError> 
 /// fits to the other parts. `examples` holds the rows of all reaches, in order.
 ///
 /// # Errors
-/// The result of `refused` for a [`TouchFoldsError`], if there are too few folds, reaches or categories; also the
+/// The result of `refused` for a [`EvaluateError`], if there are too few folds, reaches or categories; also the
 /// errors of reading a reach and of `fit`.
 pub fn cross_validate_touch<R: ReadReaches>(
     folds: usize,
     examples: &TouchExamples,
     reaches: &R,
     fit: impl Fn(&TouchExamples) -> Result<TouchModel, R::Error>,
-    refused: impl Fn(TouchFoldsError) -> R::Error,
+    refused: impl Fn(EvaluateError) -> R::Error,
 ) -> Result<TouchReport, R::Error> {
     let count = reaches.count();
     check_folds(folds, count).map_err(&refused)?;
@@ -168,16 +134,17 @@ pub fn cross_validate_touch<R: ReadReaches>(
         let own = |position: usize| position % folds == fold;
         let model = fit(&examples.some(|position| !own(position)))?;
         if model.categories() != categories {
-            let error = TouchFoldsError::FewCategories {
+            let error = EvaluateError::FewCategories {
                 fold: fold + 1,
                 folds,
                 left: model.categories().to_vec(),
                 all: categories,
+                remedy: "use more reaches or another number of folds",
             };
             return Err(refused(error));
         }
         judged.get_or_insert_with(|| Judged::with_categories_of(&model)).add(model, reaches, &own)?;
     }
-    let judged = judged.ok_or_else(|| refused(EvaluateError::FoldCount { found: folds }.into()))?;
+    let judged = judged.ok_or_else(|| refused(EvaluateError::FoldCount { found: folds }))?;
     Ok(judged.report(Some(folds), count, examples.feature_worth()))
 }

@@ -1,6 +1,7 @@
 //! Errors in the input of a classifier: in samples, trials and lists of features.
 
 use thiserror::Error;
+use underbrush_recording::Trial;
 
 use super::list::{FEATURES, Feature};
 
@@ -21,6 +22,13 @@ pub enum SampleFault {
         /// The value.
         value: f64,
     },
+}
+
+impl SampleFault {
+    /// The fault in a sample of a trial.
+    pub(crate) fn at(self, trial: &Trial, sample: usize) -> FeatureError {
+        FeatureError::BadSample { trial: trial.trial, sample, fault: self }
+    }
 }
 
 fn remedy(feature: &Feature) -> String {

@@ -116,6 +116,29 @@ impl FeatureSet {
         Ok(())
     }
 
+    /// Appends the features of one sample to those of the samples before it, unless there are `window` samples already.
+    /// Returns whether it did.
+    ///
+    /// # Errors
+    /// As [`FeatureSet::read`]; `samples` then stays as it was.
+    pub(crate) fn push_within(
+        &self,
+        window: usize,
+        samples: &mut Vec<f64>,
+        sample: &Sample,
+    ) -> Result<bool, SampleFault> {
+        let (length, dimension) = (samples.len(), self.dimension());
+        if length == window * dimension {
+            return Ok(false);
+        }
+        samples.resize(length + dimension, 0.0);
+        let read = self.read(sample, &mut samples[length..]);
+        if read.is_err() {
+            samples.truncate(length);
+        }
+        read.map(|()| true)
+    }
+
     /// The observation matrix of a trial, or of its first `max_samples` samples (paper, section V-C).
     ///
     /// # Errors
@@ -129,11 +152,7 @@ impl FeatureSet {
         let mut values = vec![0.0; count * dimension];
         let rows = values.chunks_exact_mut(dimension);
         for (index, (sample, row)) in trial.samples.iter().zip(rows).enumerate() {
-            self.read(sample, row).map_err(|fault| FeatureError::BadSample {
-                trial: trial.trial,
-                sample: index,
-                fault,
-            })?;
+            self.read(sample, row).map_err(|fault| fault.at(trial, index))?;
         }
         Observations::new(dimension, values)
     }

@@ -9,7 +9,7 @@ use crate::vector::vectorized;
 /// Filters of a fixed number of streams under several models of the same features.
 ///
 /// Samples are put in one by one; then all filters advance together, four streams at a time. Nothing is allocated after
-/// [`FilterBank::new`]. The scores equal those of [`super::RunningScore`], bit for bit.
+/// [`FilterBank::new`]. The scores equal those of [`Scorer::log_probabilities`], bit for bit.
 #[derive(Clone, Debug)]
 pub(crate) struct FilterBank {
     dimension: usize,

@@ -2,14 +2,13 @@
 //!
 //! [`HmmParameters`] are the numbers as they appear in a file. [`GaussianHmm::new`] checks them, so every model is
 //! valid. [`train()`] fits models by Baum-Welch. A [`Scorer`] is a model prepared for scoring: it scores whole
-//! sequences, and [`RunningScore`] follows a stream sample by sample with the same code.
+//! sequences, and a `FilterBank` follows streams sample by sample with the same code.
 
 mod bank;
 mod covariance;
 mod filter;
 mod gaussian;
 mod model;
-mod running_score;
 mod scorer;
 mod start;
 mod statistics;
@@ -21,7 +20,6 @@ mod training_error;
 pub(crate) use bank::FilterBank;
 pub use filter::ScoreKind;
 pub use model::{GaussianHmm, HmmParameters, ParameterError};
-pub use running_score::RunningScore;
 pub use scorer::Scorer;
 pub use start::equal_slice_start;
 pub use topology::{InitialDistribution, Topology};

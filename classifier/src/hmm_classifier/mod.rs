@@ -15,7 +15,7 @@ use underbrush_recording::Trial;
 use crate::error::ModelError;
 use crate::estimator::{Classifier, ClassifierKind, Estimator, OnlineScorer};
 use crate::feature::{FeatureError, FeatureSet, Observations, Scaling};
-use crate::hmm::{GaussianHmm, RunningScore, ScoreKind, Scorer, TrainingHistory};
+use crate::hmm::{GaussianHmm, ScoreKind, Scorer, TrainingHistory};
 use crate::recipe::Recipe;
 
 pub use fit::TrainingReport;
@@ -175,7 +175,7 @@ impl HmmClassifier {
     /// [`ModelError::Feature`] if a trial does not give the models' features.
     pub fn score_all(&self, trials: &[&Trial], kind: ScoreKind) -> Result<Vec<Vec<f64>>, ModelError> {
         let score = |trials: &[&Trial]| {
-            let sequences = trials.iter().map(|trial| self.sequence(trial, None));
+            let sequences = trials.iter().map(|trial| self.sequence(trial));
             let sequences = sequences.collect::<Result<Vec<_>, FeatureError>>()?;
             let sequences: Vec<&Observations> = sequences.iter().collect();
             let mut scores = vec![Vec::with_capacity(self.models.len()); trials.len()];
@@ -190,10 +190,9 @@ impl HmmClassifier {
         Ok(parts.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
     }
 
-    /// The features of a trial as the models see them, or of its first `count` samples.
-    fn sequence(&self, trial: &Trial, count: Option<usize>) -> Result<Observations, FeatureError> {
-        let max_samples = [self.max_samples(), count].into_iter().flatten().min();
-        let mut sequence = self.features.observations(trial, max_samples)?;
+    /// The features of a trial as the models see them.
+    fn sequence(&self, trial: &Trial) -> Result<Observations, FeatureError> {
+        let mut sequence = self.features.observations(trial, self.max_samples())?;
         if let Some(scaling) = &self.scaling {
             scaling.apply_all(&mut sequence);
         }
@@ -225,23 +224,6 @@ impl Classifier for HmmClassifier {
 
     fn file_entries(&self) -> Vec<(&'static str, Value)> {
         self.entries()
-    }
-
-    fn scores_after(&self, trial: &Trial, counts: &[usize]) -> Result<Vec<Vec<f64>>, ModelError> {
-        let kind = self.score_kind();
-        let sequence = self.sequence(trial, counts.last().copied())?;
-        let mut scores = vec![Vec::with_capacity(self.models.len()); counts.len()];
-        for model in self.models.values() {
-            let mut running = RunningScore::new(kind, model);
-            let mut samples = sequence.samples();
-            for (row, &count) in scores.iter_mut().zip(counts) {
-                for sample in samples.by_ref().take(count.saturating_sub(running.sample_count())) {
-                    running.push(model, sample)?;
-                }
-                row.push(running.log_probability());
-            }
-        }
-        Ok(scores)
     }
 
     fn scores_of_all(&self, trials: &[&Trial]) -> Result<Vec<Vec<f64>>, ModelError> {

@@ -20,12 +20,11 @@ use crate::decision::Decision;
 use crate::document::{Document, FORMAT};
 use crate::error::ModelError;
 use crate::estimator::{Classifier, ClassifierKind};
-use crate::file_text;
 use crate::hmm::ScoreKind;
 use crate::hmm_classifier::{self, HmmClassifier};
 use crate::provenance::Provenance;
 use crate::registry::{self, CLASSIFIERS};
-use crate::seal;
+use crate::{file_text, seal};
 
 /// What a model file holds.
 ///

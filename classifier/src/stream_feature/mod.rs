@@ -128,11 +128,7 @@ impl Selection {
         let mut taken = 0;
         for &count in counts {
             for sample in &trial.samples[taken..count.clamp(taken, trial.samples.len())] {
-                self.push(&mut state, sample).map_err(|fault| FeatureError::BadSample {
-                    trial: trial.trial,
-                    sample: taken,
-                    fault,
-                })?;
+                self.push(&mut state, sample).map_err(|fault| fault.at(trial, taken))?;
                 taken += 1;
             }
             found.push(self.values(&state));

@@ -6,6 +6,7 @@ use underbrush_recording::Recording;
 
 use super::course::{DESCRIPTION_COUNT, REGION_FEATURE_COUNT};
 use super::frame::SkinTracker;
+use super::network::Row;
 use super::options::TouchOptions;
 use super::region::Region;
 use super::taxel::TAXEL_FEATURE_COUNT;
@@ -37,6 +38,21 @@ pub(super) struct RegionExample {
     /// Number of its taxels that an object presses on.
     pub(super) touched: usize,
     pub(super) is_regular: bool,
+}
+
+impl TaxelExample {
+    /// The row for the network that tells touches from spurious readings.
+    pub(super) fn row(&self) -> Row<TAXEL_FEATURE_COUNT> {
+        Row { features: self.features, class: usize::from(self.is_touched), weight: 1.0 }
+    }
+}
+
+impl RegionExample {
+    /// The row for the network that tells these categories apart.
+    pub(super) fn row(&self, categories: &[String]) -> Row<REGION_FEATURE_COUNT> {
+        let class = categories.iter().position(|own| *own == self.category).unwrap_or_default();
+        Row { features: self.features, class, weight: self.touched as f64 }
+    }
 }
 
 /// The rows of one recording.

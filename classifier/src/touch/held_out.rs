@@ -3,8 +3,8 @@
 
 use std::collections::BTreeMap;
 
-use super::network::softmax;
-use super::networks::{category_network, class, touched_network};
+use super::network::{Network, Row, softmax};
+use super::networks::{category_network, touched_network};
 use super::risk::Lapse;
 use super::rows::TouchExamples;
 use underbrush_recording::math;
@@ -30,19 +30,11 @@ impl HeldOut {
         let own = examples.reaches.iter().enumerate().filter(|(index, _)| folds[*index] == fold);
         for (index, reach) in own {
             for taxel in reach.taxels.iter().filter(|taxel| taxel.is_regular) {
-                let mut scores = vec![0.0; 2];
-                touched.scores(&taxel.features, &mut scores);
-                held_out.taxels.push(Judged { scores, class: usize::from(taxel.is_touched), weight: 1.0 });
+                held_out.taxels.push(Judged::by(&touched, &taxel.row(), 2));
             }
             for region in reach.regions.iter().filter(|region| region.is_regular) {
-                let mut scores = vec![0.0; categories.len()];
-                category.scores(&region.features, &mut scores);
                 held_out.regions.push(HeldOutRegion {
-                    judged: Judged {
-                        scores,
-                        class: class(categories, &region.category),
-                        weight: region.touched as f64,
-                    },
+                    judged: Judged::by(&category, &region.row(categories), categories.len()),
                     distance: usual.distance(&region.description),
                     touched: region.touched,
                     reach: index,
@@ -71,14 +63,28 @@ pub(super) struct Judged {
     weight: f64,
 }
 
+impl Judged {
+    fn by<const INPUTS: usize>(network: &Network, row: &Row<INPUTS>, classes: usize) -> Self {
+        let mut scores = vec![0.0; classes];
+        network.scores(&row.features, &mut scores);
+        Judged { scores, class: row.class, weight: row.weight }
+    }
+
+    /// The probabilities, if the scores are multiplied by this factor.
+    fn probabilities(&self, sharpness: f64) -> Vec<f64> {
+        let mut scores: Vec<f64> = self.scores.iter().map(|score| score * sharpness).collect();
+        softmax(&mut scores);
+        scores
+    }
+}
+
 /// The factor that gives the scores the smallest cross-entropy. It is found by golden-section search over its
 /// logarithm, because the cross-entropy is convex in the factor.
 pub(super) fn sharpness(rows: &[&Judged]) -> f64 {
     let entropy = |log_factor: f64| -> f64 {
         let of = |row: &&Judged| {
-            let mut scores: Vec<f64> = row.scores.iter().map(|score| score * math::exp(log_factor)).collect();
-            softmax(&mut scores);
-            -row.weight * math::ln(scores[row.class].max(f64::MIN_POSITIVE))
+            let probability = row.probabilities(math::exp(log_factor))[row.class];
+            -row.weight * math::ln(probability.max(f64::MIN_POSITIVE))
         };
         rows.iter().map(of).sum()
     };
@@ -98,9 +104,7 @@ pub(super) fn sharpness(rows: &[&Judged]) -> f64 {
 /// The cost of an uncertain verdict above which a region is called another category than its own; `None` if it never
 /// is.
 pub(super) fn wrong_above(region: &Judged, sharpness: f64) -> Option<f64> {
-    let mut probabilities: Vec<f64> = region.scores.iter().map(|score| score * sharpness).collect();
-    softmax(&mut probabilities);
-    let likeliest = probabilities.iter().copied().enumerate();
+    let likeliest = region.probabilities(sharpness).into_iter().enumerate();
     let (index, probability) = likeliest.reduce(|best, other| if other.1 > best.1 { other } else { best })?;
     (index != region.class).then_some(1.0 - probability)
 }
@@ -121,13 +125,7 @@ pub(super) fn lapses(regions: &[&HeldOutRegion], bad_above: impl Fn(&HeldOutRegi
 /// The limit on the probability of nothing that only the allowed share of true contacts exceeds.
 pub(super) fn nothing_above(taxels: &[&Judged], sharpness: f64) -> f64 {
     let touched = taxels.iter().filter(|taxel| taxel.class == 1);
-    let mut nothing: Vec<f64> = touched
-        .map(|taxel| {
-            let mut scores: Vec<f64> = taxel.scores.iter().map(|score| score * sharpness).collect();
-            softmax(&mut scores);
-            scores[0]
-        })
-        .collect();
+    let mut nothing: Vec<f64> = touched.map(|taxel| taxel.probabilities(sharpness)[0]).collect();
     nothing.sort_by(f64::total_cmp);
     let index = ((1.0 - LOST_SHARE) * nothing.len() as f64) as usize;
     nothing.get(index).copied().unwrap_or(0.5)

@@ -17,10 +17,9 @@ use super::taxel::TAXEL_FEATURE_COUNT;
 use super::usual::Usual;
 use crate::document::{Document, Head};
 use crate::error::{ModelError, check_limits};
-use crate::file_text;
 use crate::model_file::warn_of_one_category;
 use crate::provenance::Provenance;
-use crate::seal;
+use crate::{file_text, seal};
 
 /// Forces above which a taxel is in contact.
 const THRESHOLD_N: Limits = Limits::new(0.0, limits::FORCE_N.max, "N");
@@ -109,17 +108,9 @@ impl TouchModel {
     /// # Errors
     /// [`ModelError`] if a number set by hand is not finite or outside the range that model files allow.
     pub fn save_string(&self) -> Result<String, ModelError> {
-        let TouchModel { format, options, categories, decision, provenance, touched, category, usual } = self;
-        let text = file_text::sealed(vec![
-            ("format", json!(format)),
-            ("options", json!(options)),
-            ("categories", json!(categories)),
-            ("decision", json!(decision)),
-            ("provenance", json!(provenance)),
-            ("touched", json!(touched)),
-            ("category", json!(category)),
-            ("usual", json!(usual)),
-        ]);
+        let model = json!(self);
+        let entries = model.as_object().into_iter().flatten();
+        let text = file_text::sealed(entries.map(|(key, value)| (key.as_str(), value.clone())).collect());
         if Self::from_json("the model to be written", &text)? == *self {
             return Ok(text);
         }

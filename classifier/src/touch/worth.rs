@@ -5,8 +5,9 @@ use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 use super::course::REGION_FEATURES;
+use super::example::TaxelExample;
 use super::network::{Network, Row, softmax};
-use super::networks::{category_network, class, touched_network};
+use super::networks::{category_network, touched_network};
 use super::rows::{FOLDS, TouchExamples};
 use super::taxel::TAXEL_FEATURES;
 use underbrush_recording::math;
@@ -40,15 +41,10 @@ impl TouchExamples {
         let mut regions = Shuffled::new(&REGION_FEATURES, categories.len());
         for fold in 0..FOLDS {
             let (own, others) = (self.of_fold(&folds, fold, true), self.of_fold(&folds, fold, false));
-            let rows = own.iter().flat_map(|reach| &reach.taxels).filter(|row| row.is_regular);
-            let rows = rows.map(|row| Row { features: row.features, class: usize::from(row.is_touched), weight: 1.0 });
+            let rows = own.iter().flat_map(|reach| &reach.taxels).filter(|row| row.is_regular).map(TaxelExample::row);
             taxels.add(&touched_network(&others), &rows.collect::<Vec<_>>());
             let rows = own.iter().flat_map(|reach| &reach.regions).filter(|row| row.is_regular);
-            let rows = rows.map(|row| Row {
-                features: row.features,
-                class: class(&categories, &row.category),
-                weight: row.touched as f64,
-            });
+            let rows = rows.map(|row| row.row(&categories));
             regions.add(&category_network(&others, &categories).0, &rows.collect::<Vec<_>>());
         }
         let mut worth = taxels.worth("touched");

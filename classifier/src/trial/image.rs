@@ -1,7 +1,7 @@
 //! One patch in one frame, as an image of forces.
 
 use glam::DVec3;
-use underbrush_recording::{Frame, Patch, Pose, SkinLayout};
+use underbrush_recording::{Category, Frame, Patch, Pose, Recording, SkinLayout};
 
 use super::TrialError;
 
@@ -110,6 +110,12 @@ impl PatchImage {
     /// Ground truth: whether an object presses on a taxel, however lightly.
     pub fn is_touched(&self, taxel: usize) -> bool {
         self.touched.get(taxel).copied().unwrap_or(false)
+    }
+
+    /// Ground truth: the category of the object that presses hardest on a taxel; `None` if nothing does.
+    pub fn pressing(&self, taxel: usize, recording: &Recording) -> Option<Category> {
+        let object = self.object(taxel).filter(|_| self.is_touched(taxel))?;
+        Some(recording.objects.get(usize::from(object))?.category)
     }
 
     /// Pose of the patch's link, world frame; the identity before the first frame is read.

@@ -90,10 +90,7 @@ impl JudgedModel {
             answering.answer(frame, &mut answers)?;
             for (taxel, open) in open.iter_mut().enumerate() {
                 if image.is_in_contact(taxel) {
-                    let object = image.object(taxel).filter(|_| image.is_touched(taxel));
-                    let object = object.and_then(|object| recording.objects.get(usize::from(object)));
-                    let own = open.get_or_insert_default();
-                    own.push(answers[taxel], object.map(|object| object.category));
+                    open.get_or_insert_default().push(answers[taxel], image.pressing(taxel, recording));
                 } else if let Some(ended) = open.take() {
                     contacts.extend(ended.close());
                 }

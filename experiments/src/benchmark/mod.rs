@@ -5,7 +5,6 @@
 //! machine or many, and a row is the same byte for byte wherever the data were made.
 
 mod contacts;
-mod counts;
 mod frozen;
 mod judged_model;
 mod ranked;
@@ -26,7 +25,7 @@ use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::MakeController;
 use underbrush_sim::scene::Scene;
 
-use crate::dataset::{Campaign, PROGRAM_VERSION, Written};
+use crate::dataset::{Campaign, PROGRAM_VERSION};
 use crate::error::ExperimentError;
 use crate::files;
 use crate::progress::Progress;
@@ -94,10 +93,7 @@ impl Entry {
                 arms: frozen::arms(&scenes)?,
                 scenes: scenes.into_iter().map(|scene| (scene, reaches)).collect(),
                 seed,
-                controller: None,
-                own_controller: None,
-                verdicts: None,
-                shard: None,
+                ..Campaign::default()
             };
             Ok::<TestSet, ExperimentError>(TestSet { name, campaign })
         };
@@ -140,10 +136,8 @@ impl Entry {
         let mut sets = Vec::new();
         for set in planned {
             progress.stage(&format!("Reaches of the set {}", set.name));
-            let dataset = match set.campaign.write(&set_folder(folder, &set.name, quick), true, progress)? {
-                Written::New(dataset) | Written::Before(dataset) => dataset,
-            };
-            sets.push((set.name, dataset));
+            let written = set.campaign.write(&set_folder(folder, &set.name, quick), true, progress)?;
+            sets.push((set.name, written.dataset()));
         }
         progress.stage("Figures");
         let record = |(name, dataset): &(String, Dataset)| SetRecord::of(name, dataset);

@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::contacts::{Contact, JUDGED_MOMENTS};
-use super::counts::{Balanced, Counts};
+use super::contacts::{Balanced, Contact, Counts, JUDGED_MOMENTS};
 use super::frozen::{OTHER_ARM, SETTINGS};
 use super::resampled::Estimate;
 

@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::contacts::{Class, Contact, JUDGED_MOMENTS};
-use super::counts::{Balanced, Counts};
+use super::contacts::{Balanced, Class, Contact, Counts, JUDGED_MOMENTS};
 use super::frozen::{FOAM_ROLL, MOMENTS, WATER_BOTTLE};
 use super::ranked::Ranked;
 use super::resampled::Estimate;

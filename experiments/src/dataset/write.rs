@@ -21,6 +21,15 @@ pub enum Written {
     Before(Dataset),
 }
 
+impl Written {
+    /// The data set.
+    pub fn dataset(self) -> Dataset {
+        match self {
+            Written::New(dataset) | Written::Before(dataset) => dataset,
+        }
+    }
+}
+
 /// Time between attempts to enter a shared folder while another process assembles the set. Choice: short beside a
 /// reach.
 const WAIT: Duration = Duration::from_secs(1);

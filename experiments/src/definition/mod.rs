@@ -8,14 +8,12 @@ use underbrush_classifier::touch::TouchOptions;
 use underbrush_classifier::trial::{Labels, TrialOptions};
 use underbrush_recording::{Category, InputError};
 use underbrush_sim::arm::Arm;
-use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::scene::{Scene, shipped};
 
 use crate::source::{self, Field, Source};
 
 mod check;
 mod file;
-mod limits;
 mod numbers;
 
 pub use file::{
@@ -24,8 +22,8 @@ pub use file::{
     ThresholdSection, TrainingScene, TrialSection, VerdictSection,
 };
 
+pub use check::is_hmm;
 use check::{category, check, check_labels, check_patch};
-pub use limits::is_hmm;
 
 /// An experiment with its checked file and its scenes.
 #[derive(Clone, Debug)]
@@ -35,11 +33,11 @@ pub struct Experiment {
     /// The content of the file.
     pub file: ExperimentFile,
     /// Scenes by the path that the file gives.
-    scenes: BTreeMap<String, Scene>,
+    pub scenes: BTreeMap<String, Scene>,
     /// The arm of all scenes, if the file names one.
-    arm: Option<Arm>,
+    pub arm: Option<Arm>,
     /// Hash of everything that decides results: file, scenes, arms.
-    hash: String,
+    pub hash: String,
 }
 
 /// The JSON Schema of experiment files.
@@ -118,29 +116,9 @@ impl Experiment {
         self.scenes.get(name)
     }
 
-    /// All scenes, by the path that the file gives.
-    pub fn scenes(&self) -> impl Iterator<Item = (&str, &Scene)> {
-        self.scenes.iter().map(|(name, scene)| (name.as_str(), scene))
-    }
-
-    /// The arm of all scenes, if the file names one.
-    pub fn arm(&self) -> Option<&Arm> {
-        self.arm.as_ref()
-    }
-
-    /// The controller of all scenes, if the file names one.
-    pub fn controller(&self) -> Option<ControllerKind> {
-        self.file.controller
-    }
-
     /// The category with the name `label`, if it is the category of an object.
     pub fn category(&self, label: &str) -> Option<Category> {
         category(&self.scenes, label)
-    }
-
-    /// Hash of the file and of all files that it names.
-    pub fn hash(&self) -> &str {
-        &self.hash
     }
 
     /// The options for extracting trials: labelled by their scene, with at least the file's number of samples.

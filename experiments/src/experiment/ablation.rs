@@ -1,15 +1,14 @@
 //! Ablation: the cross-validation table with one thing changed at a time.
 
-use crate::definition::TableOneUnit;
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::trial::{Labels, TrialOptions};
 use underbrush_sim::scene::SceneFile;
 
 use super::table_one;
 use super::training_data::{self, TrialsPerReach};
-use crate::accuracy::Accuracy;
+use crate::accuracy::{Accuracy, Figures};
 use crate::cell::Cell;
-use crate::definition::{AblationName, Experiment};
+use crate::definition::{AblationName, Experiment, TableOneUnit};
 use crate::error::ExperimentError;
 use crate::estimators;
 use crate::session::Session;
@@ -39,24 +38,13 @@ pub struct Ablated {
     /// Number of pairs.
     pub pairs: usize,
     /// Means over the component cells, per cent.
-    pub component: Option<MeanAccuracy>,
+    pub component: Option<Figures<f64>>,
     /// Means over the taxel cells, per cent.
-    pub taxel: Option<MeanAccuracy>,
+    pub taxel: Option<Figures<f64>>,
     /// Trials per reach.
     pub trials_per_reach: Vec<TrialsPerReach>,
     /// The cells.
     pub table_1: Vec<Cell>,
-}
-
-/// Means over the cells of one unit, per cent.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MeanAccuracy {
-    /// Mean of the accuracies.
-    pub accuracy: f64,
-    /// Mean of the balanced accuracies.
-    pub balanced_accuracy: f64,
-    /// Mean of the majority baselines.
-    pub majority_baseline: f64,
 }
 
 /// Name of the row without a change.
@@ -116,12 +104,8 @@ impl Ablated {
         let of = |unit: TableOneUnit| {
             let own: Vec<&Accuracy> =
                 table_1.iter().filter(|cell| cell.key.by == unit).map(|cell| &cell.accuracy).collect();
-            let mean = |value: fn(&Accuracy) -> f64| own.iter().map(|own| value(own)).sum::<f64>() / own.len() as f64;
-            (!own.is_empty()).then(|| MeanAccuracy {
-                accuracy: mean(|own| own.accuracy),
-                balanced_accuracy: mean(|own| own.balanced_accuracy),
-                majority_baseline: mean(|own| own.majority_baseline),
-            })
+            let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+            (!own.is_empty()).then(|| Figures::over(&own, Accuracy::figures, mean))
         };
         let orderings = table_one::orderings(experiment, &table_1);
         Ablated {

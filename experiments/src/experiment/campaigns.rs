@@ -3,15 +3,14 @@
 
 use std::collections::BTreeMap;
 
-use crate::definition::TableOneUnit;
 use serde::{Deserialize, Serialize};
 
 use super::classifiers::{self, Compared};
 use super::table_one;
 use super::training_data::{self, TrialsPerReach};
-use crate::accuracy::{Accuracy, Part, Spread};
+use crate::accuracy::{Accuracy, Figures, Part, Spread};
 use crate::cell::{self, Cell, CellKey, Ordering, unit_name};
-use crate::definition::Experiment;
+use crate::definition::{Experiment, TableOneUnit};
 use crate::error::ExperimentError;
 use crate::session::Session;
 use crate::training::{self, Trials};
@@ -40,30 +39,16 @@ pub struct Campaigns {
     pub classifiers: Vec<CampaignClassifier>,
 }
 
-/// The figures of a cell over campaigns, per cent; see [`Accuracy`].
+/// The figures of a cell over campaigns.
 #[derive(Serialize)]
 pub struct CampaignFigures {
-    /// Accuracy.
-    pub accuracy: Spread,
-    /// Balanced accuracy.
-    pub balanced_accuracy: Spread,
-    /// Majority baseline.
-    pub majority_baseline: Spread,
+    /// Those of all trials.
+    #[serde(flatten)]
+    pub all: Figures<Spread>,
     /// The figures of the trials in which something truly touched the skin; `None` if no campaign has such trials.
-    pub touched: Option<CampaignPart>,
+    pub touched: Option<Figures<Spread>>,
     /// The figures of the other trials; `None` if no campaign has such trials.
-    pub untouched: Option<CampaignPart>,
-}
-
-/// The figures of a part of the trials over campaigns, per cent.
-#[derive(Serialize)]
-pub struct CampaignPart {
-    /// Accuracy.
-    pub accuracy: Spread,
-    /// Balanced accuracy.
-    pub balanced_accuracy: Spread,
-    /// Majority baseline.
-    pub majority_baseline: Spread,
+    pub untouched: Option<Figures<Spread>>,
 }
 
 /// A classifier over campaigns.
@@ -168,7 +153,7 @@ impl Campaigns {
         };
         let mut table_1 = Vec::new();
         for Cell { key, paper, .. } in &first.table_1 {
-            let name = format!("cross-validation, {}, {} recipe", key.name(), key.recipe);
+            let name = format!("cross-validation, {}", key.with_recipe());
             let own = matched(campaigns, &name, |campaign| {
                 let cells = campaign.table_1.iter();
                 cells.filter(|cell| cell.key == *key).map(|cell| &cell.accuracy)
@@ -195,7 +180,7 @@ impl Campaigns {
             })?;
             classifiers.push(CampaignClassifier { classifier: classifier.clone(), figures: CampaignFigures::of(&own) });
         }
-        let mean = |cell: &CampaignCell| cell.figures.accuracy.mean;
+        let mean = |cell: &CampaignCell| cell.figures.all.accuracy.mean;
         let keyed: Vec<_> = table_1.iter().map(|cell| (&cell.key, mean(cell))).collect();
         let statements = experiment.published().map_or(&[][..], |own| &own.orderings);
         Ok(Some(Campaigns {
@@ -229,21 +214,12 @@ fn matched<'a, T, I: Iterator<Item = &'a T>>(
 
 impl CampaignFigures {
     fn of(accuracies: &[&Accuracy]) -> Self {
-        let over =
-            |value: fn(&Accuracy) -> f64| Spread::of(&accuracies.iter().map(|own| value(own)).collect::<Vec<_>>());
         let part = |of: fn(&Accuracy) -> Option<&Part>| {
             let parts: Vec<&Part> = accuracies.iter().filter_map(|own| of(own)).collect();
-            let over = |value: fn(&Part) -> f64| Spread::of(&parts.iter().map(|own| value(own)).collect::<Vec<_>>());
-            (!parts.is_empty()).then(|| CampaignPart {
-                accuracy: over(|own| own.accuracy),
-                balanced_accuracy: over(|own| own.balanced_accuracy),
-                majority_baseline: over(|own| own.majority_baseline),
-            })
+            (!parts.is_empty()).then(|| Figures::over(&parts, Part::figures, Spread::of))
         };
         CampaignFigures {
-            accuracy: over(|own| own.accuracy),
-            balanced_accuracy: over(|own| own.balanced_accuracy),
-            majority_baseline: over(|own| own.majority_baseline),
+            all: Figures::over(accuracies, Accuracy::figures, Spread::of),
             touched: part(|own| own.touched.as_ref()),
             untouched: part(|own| own.untouched.as_ref()),
         }

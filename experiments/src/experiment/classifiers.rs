@@ -12,9 +12,8 @@ use underbrush_recording::Trial;
 use crate::accuracy::Accuracy;
 use crate::definition::{ClassifierEntry, Experiment};
 use crate::error::ExperimentError;
-use crate::estimators;
 use crate::session::Session;
-use crate::training;
+use crate::{estimators, training};
 
 /// All classifiers of the experiment, in the order of its file.
 #[derive(Serialize)]

@@ -11,10 +11,9 @@ use underbrush_sim::simulation::Simulation;
 use underbrush_sim::snapshot::Snapshot;
 
 use crate::error::ExperimentError;
-use crate::models;
 use crate::online::{self, Classified};
-use crate::reaches;
 use crate::session::Session;
+use crate::{models, reaches};
 
 /// Both moments, if there are such reaches. They are for pictures, so nothing is serialized.
 #[derive(Serialize)]

@@ -19,19 +19,12 @@ use crate::training::{self, Trials};
 use crate::verdict_transfer::{FoldedReaches, VerdictTransfer};
 
 /// Every classifier, trained and tested at every pair of settings.
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Outcome {
     /// By classifier, then by the setting of training, then by the setting of testing.
     pub splits: Vec<Split>,
     /// How well verdict networks tell contacts at the other settings apart.
     pub verdict_transfer: Vec<VerdictTransfer>,
-}
-
-/// The part of a finished run that is cached.
-#[derive(Serialize, Deserialize)]
-struct Kept {
-    splits: Vec<Split>,
-    verdict_transfer: Vec<VerdictTransfer>,
 }
 
 /// The accuracy of a classifier that was trained at one setting and tested at another.
@@ -112,7 +105,7 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
         return Ok(Outcome { splits: Vec::new(), verdict_transfer: Vec::new() });
     }
     let counts: Vec<u64> = experiment.file.training.iter().map(|own| own.setting_reaches()).collect();
-    let kept: Kept = session.stage("Other arms and speeds", || {
+    session.stage("Other arms and speeds", || {
         session.kept("splits", session.seed, || {
             let reaches = training::reaches(experiment, session.quick);
             let nominal = (0..).zip(0..data.dataset.episodes().len());
@@ -134,10 +127,9 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
                 }
             }
             let splits = splits(experiment, &settings)?;
-            Ok(Kept { splits, verdict_transfer })
+            Ok(Outcome { splits, verdict_transfer })
         })
-    })?;
-    Ok(Outcome { splits: kept.splits, verdict_transfer: kept.verdict_transfer })
+    })
 }
 
 /// Checks that each half of the reaches of each setting has trials of all categories. Otherwise a classifier would be

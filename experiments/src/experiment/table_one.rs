@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 
-use crate::definition::TableOneUnit;
 use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_classifier::decision::Decision;
@@ -14,7 +13,7 @@ use underbrush_recording::Trial;
 
 use crate::accuracy::Accuracy;
 use crate::cell::{self, Cell, CellKey, Ordering};
-use crate::definition::{Experiment, RecipeName};
+use crate::definition::{Experiment, RecipeName, TableOneUnit};
 use crate::error::ExperimentError;
 use crate::estimators;
 use crate::session::Session;

@@ -1,11 +1,10 @@
 //! The training reaches and the contact trials cut from them.
 
-use crate::definition::TableOneUnit;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, Trial};
 
 use crate::audit::{self, Worst};
-use crate::definition::Experiment;
+use crate::definition::{Experiment, TableOneUnit};
 use crate::ends::Ends;
 use crate::error::ExperimentError;
 use crate::session::Session;

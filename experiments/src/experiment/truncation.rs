@@ -8,9 +8,8 @@ use underbrush_classifier::recipe::Recipe;
 
 use crate::accuracy::Accuracy;
 use crate::error::ExperimentError;
-use crate::estimators;
 use crate::session::Session;
-use crate::training;
+use crate::{estimators, training};
 
 /// Accuracy by length and number of states.
 #[derive(Serialize)]

@@ -6,9 +6,12 @@ use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_classifier::evaluate::touch::{TouchEvaluation, TouchTally};
 use underbrush_classifier::evaluate::{Accuracy, RocCurve, TouchFigures, found_at_false_alarms, outlier_curve};
-use underbrush_classifier::touch::{FeatureWorth, TouchExamples, TouchModel};
+use underbrush_classifier::touch::{FeatureWorth, TouchExamples};
 use underbrush_recording::Recording;
+use underbrush_recording::disk::DiskError;
+use underbrush_sim::campaign::Job;
 
+use crate::dataset::each_reach;
 use crate::definition::VerdictSection;
 use crate::error::ExperimentError;
 use crate::reaches::{self, Found};
@@ -120,19 +123,47 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
             all.add(fold?);
         }
         let model = Arc::new(examples.fit()?);
+        let judge = |found: &Found| -> Result<_, ExperimentError> {
+            Ok((found.scene.clone(), TouchEvaluation::of_all(&model, &found.reaches)?))
+        };
         let known = tests.engineered.iter().map(|(_, found)| found).chain(&tests.general);
-        let known: Vec<(String, TouchEvaluation)> =
-            known.map(|found| judge(&model, found)).collect::<Result<_, _>>()?;
-        let unknown = |found: &Option<Found>| found.as_ref().map(|found| judge(&model, found)).transpose();
-        let unknown = [unknown(&tests.outlier)?, unknown(&tests.second_outlier)?];
+        let known: Vec<(String, TouchEvaluation)> = known.map(judge).collect::<Result<_, _>>()?;
+        let unknown = |found: &Option<Found>| found.as_ref().map(judge).transpose();
         let curve = |(_, own): (String, TouchEvaluation)| {
             let others = known.iter().flat_map(|(_, known)| &known.distances);
             let others = others.filter(|other| other.is_known);
             outlier_curve(own.distances.iter().chain(others))
         };
-        let curves = unknown.map(|own| own.and_then(curve));
-        let mut verdicts = Verdicts::of(model.categories().to_vec(), all, &known, curves, recordings.len());
-        verdicts.feature_worth = examples.feature_worth();
+        let curves = [unknown(&tests.outlier)?, unknown(&tests.second_outlier)?].map(|own| own.and_then(curve));
+        let categories = model.categories().to_vec();
+        let figures = TouchFigures::of(&all, &categories);
+        let balanced = |accuracy: Option<Accuracy>| accuracy.and_then(|own| own.balanced_accuracy);
+        let area = |curve: &Option<RocCurve>| curve.as_ref().map(|curve| curve.area);
+        let found = |curve: &Option<RocCurve>| curve.as_ref().map(found_at_false_alarms);
+        let verdicts = Verdicts {
+            touched_balanced_accuracy: balanced(figures.contacts_at_end),
+            first_tenth_second_balanced_accuracy: balanced(figures.contacts_after_tenth_second),
+            contacts: all.contacts.len(),
+            largest_category_share: figures.contacts_at_end.map(|own| own.majority_baseline),
+            median_samples_until_right: figures.median_samples_until_right,
+            ever_right: figures.first_right_verdict.last().map(|whole| whole.share),
+            spurious_called_nothing: figures.spurious_called_nothing,
+            touches_lost: figures.touches_lost,
+            expected_calibration_error: figures.expected_calibration_error,
+            brier_score: figures.brier_score,
+            outlier: UnknownObjects {
+                outlier_roc_area: area(&curves[0]),
+                outliers_found: found(&curves[0]),
+                second_outlier_roc_area: area(&curves[1]),
+                second_outliers_found: found(&curves[1]),
+            },
+            scenes: known.iter().filter_map(|(scene, own)| SceneFigures::of(scene, &own.known())).collect(),
+            feature_worth: examples.feature_worth(),
+            training_reaches: recordings.len(),
+            held_out: all,
+            curves,
+            categories,
+        };
         Ok(Outcome { verdicts: Some(verdicts) })
     })
 }
@@ -145,20 +176,9 @@ fn recordings(session: &Session, section: &VerdictSection) -> Result<Vec<Recordi
         (0..dataset.episodes().len()).map(|index| dataset.read_reach(index)).collect::<Result<_, _>>()?;
     session.stage("Mixed training reaches", || {
         let plan = reaches::plan(session.experiment, &section.scene, session.seed)?;
-        let count = section.reaches(session.quick);
-        let progress = session.progress.count("reaches", count, 0);
-        let mixed: Vec<Result<Recording, ExperimentError>> = (0..count)
-            .into_par_iter()
-            .map(|index| {
-                let stop = || session.progress.is_stopped();
-                let recording = plan.run_until(FIRST_INDEX + index, &mut |_, _| {}, &stop)?;
-                progress.advance();
-                Ok(recording)
-            })
-            .collect();
-        for recording in mixed {
-            recordings.push(recording?);
-        }
+        let jobs = (0..section.reaches(session.quick)).map(|index| Job { plan: 0, reach_index: FIRST_INDEX + index });
+        let jobs: Vec<Job> = jobs.collect();
+        recordings.extend(each_reach(&[plan], &jobs, session.progress, |_, own| Ok::<_, DiskError>(own))?);
         Ok(recordings)
     })
 }
@@ -170,66 +190,7 @@ fn held_out(
     fold: usize,
 ) -> Result<TouchEvaluation, ExperimentError> {
     let model = Arc::new(examples.some(|index| index % FOLDS != fold).fit()?);
-    let mut evaluation = TouchEvaluation::default();
-    for recording in recordings.iter().skip(fold).step_by(FOLDS) {
-        evaluation.add(TouchEvaluation::of(&model, recording)?);
-    }
-    Ok(evaluation)
-}
-
-/// The verdicts on all reaches of a scene.
-fn judge(model: &Arc<TouchModel>, found: &Found) -> Result<(String, TouchEvaluation), ExperimentError> {
-    let mut evaluation = TouchEvaluation::default();
-    for recording in &found.reaches {
-        evaluation.add(TouchEvaluation::of(model, recording)?);
-    }
-    Ok((found.scene.clone(), evaluation))
-}
-
-impl Verdicts {
-    fn of(
-        categories: Vec<String>,
-        held_out: TouchEvaluation,
-        known: &[(String, TouchEvaluation)],
-        curves: [Option<RocCurve>; 2],
-        training_reaches: usize,
-    ) -> Self {
-        let figures = TouchFigures::of(&held_out, &categories);
-        let balanced = |accuracy: &Option<Accuracy>| accuracy.as_ref().and_then(|own| own.balanced_accuracy);
-        let scene = |(scene, own): &(String, TouchEvaluation)| SceneFigures::of(scene, &own.known());
-        Verdicts {
-            touched_balanced_accuracy: balanced(&figures.contacts_at_end),
-            first_tenth_second_balanced_accuracy: balanced(&figures.contacts_after_tenth_second),
-            contacts: held_out.contacts.len(),
-            largest_category_share: figures.contacts_at_end.as_ref().map(|own| own.majority_baseline),
-            median_samples_until_right: figures.median_samples_until_right,
-            ever_right: figures.first_right_verdict.last().map(|whole| whole.share),
-            spurious_called_nothing: figures.spurious_called_nothing,
-            touches_lost: figures.touches_lost,
-            expected_calibration_error: figures.expected_calibration_error,
-            brier_score: figures.brier_score,
-            outlier: UnknownObjects::of(&curves),
-            scenes: known.iter().filter_map(scene).collect(),
-            feature_worth: Vec::new(),
-            training_reaches,
-            held_out,
-            curves,
-            categories,
-        }
-    }
-}
-
-impl UnknownObjects {
-    fn of([first, second]: &[Option<RocCurve>; 2]) -> Self {
-        let area = |curve: &Option<RocCurve>| curve.as_ref().map(|curve| curve.area);
-        let found = |curve: &Option<RocCurve>| curve.as_ref().map(found_at_false_alarms);
-        UnknownObjects {
-            outlier_roc_area: area(first),
-            outliers_found: found(first),
-            second_outlier_roc_area: area(second),
-            second_outliers_found: found(second),
-        }
-    }
+    Ok(TouchEvaluation::of_all(&model, recordings.iter().skip(fold).step_by(FOLDS))?)
 }
 
 impl SceneFigures {

@@ -1,17 +1,15 @@
 //! Runs the reaches of a suite and checks the results against its bounds.
 
-use std::sync::Mutex;
-
 use underbrush_classifier::online::OnlineError;
 use underbrush_recording::{GoalOutcomes, Recording};
-use underbrush_sim::campaign::{self, Job};
+use underbrush_sim::campaign::Job;
 use underbrush_sim::reach::ReachPlan;
 
 use super::metric::{Measured, Statistic};
 use super::result::{BoundResult, BoundVerdict, ReachValue, SceneResult, SuiteResult};
 use super::{SceneBound, Suite, SuiteScene};
 use crate::accuracy::Spread;
-use crate::dataset::{PROGRAM_VERSION, say_doubts};
+use crate::dataset::{PROGRAM_VERSION, each_reach, say_doubts};
 use crate::error::ExperimentError;
 use crate::progress::Progress;
 
@@ -35,21 +33,9 @@ impl Suite {
         let jobs: Vec<Job> = (self.scenes.iter().enumerate())
             .flat_map(|(plan, scene)| (0..scene.reaches).map(move |reach_index| Job { plan, reach_index }))
             .collect();
-        let done: Mutex<Vec<(Job, OneReach)>> = Mutex::default();
-        let count = progress.count("reaches", jobs.len() as u64, 0);
-        let receive = |position: usize, recording: Recording| {
-            let job = jobs[position];
-            let own = self.measure(&self.scenes[job.plan], &recording)?;
-            count.reach(own.goals);
-            if let Ok(mut done) = done.lock() {
-                done.push((job, own));
-            }
-            Ok::<(), OnlineError>(())
-        };
-        campaign::run_until(&plans, &jobs, receive, &|| progress.is_stopped())?;
-        drop(count);
-        let mut done = done.into_inner().unwrap_or_default();
-        done.sort_by_key(|(job, _)| (job.plan, job.reach_index));
+        let measure =
+            |job: Job, recording| Ok::<_, OnlineError>((job, self.measure(&self.scenes[job.plan], &recording)?));
+        let done = each_reach(&plans, &jobs, progress, measure)?;
         let of_scene = |(index, scene): (usize, &SuiteScene)| {
             let own: Vec<&(Job, OneReach)> = done.iter().filter(|(job, _)| job.plan == index).collect();
             result_of(scene, &own)

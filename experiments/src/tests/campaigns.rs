@@ -1,10 +1,9 @@
 use super::table_one_paper::TABLE_ONE_PAPER;
-use crate::definition::TableOneUnit;
 use underbrush_classifier::feature::FeatureSet;
 
 use crate::accuracy::{Accuracy, Part};
 use crate::cell::{self, Cell, CellKey};
-use crate::definition::{Experiment, OrderingName};
+use crate::definition::{Experiment, OrderingName, TableOneUnit};
 use crate::experiment::ablation::Ablated;
 use crate::experiment::campaigns::{Campaigns, OneOfMany};
 use crate::experiment::classifiers::Compared;
@@ -99,23 +98,23 @@ fn campaigns_have_mean_and_spread() {
     let found = of(&campaigns).unwrap().unwrap();
     assert_eq!(found.seeds, [3, 4, 5]);
     let own = &found.table_1[0].figures;
-    assert_eq!((own.accuracy.mean, own.accuracy.min, own.accuracy.max), (76.0, 70.0, 84.0));
+    assert_eq!((own.all.accuracy.mean, own.all.accuracy.min, own.all.accuracy.max), (76.0, 70.0, 84.0));
     // Deviations −6, −2, 8: (36 + 4 + 64) / 2 = 52.
     let deviation = 52.0_f64.sqrt();
-    assert!((own.accuracy.standard_deviation.unwrap() - deviation).abs() < 1e-12);
-    assert_eq!(own.balanced_accuracy.mean, 71.0);
-    assert!((own.balanced_accuracy.standard_deviation.unwrap() - deviation).abs() < 1e-12);
-    assert_eq!(own.majority_baseline.mean, 38.0);
-    assert!((own.majority_baseline.standard_deviation.unwrap() - deviation / 2.0).abs() < 1e-12);
+    assert!((own.all.accuracy.standard_deviation.unwrap() - deviation).abs() < 1e-12);
+    assert_eq!(own.all.balanced_accuracy.mean, 71.0);
+    assert!((own.all.balanced_accuracy.standard_deviation.unwrap() - deviation).abs() < 1e-12);
+    assert_eq!(own.all.majority_baseline.mean, 38.0);
+    assert!((own.all.majority_baseline.standard_deviation.unwrap() - deviation / 2.0).abs() < 1e-12);
     let touched = own.touched.as_ref().unwrap();
     assert_eq!((touched.accuracy.mean, touched.balanced_accuracy.mean), (86.0, 84.0));
     assert!((touched.accuracy.standard_deviation.unwrap() - deviation).abs() < 1e-12);
     assert!(own.untouched.is_none());
     assert!((found.mean_absolute_difference_points["authors"] - 4.24).abs() < 1e-9);
-    let some = &found.classifiers[0].figures.accuracy;
+    let some = &found.classifiers[0].figures.all.accuracy;
     assert_eq!((some.mean, some.min, some.max), (77.0, 71.0, 85.0));
     let one = of(&campaigns[..1]).unwrap().unwrap();
-    assert!(one.table_1[0].figures.accuracy.standard_deviation.is_none());
+    assert!(one.table_1[0].figures.all.accuracy.standard_deviation.is_none());
     assert!(of(&[]).unwrap().is_none());
 }
 
@@ -127,10 +126,10 @@ fn campaigns_are_matched_by_name() {
     let reversed = campaign(vec![cell(10, 82.0), cell(5, 62.0)], &[("other", 92.0), ("one", 52.0)]);
     let found = of(&[(0, first.clone()), (1, reversed)]).unwrap().unwrap();
     let cells: Vec<(usize, f64)> =
-        found.table_1.iter().map(|cell| (cell.key.states, cell.figures.accuracy.mean)).collect();
+        found.table_1.iter().map(|cell| (cell.key.states, cell.figures.all.accuracy.mean)).collect();
     assert_eq!(cells, [(5, 61.0), (10, 81.0)]);
     let classifiers: Vec<(&str, f64)> =
-        found.classifiers.iter().map(|own| (own.classifier.as_str(), own.figures.accuracy.mean)).collect();
+        found.classifiers.iter().map(|own| (own.classifier.as_str(), own.figures.all.accuracy.mean)).collect();
     assert_eq!(classifiers, [("one", 51.0), ("other", 91.0)]);
 
     let refused = |other: OneOfMany| of(&[(0, first.clone()), (7, other)]).err().unwrap().to_string();

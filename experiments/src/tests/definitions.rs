@@ -1,11 +1,10 @@
 use std::path::PathBuf;
 
 use super::table_one_paper::TABLE_ONE_PAPER;
-use crate::definition::TableOneUnit;
 use underbrush_classifier::trial::TrialOptions;
 use underbrush_recording::InputError;
 
-use crate::definition::Experiment;
+use crate::definition::{Experiment, TableOneUnit};
 use crate::training;
 
 /// Tests that the file that ships is the paper's experiment: its Table I, its numbers of trials and reaches, and its
@@ -175,7 +174,7 @@ fn labels_are_categories_where_reaches_are_judged_by_objects() {
 #[test]
 fn the_hash_follows_file_and_scenes() {
     let (folder, path) = written(SMALL);
-    let hash = || Experiment::load(&path).unwrap().hash().to_owned();
+    let hash = || Experiment::load(&path).unwrap().hash;
     let first = hash();
     assert_eq!(hash(), first);
     let scene = "summary = \"Two trunks\"\n[[objects.trunk]]\ncount = 2\n";

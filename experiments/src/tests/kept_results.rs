@@ -40,10 +40,10 @@ fn only_the_same_run_takes_a_kept_result() {
     // Another build writes another hash of its sources.
     for hash in [env!("UNDERBRUSH_ANALYSIS_SOURCES"), env!("UNDERBRUSH_DATA_SOURCES")] {
         kept::store(&path, &this(), &values).unwrap();
-        let content: serde_json::Value = crate::sealed::read(&path, &Silent).unwrap();
+        let content: serde_json::Value = crate::kept::read(&path, &Silent).unwrap();
         let other = content.to_string().replace(hash, "0123456789abcdef");
         assert_ne!(other, content.to_string());
-        crate::sealed::write(&path, &serde_json::from_str::<serde_json::Value>(&other).unwrap()).unwrap();
+        crate::kept::write(&path, &serde_json::from_str::<serde_json::Value>(&other).unwrap()).unwrap();
         assert_eq!(load(&path, &this()), None, "{hash}");
     }
 }

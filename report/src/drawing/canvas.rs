@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::axis::Fitted;
 use super::layer::{Layer, Mark, Point, Shape, Style};
-use super::markup::escape;
+use super::markup::{svg_rect, svg_text};
 
 /// Sizes of the drawing and of the margins around the data, px. The drawing is scaled to the available width.
 pub(super) const WIDTH: f64 = 540.0;
@@ -136,14 +136,9 @@ impl<'a> Canvas<'a> {
             };
             let Some(x) = plot.x_px(place as f64) else { continue };
             self.stacked[place] = to;
-            let _ = writeln!(
-                self.svg,
-                "<rect x=\"{:.1}\" y=\"{high:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"{fill}\" stroke=\"{}\"/>",
-                x - 0.36 * slot,
-                0.72 * slot,
-                (low - high).max(0.0),
-                style.colour
-            );
+            let size = (0.72 * slot, (low - high).max(0.0));
+            let paint = format!("fill=\"{fill}\" stroke=\"{}\"", style.colour);
+            let _ = writeln!(self.svg, "{}", svg_rect((x - 0.36 * slot, high), size, &paint));
         }
     }
 
@@ -177,18 +172,12 @@ impl<'a> Canvas<'a> {
         let middle = top + height / 2.0;
         self.strips += 1;
         let space = LEFT - 6.0;
-        let fitted = match name.chars().count() > LETTERS_BESIDE_STRIP {
-            true => format!(" textLength=\"{:.1}\" lengthAdjust=\"spacingAndGlyphs\"", space - 2.0),
-            false => String::new(),
-        };
-        let _ = writeln!(
-            self.svg,
-            "<path d=\"M{LEFT} {middle:.1}H{:.1}\" stroke=\"#d8dce0\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\"{fitted}>{}</text>",
-            WIDTH - RIGHT,
-            space,
-            middle + 5.0,
-            escape(name)
-        );
+        let mut attributes = " text-anchor=\"end\"".to_owned();
+        if name.chars().count() > LETTERS_BESIDE_STRIP {
+            attributes += &format!(" textLength=\"{:.1}\" lengthAdjust=\"spacingAndGlyphs\"", space - 2.0);
+        }
+        let text = svg_text(space, middle + 5.0, &attributes, name);
+        let _ = writeln!(self.svg, "<path d=\"M{LEFT} {middle:.1}H{:.1}\" stroke=\"#d8dce0\"/>{text}", WIDTH - RIGHT);
         for (from, to) in bands {
             let Some((left, right)) = self.plot.x_px(*from).zip(self.plot.x_px(*to)) else {
                 continue;

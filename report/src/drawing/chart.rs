@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::axis::{Axis, Fitted};
 use super::canvas::{Canvas, LEFT, MARK_RADIUS, Plot, RIGHT, WIDTH, strips_height};
 use super::layer::{Dash, Layer, Shape, Style};
-use super::markup::{escape, slug};
+use super::markup::{escape, slug, svg_text};
 
 /// A chart with its text. Layers are drawn in order.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +29,17 @@ const FONT: f64 = 15.0;
 const LINE: f64 = 21.0;
 /// Mean width of a letter of a sans-serif font, relative to the font size.
 const LETTER: f64 = 0.54;
+
+/// A chart as an SVG element, with its horizontal and its vertical axis.
+pub fn chart(
+    name: impl Into<String>,
+    title: impl Into<String>,
+    description: impl Into<String>,
+    (x, y): (Axis, Axis),
+    layers: Vec<Layer>,
+) -> String {
+    Chart { name: name.into(), title: title.into(), description: description.into(), x, y, layers }.svg()
+}
 
 impl Chart {
     /// The chart as an SVG element that fills the available width.
@@ -130,15 +141,12 @@ impl Chart {
                 ),
                 false => {
                     let line = format!("<path d=\"M{:.1} {y:.1}h24\" {}/>", x + 1.0, layer.style.stroke());
-                    let mark = layer
-                        .style
-                        .mark
-                        .map_or(String::new(), |mark| mark.svg(x + 13.0, y, MARK_RADIUS, layer.style.colour));
+                    let Style { mark, colour, .. } = layer.style;
+                    let mark = mark.map_or(String::new(), |mark| mark.svg(x + 13.0, y, MARK_RADIUS, colour));
                     if layer.is_joined() { line + &mark } else { mark }
                 }
             };
-            let _ =
-                writeln!(svg, "{key}<text x=\"{:.1}\" y=\"{:.1}\">{}</text>", x + 30.0, y + 5.0, escape(&layer.name));
+            let _ = writeln!(svg, "{key}{}", svg_text(x + 30.0, y + 5.0, "", &layer.name));
             x += width;
         }
         if self.layers.iter().any(Layer::in_legend) { row } else { 0.0 }
@@ -149,34 +157,22 @@ impl Chart {
         let (top, bottom) = (plot.top, plot.bottom());
         for (value, label) in &plot.y.ticks {
             let Some(y) = plot.y_px(*value) else { continue };
-            let _ = writeln!(
-                svg,
-                "<path d=\"M{LEFT} {y:.1}H{:.1}\" stroke=\"#d8dce0\"/><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
-                WIDTH - RIGHT,
-                LEFT - 6.0,
-                y + 5.0,
-                escape(label)
-            );
+            let text = svg_text(LEFT - 6.0, y + 5.0, " text-anchor=\"end\"", label);
+            let _ = writeln!(svg, "<path d=\"M{LEFT} {y:.1}H{:.1}\" stroke=\"#d8dce0\"/>{text}", WIDTH - RIGHT);
         }
         for (value, label) in &plot.x.ticks {
             let Some(x) = plot.x_px(*value) else { continue };
-            let _ = writeln!(
-                svg,
-                "<path d=\"M{x:.1} {bottom:.1}v5\" stroke=\"#555555\"/><text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>",
-                ticks_top + LINE,
-                escape(label)
-            );
+            let text = svg_text(x, ticks_top + LINE, " text-anchor=\"middle\"", label);
+            let _ = writeln!(svg, "<path d=\"M{x:.1} {bottom:.1}v5\" stroke=\"#555555\"/>{text}");
         }
         let _ = writeln!(
             svg,
             "<path d=\"M{LEFT} {top:.1}V{bottom:.1}H{:.1}\" fill=\"none\" stroke=\"#555555\"/>\
-             <text x=\"2\" y=\"{:.1}\">{}</text><text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+             <text x=\"2\" y=\"{:.1}\">{}</text>{}",
             WIDTH - RIGHT,
             top - 13.0,
             escape(&self.y.label),
-            WIDTH - RIGHT,
-            ticks_top + 2.0 * LINE,
-            escape(&self.x.label)
+            svg_text(WIDTH - RIGHT, ticks_top + 2.0 * LINE, " text-anchor=\"end\"", &self.x.label)
         );
     }
 }

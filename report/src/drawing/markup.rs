@@ -25,6 +25,16 @@ pub fn slug(text: &str) -> String {
     words.filter(|word| !word.is_empty()).collect::<Vec<_>>().join("-")
 }
 
+/// Words of a picture at a position, px. Attributes begin with a space.
+pub fn svg_text(x: f64, y: f64, attributes: &str, words: &str) -> String {
+    format!("<text x=\"{x:.1}\" y=\"{y:.1}\"{attributes}>{}</text>", escape(words))
+}
+
+/// A rectangle of a picture with its upper left corner and its size, px.
+pub fn svg_rect((x, y): (f64, f64), (width, height): (f64, f64), attributes: &str) -> String {
+    format!("<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" {attributes}/>")
+}
+
 /// A stand-alone picture: an SVG document on white, as wide as the available space but no wider than `width` pixels.
 pub fn svg_document(width: f64, height: f64, font_px: f64, title: &str, body: &str) -> String {
     format!(

@@ -13,11 +13,11 @@ mod page;
 mod table;
 
 pub use axis::{Axis, Scale};
-pub use chart::Chart;
+pub use chart::{Chart, chart};
 pub use layer::{Dash, Layer, Mark, Point, Shape, Style};
-pub use markup::{escape, slug, svg_document};
+pub use markup::{escape, slug, svg_document, svg_rect, svg_text};
 pub use page::Page;
-pub use table::{Cell, Table};
+pub use table::{Cell, Rows, Table};
 
 #[cfg(test)]
 mod tests;

@@ -54,6 +54,11 @@ impl Page {
         let _ = writeln!(self.body, "<p>{}</p>", escape(text));
     }
 
+    /// The paragraphs for which there is something to say.
+    pub fn paragraphs(&mut self, texts: impl IntoIterator<Item = String>) {
+        texts.into_iter().for_each(|text| self.paragraph(&text));
+    }
+
     /// A quotation of the publication, set apart from the results.
     pub fn published(&mut self, text: &str) {
         let _ = writeln!(self.body, "<p class=\"paper\">In the paper: {}</p>", escape(text));

@@ -44,6 +44,12 @@ impl From<String> for Cell {
     }
 }
 
+impl From<Option<usize>> for Cell {
+    fn from(count: Option<usize>) -> Self {
+        count.map_or(Cell::Missing, Cell::Count)
+    }
+}
+
 impl From<usize> for Cell {
     fn from(count: usize) -> Self {
         Cell::Count(count)
@@ -75,6 +81,75 @@ impl Cell {
             Cell::Number(value, _) | Cell::Difference(value, _) if value.is_finite() => value.to_string(),
             Cell::Number(..) | Cell::Difference(..) | Cell::Missing => String::new(),
         }
+    }
+}
+
+/// A table of things, one in each row, that is filled column by column.
+#[derive(Clone, Debug)]
+pub struct Rows<T> {
+    things: Vec<T>,
+    table: Table,
+}
+
+impl<T: Copy> Rows<T> {
+    /// A row for each of these things, still without columns.
+    pub fn of(things: impl IntoIterator<Item = T>) -> Self {
+        let things: Vec<T> = things.into_iter().collect();
+        let rows = vec![Vec::new(); things.len()];
+        Rows { things, table: Table { rows, ..Table::new("", "", &[]) } }
+    }
+
+    /// The things.
+    pub fn things(&self) -> impl Iterator<Item = T> {
+        self.things.iter().copied()
+    }
+
+    /// Adds a column.
+    pub fn column<C: Into<Cell>>(self, heading: impl Into<String>, entry: impl Fn(T) -> C) -> Self {
+        self.columns([heading], |thing| [entry(thing)])
+    }
+
+    /// Adds several columns at once.
+    pub fn columns<E: IntoIterator<Item: Into<Cell>>>(
+        mut self,
+        headings: impl IntoIterator<Item: Into<String>>,
+        entries: impl Fn(T) -> E,
+    ) -> Self {
+        self.table.columns.extend(headings.into_iter().map(Into::into));
+        for (row, thing) in self.table.rows.iter_mut().zip(&self.things) {
+            row.extend(entries(*thing).into_iter().map(Into::into));
+        }
+        self
+    }
+
+    /// Adds a column of numbers that may be missing, with the number of decimals shown to people.
+    pub fn number<N: Into<Option<f64>>>(
+        self,
+        heading: impl Into<String>,
+        decimals: usize,
+        value: impl Fn(T) -> N,
+    ) -> Self {
+        self.column(heading, |thing| Cell::optional(value(thing).into(), decimals))
+    }
+
+    /// Adds a column of shares that may be missing, in per cent.
+    pub fn percent<N: Into<Option<f64>>>(
+        self,
+        heading: impl Into<String>,
+        decimals: usize,
+        share: impl Fn(T) -> N,
+    ) -> Self {
+        self.number(heading, decimals, |thing| share(thing).into().map(|share| 100.0 * share))
+    }
+
+    /// Adds columns only if there is something to show in them.
+    pub fn when(self, is_given: bool, add: impl FnOnce(Self) -> Self) -> Self {
+        if is_given { add(self) } else { self }
+    }
+
+    /// The finished table.
+    pub fn table(self, name: &str, caption: impl Into<String>) -> Table {
+        Table { name: name.into(), caption: caption.into(), ..self.table }
     }
 }
 

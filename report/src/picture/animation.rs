@@ -6,13 +6,12 @@ use std::fmt::Write;
 
 use crate::category_looks::CategoryLooks;
 use crate::drawing::svg_document;
-use glam::DVec2;
 use underbrush_recording::{Category, SkinLayout};
 use underbrush_sim::scene::Workspace;
 use underbrush_sim::snapshot::Snapshot;
 
-use super::panel::{GOAL, PANELS, Panel, RIM, View, colour, felt_at};
-use super::{FONT, LEFT, LINE, RIGHT, WIDTH, legend, views};
+use super::panel::{GOAL, Panel, RIM, View, colour, felt_at};
+use super::{FONT, LINE, WIDTH, legend, panels};
 
 /// Largest size of the file, bytes, for use in a README.
 const MAX_BYTES: usize = 900_000;
@@ -63,22 +62,11 @@ fn draw(
     y += legend::paragraph(&mut body, caption, (8.0, WIDTH - 16.0), y);
     y += clock(&mut body, &times, y);
     y += legend::legend(&mut body, (fullest, &looks, false), layout, (8.0, WIDTH - 16.0), y) + LINE;
-    for (panel, view) in PANELS.iter().zip(views(snapshots, workspace, WIDTH - LEFT - RIGHT)) {
-        let size = view.size_px();
-        let _ = writeln!(
-            body,
-            "<svg x=\"{LEFT}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{:.1}\">\n\
-             <rect width=\"100%\" height=\"100%\" fill=\"#f6f7f9\"/>",
-            size.x, size.y
-        );
-        panel.table(&mut body, &view, workspace);
-        shapes(&mut body, panel, &view, snapshots, &looks);
-        felt(&mut body, panel, &view, snapshots, (layout, objects), &looks);
-        body += "<rect width=\"100%\" height=\"100%\" fill=\"none\" stroke=\"#9aa3ad\" stroke-width=\"2\"/>\n</svg>\n";
-        panel.axes(&mut body, &view, DVec2::new(LEFT, y));
-        y += size.y + 3.0 * LINE;
-    }
-    Some(svg_document(WIDTH, y - LINE, FONT, caption, &body))
+    let height = panels(&mut body, y, snapshots, workspace, |body, panel, view| {
+        shapes(body, panel, view, snapshots, &looks);
+        felt(body, panel, view, snapshots, (layout, objects), &looks);
+    });
+    Some(svg_document(WIDTH, height, FONT, caption, &body))
 }
 
 /// A bar that fills as the reach goes on, with its length in seconds; returns its height, px.

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::category_looks::CategoryLooks;
-use crate::drawing::{Mark, escape};
+use crate::drawing::{Mark, escape, svg_rect, svg_text};
 use glam::{DVec2, DVec3};
 use underbrush_recording::SkinLayout;
 use underbrush_sim::snapshot::Snapshot;
@@ -90,20 +90,11 @@ fn draw(
 fn scale_bar(svg: &mut String, size: DVec2) {
     let length = 0.05 * SCALE;
     let (x, y) = (size.x - length - 6.0, size.y - 6.0);
-    let plate = DVec2::new(length + 6.0, FONT + 7.0);
+    let plate = (length + 6.0, FONT + 7.0);
+    let plate = svg_rect((x - 3.0, y + 3.0 - plate.1), plate, "rx=\"2\" fill=\"#ffffff\" opacity=\"0.85\"");
+    let text = svg_text(x + length / 2.0, y - 3.0, " text-anchor=\"middle\"", "5 cm");
     let _ = writeln!(
         svg,
-        "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" rx=\"2\" fill=\"#ffffff\" opacity=\"0.85\"/>",
-        x - 3.0,
-        y + 3.0 - plate.y,
-        plate.x,
-        plate.y
-    );
-    let _ = writeln!(
-        svg,
-        "<path d=\"M{x:.1} {y:.1}h{length:.1}\" stroke=\"#222222\" stroke-width=\"1.5\"/>\
-         <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">5 cm</text>",
-        x + length / 2.0,
-        y - 3.0
+        "{plate}\n<path d=\"M{x:.1} {y:.1}h{length:.1}\" stroke=\"#222222\" stroke-width=\"1.5\"/>{text}"
     );
 }

@@ -44,12 +44,27 @@ pub fn draw(
     caption: &str,
 ) -> String {
     let looks = CategoryLooks::of(objects.iter().map(|category| category.name()));
-    let inner = (LEFT, WIDTH - LEFT - RIGHT);
     let mut body = String::new();
     let mut y = 8.0;
     y += legend::paragraph(&mut body, caption, (8.0, WIDTH - 16.0), y);
     y += legend::legend(&mut body, (snapshot, &looks, true), layout, (8.0, WIDTH - 16.0), y) + LINE;
-    for (panel, view) in PANELS.iter().zip(views(std::slice::from_ref(snapshot), workspace, inner.1)) {
+    let height = panels(&mut body, y, std::slice::from_ref(snapshot), workspace, |body, panel, view| {
+        panel.shapes(body, view, snapshot, &looks);
+        panel.felt(body, view, (snapshot, &looks), layout, objects);
+    });
+    svg_document(WIDTH, height, FONT, caption, &body)
+}
+
+/// Draws both panels, the first one `y` px from the top, with what `content` draws on the table. Returns the height of the
+/// picture, px.
+fn panels(
+    body: &mut String,
+    mut y: f64,
+    snapshots: &[Snapshot],
+    workspace: &Workspace,
+    content: impl Fn(&mut String, &Panel, &View),
+) -> f64 {
+    for (panel, view) in PANELS.iter().zip(views(snapshots, workspace, WIDTH - LEFT - RIGHT)) {
         let size = view.size_px();
         let _ = writeln!(
             body,
@@ -57,15 +72,13 @@ pub fn draw(
              <rect width=\"100%\" height=\"100%\" fill=\"#f6f7f9\"/>",
             size.x, size.y
         );
-        panel.table(&mut body, &view, workspace);
-        panel.shapes(&mut body, &view, snapshot, &looks);
-        panel.felt(&mut body, &view, (snapshot, &looks), layout, objects);
-        body += "<rect width=\"100%\" height=\"100%\" fill=\"none\" stroke=\"#9aa3ad\" stroke-width=\"2\"/>\n</svg>\n";
-        panel.axes(&mut body, &view, DVec2::new(LEFT, y));
+        panel.table(body, &view, workspace);
+        content(body, panel, &view);
+        *body += "<rect width=\"100%\" height=\"100%\" fill=\"none\" stroke=\"#9aa3ad\" stroke-width=\"2\"/>\n</svg>\n";
+        panel.axes(body, &view, DVec2::new(LEFT, y));
         y += size.y + 3.0 * LINE;
     }
-    let height = y - LINE;
-    svg_document(WIDTH, height, FONT, caption, &body)
+    y - LINE
 }
 
 /// The view of each panel. It contains arm, objects, goal and workspace at all these moments, and its edges are rounded

@@ -10,6 +10,7 @@ use underbrush_sim::snapshot::Snapshot;
 
 use super::{FONT, blade};
 use crate::category_looks::CategoryLooks;
+use crate::drawing::{svg_rect, svg_text};
 
 pub const ARM: &str = "#5b6b7b";
 pub const GOAL: &str = "#1f4fd1";
@@ -136,16 +137,9 @@ impl Panel {
             self.to_pixels(view, point)
         };
         let (low, high) = (corner(0, 1), corner(1, 0));
-        let _ = writeln!(
-            svg,
-            "<rect width=\"100%\" height=\"100%\" fill=\"{TABLE}\"/>\n\
-             <rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"none\" stroke=\"{TABLE_EDGE}\" \
-             stroke-width=\"1.5\" stroke-dasharray=\"6 4\"/>",
-            low.x,
-            low.y,
-            high.x - low.x,
-            high.y - low.y
-        );
+        let edge = format!("fill=\"none\" stroke=\"{TABLE_EDGE}\" stroke-width=\"1.5\" stroke-dasharray=\"6 4\"");
+        let area = svg_rect(low.into(), (high - low).into(), &edge);
+        let _ = writeln!(svg, "<rect width=\"100%\" height=\"100%\" fill=\"{TABLE}\"/>\n{area}");
     }
 
     /// Draws arm and objects, nearest to the viewer last.
@@ -233,32 +227,15 @@ impl Panel {
         };
         for tick in ticks(view.corner.x, view.size_m.x) {
             let (x, y) = (at.x + (tick - view.corner.x) * view.scale, at.y + size.y);
-            let _ = writeln!(
-                svg,
-                "<path d=\"M{x:.1} {y:.1}v5\" stroke=\"#555\"/><text x=\"{x:.1}\" y=\"{:.1}\" \
-                 text-anchor=\"middle\">{tick:.1}</text>",
-                y + FONT + 5.0
-            );
+            let text = svg_text(x, y + FONT + 5.0, " text-anchor=\"middle\"", &format!("{tick:.1}"));
+            let _ = writeln!(svg, "<path d=\"M{x:.1} {y:.1}v5\" stroke=\"#555\"/>{text}");
         }
         for tick in ticks(view.corner.y, view.size_m.y) {
             let y = at.y + size.y - (tick - view.corner.y) * view.scale;
-            let _ = writeln!(
-                svg,
-                "<path d=\"M{:.1} {y:.1}h-5\" stroke=\"#555\"/><text x=\"{:.1}\" y=\"{:.1}\" \
-                 text-anchor=\"end\">{tick:.1}</text>",
-                at.x,
-                at.x - 8.0,
-                y + 0.35 * FONT
-            );
+            let text = svg_text(at.x - 8.0, y + 0.35 * FONT, " text-anchor=\"end\"", &format!("{tick:.1}"));
+            let _ = writeln!(svg, "<path d=\"M{:.1} {y:.1}h-5\" stroke=\"#555\"/>{text}", at.x);
         }
-        let _ = writeln!(
-            svg,
-            "<text x=\"{:.1}\" y=\"{:.1}\" font-weight=\"bold\">{}; {} to the right, {} up</text>",
-            at.x,
-            at.y - 8.0,
-            self.title,
-            self.axes[0],
-            self.axes[1]
-        );
+        let title = format!("{}; {} to the right, {} up", self.title, self.axes[0], self.axes[1]);
+        let _ = writeln!(svg, "{}", svg_text(at.x, at.y - 8.0, " font-weight=\"bold\"", &title));
     }
 }

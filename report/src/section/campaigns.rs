@@ -1,53 +1,40 @@
 //! Several independent campaigns: mean and spread.
 
+use underbrush_experiments::accuracy::Figures;
 use underbrush_experiments::cell::unit_name;
 use underbrush_experiments::experiment::campaigns::{CampaignCell, Campaigns, Outcome};
 
 use super::classifiers;
 use super::table_one::trials_and_features;
 use crate::agreement::{self, Compared};
-use crate::drawing::{Cell, Table};
-use crate::report::{CAMPAIGN_COLUMNS, Report, campaign_cells, campaigns_by_touch, possessive, seeds, with_published};
+use crate::drawing::{Rows, Table};
+use crate::report::{CAMPAIGN_COLUMNS, Report, campaign_cells, campaigns_by_touch, possessive, seeds};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &Outcome) {
     let Some(campaigns) = &outcome.campaigns else { return };
     let compared: Vec<Compared> = campaigns.table_1.iter().map(compared).collect();
-    let recipes = agreement::recipes(&compared);
     report.section("campaigns", "Cross-validation over several campaigns");
+    let count = campaigns.seeds.len();
     report.page.paragraph(&format!(
-        "Means of {} independent campaigns, each with its own clutter, goals and noise; whiskers are one standard deviation \
-         over campaigns.",
-        campaigns.seeds.len()
+        "Means of {count} independent campaigns, each with its own clutter, goals and noise; whiskers are one standard deviation \
+         over campaigns."
     ));
-    for recipe in &recipes {
-        let own: Vec<&Compared> = compared.iter().filter(|cell| cell.key.recipe == *recipe).collect();
-        let what =
-            format!("In the mean of {} campaigns, with the {} recipe", campaigns.seeds.len(), possessive(recipe));
-        report.page.paragraph(&agreement::sentences(&what, &own));
-    }
+    let what = |recipe: &str| format!("In the mean of {count} campaigns, with the {recipe} recipe");
+    let recipes = agreement::add_sentences(report, &compared, what);
     report.page.figure(
         "The mean of all campaigns, with published figures and the majority baseline.",
         &agreement::charts("campaigns", ", mean of campaigns", &compared),
     );
-    if !campaigns.orderings.is_empty() {
-        let caption = "The paper's orderings on the mean campaign";
-        report.page.paragraph(&format!("{caption}:"));
-        report.page.list(&agreement::orderings(&campaigns.orderings));
-        let table = agreement::orderings_table("campaign_orderings", caption, &campaigns.orderings);
-        report.print(&table, 5);
-        report.numbers(table);
-    }
+    let caption = "The paper's orderings on the mean campaign";
+    agreement::add_orderings(report, "campaign_orderings", caption, &campaigns.orderings);
     for recipe in &recipes {
         let table = of_recipe(campaigns, recipe);
         report.page.table(&table);
         report.print(&table, 12);
     }
     report.tables.push(all(campaigns));
-    let rows = campaigns.table_1.iter().map(|cell| {
-        let name = format!("{}, {} recipe", cell.key.name(), cell.key.recipe);
-        (name, &cell.figures)
-    });
+    let rows = campaigns.table_1.iter().map(|cell| (cell.key.with_recipe(), &cell.figures));
     report.table(campaigns_by_touch("campaigns_by_touch", "Cross-validation", rows));
     report.table(trials(campaigns));
     if !campaigns.classifiers.is_empty() {
@@ -56,15 +43,15 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
 }
 
 fn compared(cell: &CampaignCell) -> Compared<'_> {
-    let own = &cell.figures.accuracy;
+    let Figures { accuracy: own, balanced_accuracy, majority_baseline } = &cell.figures.all;
     let deviation = own.standard_deviation.unwrap_or(0.0);
     Compared {
         key: &cell.key,
         accuracy: own.mean,
         interval: Some((own.mean - deviation, own.mean + deviation)),
         covers: false,
-        balanced_accuracy: cell.figures.balanced_accuracy.mean,
-        majority_baseline: cell.figures.majority_baseline.mean,
+        balanced_accuracy: balanced_accuracy.mean,
+        majority_baseline: majority_baseline.mean,
         published: cell.paper,
     }
 }
@@ -72,17 +59,11 @@ fn compared(cell: &CampaignCell) -> Compared<'_> {
 /// Other classifiers in the mean of all campaigns.
 fn add_classifiers(report: &mut Report, campaigns: &Campaigns) {
     let best = report.published().and_then(|own| own.best_accuracy_percent);
-    if let Some(text) = best_classifier(campaigns, best) {
-        report.page.paragraph(&text);
-    }
+    report.page.paragraphs(best_classifier(campaigns, best));
     let means: Vec<(&str, f64)> =
-        campaigns.classifiers.iter().map(|own| (own.classifier.as_str(), own.figures.accuracy.mean)).collect();
-    if let Some(text) = classifiers::features(&report.results.definition.file.classifiers, &means) {
-        report.page.paragraph(&text);
-    }
-    let table = classifiers_table(campaigns, best);
-    report.print(&table, 10);
-    report.table(table);
+        campaigns.classifiers.iter().map(|own| (own.classifier.as_str(), own.figures.all.accuracy.mean)).collect();
+    report.page.paragraphs(classifiers::features(&report.results.definition.file.classifiers, &means));
+    report.printed(classifiers_table(campaigns, best), 10);
     let rows = campaigns.classifiers.iter().map(|own| (own.classifier.clone(), &own.figures));
     report.table(campaigns_by_touch("campaign_classifiers_by_touch", "Other classifiers", rows));
 }
@@ -90,70 +71,50 @@ fn add_classifiers(report: &mut Report, campaigns: &Campaigns) {
 /// The best classifier in the mean of many campaigns, which are independent of each other.
 fn best_classifier(campaigns: &Campaigns, published: Option<f64>) -> Option<String> {
     let all = campaigns.classifiers.iter();
-    let best = all.max_by(|a, b| a.figures.accuracy.mean.total_cmp(&b.figures.accuracy.mean))?;
+    let best = all.max_by(|a, b| a.figures.all.accuracy.mean.total_cmp(&b.figures.all.accuracy.mean))?;
     let count = campaigns.seeds.len();
-    let own = &best.figures.accuracy;
+    let Figures { accuracy: own, balanced_accuracy, majority_baseline } = &best.figures.all;
     let error = own.standard_deviation? / (count as f64).sqrt();
     let against = published
         .map_or(String::new(), |paper| format!(" That is {:+.1} points from the paper's best.", own.mean - paper));
     Some(format!(
         "Over {count} campaigns {} has {:.1} % on average, with a standard error of {error:.1} points (balanced {:.1} %, majority \
          baseline {:.1} %).{against}",
-        best.classifier, own.mean, best.figures.balanced_accuracy.mean, best.figures.majority_baseline.mean
+        best.classifier, own.mean, balanced_accuracy.mean, majority_baseline.mean
     ))
 }
 
 fn classifiers_table(campaigns: &Campaigns, published: Option<f64>) -> Table {
-    let mut columns = vec!["classifier"];
-    columns.extend(CAMPAIGN_COLUMNS);
-    columns.extend(published.map(|_| "against the paper's best"));
     let caption = format!(
         "Classifiers, mean of {} campaigns: accuracy, balanced accuracy and majority baseline in %, by whole reaches",
         campaigns.seeds.len()
     );
-    let mut table = Table::new("campaign_classifiers", caption, &columns);
-    for own in &campaigns.classifiers {
-        let mut row = vec![own.classifier.as_str().into()];
-        row.extend(campaign_cells(&own.figures));
-        row.extend(published.map(|best| Cell::Difference(own.figures.accuracy.mean - best, 1)));
-        table.rows.push(row);
-    }
-    table
+    Rows::of(&campaigns.classifiers)
+        .column("classifier", |own| own.classifier.as_str())
+        .columns(CAMPAIGN_COLUMNS, |own| campaign_cells(&own.figures))
+        .against_best(published, |own| own.figures.all.accuracy.mean)
+        .table("campaign_classifiers", caption)
 }
 
 /// The mean campaign in one recipe.
 fn of_recipe(campaigns: &Campaigns, recipe: &str) -> Table {
-    let published = campaigns.table_1.iter().any(|cell| cell.paper.is_some());
-    let columns = [&["trials, features", "states"], &CAMPAIGN_COLUMNS[..]].concat();
-    let columns = with_published(&columns, published);
     let caption = format!(
         "Mean of {} campaigns, {}, the {} recipe: accuracy, balanced accuracy and majority baseline, %",
         campaigns.seeds.len(),
         seeds(&campaigns.seeds),
         possessive(recipe)
     );
-    let mut table = Table::new("campaigns", caption, &columns);
-    for cell in campaigns.table_1.iter().filter(|cell| cell.key.recipe == recipe) {
-        let mut row = vec![trials_and_features(&cell.key), cell.key.states.into()];
-        row.extend(campaign_cells(&cell.figures));
-        if published {
-            row.push(Cell::optional(cell.paper, 1));
-            let difference = cell.paper.map(|paper| cell.figures.accuracy.mean - paper);
-            row.push(difference.map_or(Cell::Missing, |points| Cell::Difference(points, 1)));
-        }
-        table.rows.push(row);
-    }
-    table
+    Rows::of(campaigns.table_1.iter().filter(|cell| cell.key.recipe == recipe))
+        .column("trials, features", |cell| trials_and_features(&cell.key))
+        .column("states", |cell| cell.key.states)
+        .columns(CAMPAIGN_COLUMNS, |cell| campaign_cells(&cell.figures))
+        .against_published(|cell| cell.figures.all.accuracy.mean, |cell| cell.paper)
+        .table("campaigns", caption)
 }
 
 /// All cells, with their recipe in a column.
 fn all(campaigns: &Campaigns) -> Table {
-    let published = campaigns.table_1.iter().any(|cell| cell.paper.is_some());
-    let mut columns = vec![
-        "by",
-        "features",
-        "states",
-        "recipe",
+    let columns = [
         "accuracy_percent",
         "accuracy_sd",
         "accuracy_min",
@@ -163,35 +124,20 @@ fn all(campaigns: &Campaigns) -> Table {
         "majority_baseline_percent",
         "majority_baseline_sd",
     ];
-    columns.extend(published.then_some("paper_percent"));
-    let mut table = Table::new("campaigns", "Cross-validation over campaigns", &columns);
-    for cell in &campaigns.table_1 {
-        let mut row = vec![
-            unit_name(cell.key.by).into(),
-            cell.key.features.to_string().into(),
-            cell.key.states.into(),
-            cell.key.recipe.as_str().into(),
-        ];
-        row.extend(campaign_cells(&cell.figures));
-        row.extend(published.then(|| Cell::optional(cell.paper, 2)));
-        table.rows.push(row);
-    }
-    table
+    let published = campaigns.table_1.iter().any(|cell| cell.paper.is_some());
+    Rows::of(&campaigns.table_1)
+        .key(|cell| &cell.key)
+        .columns(columns, |cell| campaign_cells(&cell.figures))
+        .when(published, |rows| rows.number("paper_percent", 2, |cell| cell.paper))
+        .table("campaigns", "Cross-validation over campaigns")
 }
 
 fn trials(campaigns: &Campaigns) -> Table {
     let published = campaigns.trials_per_reach.iter().any(|row| row.paper.is_some());
-    let mut columns = vec!["trials", "per reach, mean", "SD"];
-    columns.extend(published.then_some("paper"));
-    let mut table = Table::new("campaign_trials_per_reach", "Contact trials over all campaigns", &columns);
-    for row in &campaigns.trials_per_reach {
-        let mut cells = vec![
-            format!("{}, {}", unit_name(row.by), row.category).into(),
-            Cell::Number(row.per_reach.mean, 1),
-            Cell::optional(row.per_reach.standard_deviation, 1),
-        ];
-        cells.extend(published.then(|| Cell::optional(row.paper, 1)));
-        table.rows.push(cells);
-    }
-    table
+    Rows::of(&campaigns.trials_per_reach)
+        .column("trials", |row| format!("{}, {}", unit_name(row.by), row.category))
+        .number("per reach, mean", 1, |row| row.per_reach.mean)
+        .number("SD", 1, |row| row.per_reach.standard_deviation)
+        .when(published, |rows| rows.number("paper", 1, |row| row.paper))
+        .table("campaign_trials_per_reach", "Contact trials over all campaigns")
 }

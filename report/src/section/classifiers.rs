@@ -4,9 +4,10 @@ use underbrush_classifier::evaluate::AccuracyBySamples;
 use underbrush_experiments::definition::ClassifierEntry;
 use underbrush_experiments::experiment::classifiers::{Compared, Outcome, Speed};
 
-use crate::drawing::{Axis, Cell, Chart, Dash, Layer, Point, Shape, Style, Table};
-use crate::report::{Report, accuracy_cells, by_touch};
-use crate::style::{self, INK};
+use crate::accuracy_chart::{AccuracyChart, lowest};
+use crate::drawing::{Cell, Rows, Table};
+use crate::report::{ACCURACY_HEADINGS, Report, by_touch};
+use crate::style;
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &Outcome) {
@@ -23,16 +24,10 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     report.page.paragraph(&best_of(&outcome.classifiers, best));
     let accuracies: Vec<(&str, f64)> =
         outcome.classifiers.iter().map(|own| (own.classifier.as_str(), own.accuracy.accuracy)).collect();
-    if let Some(text) = features(&file.classifiers, &accuracies) {
-        report.page.paragraph(&text);
-    }
-    let compared = table(&outcome.classifiers, best);
-    report.print(&compared, 7);
-    report.table(compared);
+    report.page.paragraphs(features(&file.classifiers, &accuracies));
+    report.printed(table(&outcome.classifiers, best), 7);
     let rows = outcome.classifiers.iter().map(|own| (own.classifier.clone(), &own.accuracy));
-    let touched = by_touch("classifiers_by_touch", "Other classifiers", rows);
-    report.print(&touched, 9);
-    report.table(touched);
+    report.printed(by_touch("classifiers_by_touch", "Other classifiers", rows), 9);
     let min_samples = file.trials.min_samples;
     report.page.paragraph(&format!(
         "The charts ask for a verdict after a number of samples since contact; a contact that ended earlier keeps its last \
@@ -123,20 +118,14 @@ fn speeds(speeds: &[Speed], min_samples: usize) -> String {
     let Some(first) = speeds.first() else {
         return String::new();
     };
-    let rows: Vec<String> = speeds
-        .iter()
-        .map(|speed| {
-            let (lasting, all) = (&speed.lasting_contacts, &speed.all_contacts);
-            format!(
-                "{}: {:.1} % and {:.1} % after 12 samples, {:.1} % and {:.1} % at the end",
-                speed.classifier,
-                after(lasting, Some(12)),
-                after(all, Some(12)),
-                after(lasting, None),
-                after(all, None)
-            )
-        })
-        .collect();
+    let row = |Speed { classifier, lasting_contacts, all_contacts }: &Speed| {
+        let [early, last] = [Some(12), None].map(|samples| {
+            let (lasting, all) = (after(lasting_contacts, samples), after(all_contacts, samples));
+            format!("{lasting:.1} % and {all:.1} %")
+        });
+        format!("{classifier}: {early} after 12 samples, {last} at the end")
+    };
+    let rows: Vec<String> = speeds.iter().map(row).collect();
     format!(
         "{} of {} contacts last {min_samples} samples or more. Accuracy on the longer ones and on all: {}.",
         count(&first.lasting_contacts),
@@ -154,100 +143,55 @@ fn chart(
 ) -> Option<String> {
     let first = points_of(speeds.first()?);
     let sample_name = |point: &AccuracyBySamples| point.samples.map_or("all".into(), |samples| samples.to_string());
-    let names: Vec<String> = first.iter().map(sample_name).collect();
-    let mut description = String::from("Accuracy in per cent by samples since contact.");
-    let mut layers = Vec::new();
-    for (place, speed) in speeds.iter().enumerate() {
-        let points = points_of(speed).iter().enumerate().map(|(place, point)| Point {
-            x: place as f64,
-            y: 100.0 * point.accuracy,
-            interval: None,
-        });
-        let points: Vec<Point> = points.collect();
-        description += &format!(" {}: {}.", speed.classifier, style::told(&names, &points));
-        layers.push(Layer::new(speed.classifier.as_str(), style::series(place), Shape::Points(points)));
+    let places = first.iter().map(sample_name).collect();
+    let mut chart = AccuracyChart::new("Accuracy in per cent by samples since contact.", places);
+    for (index, speed) in speeds.iter().enumerate() {
+        let points = points_of(speed).iter().map(|point| 100.0 * point.accuracy).enumerate();
+        chart.series(
+            &speed.classifier,
+            style::series(index),
+            0.0,
+            points.map(|(place, percent)| (place, percent, None)),
+        );
     }
     // The baseline is the same at every count, because all trials are judged.
-    if let Some(point) = first.first() {
-        let majority = 100.0 * point.majority_baseline;
-        description += &format!(" Majority baseline: {majority:.1}.");
-        layers.push(style::majority_layer(majority, names.len()));
-    }
+    chart.majority(first.first().map(|point| 100.0 * point.majority_baseline));
     if let Some(best) = published {
-        let ends = [0, names.len() - 1].map(|place| (place as f64, best));
-        layers.push(Layer::new(
-            "paper's best, whole trials",
-            Style::line(INK, Dash::Dotted),
-            Shape::Line(ends.to_vec()),
-        ));
+        chart.level("paper's best, whole trials", best);
     }
     let all = speeds.iter().flat_map(&points_of).map(|point| 100.0 * point.accuracy);
-    let lowest = all.fold(40.0, f64::min);
-    let chart = Chart {
-        name: format!("by-samples-{name}"),
-        title: title.into(),
-        description,
-        x: Axis::names("samples since contact", names),
-        y: Axis::spanning("accuracy / %", (lowest / 20.0).floor() * 20.0, 100.0),
-        layers,
-    };
-    Some(chart.svg())
+    Some(chart.svg(format!("by-samples-{name}"), title, "samples since contact", lowest(all)))
 }
 
 fn table(classifiers: &[Compared], published: Option<f64>) -> Table {
-    let mut columns = vec!["classifier", "accuracy / %", "from", "to", "balanced / %", "majority / %"];
-    columns.extend(published.map(|_| "against the paper's best"));
     let caption = "Taxels, whole trials, two folds of whole reaches: accuracy with the 95 % interval by reach, balanced accuracy \
                    and majority baseline";
-    let mut table = Table::new("classifiers", caption, &columns);
-    for compared in classifiers {
-        let mut row = vec![compared.classifier.as_str().into()];
-        row.extend(accuracy_cells(&compared.accuracy, 1));
-        row.extend(published.map(|best| Cell::Difference(compared.accuracy.accuracy - best, 1)));
-        table.rows.push(row);
-    }
-    table
+    Rows::of(classifiers)
+        .column("classifier", |own| own.classifier.as_str())
+        .accuracy(ACCURACY_HEADINGS, 1, |own| &own.accuracy)
+        .against_best(published, |own| own.accuracy.accuracy)
+        .table("classifiers", caption)
 }
 
 /// Accuracy after increasing numbers of samples, on lasting contacts and on all contacts.
 fn by_samples(speeds: &[Speed], min_samples: usize) -> Table {
-    let columns = [
-        "contacts",
-        "classifier",
-        "max samples",
-        "accuracy / %",
-        "from",
-        "to",
-        "balanced / %",
-        "majority / %",
-        "trials lasting so long",
-        "accuracy on these / %",
-        "balanced on these / %",
-        "majority on these / %",
-    ];
     let lasting = format!("{min_samples} samples or more");
-    let percent = |fraction: Option<f64>| Cell::optional(fraction.map(|fraction| 100.0 * fraction), 1);
-    let mut table = Table::new("accuracy_by_samples", "Accuracy by samples since contact", &columns);
-    for speed in speeds {
-        for (contacts, points) in [(lasting.as_str(), &speed.lasting_contacts), ("all", &speed.all_contacts)] {
-            for point in points {
-                let interval = point.interval_by_reach;
-                table.rows.push(vec![
-                    contacts.into(),
-                    speed.classifier.as_str().into(),
-                    point.samples.map_or("all".into(), Cell::Count),
-                    Cell::Number(100.0 * point.accuracy, 1),
-                    percent(interval.map(|interval| interval.low)),
-                    percent(interval.map(|interval| interval.high)),
-                    percent(point.balanced_accuracy),
-                    percent(Some(point.majority_baseline)),
-                    point.lasting.into(),
-                    percent(point.accuracy_of_lasting),
-                    percent(point.balanced_accuracy_of_lasting),
-                    percent(point.majority_baseline_of_lasting),
-                ]);
-            }
-        }
-    }
-    table
+    let points = speeds.iter().flat_map(|Speed { classifier, lasting_contacts, all_contacts }| {
+        let lasting = lasting_contacts.iter().map(|point| (lasting.as_str(), classifier.as_str(), point));
+        lasting.chain(all_contacts.iter().map(|point| ("all", classifier.as_str(), point)))
+    });
+    Rows::of(points)
+        .column("contacts", |(contacts, ..)| contacts)
+        .column("classifier", |(_, classifier, _)| classifier)
+        .column("max samples", |(.., point)| point.samples.map_or("all".into(), Cell::Count))
+        .percent("accuracy / %", 1, |(.., point)| point.accuracy)
+        .percent("from", 1, |(.., point)| point.interval_by_reach.map(|interval| interval.low))
+        .percent("to", 1, |(.., point)| point.interval_by_reach.map(|interval| interval.high))
+        .percent("balanced / %", 1, |(.., point)| point.balanced_accuracy)
+        .percent("majority / %", 1, |(.., point)| point.majority_baseline)
+        .column("trials lasting so long", |(.., point)| point.lasting)
+        .percent("accuracy on these / %", 1, |(.., point)| point.accuracy_of_lasting)
+        .percent("balanced on these / %", 1, |(.., point)| point.balanced_accuracy_of_lasting)
+        .percent("majority on these / %", 1, |(.., point)| point.majority_baseline_of_lasting)
+        .table("accuracy_by_samples", "Accuracy by samples since contact")
 }

@@ -3,7 +3,7 @@
 use underbrush_classifier::evaluate::ConfusionMatrix;
 use underbrush_experiments::experiment::confusion::Outcome;
 
-use crate::drawing::{Cell, Table};
+use crate::drawing::{Rows, Table};
 use crate::report::Report;
 
 /// Adds the section.
@@ -29,16 +29,10 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
 }
 
 fn table(name: &str, caption: &str, matrix: &ConfusionMatrix) -> Table {
-    let columns: Vec<&str> = std::iter::once("truth \\ verdict")
-        .chain(matrix.verdict.iter().map(String::as_str))
-        .chain(["recall / %"])
-        .collect();
-    let mut table = Table::new(name, caption, &columns);
-    for (figures, (truth, row)) in matrix.figures().iter().zip(matrix.truth.iter().zip(&matrix.count)) {
-        let mut cells = vec![truth.as_str().into()];
-        cells.extend(row.iter().map(|count| Cell::Count(*count)));
-        cells.push(Cell::Number(100.0 * figures.recall, 1));
-        table.rows.push(cells);
-    }
-    table
+    let figures = matrix.figures();
+    Rows::of(figures.iter().zip(&matrix.count))
+        .column("truth \\ verdict", |(own, _)| own.category.as_str())
+        .columns(&matrix.verdict, |(_, row)| row.iter().copied())
+        .percent("recall / %", 1, |(own, _)| own.recall)
+        .table(name, caption)
 }

@@ -1,9 +1,9 @@
 //! Online verdicts in reaches that touch one category alone (Fig. 11).
 
-use underbrush_experiments::experiment::engineered::Outcome;
+use underbrush_experiments::experiment::engineered::{Engineered, Outcome};
 use underbrush_experiments::online::Shares;
 
-use crate::drawing::{Axis, Cell, Chart, Dash, Layer, Shape, Style, Table};
+use crate::drawing::{Axis, Dash, Layer, Rows, Shape, Style, Table, chart};
 use crate::replay_links;
 use crate::report::Report;
 use crate::style::{CORRECT, UNCERTAIN, WRONG};
@@ -27,19 +27,17 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         reaches.len(),
         mostly_correct.count()
     ));
-    report.page.figure("Verdicts on all taxels in contact, over all frames of a reach.", &[chart(outcome)]);
+    report.page.figure("Verdicts on all taxels in contact, over all frames of a reach.", &[shares_chart(outcome)]);
     let found = reaches.iter().filter(|reach| reach.reach_index.is_some());
     let links: Vec<(String, String)> = found
         .enumerate()
         .map(|(place, reach)| (replay_links::reach(replay_links::ENGINEERED_FILE, place), reach.scene.clone()))
         .collect();
     report.page.links("Replay these reaches in 3-D", &links);
-    let table = table(outcome);
-    report.print(&table, 10);
-    report.table(table);
+    report.printed(table(outcome), 10);
 }
 
-fn chart(outcome: &Outcome) -> String {
+fn shares_chart(outcome: &Outcome) -> String {
     let mut description = String::from("Per cent correct, misclassified and uncertain.");
     let mut letters: Vec<String> = Vec::new();
     let mut names = Vec::new();
@@ -62,52 +60,28 @@ fn chart(outcome: &Outcome) -> String {
         names.push(name);
     }
     let [correct, wrong, uncertain] = heights;
-    let chart = Chart {
-        name: "figure-11".into(),
-        title: "Verdicts in engineered reaches".into(),
-        description,
-        x: Axis::names(format!("reach; {}", letters.join(", ")), names),
-        y: Axis::spanning("taxels in contact / %", 0.0, 100.0),
-        layers: vec![
-            Layer::new("correct", Style::line(CORRECT, Dash::Solid), Shape::Bars(correct)),
-            Layer::new("misclassified", Style::line(WRONG, Dash::Dashed), Shape::Bars(wrong)),
-            Layer::new("uncertain", Style::line(UNCERTAIN, Dash::Dotted), Shape::Bars(uncertain)),
-        ],
-    };
-    chart.svg()
+    let layers = vec![
+        Layer::new("correct", Style::line(CORRECT, Dash::Solid), Shape::Bars(correct)),
+        Layer::new("misclassified", Style::line(WRONG, Dash::Dashed), Shape::Bars(wrong)),
+        Layer::new("uncertain", Style::line(UNCERTAIN, Dash::Dotted), Shape::Bars(uncertain)),
+    ];
+    let x = Axis::names(format!("reach; {}", letters.join(", ")), names);
+    let y = Axis::spanning("taxels in contact / %", 0.0, 100.0);
+    chart("figure-11", "Verdicts in engineered reaches", description, (x, y), layers)
 }
 
 fn table(outcome: &Outcome) -> Table {
-    let columns = [
-        "reach",
-        "scene",
-        "category",
-        "draw",
-        "correct / %",
-        "misclassified / %",
-        "uncertain / %",
-        "taxel frames",
-        "untouched / %",
-        "samples used",
-    ];
-    let caption = "Verdicts on the taxels in contact, over all frames of each engineered reach";
-    let mut table = Table::new("figure_11", caption, &columns);
-    for (place, reach) in outcome.figure_11.iter().enumerate() {
-        let shares = reach.shares.as_ref();
-        let share = |of: fn(&Shares) -> f64| Cell::optional(shares.map(of), 1);
-        let count = |count: Option<usize>| count.map_or(Cell::Missing, Cell::Count);
-        table.rows.push(vec![
-            (place + 1).into(),
-            reach.scene.as_str().into(),
-            reach.category.into(),
-            count(reach.reach_index.map(|index| index as usize)),
-            share(|shares| shares.correct_percent),
-            share(|shares| shares.misclassified_percent),
-            share(|shares| shares.uncertain_percent),
-            count(shares.map(|shares| shares.taxel_frames)),
-            Cell::optional(reach.untouched_percent, 1),
-            Cell::optional(reach.mean_samples_used, 1),
-        ]);
-    }
-    table
+    let shares = |reach: &Engineered, of: fn(&Shares) -> f64| reach.shares.as_ref().map(of);
+    Rows::of(outcome.figure_11.iter().enumerate())
+        .column("reach", |(place, _)| place + 1)
+        .column("scene", |(_, reach)| reach.scene.as_str())
+        .column("category", |(_, reach)| reach.category)
+        .column("draw", |(_, reach)| reach.reach_index.map(|index| index as usize))
+        .number("correct / %", 1, |(_, reach)| shares(reach, |own| own.correct_percent))
+        .number("misclassified / %", 1, |(_, reach)| shares(reach, |own| own.misclassified_percent))
+        .number("uncertain / %", 1, |(_, reach)| shares(reach, |own| own.uncertain_percent))
+        .column("taxel frames", |(_, reach)| reach.shares.as_ref().map(|shares| shares.taxel_frames))
+        .number("untouched / %", 1, |(_, reach)| reach.untouched_percent)
+        .number("samples used", 1, |(_, reach)| reach.mean_samples_used)
+        .table("figure_11", "Verdicts on the taxels in contact, over all frames of each engineered reach")
 }

@@ -4,7 +4,7 @@ use underbrush_experiments::experiment::example_trials::{Example, Outcome, Typic
 use underbrush_recording::{FRAME_PERIOD_S, Sample};
 
 use crate::category_looks::CategoryLooks;
-use crate::drawing::{Axis, Cell, Chart, Layer, Shape, Table};
+use crate::drawing::{Axis, Layer, Rows, Shape, Table, chart};
 use crate::replay_links;
 use crate::report::Report;
 
@@ -14,19 +14,11 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         return;
     }
     report.section("example_trials", "force and motion of a trial");
-    let parts: Vec<String> = outcome
-        .figure_5
-        .iter()
-        .map(|example| {
-            format!(
-                "{}: peak {:.2} N, motion up to {:.1} cm in {:.2} s",
-                example.category,
-                example.peak_force_n,
-                100.0 * example.motion_m,
-                example.samples as f64 * FRAME_PERIOD_S
-            )
-        })
-        .collect();
+    let part = |Example { category, peak_force_n, motion_m, samples, .. }: &Example| {
+        let (motion_cm, lasts_s) = (100.0 * motion_m, *samples as f64 * FRAME_PERIOD_S);
+        format!("{category}: peak {peak_force_n:.2} N, motion up to {motion_cm:.1} cm in {lasts_s:.2} s")
+    };
+    let parts: Vec<String> = outcome.figure_5.iter().map(part).collect();
     let caption = format!(
         "One taxel trial of each category: among those of a second or more, the one with the median peak force. {}.",
         parts.join("; ")
@@ -55,19 +47,13 @@ fn address(example: &Example, place: usize) -> String {
 
 /// The medians of each category.
 fn typical(medians: &[Typical]) -> String {
-    let parts: Vec<String> = medians
-        .iter()
-        .map(|own| {
-            format!(
-                "{}, {} trials: force {:.2} N after 0.1 s, peak {:.2} N, motion {:.1} cm",
-                own.category,
-                own.trials,
-                own.force_after_100_ms_n,
-                own.peak_force_n,
-                100.0 * own.motion_m
-            )
-        })
-        .collect();
+    let part = |Typical { category, trials, force_after_100_ms_n: early_n, peak_force_n, motion_m }: &Typical| {
+        let motion_cm = 100.0 * motion_m;
+        format!(
+            "{category}, {trials} trials: force {early_n:.2} N after 0.1 s, peak {peak_force_n:.2} N, motion {motion_cm:.1} cm"
+        )
+    };
+    let parts: Vec<String> = medians.iter().map(part).collect();
     format!("Medians over the trials in which something touched the taxel. {}.", parts.join("; "))
 }
 
@@ -75,24 +61,20 @@ fn typical(medians: &[Typical]) -> String {
 pub fn against_paper(medians: &[Typical]) -> Option<String> {
     let of = |category: &str| medians.iter().find(|own| own.category == category);
     let (leaf, trunk) = (of("leaf")?, of("trunk")?);
-    let agreement = |holds: bool| {
-        if holds { "as in the paper" } else { "unlike in the paper" }
-    };
     let larger = |trunk: f64, leaf: f64| if trunk > leaf { "larger" } else { "not larger" };
+    let agreement = |holds: bool| if holds { "as in the paper" } else { "unlike in the paper" };
+    let force = |what: &str, of: fn(&Typical) -> f64| {
+        let (trunk, leaf) = (of(trunk), of(leaf));
+        let (larger, agreement) = (larger(trunk, leaf), agreement(trunk > leaf));
+        format!("{what} is {larger} on trunks, {agreement} ({trunk:.2} N, leaves {leaf:.2} N)")
+    };
     Some(format!(
-        "Medians over all trials in which something touched the taxel, {} on trunks and {} on leaves: the force 0.1 s after \
-         contact is {} on trunks, {} ({:.2} N, leaves {:.2} N); the peak force is {} on trunks, {} ({:.2} N, leaves \
-         {:.2} N); the motion is {} on trunks, {} ({:.1} cm, leaves {:.1} cm).",
+        "Medians over all trials in which something touched the taxel, {} on trunks and {} on leaves: {}; {}; the motion is {} \
+         on trunks, {} ({:.1} cm, leaves {:.1} cm).",
         trunk.trials,
         leaf.trials,
-        larger(trunk.force_after_100_ms_n, leaf.force_after_100_ms_n),
-        agreement(trunk.force_after_100_ms_n > leaf.force_after_100_ms_n),
-        trunk.force_after_100_ms_n,
-        leaf.force_after_100_ms_n,
-        larger(trunk.peak_force_n, leaf.peak_force_n),
-        agreement(trunk.peak_force_n > leaf.peak_force_n),
-        trunk.peak_force_n,
-        leaf.peak_force_n,
+        force("the force 0.1 s after contact", |own| own.force_after_100_ms_n),
+        force("the peak force", |own| own.peak_force_n),
         larger(trunk.motion_m, leaf.motion_m),
         agreement(trunk.motion_m < leaf.motion_m),
         100.0 * trunk.motion_m,
@@ -116,15 +98,8 @@ pub fn charts(outcome: &Outcome, looks: &CategoryLooks) -> Vec<String> {
             let style = looks.look(&example.category).line();
             layers.push(Layer::new(example.category.as_str(), style, Shape::Line(points)));
         }
-        let chart = Chart {
-            name: format!("figure-5-{what}"),
-            title: format!("{what} of a taxel"),
-            description,
-            x: Axis::from_zero("time since contact / s"),
-            y: Axis::from_zero(label),
-            layers,
-        };
-        chart.svg()
+        let axes = (Axis::from_zero("time since contact / s"), Axis::from_zero(label));
+        chart(format!("figure-5-{what}"), format!("{what} of a taxel"), description, axes, layers)
     };
     vec![
         of("Force", "force / N", "N", |sample| Some(sample.force_n)),
@@ -134,19 +109,15 @@ pub fn charts(outcome: &Outcome, looks: &CategoryLooks) -> Vec<String> {
 
 /// All examples, sample by sample.
 fn table(outcome: &Outcome) -> Table {
-    let columns = ["category", "trial", "time_since_contact_s", "force_n", "motion_m"];
-    let mut table = Table::new("figure_5", "Example trials", &columns);
-    for example in &outcome.figure_5 {
+    let samples = outcome.figure_5.iter().flat_map(|example| {
         let start_s = example.data.samples.first().map_or(0.0, |sample| sample.time_s);
-        for sample in &example.data.samples {
-            table.rows.push(vec![
-                example.category.as_str().into(),
-                Cell::Count(example.trial as usize),
-                Cell::Number(sample.time_s - start_s, 2),
-                Cell::Number(sample.force_n, 3),
-                Cell::optional(sample.motion_m, 4),
-            ]);
-        }
-    }
-    table
+        example.data.samples.iter().map(move |sample| (example, sample, sample.time_s - start_s))
+    });
+    Rows::of(samples)
+        .column("category", |(example, ..)| example.category.as_str())
+        .column("trial", |(example, ..)| example.trial as usize)
+        .number("time_since_contact_s", 2, |(.., since_s)| since_s)
+        .number("force_n", 3, |(_, sample, _)| sample.force_n)
+        .number("motion_m", 4, |(_, sample, _)| sample.motion_m)
+        .table("figure_5", "Example trials")
 }

@@ -47,18 +47,14 @@ fn add_moment(report: &mut Report, moment: &Moment, place: usize) {
     let skin = format!("{name}-skin");
     let labels = report.results.definition.labels();
     charts.push(skin_map::svg(&skin, (&patch.name, grid), (&labels, looks), &moment.verdicts, &moment.pressed));
-    let untouched = moment.verdicts.keys().filter(|taxel| !moment.pressed.contains(taxel));
+    let untouched = moment.verdicts.keys().filter(|taxel| !moment.pressed.contains(taxel)).count();
+    let Moment { scene, reach_index, snapshot, verdicts, .. } = moment;
+    let (time_s, taxels) = (snapshot.frame.time_s, verdicts.len());
+    let (marks, objects) = (marks_in_words(&labels, looks), objects_in_words(snapshot, looks));
     let caption = format!(
-        "Scene {}, draw {}, {:.2} s after the start: the moment with the most taxels in contact. {}. Grey marks of the same \
-         shapes are untouched taxels (spurious readings, creep, crosstalk): {} of {} here. Taxels on the far \
-         side are seen through the arm. {}.",
-        moment.scene,
-        moment.reach_index,
-        moment.snapshot.frame.time_s,
-        marks_in_words(&labels, looks),
-        untouched.count(),
-        moment.verdicts.len(),
-        objects_in_words(&moment.snapshot, looks)
+        "Scene {scene}, draw {reach_index}, {time_s:.2} s after the start: the moment with the most taxels in contact. {marks}. \
+         Grey marks of the same shapes are untouched taxels (spurious readings, creep, crosstalk): {untouched} of \
+         {taxels} here. Taxels on the far side are seen through the arm. {objects}."
     );
     report.page.figure(&caption, &charts);
     report.page.link(&address(moment, place), "Replay this moment in 3-D");

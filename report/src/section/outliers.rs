@@ -3,17 +3,17 @@
 use std::collections::BTreeSet;
 
 use underbrush_classifier::decision::Rule;
-use underbrush_classifier::evaluate::{RocCurve, RocPoint, StreamFrame};
+use underbrush_classifier::evaluate::{RocCurve, StreamFrame, ThresholdTargets};
 use underbrush_experiments::experiment::outliers::{CHOSEN, Detection, Outcome};
 use underbrush_experiments::online::{Classified, Online};
 use underbrush_experiments::thresholds::Thresholds;
 use underbrush_recording::{Category, FRAME_PERIOD_S};
 
 use crate::category_looks::CategoryLooks;
-use crate::drawing::{Axis, Cell, Chart, Dash, Layer, Shape, Style, Table};
-use crate::replay_links;
+use crate::drawing::{Axis, Dash, Layer, Rows, Shape, Style, Table, chart};
 use crate::report::Report;
 use crate::style::{FIRST, INK, OUTLIER};
+use crate::{replay_links, roc};
 
 /// Share of taxel frames left uncertain above which the page says that a rule fails. Choice: such a rule decides on
 /// fewer than one in ten.
@@ -29,11 +29,9 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         "By ground truth, {} of {} reaches drawn meet the outlier first and then a known category.",
         outcome.figure_15.reaches, outcome.figure_15.drawn
     ));
-    let charts: Vec<String> = {
-        let labels = report.results.definition.labels();
-        let reaches = outcome.online.outlier.iter();
-        reaches.map(|reach| reach_chart(reach, &labels, &report.looks)).collect()
-    };
+    let labels = report.results.definition.labels();
+    let charts: Vec<String> =
+        outcome.online.outlier.iter().map(|reach| reach_chart(reach, &labels, &report.looks)).collect();
     if !charts.is_empty() {
         let caption = "Taxels by verdict over time, means of half a second, stacked. The dotted line shows how many of them \
                        nothing presses on (spurious readings, creep, crosstalk). The strips below show when an object of each \
@@ -49,17 +47,11 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     }
     report.numbers(frames_table(&outcome.online));
     report.page.paragraph(&thresholds(&outcome.curves));
-    if let Some(text) = chosen_rule_online(&outcome.figure_15.detection) {
-        report.page.paragraph(&text);
-    }
-    let table = detection_table(outcome);
-    report.print(&table, table.columns.len());
-    report.table(table);
+    report.page.paragraphs(chosen_rule_online(&outcome.figure_15.detection));
+    report.printed(detection_table(outcome), usize::MAX);
     let charts = roc_charts(&outcome.curves, &outcome.first_label);
     if !charts.is_empty() {
-        if let Some(area) = outcome.roc.outlier_area {
-            report.page.paragraph(&roc(area));
-        }
+        report.page.paragraphs(outcome.roc.outlier_area.map(roc));
         let caption = format!(
             "The effect of every threshold. First chart: {} trials found against other trials mistaken for them as the minimum \
              margin falls, on training trials held out by reach. Second chart: outliers found against known categories mistaken \
@@ -83,24 +75,17 @@ fn thresholds(thresholds: &Thresholds) -> String {
         }
         other => format!("{other:?}"),
     };
-    let rates: Vec<String> = chosen
-        .false_positive_rate
-        .iter()
-        .map(|(category, rate)| {
-            let found = chosen.true_positive_rate.get(category).copied().unwrap_or(f64::NAN);
-            format!("{category}: {:.1} % of its own trials and {:.1} % of the others", 100.0 * found, 100.0 * rate)
-        })
-        .collect();
+    let rates = chosen.false_positive_rate.iter().map(|(category, rate)| {
+        let found = chosen.true_positive_rate.get(category).copied().unwrap_or(f64::NAN);
+        format!("{category}: {:.1} % of its own trials and {:.1} % of the others", 100.0 * found, 100.0 * rate)
+    });
+    let (trials, rates) = (chosen.trials, rates.collect::<Vec<_>>().join(", "));
+    let ThresholdTargets { false_positive_rate, outlier_prior } = chosen.targets;
+    let (uncertain, outlier) = (100.0 * chosen.uncertain, 100.0 * chosen.outlier);
     format!(
-        "These thresholds were chosen from {} training trials held out by reach, for a false-positive rate of {} and an \
-         outlier prior of {}: {rule}. On these trials, each category is given to {}; {:.1} % are uncertain, and {:.1} % are \
-         called outliers although none is one.",
-        chosen.trials,
-        chosen.targets.false_positive_rate,
-        chosen.targets.outlier_prior,
-        rates.join(", "),
-        100.0 * chosen.uncertain,
-        100.0 * chosen.outlier
+        "These thresholds were chosen from {trials} training trials held out by reach, for a false-positive rate of \
+         {false_positive_rate} and an outlier prior of {outlier_prior}: {rule}. On these trials, each category is given to {rates}; \
+         {uncertain:.1} % are uncertain, and {outlier:.1} % are called outliers although none is one."
     )
 }
 
@@ -195,15 +180,10 @@ pub fn reach_chart(reach: &Classified, labels: &[&str], looks: &CategoryLooks) -
         description += &format!(" {name} {:.0} %,", 100.0 * share);
         layers.push(Layer::new(name, style, Shape::Bands(touching.map(ends).collect())));
     }
-    let chart = Chart {
-        name: format!("figure-15-{}", reach.reach_index),
-        title: format!("Outlier reach, draw {}", reach.reach_index),
-        description: format!("{}.", description.trim_end_matches(',')),
-        x: Axis::from_zero("time / s"),
-        y: Axis::from_zero("taxels"),
-        layers,
-    };
-    chart.svg()
+    let (name, title) =
+        (format!("figure-15-{}", reach.reach_index), format!("Outlier reach, draw {}", reach.reach_index));
+    let axes = (Axis::from_zero("time / s"), Axis::from_zero("taxels"));
+    chart(name, title, format!("{}.", description.trim_end_matches(',')), axes, layers)
 }
 
 /// How an area or a strip of a category is filled. Leaves are dotted here, because they are drawn beside filled
@@ -240,88 +220,57 @@ pub fn frames_table(online: &Online) -> Table {
     let verdicts = online.outlier.first().map_or(&[][..], |reach| &reach.stream.verdicts);
     let truths = online.outlier.iter().flat_map(|reach| &reach.stream.truths);
     let truths: BTreeSet<Category> = truths.chain(&Category::BUILT_IN).copied().collect();
-    let names: Vec<String> = truths.iter().map(|category| format!("touches_{}", category.name())).collect();
-    let mut columns = vec!["reach_index", "time_s"];
-    columns.extend(verdicts.iter().map(String::as_str));
-    columns.push("without_truth");
-    columns.extend(names.iter().map(String::as_str));
-    let mut table = Table::new("figure_15", "Verdicts in the outlier reaches", &columns);
-    for reach in &online.outlier {
-        for frame in &reach.stream.frames {
-            let mut row = vec![Cell::Count(reach.reach_index as usize), Cell::Number(frame.time_s, 2)];
-            row.extend(frame.by_verdict.iter().map(|count| Cell::Count(*count)));
-            row.push(frame.tally.unknown.into());
-            let touched = truths.iter().map(|category| touches(reach, frame, *category));
-            row.extend(touched.map(|touched| Cell::Count(usize::from(touched))));
-            table.rows.push(row);
-        }
+    let frames = online.outlier.iter().flat_map(|reach| reach.stream.frames.iter().map(move |frame| (reach, frame)));
+    let mut rows = Rows::of(frames)
+        .column("reach_index", |(reach, _)| reach.reach_index as usize)
+        .number("time_s", 2, |(_, frame)| frame.time_s)
+        .columns(verdicts, |(_, frame)| frame.by_verdict.iter().copied())
+        .column("without_truth", |(_, frame)| frame.tally.unknown);
+    for truth in truths {
+        let touches = |(reach, frame)| usize::from(touches(reach, frame, truth));
+        rows = rows.column(format!("touches_{}", truth.name()), touches);
     }
-    table
+    rows.table("figure_15", "Verdicts in the outlier reaches")
 }
 
 fn detection_table(outcome: &Outcome) -> Table {
     let verdicts = outcome.online.outlier.first().map_or(&[][..], |reach| &reach.stream.verdicts);
-    let shares: Vec<String> = verdicts.iter().map(|verdict| format!("{verdict} / %")).collect();
-    let mut columns = vec!["thresholds", "truth", "taxel frames"];
-    columns.extend(shares.iter().map(String::as_str));
-    let caption = "Verdicts by what truly presses, over all frames of the outlier reaches";
-    let mut table = Table::new("outlier_detection", caption, &columns);
-    for row in &outcome.figure_15.detection {
-        let mut cells = vec![row.rule.as_str().into(), row.truth.into(), row.taxel_frames.into()];
-        cells.extend(verdicts.iter().map(|verdict| Cell::Number(row.percent_of(verdict), 1)));
-        table.rows.push(cells);
+    let mut rows = Rows::of(&outcome.figure_15.detection)
+        .column("thresholds", |row| row.rule.as_str())
+        .column("truth", |row| row.truth)
+        .column("taxel frames", |row| row.taxel_frames);
+    for verdict in verdicts {
+        rows = rows.number(format!("{verdict} / %"), 1, |row| row.percent_of(verdict));
     }
-    table
+    rows.table("outlier_detection", "Verdicts by what truly presses, over all frames of the outlier reaches")
 }
 
 /// The curve of the first label against the others, and the curve of outliers against known categories.
 fn roc_charts(thresholds: &Thresholds, first: &str) -> Vec<String> {
     let category = thresholds.category_roc.as_ref().map(|curve| {
-        let x = format!("other trials taken for {first} / %");
         let title = format!("{first} against the others, held-out trials");
-        roc_chart(first, &title, &x, FIRST.colour, curve)
+        (first, title, format!("other trials taken for {first} / %"), FIRST.colour, curve)
     });
     let outlier = thresholds.outlier_roc.as_ref().map(|curve| {
-        let x = "trials of known categories taken for outliers / %";
-        roc_chart("outlier", "Outliers against known categories", x, OUTLIER, curve)
+        let x = "trials of known categories taken for outliers / %".to_owned();
+        ("outlier", "Outliers against known categories".to_owned(), x, OUTLIER, curve)
     });
-    category.into_iter().chain(outlier).collect()
-}
-
-fn roc_chart(name: &str, title: &str, x: &str, colour: &'static str, curve: &RocCurve) -> String {
-    let point = |point: &RocPoint| (100.0 * point.false_positive_rate, 100.0 * point.true_positive_rate);
-    let chart = Chart {
-        name: format!("roc-{name}"),
-        title: title.into(),
-        description: format!("Area under the curve {:.3}; 0.5 is chance.", curve.area),
-        x: Axis::spanning(x, 0.0, 100.0),
-        y: Axis::spanning(format!("{name} trials found / %"), 0.0, 100.0),
-        layers: vec![
-            Layer::new("chance", Style::line(INK, Dash::Dotted), Shape::Line(vec![(0.0, 0.0), (100.0, 100.0)])),
-            Layer::new(
-                format!("area {:.3}", curve.area),
-                Style::line(colour, Dash::Solid),
-                Shape::Line(curve.points.iter().map(point).collect()),
-            ),
-        ],
+    let chart = |(name, title, x, colour, curve): (&str, String, String, _, &RocCurve)| {
+        let description = format!("Area under the curve {:.3}; 0.5 is chance.", curve.area);
+        let points = curve.points.iter().map(roc::percents).collect();
+        let layer =
+            Layer::new(format!("area {:.3}", curve.area), Style::line(colour, Dash::Solid), Shape::Line(points));
+        let y = format!("{name} trials found / %");
+        roc::square_chart((&format!("roc-{name}"), &title), description, (&x, &y), "chance", vec![layer])
     };
-    chart.svg()
+    category.into_iter().chain(outlier).map(chart).collect()
 }
 
 /// The points of both curves.
 fn roc_table(thresholds: &Thresholds, first: &str) -> Table {
-    let columns = ["curve", "margin_nats", "false_positive_rate", "true_positive_rate"];
-    let mut table = Table::new("roc", "Receiver operating characteristics", &columns);
     let category = format!("{first} against the others");
-    for (name, curve) in [(category.as_str(), &thresholds.category_roc), ("outlier", &thresholds.outlier_roc)] {
-        for point in curve.iter().flat_map(|curve| &curve.points) {
-            table.rows.push(vec![
-                name.into(),
-                Cell::optional(point.threshold, 2),
-                Cell::Number(point.false_positive_rate, 4),
-                Cell::Number(point.true_positive_rate, 4),
-            ]);
-        }
-    }
-    table
+    let curves = [(category.as_str(), &thresholds.category_roc), ("outlier", &thresholds.outlier_roc)];
+    let points = curves.iter().flat_map(|(name, curve)| curve.iter().map(move |curve| (*name, curve)));
+    let points = points.flat_map(|(name, curve)| curve.points.iter().map(move |point| (name, *point)));
+    roc::table(("roc", "Receiver operating characteristics"), ("margin_nats", 2), points)
 }

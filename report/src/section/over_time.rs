@@ -5,7 +5,7 @@ use underbrush_classifier::feature::FeatureSet;
 use underbrush_experiments::experiment::over_time::Outcome;
 use underbrush_experiments::online::Classified;
 
-use crate::drawing::{Axis, Cell, Chart, Dash, Layer, Shape, Style, Table};
+use crate::drawing::{Axis, Dash, Layer, Rows, Shape, Style, Table, chart};
 use crate::replay_links;
 use crate::report::Report;
 use crate::style::{CORRECT, FIRST, INK, UNCERTAIN, UNTOUCHED, WRONG};
@@ -21,20 +21,16 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         return;
     };
     let total = reach.stream.total();
+    let (every, draw) = (every(&report.results.definition.labels()), reach.reach_index);
+    let (found, drawn) = (outcome.online.general.len(), outcome.online.general_drawn);
+    let (states, seen) = (outcome.states, seen(&outcome.features));
+    let margin_nats = report.results.definition.file.thresholds.uncertain_below_nats;
+    let (untouched, all) = (total.unknown, total.unknown + total.judged());
     report.page.paragraph(&format!(
-        "This is the first reach in mixed clutter in which the patch touches {}: draw {}. {} of {} draws do so. The models \
-         have {} states and see {}; a taxel is uncertain below a margin of {} nats. The truth of a taxel is the \
-         object that presses most on it. In {} of {} taxel frames nothing presses (spurious readings, crosstalk and creep); \
-         these have no truth and are counted separately.",
-        every(&report.results.definition.labels()),
-        reach.reach_index,
-        outcome.online.general.len(),
-        outcome.online.general_drawn,
-        outcome.states,
-        seen(&outcome.features),
-        report.results.definition.file.thresholds.uncertain_below_nats,
-        total.unknown,
-        total.unknown + total.judged()
+        "This is the first reach in mixed clutter in which the patch touches {every}: draw {draw}. {found} of {drawn} draws do so. \
+         The models have {states} states and see {seen}; a taxel is uncertain below a margin of {margin_nats} nats. The truth of a \
+         taxel is the object that presses most on it. In {untouched} of {all} taxel frames nothing presses (spurious readings, \
+         crosstalk and creep); these have no truth and are counted separately."
     ));
     let timing = &report.results.timing;
     if let Some(seconds) = timing.figure_8_seconds_per_100_taxels {
@@ -119,15 +115,8 @@ fn computation_time(report: &Report, reach: &Classified) -> String {
         description += &format!(" The paper's mean is {paper_s} s.");
         layers.push(level(&format!("paper's mean, {paper_s} s"), paper_s, reach));
     }
-    let chart = Chart {
-        name: "figure-8".into(),
-        title: "Computation time per 100 taxels".into(),
-        description,
-        x: Axis::from_zero("time / s"),
-        y: Axis::logarithmic("time per 100 taxels / s"),
-        layers,
-    };
-    chart.svg()
+    let axes = (Axis::from_zero("time / s"), Axis::logarithmic("time per 100 taxels / s"));
+    chart("figure-8", "Computation time per 100 taxels", description, axes, layers)
 }
 
 fn samples_used(outcome: &Outcome, reach: &Classified) -> String {
@@ -142,15 +131,8 @@ fn samples_used(outcome: &Outcome, reach: &Classified) -> String {
         description += &format!(" In the paper it is {paper}.");
         layers.push(level(&format!("paper's mean, {paper}"), paper, reach));
     }
-    let chart = Chart {
-        name: "figure-9".into(),
-        title: "Samples used for a verdict".into(),
-        description,
-        x: Axis::from_zero("time / s"),
-        y: Axis::from_zero("samples"),
-        layers,
-    };
-    chart.svg()
+    let axes = (Axis::from_zero("time / s"), Axis::from_zero("samples"));
+    chart("figure-9", "Samples used for a verdict", description, axes, layers)
 }
 
 /// Correct, misclassified and uncertain taxels over time, and those that nothing presses on, all on one scale.
@@ -165,60 +147,41 @@ fn verdicts(reach: &Classified) -> Vec<String> {
     let frames = &reach.stream.frames;
     let highest = kinds.iter().flat_map(|kind| frames.iter().map(|frame| kind.2(&frame.tally)));
     let highest = highest.max().unwrap_or(1).max(1);
-    let chart = |(name, colour, of): (&str, &'static str, Of)| {
+    let of_kind = |(name, colour, of): (&str, &'static str, Of)| {
         let points = frames.iter().map(|frame| (frame.time_s, of(&frame.tally) as f64));
         let points: Vec<(f64, f64)> = points.collect();
         let max = points.iter().map(|point| point.1).fold(0.0, f64::max);
         let mean = points.iter().map(|point| point.1).sum::<f64>() / points.len().max(1) as f64;
-        let chart = Chart {
-            name: format!("figure-10-{}", name.replace(' ', "-")),
-            title: format!("Taxels {name}"),
-            description: format!("Over the reach {mean:.1} taxels on average, at most {max}."),
-            x: Axis::from_zero("time / s"),
-            y: Axis::spanning("taxels", 0.0, highest as f64),
-            layers: vec![Layer::new("", Style::line(colour, Dash::Solid), Shape::Steps(points))],
-        };
-        chart.svg()
+        let axes = (Axis::from_zero("time / s"), Axis::spanning("taxels", 0.0, highest as f64));
+        let layers = vec![Layer::new("", Style::line(colour, Dash::Solid), Shape::Steps(points))];
+        let description = format!("Over the reach {mean:.1} taxels on average, at most {max}.");
+        chart(format!("figure-10-{}", name.replace(' ', "-")), format!("Taxels {name}"), description, axes, layers)
     };
-    kinds.map(chart).to_vec()
+    kinds.map(of_kind).to_vec()
 }
 
 /// Computation time frame by frame. Only this table and the table of stages contain wall times, which differ from run
 /// to run.
 fn times_table(reach: &Classified) -> Table {
-    let columns = ["time_s", "taxels_in_contact", "seconds_per_100_taxels"];
-    let mut table = Table::new("figure_8_times", "Computation time", &columns);
-    for (frame, seconds) in reach.stream.frames.iter().zip(&reach.stream.seconds) {
-        let per_100 = (frame.in_contact > 0).then(|| 100.0 * seconds / frame.in_contact as f64);
-        table.rows.push(vec![Cell::Number(frame.time_s, 2), frame.in_contact.into(), Cell::optional(per_100, 9)]);
-    }
-    table
+    Rows::of(reach.stream.frames.iter().zip(&reach.stream.seconds))
+        .number("time_s", 2, |(frame, _)| frame.time_s)
+        .column("taxels_in_contact", |(frame, _)| frame.in_contact)
+        .number("seconds_per_100_taxels", 9, |(frame, seconds)| {
+            (frame.in_contact > 0).then(|| 100.0 * seconds / frame.in_contact as f64)
+        })
+        .table("figure_8_times", "Computation time")
 }
 
 /// Samples used and verdicts, frame by frame.
 fn frames_table(reach: &Classified) -> Table {
-    let columns = [
-        "time_s",
-        "taxels_in_contact",
-        "mean_samples_used",
-        "mean_samples_since_contact",
-        "correct",
-        "misclassified",
-        "uncertain",
-        "without_truth",
-    ];
-    let mut table = Table::new("figures_9_10", "Samples used and verdicts", &columns);
-    for frame in &reach.stream.frames {
-        table.rows.push(vec![
-            Cell::Number(frame.time_s, 2),
-            frame.in_contact.into(),
-            Cell::Number(frame.mean_samples_used, 2),
-            Cell::Number(frame.mean_samples_since_contact, 2),
-            frame.tally.correct.into(),
-            frame.tally.misclassified.into(),
-            frame.tally.uncertain.into(),
-            frame.tally.unknown.into(),
-        ]);
-    }
-    table
+    Rows::of(&reach.stream.frames)
+        .number("time_s", 2, |frame| frame.time_s)
+        .column("taxels_in_contact", |frame| frame.in_contact)
+        .number("mean_samples_used", 2, |frame| frame.mean_samples_used)
+        .number("mean_samples_since_contact", 2, |frame| frame.mean_samples_since_contact)
+        .column("correct", |frame| frame.tally.correct)
+        .column("misclassified", |frame| frame.tally.misclassified)
+        .column("uncertain", |frame| frame.tally.uncertain)
+        .column("without_truth", |frame| frame.tally.unknown)
+        .table("figures_9_10", "Samples used and verdicts")
 }

@@ -1,9 +1,10 @@
 //! Other arms and speeds: classifiers trained at one setting and tested at others.
 
+use underbrush_experiments::accuracy::Accuracy;
 use underbrush_experiments::experiment::settings::{Outcome, Split};
 
-use crate::drawing::{Cell, Table};
-use crate::report::{ACCURACY_COLUMNS, Report, accuracy_cells};
+use crate::drawing::{Cell, Rows, Table};
+use crate::report::{ACCURACY_COLUMNS, Report};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &Outcome) {
@@ -26,9 +27,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         report.print(&table, table.columns.len());
     }
     if !outcome.verdict_transfer.is_empty() {
-        let table = verdict_table(outcome);
-        report.print(&table, table.columns.len());
-        report.table(table);
+        report.printed(verdict_table(outcome), usize::MAX);
     }
     // The tables above link to this table's file.
     report.tables.push(all(outcome));
@@ -46,21 +45,16 @@ fn sentence(outcome: &Outcome, classifier: &str) -> Option<String> {
         let native = same.iter().find(|native| native.tested == split.tested);
         native.is_some_and(|native| (native.accuracy.low..=native.accuracy.high).contains(&split.accuracy.accuracy))
     };
+    let (here, there) = (mean(&same), mean(&other));
+    let covered = other.iter().filter(covered).count();
+    let Split { trained, tested, accuracy: Accuracy { accuracy, low, high, majority_baseline, .. }, .. } = lowest;
     Some(format!(
-        "{classifier}: {:.1} % on average at the setting of training, {:.1} % at others ({:+.1} points). {} of {} of these lie \
-         within the interval of the classifier that was trained at the setting of testing. The lowest accuracy is {:.1} % \
-         ({:.1} to {:.1}, majority baseline {:.1} %), trained at {} and tested at {}.",
-        mean(&same),
-        mean(&other),
-        mean(&other) - mean(&same),
-        other.iter().filter(covered).count(),
-        other.len(),
-        lowest.accuracy.accuracy,
-        lowest.accuracy.low,
-        lowest.accuracy.high,
-        lowest.accuracy.majority_baseline,
-        lowest.trained,
-        lowest.tested
+        "{classifier}: {here:.1} % on average at the setting of training, {there:.1} % at others ({:+.1} points). {covered} of {} of \
+         these lie within the interval of the classifier that was trained at the setting of testing. The lowest accuracy is \
+         {accuracy:.1} % ({low:.1} to {high:.1}, majority baseline {majority_baseline:.1} %), trained at {trained} and tested at \
+         {tested}.",
+        there - here,
+        other.len()
     ))
 }
 
@@ -100,38 +94,24 @@ fn of_classifier(outcome: &Outcome, classifier: &str) -> Table {
 
 /// Verdict networks at each setting.
 fn verdict_table(outcome: &Outcome) -> Table {
-    let columns = ["tested at", "fitted there / %", "fitted nominally / %", "difference / points", "contacts"];
     let caption = "Verdicts on touched contacts, balanced over the categories, by networks fitted at the setting and by networks \
                    fitted to as many reaches at the scenes' own";
-    let mut table = Table::new("verdict_transfer", caption, &columns);
-    for row in &outcome.verdict_transfer {
-        let percent = |share: Option<f64>| share.map(|share| 100.0 * share);
-        let (here, nominal) = (percent(row.fitted_here), percent(row.fitted_nominally));
-        table.rows.push(vec![
-            row.setting.as_str().into(),
-            Cell::optional(here, 1),
-            Cell::optional(nominal, 1),
-            Cell::optional(here.zip(nominal).map(|(here, nominal)| nominal - here), 1),
-            row.contacts.into(),
-        ]);
-    }
-    table
+    Rows::of(&outcome.verdict_transfer)
+        .column("tested at", |row| row.setting.as_str())
+        .percent("fitted there / %", 1, |row| row.fitted_here)
+        .percent("fitted nominally / %", 1, |row| row.fitted_nominally)
+        .number("difference / points", 1, |row| Some(100.0 * row.fitted_nominally? - 100.0 * row.fitted_here?))
+        .column("contacts", |row| row.contacts)
+        .table("verdict_transfer", caption)
 }
 
 /// All splits, one per row.
 fn all(outcome: &Outcome) -> Table {
-    let mut columns = vec!["classifier", "trained", "tested", "trials"];
-    columns.extend(ACCURACY_COLUMNS);
-    let mut table = Table::new("splits", "Other arms and speeds", &columns);
-    for split in &outcome.splits {
-        let mut row = vec![
-            split.classifier.as_str().into(),
-            split.trained.as_str().into(),
-            split.tested.as_str().into(),
-            split.accuracy.trials.into(),
-        ];
-        row.extend(accuracy_cells(&split.accuracy, 2));
-        table.rows.push(row);
-    }
-    table
+    Rows::of(&outcome.splits)
+        .column("classifier", |split| split.classifier.as_str())
+        .column("trained", |split| split.trained.as_str())
+        .column("tested", |split| split.tested.as_str())
+        .column("trials", |split| split.accuracy.trials)
+        .accuracy(ACCURACY_COLUMNS, 2, |split| &split.accuracy)
+        .table("splits", "Other arms and speeds")
 }

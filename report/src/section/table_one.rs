@@ -5,13 +5,12 @@ use underbrush_experiments::definition::{RecipeName, TableOneUnit};
 use underbrush_experiments::experiment::table_one::Outcome;
 
 use crate::agreement::{self, Compared};
-use crate::drawing::{self, Table};
-use crate::report::{ACCURACY_COLUMNS, Report, accuracy_cells, by_touch, possessive, seeds, with_published};
+use crate::drawing::{Rows, Table};
+use crate::report::{ACCURACY_COLUMNS, Report, by_touch, possessive, seeds};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &Outcome) {
     let compared: Vec<Compared> = outcome.table_1.iter().map(compared).collect();
-    let recipes = agreement::recipes(&compared);
     let name = report.figure_name("table_one", "Cross-validation");
     report.section("table_one", "cross-validation");
     report.page.paragraph(&format!(
@@ -23,21 +22,14 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         },
         recipes_in_words(&report.results.definition.file.recipes)
     ));
-    if let Some(text) = choices(report) {
-        report.page.paragraph(&text);
-    }
+    report.page.paragraphs(choices(report));
     report.page.paragraph(&baselines(report, &outcome.table_1));
-    for recipe in &recipes {
-        let own: Vec<&Compared> = compared.iter().filter(|cell| cell.key.recipe == *recipe).collect();
-        let what = format!("With the {} recipe", possessive(recipe));
-        report.page.paragraph(&agreement::sentences(&what, &own));
-    }
-    let caption = match report.published().is_some() {
-        true => {
-            format!("{name} with the paper's figures and the majority baseline; whiskers are 95 % intervals by reach.")
-        }
-        false => "Accuracy with the majority baseline; whiskers are 95 % intervals by reach.".into(),
+    let recipes = agreement::add_sentences(report, &compared, |recipe| format!("With the {recipe} recipe"));
+    let (name_here, with) = match report.published().is_some() {
+        true => (name.as_str(), "the paper's figures and the majority baseline"),
+        false => ("Accuracy", "the majority baseline"),
     };
+    let caption = format!("{name_here} with {with}; whiskers are 95 % intervals by reach.");
     report.page.figure(&caption, &agreement::charts("table-1", "", &compared));
     for recipe in &recipes {
         // The page has a table for each recipe; the file has all cells.
@@ -46,20 +38,9 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         report.print(&table, 9);
     }
     report.tables.push(all(&name, &outcome.table_1));
-    let rows = outcome.table_1.iter().map(|cell| {
-        let name = format!("{}, {} recipe", cell.key.name(), cell.key.recipe);
-        (name, &cell.accuracy)
-    });
-    let touched = by_touch("table_1_by_touch", &name, rows);
-    report.print(&touched, 9);
-    report.table(touched);
-    if !outcome.orderings.is_empty() {
-        report.page.paragraph("The paper's orderings:");
-        report.page.list(&agreement::orderings(&outcome.orderings));
-        let table = agreement::orderings_table("orderings", "The paper's orderings", &outcome.orderings);
-        report.print(&table, 5);
-        report.numbers(table);
-    }
+    let rows = outcome.table_1.iter().map(|cell| (cell.key.with_recipe(), &cell.accuracy));
+    report.printed(by_touch("table_1_by_touch", &name, rows), 9);
+    agreement::add_orderings(report, "orderings", "The paper's orderings", &outcome.orderings);
 }
 
 fn compared(cell: &Cell) -> Compared<'_> {
@@ -148,51 +129,31 @@ pub fn published_majority_percent(report: &Report, by: TableOneUnit) -> Option<f
 
 /// The cells of one recipe.
 fn of_recipe(name: &str, cells: &[Cell], recipe: &str) -> Table {
-    let published = cells.iter().any(|cell| cell.paper.is_some());
-    let columns =
-        with_published(&["trials, features", "states", "here", "from", "to", "balanced", "majority"], published);
     let caption = format!(
         "{name}, the {} recipe: two-fold accuracy in %, with the 95 % interval by reach, balanced accuracy and majority \
          baseline",
         possessive(recipe)
     );
-    let mut table = Table::new("table_1", caption, &columns);
-    for cell in cells.iter().filter(|cell| cell.key.recipe == recipe) {
-        let mut row = vec![trials_and_features(&cell.key), cell.key.states.into()];
-        row.extend(accuracy_cells(&cell.accuracy, 1));
-        if published {
-            row.push(drawing::Cell::optional(cell.paper, 1));
-            let difference = cell.paper.map(|paper| cell.accuracy.accuracy - paper);
-            row.push(difference.map_or(drawing::Cell::Missing, |points| drawing::Cell::Difference(points, 1)));
-        }
-        table.rows.push(row);
-    }
-    table
+    Rows::of(cells.iter().filter(|cell| cell.key.recipe == recipe))
+        .column("trials, features", |cell| trials_and_features(&cell.key))
+        .column("states", |cell| cell.key.states)
+        .accuracy(["here", "from", "to", "balanced", "majority"], 1, |cell| &cell.accuracy)
+        .against_published(|cell| cell.accuracy.accuracy, |cell| cell.paper)
+        .table("table_1", caption)
 }
 
 /// All cells, with their recipe in a column.
 fn all(name: &str, cells: &[Cell]) -> Table {
     let published = cells.iter().any(|cell| cell.paper.is_some());
-    let mut columns = vec!["by", "features", "states", "recipe", "trials"];
-    columns.extend(ACCURACY_COLUMNS);
-    columns.extend(published.then_some("paper_percent"));
-    let mut table = Table::new("table_1", name, &columns);
-    for cell in cells {
-        let mut row = vec![
-            unit_name(cell.key.by).into(),
-            cell.key.features.to_string().into(),
-            cell.key.states.into(),
-            cell.key.recipe.as_str().into(),
-            cell.accuracy.trials.into(),
-        ];
-        row.extend(accuracy_cells(&cell.accuracy, 2));
-        row.extend(published.then(|| drawing::Cell::optional(cell.paper, 2)));
-        table.rows.push(row);
-    }
-    table
+    Rows::of(cells)
+        .key(|cell| &cell.key)
+        .column("trials", |cell| cell.accuracy.trials)
+        .accuracy(ACCURACY_COLUMNS, 2, |cell| &cell.accuracy)
+        .when(published, |rows| rows.number("paper_percent", 2, |cell| cell.paper))
+        .table("table_1", name)
 }
 
 /// Unit and features of a cell, as an entry of a table.
-pub fn trials_and_features(key: &CellKey) -> drawing::Cell {
-    format!("{}, {}", unit_name(key.by), key.features).into()
+pub fn trials_and_features(key: &CellKey) -> String {
+    format!("{}, {}", unit_name(key.by), key.features)
 }

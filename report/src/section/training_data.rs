@@ -3,7 +3,7 @@
 use underbrush_experiments::cell::unit_name;
 use underbrush_experiments::experiment::training_data::{Outcome, TrialsPerReach};
 
-use crate::drawing::{Cell, Table};
+use crate::drawing::{Rows, Table};
 use crate::report::Report;
 
 /// Adds the section.
@@ -17,32 +17,20 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         reaches.ends.goals,
         reaches.ends.touched_text()
     ));
-    if let Some(text) = against_published(&outcome.trials_per_reach) {
-        report.page.paragraph(&text);
-    }
+    report.page.paragraphs(against_published(&outcome.trials_per_reach));
     report.page.paragraph(&untouched(&outcome.trials_per_reach));
-    let table = table(&outcome.trials_per_reach);
-    report.print(&table, 5);
-    report.table(table);
+    report.printed(table(&outcome.trials_per_reach), 5);
 }
 
 fn table(rows: &[TrialsPerReach]) -> Table {
     let published = rows.iter().any(|row| row.paper.is_some());
-    let mut columns = vec!["trials", "count", "per reach"];
-    columns.extend(published.then_some("paper"));
-    columns.push("never touched");
-    let mut table = Table::new("trials_per_reach", "Contact trials", &columns);
-    for row in rows {
-        let mut cells = vec![
-            format!("{}, {}", unit_name(row.by), row.category).into(),
-            row.trials.into(),
-            Cell::Number(row.per_reach, 1),
-        ];
-        cells.extend(published.then(|| Cell::optional(row.paper, 1)));
-        cells.push(row.untouched.into());
-        table.rows.push(cells);
-    }
-    table
+    Rows::of(rows)
+        .column("trials", |row| format!("{}, {}", unit_name(row.by), row.category))
+        .column("count", |row| row.trials)
+        .number("per reach", 1, |row| row.per_reach)
+        .when(published, |rows| rows.number("paper", 1, |row| row.paper))
+        .column("never touched", |row| row.untouched)
+        .table("trials_per_reach", "Contact trials")
 }
 
 /// Compares the trials per reach with the published numbers.
@@ -58,18 +46,11 @@ fn against_published(rows: &[TrialsPerReach]) -> Option<String> {
 /// How many trials came from the sensor alone, without contact.
 pub fn untouched(rows: &[TrialsPerReach]) -> String {
     let with_trials = rows.iter().filter(|row| row.trials > 0);
-    let parts: Vec<String> = with_trials
-        .map(|row| {
-            format!(
-                "{} of {} {} trials of {} ({:.0} %)",
-                row.untouched,
-                row.trials,
-                unit_name(row.by),
-                row.category,
-                100.0 * row.untouched as f64 / row.trials as f64
-            )
-        })
-        .collect();
+    let part = |TrialsPerReach { by, category, trials, untouched, .. }: &TrialsPerReach| {
+        let (unit, percent) = (unit_name(*by), 100.0 * *untouched as f64 / *trials as f64);
+        format!("{untouched} of {trials} {unit} trials of {category} ({percent:.0} %)")
+    };
+    let parts: Vec<String> = with_trials.map(part).collect();
     format!(
         "In some trials nothing ever touched the skin. They come from spurious readings, creep or crosstalk, and carry the \
          label of their scene, as they would on the robot: {}. Accuracies are also given separately for touched and \

@@ -2,8 +2,9 @@
 
 use underbrush_experiments::experiment::truncation::{Outcome, Truncated};
 
-use crate::drawing::{Axis, Cell, Chart, Layer, Point, Scale, Shape, Table};
-use crate::report::{Report, accuracy_cells, by_touch};
+use crate::accuracy_chart::{AccuracyChart, lowest};
+use crate::drawing::{Cell, Rows, Table};
+use crate::report::{ACCURACY_HEADINGS, Report, by_touch};
 use crate::style;
 
 /// Adds the section.
@@ -61,55 +62,30 @@ fn sentence(points: &[Truncated]) -> String {
 }
 
 fn chart(points: &[Truncated]) -> String {
-    let mut names: Vec<String> = Vec::new();
-    for point in points {
-        let name = length(point);
-        if !names.contains(&name) {
-            names.push(name);
+    let mut places: Vec<String> = Vec::new();
+    for name in points.iter().map(length) {
+        if !places.contains(&name) {
+            places.push(name);
         }
     }
-    let mut description = String::from("Accuracy in per cent by maximum number of samples.");
-    let mut layers = Vec::new();
+    let mut chart = AccuracyChart::new("Accuracy in per cent by maximum number of samples.", places);
     let states = states(points);
     for (series, states_here) in states.iter().enumerate() {
-        let own = points.iter().filter(|point| point.states == *states_here);
-        let marks: Vec<Point> = own
-            .enumerate()
-            .map(|(place, point)| Point {
-                x: place as f64 + style::aside(series, states.len()),
-                y: point.accuracy.accuracy,
-                interval: Some((point.accuracy.low, point.accuracy.high)),
-            })
-            .collect();
-        description += &format!(" {states_here} states: {}.", style::told(&names, &marks));
-        let name = format!("{states_here} states");
-        layers.push(Layer::new(name, style::paired(series), Shape::Points(marks)));
+        let own = points.iter().filter(|point| point.states == *states_here).map(|point| &point.accuracy);
+        let marks = own.enumerate().map(|(place, own)| (place, own.accuracy, Some((own.low, own.high))));
+        let aside = style::aside(series, states.len());
+        chart.series(&format!("{states_here} states"), style::paired(series), aside, marks);
     }
     // The baseline is the same for all points, because truncating changes no category.
-    if let Some(point) = points.first() {
-        let majority = point.accuracy.majority_baseline;
-        description += &format!(" Majority baseline: {majority:.1}.");
-        layers.push(style::majority_layer(majority, names.len()));
-    }
-    let lowest = points.iter().map(|point| point.accuracy.low).fold(40.0, f64::min);
-    let chart = Chart {
-        name: "figure-13".into(),
-        title: "Accuracy on truncated trials".into(),
-        description,
-        x: Axis { label: "maximum number of samples".into(), scale: Scale::Names(names) },
-        y: Axis::spanning("accuracy / %", (lowest / 20.0).floor() * 20.0, 100.0),
-        layers,
-    };
-    chart.svg()
+    chart.majority(points.first().map(|point| point.accuracy.majority_baseline));
+    let lowest = lowest(points.iter().map(|point| point.accuracy.low));
+    chart.svg("figure-13".into(), "Accuracy on truncated trials", "maximum number of samples", lowest)
 }
 
 fn table(points: &[Truncated]) -> Table {
-    let columns = ["max samples", "states", "accuracy / %", "from", "to", "balanced / %", "majority / %"];
-    let mut table = Table::new("figure_13", "Accuracy on truncated trials", &columns);
-    for point in points {
-        let mut row = vec![point.max_samples.map_or("all".into(), Cell::Count), point.states.into()];
-        row.extend(accuracy_cells(&point.accuracy, 1));
-        table.rows.push(row);
-    }
-    table
+    Rows::of(points)
+        .column("max samples", |point| point.max_samples.map_or("all".into(), Cell::Count))
+        .column("states", |point| point.states)
+        .accuracy(ACCURACY_HEADINGS, 1, |point| &point.accuracy)
+        .table("figure_13", "Accuracy on truncated trials")
 }

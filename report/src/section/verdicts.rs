@@ -4,9 +4,10 @@ use underbrush_classifier::evaluate::touch::CalibrationBin;
 use underbrush_classifier::evaluate::{FALSE_ALARMS, RocCurve, RocPoint};
 use underbrush_experiments::experiment::verdicts::{Outcome, Verdicts};
 
-use crate::drawing::{Axis, Cell, Chart, Dash, Layer, Shape, Style, Table};
+use crate::drawing::{Cell, Dash, Layer, Rows, Shape, Style, Table};
 use crate::report::Report;
-use crate::style::{FIRST, INK, OUTLIER};
+use crate::roc;
+use crate::style::{FIRST, OUTLIER};
 
 /// A point of a curve is drawn if it is at least this far from the previous one, as a share of either axis.
 const APART: f64 = 0.005;
@@ -25,13 +26,9 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
         verdicts.training_reaches
     ));
     report.page.paragraph(&accuracy(verdicts));
-    let table = figures(verdicts);
-    report.print(&table, 3);
-    report.table(table);
+    report.printed(figures(verdicts), 3);
     if !verdicts.scenes.is_empty() {
-        let table = scenes(verdicts);
-        report.print(&table, table.columns.len());
-        report.table(table);
+        report.printed(scenes(verdicts), usize::MAX);
     }
     let mut charts = vec![calibration_chart(&verdicts.held_out.calibration)];
     charts.extend(roc_chart(verdicts));
@@ -50,80 +47,67 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
 
 fn accuracy(verdicts: &Verdicts) -> String {
     let percent = |share: Option<f64>| share.map_or("–".to_owned(), |share| format!("{:.1} %", 100.0 * share));
+    let (contacts, categories) = (verdicts.contacts, verdicts.categories.len());
+    let (whole, largest) = (percent(verdicts.touched_balanced_accuracy), percent(verdicts.largest_category_share));
+    let early = percent(verdicts.first_tenth_second_balanced_accuracy);
     format!(
-        "Of {} contacts of taxels that a known category truly touched, {} are right by the likeliest category over the whole \
-         contact and {} by its first tenth of a second (means over the categories; naming the most frequent category alone would \
-         be right for {} of the contacts, and for one category in {} on average).",
-        verdicts.contacts,
-        percent(verdicts.touched_balanced_accuracy),
-        percent(verdicts.first_tenth_second_balanced_accuracy),
-        percent(verdicts.largest_category_share),
-        verdicts.categories.len()
+        "Of {contacts} contacts of taxels that a known category truly touched, {whole} are right by the likeliest category over the \
+         whole contact and {early} by its first tenth of a second (means over the categories; naming the most frequent category \
+         alone would be right for {largest} of the contacts, and for one category in {categories} on average)."
     )
 }
 
 /// One figure per row, with what it counts.
 fn figures(verdicts: &Verdicts) -> Table {
-    let columns = ["figure", "held-out reaches", "of"];
-    let mut table = Table::new("verdicts", "Verdicts on held-out reaches", &columns);
-    let mut add = |name: &str, value: Option<f64>, decimals: usize, of: &str| {
-        table.rows.push(vec![name.into(), Cell::optional(value, decimals), of.into()]);
-    };
-    let percent = |share: Option<f64>| share.map(|share| 100.0 * share);
     let outlier = &verdicts.outlier;
     let contacts = "contacts of taxels that a known category touched";
-    add("balanced accuracy, whole contact / %", percent(verdicts.touched_balanced_accuracy), 1, contacts);
-    add("balanced accuracy, first 0.1 s / %", percent(verdicts.first_tenth_second_balanced_accuracy), 1, contacts);
-    add("right at some time / %", percent(verdicts.ever_right), 1, contacts);
-    add("samples until then, median", verdicts.median_samples_until_right.map(|samples| samples as f64), 0, contacts);
-    add("called nothing / %", percent(verdicts.spurious_called_nothing), 1, "taxel frames that nothing presses on");
-    add(
-        "called nothing by mistake / %",
-        percent(verdicts.touches_lost),
-        1,
-        "taxel frames that a known category touches",
-    );
+    let spurious = "taxel frames that nothing presses on";
+    let touched = "taxel frames that a known category touches";
     let both = "taxel frames of nothing and known categories";
-    add("expected calibration error", verdicts.expected_calibration_error, 3, both);
-    add("Brier score", verdicts.brier_score, 3, both);
     let frames = "taxel frames of test reaches";
-    add("outlier, ROC area", outlier.outlier_roc_area, 3, frames);
     let found = format!("outlier, found at {:.0} % false alarms / %", 100.0 * FALSE_ALARMS);
-    add(&found, percent(outlier.outliers_found), 1, frames);
-    add("second outlier, ROC area", outlier.second_outlier_roc_area, 3, frames);
-    add(&format!("second {found}"), percent(outlier.second_outliers_found), 1, frames);
-    table
+    let second_found = format!("second {found}");
+    let percent = |share: Option<f64>| share.map(|share| 100.0 * share);
+    let samples = verdicts.median_samples_until_right.map(|samples| samples as f64);
+    let rows = [
+        ("balanced accuracy, whole contact / %", percent(verdicts.touched_balanced_accuracy), 1, contacts),
+        ("balanced accuracy, first 0.1 s / %", percent(verdicts.first_tenth_second_balanced_accuracy), 1, contacts),
+        ("right at some time / %", percent(verdicts.ever_right), 1, contacts),
+        ("samples until then, median", samples, 0, contacts),
+        ("called nothing / %", percent(verdicts.spurious_called_nothing), 1, spurious),
+        ("called nothing by mistake / %", percent(verdicts.touches_lost), 1, touched),
+        ("expected calibration error", verdicts.expected_calibration_error, 3, both),
+        ("Brier score", verdicts.brier_score, 3, both),
+        ("outlier, ROC area", outlier.outlier_roc_area, 3, frames),
+        (&found, percent(outlier.outliers_found), 1, frames),
+        ("second outlier, ROC area", outlier.second_outlier_roc_area, 3, frames),
+        (&second_found, percent(outlier.second_outliers_found), 1, frames),
+    ];
+    Rows::of(rows)
+        .column("figure", |(name, ..)| name)
+        .column("held-out reaches", |(_, value, decimals, _)| Cell::optional(value, decimals))
+        .column("of", |(.., of)| of)
+        .table("verdicts", "Verdicts on held-out reaches")
 }
 
 /// What each feature is worth.
 fn feature_worth(verdicts: &Verdicts) -> Table {
-    let columns = ["network", "feature", "rise of log loss / nats", "fall of balanced accuracy / %"];
-    let mut table = Table::new("verdict_features", "What each feature is worth", &columns);
-    for own in &verdicts.feature_worth {
-        table.rows.push(vec![
-            own.network.into(),
-            own.feature.into(),
-            Cell::optional(Some(own.log_loss_rise_nats), 4),
-            Cell::optional(Some(100.0 * own.balanced_accuracy_fall), 2),
-        ]);
-    }
-    table
+    Rows::of(&verdicts.feature_worth)
+        .column("network", |own| own.network)
+        .column("feature", |own| own.feature)
+        .number("rise of log loss / nats", 4, |own| own.log_loss_rise_nats)
+        .percent("fall of balanced accuracy / %", 2, |own| own.balanced_accuracy_fall)
+        .table("verdict_features", "What each feature is worth")
 }
 
 fn scenes(verdicts: &Verdicts) -> Table {
-    let columns = ["scene", "right / %", "wrong / %", "uncertain / %", "taxel frames"];
-    let caption = "Verdicts on taxels that known categories touch, in the test reaches";
-    let mut table = Table::new("verdicts_by_scene", caption, &columns);
-    for scene in &verdicts.scenes {
-        table.rows.push(vec![
-            scene.scene.as_str().into(),
-            Cell::Number(100.0 * scene.right, 1),
-            Cell::Number(100.0 * scene.wrong, 1),
-            Cell::Number(100.0 * scene.uncertain, 1),
-            scene.taxel_frames.into(),
-        ]);
-    }
-    table
+    Rows::of(&verdicts.scenes)
+        .column("scene", |scene| scene.scene.as_str())
+        .percent("right / %", 1, |scene| scene.right)
+        .percent("wrong / %", 1, |scene| scene.wrong)
+        .percent("uncertain / %", 1, |scene| scene.uncertain)
+        .column("taxel frames", |scene| scene.taxel_frames)
+        .table("verdicts_by_scene", "Verdicts on taxels that known categories touch, in the test reaches")
 }
 
 /// Mean probability of the likeliest class in a bin, and how often it was true, in per cent.
@@ -135,33 +119,19 @@ fn rates(bin: &CalibrationBin) -> Option<(f64, f64)> {
 fn calibration_chart(bins: &[CalibrationBin]) -> String {
     let points: Vec<(f64, f64)> = bins.iter().filter_map(rates).collect();
     let told: Vec<String> = points.iter().map(|(said, found)| format!("{said:.0}: {found:.0}")).collect();
-    let chart = Chart {
-        name: "verdict-calibration".into(),
-        title: "Do probabilities mean what they say?".into(),
-        description: format!("Per cent true by probability in per cent. {}.", told.join(", ")),
-        x: Axis::spanning("probability of the likeliest class / %", 0.0, 100.0),
-        y: Axis::spanning("it is true / %", 0.0, 100.0),
-        layers: vec![
-            Layer::new(
-                "as it should be",
-                Style::line(INK, Dash::Dotted),
-                Shape::Line(vec![(0.0, 0.0), (100.0, 100.0)]),
-            ),
-            Layer::new("held-out reaches", FIRST, Shape::Line(points)),
-        ],
-    };
-    chart.svg()
+    let description = format!("Per cent true by probability in per cent. {}.", told.join(", "));
+    let axes = ("probability of the likeliest class / %", "it is true / %");
+    let layers = vec![Layer::new("held-out reaches", FIRST, Shape::Line(points))];
+    let names = ("verdict-calibration", "Do probabilities mean what they say?");
+    roc::square_chart(names, description, axes, "as it should be", layers)
 }
 
 fn calibration_table(bins: &[CalibrationBin]) -> Table {
-    let columns = ["probability_percent", "true_percent", "taxel_frames"];
-    let mut table = Table::new("verdict_calibration", "Calibration of the verdicts", &columns);
-    for bin in bins {
-        if let Some((said, found)) = rates(bin) {
-            table.rows.push(vec![Cell::Number(said, 2), Cell::Number(found, 2), bin.count.into()]);
-        }
-    }
-    table
+    Rows::of(bins.iter().filter_map(|bin| Some((rates(bin)?, bin.count))))
+        .number("probability_percent", 2, |((said, _), _)| said)
+        .number("true_percent", 2, |((_, found), _)| found)
+        .column("taxel_frames", |(_, count)| count)
+        .table("verdict_calibration", "Calibration of the verdicts")
 }
 
 /// The curves of both outliers, by name.
@@ -187,41 +157,23 @@ fn drawn(curve: &RocCurve) -> Vec<RocPoint> {
 }
 
 fn roc_chart(verdicts: &Verdicts) -> Option<String> {
-    let mut layers =
-        vec![Layer::new("chance", Style::line(INK, Dash::Dotted), Shape::Line(vec![(0.0, 0.0), (100.0, 100.0)]))];
-    let mut told = Vec::new();
+    let (mut layers, mut told) = (Vec::new(), Vec::new());
     for ((name, curve), dash) in curves(verdicts).zip([Dash::Solid, Dash::Dashed]) {
-        let point = |point: &RocPoint| (100.0 * point.false_positive_rate, 100.0 * point.true_positive_rate);
-        let points = drawn(curve).iter().map(point).collect();
         told.push(format!("{name}: area under the curve {:.3}", curve.area));
-        let label = format!("{name}, area {:.3}", curve.area);
-        layers.push(Layer::new(label, Style::line(OUTLIER, dash), Shape::Line(points)));
+        let points = drawn(curve).iter().map(roc::percents).collect();
+        layers.push(Layer::new(
+            format!("{name}, area {:.3}", curve.area),
+            Style::line(OUTLIER, dash),
+            Shape::Line(points),
+        ));
     }
-    (layers.len() > 1).then(|| {
-        let chart = Chart {
-            name: "verdict-roc".into(),
-            title: "Unknown objects against known categories".into(),
-            description: format!("{}; 0.5 is chance.", told.join("; ")),
-            x: Axis::spanning("known ones taken for unknown / %", 0.0, 100.0),
-            y: Axis::spanning("unknown ones found / %", 0.0, 100.0),
-            layers,
-        };
-        chart.svg()
-    })
+    let names = ("verdict-roc", "Unknown objects against known categories");
+    let axes = ("known ones taken for unknown / %", "unknown ones found / %");
+    let description = format!("{}; 0.5 is chance.", told.join("; "));
+    (!layers.is_empty()).then(|| roc::square_chart(names, description, axes, "chance", layers))
 }
 
 fn roc_table(verdicts: &Verdicts) -> Table {
-    let columns = ["curve", "distance", "false_positive_rate", "true_positive_rate"];
-    let mut table = Table::new("verdict_roc", "Unknown objects against known categories", &columns);
-    for (name, curve) in curves(verdicts) {
-        for point in drawn(curve) {
-            table.rows.push(vec![
-                name.into(),
-                Cell::optional(point.threshold, 3),
-                Cell::Number(point.false_positive_rate, 4),
-                Cell::Number(point.true_positive_rate, 4),
-            ]);
-        }
-    }
-    table
+    let points = curves(verdicts).flat_map(|(name, curve)| drawn(curve).into_iter().map(move |point| (name, point)));
+    roc::table(("verdict_roc", "Unknown objects against known categories"), ("distance", 3), points)
 }

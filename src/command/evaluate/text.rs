@@ -1,8 +1,7 @@
 //! An evaluation as text.
 
 use underbrush_classifier::evaluate::{Accuracy, AccuracyBySamples, Evaluation, EvaluationReport, FoldBy};
-
-use crate::output;
+use underbrush_report::drawing::Rows;
 
 /// The whole evaluation.
 pub(super) fn of(results: &EvaluationReport) -> String {
@@ -57,60 +56,43 @@ fn by_samples(series: &[AccuracyBySamples]) -> String {
     let part = |part: Option<Accuracy>| {
         part.map_or("-".into(), |own| three(own.accuracy, own.balanced_accuracy, own.majority_baseline))
     };
-    let row =
-        |point: &AccuracyBySamples| {
-            let interval = point.interval_by_reach;
-            let lasting = point.accuracy_of_lasting.zip(point.majority_baseline_of_lasting);
-            let mut row = vec![
-                point.samples.map_or("all".into(), |samples| samples.to_string()),
-                three(point.accuracy, point.balanced_accuracy, point.majority_baseline),
-                interval.map_or("-".into(), |ends| format!("{}-{}", percent(ends.low), percent(ends.high))),
-            ];
-            if let Some(split) = point.by_touch {
-                row.extend([part(split.touched), part(split.untouched)]);
-            }
-            row.push(point.lasting.to_string());
-            row.push(lasting.map_or("-".into(), |(accuracy, baseline)| {
-                three(accuracy, point.balanced_accuracy_of_lasting, baseline)
-            }));
-            row
-        };
-    let rows: Vec<Vec<String>> = series.iter().map(row).collect();
-    let mut header = vec!["samples", "accuracy % *", "95 % by reach"];
-    if series.iter().any(|point| point.by_touch.is_some()) {
-        header.extend(["touched *", "never touched *"]);
-    }
-    header.extend(["trials that last", "accuracy of these *"]);
-    format!("{}* in brackets: balanced accuracy, majority baseline\n", output::table(&header, &rows))
+    let is_split = series.iter().any(|point| point.by_touch.is_some());
+    let rows = Rows::of(series)
+        .column("samples", |own| own.samples.map_or("all".into(), |samples| samples.to_string()))
+        .column("accuracy % *", |own| three(own.accuracy, own.balanced_accuracy, own.majority_baseline))
+        .column("95 % by reach", |own| {
+            own.interval_by_reach.map_or("-".into(), |ends| format!("{}-{}", percent(ends.low), percent(ends.high)))
+        })
+        .when(is_split, |rows| {
+            rows.column("touched *", |own| part(own.by_touch.and_then(|split| split.touched)))
+                .column("never touched *", |own| part(own.by_touch.and_then(|split| split.untouched)))
+        })
+        .column("trials that last", |own| own.lasting)
+        .column("accuracy of these *", |own| {
+            let lasting = own.accuracy_of_lasting.zip(own.majority_baseline_of_lasting);
+            lasting
+                .map_or("-".into(), |(accuracy, baseline)| three(accuracy, own.balanced_accuracy_of_lasting, baseline))
+        });
+    format!("{}* in brackets: balanced accuracy, majority baseline\n", rows.text())
 }
 
 fn evaluation(evaluation: &Evaluation) -> String {
     let matrix = &evaluation.confusion;
-    let mut header = vec!["truth \\ verdict"];
-    header.extend(matrix.verdict.iter().map(String::as_str));
-    let rows: Vec<Vec<String>> = matrix
-        .truth
-        .iter()
-        .zip(&matrix.count)
-        .map(|(truth, counts)| std::iter::once(truth.clone()).chain(counts.iter().map(usize::to_string)).collect())
-        .collect();
-    let mut text = output::table(&header, &rows);
-    let figures: Vec<Vec<String>> = evaluation
-        .categories
-        .iter()
-        .map(|figures| {
-            vec![
-                figures.category.clone(),
-                figures.trials.to_string(),
-                percent(figures.recall),
-                format!("{}-{}", percent(figures.recall_interval.low), percent(figures.recall_interval.high)),
-                figures.precision.map_or("-".into(), percent),
-                percent(figures.f1),
-            ]
-        })
-        .collect();
+    let mut text = Rows::of(matrix.truth.iter().zip(&matrix.count))
+        .column("truth \\ verdict", |(truth, _)| truth.as_str())
+        .columns(&matrix.verdict, |(_, counts)| counts.iter().copied())
+        .text();
     text += "\n";
-    text += &output::table(&["category", "trials", "recall %", "95 % interval", "precision %", "F1 %"], &figures);
+    text += &Rows::of(&evaluation.categories)
+        .column("category", |own| own.category.as_str())
+        .column("trials", |own| own.trials)
+        .column("recall %", |own| percent(own.recall))
+        .column("95 % interval", |own| {
+            format!("{}-{}", percent(own.recall_interval.low), percent(own.recall_interval.high))
+        })
+        .column("precision %", |own| maybe(own.precision))
+        .column("F1 %", |own| percent(own.f1))
+        .text();
     text += "\n";
     text += &accuracies(evaluation);
     let by_trial = evaluation.accuracy_interval_by_trial;
@@ -136,18 +118,11 @@ fn accuracies(evaluation: &Evaluation) -> String {
             ("not known", split.unknown),
         ]);
     }
-    let rows: Vec<Vec<String>> = parts
-        .into_iter()
-        .filter_map(|(name, part)| {
-            let part = part?;
-            Some(vec![
-                name.to_string(),
-                part.trials.to_string(),
-                percent(part.accuracy),
-                maybe(part.balanced_accuracy),
-                percent(part.majority_baseline),
-            ])
-        })
-        .collect();
-    output::table(&["judged", "trials", "accuracy %", "balanced accuracy %", "majority baseline %"], &rows)
+    Rows::of(parts.into_iter().filter_map(|(name, part)| Some((name, part?))))
+        .column("judged", |(name, _)| name)
+        .column("trials", |(_, own)| own.trials)
+        .column("accuracy %", |(_, own)| percent(own.accuracy))
+        .column("balanced accuracy %", |(_, own)| maybe(own.balanced_accuracy))
+        .column("majority baseline %", |(_, own)| percent(own.majority_baseline))
+        .text()
 }

@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use underbrush_classifier::evaluate::EvaluateError;
 use underbrush_classifier::evaluate::touch_folds::{
-    ReadReaches, TouchFoldsError, TouchReport, check_folds, cross_validate_touch, judge_touch,
+    ReadReaches, TouchReport, check_folds, cross_validate_touch, judge_touch,
 };
 use underbrush_classifier::touch::{RiskLimits, TouchExamples, TouchModel, TouchOptions};
 
@@ -60,8 +61,8 @@ impl Evaluation<'_> {
     /// Cross-validates. Failures that are about all reaches name the input.
     fn across_folds(&self, count: usize, options: &TouchOptions, reaches: &Reaches) -> Result<TouchReport, Failure> {
         let about = |failure: Failure| fit::about(failure, self.paths);
-        let refused = |error: TouchFoldsError| match error {
-            TouchFoldsError::Folds(_) => error.into(),
+        let refused = |error: EvaluateError| match error {
+            EvaluateError::FoldCount { .. } => error.into(),
             error => about(error.into()),
         };
         // This is checked before the reaches are read.

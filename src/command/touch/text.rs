@@ -1,7 +1,8 @@
 //! Results of touch models as text.
 
-use underbrush_classifier::evaluate::{Accuracy, OutlierFigures, ReachFigures, RightWithin, TouchFigures};
+use underbrush_classifier::evaluate::{OutlierFigures, ReachFigures, TouchFigures};
 use underbrush_classifier::touch::{FeatureWorth, TouchDecision, TouchRows};
+use underbrush_report::drawing::Rows;
 
 use crate::output;
 
@@ -12,12 +13,11 @@ pub(super) fn rows(rows: &TouchRows) -> String {
         ("taxels, nothing on them".to_owned(), rows.untouched_taxels),
     ];
     let regions = rows.regions.iter().map(|(category, count)| (format!("regions, {category}"), *count));
-    let cells = |(name, count): (String, usize)| vec![name, count.to_string()];
-    let cells: Vec<Vec<String>> = taxels.into_iter().chain(regions).map(cells).collect();
+    let counts: Vec<(String, usize)> = taxels.into_iter().chain(regions).collect();
     format!(
         "Classifier touch\n{}From {}. Probabilities are calibrated on reaches that were held out: in {} parts, each \
          judged by networks fitted to the others\n",
-        output::table(&["rows", "count"], &cells),
+        Rows::of(&counts).column("rows", |own| own.0.as_str()).column("count", |own| own.1).text(),
         output::counted(rows.reaches, "reach", "reaches"),
         rows.held_out_parts
     )
@@ -63,20 +63,16 @@ const FEATURES_SHOWN: usize = 6;
 
 /// What the most valuable features of each network are worth.
 pub(super) fn feature_worth(worth: &[FeatureWorth]) -> String {
-    let mut rows = Vec::new();
-    for (index, own) in worth.iter().enumerate() {
-        let rank = worth[..index].iter().filter(|other| other.network == own.network).count();
-        if rank < FEATURES_SHOWN {
-            rows.push(vec![
-                own.network.to_owned(),
-                own.feature.to_owned(),
-                format!("{:.4}", own.log_loss_rise_nats),
-                format!("{:.2}", 100.0 * own.balanced_accuracy_fall),
-            ]);
-        }
-    }
-    let header = ["network", "feature", "rise of log loss if shuffled / nats", "fall of balanced accuracy / %"];
-    "\n".to_owned() + &output::table(&header, &rows)
+    let of_network = |own: &FeatureWorth, before: &[FeatureWorth]| {
+        before.iter().filter(|other| other.network == own.network).count() < FEATURES_SHOWN
+    };
+    let shown = worth.iter().enumerate().filter(|(index, own)| of_network(own, &worth[..*index]));
+    let rows = Rows::of(shown.map(|(_, own)| own))
+        .column("network", |own| own.network)
+        .column("feature", |own| own.feature)
+        .number("rise of log loss if shuffled / nats", 4, |own| own.log_loss_rise_nats)
+        .percent("fall of balanced accuracy / %", 2, |own| own.balanced_accuracy_fall);
+    format!("\n{}", rows.text())
 }
 
 /// What was cross-validated.
@@ -99,18 +95,14 @@ fn outliers(outliers: Option<OutlierFigures>) -> String {
 }
 
 fn verdicts(figures: &TouchFigures) -> String {
-    let rows = figures.truths.iter().map(|own| {
-        vec![
-            own.truth.clone(),
-            own.taxel_frames.to_string(),
-            percent(own.right),
-            percent(own.wrong),
-            percent(own.uncertain),
-            percent(own.called_unknown),
-        ]
-    });
-    let header = ["truth", "taxel frames", "right %", "wrong %", "uncertain %", "called unknown %"];
-    output::table(&header, &rows.collect::<Vec<_>>())
+    Rows::of(&figures.truths)
+        .column("truth", |own| own.truth.as_str())
+        .column("taxel frames", |own| own.taxel_frames)
+        .column("right %", |own| percent(own.right))
+        .column("wrong %", |own| percent(own.wrong))
+        .column("uncertain %", |own| percent(own.uncertain))
+        .column("called unknown %", |own| percent(own.called_unknown))
+        .text()
 }
 
 fn by_reach(own: &ReachFigures) -> String {
@@ -124,31 +116,25 @@ fn by_reach(own: &ReachFigures) -> String {
 }
 
 fn contacts(figures: &TouchFigures) -> String {
-    let row = |(name, accuracy): (&str, Option<Accuracy>)| {
-        vec![
-            name.to_owned(),
-            accuracy.map_or("0".into(), |own| own.trials.to_string()),
-            percent(accuracy.map(|own| own.accuracy)),
-            percent(accuracy.and_then(|own| own.balanced_accuracy)),
-            percent(accuracy.map(|own| own.majority_baseline)),
-        ]
-    };
     let parts =
         [("whole contact", figures.contacts_at_end), ("first 0.1 s (10 samples)", figures.contacts_after_tenth_second)];
-    let header = ["touched contacts by", "contacts", "accuracy %", "balanced accuracy %", "majority baseline %"];
-    output::table(&header, &parts.map(row))
+    Rows::of(parts)
+        .column("touched contacts by", |(name, _)| name)
+        .column("contacts", |(_, own)| own.map_or(0, |own| own.trials))
+        .column("accuracy %", |(_, own)| percent(own.map(|own| own.accuracy)))
+        .column("balanced accuracy %", |(_, own)| percent(own.and_then(|own| own.balanced_accuracy)))
+        .column("majority baseline %", |(_, own)| percent(own.map(|own| own.majority_baseline)))
+        .text()
 }
 
 fn first_right(figures: &TouchFigures) -> String {
     if figures.first_right_verdict.is_empty() {
         return String::new();
     }
-    let row = |own: &RightWithin| {
-        let samples = own.samples.map_or("whole contact".into(), |samples| samples.to_string());
-        vec![samples, percent(Some(own.share))]
-    };
-    let rows: Vec<Vec<String>> = figures.first_right_verdict.iter().map(row).collect();
-    let mut text = output::table(&["samples", "contacts with a right verdict by then, %"], &rows);
+    let mut text = Rows::of(&figures.first_right_verdict)
+        .column("samples", |own| own.samples.map_or("whole contact".into(), |samples| samples.to_string()))
+        .percent("contacts with a right verdict by then, %", 1, |own| own.share)
+        .text();
     if let Some(median) = figures.median_samples_until_right {
         text += &format!("Where there is a right verdict, the first comes after {median} samples (median)\n");
     }

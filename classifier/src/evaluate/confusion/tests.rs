@@ -1,7 +1,6 @@
 use super::*;
-use crate::evaluate::EvaluateError;
-use crate::evaluate::Evaluation;
 use crate::evaluate::tests::predictions;
+use crate::evaluate::{EvaluateError, Evaluation};
 
 /// The figures of a classifier of leaf and trunk, from rows of truth, verdict and count.
 fn accuracy(rows: &[(&str, &str, usize)]) -> Accuracy {
@@ -76,7 +75,7 @@ fn without_trials_there_are_no_figures() {
     assert_eq!(accuracy(&[("outlier", "leaf", 3)]).balanced_accuracy, None);
     assert_eq!(accuracy(&[("block", "leaf", 3)]).majority_baseline, 0.0);
     let models = ["leaf".to_owned(), "trunk".to_owned()];
-    assert_eq!(ConfusionMatrix::of(&[], &models).accuracy(), None);
+    assert_eq!(ConfusionMatrix::of([], &models).accuracy(), None);
     assert_eq!(Evaluation::of(vec![], &models, vec![]), Err(EvaluateError::NoTruth));
 }
 

@@ -47,18 +47,15 @@ pub fn classify_stream(
         Verdict::Uncertain => Some(categories.len()),
         Verdict::Outlier => Some(categories.len() + 1),
     };
-    let mut stream = Stream::new(&categories, &[], recording, truth);
-    let mut followed = Followed::new(recording, options.patch.as_deref(), truth);
-    for frame in &recording.frames {
-        let start = Instant::now();
+    let stream = Stream::new(&categories, &[], recording, truth);
+    stream.judged_by(recording, options.patch.as_deref(), truth, |frame, judged| {
         let verdicts = online.update(frame)?;
-        stream.seconds.push(start.elapsed().as_secs_f64());
-        let judged = verdicts.filter_map(|taxel| {
+        let taxels = verdicts.filter_map(|taxel| {
             Some(Judged { taxel: taxel.taxel, samples: taxel.samples, verdict: place(&taxel.verdict)? })
         });
-        stream.observe(frame, judged, &mut followed);
-    }
-    Ok(stream)
+        judged.extend(taxels);
+        Ok(())
+    })
 }
 
 /// Like [`classify_stream`], but by a touch model. Something unlike all known categories counts as an outlier.
@@ -68,13 +65,10 @@ pub fn classify_stream(
 pub fn classify_touch_stream(model: &Arc<TouchModel>, recording: &Recording) -> Result<Stream, TrialError> {
     let mut classifier = TouchClassifier::new(Arc::clone(model), &recording.layout)?;
     let categories = model.categories();
-    let mut stream = Stream::new(categories, &[NOTHING], recording, StreamTruth::Object);
-    let mut followed = Followed::new(recording, model.options().patch.as_deref(), StreamTruth::Object);
-    for frame in &recording.frames {
-        let start = Instant::now();
+    let stream = Stream::new(categories, &[NOTHING], recording, StreamTruth::Object);
+    stream.judged_by(recording, model.options().patch.as_deref(), StreamTruth::Object, |frame, judged| {
         classifier.update(frame)?;
-        stream.seconds.push(start.elapsed().as_secs_f64());
-        let judged = classifier.taxels().iter().map(|taxel| Judged {
+        judged.extend(classifier.taxels().iter().map(|taxel| Judged {
             taxel: taxel.taxel,
             samples: taxel.samples,
             verdict: match taxel.touch {
@@ -83,10 +77,9 @@ pub fn classify_touch_stream(model: &Arc<TouchModel>, recording: &Recording) -> 
                 Touch::Unknown => categories.len() + 1,
                 Touch::Nothing => categories.len() + 2,
             },
-        });
-        stream.observe(frame, judged, &mut followed);
-    }
-    Ok(stream)
+        }));
+        Ok(())
+    })
 }
 
 /// A recording that is being judged, and the last verdict on each taxel.
@@ -95,12 +88,6 @@ struct Followed<'a> {
     patch: usize,
     truth: StreamTruth,
     last: Vec<Last>,
-}
-
-impl<'a> Followed<'a> {
-    fn new(recording: &'a Recording, patch: Option<&str>, truth: StreamTruth) -> Self {
-        Followed { recording, patch: recording.layout.chosen_patch(patch).unwrap_or_default(), truth, last: Vec::new() }
-    }
 }
 
 /// Which objects truly press on the taxels of a patch in one frame.
@@ -153,7 +140,28 @@ impl Stream {
         }
     }
 
-    fn observe(&mut self, frame: &Frame, judged: impl Iterator<Item = Judged>, followed: &mut Followed<'_>) {
+    /// The stream of a recording whose taxels are judged frame by frame. `judge` appends a frame's verdicts to a list.
+    fn judged_by<E>(
+        mut self,
+        recording: &Recording,
+        patch: Option<&str>,
+        truth: StreamTruth,
+        mut judge: impl FnMut(&Frame, &mut Vec<Judged>) -> Result<(), E>,
+    ) -> Result<Self, E> {
+        let patch = recording.layout.chosen_patch(patch).unwrap_or_default();
+        let mut followed = Followed { recording, patch, truth, last: Vec::new() };
+        let mut judged = Vec::new();
+        for frame in &recording.frames {
+            judged.clear();
+            let start = Instant::now();
+            judge(frame, &mut judged)?;
+            self.seconds.push(start.elapsed().as_secs_f64());
+            self.observe(frame, &judged, &mut followed);
+        }
+        Ok(self)
+    }
+
+    fn observe(&mut self, frame: &Frame, judged: &[Judged], followed: &mut Followed<'_>) {
         let pressing = Pressing::of(frame, followed.patch, followed.recording, &self.truths);
         let last = &mut followed.last;
         let uncertain = self.verdicts.iter().position(|name| name == Verdict::Uncertain.name());
@@ -183,7 +191,7 @@ impl Stream {
             if taxel.samples == 1 {
                 last.contact = None;
             }
-            self.follow(&mut last.contact, truth, &taxel);
+            self.follow(&mut last.contact, truth, taxel);
             frame.in_contact += 1;
             frame.tally.count(truth, &self.verdicts[taxel.verdict], 1);
             used += last.samples_used;

@@ -3,7 +3,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::hmm::{HmmParameters, RunningScore};
+use crate::hmm::{FilterBank, HmmParameters};
 
 /// Parameters of N ≤ 4 states and sequences of up to 5 samples, with zeros and wide ranges of densities.
 pub(in crate::hmm) fn small_problem() -> impl Strategy<Value = (HmmParameters, Vec<f64>)> {
@@ -205,9 +205,13 @@ fn one_by_one_and_together_are_the_same_bits() {
     for kind in [ScoreKind::Forward, ScoreKind::Viterbi] {
         let together = scorer.log_probabilities(kind, &all).unwrap();
         for (sequence, found) in sequences.iter().zip(together) {
-            let mut running = RunningScore::new(kind, &scorer);
-            sequence.samples().for_each(|sample| running.push(&scorer, sample).unwrap());
-            assert_eq!(found.to_bits(), running.log_probability().to_bits());
+            let mut bank = FilterBank::new(kind, std::iter::once(&scorer), 1);
+            bank.begin(0);
+            for sample in sequence.samples() {
+                bank.put(0, sample).unwrap();
+                bank.advance(std::iter::once(&scorer));
+            }
+            assert_eq!(found.to_bits(), bank.scores(0).next().unwrap().to_bits());
             assert_eq!(found.to_bits(), scorer.log_probability(kind, sequence).unwrap().to_bits());
         }
     }

@@ -63,7 +63,8 @@ fn springs_are_told_apart() {
         assert!(tally.right as f64 > 0.9 * tally.total() as f64, "{tally:?}");
     }
     assert_eq!(other.total(), 0);
-    assert_eq!(evaluation.balanced_accuracy(2, |contact| contact.at_end), Some(1.0));
+    let accuracy = evaluation.accuracy(model.categories(), |contact| contact.at_end).unwrap();
+    assert_eq!(accuracy.balanced_accuracy, Some(1.0));
     // As strong as a trunk, and giving way as far as a leaf.
     let reach = presses(0, 1000.0, 0.04, 0.05);
     let mut classifier = TouchClassifier::new(Arc::clone(&model), &reach.layout).unwrap();

@@ -1,0 +1,147 @@
+//! What all baselines have in common: how they are fitted, used, written and read.
+
+use std::collections::BTreeMap;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use schemars::JsonSchema;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+use underbrush_recording::{InputError, Sample, Trial};
+
+use super::file::Keys;
+use crate::document::Document;
+use crate::error::{Fault, ModelError};
+use crate::estimator::{
+    Classifier, ClassifierKind, ContactScorer, Estimator, Independent, OnlineScorer, trials_by_category,
+};
+use crate::feature::{FeatureSet, SampleFault};
+
+/// Trials by category, in alphabetical order.
+pub(super) type TrialsByCategory<'a> = BTreeMap<String, Vec<&'a Trial>>;
+
+/// The options of a baseline, and what it does with trials and samples.
+pub(super) trait Baseline:
+    Copy + Debug + Send + Sync + Serialize + DeserializeOwned + JsonSchema + 'static
+{
+    /// Name of the classifier.
+    const NAME: &'static str;
+    /// What is fitted, as a file holds it.
+    type Parameters: Serialize + DeserializeOwned + JsonSchema;
+    /// What is fitted, ready for use.
+    type Learned: Debug + Send + Sync;
+    /// What is known of a contact so far.
+    type Contact: Clone + Debug + Send;
+
+    /// The features of each sample.
+    fn features(&self) -> FeatureSet;
+
+    /// Checks the options.
+    fn check(&self) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    /// Fits to trials.
+    fn learn(&self, trials: &TrialsByCategory) -> Result<Self::Learned, ModelError>;
+
+    /// What a file holds.
+    fn parameters(learned: &Self::Learned) -> Self::Parameters;
+
+    /// Checks and takes over what a file holds, for this many categories.
+    fn learned(&self, parameters: Self::Parameters, categories: usize) -> Result<Self::Learned, Fault>;
+
+    /// A contact without samples.
+    fn begin(&self, learned: &Self::Learned) -> Self::Contact;
+
+    /// As [`ContactScorer::push`].
+    fn push(&self, learned: &Self::Learned, contact: &mut Self::Contact, sample: &Sample) -> Result<bool, SampleFault>;
+
+    /// As [`ContactScorer::scores`].
+    fn scores(&self, learned: &Self::Learned, contact: &Self::Contact, scores: &mut [f64]);
+}
+
+/// The entry of a baseline in the list of classifiers.
+pub(super) const fn kind<B: Baseline>(
+    aliases: &'static [&'static str],
+    summary: &'static str,
+    estimator: fn(Option<FeatureSet>) -> Box<dyn Estimator>,
+) -> ClassifierKind {
+    let schema = Keys::<B, B::Parameters>::json_schema;
+    ClassifierKind { name: B::NAME, aliases, summary, estimator, load: load::<B>, schema }
+}
+
+#[derive(Debug)]
+struct Fitted<B: Baseline> {
+    options: B,
+    categories: Vec<String>,
+    learned: B::Learned,
+}
+
+/// A fitted baseline.
+#[derive(Debug)]
+struct BaselineClassifier<B: Baseline>(Arc<Fitted<B>>);
+
+impl<B: Baseline> Estimator for B {
+    fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
+        self.check()?;
+        let trials = trials_by_category(trials.iter().copied())?;
+        let learned = self.learn(&trials)?;
+        let categories = trials.into_keys().collect();
+        Ok(Box::new(BaselineClassifier(Arc::new(Fitted { options: *self, categories, learned }))))
+    }
+}
+
+fn load<B: Baseline>(document: &Document) -> Result<Box<dyn Classifier>, InputError> {
+    let Keys { categories, options, parameters } = document.read::<Keys<B, B::Parameters>>()?;
+    if categories.is_empty() || !categories.is_sorted_by(|a, b| a < b) {
+        let found = categories.join(", ");
+        return Err(document.error("categories", found, "one or more names in alphabetical order, none twice"));
+    }
+    options.check().map_err(|fault| document.fault(fault.within("options")))?;
+    let learned = options.learned(parameters, categories.len());
+    let learned = learned.map_err(|fault| document.fault(fault.within("parameters")))?;
+    Ok(Box::new(BaselineClassifier(Arc::new(Fitted { options, categories, learned }))))
+}
+
+impl<B: Baseline> Classifier for BaselineClassifier<B> {
+    fn name(&self) -> &'static str {
+        B::NAME
+    }
+
+    fn features(&self) -> FeatureSet {
+        self.0.options.features()
+    }
+
+    fn categories(&self) -> Vec<String> {
+        self.0.categories.clone()
+    }
+
+    fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
+        let state = self.0.options.begin(&self.0.learned);
+        Box::new(Independent::new(Contact { fitted: Arc::clone(&self.0), state }, contacts))
+    }
+
+    fn file_entries(&self) -> Vec<(&'static str, Value)> {
+        let Fitted { options, categories, learned } = &*self.0;
+        let parameters = json!(B::parameters(learned));
+        vec![("categories", json!(categories)), ("options", json!(options)), ("parameters", parameters)]
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Contact<B: Baseline> {
+    fitted: Arc<Fitted<B>>,
+    state: B::Contact,
+}
+
+impl<B: Baseline> ContactScorer for Contact<B> {
+    fn push(&mut self, sample: &Sample) -> Result<bool, SampleFault> {
+        self.fitted.options.push(&self.fitted.learned, &mut self.state, sample)
+    }
+
+    fn scores(&self, scores: &mut [f64]) -> Result<(), ModelError> {
+        self.fitted.options.scores(&self.fitted.learned, &self.state, scores);
+        Ok(())
+    }
+}

@@ -1,0 +1,16 @@
+//! What was judged, whatever its unit.
+
+/// A verdict on one thing: a trial, a taxel in a frame, a contact or an object. All figures are counted over records.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Record<'a> {
+    /// The true category.
+    pub truth: &'a str,
+    /// Index of the verdict: a category of the classifier, then uncertain, then outlier.
+    pub verdict: usize,
+    /// The scores of all categories, nats; empty if they are not known.
+    pub scores: &'a [f64],
+    /// The reach. Things of one reach depend on each other.
+    pub reach: Option<u64>,
+    /// How often it counts.
+    pub weight: usize,
+}
