@@ -12,24 +12,17 @@ pub fn document(
     results: &[SuiteResult],
     failure: impl Fn(&SuiteResult, &SceneResult, &BoundResult) -> String,
 ) -> String {
-    let count = |results: &[SuiteResult]| -> (usize, usize) {
-        let scenes = results.iter().flat_map(|result| &result.scenes);
-        let tests = scenes.map(|scene| scene.bounds.len()).sum();
-        (tests, results.iter().map(|result| result.broken().count()).sum())
-    };
+    let scenes = results.iter().flat_map(|result| &result.scenes);
+    let tests: usize = scenes.map(|scene| scene.bounds.len()).sum();
+    let failures: usize = results.iter().map(|result| result.broken().count()).sum();
     let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
-    let (tests, failures) = count(results);
     let _ = writeln!(text, "<testsuites name=\"underbrush check\" tests=\"{tests}\" failures=\"{failures}\">");
     for result in results {
         for scene in &result.scenes {
             let class = escape(&format!("{}.{}", result.suite, scene.scene));
-            let broken = scene.bounds.iter().filter(|bound| bound.verdict != BoundVerdict::Holds);
-            let _ = writeln!(
-                text,
-                "  <testsuite name=\"{class}\" tests=\"{}\" failures=\"{}\">",
-                scene.bounds.len(),
-                broken.count()
-            );
+            let broken = scene.bounds.iter().filter(|bound| bound.verdict != BoundVerdict::Holds).count();
+            let tests = scene.bounds.len();
+            let _ = writeln!(text, "  <testsuite name=\"{class}\" tests=\"{tests}\" failures=\"{broken}\">");
             for bound in &scene.bounds {
                 let name = escape(&bound.name);
                 if bound.verdict == BoundVerdict::Holds {

@@ -27,6 +27,7 @@ mod style;
 pub mod suite_text;
 pub mod text;
 
+use underbrush_experiments::experiment::training_data::Reaches;
 use underbrush_experiments::results::Results;
 
 use drawing::Rows;
@@ -90,15 +91,11 @@ fn what_was_run(report: &mut Report) {
 /// The text for a terminal: the reaches, the most important tables, and the difference from the published figures.
 fn terminal(report: &Report) -> String {
     let outcomes = &report.results.outcomes;
-    let reaches = &outcomes.training_data.reaches;
-    let mut terminal = format!(
-        "{} training reaches, {:.0} s of simulated time\n{}\n{}\n\n{}",
-        reaches.count,
-        reaches.simulated_s,
-        reaches.ends.text(),
-        text::audit(&reaches.audit).trim_end(),
-        report.terminal
-    );
+    let Reaches { count, simulated_s, ends, audit, .. } = &outcomes.training_data.reaches;
+    let (ends, audit, tables) = (ends.text(), text::audit(audit), &report.terminal);
+    let audit = audit.trim_end();
+    let mut terminal =
+        format!("{count} training reaches, {simulated_s:.0} s of simulated time\n{ends}\n{audit}\n\n{tables}");
     for (recipe, points) in &outcomes.table_one.mean_absolute_difference_points {
         terminal += &format!("mean absolute difference from the paper, {recipe} recipe: {points:.1} points\n");
     }
@@ -106,9 +103,7 @@ fn terminal(report: &Report) -> String {
     for (recipe, points) in campaigns.flat_map(|own| &own.mean_absolute_difference_points) {
         terminal += &format!("the same for the mean campaign, {recipe} recipe: {points:.1} points\n");
     }
-    if let Some(text) = section::table_one::choices(report) {
-        terminal += &format!("{text}\n");
-    }
+    terminal.extend(section::table_one::choices(report).map(|text| text + "\n"));
     terminal + &format!("{:.0} s in all", report.results.timing.wall_s)
 }
 

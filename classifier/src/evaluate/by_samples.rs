@@ -94,7 +94,7 @@ pub fn accuracy_by_samples_of_all(
             majority_baseline: all.map_or(0.0, |all| all.majority_baseline),
             balanced_accuracy: all.and_then(|all| all.balanced_accuracy),
             by_touch: AccuracyByTouch::of(&predictions, categories),
-            interval_by_reach: bootstrap_by_reach(&predictions, BOOTSTRAP_RESAMPLES, 0),
+            interval_by_reach: bootstrap_by_reach(predictions.iter().map(record), categories, BOOTSTRAP_RESAMPLES, 0),
             lasting: count,
             accuracy_of_lasting: lasting.map(|lasting| lasting.accuracy),
             majority_baseline_of_lasting: lasting.map(|lasting| lasting.majority_baseline),

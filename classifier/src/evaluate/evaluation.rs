@@ -8,6 +8,7 @@ use super::confusion::{AccuracyByTouch, CategoryFigures, ConfusionMatrix};
 use super::error::EvaluateError;
 use super::interval::{BOOTSTRAP_RESAMPLES, Interval, bootstrap_by_reach, wilson};
 use super::prediction::Prediction;
+use super::record::Record;
 use crate::hmm::TrainingHistory;
 
 /// Verdicts on trials with ground truth, and figures computed from them.
@@ -47,6 +48,12 @@ impl Evaluation {
         &verdicts[..verdicts.len() - 2]
     }
 
+    /// The record of each prediction.
+    pub fn records(&self) -> impl Iterator<Item = Record<'_>> {
+        let categories = self.known_categories();
+        self.predictions.iter().map(move |own| own.record(categories))
+    }
+
     /// Summarizes predictions of a classifier with these categories, whatever folds or trials they come from.
     ///
     /// # Errors
@@ -56,18 +63,19 @@ impl Evaluation {
         models: &[String],
         training: Vec<BTreeMap<String, TrainingHistory>>,
     ) -> Result<Self, EvaluateError> {
-        let confusion = ConfusionMatrix::of(predictions.iter().map(|own| own.record(models)), models);
+        let records = || predictions.iter().map(|own| own.record(models));
+        let confusion = ConfusionMatrix::of(records(), models);
         let Some(accuracy) = confusion.accuracy() else {
             return Err(EvaluateError::NoTruth);
         };
-        let correct = predictions.iter().filter(|prediction| prediction.is_correct()).count();
+        let correct = records().filter(|record| record.is_right(models)).count();
         Ok(Evaluation {
             accuracy: accuracy.accuracy,
             majority_baseline: accuracy.majority_baseline,
             balanced_accuracy: accuracy.balanced_accuracy,
             by_touch: AccuracyByTouch::of(&predictions, models),
             accuracy_interval_by_trial: wilson(correct, predictions.len()),
-            accuracy_interval_by_reach: bootstrap_by_reach(&predictions, BOOTSTRAP_RESAMPLES, 0),
+            accuracy_interval_by_reach: bootstrap_by_reach(records(), models, BOOTSTRAP_RESAMPLES, 0),
             categories: confusion.figures(),
             confusion,
             predictions,

@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-use super::prediction::Prediction;
+use super::record::Record;
 
 /// A 95 % confidence interval of a fraction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -36,16 +36,21 @@ pub fn wilson(successes: usize, trials: usize) -> Interval {
     Interval { low: ((centre - half) / scale).max(0.0), high: ((centre + half) / scale).min(1.0) }
 }
 
-/// Percentile bootstrap of the accuracy over whole reaches, the clusters within which trials depend on each other.
+/// Percentile bootstrap of the accuracy over whole reaches, the clusters within which records depend on each other.
 ///
-/// Each of `resamples` resamples draws as many reaches as there are, with replacement. `None` if a prediction names no
-/// reach or there are no predictions.
-pub fn bootstrap_by_reach(predictions: &[Prediction], resamples: usize, seed: u64) -> Option<Interval> {
+/// Each of `resamples` resamples draws as many reaches as there are, with replacement. `None` if a record names no reach
+/// or there are no records. `categories` are those of the classifier.
+pub fn bootstrap_by_reach<'a>(
+    records: impl IntoIterator<Item = Record<'a>>,
+    categories: &[String],
+    resamples: usize,
+    seed: u64,
+) -> Option<Interval> {
     let mut reaches: BTreeMap<u64, (usize, usize)> = BTreeMap::new();
-    for prediction in predictions {
-        let (correct, count) = reaches.entry(prediction.reach?).or_default();
-        *correct += usize::from(prediction.is_correct());
-        *count += 1;
+    for record in records {
+        let (correct, count) = reaches.entry(record.reach?).or_default();
+        *correct += if record.is_right(categories) { record.weight } else { 0 };
+        *count += record.weight;
     }
     if reaches.is_empty() || resamples == 0 {
         return None;

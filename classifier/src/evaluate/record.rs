@@ -1,5 +1,7 @@
 //! What was judged, whatever its unit.
 
+use crate::decision::Verdict;
+
 /// A verdict on one thing: a trial, a taxel in a frame, a contact or an object. All figures are counted over records.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record<'a> {
@@ -13,4 +15,15 @@ pub struct Record<'a> {
     pub reach: Option<u64>,
     /// How often it counts.
     pub weight: usize,
+}
+
+impl Record<'_> {
+    /// Whether the verdict is right, by a classifier with these categories. For a foreign object (category outlier) the
+    /// right verdict is outlier; no verdict is right for a foam block.
+    pub fn is_right(&self, categories: &[String]) -> bool {
+        match categories.get(self.verdict) {
+            Some(category) => category == self.truth,
+            None => self.verdict == categories.len() + 1 && self.truth == Verdict::Outlier.name(),
+        }
+    }
 }

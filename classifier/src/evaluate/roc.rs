@@ -62,16 +62,14 @@ impl RocCurve {
 pub fn category_roc(evaluation: &Evaluation, category: &str) -> Option<RocCurve> {
     let own = evaluation.known_categories().iter().position(|name| name == category)?;
     let (mut positives, mut negatives) = (Vec::new(), Vec::new());
-    for prediction in &evaluation.predictions {
-        let others = prediction.scores.iter().enumerate().filter(|(index, _)| *index != own);
+    for record in evaluation.records() {
+        let others = record.scores.iter().enumerate().filter(|(index, _)| *index != own);
         let best_other = others.map(|(_, score)| *score).fold(f64::NEG_INFINITY, f64::max);
-        let score = prediction.scores.get(own).copied().unwrap_or(f64::NEG_INFINITY);
+        let score = record.scores.get(own).copied().unwrap_or(f64::NEG_INFINITY);
         // If no category admits the trial there is no margin, and ∞ − ∞ would be NaN.
         let margin = if score == best_other { 0.0 } else { score - best_other };
-        match prediction.category == category {
-            true => positives.push(margin),
-            false => negatives.push(margin),
-        }
+        let side = if record.truth == category { &mut positives } else { &mut negatives };
+        side.extend(std::iter::repeat_n(margin, record.weight));
     }
     RocCurve::of(&positives, &negatives)
 }
@@ -91,10 +89,10 @@ pub fn category_roc(evaluation: &Evaluation, category: &str) -> Option<RocCurve>
 /// outliers. `None` if the evaluation contains no outliers, or nothing else.
 pub fn outlier_roc(evaluation: &Evaluation, judge: &Judge, uncertain_below: f64) -> Option<RocCurve> {
     let scores = |counts: &dyn Fn(&str) -> bool| -> Vec<f64> {
-        let pool = evaluation.predictions.iter();
-        let margins = pool
-            .filter(|prediction| counts(&prediction.category))
-            .map(|prediction| judge.margin(&prediction.scores).map_or(0.0, |(_, margin)| margin));
+        let margins = evaluation.records().filter(|record| counts(record.truth)).flat_map(|record| {
+            let margin = judge.margin(record.scores).map_or(0.0, |(_, margin)| margin);
+            std::iter::repeat_n(margin, record.weight)
+        });
         margins.map(|margin| if margin < uncertain_below { f64::NEG_INFINITY } else { -margin }).collect()
     };
     let outliers = scores(&|category| category == Category::OUTLIER.name());

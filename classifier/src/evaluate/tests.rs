@@ -296,13 +296,16 @@ fn clusters_widen_the_interval() {
     let rows: Vec<_> =
         (0..20).map(|reach| ("leaf", if reach % 2 == 0 { "leaf" } else { "trunk" }, reach, 50)).collect();
     let clustered = predictions(&rows);
-    let interval = bootstrap_by_reach(&clustered, 2000, 7).unwrap();
+    let models = ["leaf".to_owned(), "trunk".to_owned()];
+    let bootstrap =
+        |own: &[Prediction]| bootstrap_by_reach(own.iter().map(|own| own.record(&models)), &models, 2000, 7);
+    let interval = bootstrap(&clustered).unwrap();
     let half = (interval.high - interval.low) / 2.0;
     assert!((half / (1.96 * 0.1118) - 1.0).abs() < 0.15, "{interval:?}");
     let naive = wilson(500, 1000);
     assert!(half > 3.0 * (naive.high - naive.low) / 2.0);
-    assert_eq!(bootstrap_by_reach(&clustered, 2000, 7), Some(interval));
+    assert_eq!(bootstrap(&clustered), Some(interval));
     let mut homeless = clustered;
     homeless[0].reach = None;
-    assert_eq!(bootstrap_by_reach(&homeless, 2000, 7), None);
+    assert_eq!(bootstrap(&homeless), None);
 }

@@ -133,6 +133,12 @@ const UNCERTAIN_AREA: &str = "#9cc2f0";
 pub fn reach_chart(reach: &Classified, labels: &[&str], looks: &CategoryLooks) -> String {
     let frames = &reach.stream.frames;
     let interval = |frame: &StreamFrame| (frame.time_s / INTERVAL_S).floor();
+    // The mean of a number of taxels over the reach, and over each interval.
+    let means = |count: &dyn Fn(&StreamFrame) -> usize| -> (f64, Vec<(f64, f64)>) {
+        let mean = |frames: &[StreamFrame]| frames.iter().map(count).sum::<usize>() as f64 / frames.len() as f64;
+        let intervals = frames.chunk_by(|a, b| interval(a) == interval(b));
+        (mean(frames), intervals.map(|frames| (frames[0].time_s, mean(frames))).collect())
+    };
     let mut description = format!("Mean number of taxels by verdict over intervals of {INTERVAL_S} s. Over the reach:");
     let mut layers = Vec::new();
     // Outliers at the bottom, uncertain taxels on top.
@@ -149,25 +155,15 @@ pub fn reach_chart(reach: &Classified, labels: &[&str], looks: &CategoryLooks) -
             "uncertain" => Style::line(UNCERTAIN_AREA, Dash::Solid),
             other => area_style(other, looks),
         };
-        let mean = |frames: &[StreamFrame]| {
-            let sum: usize = frames.iter().map(|frame| frame.by_verdict[column]).sum();
-            sum as f64 / frames.len() as f64
-        };
-        let intervals = frames.chunk_by(|a, b| interval(a) == interval(b));
-        let mut points: Vec<(f64, f64)> = intervals.map(|frames| (frames[0].time_s, mean(frames))).collect();
+        let (mean, mut points) = means(&|frame| frame.by_verdict[column]);
         // The last interval ends with the reach.
         let end = frames.last().zip(points.last().copied());
         points.extend(end.map(|(end, last)| (end.time_s, last.1)));
-        description += &format!(" {name} {:.2},", mean(frames));
+        description += &format!(" {name} {mean:.2},");
         layers.push(Layer::new(name.as_str(), style, Shape::Areas(points)));
     }
-    let untouched = |frames: &[StreamFrame]| {
-        let sum: usize = frames.iter().map(|frame| frame.tally.unknown).sum();
-        sum as f64 / frames.len() as f64
-    };
-    let intervals = frames.chunk_by(|a, b| interval(a) == interval(b));
-    let points = intervals.map(|frames| (frames[0].time_s, untouched(frames))).collect();
-    description += &format!(" without truth {:.2}", untouched(frames));
+    let (untouched, points) = means(&|frame| frame.tally.unknown);
+    description += &format!(" without truth {untouched:.2}");
     layers.push(Layer::new("nothing presses", Style::line(INK, Dash::Dotted), Shape::Steps(points)));
     description = format!("{}. Truly touched in this share of the time:", description.trim_end_matches(','));
     for category in strips(reach, labels) {

@@ -94,13 +94,6 @@ fn every(labels: &[&str]) -> String {
     }
 }
 
-/// A constant line over the whole time of a reach.
-fn level(name: &str, value: f64, reach: &Classified) -> Layer {
-    let ends = [reach.stream.frames.first(), reach.stream.frames.last()];
-    let points = ends.into_iter().flatten().map(|frame| (frame.time_s, value)).collect();
-    Layer::new(name, Style::line(INK, Dash::Dotted), Shape::Line(points))
-}
-
 fn computation_time(report: &Report, reach: &Classified) -> String {
     let timing = &report.results.timing;
     let frames = reach.stream.frames.iter().zip(&reach.stream.seconds);
@@ -109,14 +102,33 @@ fn computation_time(report: &Report, reach: &Classified) -> String {
         (frame.time_s, if frame.in_contact > 0 { per_100 } else { f64::NAN })
     });
     let mean = timing.figure_8_seconds_per_100_taxels.unwrap_or(f64::NAN);
-    let mut description = format!("Mean {mean:.2e} s for a new sample of 100 taxels in contact.");
-    let mut layers = vec![Layer::new("here", Style::line(FIRST.colour, Dash::Solid), Shape::Line(points.collect()))];
-    if let Some(paper_s) = timing.figure_8_paper_seconds_per_100_taxels {
-        description += &format!(" The paper's mean is {paper_s} s.");
-        layers.push(level(&format!("paper's mean, {paper_s} s"), paper_s, reach));
+    let description = format!("Mean {mean:.2e} s for a new sample of 100 taxels in contact.");
+    let here = Shape::Line(points.collect());
+    let paper = timing.figure_8_paper_seconds_per_100_taxels;
+    let paper = paper.map(|paper_s| (paper_s, format!(" The paper's mean is {paper_s} s."), " s"));
+    let y = Axis::logarithmic("time per 100 taxels / s");
+    beside_paper(("figure-8", "Computation time per 100 taxels"), description, here, paper, y, reach)
+}
+
+/// A chart over the time of a reach, with the published mean, what the description says of it, and its unit.
+fn beside_paper(
+    (name, title): (&str, &str),
+    mut description: String,
+    here: Shape,
+    paper: Option<(f64, String, &str)>,
+    y: Axis,
+    reach: &Classified,
+) -> String {
+    let mut layers = vec![Layer::new("here", Style::line(FIRST.colour, Dash::Solid), here)];
+    if let Some((mean, told, unit)) = paper {
+        description += &told;
+        let ends = [reach.stream.frames.first(), reach.stream.frames.last()].into_iter().flatten();
+        let points = ends.map(|frame| (frame.time_s, mean)).collect();
+        let level =
+            Layer::new(format!("paper's mean, {mean}{unit}"), Style::line(INK, Dash::Dotted), Shape::Line(points));
+        layers.push(level);
     }
-    let axes = (Axis::from_zero("time / s"), Axis::logarithmic("time per 100 taxels / s"));
-    chart("figure-8", "Computation time per 100 taxels", description, axes, layers)
+    chart(name, title, description, (Axis::from_zero("time / s"), y), layers)
 }
 
 fn samples_used(outcome: &Outcome, reach: &Classified) -> String {
@@ -125,14 +137,11 @@ fn samples_used(outcome: &Outcome, reach: &Classified) -> String {
         (frame.time_s, used)
     });
     let mean = outcome.figure_9.mean_samples_used.unwrap_or(f64::NAN);
-    let mut description = format!("Mean over the taxels in contact. The mean over the reach is {mean:.1}.");
-    let mut layers = vec![Layer::new("here", Style::line(FIRST.colour, Dash::Solid), Shape::Steps(points.collect()))];
-    if let Some(paper) = outcome.figure_9.paper {
-        description += &format!(" In the paper it is {paper}.");
-        layers.push(level(&format!("paper's mean, {paper}"), paper, reach));
-    }
-    let axes = (Axis::from_zero("time / s"), Axis::from_zero("samples"));
-    chart("figure-9", "Samples used for a verdict", description, axes, layers)
+    let description = format!("Mean over the taxels in contact. The mean over the reach is {mean:.1}.");
+    let here = Shape::Steps(points.collect());
+    let paper = outcome.figure_9.paper.map(|paper| (paper, format!(" In the paper it is {paper}."), ""));
+    let y = Axis::from_zero("samples");
+    beside_paper(("figure-9", "Samples used for a verdict"), description, here, paper, y, reach)
 }
 
 /// Correct, misclassified and uncertain taxels over time, and those that nothing presses on, all on one scale.
