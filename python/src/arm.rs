@@ -98,8 +98,3 @@ impl PyArm {
         format!("Arm({:?}, {} joints)", self.arm.name, self.arm.joints.len())
     }
 }
-
-/// Adds the class of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyArm>()
-}

@@ -180,8 +180,3 @@ pub fn numbers(
 pub fn texts<'py>(py: Python<'py>, texts: impl Iterator<Item = Option<String>>) -> PyResult<Bound<'py, PyList>> {
     PyList::new(py, texts.collect::<Vec<_>>())
 }
-
-/// Adds the classes of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Numbers>()
-}

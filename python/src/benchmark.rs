@@ -18,8 +18,7 @@ use crate::progress::Reported;
 #[pyfunction]
 #[pyo3(signature = (track, *, out, model = None, controller = None, verdicts = None, quick = false, progress = None,
                     jobs = None))]
-#[allow(clippy::too_many_arguments, reason = "options by name")]
-fn benchmark<'py>(
+pub fn benchmark<'py>(
     py: Python<'py>,
     track: &str,
     out: PathBuf,
@@ -42,7 +41,7 @@ fn benchmark<'py>(
 /// The folders of the sets on which an entry is judged, and their numbers of reaches.
 #[pyfunction]
 #[pyo3(signature = (track, *, out, model = None, controller = None, verdicts = None, quick = false))]
-fn benchmark_sets(
+pub fn benchmark_sets(
     track: &str,
     out: PathBuf,
     model: Option<PathBuf>,
@@ -61,8 +60,7 @@ fn benchmark_sets(
 /// Make part I of N of one of the sets that ``benchmark_sets`` lists, chosen by its index.
 #[pyfunction]
 #[pyo3(signature = (place, part, *, track, shard, model = None, controller = None, verdicts = None, quick = false, jobs = None))]
-#[allow(clippy::too_many_arguments, reason = "options by name")]
-fn benchmark_part(
+pub fn benchmark_part(
     py: Python<'_>,
     place: usize,
     part: PathBuf,
@@ -121,11 +119,4 @@ fn entry(
         "transfer" => Entry::Transfer(model),
         _ => Entry::Verdicts(model),
     })
-}
-
-/// Adds the functions of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(benchmark, module)?)?;
-    module.add_function(wrap_pyfunction!(benchmark_sets, module)?)?;
-    module.add_function(wrap_pyfunction!(benchmark_part, module)?)
 }

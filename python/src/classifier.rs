@@ -209,8 +209,3 @@ impl PyModel {
         Ok((py.get_type::<PyModel>().getattr("from_json")?, (self.to_json()?,)))
     }
 }
-
-/// Adds the class of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyModel>()
-}

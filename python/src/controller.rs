@@ -188,8 +188,3 @@ fn rate_hz(controller: &Bound<'_, PyAny>) -> PyResult<f64> {
         }
     }
 }
-
-/// Adds the class of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<ShippedController>()
-}

@@ -136,8 +136,3 @@ impl PyControllerInput {
         array::copy(py, &numbers, &[self.contacts.len(), 3, self.joint_angle_rad.len()], "float64")
     }
 }
-
-/// Adds the class of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyControllerInput>()
-}

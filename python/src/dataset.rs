@@ -144,7 +144,6 @@ impl PyDataset {
 
     /// Cut all reaches into contact trials.
     #[pyo3(signature = (*, by = "taxel", patch = None, threshold_n = None, min_samples = 1, labels = "contact", wrap = None))]
-    #[allow(clippy::too_many_arguments, reason = "options by name")]
     fn trials(
         &self,
         py: Python<'_>,
@@ -196,9 +195,4 @@ impl PyDataset {
     fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyAny>, (PathBuf,)) {
         (py.get_type::<PyDataset>().into_any(), (self.path(),))
     }
-}
-
-/// Adds the classes of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyDataset>()
 }

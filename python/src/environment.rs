@@ -75,7 +75,6 @@ impl PyEnvironments {
     #[pyo3(signature = (scene, count = 1, seed = 0, *, controller = None, action = "equilibrium", frames_per_step = None,
                         largest_change_rad = None, largest_waypoint_m = None, goals = None, time_limit_s = None,
                         reward = None, jobs = None))]
-    #[allow(clippy::too_many_arguments, reason = "options by name")]
     fn new(
         scene: &Bound<'_, PyAny>,
         count: usize,
@@ -208,7 +207,7 @@ fn reward(given: Option<&Bound<'_, PyDict>>) -> Result<Reward, Failure> {
 /// reset. The comparison shows what stepping from Python costs.
 #[pyfunction]
 #[pyo3(signature = (scene, actions, seed = 0, jobs = None))]
-fn seconds_without_python(
+pub fn seconds_without_python(
     py: Python<'_>,
     scene: &Bound<'_, PyAny>,
     actions: &Bound<'_, PyAny>,
@@ -235,10 +234,4 @@ fn seconds_without_python(
         }
         Ok(start.elapsed().as_secs_f64())
     })
-}
-
-/// Adds the class and the function of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyEnvironments>()?;
-    module.add_function(wrap_pyfunction!(seconds_without_python, module)?)
 }

@@ -29,8 +29,7 @@ fn folds(trials: &Trials, count: usize, group: Option<&str>) -> Result<Folds, Fa
 #[pyfunction]
 #[pyo3(name = "evaluate", signature = (trials, classifier, *, folds = None, group = None, train = None, decision = None,
                                        by_samples = false, jobs = None))]
-#[allow(clippy::too_many_arguments, reason = "options by name")]
-fn evaluate_trials<'py>(
+pub fn evaluate_trials<'py>(
     py: Python<'py>,
     trials: &Trials,
     classifier: &Bound<'py, PyAny>,
@@ -96,9 +95,4 @@ fn refuse(with: &str, arguments: &[(&str, bool)]) -> Result<(), Failure> {
             Err(Failure::argument(*name, format!("given with {with}"), allowed, "leave it out"))
         }
     }
-}
-
-/// Adds the function of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(evaluate_trials, module)?)
 }

@@ -63,7 +63,6 @@ impl Options {
     #[new]
     #[pyo3(signature = (classifier = "hmm", *, features = None, recipe = None, states = None, topology = None, initial = None,
                         score = None, iterations = None, tolerance = None, variance_floor = None, max_samples = None))]
-    #[allow(clippy::too_many_arguments, reason = "options by name")]
     fn new(
         classifier: &str,
         features: Option<&Bound<'_, PyAny>>,
@@ -125,7 +124,7 @@ impl Options {
 /// Fit a classifier to trials. The result is the same, bit for bit, for any number of threads.
 #[pyfunction]
 #[pyo3(signature = (trials, options, *, start = None, false_positive_rate = None, outlier_prior = None, jobs = None))]
-fn fit(
+pub fn fit(
     py: Python<'_>,
     trials: &Trials,
     options: &Options,
@@ -193,7 +192,7 @@ fn fit(
 
 /// Names of the classifiers, each with a short description.
 #[pyfunction]
-fn classifiers() -> Vec<(&'static str, &'static str)> {
+pub fn classifiers() -> Vec<(&'static str, &'static str)> {
     CLASSIFIERS.iter().map(|kind| (kind.name, kind.summary)).collect()
 }
 
@@ -208,11 +207,4 @@ pub fn estimator_of(value: &Bound<'_, PyAny>) -> Result<(Box<dyn Estimator>, Arc
         Err(_) => Box::new(PythonEstimator::of(value, &raised)?),
     };
     Ok((estimator, raised))
-}
-
-/// Adds the class and the functions of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Options>()?;
-    module.add_function(wrap_pyfunction!(fit, module)?)?;
-    module.add_function(wrap_pyfunction!(classifiers, module)?)
 }

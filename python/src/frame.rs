@@ -230,8 +230,3 @@ impl PyFrame {
         Ok(PyFrame { frame, layout })
     }
 }
-
-/// Adds the classes of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyFrame>()
-}

@@ -21,8 +21,7 @@ use crate::scene::scene;
 #[pyfunction]
 #[pyo3(signature = (scenes, reaches, out, *, seed = 0, controller = None, verdicts = None, resume = false, force = false,
                     shard = None, progress = None, jobs = None))]
-#[allow(clippy::too_many_arguments, reason = "options by name")]
-fn generate(
+pub fn generate(
     py: Python<'_>,
     scenes: &Bound<'_, PyAny>,
     reaches: u64,
@@ -46,8 +45,7 @@ fn generate(
 /// Simulate one part of a campaign into a folder that all parts share.
 #[pyfunction]
 #[pyo3(signature = (scenes, reaches, out, shard, *, seed = 0, controller = None, verdicts = None, progress = None, jobs = None))]
-#[allow(clippy::too_many_arguments, reason = "options by name")]
-fn generate_shared(
+pub fn generate_shared(
     py: Python<'_>,
     scenes: &Bound<'_, PyAny>,
     reaches: u64,
@@ -72,8 +70,7 @@ fn generate_shared(
 /// Make a data set again from what it stores.
 #[pyfunction]
 #[pyo3(signature = (dataset, out, *, verdicts = None, resume = false, force = false, progress = None, jobs = None))]
-#[allow(clippy::too_many_arguments, reason = "options by name")]
-fn generate_again(
+pub fn generate_again(
     py: Python<'_>,
     dataset: PathBuf,
     out: PathBuf,
@@ -173,11 +170,4 @@ pub fn write(
     let written = watched(py, jobs, stop, |py| reported.show(py), run)?;
     reported.show(py)?;
     Ok(finished(written))
-}
-
-/// Adds the functions of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(generate, module)?)?;
-    module.add_function(wrap_pyfunction!(generate_shared, module)?)?;
-    module.add_function(wrap_pyfunction!(generate_again, module)?)
 }

@@ -35,7 +35,13 @@ use crate::pool::guarded;
 ///     campaigns, or if ``out`` holds anything (with ``resume``, anything but this merge). The message names it.
 #[pyfunction]
 #[pyo3(signature = (parts, out, *, resume = false, force = false))]
-fn merge(py: Python<'_>, parts: Vec<PathBuf>, out: PathBuf, resume: bool, force: bool) -> Result<PyDataset, Failure> {
+pub fn merge(
+    py: Python<'_>,
+    parts: Vec<PathBuf>,
+    out: PathBuf,
+    resume: bool,
+    force: bool,
+) -> Result<PyDataset, Failure> {
     make_room(&out, &parts, resume, force)?;
     let merge = || match Shards::open(parts)?.merge(&out, resume, || ()) {
         // With `resume`, this means that the set has the same plan.
@@ -43,9 +49,4 @@ fn merge(py: Python<'_>, parts: Vec<PathBuf>, out: PathBuf, resume: bool, force:
         merged => Ok(merged?),
     };
     Ok(PyDataset::new(py.detach(|| guarded(merge))?))
-}
-
-/// Adds the function of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(merge, module)?)
 }

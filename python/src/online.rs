@@ -176,7 +176,7 @@ impl Online {
 /// Classify frame by frame with a classifier written in Python: an object with `categories` and `scores(trials)`.
 #[pyfunction]
 #[pyo3(signature = (classifier, skin, patch = None, *, threshold_n = None, decision = None))]
-fn online(
+pub fn online(
     classifier: &Bound<'_, PyAny>,
     skin: &Skin,
     patch: Option<String>,
@@ -195,10 +195,4 @@ fn online(
     let made = OnlineClassifier::new(&own, &skin.layout, &options)?;
     let categories = underbrush_classifier::estimator::Classifier::categories(&own);
     Ok(Online { raised: Some(own.raised()), ..Online::of_contacts(made, categories, skin, None) })
-}
-
-/// Adds the class and the function of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Online>()?;
-    module.add_function(wrap_pyfunction!(online, module)?)
 }

@@ -268,7 +268,6 @@ impl Reach {
 
     /// Cut the reach into contact trials.
     #[pyo3(signature = (*, by = "taxel", patch = None, threshold_n = None, min_samples = 1, labels = "contact", wrap = None))]
-    #[allow(clippy::too_many_arguments, reason = "options by name")]
     fn trials(
         &self,
         py: Python<'_>,
@@ -320,9 +319,4 @@ impl Reach {
         }
         Ok(Reach::new(Source::Dataset(Arc::new(dataset), place.1)))
     }
-}
-
-/// Adds the class of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Reach>()
 }

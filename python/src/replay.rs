@@ -17,7 +17,7 @@ use crate::pool;
 /// The page with some reaches of data sets and recordings inside, as the text of one HTML file.
 #[pyfunction]
 #[pyo3(signature = (paths, reaches = None, *, model = None, patch = None))]
-fn replay_page(
+pub fn replay_page(
     py: Python<'_>,
     paths: Vec<PathBuf>,
     reaches: Option<Vec<usize>>,
@@ -47,12 +47,6 @@ fn replay_page(
 
 /// Refuses a path where a file is already, unless ``force`` says that it may be overwritten.
 #[pyfunction]
-fn _check_free(path: PathBuf, force: bool) -> Result<(), Failure> {
+pub fn _check_free(path: PathBuf, force: bool) -> Result<(), Failure> {
     Ok(check_free(&path, force)?)
-}
-
-/// Adds the function of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(_check_free, module)?)?;
-    module.add_function(wrap_pyfunction!(replay_page, module)?)
 }

@@ -257,9 +257,3 @@ impl PyScene {
         })
     }
 }
-
-/// Adds the classes of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyScene>()?;
-    module.add_class::<Picture>()
-}

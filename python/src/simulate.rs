@@ -17,7 +17,7 @@ use crate::source::Source;
 /// Simulate one reach.
 #[pyfunction(name = "reach")]
 #[pyo3(signature = (scene, seed = 0, index = 0, *, controller = None, verdicts = None))]
-fn simulate(
+pub fn simulate(
     py: Python<'_>,
     scene: &Bound<'_, PyAny>,
     seed: u64,
@@ -37,9 +37,4 @@ fn simulate(
     let run = || Ok(plan.run_until(index, &mut |_, _| {}, &|| stop.is_set())?);
     let recording = watched(py, None, &stop, |_| Ok(()), run)?;
     Ok(Reach::new(Source::Memory(Arc::new(recording))))
-}
-
-/// Adds the function of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(simulate, module)?)
 }

@@ -166,7 +166,7 @@ impl PySimulation {
 /// Step many simulations at once, over all cores: one row of `equilibrium_rad` for each.
 #[pyfunction]
 #[pyo3(signature = (simulations, equilibrium_rad, jobs = None))]
-fn step_many(
+pub fn step_many(
     py: Python<'_>,
     simulations: Vec<Py<PySimulation>>,
     equilibrium_rad: &Bound<'_, PyAny>,
@@ -200,10 +200,4 @@ fn step_many(
             })
             .collect())
     })
-}
-
-/// Adds the classes and functions of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PySimulation>()?;
-    module.add_function(wrap_pyfunction!(step_many, module)?)
 }

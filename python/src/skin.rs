@@ -98,8 +98,3 @@ impl Skin {
         Ok(Skin { layout: Arc::new(layout) })
     }
 }
-
-/// Adds the classes of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Skin>()
-}

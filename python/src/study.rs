@@ -20,7 +20,7 @@ use crate::progress::Reported;
 /// Check a scene, data set, recording, model or table of trials, and say what it holds.
 #[pyfunction]
 #[pyo3(signature = (path, seed = 0))]
-fn inspect(py: Python<'_>, path: PathBuf, seed: u64) -> Result<Bound<'_, PyAny>, Failure> {
+pub fn inspect(py: Python<'_>, path: PathBuf, seed: u64) -> Result<Bound<'_, PyAny>, Failure> {
     let found = py.detach(|| guarded(|| Ok(inspection::inspect(&path, seed)?)))?;
     json::to_python(py, &found)
 }
@@ -28,8 +28,7 @@ fn inspect(py: Python<'_>, path: PathBuf, seed: u64) -> Result<Bound<'_, PyAny>,
 /// Run regression suites and hold what they find against their bounds.
 #[pyfunction]
 #[pyo3(signature = (suites, *, seed = None, bless = false, out = None, force = false, progress = None, jobs = None))]
-#[allow(clippy::too_many_arguments, reason = "options by name")]
-fn check<'py>(
+pub fn check<'py>(
     py: Python<'py>,
     suites: Vec<PathBuf>,
     seed: Option<u64>,
@@ -69,8 +68,7 @@ fn check<'py>(
 #[pyfunction]
 #[pyo3(signature = (out, *, experiment = None, quick = false, seed = None, campaigns = 1, force = false, progress = None,
                     jobs = None))]
-#[allow(clippy::too_many_arguments, reason = "options by name")]
-fn reproduce<'py>(
+pub fn reproduce<'py>(
     py: Python<'py>,
     out: PathBuf,
     experiment: Option<PathBuf>,
@@ -99,7 +97,7 @@ fn reproduce<'py>(
 /// Run a single campaign of an experiment, not the first one, and cache its result in the folder.
 #[pyfunction]
 #[pyo3(signature = (out, campaign, *, seed = None, experiment = None, quick = false, jobs = None))]
-fn run_campaign(
+pub fn run_campaign(
     py: Python<'_>,
     out: PathBuf,
     campaign: u64,
@@ -129,12 +127,4 @@ fn loaded(path: Option<PathBuf>) -> Result<Experiment, Failure> {
         Some(path) => Experiment::load(&path)?,
         None => Experiment::paper()?,
     })
-}
-
-/// Adds the functions of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(inspect, module)?)?;
-    module.add_function(wrap_pyfunction!(check, module)?)?;
-    module.add_function(wrap_pyfunction!(reproduce, module)?)?;
-    module.add_function(wrap_pyfunction!(run_campaign, module)?)
 }

@@ -345,8 +345,3 @@ fn joined<N: Clone + Default + Send>(
     parts.into_par_iter().try_for_each(read)?;
     Ok(numbers)
 }
-
-/// Adds the classes of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyTable>()
-}

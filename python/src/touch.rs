@@ -73,7 +73,6 @@ impl PyTouchModel {
     #[pyo3(signature = (
         reaches, patch = None, *, folds = 2, threshold_n = None, limit_wrong = None, limit_false_alarms = None, jobs = None
     ))]
-    #[allow(clippy::too_many_arguments, reason = "options by name")]
     fn cross_validate<'py>(
         py: Python<'py>,
         reaches: Vec<Py<Reach>>,
@@ -214,9 +213,4 @@ impl ReadReaches for Given<'_> {
         }
         Ok(())
     }
-}
-
-/// Adds the class of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyTouchModel>()
 }

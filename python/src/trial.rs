@@ -92,8 +92,3 @@ impl PyTrial {
         format!("Trial({}, {category}, {} samples)", self.number(), self.__len__())
     }
 }
-
-/// Adds the class of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyTrial>()
-}

@@ -243,8 +243,3 @@ impl Trials {
         Ok(Trials::new(list))
     }
 }
-
-/// Adds the class of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Trials>()
-}

@@ -13,7 +13,7 @@ use crate::json;
 /// `underbrush validate --json` prints them.
 #[pyfunction]
 #[pyo3(signature = (only = None, *, tolerance_scale = 1.0, jobs = None))]
-fn validate<'py>(
+pub fn validate<'py>(
     py: Python<'py>,
     only: Option<Vec<String>>,
     tolerance_scale: f64,
@@ -37,12 +37,6 @@ fn validate<'py>(
 
 /// Names of the physics checks.
 #[pyfunction]
-fn checks() -> Vec<&'static str> {
+pub fn checks() -> Vec<&'static str> {
     CHECKS.iter().map(|check| check.name).collect()
-}
-
-/// Adds the functions of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(validate, module)?)?;
-    module.add_function(wrap_pyfunction!(checks, module)?)
 }
