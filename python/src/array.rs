@@ -7,7 +7,7 @@
 use pyo3::buffer::{Element, PyBuffer};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyDict, PyList, PyTuple};
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::failure::Failure;
 
@@ -27,9 +27,19 @@ pub enum Store {
     I8(Vec<i8>),
 }
 
+/// A number that arrays may hold.
+pub trait Number: Element {
+    /// NumPy's code for its type.
+    const CODE: &str;
+}
+
 macro_rules! stores {
     ($($number:ty => $variant:ident, $code:literal;)*) => {
-        $(impl From<Vec<$number>> for Store {
+        $(impl Number for $number {
+            const CODE: &str = $code;
+        }
+
+        impl From<Vec<$number>> for Store {
             fn from(numbers: Vec<$number>) -> Self {
                 Store::$variant(numbers)
             }
@@ -39,7 +49,7 @@ macro_rules! stores {
             /// The address of the numbers, and NumPy's code for their type.
             fn place(&self) -> (usize, &'static str) {
                 match self {
-                    $(Store::$variant(numbers) => (numbers.as_ptr() as usize, $code),)*
+                    $(Store::$variant(numbers) => (numbers.as_ptr() as usize, <$number>::CODE),)*
                 }
             }
 
@@ -105,17 +115,30 @@ pub fn lend<'py>(py: Python<'py>, numbers: impl Into<Store>, shape: &[usize]) ->
 ///
 /// # Errors
 /// If NumPy cannot be imported.
-pub fn copy<'py, T: Element>(
-    py: Python<'py>,
-    numbers: &[T],
-    shape: &[usize],
-    dtype: &str,
-) -> PyResult<Bound<'py, PyAny>> {
-    let array = numpy(py, "empty")?.call1((PyTuple::new(py, shape)?, dtype))?;
+pub fn copy<'py, T: Number>(py: Python<'py>, numbers: &[T], shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+    let array = numpy(py, "empty")?.call1((PyTuple::new(py, shape)?, T::CODE))?;
     if !numbers.is_empty() {
         PyBuffer::<T>::get(&array)?.copy_from_slice(py, numbers)?;
     }
     Ok(array)
+}
+
+/// A new array (n,) of these numbers, which the caller may write.
+///
+/// # Errors
+/// As [`copy`].
+pub fn row<'py>(py: Python<'py>, numbers: impl IntoIterator<Item = f64>) -> PyResult<Bound<'py, PyAny>> {
+    let numbers: Vec<f64> = numbers.into_iter().collect();
+    copy(py, &numbers, &[numbers.len()])
+}
+
+/// A read-only array (n, width) that views these numbers, row after row.
+///
+/// # Errors
+/// As [`lend`].
+pub fn lend_rows(py: Python<'_>, numbers: Vec<f64>, width: usize) -> PyResult<Bound<'_, PyAny>> {
+    let rows = numbers.len() / width;
+    lend(py, numbers, &[rows, width])
 }
 
 /// An argument as finite numbers of a shape; `None` stands for any size.
@@ -144,39 +167,8 @@ pub fn numbers(
     name: &str,
     shape: &[Option<usize>],
 ) -> Result<(Vec<f64>, Vec<usize>), Failure> {
+    static NUMBERS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let py = value.py();
-    let allowed = || {
-        let sizes = shape.iter().map(|size| size.map_or("n".to_owned(), |size| size.to_string()));
-        format!("numbers of shape ({})", sizes.collect::<Vec<_>>().join(", "))
-    };
-    let array = numpy(py, "asarray")?.call1((value,)).and_then(|array| {
-        let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
-        let is_number = matches!(kind.as_str(), "f" | "i" | "u" | "b");
-        if is_number { numpy(py, "asarray")?.call1((array, "float64")) } else { Ok(array) }
-    });
-    let Some((array, buffer)) = array.ok().and_then(|array| {
-        let buffer = PyBuffer::<f64>::get(&array).ok()?;
-        Some((array, buffer))
-    }) else {
-        let kind = value.get_type().name()?;
-        let found = match value.getattr("dtype") {
-            Ok(dtype) => format!("an array of {}", dtype.str()?),
-            Err(_) => format!("an object of type {kind}"),
-        };
-        return Err(Failure::argument(name, found, allowed(), "give an array of numbers"));
-    };
-    let found: Vec<usize> = array.getattr("shape")?.extract()?;
-    let fits = found.len() == shape.len()
-        && found.iter().zip(shape).all(|(found, allowed)| allowed.is_none_or(|allowed| allowed == *found));
-    if !fits {
-        let sizes: Vec<String> = found.iter().map(usize::to_string).collect();
-        let found = format!("shape ({})", sizes.join(", "));
-        return Err(Failure::argument(name, found, allowed(), "give an array of this shape"));
-    }
-    Ok((buffer.to_vec(py)?, found))
-}
-
-/// A list of optional texts. NumPy has no good array type for them.
-pub fn texts<'py>(py: Python<'py>, texts: impl Iterator<Item = Option<String>>) -> PyResult<Bound<'py, PyList>> {
-    PyList::new(py, texts.collect::<Vec<_>>())
+    let array = NUMBERS.import(py, "underbrush._arrays", "numbers")?.call1((value, name, shape))?;
+    Ok((PyBuffer::<f64>::get(&array)?.to_vec(py)?, array.getattr("shape")?.extract()?))
 }

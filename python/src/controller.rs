@@ -63,7 +63,7 @@ impl ShippedController {
             let mut controller = self.controller.lock().unwrap_or_else(PoisonError::into_inner);
             controller.control(&input.view()).equilibrium_angle_rad
         };
-        Ok(array::copy(py, &angles, &[angles.len()], "float64")?)
+        Ok(array::copy(py, &angles, &[angles.len()])?)
     }
 }
 

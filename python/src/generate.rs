@@ -1,6 +1,5 @@
 //! Making data sets.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -37,7 +36,7 @@ pub fn generate(
 ) -> Result<PyDataset, Failure> {
     let stop = Arc::new(Stop::default());
     let mut campaign = described(scenes, reaches, seed, controller, verdicts, &stop)?;
-    campaign.shard = self::shard(shard)?;
+    campaign.shard = shard.map(part).transpose()?;
     make_room(&out, &[], resume, force)?;
     write(py, &campaign, &out, resume, &stop, progress, jobs)
 }
@@ -60,11 +59,8 @@ pub fn generate_shared(
     let part = self::part(shard)?;
     let stop = Arc::new(Stop::default());
     let campaign = described(scenes, reaches, seed, controller, verdicts, &stop)?;
-    let reported = Reported::new(&stop, progress);
-    let run = || Ok(campaign.write_shared(&out, part, &reported)?);
-    let written = watched(py, jobs, &stop, |py| reported.show(py), run)?;
-    reported.show(py)?;
-    Ok(written.map(finished))
+    let run = |reported: &Reported| Ok(campaign.write_shared(&out, part, reported)?);
+    Ok(watched(py, jobs, &stop, progress, run)?.map(finished))
 }
 
 /// Make a data set again from what it stores.
@@ -84,7 +80,7 @@ pub fn generate_again(
     let source = Dataset::open(&dataset)?;
     let campaign = Campaign::of(&source, verdicts)?;
     make_room(&out, &[dataset], resume, force)?;
-    let made = write(py, &campaign, &out, resume, &Arc::new(Stop::default()), progress, jobs)?;
+    let made = write(py, &campaign, &out, resume, &Arc::default(), progress, jobs)?;
     require_same_reaches(made.set(), &source)?;
     Ok(made)
 }
@@ -115,31 +111,16 @@ fn described(
         Ok(list) => list.iter().map(|own| scene(&own)).collect::<Result<Vec<_>, _>>()?,
         Err(_) => vec![scene(scenes)?],
     };
-    let mut names: Vec<&str> = listed.iter().map(|scene| scene.name.as_str()).collect();
-    names.sort_unstable();
-    if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-        let found = format!("two scenes called {}", pair[0]);
-        return Err(Failure::argument("scenes", found, "scenes with names of their own", "rename one of them"));
-    }
-    let (kind, own) = controller::chosen(controller, stop)?;
-    Ok(Campaign {
-        scenes: listed.into_iter().map(|scene| (scene, reaches)).collect(),
-        arms: BTreeMap::new(),
-        seed,
-        controller: kind,
-        own_controller: own,
-        verdicts: verdicts.as_deref().map(VerdictControl::load).transpose()?,
-        shard: None,
-    })
-}
-
-/// Part I of N, counted from 1, if one is given.
-pub fn shard(shard: Option<(u64, u64)>) -> Result<Option<Shard>, Failure> {
-    shard.map(part).transpose()
+    let verdicts = verdicts.as_deref().map(VerdictControl::load).transpose()?;
+    let (controller, own_controller) = controller::chosen(controller, stop)?;
+    Ok(Campaign { controller, own_controller, verdicts, ..Campaign::new(listed, reaches, seed)? })
 }
 
 /// Part I of N, counted from 1.
-fn part((number, count): (u64, u64)) -> Result<Shard, Failure> {
+///
+/// # Errors
+/// [`Failure::Input`] if there is no such part.
+pub fn part((number, count): (u64, u64)) -> Result<Shard, Failure> {
     if (1..=count).contains(&number) {
         return Ok(Shard { index: number - 1, count });
     }
@@ -165,9 +146,6 @@ pub fn write(
     progress: Option<Py<PyAny>>,
     jobs: Option<usize>,
 ) -> Result<PyDataset, Failure> {
-    let reported = Reported::new(stop, progress);
-    let run = || Ok(campaign.write(out, resume, &reported)?);
-    let written = watched(py, jobs, stop, |py| reported.show(py), run)?;
-    reported.show(py)?;
-    Ok(finished(written))
+    let run = |reported: &Reported| Ok(campaign.write(out, resume, reported)?);
+    Ok(finished(watched(py, jobs, stop, progress, run)?))
 }

@@ -1,17 +1,16 @@
 //! Verdicts frame by frame.
 
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use underbrush_classifier::decision::Decision;
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
-use underbrush_classifier::touch::{Touch, TouchClassifier};
-use underbrush_classifier::trial::TrialOptions;
+use underbrush_classifier::paper_rule::Scores;
+use underbrush_classifier::touch::TouchClassifier;
 use underbrush_recording::SkinLayout;
 
 use crate::arguments;
-use crate::failure::Failure;
+use crate::failure::{Failure, locked};
 use crate::frame::PyFrame;
 use crate::interrupt::Stop;
 use crate::python_classifier::PythonClassifier;
@@ -77,22 +76,16 @@ impl Online {
     }
 
     fn lock(&self) -> Result<MutexGuard<'_, State>, Failure> {
-        self.state.try_lock().map_err(|error| match error {
-            TryLockError::WouldBlock => {
-                Failure::Run("another thread is using this classifier; give each stream of frames its own".into())
-            }
-            TryLockError::Poisoned(_) => Failure::Run("this classifier failed before; make a new one".into()),
-        })
+        let busy = "another thread is using this classifier; give each stream of frames its own";
+        locked(&self.state, busy, "this classifier failed before; make a new one")
     }
+}
 
-    fn named(&self, touch: Touch) -> &str {
-        match touch {
-            Touch::Nothing => "nothing",
-            Touch::Uncertain => "uncertain",
-            Touch::Unknown => "unknown",
-            Touch::Category(index) => self.categories.get(index).map_or("uncertain", String::as_str),
-        }
-    }
+/// A dictionary with a number for each category.
+fn by_category<'py>(py: Python<'py>, categories: &[String], numbers: &[f64]) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    categories.iter().zip(numbers).try_for_each(|(category, number)| dict.set_item(category, number))?;
+    Ok(dict)
 }
 
 #[pymethods]
@@ -139,11 +132,7 @@ impl Online {
                     verdict.set_item("taxel", taxel.taxel)?;
                     verdict.set_item("samples", taxel.samples)?;
                     verdict.set_item("verdict", taxel.verdict.name())?;
-                    let scores = PyDict::new(py);
-                    for (category, score) in self.categories.iter().zip(&taxel.scores) {
-                        scores.set_item(category, score)?;
-                    }
-                    verdict.set_item("scores", scores)?;
+                    verdict.set_item("scores", by_category(py, &self.categories, &taxel.scores)?)?;
                     verdicts.append(verdict)?;
                 }
             }
@@ -155,12 +144,9 @@ impl Online {
                     verdict.set_item("samples", taxel.samples)?;
                     verdict.set_item("contact", classifier.regions()[taxel.region].contact)?;
                     verdict.set_item("nothing", taxel.nothing)?;
-                    verdict.set_item("verdict", self.named(taxel.touch))?;
-                    let probabilities = PyDict::new(py);
-                    for (category, own) in self.categories.iter().zip(classifier.probabilities(taxel.region)) {
-                        probabilities.set_item(category, own)?;
-                    }
-                    verdict.set_item("probabilities", probabilities)?;
+                    verdict.set_item("verdict", taxel.touch.name(&self.categories))?;
+                    let probabilities = classifier.probabilities(taxel.region);
+                    verdict.set_item("probabilities", by_category(py, &self.categories, probabilities)?)?;
                     verdicts.append(verdict)?;
                 }
             }
@@ -184,14 +170,8 @@ pub fn online(
     decision: Option<&Bound<'_, PyAny>>,
 ) -> Result<Online, Failure> {
     let own = PythonClassifier::of(classifier, &Arc::new(Stop::default()))?;
-    let options = OnlineOptions {
-        patch,
-        threshold_n: threshold_n.unwrap_or(TrialOptions::default().threshold_n),
-        decision: match decision {
-            None => Decision::argmax(),
-            some => arguments::decision(some, None, Some(arguments::ANY_SCORES.into()))?,
-        },
-    };
+    let decision = arguments::decision(decision, &Scores::of_any_kind())?;
+    let options = OnlineOptions::new(patch, threshold_n, decision);
     let made = OnlineClassifier::new(&own, &skin.layout, &options)?;
     let categories = underbrush_classifier::estimator::Classifier::categories(&own);
     Ok(Online { raised: Some(own.raised()), ..Online::of_contacts(made, categories, skin, None) })

@@ -5,30 +5,49 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::types::{PyBytes, PyDict};
+use serde_json::{Value, json};
 use underbrush_classifier::DataSource;
 use underbrush_experiments::{contact_trials, model_data};
 use underbrush_recording::disk::{
     Dataset, check_free, read_recording, recording_columns, recording_table, remove_leftovers, write_recording,
 };
-use underbrush_recording::{Recording, SkinLayout};
+use underbrush_recording::{Body, Outcome, Recording, SkinLayout};
 
 use crate::arguments::cutting;
-use crate::body::MovingBody;
-use crate::failure::Failure;
+use crate::failure::{self, Failure, place};
 use crate::frame::PyFrame;
 use crate::json;
 use crate::pickled;
 use crate::pool::{self, guarded};
 use crate::skin::{Skin, patch_index};
-use crate::source::Source;
 use crate::table::{Column, LentColumns, PyTable, record_batch};
 use crate::trials::Trials;
+
+/// Where a reach is stored.
+enum Source {
+    Memory(Arc<Recording>),
+    /// In a data set, with its index.
+    Dataset(Arc<Dataset>, usize),
+}
 
 /// One reach: frames, goals, objects, contacts.
 #[pyclass(frozen, module = "underbrush._core")]
 pub struct Reach {
     source: Source,
+    /// Name of the scene.
+    #[pyo3(get)]
+    scene: String,
+    /// Name of the controller.
+    #[pyo3(get)]
+    controller: String,
+    /// The seed, and the index of the reach among the reaches of this seed.
+    #[pyo3(get)]
+    seed_and_index: (u64, u64),
+    /// The worst outcome of its goals: reached, stuck, timed_out or aborted.
+    #[pyo3(get)]
+    outcome: &'static str,
+    frames: usize,
     /// The whole recording, once something has needed it.
     whole: OnceLock<Arc<Recording>>,
     layout: OnceLock<Arc<SkinLayout>>,
@@ -36,9 +55,37 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// A reach of this source.
-    pub fn new(source: Source) -> Self {
-        Reach { source, whole: OnceLock::new(), layout: OnceLock::new(), columns: LentColumns::default() }
+    /// A reach in memory.
+    pub fn of_recording(recording: Recording) -> Self {
+        let (scene, controller) = (recording.scene.clone(), recording.controller.clone());
+        let about = (scene, controller, recording.seed, recording.reach_index, recording.outcome());
+        let frames = recording.frames.len();
+        Reach::new(Source::Memory(Arc::new(recording)), about, frames)
+    }
+
+    /// A reach of a data set.
+    pub fn of_dataset(dataset: &Arc<Dataset>, index: usize) -> Self {
+        let own = &dataset.episodes()[index];
+        let about = (own.scene.clone(), own.controller.clone(), own.seed, own.reach_index, own.outcome);
+        Reach::new(Source::Dataset(Arc::clone(dataset), index), about, own.frames)
+    }
+
+    fn new(
+        source: Source,
+        (scene, controller, seed, index, outcome): (String, String, u64, u64, Outcome),
+        frames: usize,
+    ) -> Self {
+        Reach {
+            source,
+            scene,
+            controller,
+            seed_and_index: (seed, index),
+            outcome: outcome.name(),
+            frames,
+            whole: OnceLock::new(),
+            layout: OnceLock::new(),
+            columns: LentColumns::default(),
+        }
     }
 
     /// The whole recording. If the reach is in a data set, it is read when it is first needed.
@@ -75,7 +122,11 @@ impl Reach {
     }
 
     fn skin_layout(&self) -> Arc<SkinLayout> {
-        Arc::clone(self.layout.get_or_init(|| Arc::new(self.source.layout())))
+        let layout = || match &self.source {
+            Source::Memory(recording) => Arc::new(recording.layout.clone()),
+            Source::Dataset(dataset, _) => Arc::new(dataset.layout().clone()),
+        };
+        Arc::clone(self.layout.get_or_init(layout))
     }
 
     /// A column, read from the frames on disk if it is there, and from the whole recording otherwise.
@@ -107,8 +158,7 @@ impl Reach {
     /// Read a recording from its file.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> Result<Self, Failure> {
-        let recording = py.detach(|| guarded(|| Ok(read_recording(&path)?)))?;
-        Ok(Reach::new(Source::Memory(Arc::new(recording))))
+        Ok(Reach::of_recording(py.detach(|| guarded(|| Ok(read_recording(&path)?)))?))
     }
 
     /// Write the reach to a file (Parquet). Only with ``force`` is a file overwritten.
@@ -125,19 +175,14 @@ impl Reach {
 
     /// Number of frames.
     fn __len__(&self) -> usize {
-        self.source.summary().frames()
+        self.frames
     }
 
     /// One frame.
     fn frame(&self, py: Python<'_>, index: isize) -> Result<PyFrame, Failure> {
         let recording = py.detach(|| guarded(|| self.recording()))?;
-        let length = recording.frames.len();
-        let place = if index < 0 { index + length as isize } else { index };
-        let place = usize::try_from(place).ok().filter(|place| *place < length);
-        Ok(PyFrame {
-            frame: recording.frames[place.ok_or_else(|| Failure::index(index, length))?].clone(),
-            layout: self.skin_layout(),
-        })
+        let frame = recording.frames[place(index, recording.frames.len())?].clone();
+        Ok(PyFrame { frame, layout: self.skin_layout() })
     }
 
     /// A column of the frames as an array, read only: (frames,) or (frames, width). Every call returns the same array.
@@ -195,30 +240,6 @@ impl Reach {
         self.of_patch(py, "truth.normal_force", patch, dtype)
     }
 
-    /// Name of the scene.
-    #[getter]
-    fn scene(&self) -> String {
-        self.source.summary().scene().to_owned()
-    }
-
-    /// Name of the controller.
-    #[getter]
-    fn controller(&self) -> String {
-        self.source.summary().controller().to_owned()
-    }
-
-    /// The seed, and the index of the reach among the reaches of this seed.
-    #[getter]
-    fn seed_and_index(&self) -> (u64, u64) {
-        self.source.summary().seed_and_index()
-    }
-
-    /// The worst outcome of its goals: reached, stuck, timed_out or aborted.
-    #[getter]
-    fn outcome(&self) -> &'static str {
-        self.source.summary().outcome()
-    }
-
     /// The skin.
     #[getter]
     fn skin(&self) -> Skin {
@@ -248,9 +269,14 @@ impl Reach {
     /// world frame.
     #[getter]
     fn bodies<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
-        let recording = self.recording()?;
-        let bodies: Vec<MovingBody<'_>> = recording.bodies.iter().map(MovingBody::of).collect();
-        json::to_python(py, &bodies)
+        let moving = |body: &Body| -> Result<Value, Failure> {
+            let mut own = json::value(body)?;
+            own["moved_frames"] = body.track.iter().map(|point| point.frame).collect();
+            own["poses_world"] = body.track.iter().map(|point| json!(point.pose().numbers())).collect();
+            Ok(own)
+        };
+        let bodies: Result<Vec<Value>, Failure> = self.recording()?.bodies.iter().map(moving).collect();
+        json::to_python(py, &bodies?)
     }
 
     /// Residuals of the physics.
@@ -267,28 +293,18 @@ impl Reach {
     }
 
     /// Cut the reach into contact trials.
-    #[pyo3(signature = (*, by = "taxel", patch = None, threshold_n = None, min_samples = 1, labels = "contact", wrap = None))]
-    fn trials(
-        &self,
-        py: Python<'_>,
-        by: &str,
-        patch: Option<String>,
-        threshold_n: Option<f64>,
-        min_samples: usize,
-        labels: &str,
-        wrap: Option<bool>,
-    ) -> Result<Trials, Failure> {
-        let (unit, options) = cutting(by, patch, threshold_n, min_samples, labels, wrap)?;
-        let cut = || Ok(contact_trials::of_recording(&*self.recording()?, unit, &options, 0)?);
+    #[pyo3(signature = (**options), text_signature = "($self, *, by='taxel', patch=None, threshold_n=None, min_samples=1, \
+                        labels='contact', wrap=None)")]
+    fn trials(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> Result<Trials, Failure> {
+        let options = cutting(options)?;
+        let cut = || Ok(contact_trials::of_recording(&*self.recording()?, &options, 0)?);
         let list = py.detach(|| guarded(cut))?;
         Ok(Trials::new(list).cut_from(Reach::sources(&[self])))
     }
 
     fn __repr__(&self) -> String {
-        let own = self.source.summary();
-        let ((seed, index), scene) = (own.seed_and_index(), own.scene());
-        let (frames, outcome) = (own.frames(), own.outcome());
-        format!("Reach(scene={scene:?}, seed={seed}, index={index}, {frames} frames, {outcome})")
+        let (scene, (seed, index)) = (&self.scene, self.seed_and_index);
+        format!("Reach(scene={scene:?}, seed={seed}, index={index}, {} frames, {})", self.frames, self.outcome)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (Bound<'py, PyAny>,)), Failure> {
@@ -307,16 +323,13 @@ impl Reach {
 
     #[staticmethod]
     fn _from_bytes(bytes: &[u8]) -> Result<Self, Failure> {
-        Ok(Reach::new(Source::Memory(Arc::new(pickled::recording_of(bytes)?))))
+        Ok(Reach::of_recording(pickled::recording_of(bytes)?))
     }
 
     #[staticmethod]
     fn _of_dataset(place: (PathBuf, usize)) -> Result<Self, Failure> {
-        let dataset = Dataset::open(place.0)?;
-        let length = dataset.episodes().len();
-        if place.1 >= length {
-            return Err(Failure::index(place.1 as isize, length));
-        }
-        Ok(Reach::new(Source::Dataset(Arc::new(dataset), place.1)))
+        let dataset = Arc::new(Dataset::open(place.0)?);
+        failure::place(place.1 as isize, dataset.episodes().len())?;
+        Ok(Reach::of_dataset(&dataset, place.1))
     }
 }

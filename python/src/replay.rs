@@ -6,7 +6,6 @@ use pyo3::prelude::*;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::decision::Decision;
 use underbrush_classifier::online::OnlineOptions;
-use underbrush_classifier::trial::TrialOptions;
 use underbrush_recording::disk::check_free;
 use underbrush_replay::{Judging, JudgingModel, Source, single_file};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
@@ -28,12 +27,8 @@ pub fn replay_page(
         let judging = |path: PathBuf| -> Result<Judging, Failure> {
             let by = match any_model::load(&path)? {
                 AnyModel::OfTrials(model) => {
-                    let options = OnlineOptions {
-                        patch,
-                        threshold_n: TrialOptions::default().threshold_n,
-                        decision: model.decision.clone().unwrap_or(Decision::argmax()),
-                    };
-                    JudgingModel::OfTrials(Box::new(model), options)
+                    let decision = model.decision.clone().unwrap_or(Decision::argmax());
+                    JudgingModel::OfTrials(Box::new(model), OnlineOptions::new(patch, None, decision))
                 }
                 AnyModel::Touch(model) => JudgingModel::of_touch(*model, patch.as_deref())?,
             };

@@ -12,7 +12,6 @@ use crate::failure::Failure;
 use crate::interrupt::{Stop, watched};
 use crate::reach::Reach;
 use crate::scene::scene;
-use crate::source::Source;
 
 /// Simulate one reach.
 #[pyfunction(name = "reach")]
@@ -34,7 +33,6 @@ pub fn simulate(
     if let Some(model) = verdicts {
         plan = VerdictControl::load(&model)?.applied_to(plan)?;
     }
-    let run = || Ok(plan.run_until(index, &mut |_, _| {}, &|| stop.is_set())?);
-    let recording = watched(py, None, &stop, |_| Ok(()), run)?;
-    Ok(Reach::new(Source::Memory(Arc::new(recording))))
+    let run = |_: &_| Ok(plan.run_until(index, &mut |_, _| {}, &|| stop.is_set())?);
+    Ok(Reach::of_recording(watched(py, None, &stop, None, run)?))
 }

@@ -1,7 +1,7 @@
 //! The simulation, step by step.
 
 use std::collections::HashSet;
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use glam::DVec3;
 use pyo3::prelude::*;
@@ -13,7 +13,7 @@ use underbrush_sim::simulation::Simulation;
 
 use crate::arm::PyArm;
 use crate::array;
-use crate::failure::Failure;
+use crate::failure::{Failure, locked};
 use crate::frame::PyFrame;
 use crate::pool::{self, guarded};
 use crate::scene::{self, Picture};
@@ -31,18 +31,10 @@ pub struct PySimulation {
 impl PySimulation {
     /// The state, unless another thread is using it.
     fn lock(&self) -> Result<MutexGuard<'_, Simulation>, Failure> {
-        match self.state.try_lock() {
-            Ok(state) => Ok(state),
-            // After a panic of the engine, the state may be one from the middle of a frame, so the simulation cannot go
-            // on.
-            Err(TryLockError::Poisoned(_)) => {
-                Err(Failure::Run("the physics engine failed in this simulation; make a new one".into()))
-            }
-            Err(TryLockError::WouldBlock) => Err(Failure::Run(
-                "another thread is using this simulation; give each thread a simulation of its own, or use step_many"
-                    .into(),
-            )),
-        }
+        let busy =
+            "another thread is using this simulation; give each thread a simulation of its own, or use step_many";
+        // After a panic of the engine, the state may be one from the middle of a frame.
+        locked(&self.state, busy, "the physics engine failed in this simulation; make a new one")
     }
 
     fn angles(&self, value: &Bound<'_, PyAny>) -> Result<Vec<f64>, Failure> {
@@ -132,9 +124,8 @@ impl PySimulation {
     #[getter]
     fn goals_world<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
         let simulation = self.lock()?;
-        let goals = &simulation.clutter().goals;
-        let numbers: Vec<f64> = goals.iter().flat_map(|goal| goal.to_array()).collect();
-        Ok(array::lend(py, numbers, &[goals.len(), 3])?)
+        let goals = simulation.clutter().goals.iter();
+        Ok(array::lend_rows(py, goals.flat_map(|goal| goal.to_array()).collect(), 3)?)
     }
 
     /// Ground truth: the largest force between one link and one object in the last frame, N.

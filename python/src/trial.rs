@@ -20,9 +20,8 @@ impl PyTrial {
     }
 
     fn of_samples<'py>(&self, py: Python<'py>, number: impl Fn(&Sample) -> f64) -> PyResult<Bound<'py, PyAny>> {
-        let numbers: Vec<f64> = self.trial().samples.iter().map(number).collect();
-        let length = numbers.len();
-        array::lend(py, numbers, &[length])
+        let samples = &self.trial().samples;
+        array::lend(py, samples.iter().map(number).collect::<Vec<_>>(), &[samples.len()])
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyCapsule, PyList, PySlice};
+use pyo3::types::{PyBytes, PyCapsule, PySlice};
 use underbrush_classifier::DataSource;
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_experiments::model_data;
@@ -13,7 +13,8 @@ use underbrush_recording::disk::{check_free, read_trials, trial_table, write_tri
 
 use crate::arguments::features;
 use crate::array;
-use crate::failure::Failure;
+use crate::failure::{Failure, place};
+use crate::json;
 use crate::pool::guarded;
 use crate::sequences::of_sequences;
 use crate::table::PyTable;
@@ -49,10 +50,7 @@ impl Trials {
     }
 
     fn place(&self, index: isize) -> Result<usize, Failure> {
-        let length = self.list.len();
-        let place = if index < 0 { index + length as isize } else { index };
-        let place = usize::try_from(place).ok().filter(|place| *place < length);
-        place.ok_or_else(|| Failure::index(index, length))
+        place(index, self.list.len())
     }
 }
 
@@ -112,10 +110,7 @@ impl Trials {
         // An empty list selects nothing. It could hold numbers as well as truth values.
         let flags = key.extract::<Vec<bool>>().ok().filter(|flags| !flags.is_empty());
         if let Some(flags) = flags {
-            if flags.len() != self.list.len() {
-                let found = format!("{} truth values for {} trials", flags.len(), self.list.len());
-                return Err(Failure::argument("index", found, "one for each trial", "give as many"));
-            }
+            Failure::unless_one_each("index", flags.len(), self.list.len(), "trial")?;
             let places = flags.iter().enumerate().filter(|(_, flag)| **flag).map(|(place, _)| place);
             return Ok(Bound::new(py, self.some(places))?.into_any());
         }
@@ -134,8 +129,8 @@ impl Trials {
 
     /// Category of each trial; None where it is unknown.
     #[getter]
-    fn categories<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
-        array::texts(py, self.list.iter().map(|trial| trial.category.clone()))
+    fn categories(&self) -> Vec<Option<&str>> {
+        self.list.iter().map(|trial| trial.category.as_deref()).collect()
     }
 
     /// Reach of each trial; None where it is unknown.
@@ -148,16 +143,12 @@ impl Trials {
     #[getter]
     fn lengths<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let numbers: Vec<i64> = self.list.iter().map(|trial| trial.samples.len() as i64).collect();
-        let length = numbers.len();
-        array::lend(py, numbers, &[length])
+        array::lend(py, numbers, &[self.list.len()])
     }
 
     /// The same trials with other categories.
     fn with_categories(&self, categories: Vec<Option<String>>) -> Result<Self, Failure> {
-        if categories.len() != self.list.len() {
-            let found = format!("{} for {} trials", categories.len(), self.list.len());
-            return Err(Failure::argument("categories", found, "one for each trial", "give as many"));
-        }
+        Failure::unless_one_each("categories", categories.len(), self.list.len(), "trial")?;
         let pairs = self.list.iter().zip(categories);
         Ok(Trials::new(pairs.map(|(trial, category)| Trial { category, ..trial.clone() }).collect()))
     }
@@ -172,8 +163,7 @@ impl Trials {
         let set = self::features(features)?.unwrap_or(FeatureSet::FORCE);
         let one = |trial: &Trial| {
             let observations = set.observations(trial, None)?;
-            let numbers: Vec<f64> = observations.samples().flatten().copied().collect();
-            Ok(array::lend(py, numbers, &[trial.samples.len(), set.dimension()])?)
+            Ok(array::lend_rows(py, observations.samples().flatten().copied().collect(), set.dimension())?)
         };
         self.list.iter().map(one).collect()
     }
@@ -233,13 +223,12 @@ impl Trials {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,)), Failure> {
-        let bytes = serde_json::to_vec(&*self.list).map_err(|error| Failure::Run(error.to_string()))?;
-        Ok((py.get_type::<Trials>().getattr("_from_json")?, (PyBytes::new(py, &bytes),)))
+        let (call, (text,)) = json::pickled::<Trials>(py, &*self.list)?;
+        Ok((call, (PyBytes::new(py, text.as_bytes()),)))
     }
 
     #[staticmethod]
     fn _from_json(bytes: &[u8]) -> Result<Self, Failure> {
-        let list = serde_json::from_slice(bytes).map_err(|error| Failure::Usage(error.to_string()))?;
-        Ok(Trials::new(list))
+        Ok(Trials::new(json::unpickled(bytes)?))
     }
 }

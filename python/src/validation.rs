@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use underbrush_validation::{CHECKS, Check};
 
 use crate::failure::Failure;
-use crate::interrupt::{Stop, watched};
+use crate::interrupt::watched;
 use crate::json;
 
 /// Check the simulated physics against closed-form solutions. Returns a dictionary for each check, as
@@ -30,9 +30,8 @@ pub fn validate<'py>(
     }
     let chosen = |check: &&Check| only.as_ref().is_none_or(|only| only.iter().any(|name| name == check.name));
     let chosen: Vec<&Check> = CHECKS.iter().filter(chosen).collect();
-    let stop = Arc::new(Stop::default());
-    let run = || Ok(underbrush_validation::run(&chosen, tolerance_scale, || {}));
-    json::to_python(py, &watched(py, jobs, &stop, |_| Ok(()), run)?)
+    let run = |_: &_| Ok(underbrush_validation::run(&chosen, tolerance_scale, || {}));
+    json::to_python(py, &watched(py, jobs, &Arc::default(), None, run)?)
 }
 
 /// Names of the physics checks.
