@@ -4,22 +4,10 @@ use std::path::Path;
 use std::sync::Mutex;
 
 use serde::Serialize;
-use underbrush_classifier::ModelError;
-use underbrush_classifier::decision::DecisionError;
-use underbrush_classifier::evaluate::touch_folds::TouchFoldsError;
-use underbrush_classifier::evaluate::{EvaluateError, ThresholdError};
-use underbrush_classifier::online::OnlineError;
-use underbrush_classifier::trial::TrialError;
-use underbrush_exchange::ExchangeError;
-use underbrush_experiments::ExperimentError;
-use underbrush_recording::disk::DiskError;
 use underbrush_recording::fault::Fault;
 use underbrush_recording::limits::TEXT_BYTES;
 use underbrush_recording::plain_text::escaped;
 use underbrush_recording::{InputError, read_text};
-use underbrush_replay::ReplayError;
-use underbrush_report::reproduction::ReproductionError;
-use underbrush_sim::reach::ReachError;
 
 /// The reason why a command ended without a result.
 #[derive(Debug)]
@@ -174,15 +162,13 @@ fn quoted(text: &str, line: usize) -> Option<(usize, String)> {
     Some((column, quoted))
 }
 
-impl From<InputError> for Failure {
-    fn from(error: InputError) -> Self {
-        Fault::from(error).into()
-    }
-}
-
-impl From<Fault> for Failure {
-    fn from(fault: Fault) -> Self {
-        match fault {
+/// The errors of all libraries, each of which can be converted to a [`Fault`].
+impl<E> From<E> for Failure
+where
+    Fault: From<E>,
+{
+    fn from(error: E) -> Self {
+        match Fault::from(error) {
             Fault::Input(input) => {
                 Failure { text: input.to_string(), input: Some(*input), kind: Kind::Input, ..Failure::usage("") }
             }
@@ -191,32 +177,6 @@ impl From<Fault> for Failure {
         }
     }
 }
-
-/// The errors of the libraries, each of which can be converted to a [`Fault`].
-macro_rules! library_errors {
-    ($($error:ty),*) => {
-        $(impl From<$error> for Failure {
-            fn from(error: $error) -> Self {
-                Fault::from(error).into()
-            }
-        })*
-    };
-}
-library_errors!(
-    DiskError,
-    ExchangeError,
-    ModelError,
-    TrialError,
-    EvaluateError,
-    TouchFoldsError,
-    ThresholdError,
-    DecisionError,
-    OnlineError,
-    ReachError,
-    ExperimentError,
-    ReplayError,
-    ReproductionError
-);
 
 /// Records panics instead of printing them.
 ///

@@ -1,6 +1,5 @@
 //! `underbrush generate`: runs many reaches and writes a data set.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -93,23 +92,13 @@ fn shard(text: &str) -> Result<Shard, String> {
 
 /// The campaign that the options describe.
 fn described(options: &Options) -> Result<Campaign, Failure> {
-    let reaches = options.reaches.unwrap_or_default();
-    let scenes = options.scenes.iter().map(|path| Ok((Scene::load(path)?, reaches)));
-    let campaign = Campaign {
-        scenes: scenes.collect::<Result<Vec<_>, Failure>>()?,
-        arms: BTreeMap::new(),
-        seed: options.seed,
+    let scenes: Result<Vec<Scene>, _> = options.scenes.iter().map(Scene::load).collect();
+    Ok(Campaign {
         controller: options.controller,
-        own_controller: None,
         verdicts: verdicts(options)?,
         shard: options.shard.filter(|_| !options.shared),
-    };
-    let mut names: Vec<&str> = campaign.scenes.iter().map(|(scene, _)| scene.name.as_str()).collect();
-    names.sort_unstable();
-    match names.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => Err(Failure::usage(format!("two scenes are called {}; rename one file", pair[0]))),
-        None => Ok(campaign),
-    }
+        ..Campaign::new(scenes?, options.reaches.unwrap_or_default(), options.seed)?
+    })
 }
 
 fn verdicts(options: &Options) -> Result<Option<VerdictControl>, Failure> {

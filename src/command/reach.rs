@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use clap::Args;
 use serde::Serialize;
-use underbrush_classifier::trial::{PatchImage, TrialOptions};
-use underbrush_experiments::contact_trials::{self, Unit};
+use underbrush_classifier::trial::{PatchImage, TrialOptions, Unit};
+use underbrush_experiments::contact_trials;
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_experiments::{audit, dataset};
 use underbrush_recording::disk::{remove_leftovers, write_recording};
@@ -164,7 +164,10 @@ impl Report {
     fn of(recording: &Recording, options: &TrialOptions, f_max_n: Option<f64>, wall_s: f64) -> Result<Self, Failure> {
         let layout = &recording.layout;
         let patch = layout.chosen_patch(options.patch.as_deref()).map(|index| &layout.patches[index]);
-        let cut = |unit| contact_trials::of_recording(recording, unit, options, 0).map(|trials| trials.len());
+        let cut = |by| {
+            let options = TrialOptions { by, ..options.clone() };
+            contact_trials::of_recording(recording, &options, 0).map(|trials| trials.len())
+        };
         let simulated_s = recording.frames.len() as f64 / recording.rate_hz;
         let forces = recording.contact_forces(None);
         Ok(Report {

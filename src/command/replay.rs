@@ -8,12 +8,12 @@ use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::online::OnlineOptions;
-use underbrush_classifier::trial::TrialOptions;
+use underbrush_classifier::paper_rule::Scores;
 use underbrush_recording::disk::remove_leftovers;
 use underbrush_replay::{Judging, JudgingModel, Server, Source, single_file};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
-use super::decision_arguments::{DecisionArguments, Scores};
+use super::decision_arguments::DecisionArguments;
 use super::overwrite::Overwrite;
 use super::touch::TouchDecisionArguments;
 use crate::failure::Failure;
@@ -97,10 +97,8 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
 
 fn judging(options: &Options) -> Result<Option<Judging>, Failure> {
     let Some(path) = &options.model else {
-        return match options.decision.given().or(options.touch.given()) {
-            None => Ok(None),
-            Some(option) => Err(Failure::usage(format!("{option} is about verdicts; add --model, or leave it out"))),
-        };
+        let given = options.decision.given().into_iter().chain(input::given(&options.touch));
+        return input::refuse(given, "is about the verdicts of a --model").map(|()| None);
     };
     judging_by(path, options.patch.as_deref(), &options.decision, &options.touch).map(Some)
 }
@@ -115,11 +113,8 @@ pub fn judging_by(
     let by = match any_model::load(path)? {
         AnyModel::OfTrials(model) => {
             touch.refuse_for_trials()?;
-            let options = OnlineOptions {
-                patch: patch.map(str::to_owned),
-                threshold_n: TrialOptions::default().threshold_n,
-                decision: decision.decision(&Scores::of_model(&model))?,
-            };
+            let decision = decision.decision(&Scores::of_model(&model))?;
+            let options = OnlineOptions::new(patch.map(str::to_owned), None, decision);
             JudgingModel::OfTrials(Box::new(model), options)
         }
         AnyModel::Touch(mut model) => {

@@ -49,10 +49,7 @@ pub struct Options {
 
 /// Runs everything and prints the tables.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let experiment = match &options.experiment {
-        Some(path) => Experiment::load(path)?,
-        None => Experiment::paper()?,
-    };
+    let experiment = Experiment::load_or_paper(options.experiment.as_deref())?;
     let reproduction = Reproduction {
         experiment: &experiment,
         seed: options.seed.unwrap_or(experiment.file.seed),

@@ -141,10 +141,11 @@ impl Options {
         let source = model_data::of_path(path)?;
         let is_table = source.kind == DataKind::Trials;
         let start = self.start.as_deref().map(file_blake3).transpose()?;
+        let cut = self.cut.options()?;
         let options = json!({
-            "by": if is_table { None } else { Some(self.cut.unit()?) },
-            "trials": if is_table { json!({ "min_samples": self.cut.min_samples() }) } else { json!(self.cut.options()) },
-            "training": self.start.as_ref().map(|_| self.estimator.training()),
+            "by": if is_table { None } else { Some(cut.by) },
+            "trials": if is_table { json!({ "min_samples": cut.min_samples }) } else { json!(cut) },
+            "training": self.start.as_ref().map(|_| self.estimator.training()).transpose()?,
             "start_blake3": start,
             "false_positive_rate": self.false_positive_rate,
             "outlier_prior": self.false_positive_rate.map(|_| self.outlier_prior),
@@ -161,7 +162,7 @@ fn continued(options: &Options, start: &Path, path: &Path, trials: &[Trial]) -> 
             "--start continues the training of hidden Markov models only; give such a model, or leave it out",
         )
     })?;
-    let trained = HmmClassifier::train_from(models, trials, &options.estimator.training());
+    let trained = HmmClassifier::train_from(models, trials, &options.estimator.training()?);
     let (models, _) = trained.map_err(|error| about(path, error))?;
     Ok(Model::new(Box::new(models)))
 }

@@ -6,9 +6,9 @@ use serde::Serialize;
 use underbrush_classifier::Model;
 use underbrush_classifier::feature::MOTION;
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
+use underbrush_classifier::paper_rule::Scores;
 use underbrush_recording::{Frame, SkinLayout};
 
-use super::super::decision_arguments::Scores;
 use super::Options;
 use super::online::{Answers, Reach, json_line};
 use crate::failure::Failure;
