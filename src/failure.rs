@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Mutex;
 
 use serde::Serialize;
+use serde_json::json;
 use underbrush_recording::fault::Fault;
 use underbrush_recording::limits::TEXT_BYTES;
 use underbrush_recording::plain_text::escaped;
@@ -30,24 +31,6 @@ enum Kind {
     Run,
     /// This program.
     Internal,
-}
-
-/// A failure as `--json` prints it.
-#[derive(Serialize)]
-struct Failed<'a> {
-    error: Printed<'a>,
-}
-
-#[derive(Serialize)]
-struct Printed<'a> {
-    kind: Kind,
-    file: Option<String>,
-    line: Option<usize>,
-    field: Option<&'a str>,
-    found: Option<&'a str>,
-    allowed: Option<&'a str>,
-    remedy: Option<&'a str>,
-    message: &'a str,
 }
 
 impl Failure {
@@ -99,18 +82,17 @@ impl Failure {
     /// What `--json` prints: one object with the key `error`, whose values are null if they are not known.
     pub fn json(&self) -> String {
         let input = self.input.as_ref();
-        let error = Printed {
-            kind: self.kind,
-            file: input.map(|input| input.file.display().to_string()),
-            line: input.and_then(|input| input.line),
-            field: input.map(|input| input.field.as_str()),
-            found: input.map(|input| input.found.as_str()),
-            allowed: input.map(|input| input.allowed.as_str()),
-            remedy: input.map(|input| input.remedy.as_str()),
-            message: &self.text,
-        };
-        // Plain data can always be written.
-        serde_json::to_string(&Failed { error }).unwrap_or_default()
+        let error = json!({
+            "kind": self.kind,
+            "file": input.map(|input| input.file.display().to_string()),
+            "line": input.and_then(|input| input.line),
+            "field": input.map(|input| &input.field),
+            "found": input.map(|input| &input.found),
+            "allowed": input.map(|input| &input.allowed),
+            "remedy": input.map(|input| &input.remedy),
+            "message": self.text,
+        });
+        json!({ "error": error }).to_string()
     }
 
     /// The text to print, with the offending line of the file if it is known.

@@ -83,7 +83,7 @@ impl FitOptions {
             Some(option) => Err(ModelError::BadOption {
                 option,
                 found: format!("given for the classifier {}", kind.name),
-                allowed: "only for hidden Markov models (hmm)".into(),
+                allowed: "only for the classifier hmm".into(),
             }),
         }
     }

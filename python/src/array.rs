@@ -4,6 +4,8 @@
 //! `__array_interface__`, read only and without a copy. Arguments are read through the buffer protocol, whatever their
 //! strides.
 
+use std::any::Any;
+
 use pyo3::buffer::{Element, PyBuffer};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -11,84 +13,63 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::failure::Failure;
 
-/// The numbers of an array.
-pub enum Store {
-    /// Double precision.
-    F64(Vec<f64>),
-    /// Single precision.
-    F32(Vec<f32>),
-    /// Whole numbers of 64 bits.
-    I64(Vec<i64>),
-    /// Whole numbers of 32 bits.
-    I32(Vec<i32>),
-    /// Indices of objects.
-    I16(Vec<i16>),
-    /// Codes of categories.
-    I8(Vec<i8>),
-}
-
 /// A number that arrays may hold.
-pub trait Number: Element {
+pub trait Number: Element + Send + Sync + 'static {
     /// NumPy's code for its type.
     const CODE: &str;
 }
 
-macro_rules! stores {
-    ($($number:ty => $variant:ident, $code:literal;)*) => {
+macro_rules! numbers {
+    ($($number:ty => $code:literal),*) => {
         $(impl Number for $number {
             const CODE: &str = $code;
-        }
-
-        impl From<Vec<$number>> for Store {
-            fn from(numbers: Vec<$number>) -> Self {
-                Store::$variant(numbers)
-            }
         })*
-
-        impl Store {
-            /// The address of the numbers, and NumPy's code for their type.
-            fn place(&self) -> (usize, &'static str) {
-                match self {
-                    $(Store::$variant(numbers) => (numbers.as_ptr() as usize, <$number>::CODE),)*
-                }
-            }
-
-            fn len(&self) -> usize {
-                match self {
-                    $(Store::$variant(numbers) => numbers.len(),)*
-                }
-            }
-        }
     };
 }
-stores! {
-    f64 => F64, "f8";
-    f32 => F32, "f4";
-    i64 => I64, "i8";
-    i32 => I32, "i4";
-    i16 => I16, "i2";
-    i8 => I8, "i1";
-}
+numbers!(f64 => "f8", f32 => "f4", i64 => "i8", i32 => "i4");
 
 /// Owner of the numbers that an array views. The numbers never change.
 #[pyclass(frozen, module = "underbrush._core")]
 pub struct Numbers {
-    store: Store,
+    /// Keeps the numbers for as long as the array lives.
+    _owner: Box<dyn Any + Send + Sync>,
+    address: usize,
+    code: &'static str,
     shape: Vec<usize>,
+}
+
+impl Numbers {
+    /// These numbers, row after row.
+    pub fn new<T: Number>(numbers: Vec<T>, shape: &[usize]) -> Self {
+        debug_assert_eq!(numbers.len(), shape.iter().product::<usize>(), "numbers of an array of shape {shape:?}");
+        Self::owned_by(numbers.as_ptr() as usize, T::CODE, shape, Box::new(numbers))
+    }
+
+    /// The numbers at an address, with NumPy's code for their type. They stay there as long as their owner lives.
+    pub fn owned_by(address: usize, code: &'static str, shape: &[usize], owner: Box<dyn Any + Send + Sync>) -> Self {
+        Numbers { _owner: owner, address, code, shape: shape.to_vec() }
+    }
+
+    /// A read-only array that views the numbers.
+    ///
+    /// # Errors
+    /// If NumPy cannot be imported.
+    pub fn lend(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+        numpy(py, "asarray")?.call1((self,))
+    }
 }
 
 #[pymethods]
 impl Numbers {
     #[getter]
     fn __array_interface__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let (address, code) = self.store.place();
         let order = if cfg!(target_endian = "little") { '<' } else { '>' };
         let interface = PyDict::new(py);
         interface.set_item("version", 3)?;
         interface.set_item("shape", PyTuple::new(py, &self.shape)?)?;
-        interface.set_item("typestr", format!("{order}{code}"))?;
+        interface.set_item("typestr", format!("{order}{}", self.code))?;
         // The flag makes the array read-only.
-        interface.set_item("data", (address, true))?;
+        interface.set_item("data", (self.address, true))?;
         Ok(interface)
     }
 }
@@ -104,11 +85,8 @@ fn numpy<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
 ///
 /// # Errors
 /// If NumPy cannot be imported.
-pub fn lend<'py>(py: Python<'py>, numbers: impl Into<Store>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
-    let store = numbers.into();
-    debug_assert_eq!(store.len(), shape.iter().product::<usize>(), "numbers of an array of shape {shape:?}");
-    let shape = shape.to_vec();
-    numpy(py, "asarray")?.call1((Numbers { store, shape },))
+pub fn lend<'py, T: Number>(py: Python<'py>, numbers: Vec<T>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+    Numbers::new(numbers, shape).lend(py)
 }
 
 /// A new array that the caller may write, with a copy of these numbers.

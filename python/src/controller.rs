@@ -13,7 +13,6 @@ use crate::array;
 use crate::controller_input::PyControllerInput;
 use crate::failure::Failure;
 use crate::interrupt::Stop;
-use crate::scene::controller_kind;
 
 /// A controller that ships, to be called from Python.
 #[pyclass(frozen, name = "ShippedController", module = "underbrush._core")]
@@ -29,7 +28,7 @@ impl ShippedController {
     #[new]
     #[pyo3(signature = (arm, name = "cody-2013"))]
     fn new(arm: &PyArm, name: &str) -> Result<Self, Failure> {
-        let kind: ControllerKind = controller_kind(name)?;
+        let kind = ControllerKind::from_name(name)?;
         let controller = kind.controller(kind.preset(), &arm.arm);
         Ok(ShippedController {
             name: controller.name().to_owned(),
@@ -132,7 +131,7 @@ pub fn chosen(
         return Ok((None, None));
     };
     match object.extract::<String>() {
-        Ok(name) => Ok((Some(controller_kind(&name)?), None)),
+        Ok(name) => Ok((Some(ControllerKind::from_name(&name)?), None)),
         Err(_) => Ok((None, Some(maker(object, stop)?))),
     }
 }

@@ -16,7 +16,7 @@ use crate::interrupt::watched;
 use crate::json;
 use crate::pool::{self, guarded};
 use crate::progress::Reported;
-use crate::reach::Reach;
+use crate::reach::{Reach, Source};
 use crate::skin::Skin;
 use crate::table::{Column, PyTable};
 use crate::trials::Trials;
@@ -39,7 +39,7 @@ impl PyDataset {
     }
 
     fn reach(&self, index: usize) -> Reach {
-        Reach::of_dataset(&self.dataset, index)
+        Reach::new(Source::Dataset(Arc::clone(&self.dataset), index))
     }
 
     fn place(&self, index: isize) -> Result<usize, Failure> {

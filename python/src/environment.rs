@@ -4,6 +4,7 @@ use std::sync::{Mutex, MutexGuard};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::environment::{ActionKind, EnvironmentOptions, Environments, Part, Stepped};
 use underbrush_sim::reach::ReachPlan;
 
@@ -11,7 +12,7 @@ use crate::array;
 use crate::failure::{Failure, locked};
 use crate::given;
 use crate::pool::{self, Helpers};
-use crate::scene::{controller_kind, scene};
+use crate::scene::scene;
 
 /// Several environments that are stepped together.
 #[pyclass(frozen, name = "Environments", module = "underbrush._core")]
@@ -86,7 +87,7 @@ impl PyEnvironments {
             let (found, allowed) = (format!("given with action={action:?}"), format!("only for action={other:?}"));
             return Err(Failure::argument(unused, found, allowed, "leave it out"));
         }
-        let kind = controller.map(controller_kind).transpose()?;
+        let kind = controller.map(ControllerKind::from_name).transpose()?;
         let plan = ReachPlan::new(self::scene(scene)?, kind, seed)?;
         if !(1..=4096).contains(&count) {
             return Err(Failure::argument("num_envs", count.to_string(), "1 to 4096", "use fewer"));

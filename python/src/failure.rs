@@ -135,6 +135,7 @@ library_errors!(
     underbrush_classifier::decision::DecisionError,
     underbrush_classifier::online::OnlineError,
     underbrush_classifier::feature::FeatureError,
+    underbrush_sim::controller::UnknownController,
     underbrush_sim::reach::ReachError,
     underbrush_sim::simulation::StateError,
     underbrush_experiments::ExperimentError,

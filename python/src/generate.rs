@@ -7,12 +7,13 @@ use pyo3::prelude::*;
 use pyo3::types::PyList;
 use underbrush_experiments::dataset::{Campaign, Written, require_same_reaches};
 use underbrush_experiments::verdict_controller::VerdictControl;
-use underbrush_recording::disk::{Dataset, Shard, check_not_input, remove_dataset};
+use underbrush_recording::disk::{Dataset, DiskError, Shard, Shards, check_not_input, remove_dataset};
 
 use crate::controller;
 use crate::dataset::PyDataset;
 use crate::failure::Failure;
 use crate::interrupt::{Stop, watched};
+use crate::pool::guarded;
 use crate::progress::Reported;
 use crate::scene::scene;
 
@@ -86,7 +87,7 @@ pub fn generate_again(
 }
 
 /// With `force`, removes the data set in a folder that is not one of the inputs.
-pub fn make_room(out: &Path, inputs: &[PathBuf], resume: bool, force: bool) -> Result<(), Failure> {
+fn make_room(out: &Path, inputs: &[PathBuf], resume: bool, force: bool) -> Result<(), Failure> {
     if resume && force {
         let allowed = "either resume or force";
         return Err(Failure::argument("force", "True with resume", allowed, "leave one out"));
@@ -148,4 +149,45 @@ pub fn write(
 ) -> Result<PyDataset, Failure> {
     let run = |reported: &Reported| Ok(campaign.write(out, resume, reported)?);
     Ok(finished(watched(py, jobs, stop, progress, run)?))
+}
+
+/// Join all parts that ``generate(..., shard=(I, N))`` has made into the set that one call without ``shard`` makes,
+/// byte for byte.
+///
+/// Parameters
+/// ----------
+/// parts : list of paths
+///     The folders of all parts, in any order.
+/// out : path
+///     The folder to write.
+/// resume : bool
+///     Continue an interrupted merge. If the set is finished already, open it.
+/// force : bool
+///     Remove the data set that is in ``out`` first.
+///
+/// Returns
+/// -------
+/// Dataset
+///
+/// Raises
+/// ------
+/// InputError
+///     If a folder holds no finished part or a damaged one, if parts are missing, given twice or from different
+///     campaigns, or if ``out`` holds anything (with ``resume``, anything but this merge). The message names it.
+#[pyfunction]
+#[pyo3(signature = (parts, out, *, resume = false, force = false))]
+pub fn merge(
+    py: Python<'_>,
+    parts: Vec<PathBuf>,
+    out: PathBuf,
+    resume: bool,
+    force: bool,
+) -> Result<PyDataset, Failure> {
+    make_room(&out, &parts, resume, force)?;
+    let merge = || match Shards::open(parts)?.merge(&out, resume, || ()) {
+        // With `resume`, this means that the set has the same plan.
+        Err(DiskError::Finished { .. }) if resume => Ok(Dataset::open(&out)?),
+        merged => Ok(merged?),
+    };
+    Ok(PyDataset::new(py.detach(|| guarded(merge))?))
 }

@@ -53,7 +53,7 @@ impl Refused {
     /// The same in the entry with this name.
     fn within(self, name: &str) -> Self {
         match self {
-            Refused::Type(text) => Refused::Type(format!("argument '{name}': {text}")),
+            Refused::Type(text) => Refused::Type(format!("{name}: {text}")),
             Refused::Value { entry, found, allowed } if entry.is_empty() => {
                 Refused::Value { entry: name.to_owned(), found, allowed }
             }
@@ -81,7 +81,7 @@ impl Error for Refused {
     }
 
     fn invalid_value(found: Unexpected<'_>, allowed: &dyn Expected) -> Self {
-        Refused::value(found, allowed)
+        Refused::value(found, format_args!("a value in the range of {allowed}"))
     }
 
     fn unknown_variant(found: &str, allowed: &'static [&'static str]) -> Self {

@@ -20,9 +20,7 @@ mod generate;
 mod given;
 mod interrupt;
 mod json;
-mod merge;
 mod online;
-mod pickled;
 mod pool;
 mod progress;
 mod python_classifier;
@@ -30,13 +28,11 @@ mod reach;
 mod replay;
 mod scene;
 mod sequences;
-mod simulate;
 mod simulation;
 mod skin;
 mod study;
 mod table;
 mod touch;
-mod trial;
 mod trials;
 mod validation;
 mod warning;
@@ -59,20 +55,17 @@ mod _core {
         evaluation::evaluate_trials,
         fitting::{Options, classifiers, fit},
         frame::PyFrame,
-        generate::{generate, generate_again, generate_shared},
-        merge::merge,
+        generate::{generate, generate_again, generate_shared, merge},
         online::{Online, online},
-        reach::Reach,
+        reach::{Reach, simulate},
         replay::{_check_free, replay_page},
         scene::{Picture, PyScene},
-        simulate::simulate,
         simulation::{PySimulation, step_many},
         skin::Skin,
         study::{check, inspect, reproduce, run_campaign},
         table::PyTable,
         touch::PyTouchModel,
-        trial::PyTrial,
-        trials::Trials,
+        trials::{PyTrial, Trials},
         validation::{checks, validate},
     };
 

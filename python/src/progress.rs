@@ -1,7 +1,6 @@
 //! Passes the progress of a run on to Python.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use pyo3::prelude::*;
 use underbrush_experiments::{Counter, Progress};
@@ -12,15 +11,25 @@ use crate::interrupt::Stop;
 /// What a run has done so far.
 #[derive(Default)]
 struct Done {
-    things: AtomicU64,
-    total: AtomicU64,
-    goals: Mutex<GoalOutcomes>,
-    remarks: Mutex<Vec<String>>,
+    things: u64,
+    total: u64,
+    goals: GoalOutcomes,
+    remarks: Vec<String>,
+}
+
+/// What a run has done so far, shared with its threads.
+#[derive(Clone, Default)]
+struct Shared(Arc<Mutex<Done>>);
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, Done> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// Passes the progress of a run on to a Python function, and asks whether the run should end.
 pub struct Reported {
-    done: Arc<Done>,
+    done: Shared,
     stop: Arc<Stop>,
     callback: Option<Py<PyAny>>,
 }
@@ -28,22 +37,21 @@ pub struct Reported {
 impl Reported {
     /// Progress for this function, called as `callback(done, total, text)`.
     pub fn new(stop: &Arc<Stop>, callback: Option<Py<PyAny>>) -> Self {
-        Reported { done: Arc::default(), stop: Arc::clone(stop), callback }
+        Reported { done: Shared::default(), stop: Arc::clone(stop), callback }
     }
 
     /// Shows what is new: remarks as warnings, and the count.
     pub fn show(&self, py: Python<'_>) -> PyResult<()> {
-        let remarks = self.done.remarks.lock().map(|mut remarks| std::mem::take(&mut *remarks));
-        for remark in remarks.unwrap_or_default() {
+        let Done { things, total, goals, remarks } = {
+            let mut done = self.done.lock();
+            Done { remarks: std::mem::take(&mut done.remarks), ..*done }
+        };
+        for remark in remarks {
             py.import("warnings")?.call_method1("warn", (remark,))?;
         }
-        let total = self.done.total.load(Ordering::Relaxed);
         if let Some(callback) = self.callback.as_ref().filter(|_| total > 0) {
-            let goals = self.done.goals.lock().map_or(String::new(), |goals| match goals.tried() {
-                0 => String::new(),
-                _ => goals.to_string(),
-            });
-            callback.call1(py, (self.done.things.load(Ordering::Relaxed), total, goals))?;
+            let goals = if goals.tried() == 0 { String::new() } else { goals.to_string() };
+            callback.call1(py, (things, total, goals))?;
         }
         Ok(())
     }
@@ -53,15 +61,13 @@ impl Progress for Reported {
     fn stage(&self, _: &str) {}
 
     fn remark(&self, text: &str) {
-        if let Ok(mut remarks) = self.done.remarks.lock() {
-            remarks.push(text.to_owned());
-        }
+        self.done.lock().remarks.push(text.to_owned());
     }
 
-    fn count(&self, _: &str, total: u64, done: u64) -> Box<dyn Counter> {
-        self.done.total.store(total, Ordering::Relaxed);
-        self.done.things.store(done, Ordering::Relaxed);
-        Box::new(Counted(Arc::clone(&self.done)))
+    fn count(&self, _: &str, total: u64, things: u64) -> Box<dyn Counter> {
+        let mut done = self.done.lock();
+        (done.things, done.total) = (things, total);
+        Box::new(self.done.clone())
     }
 
     fn is_stopped(&self) -> bool {
@@ -69,17 +75,14 @@ impl Progress for Reported {
     }
 }
 
-struct Counted(Arc<Done>);
-
-impl Counter for Counted {
+impl Counter for Shared {
     fn advance(&self) {
-        self.0.things.fetch_add(1, Ordering::Relaxed);
+        self.lock().things += 1;
     }
 
     fn reach(&self, goals: GoalOutcomes) {
-        if let Ok(mut sum) = self.0.goals.lock() {
-            *sum = [*sum, goals].into_iter().sum();
-        }
-        self.advance();
+        let mut done = self.lock();
+        done.goals = [done.goals, goals].into_iter().sum();
+        done.things += 1;
     }
 }

@@ -8,24 +8,29 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use serde_json::{Value, json};
 use underbrush_classifier::DataSource;
+use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_experiments::{contact_trials, model_data};
 use underbrush_recording::disk::{
     Dataset, check_free, read_recording, recording_columns, recording_table, remove_leftovers, write_recording,
 };
-use underbrush_recording::{Body, Outcome, Recording, SkinLayout};
+use underbrush_recording::{Body, Recording, SkinLayout};
+use underbrush_sim::reach::ReachPlan;
 
 use crate::arguments::cutting;
+use crate::controller;
 use crate::failure::{self, Failure, place};
 use crate::frame::PyFrame;
+use crate::interrupt::{Stop, watched};
 use crate::json;
-use crate::pickled;
 use crate::pool::{self, guarded};
+use crate::scene::scene;
 use crate::skin::{Skin, patch_index};
 use crate::table::{Column, LentColumns, PyTable, record_batch};
 use crate::trials::Trials;
 
 /// Where a reach is stored.
-enum Source {
+pub enum Source {
+    /// In memory.
     Memory(Arc<Recording>),
     /// In a data set, with its index.
     Dataset(Arc<Dataset>, usize),
@@ -57,35 +62,23 @@ pub struct Reach {
 impl Reach {
     /// A reach in memory.
     pub fn of_recording(recording: Recording) -> Self {
-        let (scene, controller) = (recording.scene.clone(), recording.controller.clone());
-        let about = (scene, controller, recording.seed, recording.reach_index, recording.outcome());
-        let frames = recording.frames.len();
-        Reach::new(Source::Memory(Arc::new(recording)), about, frames)
+        Reach::new(Source::Memory(Arc::new(recording)))
     }
 
-    /// A reach of a data set.
-    pub fn of_dataset(dataset: &Arc<Dataset>, index: usize) -> Self {
-        let own = &dataset.episodes()[index];
-        let about = (own.scene.clone(), own.controller.clone(), own.seed, own.reach_index, own.outcome);
-        Reach::new(Source::Dataset(Arc::clone(dataset), index), about, own.frames)
-    }
-
-    fn new(
-        source: Source,
-        (scene, controller, seed, index, outcome): (String, String, u64, u64, Outcome),
-        frames: usize,
-    ) -> Self {
-        Reach {
-            source,
-            scene,
-            controller,
-            seed_and_index: (seed, index),
-            outcome: outcome.name(),
-            frames,
-            whole: OnceLock::new(),
-            layout: OnceLock::new(),
-            columns: LentColumns::default(),
-        }
+    /// The reach that is stored there.
+    pub fn new(source: Source) -> Self {
+        let (scene, controller, seed_and_index, outcome, frames) = match &source {
+            Source::Memory(own) => {
+                let seed_and_index = (own.seed, own.reach_index);
+                (own.scene.clone(), own.controller.clone(), seed_and_index, own.outcome(), own.frames.len())
+            }
+            Source::Dataset(dataset, index) => {
+                let own = &dataset.episodes()[*index];
+                (own.scene.clone(), own.controller.clone(), (own.seed, own.reach_index), own.outcome, own.frames)
+            }
+        };
+        let (whole, layout, columns) = (OnceLock::new(), OnceLock::new(), LentColumns::default());
+        Reach { source, scene, controller, seed_and_index, outcome: outcome.name(), frames, whole, layout, columns }
     }
 
     /// The whole recording. If the reach is in a data set, it is read when it is first needed.
@@ -315,21 +308,46 @@ impl Reach {
                 Ok((class.getattr("_of_dataset")?, (place,)))
             }
             Source::Memory(recording) => {
-                let bytes = PyBytes::new(py, &pickled::bytes_of(recording)?).into_any();
+                let reach = Reach::new(Source::Memory(Arc::clone(recording)));
+                let bytes = py.import("underbrush._data")?.call_method1("bytes_of", (reach,))?;
                 Ok((class.getattr("_from_bytes")?, (bytes,)))
             }
         }
     }
 
     #[staticmethod]
-    fn _from_bytes(bytes: &[u8]) -> Result<Self, Failure> {
-        Ok(Reach::of_recording(pickled::recording_of(bytes)?))
+    fn _from_bytes<'py>(bytes: &Bound<'py, PyBytes>) -> PyResult<Bound<'py, PyAny>> {
+        bytes.py().import("underbrush._data")?.call_method1("reach_of", (bytes,))
     }
 
     #[staticmethod]
     fn _of_dataset(place: (PathBuf, usize)) -> Result<Self, Failure> {
         let dataset = Arc::new(Dataset::open(place.0)?);
         failure::place(place.1 as isize, dataset.episodes().len())?;
-        Ok(Reach::of_dataset(&dataset, place.1))
+        Ok(Reach::new(Source::Dataset(dataset, place.1)))
     }
+}
+
+/// Simulate one reach.
+#[pyfunction(name = "reach")]
+#[pyo3(signature = (scene, seed = 0, index = 0, *, controller = None, verdicts = None))]
+pub fn simulate(
+    py: Python<'_>,
+    scene: &Bound<'_, PyAny>,
+    seed: u64,
+    index: u64,
+    controller: Option<&Bound<'_, PyAny>>,
+    verdicts: Option<PathBuf>,
+) -> Result<Reach, Failure> {
+    let stop = Arc::new(Stop::default());
+    let (kind, own) = controller::chosen(controller, &stop)?;
+    let mut plan = ReachPlan::new(self::scene(scene)?, kind, seed)?;
+    if let Some(make) = own {
+        plan = plan.with_controller(move |arm| make(arm));
+    }
+    if let Some(model) = verdicts {
+        plan = VerdictControl::load(&model)?.applied_to(plan)?;
+    }
+    let run = |_: &_| Ok(plan.run_until(index, &mut |_, _| {}, &|| stop.is_set())?);
+    Ok(Reach::of_recording(watched(py, None, &stop, None, run)?))
 }

@@ -6,7 +6,6 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use underbrush_recording::InputError;
 use underbrush_report::picture;
-use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::{SHIPPED, Scene};
 use underbrush_sim::snapshot::Snapshot;
@@ -76,17 +75,6 @@ pub fn scene(value: &Bound<'_, PyAny>) -> Result<Scene, Failure> {
         }
         None => Ok(Scene::load(path)?),
     }
-}
-
-/// The controller with a name.
-///
-/// # Errors
-/// [`Failure::Input`] for an unknown name.
-pub fn controller_kind(name: &str) -> Result<ControllerKind, Failure> {
-    ControllerKind::from_name(name).map_err(|_| {
-        let allowed = format!("{}, or a function of your own", ControllerKind::names().join(", "));
-        Failure::argument("controller", format!("{name:?}"), allowed, "choose one of them")
-    })
 }
 
 /// A drawing of a simulation in its present state.

@@ -11,6 +11,15 @@ from numpy.typing import NDArray
 from ._errors import refused
 
 
+def joined(parts: Sequence[NDArray[Any]], dtype: str | None) -> NDArray[Any]:
+    """The parts of a column, one below the other, read only. Floating-point numbers get this type."""
+    array = parts[0] if len(parts) == 1 else np.concatenate(parts)
+    if dtype is not None and array.dtype.kind == "f":
+        array = array.astype(dtype, copy=False)
+    array.flags.writeable = False
+    return array
+
+
 def numbers(value: Any, name: str, shape: Sequence[int | None]) -> NDArray[np.float64]:
     """The argument with this name as numbers of a shape, in which ``None`` stands for any size."""
     allowed = f"numbers of shape ({', '.join('n' if size is None else str(size) for size in shape)})"
