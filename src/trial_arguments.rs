@@ -8,7 +8,7 @@ use underbrush_classifier::touch::TouchOptions;
 use underbrush_classifier::trial::{Labels, TrialOptions, Unit};
 
 use crate::failure::Failure;
-use crate::input::{self, named};
+use crate::options::{self, named};
 
 /// How trials are extracted from a data set or a recording. A table of trials is used as it is; of these options only
 /// --min-samples applies to it, and of the preset everything but the labels. Options that are not given are `None`, so
@@ -137,8 +137,8 @@ impl TrialArguments {
     const OF_CONTACTS: [&str; 2] = ["--patch", "--threshold-n"];
 
     fn refuse_but(&self, allowed: &[&str], what: &str) -> Result<(), Failure> {
-        let given = input::given(self).into_iter().filter(|option| !allowed.contains(&option.as_str()));
-        input::refuse(given, &format!("does not apply to {what}"))
+        let given = options::given(self).into_iter().filter(|option| !allowed.contains(&option.as_str()));
+        options::refuse(given, &format!("does not apply to {what}"))
     }
 }
 

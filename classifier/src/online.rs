@@ -10,7 +10,7 @@ use underbrush_recording::{Frame, Sample, SkinLayout};
 use crate::decision::{Choice, Decision, DecisionError, Judge, Verdict};
 use crate::error::ModelError;
 use crate::estimator::{Classifier, OnlineScorer};
-use crate::feature::SampleFault;
+use crate::feature::{MOTION, SampleFault};
 use crate::trial::{PatchImage, Regions, Travel, TrialError, TrialOptions};
 
 /// Why online classification stops.
@@ -62,6 +62,11 @@ impl OnlineOptions {
     pub fn new(patch: Option<String>, threshold_n: Option<f64>, decision: Decision) -> Self {
         let threshold_n = threshold_n.unwrap_or(TrialOptions::default().threshold_n);
         OnlineOptions { patch, threshold_n, decision }
+    }
+
+    /// The patch whose pose a classifier needs in every frame of this skin; `None` if it does not use motion.
+    pub fn needs_pose_of(&self, classifier: &dyn Classifier, layout: &SkinLayout) -> Option<usize> {
+        layout.chosen_patch(self.patch.as_deref()).filter(|_| classifier.features().contains(&MOTION))
     }
 }
 

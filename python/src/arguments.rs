@@ -1,11 +1,14 @@
 //! Arguments that several functions take.
 
+use std::path::Path;
+
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::paper_rule::Scores;
 use underbrush_classifier::trial::{TrialOptions, Unit};
+use underbrush_recording::disk::{check_free, write_file};
 
 use crate::failure::Failure;
 use crate::given;
@@ -61,4 +64,10 @@ pub fn decision(value: Option<&Bound<'_, PyAny>>, scores: &Scores<'_>) -> Result
         }
     };
     Ok(scores.decision(Some(rule))?)
+}
+
+/// Writes the text of a file. Only with `force` is a file overwritten.
+pub fn save(path: &Path, force: bool, text: &str) -> Result<(), Failure> {
+    check_free(path, force)?;
+    Ok(write_file(path, text.as_bytes())?)
 }

@@ -10,9 +10,9 @@ use underbrush_experiments::verdict_controller::VerdictControl;
 use crate::controller;
 use crate::failure::Failure;
 use crate::generate;
-use crate::interrupt::{Stop, watched};
+use crate::interrupt::Stop;
 use crate::json;
-use crate::progress::Reported;
+use crate::progress::{Reported, watched};
 
 /// Judge a model or a controller on the frozen scenes of the benchmark, and write a row of its table.
 #[pyfunction]

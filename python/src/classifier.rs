@@ -5,15 +5,13 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::decision::Decision;
-use underbrush_classifier::feature::MOTION;
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_classifier::paper_rule::Scores;
 use underbrush_classifier::touch::TOUCH_FORMAT;
 use underbrush_classifier::{FORMAT, Model};
 use underbrush_recording::InputError;
-use underbrush_recording::disk::{check_free, write_file};
 
-use crate::arguments::decision;
+use crate::arguments::{decision, save};
 use crate::array;
 use crate::failure::{Failure, place};
 use crate::given;
@@ -56,12 +54,6 @@ impl PyModel {
 pub fn other_kind(path: &Path, (format, kind, class): (&str, &str, &str), allowed: &str) -> Failure {
     let remedy = format!("read it with {class}.load or {class}.from_json");
     InputError::new(path, "format", format!("{format}, {kind}"), allowed, remedy).into()
-}
-
-/// Writes the text of a file. Only with `force` is a file overwritten.
-pub fn save(path: &Path, force: bool, text: &str) -> Result<(), Failure> {
-    check_free(path, force)?;
-    Ok(write_file(path, text.as_bytes())?)
 }
 
 #[pymethods]
@@ -181,8 +173,7 @@ impl PyModel {
     ) -> Result<Online, Failure> {
         let options = OnlineOptions::new(patch, threshold_n, self.deciding(decision)?);
         let classifier = OnlineClassifier::new(self.model.classifier.as_ref(), &skin.layout, &options)?;
-        let patch = skin.layout.chosen_patch(options.patch.as_deref());
-        let needs_pose_of = patch.filter(|_| self.model.classifier.features().contains(&MOTION));
+        let needs_pose_of = options.needs_pose_of(self.model.classifier.as_ref(), &skin.layout);
         Ok(Online::of_contacts(classifier, self.categories(), skin, needs_pose_of))
     }
 

@@ -18,7 +18,11 @@ use crate::interrupt::Stop;
 #[pyclass(frozen, name = "ShippedController", module = "underbrush._core")]
 pub struct ShippedController {
     controller: Mutex<Box<dyn Controller>>,
+    /// Its name in recordings.
+    #[pyo3(get)]
     name: String,
+    /// How often it wants to be called, Hz.
+    #[pyo3(get)]
     rate_hz: f64,
     joints: usize,
 }
@@ -36,18 +40,6 @@ impl ShippedController {
             controller: Mutex::new(controller),
             joints: arm.arm.joints.len(),
         })
-    }
-
-    /// Its name in recordings.
-    #[getter]
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// How often it wants to be called, Hz.
-    #[getter]
-    fn rate_hz(&self) -> f64 {
-        self.rate_hz
     }
 
     /// New equilibrium angles, rad: (joints,).

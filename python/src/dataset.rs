@@ -11,11 +11,10 @@ use underbrush_recording::disk::Dataset;
 
 use crate::arguments::cutting;
 use crate::array;
-use crate::failure::{Failure, place};
-use crate::interrupt::watched;
+use crate::failure::{Failure, place, places};
 use crate::json;
-use crate::pool::{self, guarded};
-use crate::progress::Reported;
+use crate::pool::{self, alone};
+use crate::progress::{Reported, watched};
 use crate::reach::{Reach, Source};
 use crate::skin::Skin;
 use crate::table::{Column, PyTable};
@@ -51,7 +50,7 @@ impl PyDataset {
 impl PyDataset {
     #[new]
     fn open(py: Python<'_>, path: PathBuf) -> Result<Self, Failure> {
-        Ok(PyDataset::new(py.detach(|| guarded(|| Ok(Dataset::open(path)?)))?))
+        Ok(PyDataset::new(alone(py, || Ok(Dataset::open(path)?))?))
     }
 
     /// The folder.
@@ -68,10 +67,8 @@ impl PyDataset {
     /// A reach by its number, or a list of reaches by a slice.
     fn __getitem__<'py>(&self, py: Python<'py>, key: &Bound<'py, PyAny>) -> Result<Bound<'py, PyAny>, Failure> {
         if let Ok(slice) = key.cast::<PySlice>() {
-            let indices = slice.indices(self.__len__() as isize)?;
-            let places = (0..indices.slicelength).map(|step| indices.start + step as isize * indices.step);
-            let reaches: Result<Vec<Reach>, Failure> = places.map(|place| Ok(self.reach(self.place(place)?))).collect();
-            return Ok(reaches?.into_pyobject(py)?.into_any());
+            let reaches: Vec<Reach> = places(slice, self.__len__())?.map(|place| self.reach(place)).collect();
+            return Ok(reaches.into_pyobject(py)?.into_any());
         }
         let index: isize = key.extract()?;
         Ok(Bound::new(py, self.reach(self.place(index)?))?.into_any())
@@ -133,7 +130,7 @@ impl PyDataset {
 
     /// The largest contact force of each reach, N: (reaches,).
     fn peak_contact_forces_n<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
-        let numbers = py.detach(|| guarded(|| Ok(self.dataset.peak_contact_forces_n()?)))?;
+        let numbers = alone(py, || Ok(self.dataset.peak_contact_forces_n()?))?;
         Ok(array::lend(py, numbers, &[self.__len__()])?)
     }
 
@@ -150,7 +147,7 @@ impl PyDataset {
 
     /// Check the hash of every file.
     fn verify(&self, py: Python<'_>) -> Result<(), Failure> {
-        py.detach(|| guarded(|| Ok(self.dataset.verify()?)))
+        alone(py, || Ok(self.dataset.verify()?))
     }
 
     fn __repr__(&self) -> String {

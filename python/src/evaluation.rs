@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use underbrush_classifier::estimator::{Classifier, Estimator};
-use underbrush_classifier::evaluate::{EvaluationReport, FoldBy, Folds, accuracy_by_samples, cross_validate, evaluate};
+use underbrush_classifier::evaluate::{
+    Evaluation, EvaluationReport, FoldBy, Folds, accuracy_by_samples, cross_validate, evaluate,
+};
 use underbrush_classifier::paper_rule::Scores;
 
 use crate::arguments::decision;
@@ -12,7 +14,6 @@ use crate::classifier::PyModel;
 use crate::failure::Failure;
 use crate::fitting::{Options, estimator_of};
 use crate::given;
-use crate::interrupt::Stop;
 use crate::json;
 use crate::pool;
 use crate::python_classifier::PythonClassifier;
@@ -45,21 +46,20 @@ pub fn evaluate_trials<'py>(
     let list = &trials.list;
     let of_folds = [("folds", folds.is_some()), ("group", group.is_some()), ("by_samples", by_samples)];
     let of_fitting = [&of_folds[..], &[("train", train.is_some())]].concat();
+    let judged = |judged: Evaluation| json::to_python(py, &EvaluationReport::from(judged));
     if let Ok(model) = classifier.cast::<PyModel>() {
         refuse("a fitted model", &of_fitting)?;
         let decision = model.get().deciding(decision)?;
-        let model = &model.get().model;
-        let judged = pool::detached(py, jobs, || Ok(evaluate(model.classifier.as_ref(), list, &decision)?))?;
-        return json::to_python(py, &EvaluationReport::from(judged));
+        let model = model.get().model.classifier.as_ref();
+        return judged(pool::detached(py, jobs, || Ok(evaluate(model, list, &decision)?))?);
     }
     let scores = classifier.cast::<Options>().map_or_else(|_| Scores::of_any_kind(), |options| options.get().scores());
     let decision = self::decision(decision, &scores)?;
     if !classifier.hasattr("fit_trials")? && classifier.hasattr("scores")? {
         refuse("a fitted classifier", &of_fitting)?;
-        let raised = Arc::new(Stop::default());
+        let raised = Arc::default();
         let fitted = PythonClassifier::of(classifier, &raised)?;
-        let judged = pool::detached(py, jobs, || Ok(evaluate(&fitted, list, &decision)?));
-        return json::to_python(py, &EvaluationReport::from(raised.checked(judged)?));
+        return judged(raised.checked(pool::detached(py, jobs, || Ok(evaluate(&fitted, list, &decision)?)))?);
     }
     let (estimator, raised) = estimator_of(classifier)?;
     let estimator: &dyn Estimator = estimator.as_ref();

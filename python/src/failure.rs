@@ -4,6 +4,7 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
+use pyo3::types::PySlice;
 use underbrush_classifier::ModelError;
 use underbrush_recording::InputError;
 use underbrush_recording::fault::Fault;
@@ -62,6 +63,12 @@ pub fn place(index: isize, length: usize) -> Result<usize, Failure> {
     let place = if index < 0 { index + length as isize } else { index };
     let place = usize::try_from(place).ok().filter(|place| *place < length);
     place.ok_or_else(|| PyIndexError::new_err(format!("index {index} of {length}")).into())
+}
+
+/// The places that a slice selects in a sequence of this length.
+pub fn places(slice: &Bound<'_, PySlice>, length: usize) -> PyResult<impl Iterator<Item = usize>> {
+    let indices = slice.indices(length as isize)?;
+    Ok((0..indices.slicelength).map(move |step| (indices.start + step as isize * indices.step) as usize))
 }
 
 /// The state of an object that only one thread may use at a time.

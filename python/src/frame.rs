@@ -71,10 +71,14 @@ impl PyFrame {
         patch_poses: Option<&Bound<'_, PyDict>>,
     ) -> Result<Self, Failure> {
         let layout = Arc::clone(&skin.layout);
-        let mut taxels = Vec::new();
-        for (name, value) in sensed_force_n {
+        let patch_of = |name: &Bound<'_, PyAny>| -> Result<(String, usize), Failure> {
             let name: String = name.extract()?;
             let patch = patch_index(&layout, Some(&name))?;
+            Ok((name, patch))
+        };
+        let mut taxels = Vec::new();
+        for (name, value) in sensed_force_n {
+            let (name, patch) = patch_of(&name)?;
             let forces = array::finite(&value, &name, &[Some(layout.patches[patch].taxels.len())])?.0;
             for (taxel, &sensed_force_n) in forces.iter().enumerate().filter(|(_, force)| **force != 0.0) {
                 if !FORCE_N.hold(sensed_force_n) {
@@ -82,21 +86,14 @@ impl PyFrame {
                     let remedy = "give newtons, and 0 where the zero of a sensor has drifted below 0";
                     return Err(Failure::argument("sensed_force_n", found, FORCE_N.to_string(), remedy));
                 }
-                taxels.push(TaxelReading {
-                    patch: patch as u16,
-                    taxel: taxel as u16,
-                    true_normal_force_n: 0.0,
-                    true_shear_force_n: [0.0; 2],
-                    sensed_force_n,
-                    object: None,
-                });
+                let (patch, taxel) = (patch as u16, taxel as u16);
+                taxels.push(TaxelReading { patch, taxel, sensed_force_n, ..TaxelReading::default() });
             }
         }
         taxels.sort_by_key(|reading| (reading.patch, reading.taxel));
         let mut poses = vec![NO_POSE; layout.patches.len()];
         for (name, value) in patch_poses.into_iter().flatten() {
-            let name: String = name.extract()?;
-            let index = patch_index(&layout, Some(&name))?;
+            let (name, index) = patch_of(&name)?;
             let pose = pose_of(&array::finite(&value, &name, &[Some(7)])?.0);
             let length = pose.orientation.length();
             if (length - 1.0).abs() > QUATERNION_TOLERANCE {
@@ -109,19 +106,8 @@ impl PyFrame {
         if !time_s.is_finite() {
             return Err(Failure::argument("time_s", time_s.to_string(), "a finite time", "give seconds"));
         }
-        let frame = Frame {
-            time_s,
-            joint_angle_rad: Vec::new(),
-            joint_velocity_rad_per_s: Vec::new(),
-            equilibrium_angle_rad: Vec::new(),
-            joint_torque_nm: Vec::new(),
-            end_effector_pose_world: Pose::IDENTITY,
-            goal_position_world: DVec3::ZERO,
-            goal_index: 0,
-            contact_force_world: vec![DVec3::ZERO; layout.patches.len()],
-            patch_pose_world: poses,
-            taxels,
-        };
+        let contact_force_world = vec![DVec3::ZERO; layout.patches.len()];
+        let frame = Frame { time_s, contact_force_world, patch_pose_world: poses, taxels, ..Frame::default() };
         Ok(PyFrame { frame, layout })
     }
 

@@ -12,9 +12,9 @@ use underbrush_recording::disk::{Dataset, DiskError, Shard, Shards, check_not_in
 use crate::controller;
 use crate::dataset::PyDataset;
 use crate::failure::Failure;
-use crate::interrupt::{Stop, watched};
-use crate::pool::guarded;
-use crate::progress::Reported;
+use crate::interrupt::Stop;
+use crate::pool::alone;
+use crate::progress::{Reported, watched};
 use crate::scene::scene;
 
 /// Simulate many reaches and write them as a data set.
@@ -189,5 +189,5 @@ pub fn merge(
         Err(DiskError::Finished { .. }) if resume => Ok(Dataset::open(&out)?),
         merged => Ok(merged?),
     };
-    Ok(PyDataset::new(py.detach(|| guarded(merge))?))
+    Ok(PyDataset::new(alone(py, merge)?))
 }

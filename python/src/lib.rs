@@ -71,7 +71,7 @@ mod _core {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        crate::warning::show();
+        underbrush_experiments::show_warnings(crate::warning::show);
         module.add("__version__", env!("CARGO_PKG_VERSION"))?;
         module.add("PROGRAM_VERSION", underbrush_experiments::dataset::PROGRAM_VERSION)
     }

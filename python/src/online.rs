@@ -34,13 +34,6 @@ struct State {
     last_s: Option<f64>,
 }
 
-impl State {
-    /// The state before the first frame.
-    fn before(kind: Kind) -> Mutex<Self> {
-        Mutex::new(State { kind, last_s: None })
-    }
-}
-
 enum Kind {
     Contacts(Box<OnlineClassifier>),
     Touch(Box<TouchClassifier>),
@@ -54,25 +47,19 @@ impl Online {
         skin: &Skin,
         needs_pose_of: Option<usize>,
     ) -> Self {
-        Online {
-            needs_pose_of,
-            state: State::before(Kind::Contacts(Box::new(classifier))),
-            categories,
-            layout: Arc::clone(&skin.layout),
-            raised: None,
-        }
+        Online::new(Kind::Contacts(Box::new(classifier)), categories, skin, needs_pose_of)
     }
 
     /// Verdicts of a touch model.
     pub fn of_touch(classifier: TouchClassifier, skin: &Skin) -> Self {
-        let patch = classifier.model().options().patch.as_deref();
-        Online {
-            needs_pose_of: skin.layout.chosen_patch(patch),
-            categories: classifier.model().categories().to_vec(),
-            state: State::before(Kind::Touch(Box::new(classifier))),
-            layout: Arc::clone(&skin.layout),
-            raised: None,
-        }
+        let patch = skin.layout.chosen_patch(classifier.model().options().patch.as_deref());
+        let categories = classifier.model().categories().to_vec();
+        Online::new(Kind::Touch(Box::new(classifier)), categories, skin, patch)
+    }
+
+    fn new(kind: Kind, categories: Vec<String>, skin: &Skin, needs_pose_of: Option<usize>) -> Self {
+        let (state, layout) = (Mutex::new(State { kind, last_s: None }), Arc::clone(&skin.layout));
+        Online { state, categories, layout, needs_pose_of, raised: None }
     }
 
     fn lock(&self) -> Result<MutexGuard<'_, State>, Failure> {
@@ -106,23 +93,17 @@ impl Online {
         }
         if let Some(patch) = self.needs_pose_of.filter(|patch| !frame.has_pose(*patch)) {
             let name = &self.layout.patches[patch].name;
+            let (found, remedy) =
+                (format!("no pose of the patch {name}"), format!("make it with patch_poses={{{name:?}: …}}"));
             let allowed = "a frame with this pose, because the classifier uses motion";
-            return Err(Failure::argument(
-                "frame",
-                format!("no pose of the patch {name}"),
-                allowed,
-                format!("make it with patch_poses={{{name:?}: …}}"),
-            ));
+            return Err(Failure::argument("frame", found, allowed, remedy));
         }
         let mut state = self.lock()?;
         let time_s = frame.frame.time_s;
         if let Some(last_s) = state.last_s.filter(|last_s| time_s <= *last_s) {
-            return Err(Failure::argument(
-                "frame",
-                format!("the time {time_s} s"),
-                format!("a later time than {last_s} s, that of the frame before"),
-                "give each frame once; for another reach make a new classifier",
-            ));
+            let allowed = format!("a later time than {last_s} s, that of the frame before");
+            let remedy = "give each frame once; for another reach make a new classifier";
+            return Err(Failure::argument("frame", format!("the time {time_s} s"), allowed, remedy));
         }
         let verdicts = PyList::empty(py);
         match &mut state.kind {

@@ -1,12 +1,18 @@
 //! Passes the progress of a run on to Python.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use pyo3::prelude::*;
 use underbrush_experiments::{Counter, Progress};
 use underbrush_recording::GoalOutcomes;
 
+use crate::failure::Failure;
 use crate::interrupt::Stop;
+use crate::pool;
+
+/// How often signals are checked.
+const PERIOD: Duration = Duration::from_millis(50);
 
 /// What a run has done so far.
 #[derive(Default)]
@@ -85,4 +91,48 @@ impl Counter for Shared {
         done.goals = [done.goals, goals].into_iter().sum();
         done.things += 1;
     }
+}
+
+/// Runs work on the pool in another thread while this one checks for signals and shows progress by `progress`, a function
+/// of done, total and text. If a signal handler or that function raises, this sets `stop`, and waits for the work, which
+/// then ends soon.
+///
+/// # Errors
+/// Those of the work, or the exception.
+pub fn watched<T: Send>(
+    py: Python<'_>,
+    jobs: Option<usize>,
+    stop: &Arc<Stop>,
+    progress: Option<Py<PyAny>>,
+    work: impl FnOnce(&Reported) -> Result<T, Failure> + Send,
+) -> Result<T, Failure> {
+    let reported = Reported::new(stop, progress);
+    let shown = &reported;
+    let (sender, receiver) = std::sync::mpsc::sync_channel(1);
+    let receiver = Mutex::new(receiver);
+    let result = std::thread::scope(|scope| {
+        scope.spawn(move || {
+            // The receiver exists until the result has arrived.
+            let _ = sender.send(pool::install(jobs, || work(shown)));
+        });
+        loop {
+            let come = py.detach(|| match receiver.lock() {
+                Ok(receiver) => receiver.recv_timeout(PERIOD),
+                Err(_) => Err(std::sync::mpsc::RecvTimeoutError::Disconnected),
+            });
+            match come {
+                Ok(result) => return result,
+                Err(std::sync::mpsc::RecvTimeoutError::Timeout) => {}
+                Err(_) => return Err(Failure::Run("the working thread ended without a result".into())),
+            }
+            if !stop.is_set()
+                && let Err(error) = py.check_signals().and_then(|()| shown.show(py))
+            {
+                stop.raise(error);
+            }
+        }
+    });
+    let value = result.map_err(|failure| stop.reason(failure))?;
+    reported.show(py)?;
+    Ok(value)
 }

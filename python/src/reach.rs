@@ -20,9 +20,10 @@ use crate::arguments::cutting;
 use crate::controller;
 use crate::failure::{self, Failure, place};
 use crate::frame::PyFrame;
-use crate::interrupt::{Stop, watched};
+use crate::interrupt::Stop;
 use crate::json;
-use crate::pool::{self, guarded};
+use crate::pool::{self, alone};
+use crate::progress::watched;
 use crate::scene::scene;
 use crate::skin::{Skin, patch_index};
 use crate::table::{Column, LentColumns, PyTable, record_batch};
@@ -151,18 +152,16 @@ impl Reach {
     /// Read a recording from its file.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> Result<Self, Failure> {
-        Ok(Reach::of_recording(py.detach(|| guarded(|| Ok(read_recording(&path)?)))?))
+        Ok(Reach::of_recording(alone(py, || Ok(read_recording(&path)?))?))
     }
 
     /// Write the reach to a file (Parquet). Only with ``force`` is a file overwritten.
     #[pyo3(signature = (path, *, force = false))]
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> Result<(), Failure> {
-        py.detach(|| {
-            guarded(|| {
-                check_free(&path, force)?;
-                remove_leftovers(&path);
-                Ok(write_recording(&path, &*self.recording()?)?)
-            })
+        alone(py, || {
+            check_free(&path, force)?;
+            remove_leftovers(&path);
+            Ok(write_recording(&path, &*self.recording()?)?)
         })
     }
 
@@ -173,7 +172,7 @@ impl Reach {
 
     /// One frame.
     fn frame(&self, py: Python<'_>, index: isize) -> Result<PyFrame, Failure> {
-        let recording = py.detach(|| guarded(|| self.recording()))?;
+        let recording = alone(py, || self.recording())?;
         let frame = recording.frames[place(index, recording.frames.len())?].clone();
         Ok(PyFrame { frame, layout: self.skin_layout() })
     }
@@ -189,7 +188,7 @@ impl Reach {
     /// Names of the columns that `column` reads.
     #[getter]
     fn column_names(&self, py: Python<'_>) -> Result<Vec<String>, Failure> {
-        let recording = py.detach(|| guarded(|| self.recording()))?;
+        let recording = alone(py, || self.recording())?;
         Ok(recording_columns(&recording))
     }
 
@@ -281,7 +280,7 @@ impl Reach {
     /// All frames with their ground truth as a table, one row per frame.
     #[getter]
     fn frames(&self, py: Python<'_>) -> Result<PyTable, Failure> {
-        let table = py.detach(|| guarded(|| Ok(recording_table(&*self.recording()?)?)))?;
+        let table = alone(py, || Ok(recording_table(&*self.recording()?)?))?;
         PyTable::new(vec![table])
     }
 
@@ -291,7 +290,7 @@ impl Reach {
     fn trials(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> Result<Trials, Failure> {
         let options = cutting(options)?;
         let cut = || Ok(contact_trials::of_recording(&*self.recording()?, &options, 0)?);
-        let list = py.detach(|| guarded(cut))?;
+        let list = alone(py, cut)?;
         Ok(Trials::new(list).cut_from(Reach::sources(&[self])))
     }
 

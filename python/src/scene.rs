@@ -4,18 +4,17 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use underbrush_recording::InputError;
 use underbrush_report::picture;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::{SHIPPED, Scene};
 use underbrush_sim::snapshot::Snapshot;
 
+use crate::arguments::save;
 use crate::array;
-use crate::classifier::save;
 use crate::failure::Failure;
 use crate::given;
 use crate::json;
-use crate::pool::guarded;
+use crate::pool::{alone, guarded};
 
 /// The scenes that ship, by name, with their text.
 fn shipped() -> impl Iterator<Item = (&'static str, &'static str)> {
@@ -169,12 +168,10 @@ impl PyScene {
     /// Draw arm and clutter at the start of a reach, from the side and from above.
     #[pyo3(signature = (seed = 0, index = 0))]
     fn draw(&self, py: Python<'_>, seed: u64, index: u64) -> Result<Picture, Failure> {
-        py.detach(|| {
-            guarded(|| {
-                let plan = ReachPlan::new(self.scene.clone(), None, seed)?;
-                let caption = format!("{}, seed {seed}, reach {index}: the start", self.scene.file.summary);
-                Ok(drawn(&plan, &plan.simulation(index)?, &caption))
-            })
+        alone(py, || {
+            let plan = ReachPlan::new(self.scene.clone(), None, seed)?;
+            let caption = format!("{}, seed {seed}, reach {index}: the start", self.scene.file.summary);
+            Ok(drawn(&plan, &plan.simulation(index)?, &caption))
         })
     }
 
@@ -212,10 +209,7 @@ impl PyScene {
 
 impl PyScene {
     fn table(&self) -> Result<toml::Table, Failure> {
-        let parsed = toml::from_str(&self.scene.text);
-        parsed.map_err(|error| {
-            let path = &self.scene.path;
-            InputError::new(path, "scene", error.message(), "TOML", "correct the file").into()
-        })
+        // The scene was read from this text.
+        toml::from_str(&self.scene.text).map_err(|error| Failure::Run(error.to_string()))
     }
 }

@@ -73,9 +73,8 @@ pub fn of_sequences(
             trial: index as u64,
             category: categories.as_ref().and_then(|categories| categories[index].clone()),
             reach: groups.as_ref().map(|groups| groups[index]),
-            patch: None,
-            taxel: None,
             samples: samples.collect::<Result<_, Failure>>()?,
+            ..Trial::default()
         })
     };
     sequences.iter().enumerate().map(one).collect()

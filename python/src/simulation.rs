@@ -15,7 +15,7 @@ use crate::arm::PyArm;
 use crate::array;
 use crate::failure::{Failure, locked};
 use crate::frame::PyFrame;
-use crate::pool::{self, guarded};
+use crate::pool::{self, alone};
 use crate::scene::{self, Picture};
 use crate::skin::Skin;
 
@@ -54,16 +54,14 @@ impl PySimulation {
     #[pyo3(signature = (scene, seed = 0, index = 0))]
     fn new(py: Python<'_>, scene: &Bound<'_, PyAny>, seed: u64, index: u64) -> Result<Self, Failure> {
         let scene = scene::scene(scene)?;
-        py.detach(|| {
-            guarded(|| {
-                let plan = ReachPlan::new(scene, None, seed)?;
-                let simulation = plan.simulation(index)?;
-                Ok(PySimulation {
-                    layout: Arc::new(plan.arm.skin.layout.clone()),
-                    index,
-                    state: Mutex::new(simulation),
-                    plan,
-                })
+        alone(py, || {
+            let plan = ReachPlan::new(scene, None, seed)?;
+            let simulation = plan.simulation(index)?;
+            Ok(PySimulation {
+                layout: Arc::new(plan.arm.skin.layout.clone()),
+                index,
+                state: Mutex::new(simulation),
+                plan,
             })
         })
     }
@@ -71,13 +69,11 @@ impl PySimulation {
     /// Advance by one frame of 10 ms with the joints' springs at these equilibrium angles, rad.
     fn step(&self, py: Python<'_>, equilibrium_rad: &Bound<'_, PyAny>) -> Result<PyFrame, Failure> {
         let angles = self.angles(equilibrium_rad)?;
-        py.detach(|| {
-            guarded(|| {
-                // Locked in here, so that a panic of the engine marks the state as unusable.
-                let mut simulation = self.lock()?;
-                simulation.step(&angles);
-                Ok(self.frame(&simulation))
-            })
+        alone(py, || {
+            // Locked in here, so that a panic of the engine marks the state as unusable.
+            let mut simulation = self.lock()?;
+            simulation.step(&angles);
+            Ok(self.frame(&simulation))
         })
     }
 

@@ -12,16 +12,15 @@ use underbrush_report::reproduction::Reproduction;
 use underbrush_report::suite_text;
 
 use crate::failure::Failure;
-use crate::interrupt::watched;
 use crate::json;
-use crate::pool::guarded;
-use crate::progress::Reported;
+use crate::pool::alone;
+use crate::progress::{Reported, watched};
 
 /// Check a scene, data set, recording, model or table of trials, and say what it holds.
 #[pyfunction]
 #[pyo3(signature = (path, seed = 0))]
 pub fn inspect(py: Python<'_>, path: PathBuf, seed: u64) -> Result<Bound<'_, PyAny>, Failure> {
-    let found = py.detach(|| guarded(|| Ok(inspection::inspect(&path, seed)?)))?;
+    let found = alone(py, || Ok(inspection::inspect(&path, seed)?))?;
     json::to_python(py, &found)
 }
 

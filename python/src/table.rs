@@ -141,12 +141,8 @@ impl PyTable {
     /// A column of numbers as an array, read only: (rows,) or (rows, width).
     fn column<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyAny>, Failure> {
         if self.batches.is_empty() {
-            return Err(Failure::argument(
-                "column",
-                format!("{name:?} of an empty table"),
-                "a table with rows",
-                "skip it",
-            ));
+            let found = format!("{name:?} of an empty table");
+            return Err(Failure::argument("column", found, "a table with rows", "skip it"));
         }
         Ok(Column::of(&self.batches, name, None)?.lend(py)?)
     }

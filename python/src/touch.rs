@@ -6,14 +6,17 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use underbrush_classifier::FORMAT;
 use underbrush_classifier::any_model::{self, AnyModel};
-use underbrush_classifier::evaluate::touch_folds::{ReadReaches, check_folds, cross_validate_touch, judge_touch};
+use underbrush_classifier::evaluate::touch_folds::{
+    ReadReaches, check_folds, cross_validate_touch, judge_touch, touch_examples,
+};
 use underbrush_classifier::touch::{
     RiskLimits, TOUCH_FORMAT, TouchClassifier, TouchExamples, TouchModel, TouchOptions,
 };
 use underbrush_experiments::model_data;
 use underbrush_recording::Recording;
 
-use crate::classifier::{other_kind, save};
+use crate::arguments::save;
+use crate::classifier::other_kind;
 use crate::failure::Failure;
 use crate::json;
 use crate::online::Online;
@@ -56,11 +59,10 @@ impl PyTouchModel {
         limit_false_alarms: Option<f64>,
         jobs: Option<usize>,
     ) -> Result<Self, Failure> {
-        let options = options(patch, threshold_n);
-        let limits = RiskLimits { wrong: limit_wrong, false_alarms: limit_false_alarms };
+        let (options, limits) = options(patch, threshold_n, limit_wrong, limit_false_alarms);
         let reaches = Given(reaches.iter().map(Py::get).collect());
         let fit = || {
-            let mut model = reaches.examples(options)?.fit_within(&limits)?;
+            let mut model = touch_examples(&reaches, options)?.fit_within(&limits)?;
             let sources = Reach::sources(&reaches.0);
             model.provenance = model_data::provenance(json::value(&limits)?, sources);
             Ok(model)
@@ -86,13 +88,12 @@ impl PyTouchModel {
         limit_false_alarms: Option<f64>,
         jobs: Option<usize>,
     ) -> Result<Bound<'py, PyAny>, Failure> {
-        let options = options(patch, threshold_n);
+        let (options, limits) = options(patch, threshold_n, limit_wrong, limit_false_alarms);
         let reaches = Given(reaches.iter().map(Py::get).collect());
-        let limits = RiskLimits { wrong: limit_wrong, false_alarms: limit_false_alarms };
         let fit = |examples: &TouchExamples| Ok(examples.fit_within(&limits)?);
         let judge = || {
             check_folds(folds, reaches.count())?;
-            cross_validate_touch(folds, &reaches.examples(options)?, &reaches, fit, Failure::from)
+            cross_validate_touch(folds, &touch_examples(&reaches, options)?, &reaches, fit, Failure::from)
         };
         json::to_python(py, &pool::detached(py, jobs, judge)?)
     }
@@ -160,21 +161,19 @@ impl PyTouchModel {
     }
 }
 
-fn options(patch: Option<String>, threshold_n: Option<f64>) -> TouchOptions {
-    TouchOptions { patch, threshold_n: threshold_n.unwrap_or(TouchOptions::default().threshold_n) }
+/// How readings become contacts, and how many bad verdicts a model may give.
+fn options(
+    patch: Option<String>,
+    threshold_n: Option<f64>,
+    wrong: Option<f64>,
+    false_alarms: Option<f64>,
+) -> (TouchOptions, RiskLimits) {
+    let threshold_n = threshold_n.unwrap_or(TouchOptions::default().threshold_n);
+    (TouchOptions { patch, threshold_n }, RiskLimits { wrong, false_alarms })
 }
 
 /// Reaches that a caller gave.
 struct Given<'a>(Vec<&'a Reach>);
-
-impl Given<'_> {
-    /// The rows of all reaches.
-    fn examples(&self, options: TouchOptions) -> Result<TouchExamples, Failure> {
-        let mut examples = TouchExamples::new(options);
-        self.read(&|_| true, &mut |recording| Ok(examples.add(recording)?))?;
-        Ok(examples)
-    }
-}
 
 impl ReadReaches for Given<'_> {
     type Error = Failure;
@@ -183,21 +182,12 @@ impl ReadReaches for Given<'_> {
         self.0.len()
     }
 
-    /// Fails if a reach has no ground truth, because every reading would count as spurious.
     fn read(
         &self,
         keeps: &dyn Fn(usize) -> bool,
         each: &mut dyn FnMut(&Recording) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        for (position, reach) in self.0.iter().enumerate().filter(|(position, _)| keeps(*position)) {
-            let recording = reach.recording()?;
-            if recording.objects.is_empty() {
-                let found = format!("reach {position} without ground truth");
-                let allowed = "reaches with the objects that may touch the skin";
-                return Err(Failure::argument("reaches", found, allowed, "leave it out"));
-            }
-            each(&recording)?;
-        }
-        Ok(())
+        let mut kept = self.0.iter().enumerate().filter(|(position, _)| keeps(*position));
+        kept.try_for_each(|(_, reach)| each(&*reach.recording()?))
     }
 }

@@ -13,9 +13,9 @@ use underbrush_recording::{Sample, Trial};
 
 use crate::arguments::features;
 use crate::array;
-use crate::failure::{Failure, place};
+use crate::failure::{Failure, place, places};
 use crate::json;
-use crate::pool::guarded;
+use crate::pool::alone;
 use crate::sequences::of_sequences;
 use crate::table::PyTable;
 
@@ -60,7 +60,7 @@ impl Trials {
     #[pyo3(signature = (path, min_samples = 1))]
     fn load(py: Python<'_>, path: PathBuf, min_samples: usize) -> Result<Self, Failure> {
         let read = || Ok((read_trials(&path)?, model_data::of_path(&path)?));
-        let (mut list, source) = py.detach(|| guarded(read))?;
+        let (mut list, source) = alone(py, read)?;
         list.retain(|trial| trial.samples.len() >= min_samples);
         Ok(Trials::new(list).cut_from(vec![source]))
     }
@@ -68,11 +68,9 @@ impl Trials {
     /// Write the trials as a table (.csv or .parquet). Only with ``force`` is a file overwritten.
     #[pyo3(signature = (path, *, force = false))]
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> Result<(), Failure> {
-        py.detach(|| {
-            guarded(|| {
-                check_free(&path, force)?;
-                Ok(write_trials(&path, self.list.iter().cloned())?)
-            })
+        alone(py, || {
+            check_free(&path, force)?;
+            Ok(write_trials(&path, self.list.iter().cloned())?)
         })
     }
 
@@ -97,9 +95,7 @@ impl Trials {
     /// A trial by its number; trials by a slice, a list of numbers, or an array of truth values.
     fn __getitem__<'py>(&self, py: Python<'py>, key: &Bound<'py, PyAny>) -> Result<Bound<'py, PyAny>, Failure> {
         if let Ok(slice) = key.cast::<PySlice>() {
-            let indices = slice.indices(self.list.len() as isize)?;
-            let places = (0..indices.slicelength).map(|step| indices.start + step as isize * indices.step);
-            return Ok(Bound::new(py, self.some(places.map(|place| place as usize)))?.into_any());
+            return Ok(Bound::new(py, self.some(places(slice, self.list.len())?))?.into_any());
         }
         if let Ok(index) = key.extract::<isize>() {
             let trial = PyTrial { list: Arc::clone(&self.list), place: self.place(index)? };

@@ -6,8 +6,8 @@ use pyo3::prelude::*;
 use underbrush_validation::{CHECKS, Check};
 
 use crate::failure::Failure;
-use crate::interrupt::watched;
 use crate::json;
+use crate::progress::watched;
 
 /// Check the simulated physics against closed-form solutions. Returns a dictionary for each check, as
 /// `underbrush validate --json` prints them.

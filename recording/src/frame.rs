@@ -88,7 +88,7 @@ impl Mul for Pose {
 }
 
 /// Force on one taxel in one frame, true and sensed. A frame leaves out taxels for which everything is zero.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TaxelReading {
     /// Index of the patch in the layout.
     pub patch: u16,
@@ -106,7 +106,7 @@ pub struct TaxelReading {
 }
 
 /// One sample of a reach.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// Time since the start of the reach, s.
     pub time_s: f64,

@@ -9,7 +9,8 @@ use underbrush_report::benchmark_text;
 use underbrush_sim::controller::ControllerKind;
 
 use crate::failure::Failure;
-use crate::input::{self, named};
+use crate::input;
+use crate::options::named;
 use crate::progress::Shown;
 use crate::{interrupt, output};
 
@@ -62,10 +63,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let verdicts = options.verdicts.as_deref().map(VerdictControl::load).transpose()?;
     let controller = options.controller.map(|kind| EnteredController { kind: Some(kind), own: None, verdicts });
     let entry = Entry::new(&options.track, options.model.as_deref(), controller)?;
-    interrupt::hint(format!(
-        "finished reaches are kept in {}; run the same command to go on (it needs no --resume)",
-        options.out.display()
-    ));
+    interrupt::kept("finished reaches are", &options.out, "the same command (without --resume)");
     let row = entry.run(&options.out, options.quick, &Shown)?;
     output::result(json, &row, || benchmark_text::of(&row))
 }

@@ -8,7 +8,7 @@ use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_classifier::paper_rule::Scores;
 
 use crate::failure::Failure;
-use crate::input;
+use crate::options;
 
 /// How scores become verdicts.
 #[derive(Args, Default, Serialize)]
@@ -48,13 +48,13 @@ fn prior(text: &str) -> Result<(String, f64), String> {
 pub fn refuse_for_touch_model(options: Vec<String>) -> Result<(), Failure> {
     let reason = "does not apply to a touch model, whose verdicts rest on probabilities; use --nothing-above, \
                   --unknown-share and --cost-of-uncertain";
-    input::refuse(options, reason)
+    options::refuse(options, reason)
 }
 
 impl DecisionArguments {
     /// The given options.
     pub fn given(&self) -> Vec<String> {
-        input::given(self)
+        options::given(self)
     }
 
     /// Refuses options that a touch model would ignore.

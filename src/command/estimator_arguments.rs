@@ -11,7 +11,7 @@ use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
 
 use crate::failure::Failure;
-use crate::input;
+use crate::options;
 
 /// Which classifier is fitted, and how.
 #[derive(Args, Clone, Debug)]
@@ -87,7 +87,7 @@ impl EstimatorArguments {
     pub fn is_touch(&self) -> Result<bool, Failure> {
         let Chosen::Touch = self.classifier else { return Ok(false) };
         let reason = "does not apply to --classifier touch, whose features and networks are fixed";
-        input::refuse(self.given(), reason).map(|()| true)
+        options::refuse(self.given(), reason).map(|()| true)
     }
 
     /// The recipe, if the classifier is hidden Markov models.
@@ -112,7 +112,7 @@ impl EstimatorArguments {
     /// The given options about fitting.
     pub fn given(&self) -> Vec<String> {
         let features = self.features.map(|_| "--features".to_owned());
-        input::given(&self.recipe).into_iter().chain(features).collect()
+        options::given(&self.recipe).into_iter().chain(features).collect()
     }
 
     /// The options of Baum-Welch training.

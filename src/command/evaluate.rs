@@ -20,7 +20,8 @@ use super::estimator_arguments::EstimatorArguments;
 use super::overwrite::Overwrite;
 use super::touch::{self, Judge, RiskArguments, TouchDecisionArguments};
 use crate::failure::Failure;
-use crate::input::{self, TrialArguments, named};
+use crate::input::{self, TrialArguments};
+use crate::options::{self, named};
 use crate::output;
 
 /// Shown at the end of `underbrush evaluate --help`.
@@ -158,7 +159,7 @@ impl Options {
         self.estimator.is_touch()?;
         if self.model.is_some() {
             let reason = "does not apply to the models of --model, which are trained already";
-            input::refuse(self.estimator.given(), reason)?;
+            options::refuse(self.estimator.given(), reason)?;
         }
         self.estimator.hmm().map(drop)
     }
@@ -194,11 +195,10 @@ impl Options {
         ];
         let others = own.iter().filter(|(given, _)| *given).map(|(_, option)| (*option).to_owned());
         let reason = "does not apply to the classifier touch, which judges the frames of whole reaches";
-        input::refuse(others.chain(self.decision.given()), reason)?;
+        options::refuse(others.chain(self.decision.given()), reason)?;
         let limits = self.risk.limits();
         self.touch.refuse_beside(&limits)?;
-        let evaluation = touch::Evaluation { paths: &self.trials, judge, limits, decision: &self.touch };
-        evaluation.run(json)
+        touch::evaluate(&self.trials, judge, &limits, &self.touch, json)
     }
 
     /// The kind of scores that are judged.

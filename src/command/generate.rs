@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use serde::Serialize;
+use serde_json::json;
 use underbrush_experiments::audit;
 use underbrush_experiments::dataset::{Campaign, Written, require_same_reaches};
 use underbrush_experiments::verdict_controller::VerdictControl;
@@ -59,28 +59,6 @@ pub struct Options {
     shared: bool,
 }
 
-/// What is printed after a part while other parts are not finished.
-#[derive(Serialize)]
-struct PartSummary {
-    /// The folder of the data set.
-    #[serde(serialize_with = "output::path")]
-    dataset: PathBuf,
-    /// The part, in the form of the option `--shard`.
-    part: String,
-    /// Whether the data set is finished: always false here.
-    finished: bool,
-}
-
-impl PartSummary {
-    fn text(&self) -> String {
-        format!(
-            "part {} is done; the part that finishes last makes the data set in {}",
-            self.part,
-            self.dataset.display()
-        )
-    }
-}
-
 fn shard(text: &str) -> Result<Shard, String> {
     let parse = || {
         let (index, count) = text.split_once('/')?;
@@ -115,14 +93,17 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     };
     let out = &options.out;
     options.overwrite.dataset(out, options.scenes.iter().chain(&options.from).chain(&options.verdicts))?;
-    let again = if options.shared { "run the same command again" } else { "run the same command with --resume" };
-    interrupt::hint(format!("finished reaches are kept in {}; {again} to go on", out.display()));
+    let again = if options.shared { "the same command again" } else { "the same command with --resume" };
+    interrupt::kept("finished reaches are", out, again);
     let written = match options.shard.filter(|_| options.shared) {
         Some(part) => match campaign.write_shared(out, part, &Shown)? {
             Some(written) => written,
             None => {
-                let summary = PartSummary { dataset: options.out, part: part.to_string(), finished: false };
-                return output::result(json, &summary, || summary.text());
+                let out = out.display().to_string();
+                let summary = json!({ "dataset": out, "part": part.to_string(), "finished": false });
+                return output::result(json, &summary, || {
+                    format!("part {part} is done; the part that finishes last makes the data set in {out}")
+                });
             }
         },
         None => campaign.write(out, options.resume, &Shown)?,

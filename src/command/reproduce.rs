@@ -59,10 +59,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     };
     let out = &options.out;
     let command = if options.force { "the same command without --force" } else { "the same command" };
-    interrupt::hint(format!(
-        "finished stages are cached in {}; run {command} to go on (it needs no --resume)",
-        out.display()
-    ));
+    interrupt::kept("finished stages are", out, &format!("{command} (without --resume)"));
     let (results, report) = reproduction.run(out, &Shown)?;
     output::result(json, &results, || {
         let page = out.join("report/index.html");

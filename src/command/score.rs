@@ -9,7 +9,8 @@ use underbrush_classifier::any_model;
 use underbrush_classifier::hmm::ScoreKind;
 
 use crate::failure::Failure;
-use crate::input::{self, TrialArguments, named};
+use crate::input::{self, TrialArguments};
+use crate::options::named;
 use crate::output;
 
 /// Options of `underbrush score`.

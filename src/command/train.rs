@@ -21,7 +21,7 @@ use super::overwrite::Overwrite;
 use super::touch::{self, RiskArguments};
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
-use crate::output;
+use crate::output::{self, cells};
 
 /// Options of `underbrush train`.
 #[derive(Args)]
@@ -274,28 +274,20 @@ fn thresholds_text(chosen: Option<&ChosenThresholds>) -> String {
 }
 
 fn text(report: &TrainingReport) -> String {
-    let rows: Vec<Vec<String>> = report
-        .categories
-        .iter()
-        .map(|(category, history)| {
-            let ends = |value: Option<&f64>| value.map_or("-".into(), |value| format!("{value:.3}"));
-            vec![
-                category.clone(),
-                history.trials.to_string(),
-                history.samples.to_string(),
-                history.log_likelihood.len().saturating_sub(1).to_string(),
-                ends(history.log_likelihood.first()),
-                ends(history.log_likelihood.last()),
-                match history.stop {
-                    Stop::Converged { iteration } => format!("converged at {iteration}"),
-                    Stop::MaxIterations => "all iterations done".into(),
-                    Stop::Fell { iteration, by } => format!("fell by {by:.2e} nats at {iteration}"),
-                },
-            ]
-        })
-        .collect();
+    let rows = report.categories.iter().map(|(category, history)| {
+        let ends = |value: Option<&f64>| value.map_or("-".into(), |value| format!("{value:.3}"));
+        let likelihoods = &history.log_likelihood;
+        let stop = match history.stop {
+            Stop::Converged { iteration } => format!("converged at {iteration}"),
+            Stop::MaxIterations => "all iterations done".into(),
+            Stop::Fell { iteration, by } => format!("fell by {by:.2e} nats at {iteration}"),
+        };
+        let (start, end) = (ends(likelihoods.first()), ends(likelihoods.last()));
+        let iterations = likelihoods.len().saturating_sub(1);
+        cells![category, history.trials, history.samples, iterations, start, end, stop]
+    });
     let header = ["category", "trials", "samples", "iterations", "log-likelihood at start", "at end", "stop"];
-    let mut text = output::table(&header, &rows);
+    let mut text = output::table(&header, rows);
     for (category, history) in &report.categories {
         if !history.empty_states.is_empty() {
             text +=
@@ -313,10 +305,7 @@ fn skipped_text(skipped: usize) -> String {
 }
 
 fn counts_text(classifier: &str, counts: &Counts) -> String {
-    let row = |(category, count): (&String, &Count)| {
-        vec![category.clone(), count.trials.to_string(), count.samples.to_string()]
-    };
-    let rows: Vec<Vec<String>> = counts.categories.iter().map(row).collect();
-    let table = output::table(&["category", "trials", "samples"], &rows);
+    let rows = counts.categories.iter().map(|(category, count)| cells![category, count.trials, count.samples]);
+    let table = output::table(&["category", "trials", "samples"], rows);
     format!("Classifier {classifier}\n{table}{}", skipped_text(counts.skipped_trials))
 }

@@ -110,6 +110,14 @@ pub enum TrialError {
         /// The names that exist.
         known: Vec<String>,
     },
+    /// A recording that lists no objects, as one of a real robot: every reading would count as spurious.
+    #[error("reach {reach} of {scene} lists no objects, so it has no ground truth; leave it out")]
+    NoTruth {
+        /// The index of the reach.
+        reach: u64,
+        /// The scene.
+        scene: String,
+    },
     /// The skin has no patches.
     #[error("the skin has no patch, so there is nothing to classify; use an arm with a skin")]
     NoPatch,
@@ -144,6 +152,17 @@ pub enum TrialError {
         /// What is allowed.
         allowed: String,
     },
+}
+
+/// Refuses a recording without ground truth.
+///
+/// # Errors
+/// [`TrialError::NoTruth`].
+pub(crate) fn require_truth(recording: &Recording) -> Result<(), TrialError> {
+    if recording.objects.is_empty() {
+        return Err(TrialError::NoTruth { reach: recording.reach_index, scene: recording.scene.clone() });
+    }
+    Ok(())
 }
 
 /// One trial for each period during which the sensed force of a taxel stays above the threshold (section IV-D).

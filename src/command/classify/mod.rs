@@ -19,7 +19,8 @@ use super::decision_arguments::{DecisionArguments, refuse_for_touch_model};
 use super::score;
 use super::touch::TouchDecisionArguments;
 use crate::failure::Failure;
-use crate::input::{self, TrialArguments, named};
+use crate::input::{self, TrialArguments};
+use crate::options::named;
 use crate::output;
 
 use of_contacts::OfContacts;

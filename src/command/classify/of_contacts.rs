@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use underbrush_classifier::Model;
-use underbrush_classifier::feature::MOTION;
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_classifier::paper_rule::Scores;
 use underbrush_recording::{Frame, SkinLayout};
@@ -40,8 +39,7 @@ impl Answers for OfContacts {
     }
 
     fn needs_pose_of(&self, layout: &SkinLayout) -> Option<usize> {
-        let patch = layout.chosen_patch(self.settings.patch.as_deref());
-        patch.filter(|_| self.model.classifier.features().contains(&MOTION))
+        self.settings.needs_pose_of(self.model.classifier.as_ref(), layout)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use underbrush_classifier::evaluate::{Accuracy, AccuracyBySamples, Evaluation, EvaluationReport, FoldBy};
 
-use crate::output;
+use crate::output::{self, cells};
 
 /// The whole evaluation.
 pub(super) fn of(results: &EvaluationReport) -> String {
@@ -75,42 +75,28 @@ fn by_samples(series: &[AccuracyBySamples]) -> String {
             }));
             row
         };
-    let rows: Vec<Vec<String>> = series.iter().map(row).collect();
     let mut header = vec!["samples", "accuracy % *", "95 % by reach"];
     if series.iter().any(|point| point.by_touch.is_some()) {
         header.extend(["touched *", "never touched *"]);
     }
     header.extend(["trials that last", "accuracy of these *"]);
-    format!("{}* in brackets: balanced accuracy, majority baseline\n", output::table(&header, &rows))
+    format!("{}* in brackets: balanced accuracy, majority baseline\n", output::table(&header, series.iter().map(row)))
 }
 
 fn evaluation(evaluation: &Evaluation) -> String {
     let matrix = &evaluation.confusion;
     let mut header = vec!["truth \\ verdict"];
     header.extend(matrix.verdict.iter().map(String::as_str));
-    let rows: Vec<Vec<String>> = matrix
-        .truth
-        .iter()
-        .zip(&matrix.count)
-        .map(|(truth, counts)| std::iter::once(truth.clone()).chain(counts.iter().map(usize::to_string)).collect())
-        .collect();
-    let mut text = output::table(&header, &rows);
-    let figures: Vec<Vec<String>> = evaluation
-        .categories
-        .iter()
-        .map(|figures| {
-            vec![
-                figures.category.clone(),
-                figures.trials.to_string(),
-                percent(figures.recall),
-                format!("{}-{}", percent(figures.recall_interval.low), percent(figures.recall_interval.high)),
-                figures.precision.map_or("-".into(), percent),
-                percent(figures.f1),
-            ]
-        })
-        .collect();
+    let rows = matrix.truth.iter().zip(&matrix.count);
+    let rows =
+        rows.map(|(truth, counts)| std::iter::once(truth.clone()).chain(counts.iter().map(usize::to_string)).collect());
+    let mut text = output::table(&header, rows);
+    let figures = evaluation.categories.iter().map(|own| {
+        let ends = format!("{}-{}", percent(own.recall_interval.low), percent(own.recall_interval.high));
+        cells![own.category, own.trials, percent(own.recall), ends, maybe(own.precision), percent(own.f1)]
+    });
     text += "\n";
-    text += &output::table(&["category", "trials", "recall %", "95 % interval", "precision %", "F1 %"], &figures);
+    text += &output::table(&["category", "trials", "recall %", "95 % interval", "precision %", "F1 %"], figures);
     text += "\n";
     text += &accuracies(evaluation);
     let by_trial = evaluation.accuracy_interval_by_trial;
@@ -136,18 +122,9 @@ fn accuracies(evaluation: &Evaluation) -> String {
             ("not known", split.unknown),
         ]);
     }
-    let rows: Vec<Vec<String>> = parts
-        .into_iter()
-        .filter_map(|(name, part)| {
-            let part = part?;
-            Some(vec![
-                name.to_string(),
-                part.trials.to_string(),
-                percent(part.accuracy),
-                maybe(part.balanced_accuracy),
-                percent(part.majority_baseline),
-            ])
-        })
-        .collect();
-    output::table(&["judged", "trials", "accuracy %", "balanced accuracy %", "majority baseline %"], &rows)
+    let rows = parts.into_iter().filter_map(|(name, part)| {
+        let Accuracy { trials, accuracy, balanced_accuracy, majority_baseline, .. } = part?;
+        Some(cells![name, trials, percent(accuracy), maybe(balanced_accuracy), percent(majority_baseline)])
+    });
+    output::table(&["judged", "trials", "accuracy %", "balanced accuracy %", "majority baseline %"], rows)
 }

@@ -5,7 +5,7 @@ use serde::Serialize;
 use underbrush_classifier::touch::{RiskLimits, TouchDecision};
 
 use crate::failure::Failure;
-use crate::input;
+use crate::options;
 
 /// How probabilities become verdicts. Options that are not given stay as in the model.
 #[derive(Args, Clone, Debug, Default, Serialize)]
@@ -37,7 +37,7 @@ impl TouchDecisionArguments {
     pub fn refuse_for_trials(&self) -> Result<(), Failure> {
         let reason =
             "applies to the classifier touch only, and this is a classifier of trials, which --decision is for";
-        input::refuse(input::given(self), reason)
+        options::refuse(options::given(self), reason)
     }
 
     /// Refuses options that set a value which a limit of risk is to choose.

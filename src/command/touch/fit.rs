@@ -6,14 +6,6 @@ use underbrush_classifier::ModelError;
 use underbrush_classifier::touch::{RiskLimits, TouchExamples, TouchModel, TouchOptions};
 
 use crate::failure::Failure;
-use crate::reaches::Reaches;
-
-/// The training rows of all reaches.
-pub(super) fn examples(reaches: &Reaches, options: &TouchOptions) -> Result<TouchExamples, Failure> {
-    let mut examples = TouchExamples::new(options.clone());
-    reaches.read_all(|recording| Ok(examples.add(recording)?))?;
-    Ok(examples)
-}
 
 /// A model fitted to these rows.
 pub(super) fn fit(

@@ -5,7 +5,7 @@ use serde::Serialize;
 use underbrush_classifier::touch::RiskLimits;
 
 use crate::failure::Failure;
-use crate::input;
+use crate::options;
 
 /// Limits on the bad verdicts in new reaches. Options that are not given stay at their defaults.
 #[derive(Args, Clone, Copy, Debug, Default, Serialize)]
@@ -31,7 +31,7 @@ fn share(text: &str) -> Result<f64, String> {
 impl RiskArguments {
     /// Refuses options that would be ignored, for the reason given.
     pub fn refuse(&self, reason: &str) -> Result<(), Failure> {
-        input::refuse(input::given(self), reason)
+        options::refuse(options::given(self), reason)
     }
 
     /// The limits that are given.

@@ -1,9 +1,9 @@
 //! Results of touch models as text.
 
-use underbrush_classifier::evaluate::{Accuracy, OutlierFigures, ReachFigures, RightWithin, TouchFigures};
+use underbrush_classifier::evaluate::{Accuracy, OutlierFigures, ReachFigures, TouchFigures};
 use underbrush_classifier::touch::{FeatureWorth, TouchDecision, TouchRows};
 
-use crate::output;
+use crate::output::{self, cells};
 
 /// What a model was fitted to.
 pub(super) fn rows(rows: &TouchRows) -> String {
@@ -12,12 +12,11 @@ pub(super) fn rows(rows: &TouchRows) -> String {
         ("taxels, nothing on them".to_owned(), rows.untouched_taxels),
     ];
     let regions = rows.regions.iter().map(|(category, count)| (format!("regions, {category}"), *count));
-    let cells = |(name, count): (String, usize)| vec![name, count.to_string()];
-    let cells: Vec<Vec<String>> = taxels.into_iter().chain(regions).map(cells).collect();
+    let cells = taxels.into_iter().chain(regions).map(|(name, count)| cells![name, count]);
     format!(
         "Classifier touch\n{}From {}. Probabilities are calibrated on reaches that were held out: in {} parts, each \
          judged by networks fitted to the others\n",
-        output::table(&["rows", "count"], &cells),
+        output::table(&["rows", "count"], cells),
         output::counted(rows.reaches, "reach", "reaches"),
         rows.held_out_parts
     )
@@ -67,16 +66,12 @@ pub(super) fn feature_worth(worth: &[FeatureWorth]) -> String {
     for (index, own) in worth.iter().enumerate() {
         let rank = worth[..index].iter().filter(|other| other.network == own.network).count();
         if rank < FEATURES_SHOWN {
-            rows.push(vec![
-                own.network.to_owned(),
-                own.feature.to_owned(),
-                format!("{:.4}", own.log_loss_rise_nats),
-                format!("{:.2}", 100.0 * own.balanced_accuracy_fall),
-            ]);
+            let (rise, fall) = (own.log_loss_rise_nats, 100.0 * own.balanced_accuracy_fall);
+            rows.push(cells![own.network, own.feature, format!("{rise:.4}"), format!("{fall:.2}")]);
         }
     }
     let header = ["network", "feature", "rise of log loss if shuffled / nats", "fall of balanced accuracy / %"];
-    "\n".to_owned() + &output::table(&header, &rows)
+    "\n".to_owned() + &output::table(&header, rows)
 }
 
 /// What was cross-validated.
@@ -100,17 +95,11 @@ fn outliers(outliers: Option<OutlierFigures>) -> String {
 
 fn verdicts(figures: &TouchFigures) -> String {
     let rows = figures.truths.iter().map(|own| {
-        vec![
-            own.truth.clone(),
-            own.taxel_frames.to_string(),
-            percent(own.right),
-            percent(own.wrong),
-            percent(own.uncertain),
-            percent(own.called_unknown),
-        ]
+        let [right, wrong, uncertain, unknown] = [own.right, own.wrong, own.uncertain, own.called_unknown].map(percent);
+        cells![own.truth, own.taxel_frames, right, wrong, uncertain, unknown]
     });
     let header = ["truth", "taxel frames", "right %", "wrong %", "uncertain %", "called unknown %"];
-    output::table(&header, &rows.collect::<Vec<_>>())
+    output::table(&header, rows)
 }
 
 fn by_reach(own: &ReachFigures) -> String {
@@ -125,30 +114,26 @@ fn by_reach(own: &ReachFigures) -> String {
 
 fn contacts(figures: &TouchFigures) -> String {
     let row = |(name, accuracy): (&str, Option<Accuracy>)| {
-        vec![
-            name.to_owned(),
-            accuracy.map_or("0".into(), |own| own.trials.to_string()),
-            percent(accuracy.map(|own| own.accuracy)),
-            percent(accuracy.and_then(|own| own.balanced_accuracy)),
-            percent(accuracy.map(|own| own.majority_baseline)),
-        ]
+        let balanced = percent(accuracy.and_then(|own| own.balanced_accuracy));
+        let [right, baseline] =
+            [accuracy.map(|own| own.accuracy), accuracy.map(|own| own.majority_baseline)].map(percent);
+        cells![name, accuracy.map_or(0, |own| own.trials), right, balanced, baseline]
     };
     let parts =
         [("whole contact", figures.contacts_at_end), ("first 0.1 s (10 samples)", figures.contacts_after_tenth_second)];
     let header = ["touched contacts by", "contacts", "accuracy %", "balanced accuracy %", "majority baseline %"];
-    output::table(&header, &parts.map(row))
+    output::table(&header, parts.map(row))
 }
 
 fn first_right(figures: &TouchFigures) -> String {
     if figures.first_right_verdict.is_empty() {
         return String::new();
     }
-    let row = |own: &RightWithin| {
+    let rows = figures.first_right_verdict.iter().map(|own| {
         let samples = own.samples.map_or("whole contact".into(), |samples| samples.to_string());
         vec![samples, percent(Some(own.share))]
-    };
-    let rows: Vec<Vec<String>> = figures.first_right_verdict.iter().map(row).collect();
-    let mut text = output::table(&["samples", "contacts with a right verdict by then, %"], &rows);
+    });
+    let mut text = output::table(&["samples", "contacts with a right verdict by then, %"], rows);
     if let Some(median) = figures.median_samples_until_right {
         text += &format!("Where there is a right verdict, the first comes after {median} samples (median)\n");
     }
