@@ -4,21 +4,11 @@ use std::path::Path;
 use std::sync::Mutex;
 
 use serde::Serialize;
-use underbrush_classifier::ModelError;
-use underbrush_classifier::decision::DecisionError;
-use underbrush_classifier::evaluate::{EvaluateError, ThresholdError};
-use underbrush_classifier::online::OnlineError;
-use underbrush_classifier::trial::TrialError;
-use underbrush_exchange::ExchangeError;
-use underbrush_experiments::ExperimentError;
-use underbrush_recording::disk::DiskError;
+use serde_json::json;
 use underbrush_recording::fault::Fault;
 use underbrush_recording::limits::TEXT_BYTES;
 use underbrush_recording::plain_text::escaped;
 use underbrush_recording::{InputError, read_text};
-use underbrush_replay::ReplayError;
-use underbrush_report::reproduction::ReproductionError;
-use underbrush_sim::reach::ReachError;
 
 /// The reason why a command ended without a result.
 #[derive(Debug)]
@@ -41,24 +31,6 @@ enum Kind {
     Run,
     /// This program.
     Internal,
-}
-
-/// A failure as `--json` prints it.
-#[derive(Serialize)]
-struct Failed<'a> {
-    error: Printed<'a>,
-}
-
-#[derive(Serialize)]
-struct Printed<'a> {
-    kind: Kind,
-    file: Option<String>,
-    line: Option<usize>,
-    field: Option<&'a str>,
-    found: Option<&'a str>,
-    allowed: Option<&'a str>,
-    remedy: Option<&'a str>,
-    message: &'a str,
 }
 
 impl Failure {
@@ -110,18 +82,17 @@ impl Failure {
     /// What `--json` prints: one object with the key `error`, whose values are null if they are not known.
     pub fn json(&self) -> String {
         let input = self.input.as_ref();
-        let error = Printed {
-            kind: self.kind,
-            file: input.map(|input| input.file.display().to_string()),
-            line: input.and_then(|input| input.line),
-            field: input.map(|input| input.field.as_str()),
-            found: input.map(|input| input.found.as_str()),
-            allowed: input.map(|input| input.allowed.as_str()),
-            remedy: input.map(|input| input.remedy.as_str()),
-            message: &self.text,
-        };
-        // Plain data can always be written.
-        serde_json::to_string(&Failed { error }).unwrap_or_default()
+        let error = json!({
+            "kind": self.kind,
+            "file": input.map(|input| input.file.display().to_string()),
+            "line": input.and_then(|input| input.line),
+            "field": input.map(|input| &input.field),
+            "found": input.map(|input| &input.found),
+            "allowed": input.map(|input| &input.allowed),
+            "remedy": input.map(|input| &input.remedy),
+            "message": self.text,
+        });
+        json!({ "error": error }).to_string()
     }
 
     /// The text to print, with the offending line of the file if it is known.
@@ -173,15 +144,13 @@ fn quoted(text: &str, line: usize) -> Option<(usize, String)> {
     Some((column, quoted))
 }
 
-impl From<InputError> for Failure {
-    fn from(error: InputError) -> Self {
-        Fault::from(error).into()
-    }
-}
-
-impl From<Fault> for Failure {
-    fn from(fault: Fault) -> Self {
-        match fault {
+/// The errors of all libraries, each of which can be converted to a [`Fault`].
+impl<E> From<E> for Failure
+where
+    Fault: From<E>,
+{
+    fn from(error: E) -> Self {
+        match Fault::from(error) {
             Fault::Input(input) => {
                 Failure { text: input.to_string(), input: Some(*input), kind: Kind::Input, ..Failure::usage("") }
             }
@@ -190,31 +159,6 @@ impl From<Fault> for Failure {
         }
     }
 }
-
-/// The errors of the libraries, each of which can be converted to a [`Fault`].
-macro_rules! library_errors {
-    ($($error:ty),*) => {
-        $(impl From<$error> for Failure {
-            fn from(error: $error) -> Self {
-                Fault::from(error).into()
-            }
-        })*
-    };
-}
-library_errors!(
-    DiskError,
-    ExchangeError,
-    ModelError,
-    TrialError,
-    EvaluateError,
-    ThresholdError,
-    DecisionError,
-    OnlineError,
-    ReachError,
-    ExperimentError,
-    ReplayError,
-    ReproductionError
-);
 
 /// Records panics instead of printing them.
 ///

@@ -75,11 +75,11 @@ pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Fai
     let about = |failure: Failure| failure.about(path);
     if is_folder(path)? {
         let dataset = Dataset::open(path)?;
-        let found = contact_trials::of_dataset(&dataset, arguments.unit()?, &arguments.options(), &Shown);
+        let found = contact_trials::of_dataset(&dataset, &arguments.options()?, &Shown);
         found.map_err(|error| about(error.into()))
     } else if is_recording(path)? {
         let recording = read_recording(path)?;
-        let found = contact_trials::of_recording(&recording, arguments.unit()?, &arguments.options(), 0);
+        let found = contact_trials::of_recording(&recording, &arguments.options()?, 0);
         found.map_err(|error| about(error.into()))
     } else {
         arguments.refuse_for_table(path)?;

@@ -1,5 +1,6 @@
 //! Handles signals that ask the program to end: removes temporary files and prints how to continue.
 
+use std::path::Path;
 use std::sync::OnceLock;
 
 use crate::output;
@@ -10,6 +11,11 @@ static HINT: OnceLock<String> = OnceLock::new();
 /// Sets the hint that is printed after an interruption. Only the first hint of a process counts.
 pub fn hint(text: impl Into<String>) {
     let _ = HINT.set(text.into());
+}
+
+/// Sets the hint that `things` are kept in a folder, and `how` the run goes on.
+pub fn kept(things: &str, folder: &Path, how: &str) {
+    hint(format!("{things} kept in {}; run {how} to go on", folder.display()));
 }
 
 /// Waits for SIGINT, SIGTERM and SIGHUP (the terminal was closed) in a separate thread.

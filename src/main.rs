@@ -11,6 +11,7 @@ mod command;
 mod failure;
 mod input;
 mod interrupt;
+mod options;
 mod output;
 mod progress;
 mod reaches;
@@ -119,7 +120,7 @@ fn main() -> ExitCode {
         Err(answer) => return output::usage(&answer),
     };
     let json = cli.shared.json;
-    output::show_warnings();
+    underbrush_experiments::show_warnings(output::remark);
     let last_panic = failure::record_panics();
     interrupt::watch();
     let result = catch_unwind(AssertUnwindSafe(|| run(cli))).unwrap_or_else(|_| Err(Failure::panic(last_panic)));

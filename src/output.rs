@@ -10,7 +10,8 @@ use serde::{Serialize, Serializer};
 use underbrush_recording::disk;
 use underbrush_recording::plain_text::{escaped, is_plain};
 
-pub use underbrush_report::text::{counted, table};
+use underbrush_report::text;
+pub use underbrush_report::text::counted;
 
 use crate::failure::Failure;
 
@@ -39,25 +40,6 @@ pub fn lines(lines: impl IntoIterator<Item = String>) -> Result<(), Failure> {
 /// Prints a remark on stderr.
 pub fn remark(text: impl AsRef<str>) {
     say(text.as_ref());
-}
-
-/// Shows the warnings of the libraries as remarks.
-pub fn show_warnings() {
-    struct Remarks;
-    impl log::Log for Remarks {
-        fn enabled(&self, metadata: &log::Metadata<'_>) -> bool {
-            metadata.target().starts_with("underbrush")
-        }
-        fn log(&self, record: &log::Record<'_>) {
-            if self.enabled(record.metadata()) {
-                remark(record.args().to_string());
-            }
-        }
-        fn flush(&self) {}
-    }
-    if log::set_logger(&Remarks).is_ok() {
-        log::set_max_level(log::LevelFilter::Warn);
-    }
 }
 
 /// Prints remarks on stderr, one per line.
@@ -122,6 +104,17 @@ pub fn create_parents(path: &Path) -> Result<(), Failure> {
     }
     Ok(())
 }
+
+/// A table with these rows.
+pub fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    text::table(header, &rows.into_iter().collect::<Vec<_>>())
+}
+
+/// A row of a table.
+macro_rules! cells {
+    ($($cell:expr),* $(,)?) => { vec![$($cell.to_string()),*] };
+}
+pub(crate) use cells;
 
 /// Prints CSV.
 pub fn csv(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Result<(), Failure> {

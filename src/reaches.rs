@@ -1,7 +1,7 @@
 //! Whole reaches of data sets and recordings, read one after the other, so that memory stays bounded.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use underbrush_classifier::evaluate::touch_folds::ReadReaches;
 use underbrush_recording::disk::{Dataset, is_folder, is_recording, read_recording};
@@ -53,48 +53,12 @@ impl Reaches {
         Ok(Reaches { sources: sources? })
     }
 
-    /// Reads all reaches; see [`ReadReaches::read`].
-    ///
-    /// # Errors
-    /// As [`ReadReaches::read`].
-    pub fn read_all(&self, mut each: impl FnMut(&Recording) -> Result<(), Failure>) -> Result<(), Failure> {
-        self.read(&|_| true, &mut each)
-    }
-
     /// Reads all reaches with a progress bar, and passes each to `each`. The reaches need no ground truth.
     ///
     /// # Errors
     /// If a file is damaged. Errors of `each` name the file.
     pub fn read_any(&self, mut each: impl FnMut(&Recording) -> Result<(), Failure>) -> Result<(), Failure> {
-        self.read_chosen(|_| true, |_, _, recording| each(recording))
-    }
-
-    fn read_chosen(
-        &self,
-        keeps: impl Fn(usize) -> bool,
-        mut each: impl FnMut(&Path, usize, &Recording) -> Result<(), Failure>,
-    ) -> Result<(), Failure> {
-        let bar = progress::bar((0..self.count()).filter(|position| keeps(*position)).count() as u64, "reaches read");
-        let mut position = 0;
-        for (path, source) in &self.sources {
-            let reaches = match source {
-                Source::Dataset(dataset) => dataset.episodes().len(),
-                Source::Recording => 1,
-            };
-            for index in 0..reaches {
-                if keeps(position) {
-                    let recording = match source {
-                        Source::Dataset(dataset) => dataset.read_reach(index)?,
-                        Source::Recording => read_recording(path)?,
-                    };
-                    each(path, index, &recording).map_err(|failure| failure.about(path))?;
-                    bar.inc(1);
-                }
-                position += 1;
-            }
-        }
-        bar.finish_and_clear();
-        Ok(())
+        self.read(&|_| true, &mut each)
     }
 }
 
@@ -109,26 +73,32 @@ impl ReadReaches for Reaches {
         counts.sum()
     }
 
-    /// Reads the reaches with a progress bar. It fails if a file is damaged, or a recording has no ground truth; errors
-    /// of `each` name the file.
+    /// Reads the reaches with a progress bar. It fails if a file is damaged; errors of `each` name the file.
     fn read(
         &self,
         keeps: &dyn Fn(usize) -> bool,
         each: &mut dyn FnMut(&Recording) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        self.read_chosen(keeps, |path, index, recording| {
-            check_truth(path, index, recording)?;
-            each(recording)
-        })
+        let bar = progress::bar((0..self.count()).filter(|position| keeps(*position)).count() as u64, "reaches read");
+        let mut position = 0;
+        for (path, source) in &self.sources {
+            let reaches = match source {
+                Source::Dataset(dataset) => dataset.episodes().len(),
+                Source::Recording => 1,
+            };
+            for index in 0..reaches {
+                if keeps(position) {
+                    let recording = match source {
+                        Source::Dataset(dataset) => dataset.read_reach(index)?,
+                        Source::Recording => read_recording(path)?,
+                    };
+                    each(&recording).map_err(|failure| failure.about(path))?;
+                    bar.inc(1);
+                }
+                position += 1;
+            }
+        }
+        bar.finish_and_clear();
+        Ok(())
     }
-}
-
-/// A recording of a real robot lists no objects. Without them every reading would count as spurious.
-fn check_truth(path: &Path, index: usize, recording: &Recording) -> Result<(), Failure> {
-    if !recording.objects.is_empty() {
-        return Ok(());
-    }
-    let found = format!("no objects in reach {index}, so no ground truth");
-    let remedy = "leave this reach out; classify does not need ground truth";
-    Err(InputError::new(path, "objects", found, "the objects that may touch the skin", remedy).into())
 }

@@ -2,48 +2,30 @@
 
 use std::path::Path;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use serde::Serialize;
 use underbrush_classifier::touch::TouchOptions;
-use underbrush_classifier::trial::{Labels, TrialOptions};
-use underbrush_experiments::contact_trials;
+use underbrush_classifier::trial::{Labels, TrialOptions, Unit};
 
 use crate::failure::Failure;
-
-/// What a trial is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Unit {
-    /// One taxel from contact to break (paper, section IV-D)
-    Taxel,
-    /// One connected component of taxels (paper, section IV-C)
-    Component,
-}
-
-/// How a trial gets its category.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum LabelName {
-    /// The object that pressed on the skin
-    Contact,
-    /// The single category of the clutter, even where nothing pressed, as the paper's models were trained
-    Environment,
-}
-
-/// A named set of choices.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Preset {
-    /// As in the paper's Table I: --labels environment, --min-samples 20, and evaluate --group position
-    Paper,
-}
+use crate::options::{self, named};
 
 /// How trials are extracted from a data set or a recording. A table of trials is used as it is; of these options only
 /// --min-samples applies to it, and of the preset everything but the labels. Options that are not given are `None`, so
 /// that a command can refuse those that it would ignore.
-#[derive(Args, Clone, Debug, Default)]
+#[derive(Args, Clone, Debug, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub struct TrialArguments {
     /// Preset; other options override it
-    #[arg(long, value_enum, value_name = "NAME")]
-    preset: Option<Preset>,
+    #[arg(long, value_name = "NAME", value_parser = named::<String>(&[
+        ("paper", "As in the paper's Table I: --labels environment, --min-samples 20, and evaluate --group position"),
+    ]))]
+    preset: Option<String>,
     /// What a trial is made of [default: taxel]
-    #[arg(long, value_enum, value_name = "UNIT")]
+    #[arg(long, value_name = "UNIT", value_parser = named::<Unit>(&[
+        ("taxel", "One taxel from contact to break (paper, section IV-D)"),
+        ("component", "One connected component of taxels (paper, section IV-C)"),
+    ]))]
     by: Option<Unit>,
     /// Patch of skin; the first one if not given
     #[arg(long, value_name = "NAME")]
@@ -55,8 +37,12 @@ pub struct TrialArguments {
     #[arg(long, value_name = "N")]
     min_samples: Option<usize>,
     /// How a trial gets its category [default: contact]
-    #[arg(long, value_enum, value_name = "BY")]
-    labels: Option<LabelName>,
+    #[arg(long, value_name = "BY", value_parser = named::<Labels>(&[
+        ("contact", "The object that pressed on the skin"),
+        ("environment",
+         "The single category of the clutter, even where nothing pressed, as the paper's models were trained"),
+    ]))]
+    labels: Option<Labels>,
     /// Do not connect components across the seam of a closed patch, as in the authors' code
     #[arg(long)]
     no_wrap: bool,
@@ -65,7 +51,7 @@ pub struct TrialArguments {
 impl TrialArguments {
     /// Whether the paper's preset is chosen.
     pub fn is_paper(&self) -> bool {
-        self.preset == Some(Preset::Paper)
+        self.preset.is_some()
     }
 
     /// The same options for trials of any length.
@@ -84,56 +70,43 @@ impl TrialArguments {
         self.threshold_n.unwrap_or(TrialOptions::default().threshold_n)
     }
 
+    /// What is not given.
+    fn preset(&self) -> TrialOptions {
+        if self.is_paper() { TrialOptions::paper() } else { TrialOptions::default() }
+    }
+
     /// The minimum number of samples of a trial. Trials with fewer samples are left out.
     pub fn min_samples(&self) -> usize {
-        let paper = self.is_paper().then(|| TrialOptions::paper().min_samples);
-        self.min_samples.or(paper).unwrap_or(1)
+        self.min_samples.unwrap_or(self.preset().min_samples)
     }
 
     /// The options for extracting trials.
-    pub fn options(&self) -> TrialOptions {
-        let labels = match (self.labels, self.is_paper()) {
-            (Some(LabelName::Contact), _) => Labels::Contact,
-            (Some(LabelName::Environment), _) => Labels::Environment,
-            (None, true) => TrialOptions::paper().labels,
-            (None, false) => TrialOptions::default().labels,
-        };
-        TrialOptions {
-            patch: self.patch(),
-            threshold_n: self.threshold_n(),
-            min_samples: self.min_samples(),
-            labels,
-            wrap: self.no_wrap.then_some(false),
-            ..TrialOptions::default()
-        }
-    }
-
-    /// What a trial is made of.
     ///
     /// # Errors
     /// If `--no-wrap` is given for taxels.
-    pub fn unit(&self) -> Result<contact_trials::Unit, Failure> {
-        match self.by.unwrap_or(Unit::Taxel) {
-            Unit::Taxel if self.no_wrap => {
-                Err(Failure::usage("--no-wrap applies to components only; add --by component, or leave --no-wrap out"))
-            }
-            Unit::Taxel => Ok(contact_trials::Unit::Taxel),
-            Unit::Component => Ok(contact_trials::Unit::Component),
+    pub fn options(&self) -> Result<TrialOptions, Failure> {
+        let preset = self.preset();
+        let by = self.by.unwrap_or(preset.by);
+        if self.no_wrap && by == Unit::Taxel {
+            let text = "--no-wrap applies to components only; add --by component, or leave --no-wrap out";
+            return Err(Failure::usage(text));
         }
+        Ok(TrialOptions {
+            by,
+            patch: self.patch(),
+            threshold_n: self.threshold_n(),
+            min_samples: self.min_samples(),
+            labels: self.labels.unwrap_or(preset.labels),
+            wrap: self.no_wrap.then_some(false),
+            ..preset
+        })
     }
 
     /// Refuses options that do not apply to a table of trials.
     pub fn refuse_for_table(&self, path: &Path) -> Result<(), Failure> {
-        self.refuse(
-            &[
-                ("--by", self.by.is_some()),
-                ("--patch", self.patch.is_some()),
-                ("--threshold-n", self.threshold_n.is_some()),
-                ("--labels", self.labels.is_some()),
-                ("--no-wrap", self.no_wrap),
-            ],
-            &format!("a table of trials such as {}, whose trials are already extracted and labelled", path.display()),
-        )
+        let table =
+            format!("a table of trials such as {}, whose trials are already extracted and labelled", path.display());
+        self.refuse_but(&["--preset", "--min-samples"], &table)
     }
 
     /// How readings become contacts, for the classifier `touch`.
@@ -141,41 +114,31 @@ impl TrialArguments {
     /// # Errors
     /// If an option is given that is about trials.
     pub fn touch(&self) -> Result<TouchOptions, Failure> {
-        self.refuse(
-            &self.about_trials(),
-            "the classifier touch, which learns from whole frames and their ground truth",
-        )?;
+        let what = "the classifier touch, which learns from whole frames and their ground truth";
+        self.refuse_but(&Self::OF_CONTACTS, what)?;
         Ok(TouchOptions { patch: self.patch(), threshold_n: self.threshold_n() })
     }
 
     /// Refuses all options, because a touch model knows its patch and threshold and judges frames.
     pub fn refuse_for_touch_model(&self) -> Result<(), Failure> {
-        let own = [("--patch", self.patch.is_some()), ("--threshold-n", self.threshold_n.is_some())];
-        self.refuse(&own, "a touch model, which has a patch and a threshold of its own")?;
-        self.refuse(&self.about_trials(), "a touch model, which judges frames, not trials")
+        self.refuse_but(
+            &[],
+            "a touch model, which judges frames, not trials, and has a patch and a threshold of its own",
+        )
     }
 
     /// Refuses options that do not apply to verdicts frame by frame.
     pub fn refuse_online(&self) -> Result<(), Failure> {
-        self.refuse(&self.about_trials(), "online verdicts, which are given for each taxel from its first sample on")
+        let what = "online verdicts, which are given for each taxel from its first sample on";
+        self.refuse_but(&Self::OF_CONTACTS, what)
     }
 
-    /// The options that are about trials only, and whether they are given.
-    fn about_trials(&self) -> [(&'static str, bool); 5] {
-        [
-            ("--preset", self.preset.is_some()),
-            ("--by", self.by.is_some()),
-            ("--min-samples", self.min_samples.is_some()),
-            ("--labels", self.labels.is_some()),
-            ("--no-wrap", self.no_wrap),
-        ]
-    }
+    /// The options that are not about trials only.
+    const OF_CONTACTS: [&str; 2] = ["--patch", "--threshold-n"];
 
-    fn refuse(&self, options: &[(&str, bool)], what: &str) -> Result<(), Failure> {
-        match options.iter().find(|(_, given)| *given) {
-            None => Ok(()),
-            Some((option, _)) => Err(Failure::usage(format!("{option} does not apply to {what}; leave it out"))),
-        }
+    fn refuse_but(&self, allowed: &[&str], what: &str) -> Result<(), Failure> {
+        let given = options::given(self).into_iter().filter(|option| !allowed.contains(&option.as_str()));
+        options::refuse(given, &format!("does not apply to {what}"))
     }
 }
 
@@ -194,9 +157,9 @@ mod tests {
     /// Tests the defaults, the preset, and that other options override the preset.
     #[test]
     fn the_preset_is_the_papers_and_gives_way() {
-        assert_eq!(parse(&[]).options(), TrialOptions::default());
-        assert_eq!(parse(&["--preset", "paper"]).options(), TrialOptions::paper());
-        let mixed = parse(&["--preset", "paper", "--min-samples", "3", "--labels", "contact"]).options();
+        assert_eq!(parse(&[]).options().unwrap(), TrialOptions::default());
+        assert_eq!(parse(&["--preset", "paper"]).options().unwrap(), TrialOptions::paper());
+        let mixed = parse(&["--preset", "paper", "--min-samples", "3", "--labels", "contact"]).options().unwrap();
         let expected = TrialOptions { min_samples: 3, ..TrialOptions::default() };
         assert_eq!(mixed, expected);
     }

@@ -35,15 +35,23 @@ pub fn load(path: &Path) -> Result<AnyModel, ModelError> {
         return Ok(AnyModel::OfTrials(load_onnx(path)?));
     }
     let text = read_text(path, &JSON_BYTES, "a readable model file", "check the path").map_err(refused)?;
+    parse(path, &text)
+}
+
+/// Reads the text of a model file of either kind; the path is for errors only.
+///
+/// # Errors
+/// [`ModelError::Input`] for an invalid text.
+pub fn parse(path: &Path, text: &str) -> Result<AnyModel, ModelError> {
     // In a file that is not valid JSON, the format may come after the error, so search the text for it.
-    let is_touch = match serde_json::from_str::<Head>(&text) {
+    let is_touch = match serde_json::from_str::<Head>(text) {
         Ok(head) => head.format.starts_with(TOUCH_NAME),
         Err(_) => text.contains(&format!("\"{TOUCH_NAME}")),
     };
     Ok(if is_touch {
-        AnyModel::Touch(Box::new(TouchModel::from_json(path, &text)?))
+        AnyModel::Touch(Box::new(TouchModel::from_json(path, text)?))
     } else {
-        AnyModel::OfTrials(Model::from_json(path, &text)?)
+        AnyModel::OfTrials(Model::from_json(path, text)?)
     })
 }
 

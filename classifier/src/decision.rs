@@ -92,6 +92,21 @@ pub enum DecisionError {
         /// The rule found.
         found: Rule,
     },
+    /// The paper's thresholds belong to other scores.
+    #[error(
+        "the paper's thresholds of 15 and 80 nats belong to Viterbi scores of hidden Markov models of unscaled force, and \
+         {misfit}; give a margin (--decision uncertain), or fit with a false positive rate"
+    )]
+    NotThePapers {
+        /// Why they do not apply.
+        misfit: String,
+    },
+    /// The model's own thresholds belong to its other kind of score.
+    #[error(
+        "the model's own thresholds were chosen on the other kind of score; give a decision, or leave the kind of score as \
+         it is"
+    )]
+    NotItsOwn,
     /// The number of scores differs from the number of categories.
     #[error("{found} scores for {expected} categories; give one score per category")]
     ScoreCount {

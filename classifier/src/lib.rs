@@ -66,6 +66,7 @@ pub mod evaluate;
 mod fault;
 pub mod feature;
 mod file_text;
+pub mod fit_options;
 pub mod hmm;
 mod hmm_classifier;
 mod model_file;

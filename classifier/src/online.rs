@@ -10,8 +10,8 @@ use underbrush_recording::{Frame, Sample, SkinLayout};
 use crate::decision::{Choice, Decision, DecisionError, Judge, Verdict};
 use crate::error::ModelError;
 use crate::estimator::{Classifier, OnlineScorer};
-use crate::feature::SampleFault;
-use crate::trial::{PatchImage, Regions, Travel, TrialError};
+use crate::feature::{MOTION, SampleFault};
+use crate::trial::{PatchImage, Regions, Travel, TrialError, TrialOptions};
 
 /// Why online classification stops.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -55,6 +55,19 @@ pub struct OnlineOptions {
     pub threshold_n: f64,
     /// From scores to verdicts.
     pub decision: Decision,
+}
+
+impl OnlineOptions {
+    /// These options, with the threshold of [`TrialOptions::default`] unless one is given.
+    pub fn new(patch: Option<String>, threshold_n: Option<f64>, decision: Decision) -> Self {
+        let threshold_n = threshold_n.unwrap_or(TrialOptions::default().threshold_n);
+        OnlineOptions { patch, threshold_n, decision }
+    }
+
+    /// The patch whose pose a classifier needs in every frame of this skin; `None` if it does not use motion.
+    pub fn needs_pose_of(&self, classifier: &dyn Classifier, layout: &SkinLayout) -> Option<usize> {
+        layout.chosen_patch(self.patch.as_deref()).filter(|_| classifier.features().contains(&MOTION))
+    }
 }
 
 /// The verdict on one taxel in contact at the moment.

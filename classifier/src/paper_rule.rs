@@ -1,30 +1,72 @@
 //! Which scores the paper's thresholds, [`Decision::paper`](crate::decision::Decision::paper), apply to: Viterbi scores
 //! of hidden Markov models of unscaled force. With other scores they would give meaningless verdicts.
 
+use crate::decision::{Decision, DecisionError, Rule};
 use crate::feature::FeatureSet;
 use crate::hmm::ScoreKind;
+use crate::hmm_classifier::HmmClassifier;
 use crate::model_file::Model;
 use crate::recipe::{Recipe, ScalingKind};
 
+/// The scores that a decision is about. Thresholds are valid for one kind of score only.
+pub struct Scores<'a> {
+    /// The decision stored with the models, if any.
+    own: Option<&'a Decision>,
+    /// Whether the models' own thresholds were chosen on this kind of score.
+    are_own: bool,
+    /// Why the paper's thresholds do not apply; `None` if they do.
+    misfit: Option<String>,
+}
+
+impl<'a> Scores<'a> {
+    /// Scores by this model.
+    pub fn of_model(model: &'a Model) -> Self {
+        let hmm = model.as_hmm();
+        let misfit_of = |hmm: &HmmClassifier| misfit(hmm.score_kind(), hmm.features(), hmm.scaling().is_some());
+        Scores {
+            own: model.decision.as_ref(),
+            are_own: hmm.is_none_or(|hmm| hmm.score_kind() == hmm.own_score_kind()),
+            misfit: hmm.map_or_else(|| Some(NOT_HMM.into()), misfit_of),
+        }
+    }
+
+    /// Scores of hidden Markov models by this recipe, or of another kind of classifier if there is no recipe.
+    pub fn of_recipe(recipe: Option<&Recipe>) -> Self {
+        let misfit_of = |own: &Recipe| misfit(own.score, own.features, own.scaling != ScalingKind::Unscaled);
+        Scores { own: None, are_own: true, misfit: recipe.map_or_else(|| Some(NOT_HMM.into()), misfit_of) }
+    }
+
+    /// Scores of any kind, such as those of a user's own classifier.
+    pub fn of_any_kind() -> Self {
+        Scores { own: None, are_own: true, misfit: Some("these scores may be of any kind".into()) }
+    }
+
+    /// The rule of the paper's outlier experiment.
+    ///
+    /// # Errors
+    /// [`DecisionError::NotThePapers`] if its thresholds do not apply to these scores.
+    pub fn paper(&self) -> Result<Rule, DecisionError> {
+        match self.misfit.clone() {
+            Some(misfit) => Err(DecisionError::NotThePapers { misfit }),
+            None => Ok(Decision::paper().rule),
+        }
+    }
+
+    /// The decision by this rule, or else by the model's own, with the model's own priors.
+    ///
+    /// # Errors
+    /// [`DecisionError::NotItsOwn`] if no rule is given, and the model's own does not apply to these scores.
+    pub fn decision(&self, rule: Option<Rule>) -> Result<Decision, DecisionError> {
+        let own = self.own.cloned().unwrap_or(Decision::argmax());
+        match rule {
+            None if !self.are_own && own.rule != Rule::Argmax => Err(DecisionError::NotItsOwn),
+            rule => Ok(Decision { rule: rule.unwrap_or(own.rule), ..own }),
+        }
+    }
+}
+
 /// Why the thresholds do not apply to classifiers other than hidden Markov models.
-pub const NOT_HMM: &str = "this classifier is not a hidden Markov model";
-
-/// Why the thresholds do not apply to the scores of a model; `None` if they do apply.
-pub fn misfit_of_model(model: &Model) -> Option<String> {
-    match model.as_hmm() {
-        None => Some(NOT_HMM.to_owned()),
-        Some(models) => misfit(models.score_kind(), models.features(), models.scaling().is_some()),
-    }
-}
-
-/// Why the thresholds do not apply to the scores of hidden Markov models that are trained by `recipe`, or of another
-/// kind of classifier if there is no recipe. `None` if they do apply.
-pub fn misfit_of_recipe(recipe: Option<&Recipe>) -> Option<String> {
-    match recipe {
-        None => Some(NOT_HMM.to_owned()),
-        Some(recipe) => misfit(recipe.score, recipe.features, recipe.scaling != ScalingKind::Unscaled),
-    }
-}
+const NOT_HMM: &str = "this classifier is not a hidden Markov model";
 
 fn misfit(kind: ScoreKind, features: FeatureSet, scaled: bool) -> Option<String> {
     match kind {

@@ -1,7 +1,6 @@
 //! Contact trials of recordings and data sets, by taxel or by component.
 
-use serde::Serialize;
-use underbrush_classifier::trial::{TrialError, TrialOptions, component_trials, taxel_trials};
+use underbrush_classifier::trial::{TrialError, TrialOptions, Unit, component_trials, taxel_trials};
 use underbrush_recording::disk::Dataset;
 use underbrush_recording::{Recording, Trial};
 use underbrush_sim::reach::ReachError;
@@ -9,27 +8,12 @@ use underbrush_sim::reach::ReachError;
 use crate::error::ExperimentError;
 use crate::progress::Progress;
 
-/// What a trial is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Unit {
-    /// One taxel from contact to break (paper, section IV-D).
-    Taxel,
-    /// One connected component of taxels (paper, section IV-C).
-    Component,
-}
-
 /// The trials of one recording, numbered from `first`.
 ///
 /// # Errors
 /// As [`taxel_trials`] and [`component_trials`].
-pub fn of_recording(
-    recording: &Recording,
-    unit: Unit,
-    options: &TrialOptions,
-    first: u64,
-) -> Result<Vec<Trial>, TrialError> {
-    let found = match unit {
+pub fn of_recording(recording: &Recording, options: &TrialOptions, first: u64) -> Result<Vec<Trial>, TrialError> {
+    let found = match options.by {
         Unit::Taxel => taxel_trials(recording, options)?,
         Unit::Component => component_trials(recording, options)?,
     };
@@ -44,13 +28,12 @@ pub fn of_recording(
 /// If the set cannot be read or a reach cannot be cut; [`ReachError::Stopped`] if the user ends the run.
 pub fn of_dataset(
     dataset: &Dataset,
-    unit: Unit,
     options: &TrialOptions,
     progress: &dyn Progress,
 ) -> Result<Vec<Trial>, ExperimentError> {
     let mut trials = Vec::new();
     each_episode(dataset, progress, |episode, recording| {
-        let mut found = of_recording(recording, unit, options, trials.len() as u64)?;
+        let mut found = of_recording(recording, options, trials.len() as u64)?;
         found.iter_mut().for_each(|trial| trial.reach = Some(episode as u64));
         trials.extend(found);
         Ok(())

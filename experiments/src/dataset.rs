@@ -81,6 +81,27 @@ pub fn require_same_reaches(made: &Dataset, source: &Dataset) -> Result<(), Expe
 }
 
 impl Campaign {
+    /// So many reaches of each of these scenes, with the scenes' own arms and controllers.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Request`] if two scenes have the same name.
+    pub fn new(scenes: Vec<Scene>, reaches: u64, seed: u64) -> Result<Self, ExperimentError> {
+        let mut names = BTreeSet::new();
+        if let Some(second) = scenes.iter().find(|scene| !names.insert(&scene.name)) {
+            let text = "give scenes with names of their own, or rename one file";
+            return Err(ExperimentError::Request(format!("two scenes are called {}; {text}", second.name)));
+        }
+        Ok(Campaign {
+            scenes: scenes.into_iter().map(|scene| (scene, reaches)).collect(),
+            arms: BTreeMap::new(),
+            seed,
+            controller: None,
+            own_controller: None,
+            verdicts: None,
+            shard: None,
+        })
+    }
+
     /// The campaign that made a data set, reconstructed from the set alone. If its controller had verdicts, the touch
     /// model is needed too, because a set stores only the hash of the model's file.
     pub fn of(dataset: &Dataset, verdicts: Option<VerdictControl>) -> Result<Self, ExperimentError> {

@@ -36,9 +36,11 @@ pub mod thresholds;
 pub mod training;
 pub mod verdict_controller;
 pub mod verdict_transfer;
+mod warnings;
 
 pub use error::ExperimentError;
 pub use progress::{Counter, Progress, Silent};
+pub use warnings::show_warnings;
 
 #[cfg(test)]
 mod tests;

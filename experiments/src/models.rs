@@ -3,7 +3,6 @@
 use serde_json::json;
 use underbrush_classifier::{HmmClassifier, Model};
 
-use crate::contact_trials::Unit;
 use crate::error::ExperimentError;
 use crate::session::Session;
 use crate::{estimators, model_data, training};
@@ -21,7 +20,7 @@ impl Models {
         let options = json!({
             "experiment": session.experiment.name,
             "quick": session.quick,
-            "by": Unit::Taxel,
+            "by": "taxel",
             "trials": session.experiment.trial_options(),
         });
         let source = model_data::of_reaches(dataset, dataset.episodes().iter());

@@ -15,18 +15,6 @@ pub struct PyArm {
     pub arm: Arm,
 }
 
-impl PyArm {
-    /// One number for each joint.
-    fn of_joints<'py>(
-        &self,
-        py: Python<'py>,
-        number: fn(&underbrush_sim::arm::Joint) -> f64,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let numbers: Vec<f64> = self.arm.joints.iter().map(number).collect();
-        array::copy(py, &numbers, &[numbers.len()], "float64")
-    }
-}
-
 #[pymethods]
 impl PyArm {
     /// Read an arm from its TOML file.
@@ -62,20 +50,20 @@ impl PyArm {
     /// Joint angles at the start of a reach, rad: (joints,).
     #[getter]
     fn start_posture_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.of_joints(py, |joint| joint.start_rad)
+        array::row(py, self.arm.joints.iter().map(|joint| joint.start_rad))
     }
 
     /// Stiffness of the joints' springs, Nm/rad: (joints,).
     #[getter]
     fn stiffness_nm_per_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.of_joints(py, |joint| joint.stiffness_nm_per_rad)
+        array::row(py, self.arm.joints.iter().map(|joint| joint.stiffness_nm_per_rad))
     }
 
     /// Limits of the joint angles that a controller observes, rad: (joints, 2).
     #[getter]
     fn limits_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let numbers: Vec<f64> = self.arm.joints.iter().flat_map(|joint| joint.controller_limits_rad).collect();
-        array::copy(py, &numbers, &[self.arm.joints.len(), 2], "float64")
+        array::copy(py, &numbers, &[self.arm.joints.len(), 2])
     }
 
     /// Position of the end effector, m, world frame, and its Jacobian, m/rad, (3, joints), at these joint angles.
@@ -90,16 +78,11 @@ impl PyArm {
         let position = self.arm.end_effector_pose(&links).position;
         let jacobian = self.arm.position_jacobian(&links, self.arm.end_effector_link, position);
         let rows: Vec<f64> = jacobian.transpose().iter().copied().collect();
-        let place = array::copy(py, &position.to_array(), &[3], "float64")?;
-        Ok((place, array::copy(py, &rows, &[3, joints], "float64")?))
+        let place = array::row(py, position.to_array())?;
+        Ok((place, array::copy(py, &rows, &[3, joints])?))
     }
 
     fn __repr__(&self) -> String {
         format!("Arm({:?}, {} joints)", self.arm.name, self.arm.joints.len())
     }
-}
-
-/// Adds the class of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyArm>()
 }

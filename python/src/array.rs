@@ -4,81 +4,72 @@
 //! `__array_interface__`, read only and without a copy. Arguments are read through the buffer protocol, whatever their
 //! strides.
 
+use std::any::Any;
+
 use pyo3::buffer::{Element, PyBuffer};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyDict, PyList, PyTuple};
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::failure::Failure;
 
-/// The numbers of an array.
-pub enum Store {
-    /// Double precision.
-    F64(Vec<f64>),
-    /// Single precision.
-    F32(Vec<f32>),
-    /// Whole numbers of 64 bits.
-    I64(Vec<i64>),
-    /// Whole numbers of 32 bits.
-    I32(Vec<i32>),
-    /// Indices of objects.
-    I16(Vec<i16>),
-    /// Codes of categories.
-    I8(Vec<i8>),
+/// A number that arrays may hold.
+pub trait Number: Element + Send + Sync + 'static {
+    /// NumPy's code for its type.
+    const CODE: &str;
 }
 
-macro_rules! stores {
-    ($($number:ty => $variant:ident, $code:literal;)*) => {
-        $(impl From<Vec<$number>> for Store {
-            fn from(numbers: Vec<$number>) -> Self {
-                Store::$variant(numbers)
-            }
+macro_rules! numbers {
+    ($($number:ty => $code:literal),*) => {
+        $(impl Number for $number {
+            const CODE: &str = $code;
         })*
-
-        impl Store {
-            /// The address of the numbers, and NumPy's code for their type.
-            fn place(&self) -> (usize, &'static str) {
-                match self {
-                    $(Store::$variant(numbers) => (numbers.as_ptr() as usize, $code),)*
-                }
-            }
-
-            fn len(&self) -> usize {
-                match self {
-                    $(Store::$variant(numbers) => numbers.len(),)*
-                }
-            }
-        }
     };
 }
-stores! {
-    f64 => F64, "f8";
-    f32 => F32, "f4";
-    i64 => I64, "i8";
-    i32 => I32, "i4";
-    i16 => I16, "i2";
-    i8 => I8, "i1";
-}
+numbers!(f64 => "f8", f32 => "f4", i64 => "i8", i32 => "i4");
 
 /// Owner of the numbers that an array views. The numbers never change.
 #[pyclass(frozen, module = "underbrush._core")]
 pub struct Numbers {
-    store: Store,
+    /// Keeps the numbers for as long as the array lives.
+    _owner: Box<dyn Any + Send + Sync>,
+    address: usize,
+    code: &'static str,
     shape: Vec<usize>,
+}
+
+impl Numbers {
+    /// These numbers, row after row.
+    pub fn new<T: Number>(numbers: Vec<T>, shape: &[usize]) -> Self {
+        debug_assert_eq!(numbers.len(), shape.iter().product::<usize>(), "numbers of an array of shape {shape:?}");
+        Self::owned_by(numbers.as_ptr() as usize, T::CODE, shape, Box::new(numbers))
+    }
+
+    /// The numbers at an address, with NumPy's code for their type. They stay there as long as their owner lives.
+    pub fn owned_by(address: usize, code: &'static str, shape: &[usize], owner: Box<dyn Any + Send + Sync>) -> Self {
+        Numbers { _owner: owner, address, code, shape: shape.to_vec() }
+    }
+
+    /// A read-only array that views the numbers.
+    ///
+    /// # Errors
+    /// If NumPy cannot be imported.
+    pub fn lend(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+        numpy(py, "asarray")?.call1((self,))
+    }
 }
 
 #[pymethods]
 impl Numbers {
     #[getter]
     fn __array_interface__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let (address, code) = self.store.place();
         let order = if cfg!(target_endian = "little") { '<' } else { '>' };
         let interface = PyDict::new(py);
         interface.set_item("version", 3)?;
         interface.set_item("shape", PyTuple::new(py, &self.shape)?)?;
-        interface.set_item("typestr", format!("{order}{code}"))?;
+        interface.set_item("typestr", format!("{order}{}", self.code))?;
         // The flag makes the array read-only.
-        interface.set_item("data", (address, true))?;
+        interface.set_item("data", (self.address, true))?;
         Ok(interface)
     }
 }
@@ -94,28 +85,38 @@ fn numpy<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
 ///
 /// # Errors
 /// If NumPy cannot be imported.
-pub fn lend<'py>(py: Python<'py>, numbers: impl Into<Store>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
-    let store = numbers.into();
-    debug_assert_eq!(store.len(), shape.iter().product::<usize>(), "numbers of an array of shape {shape:?}");
-    let shape = shape.to_vec();
-    numpy(py, "asarray")?.call1((Numbers { store, shape },))
+pub fn lend<'py, T: Number>(py: Python<'py>, numbers: Vec<T>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+    Numbers::new(numbers, shape).lend(py)
 }
 
 /// A new array that the caller may write, with a copy of these numbers.
 ///
 /// # Errors
 /// If NumPy cannot be imported.
-pub fn copy<'py, T: Element>(
-    py: Python<'py>,
-    numbers: &[T],
-    shape: &[usize],
-    dtype: &str,
-) -> PyResult<Bound<'py, PyAny>> {
-    let array = numpy(py, "empty")?.call1((PyTuple::new(py, shape)?, dtype))?;
+pub fn copy<'py, T: Number>(py: Python<'py>, numbers: &[T], shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
+    let array = numpy(py, "empty")?.call1((PyTuple::new(py, shape)?, T::CODE))?;
     if !numbers.is_empty() {
         PyBuffer::<T>::get(&array)?.copy_from_slice(py, numbers)?;
     }
     Ok(array)
+}
+
+/// A new array (n,) of these numbers, which the caller may write.
+///
+/// # Errors
+/// As [`copy`].
+pub fn row<'py>(py: Python<'py>, numbers: impl IntoIterator<Item = f64>) -> PyResult<Bound<'py, PyAny>> {
+    let numbers: Vec<f64> = numbers.into_iter().collect();
+    copy(py, &numbers, &[numbers.len()])
+}
+
+/// A read-only array (n, width) that views these numbers, row after row.
+///
+/// # Errors
+/// As [`lend`].
+pub fn lend_rows(py: Python<'_>, numbers: Vec<f64>, width: usize) -> PyResult<Bound<'_, PyAny>> {
+    let rows = numbers.len() / width;
+    lend(py, numbers, &[rows, width])
 }
 
 /// An argument as finite numbers of a shape; `None` stands for any size.
@@ -144,44 +145,8 @@ pub fn numbers(
     name: &str,
     shape: &[Option<usize>],
 ) -> Result<(Vec<f64>, Vec<usize>), Failure> {
+    static NUMBERS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let py = value.py();
-    let allowed = || {
-        let sizes = shape.iter().map(|size| size.map_or("n".to_owned(), |size| size.to_string()));
-        format!("numbers of shape ({})", sizes.collect::<Vec<_>>().join(", "))
-    };
-    let array = numpy(py, "asarray")?.call1((value,)).and_then(|array| {
-        let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
-        let is_number = matches!(kind.as_str(), "f" | "i" | "u" | "b");
-        if is_number { numpy(py, "asarray")?.call1((array, "float64")) } else { Ok(array) }
-    });
-    let Some((array, buffer)) = array.ok().and_then(|array| {
-        let buffer = PyBuffer::<f64>::get(&array).ok()?;
-        Some((array, buffer))
-    }) else {
-        let kind = value.get_type().name()?;
-        let found = match value.getattr("dtype") {
-            Ok(dtype) => format!("an array of {}", dtype.str()?),
-            Err(_) => format!("an object of type {kind}"),
-        };
-        return Err(Failure::argument(name, found, allowed(), "give an array of numbers"));
-    };
-    let found: Vec<usize> = array.getattr("shape")?.extract()?;
-    let fits = found.len() == shape.len()
-        && found.iter().zip(shape).all(|(found, allowed)| allowed.is_none_or(|allowed| allowed == *found));
-    if !fits {
-        let sizes: Vec<String> = found.iter().map(usize::to_string).collect();
-        let found = format!("shape ({})", sizes.join(", "));
-        return Err(Failure::argument(name, found, allowed(), "give an array of this shape"));
-    }
-    Ok((buffer.to_vec(py)?, found))
-}
-
-/// A list of optional texts. NumPy has no good array type for them.
-pub fn texts<'py>(py: Python<'py>, texts: impl Iterator<Item = Option<String>>) -> PyResult<Bound<'py, PyList>> {
-    PyList::new(py, texts.collect::<Vec<_>>())
-}
-
-/// Adds the classes of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Numbers>()
+    let array = NUMBERS.import(py, "underbrush._arrays", "numbers")?.call1((value, name, shape))?;
+    Ok((PyBuffer::<f64>::get(&array)?.to_vec(py)?, array.getattr("shape")?.extract()?))
 }

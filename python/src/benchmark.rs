@@ -4,22 +4,21 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use underbrush_experiments::benchmark::{EnteredController, Entry, JudgedModel, TestSet, set_folder};
+use underbrush_experiments::benchmark::{EnteredController, Entry, TestSet, set_folder};
 use underbrush_experiments::verdict_controller::VerdictControl;
 
 use crate::controller;
 use crate::failure::Failure;
 use crate::generate;
-use crate::interrupt::{Stop, watched};
+use crate::interrupt::Stop;
 use crate::json;
-use crate::progress::Reported;
+use crate::progress::{Reported, watched};
 
 /// Judge a model or a controller on the frozen scenes of the benchmark, and write a row of its table.
 #[pyfunction]
 #[pyo3(signature = (track, *, out, model = None, controller = None, verdicts = None, quick = false, progress = None,
                     jobs = None))]
-#[allow(clippy::too_many_arguments, reason = "options by name")]
-fn benchmark<'py>(
+pub fn benchmark<'py>(
     py: Python<'py>,
     track: &str,
     out: PathBuf,
@@ -32,17 +31,14 @@ fn benchmark<'py>(
 ) -> Result<Bound<'py, PyAny>, Failure> {
     let stop = Arc::new(Stop::default());
     let entry = entry(track, model, controller, verdicts, &stop)?;
-    let reported = Reported::new(&stop, progress);
-    let run = || Ok(entry.run(&out, quick, &reported)?);
-    let row = watched(py, jobs, &stop, |py| reported.show(py), run)?;
-    reported.show(py)?;
-    json::to_python(py, &row)
+    let run = |reported: &Reported| Ok(entry.run(&out, quick, reported)?);
+    json::to_python(py, &watched(py, jobs, &stop, progress, run)?)
 }
 
 /// The folders of the sets on which an entry is judged, and their numbers of reaches.
 #[pyfunction]
 #[pyo3(signature = (track, *, out, model = None, controller = None, verdicts = None, quick = false))]
-fn benchmark_sets(
+pub fn benchmark_sets(
     track: &str,
     out: PathBuf,
     model: Option<PathBuf>,
@@ -61,8 +57,7 @@ fn benchmark_sets(
 /// Make part I of N of one of the sets that ``benchmark_sets`` lists, chosen by its index.
 #[pyfunction]
 #[pyo3(signature = (place, part, *, track, shard, model = None, controller = None, verdicts = None, quick = false, jobs = None))]
-#[allow(clippy::too_many_arguments, reason = "options by name")]
-fn benchmark_part(
+pub fn benchmark_part(
     py: Python<'_>,
     place: usize,
     part: PathBuf,
@@ -81,7 +76,7 @@ fn benchmark_part(
         return Err(Failure::argument("place", place.to_string(), allowed, "choose a set"));
     }
     let mut campaign = sets.swap_remove(place).campaign;
-    campaign.shard = generate::shard(Some(shard))?;
+    campaign.shard = Some(generate::part(shard)?);
     generate::write(py, &campaign, &part, false, &stop, None, jobs).map(drop)
 }
 
@@ -92,40 +87,8 @@ fn entry(
     verdicts: Option<PathBuf>,
     stop: &Arc<Stop>,
 ) -> Result<Entry, Failure> {
-    let refused = |argument: &str, found: &str, allowed: &str| {
-        let remedy = "give a model for verdicts and transfer, a controller for reaching";
-        Err(Failure::argument(argument, found.to_owned(), allowed.to_owned(), remedy))
-    };
-    if track == "reaching" {
-        if model.is_some() {
-            return refused("model", "a model", "none in the track reaching");
-        }
-        if controller.is_none() {
-            return refused("controller", "None", "a controller in the track reaching");
-        }
-        let (kind, own) = controller::chosen(controller, stop)?;
-        let verdicts = verdicts.as_deref().map(VerdictControl::load).transpose()?;
-        return Ok(Entry::Reaching(EnteredController { kind, own, verdicts }));
-    }
-    if !Entry::TRACKS.contains(&track) {
-        return refused("track", track, &Entry::TRACKS.join(", "));
-    }
-    if controller.is_some() || verdicts.is_some() {
-        return refused("controller", "a controller or its verdicts", "none in a track that judges models");
-    }
-    let Some(model) = model else {
-        return refused("model", "None", "a model file in a track that judges models");
-    };
-    let model = Box::new(JudgedModel::load(&model)?);
-    Ok(match track {
-        "transfer" => Entry::Transfer(model),
-        _ => Entry::Verdicts(model),
-    })
-}
-
-/// Adds the functions of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(benchmark, module)?)?;
-    module.add_function(wrap_pyfunction!(benchmark_sets, module)?)?;
-    module.add_function(wrap_pyfunction!(benchmark_part, module)?)
+    let (kind, own) = controller::chosen(controller, stop)?;
+    let given = controller.is_some() || verdicts.is_some();
+    let verdicts = verdicts.as_deref().map(VerdictControl::load).transpose()?;
+    Ok(Entry::new(track, model.as_deref(), given.then_some(EnteredController { kind, own, verdicts }))?)
 }

@@ -3,21 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
-use underbrush_classifier::decision::{Decision, Rule};
-use underbrush_classifier::feature::MOTION;
-use underbrush_classifier::hmm::ScoreKind;
+use underbrush_classifier::any_model::{self, AnyModel};
+use underbrush_classifier::decision::Decision;
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
-use underbrush_classifier::trial::TrialOptions;
-use underbrush_classifier::{HmmClassifier, Model, paper_rule};
-use underbrush_recording::disk::{check_free, write_file};
-use underbrush_recording::limits::JSON_BYTES;
-use underbrush_recording::read_text;
+use underbrush_classifier::paper_rule::Scores;
+use underbrush_classifier::touch::TOUCH_FORMAT;
+use underbrush_classifier::{FORMAT, Model};
+use underbrush_recording::InputError;
 
-use crate::arguments::{decision, named};
+use crate::arguments::{decision, save};
 use crate::array;
-use crate::failure::Failure;
+use crate::failure::{Failure, place};
+use crate::given;
 use crate::json;
-use crate::model_kind::refuse_touch;
 use crate::online::Online;
 use crate::pool;
 use crate::skin::Skin;
@@ -29,45 +27,33 @@ pub struct PyModel {
     pub model: Model,
 }
 
-/// The kind of score with this name.
-///
-/// # Errors
-/// [`Failure::Input`] for an unknown name.
-pub fn score_kind(name: &str) -> Result<ScoreKind, Failure> {
-    named("score", name, &[("forward", ScoreKind::Forward), ("viterbi", ScoreKind::Viterbi)])
-}
-
 /// Scores as an array with a row for each trial.
 pub fn scores_array<'py>(py: Python<'py>, scores: Vec<Vec<f64>>, width: usize) -> PyResult<Bound<'py, PyAny>> {
-    let rows = scores.len();
-    array::lend(py, scores.concat(), &[rows, width])
+    array::lend_rows(py, scores.concat(), width)
 }
 
 impl PyModel {
-    /// A model from the text of its file; the path is for errors only.
-    fn read(path: &Path, text: &str) -> Result<Self, Failure> {
-        refuse_touch(path, text)?;
-        let model = Model::from_json(path, text)?;
-        Ok(PyModel { model })
+    /// A classifier of trials that was read from this path.
+    fn of(path: &Path, model: AnyModel) -> Result<Self, Failure> {
+        match model {
+            AnyModel::OfTrials(model) => Ok(PyModel { model }),
+            AnyModel::Touch(_) => Err(other_kind(path, (TOUCH_FORMAT, "a touch model", "TouchModel"), FORMAT)),
+        }
     }
 
     /// How scores become verdicts.
     ///
     /// # Errors
-    /// [`Failure::Input`] if the rule does not fit the scores.
+    /// [`Failure::Usage`] if the rule does not fit the scores.
     pub fn deciding(&self, value: Option<&Bound<'_, PyAny>>) -> Result<Decision, Failure> {
-        let own = self.model.decision.as_ref();
-        let other_scores = |models: &HmmClassifier| models.score_kind() != models.own_score_kind();
-        if value.is_none()
-            && self.model.as_hmm().is_some_and(other_scores)
-            && own.is_some_and(|own| own.rule != Rule::Argmax)
-        {
-            let found = "none, and the model's own thresholds, which were chosen on the other kind of score";
-            let remedy = "give a decision, or leave with_score out";
-            return Err(Failure::argument("decision", found, "thresholds for these scores", remedy));
-        }
-        decision(value, own, paper_rule::misfit_of_model(&self.model))
+        decision(value, &Scores::of_model(&self.model))
     }
+}
+
+/// The error about a model of another kind: its format, what it is, and the class that reads it.
+pub fn other_kind(path: &Path, (format, kind, class): (&str, &str, &str), allowed: &str) -> Failure {
+    let remedy = format!("read it with {class}.load or {class}.from_json");
+    InputError::new(path, "format", format!("{format}, {kind}"), allowed, remedy).into()
 }
 
 #[pymethods]
@@ -75,14 +61,14 @@ impl PyModel {
     /// Read a model file.
     #[staticmethod]
     fn load(path: PathBuf) -> Result<Self, Failure> {
-        let text = read_text(&path, &JSON_BYTES, "a readable model file", "check the path")?;
-        Self::read(&path, &text)
+        Self::of(&path, any_model::load(&path)?)
     }
 
     /// A model from the text of its file.
     #[staticmethod]
     fn from_json(text: &str) -> Result<Self, Failure> {
-        Self::read(Path::new("the model"), text)
+        let path = Path::new("the model");
+        Self::of(path, any_model::parse(path, text)?)
     }
 
     /// The text of the model file.
@@ -93,9 +79,7 @@ impl PyModel {
     /// Write the model file. Only with ``force`` is a file overwritten.
     #[pyo3(signature = (path, *, force = false))]
     fn save(&self, path: PathBuf, force: bool) -> Result<(), Failure> {
-        check_free(&path, force)?;
-        let text = self.to_json()?;
-        Ok(write_file(&path, text.as_bytes())?)
+        save(&path, force, &self.to_json()?)
     }
 
     /// Kind of classifier.
@@ -136,9 +120,8 @@ impl PyModel {
 
     /// The same model with another kind of score: "forward" or "viterbi". Only for hidden Markov models.
     fn with_score(&self, score: &str) -> Result<Self, Failure> {
-        let kind = score_kind(score)?;
         let mut copy = Self::from_json(&self.to_json()?)?;
-        copy.model.score_by(kind)?;
+        copy.model.score_by(given::named("score", score)?)?;
         Ok(copy)
     }
 
@@ -156,8 +139,7 @@ impl PyModel {
         trial: usize,
         counts: Vec<usize>,
     ) -> Result<Bound<'py, PyAny>, Failure> {
-        let length = trials.list.len();
-        let own = trials.list.get(trial).ok_or_else(|| Failure::index(trial as isize, length))?;
+        let own = &trials.list[place(trial as isize, trials.list.len())?];
         if !counts.is_sorted() || counts.first() == Some(&0) {
             return Err(Failure::argument("counts", format!("{counts:?}"), "ascending numbers from 1", "sort them"));
         }
@@ -189,14 +171,9 @@ impl PyModel {
         threshold_n: Option<f64>,
         decision: Option<&Bound<'_, PyAny>>,
     ) -> Result<Online, Failure> {
-        let options = OnlineOptions {
-            patch,
-            threshold_n: threshold_n.unwrap_or(TrialOptions::default().threshold_n),
-            decision: self.deciding(decision)?,
-        };
+        let options = OnlineOptions::new(patch, threshold_n, self.deciding(decision)?);
         let classifier = OnlineClassifier::new(self.model.classifier.as_ref(), &skin.layout, &options)?;
-        let patch = skin.layout.chosen_patch(options.patch.as_deref());
-        let needs_pose_of = patch.filter(|_| self.model.classifier.features().contains(&MOTION));
+        let needs_pose_of = options.needs_pose_of(self.model.classifier.as_ref(), &skin.layout);
         Ok(Online::of_contacts(classifier, self.categories(), skin, needs_pose_of))
     }
 
@@ -208,9 +185,4 @@ impl PyModel {
     fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {
         Ok((py.get_type::<PyModel>().getattr("from_json")?, (self.to_json()?,)))
     }
-}
-
-/// Adds the class of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyModel>()
 }

@@ -13,13 +13,16 @@ use crate::array;
 use crate::controller_input::PyControllerInput;
 use crate::failure::Failure;
 use crate::interrupt::Stop;
-use crate::scene::controller_kind;
 
 /// A controller that ships, to be called from Python.
 #[pyclass(frozen, name = "ShippedController", module = "underbrush._core")]
 pub struct ShippedController {
     controller: Mutex<Box<dyn Controller>>,
+    /// Its name in recordings.
+    #[pyo3(get)]
     name: String,
+    /// How often it wants to be called, Hz.
+    #[pyo3(get)]
     rate_hz: f64,
     joints: usize,
 }
@@ -29,7 +32,7 @@ impl ShippedController {
     #[new]
     #[pyo3(signature = (arm, name = "cody-2013"))]
     fn new(arm: &PyArm, name: &str) -> Result<Self, Failure> {
-        let kind: ControllerKind = controller_kind(name)?;
+        let kind = ControllerKind::from_name(name)?;
         let controller = kind.controller(kind.preset(), &arm.arm);
         Ok(ShippedController {
             name: controller.name().to_owned(),
@@ -37,18 +40,6 @@ impl ShippedController {
             controller: Mutex::new(controller),
             joints: arm.arm.joints.len(),
         })
-    }
-
-    /// Its name in recordings.
-    #[getter]
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// How often it wants to be called, Hz.
-    #[getter]
-    fn rate_hz(&self) -> f64 {
-        self.rate_hz
     }
 
     /// New equilibrium angles, rad: (joints,).
@@ -63,7 +54,7 @@ impl ShippedController {
             let mut controller = self.controller.lock().unwrap_or_else(PoisonError::into_inner);
             controller.control(&input.view()).equilibrium_angle_rad
         };
-        Ok(array::copy(py, &angles, &[angles.len()], "float64")?)
+        Ok(array::copy(py, &angles, &[angles.len()])?)
     }
 }
 
@@ -132,7 +123,7 @@ pub fn chosen(
         return Ok((None, None));
     };
     match object.extract::<String>() {
-        Ok(name) => Ok((Some(controller_kind(&name)?), None)),
+        Ok(name) => Ok((Some(ControllerKind::from_name(&name)?), None)),
         Err(_) => Ok((None, Some(maker(object, stop)?))),
     }
 }
@@ -187,9 +178,4 @@ fn rate_hz(controller: &Bound<'_, PyAny>) -> PyResult<f64> {
             Err(Failure::argument("rate_hz of the controller", found, "a number above 0, Hz", "correct it").into())
         }
     }
-}
-
-/// Adds the class of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<ShippedController>()
 }

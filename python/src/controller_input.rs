@@ -52,92 +52,51 @@ fn rows(matrix: &Matrix3xX<f64>) -> Vec<f64> {
     matrix.transpose().iter().copied().collect()
 }
 
-#[pymethods]
-impl PyControllerInput {
+/// The getters of arrays, each with its doc, the numbers and their shape. Every call returns a new array.
+macro_rules! getters {
+    ($($(#[$doc:meta])* $name:ident: |$own:ident| $numbers:expr, [$($size:expr),*];)*) => {
+        #[pymethods]
+        impl PyControllerInput {
+            $(
+                $(#[$doc])*
+                #[getter]
+                fn $name<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+                    let $own = self;
+                    let numbers: Vec<_> = $numbers.collect();
+                    array::copy(py, &numbers, &[$($size),*])
+                }
+            )*
+        }
+    };
+}
+getters! {
     /// Joint angles, rad: (joints,).
-    #[getter]
-    fn joint_angle_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        array::copy(py, &self.joint_angle_rad, &[self.joint_angle_rad.len()], "float64")
-    }
-
+    joint_angle_rad: |own| own.joint_angle_rad.iter().copied(), [own.joint_angle_rad.len()];
     /// Joint velocities, rad/s: (joints,).
-    #[getter]
-    fn joint_velocity_rad_per_s<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        array::copy(py, &self.joint_velocity_rad_per_s, &[self.joint_velocity_rad_per_s.len()], "float64")
-    }
-
+    joint_velocity_rad_per_s: |own| own.joint_velocity_rad_per_s.iter().copied(), [own.joint_angle_rad.len()];
     /// Equilibrium angles, rad: (joints,).
-    #[getter]
-    fn equilibrium_angle_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        array::copy(py, &self.equilibrium_angle_rad, &[self.equilibrium_angle_rad.len()], "float64")
-    }
-
+    equilibrium_angle_rad: |own| own.equilibrium_angle_rad.iter().copied(), [own.joint_angle_rad.len()];
     /// Pose of the end effector, world frame: x, y, z in m, and a quaternion x, y, z, w.
-    #[getter]
-    fn end_effector_pose_world<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        array::copy(py, &self.end_effector_pose_world.numbers(), &[7], "float64")
-    }
-
+    end_effector_pose_world: |own| own.end_effector_pose_world.numbers().into_iter(), [7];
     /// Jacobian of the end effector's position, m/rad, world frame: (3, joints).
-    #[getter]
-    fn end_effector_jacobian<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let matrix = &self.end_effector_jacobian;
-        array::copy(py, &rows(matrix), &[3, matrix.ncols()], "float64")
-    }
-
+    end_effector_jacobian: |own| rows(&own.end_effector_jacobian).into_iter(), [3, own.joint_angle_rad.len()];
     /// Goal of the end effector, m, world frame: (3,).
-    #[getter]
-    fn goal_position_world<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        array::copy(py, &self.goal_position_world.to_array(), &[3], "float64")
-    }
-
+    goal_position_world: |own| own.goal_position_world.to_array().into_iter(), [3];
     /// Index of the patch of every taxel that senses a force: (contacts,).
-    #[getter]
-    fn contact_patch<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let numbers: Vec<i64> = self.contacts.iter().map(|contact| contact.patch as i64).collect();
-        array::copy(py, &numbers, &[numbers.len()], "int64")
-    }
-
+    contact_patch: |own| own.contacts.iter().map(|contact| contact.patch as i64), [own.contacts.len()];
     /// Index in its patch of every taxel that senses a force: (contacts,).
-    #[getter]
-    fn contact_taxel<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let numbers: Vec<i64> = self.contacts.iter().map(|contact| contact.taxel as i64).collect();
-        array::copy(py, &numbers, &[numbers.len()], "int64")
-    }
-
+    contact_taxel: |own| own.contacts.iter().map(|contact| contact.taxel as i64), [own.contacts.len()];
     /// Sensed force of every taxel that senses a force, N: (contacts,).
-    #[getter]
-    fn contact_force_n<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let numbers: Vec<f64> = self.contacts.iter().map(|contact| contact.force_n).collect();
-        array::copy(py, &numbers, &[numbers.len()], "float64")
-    }
-
+    contact_force_n: |own| own.contacts.iter().map(|contact| contact.force_n), [own.contacts.len()];
     /// Largest force that verdicts allow every taxel that senses a force, N; NaN where the controller's own limit
     /// holds: (contacts,).
-    #[getter]
-    fn contact_allowed_force_n<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let allowed_n = |contact: &TaxelContact| contact.allowed_force_n.unwrap_or(f64::NAN);
-        let numbers: Vec<f64> = self.contacts.iter().map(allowed_n).collect();
-        array::copy(py, &numbers, &[numbers.len()], "float64")
-    }
-
+    contact_allowed_force_n: |own| own.contacts.iter().map(|contact| contact.allowed_force_n.unwrap_or(f64::NAN)),
+        [own.contacts.len()];
     /// Inward unit normal of every taxel that senses a force, world frame, the direction of the force on the arm:
     /// (contacts, 3).
-    #[getter]
-    fn contact_normal_world<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let normals = self.contacts.iter().flat_map(|contact| contact.inward_normal_world.to_array());
-        array::copy(py, &normals.collect::<Vec<f64>>(), &[self.contacts.len(), 3], "float64")
-    }
-
+    contact_normal_world: |own| own.contacts.iter().flat_map(|contact| contact.inward_normal_world.to_array()),
+        [own.contacts.len(), 3];
     /// Jacobian of the centre of every taxel that senses a force, m/rad, world frame: (contacts, 3, joints).
-    #[getter]
-    fn contact_jacobian<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let numbers: Vec<f64> = self.contacts.iter().flat_map(|contact| rows(&contact.position_jacobian)).collect();
-        array::copy(py, &numbers, &[self.contacts.len(), 3, self.joint_angle_rad.len()], "float64")
-    }
-}
-
-/// Adds the class of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyControllerInput>()
+    contact_jacobian: |own| own.contacts.iter().flat_map(|contact| rows(&contact.position_jacobian)),
+        [own.contacts.len(), 3, own.joint_angle_rad.len()];
 }

@@ -4,21 +4,19 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use pyo3::types::PySlice;
+use pyo3::types::{PyDict, PySlice};
 use rayon::prelude::*;
 use underbrush_experiments::{contact_trials, model_data};
 use underbrush_recording::disk::Dataset;
 
 use crate::arguments::cutting;
 use crate::array;
-use crate::failure::Failure;
-use crate::interrupt::{Stop, watched};
+use crate::failure::{Failure, place, places};
 use crate::json;
-use crate::pool::{self, guarded};
-use crate::progress::Reported;
-use crate::reach::Reach;
+use crate::pool::{self, alone};
+use crate::progress::{Reported, watched};
+use crate::reach::{Reach, Source};
 use crate::skin::Skin;
-use crate::source::Source;
 use crate::table::{Column, PyTable};
 use crate::trials::Trials;
 
@@ -44,10 +42,7 @@ impl PyDataset {
     }
 
     fn place(&self, index: isize) -> Result<usize, Failure> {
-        let length = self.dataset.episodes().len();
-        let place = if index < 0 { index + length as isize } else { index };
-        let place = usize::try_from(place).ok().filter(|place| *place < length);
-        place.ok_or_else(|| Failure::index(index, length))
+        place(index, self.__len__())
     }
 }
 
@@ -55,7 +50,7 @@ impl PyDataset {
 impl PyDataset {
     #[new]
     fn open(py: Python<'_>, path: PathBuf) -> Result<Self, Failure> {
-        Ok(PyDataset::new(py.detach(|| guarded(|| Ok(Dataset::open(path)?)))?))
+        Ok(PyDataset::new(alone(py, || Ok(Dataset::open(path)?))?))
     }
 
     /// The folder.
@@ -72,10 +67,8 @@ impl PyDataset {
     /// A reach by its number, or a list of reaches by a slice.
     fn __getitem__<'py>(&self, py: Python<'py>, key: &Bound<'py, PyAny>) -> Result<Bound<'py, PyAny>, Failure> {
         if let Ok(slice) = key.cast::<PySlice>() {
-            let indices = slice.indices(self.__len__() as isize)?;
-            let places = (0..indices.slicelength).map(|step| indices.start + step as isize * indices.step);
-            let reaches: Result<Vec<Reach>, Failure> = places.map(|place| Ok(self.reach(self.place(place)?))).collect();
-            return Ok(reaches?.into_pyobject(py)?.into_any());
+            let reaches: Vec<Reach> = places(slice, self.__len__())?.map(|place| self.reach(place)).collect();
+            return Ok(reaches.into_pyobject(py)?.into_any());
         }
         let index: isize = key.extract()?;
         Ok(Bound::new(py, self.reach(self.place(index)?))?.into_any())
@@ -137,68 +130,35 @@ impl PyDataset {
 
     /// The largest contact force of each reach, N: (reaches,).
     fn peak_contact_forces_n<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
-        let numbers = py.detach(|| guarded(|| Ok(self.dataset.peak_contact_forces_n()?)))?;
-        let length = numbers.len();
-        Ok(array::lend(py, numbers, &[length])?)
+        let numbers = alone(py, || Ok(self.dataset.peak_contact_forces_n()?))?;
+        Ok(array::lend(py, numbers, &[self.__len__()])?)
     }
 
     /// Cut all reaches into contact trials.
-    #[pyo3(signature = (*, by = "taxel", patch = None, threshold_n = None, min_samples = 1, labels = "contact", wrap = None))]
-    #[allow(clippy::too_many_arguments, reason = "options by name")]
-    fn trials(
-        &self,
-        py: Python<'_>,
-        by: &str,
-        patch: Option<String>,
-        threshold_n: Option<f64>,
-        min_samples: usize,
-        labels: &str,
-        wrap: Option<bool>,
-    ) -> Result<Trials, Failure> {
-        let (unit, options) = cutting(by, patch, threshold_n, min_samples, labels, wrap)?;
-        let stop = Arc::new(Stop::default());
-        let reported = Reported::new(&stop, None);
-        let cut = || Ok(contact_trials::of_dataset(&self.dataset, unit, &options, &reported)?);
-        let list = watched(py, None, &stop, |_| Ok(()), cut)?;
+    #[pyo3(signature = (**options), text_signature = "($self, *, by='taxel', patch=None, threshold_n=None, min_samples=1, \
+                        labels='contact', wrap=None)")]
+    fn trials(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> Result<Trials, Failure> {
+        let options = cutting(options)?;
+        let cut = |reported: &Reported| Ok(contact_trials::of_dataset(&self.dataset, &options, reported)?);
+        let list = watched(py, None, &Arc::default(), None, cut)?;
         let source = model_data::of_reaches(&self.dataset, self.dataset.episodes().iter());
         Ok(Trials::new(list).cut_from(vec![source]))
     }
 
     /// Check the hash of every file.
     fn verify(&self, py: Python<'_>) -> Result<(), Failure> {
-        py.detach(|| guarded(|| Ok(self.dataset.verify()?)))
+        alone(py, || Ok(self.dataset.verify()?))
     }
 
     fn __repr__(&self) -> String {
         format!("Dataset({:?}, {} reaches)", self.dataset.dir().display().to_string(), self.__len__())
     }
 
-    fn _repr_html_(&self) -> String {
-        let escape = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;");
-        let row = |(number, episode): (usize, &underbrush_recording::disk::Episode)| {
-            format!(
-                "<tr><td>{number}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
-                escape(&episode.scene),
-                episode.frames,
-                episode.outcome.name(),
-                episode.contacts
-            )
-        };
-        let rows: String = self.dataset.episodes().iter().enumerate().take(50).map(row).collect();
-        format!(
-            "<table><caption>{} reaches in {}</caption><tr><th>reach</th><th>scene</th><th>frames</th><th>outcome</th>\
-             <th>contacts</th></tr>{rows}</table>",
-            self.__len__(),
-            escape(&self.dataset.dir().display().to_string())
-        )
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("underbrush._data")?.call_method1("html_of", (slf,))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyAny>, (PathBuf,)) {
         (py.get_type::<PyDataset>().into_any(), (self.path(),))
     }
-}
-
-/// Adds the classes of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyDataset>()
 }

@@ -4,14 +4,15 @@ use std::sync::{Mutex, MutexGuard};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use underbrush_sim::environment::{ActionKind, EnvironmentOptions, Environments, Part, Reward, Stepped};
+use underbrush_sim::controller::ControllerKind;
+use underbrush_sim::environment::{ActionKind, EnvironmentOptions, Environments, Part, Stepped};
 use underbrush_sim::reach::ReachPlan;
 
-use crate::arguments::named;
 use crate::array;
-use crate::failure::Failure;
+use crate::failure::{Failure, locked};
+use crate::given;
 use crate::pool::{self, Helpers};
-use crate::scene::{controller_kind, scene};
+use crate::scene::scene;
 
 /// Several environments that are stepped together.
 #[pyclass(frozen, name = "Environments", module = "underbrush._core")]
@@ -35,34 +36,25 @@ type Answer<'py> = (Bound<'py, PyAny>, Bound<'py, PyDict>);
 
 impl PyEnvironments {
     fn lock(&self) -> Result<MutexGuard<'_, State>, Failure> {
-        self.state.try_lock().map_err(|_| {
-            let text = "another thread is using these environments, or they failed before; make new ones";
-            Failure::Run(text.into())
-        })
+        let text = "another thread is using these environments, or they failed before; make new ones";
+        locked(&self.state, text, text)
     }
 
     fn answer<'py>(&self, py: Python<'py>, state: &State, stepped: &[Option<Stepped>]) -> Result<Answer<'py>, Failure> {
         let size = state.observations.len() / self.count.max(1);
-        let observations = array::copy(py, &state.observations, &[self.count, size], "float32")?;
+        let observations = array::copy(py, &state.observations, &[self.count, size])?;
         let info = PyDict::new(py);
-        let count = [self.count];
-        let numbers = |number: fn(&Stepped) -> f64| -> PyResult<Bound<'py, PyAny>> {
-            let column: Vec<f64> = stepped.iter().map(|own| own.as_ref().map_or(0.0, number)).collect();
-            array::copy(py, &column, &count, "float64")
+        let set = |name: &str, dtype: &str, number: fn(&Stepped) -> f64| {
+            let column = stepped.iter().map(|own| own.as_ref().map_or(0.0, number));
+            info.set_item(name, array::row(py, column)?.call_method1("astype", (dtype,))?)
         };
-        info.set_item("reward", numbers(|own| own.reward)?)?;
-        info.set_item("distance_m", numbers(|own| own.distance_m)?)?;
-        info.set_item("sensed_force_n", numbers(|own| own.sensed_force_n)?)?;
-        info.set_item("contact_force_n", numbers(|own| own.contact_force_n)?)?;
-        info.set_item(
-            "terminated",
-            numbers(|own| f64::from(u8::from(own.terminated)))?.call_method1("astype", ("bool",))?,
-        )?;
-        info.set_item(
-            "truncated",
-            numbers(|own| f64::from(u8::from(own.truncated)))?.call_method1("astype", ("bool",))?,
-        )?;
-        info.set_item("reach_index", numbers(|own| own.reach_index as f64)?.call_method1("astype", ("int64",))?)?;
+        set("reward", "float64", |own| own.reward)?;
+        set("distance_m", "float64", |own| own.distance_m)?;
+        set("sensed_force_n", "float64", |own| own.sensed_force_n)?;
+        set("contact_force_n", "float64", |own| own.contact_force_n)?;
+        set("terminated", "bool", |own| f64::from(u8::from(own.terminated)))?;
+        set("truncated", "bool", |own| f64::from(u8::from(own.truncated)))?;
+        set("reach_index", "int64", |own| own.reach_index as f64)?;
         let outcomes = stepped.iter().map(|own| own.and_then(|own| own.outcome).map_or("", |outcome| outcome.name()));
         info.set_item("outcome", outcomes.collect::<Vec<_>>())?;
         Ok((observations, info))
@@ -72,45 +64,30 @@ impl PyEnvironments {
 #[pymethods]
 impl PyEnvironments {
     #[new]
-    #[pyo3(signature = (scene, count = 1, seed = 0, *, controller = None, action = "equilibrium", frames_per_step = None,
-                        largest_change_rad = None, largest_waypoint_m = None, goals = None, time_limit_s = None,
-                        reward = None, jobs = None))]
-    #[allow(clippy::too_many_arguments, reason = "options by name")]
+    #[pyo3(signature = (scene, count = 1, seed = 0, *, controller = None, jobs = None, **options),
+           text_signature = "(scene, count=1, seed=0, *, controller=None, action='equilibrium', frames_per_step=None, \
+                             largest_change_rad=None, largest_waypoint_m=None, goals=None, time_limit_s=None, reward=None, \
+                             jobs=None)")]
     fn new(
         scene: &Bound<'_, PyAny>,
         count: usize,
         seed: u64,
         controller: Option<&str>,
-        action: &str,
-        frames_per_step: Option<u32>,
-        largest_change_rad: Option<f64>,
-        largest_waypoint_m: Option<f64>,
-        goals: Option<u32>,
-        time_limit_s: Option<f64>,
-        reward: Option<&Bound<'_, PyDict>>,
         jobs: Option<usize>,
+        options: Option<&Bound<'_, PyDict>>,
     ) -> Result<Self, Failure> {
-        let default = EnvironmentOptions::default();
-        let chosen = named("action", action, &ActionKind::NAMED)?;
-        let (unused, given, other) = match chosen {
-            ActionKind::Equilibrium => ("largest_waypoint_m", largest_waypoint_m.is_some(), "waypoint"),
-            ActionKind::Waypoint => ("largest_change_rad", largest_change_rad.is_some(), "equilibrium"),
+        let given = options;
+        let options: EnvironmentOptions = given::options(given)?;
+        let (unused, action, other) = match options.action {
+            ActionKind::Equilibrium => ("largest_waypoint_m", "equilibrium", "waypoint"),
+            ActionKind::Waypoint => ("largest_change_rad", "waypoint", "equilibrium"),
         };
-        if given {
-            let found = format!("given with action={action:?}");
-            let allowed = format!("only for action={other:?}");
+        let unused_value = given.map(|given| given.get_item(unused)).transpose()?.flatten();
+        if unused_value.is_some_and(|value| !value.is_none()) {
+            let (found, allowed) = (format!("given with action={action:?}"), format!("only for action={other:?}"));
             return Err(Failure::argument(unused, found, allowed, "leave it out"));
         }
-        let options = EnvironmentOptions {
-            action: chosen,
-            frames_per_step: frames_per_step.unwrap_or(default.frames_per_step),
-            largest_change_rad: largest_change_rad.unwrap_or(default.largest_change_rad),
-            largest_waypoint_m: largest_waypoint_m.unwrap_or(default.largest_waypoint_m),
-            goals: goals.unwrap_or(default.goals),
-            time_limit_s: time_limit_s.unwrap_or(default.time_limit_s),
-            reward: self::reward(reward)?,
-        };
-        let kind = controller.map(controller_kind).transpose()?;
+        let kind = controller.map(ControllerKind::from_name).transpose()?;
         let plan = ReachPlan::new(self::scene(scene)?, kind, seed)?;
         if !(1..=4096).contains(&count) {
             return Err(Failure::argument("num_envs", count.to_string(), "1 to 4096", "use fewer"));
@@ -148,12 +125,8 @@ impl PyEnvironments {
         mask: Option<Vec<bool>>,
     ) -> Result<Answer<'py>, Failure> {
         let seeds = seeds.unwrap_or_else(|| vec![None; self.count]);
-        for (name, length) in [("seeds", Some(seeds.len())), ("mask", mask.as_ref().map(Vec::len))] {
-            if let Some(length) = length.filter(|length| *length != self.count) {
-                let found = format!("{length} for {} environments", self.count);
-                return Err(Failure::argument(name, found, "one for each environment", "give as many"));
-            }
-        }
+        Failure::unless_one_each("seeds", seeds.len(), self.count, "environment")?;
+        Failure::unless_one_each("mask", mask.as_ref().map_or(self.count, Vec::len), self.count, "environment")?;
         let mut state = self.lock()?;
         let own = &mut *state;
         let stepped = pool::detached(py, self.jobs, || {
@@ -182,33 +155,11 @@ impl PyEnvironments {
     }
 }
 
-/// The weights of the reward: the default ones, replaced by those that are given.
-fn reward(given: Option<&Bound<'_, PyDict>>) -> Result<Reward, Failure> {
-    let mut reward = Reward::default();
-    for (name, value) in given.into_iter().flatten() {
-        let name: String = name.extract()?;
-        let place = match name.as_str() {
-            "progress_per_m" => &mut reward.progress_per_m,
-            "force_per_n_s" => &mut reward.force_per_n_s,
-            "free_force_n" => &mut reward.free_force_n,
-            "time_per_s" => &mut reward.time_per_s,
-            "reached" => &mut reward.reached,
-            "aborted" => &mut reward.aborted,
-            _ => {
-                let allowed = "progress_per_m, force_per_n_s, free_force_n, time_per_s, reached, aborted";
-                return Err(Failure::argument("reward", name, allowed, "choose one of them"));
-            }
-        };
-        *place = value.extract()?;
-    }
-    Ok(reward)
-}
-
 /// Time in seconds that a loop without Python takes for these actions, (steps, environments, numbers), after a first
 /// reset. The comparison shows what stepping from Python costs.
 #[pyfunction]
 #[pyo3(signature = (scene, actions, seed = 0, jobs = None))]
-fn seconds_without_python(
+pub fn seconds_without_python(
     py: Python<'_>,
     scene: &Bound<'_, PyAny>,
     actions: &Bound<'_, PyAny>,
@@ -235,10 +186,4 @@ fn seconds_without_python(
         }
         Ok(start.elapsed().as_secs_f64())
     })
-}
-
-/// Adds the class and the function of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyEnvironments>()?;
-    module.add_function(wrap_pyfunction!(seconds_without_python, module)?)
 }

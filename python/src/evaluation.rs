@@ -4,13 +4,16 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use underbrush_classifier::estimator::{Classifier, Estimator};
-use underbrush_classifier::evaluate::{EvaluationReport, FoldBy, Folds, accuracy_by_samples, cross_validate, evaluate};
+use underbrush_classifier::evaluate::{
+    Evaluation, EvaluationReport, FoldBy, Folds, accuracy_by_samples, cross_validate, evaluate,
+};
+use underbrush_classifier::paper_rule::Scores;
 
-use crate::arguments::{self, decision, named};
+use crate::arguments::decision;
 use crate::classifier::PyModel;
 use crate::failure::Failure;
 use crate::fitting::{Options, estimator_of};
-use crate::interrupt::Stop;
+use crate::given;
 use crate::json;
 use crate::pool;
 use crate::python_classifier::PythonClassifier;
@@ -20,7 +23,7 @@ use crate::trials::Trials;
 fn folds(trials: &Trials, count: usize, group: Option<&str>) -> Result<Folds, Failure> {
     let by = match group {
         None => FoldBy::advised(&trials.list),
-        Some(name) => named("group", name, &[("position", FoldBy::Position), ("reach", FoldBy::Reach)])?,
+        Some(name) => given::named("group", name)?,
     };
     Ok(Folds { count, by })
 }
@@ -29,8 +32,7 @@ fn folds(trials: &Trials, count: usize, group: Option<&str>) -> Result<Folds, Fa
 #[pyfunction]
 #[pyo3(name = "evaluate", signature = (trials, classifier, *, folds = None, group = None, train = None, decision = None,
                                        by_samples = false, jobs = None))]
-#[allow(clippy::too_many_arguments, reason = "options by name")]
-fn evaluate_trials<'py>(
+pub fn evaluate_trials<'py>(
     py: Python<'py>,
     trials: &Trials,
     classifier: &Bound<'py, PyAny>,
@@ -43,26 +45,21 @@ fn evaluate_trials<'py>(
 ) -> Result<Bound<'py, PyAny>, Failure> {
     let list = &trials.list;
     let of_folds = [("folds", folds.is_some()), ("group", group.is_some()), ("by_samples", by_samples)];
+    let of_fitting = [&of_folds[..], &[("train", train.is_some())]].concat();
+    let judged = |judged: Evaluation| json::to_python(py, &EvaluationReport::from(judged));
     if let Ok(model) = classifier.cast::<PyModel>() {
-        refuse("a fitted model", &of_folds)?;
-        refuse("a fitted model", &[("train", train.is_some())])?;
+        refuse("a fitted model", &of_fitting)?;
         let decision = model.get().deciding(decision)?;
-        let model = &model.get().model;
-        let judged = pool::detached(py, jobs, || Ok(evaluate(model.classifier.as_ref(), list, &decision)?))?;
-        return json::to_python(py, &EvaluationReport::from(judged));
+        let model = model.get().model.classifier.as_ref();
+        return judged(pool::detached(py, jobs, || Ok(evaluate(model, list, &decision)?))?);
     }
-    let misfit = match classifier.cast::<Options>() {
-        Ok(options) => options.get().misfit(),
-        Err(_) => Some(arguments::ANY_SCORES.into()),
-    };
-    let decision = self::decision(decision, None, misfit)?;
+    let scores = classifier.cast::<Options>().map_or_else(|_| Scores::of_any_kind(), |options| options.get().scores());
+    let decision = self::decision(decision, &scores)?;
     if !classifier.hasattr("fit_trials")? && classifier.hasattr("scores")? {
-        refuse("a fitted classifier", &of_folds)?;
-        refuse("a fitted classifier", &[("train", train.is_some())])?;
-        let raised = Arc::new(Stop::default());
+        refuse("a fitted classifier", &of_fitting)?;
+        let raised = Arc::default();
         let fitted = PythonClassifier::of(classifier, &raised)?;
-        let judged = pool::detached(py, jobs, || Ok(evaluate(&fitted, list, &decision)?));
-        return json::to_python(py, &EvaluationReport::from(raised.checked(judged)?));
+        return judged(raised.checked(pool::detached(py, jobs, || Ok(evaluate(&fitted, list, &decision)?)))?);
     }
     let (estimator, raised) = estimator_of(classifier)?;
     let estimator: &dyn Estimator = estimator.as_ref();
@@ -96,9 +93,4 @@ fn refuse(with: &str, arguments: &[(&str, bool)]) -> Result<(), Failure> {
             Err(Failure::argument(*name, format!("given with {with}"), allowed, "leave it out"))
         }
     }
-}
-
-/// Adds the function of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(evaluate_trials, module)?)
 }

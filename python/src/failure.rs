@@ -1,23 +1,14 @@
 //! Turns errors of the libraries into exceptions of the package.
 
-use pyo3::exceptions::{PyIndexError, PyKeyboardInterrupt};
+use std::sync::{Mutex, MutexGuard, TryLockError};
+
+use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
+use pyo3::types::PySlice;
 use underbrush_classifier::ModelError;
-use underbrush_classifier::decision::DecisionError;
-use underbrush_classifier::evaluate::{EvaluateError, ThresholdError};
-use underbrush_classifier::feature::FeatureError;
-use underbrush_classifier::online::OnlineError;
-use underbrush_classifier::trial::TrialError;
-use underbrush_experiments::ExperimentError;
 use underbrush_recording::InputError;
-use underbrush_recording::disk::DiskError;
 use underbrush_recording::fault::Fault;
 use underbrush_recording::plain_text::escaped;
-use underbrush_replay::ReplayError;
-use underbrush_report::reproduction::ReproductionError;
-use underbrush_sim::controller::UnknownController;
-use underbrush_sim::reach::ReachError;
-use underbrush_sim::simulation::StateError;
 
 /// The exceptions of the package.
 mod raised {
@@ -51,15 +42,44 @@ impl Failure {
         InputError::new("argument", name, found, allowed, remedy).into()
     }
 
-    /// An index outside a sequence of this length.
-    pub fn index(index: isize, length: usize) -> Self {
-        Failure::Raised(PyIndexError::new_err(format!("index {index} of {length}")))
+    /// The refusal of a list that has not one entry for each of some things.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] if the numbers differ.
+    pub fn unless_one_each(name: &str, length: usize, count: usize, thing: &str) -> Result<(), Failure> {
+        if length == count {
+            return Ok(());
+        }
+        let found = format!("{length} for {count} {thing}s");
+        Err(Failure::argument(name, found, format!("one for each {thing}"), "give as many"))
     }
+}
 
-    /// A run that the user ended with Ctrl-C.
-    pub fn interrupted() -> Self {
-        Failure::Raised(PyKeyboardInterrupt::new_err(()))
-    }
+/// The place that an index, which may count from the end, has in a sequence of this length.
+///
+/// # Errors
+/// An `IndexError` if it is outside.
+pub fn place(index: isize, length: usize) -> Result<usize, Failure> {
+    let place = if index < 0 { index + length as isize } else { index };
+    let place = usize::try_from(place).ok().filter(|place| *place < length);
+    place.ok_or_else(|| PyIndexError::new_err(format!("index {index} of {length}")).into())
+}
+
+/// The places that a slice selects in a sequence of this length.
+pub fn places(slice: &Bound<'_, PySlice>, length: usize) -> PyResult<impl Iterator<Item = usize>> {
+    let indices = slice.indices(length as isize)?;
+    Ok((0..indices.slicelength).map(move |step| (indices.start + step as isize * indices.step) as usize))
+}
+
+/// The state of an object that only one thread may use at a time.
+///
+/// # Errors
+/// [`Failure::Run`] that says that it is `busy`, or that a call `failed` and has left it in the middle of its work.
+pub fn locked<'a, T>(state: &'a Mutex<T>, busy: &str, failed: &str) -> Result<MutexGuard<'a, T>, Failure> {
+    state.try_lock().map_err(|error| match error {
+        TryLockError::WouldBlock => Failure::Run(busy.into()),
+        TryLockError::Poisoned(_) => Failure::Run(failed.into()),
+    })
 }
 
 impl From<Failure> for PyErr {
@@ -114,19 +134,19 @@ macro_rules! library_errors {
     };
 }
 library_errors!(
-    DiskError,
-    TrialError,
-    EvaluateError,
-    ThresholdError,
-    DecisionError,
-    OnlineError,
-    FeatureError,
-    ReachError,
-    StateError,
-    UnknownController,
-    ExperimentError,
-    ReplayError,
-    ReproductionError
+    underbrush_recording::disk::DiskError,
+    underbrush_classifier::trial::TrialError,
+    underbrush_classifier::evaluate::EvaluateError,
+    underbrush_classifier::evaluate::ThresholdError,
+    underbrush_classifier::decision::DecisionError,
+    underbrush_classifier::online::OnlineError,
+    underbrush_classifier::feature::FeatureError,
+    underbrush_sim::controller::UnknownController,
+    underbrush_sim::reach::ReachError,
+    underbrush_sim::simulation::StateError,
+    underbrush_experiments::ExperimentError,
+    underbrush_replay::ReplayError,
+    underbrush_report::reproduction::ReproductionError
 );
 
 impl From<ModelError> for Failure {

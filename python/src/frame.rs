@@ -10,6 +10,7 @@ use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading};
 
 use crate::array;
 use crate::failure::Failure;
+use crate::json;
 use crate::skin::{Skin, patch_index};
 
 /// One sample of arm and skin at 100 Hz, with its ground truth.
@@ -70,39 +71,29 @@ impl PyFrame {
         patch_poses: Option<&Bound<'_, PyDict>>,
     ) -> Result<Self, Failure> {
         let layout = Arc::clone(&skin.layout);
-        let mut taxels = Vec::new();
-        let mut by_patch: Vec<Option<Vec<f64>>> = vec![None; layout.patches.len()];
-        for (name, value) in sensed_force_n {
+        let patch_of = |name: &Bound<'_, PyAny>| -> Result<(String, usize), Failure> {
             let name: String = name.extract()?;
-            let index = patch_index(&layout, Some(&name))?;
-            let count = layout.patches[index].taxels.len();
-            let forces = array::finite(&value, &name, &[Some(count)])?.0;
-            if let Some(taxel) = forces.iter().position(|force| !FORCE_N.hold(*force)) {
-                return Err(Failure::argument(
-                    "sensed_force_n",
-                    format!("{} N on taxel {taxel} of the patch {name}", forces[taxel]),
-                    FORCE_N.to_string(),
-                    "give newtons, and 0 where the zero of a sensor has drifted below 0",
-                ));
-            }
-            by_patch[index] = Some(forces);
-        }
-        for (patch, forces) in by_patch.iter().enumerate() {
-            for (taxel, force) in forces.iter().flatten().enumerate().filter(|(_, force)| **force != 0.0) {
-                taxels.push(TaxelReading {
-                    patch: patch as u16,
-                    taxel: taxel as u16,
-                    true_normal_force_n: 0.0,
-                    true_shear_force_n: [0.0; 2],
-                    sensed_force_n: *force,
-                    object: None,
-                });
+            let patch = patch_index(&layout, Some(&name))?;
+            Ok((name, patch))
+        };
+        let mut taxels = Vec::new();
+        for (name, value) in sensed_force_n {
+            let (name, patch) = patch_of(&name)?;
+            let forces = array::finite(&value, &name, &[Some(layout.patches[patch].taxels.len())])?.0;
+            for (taxel, &sensed_force_n) in forces.iter().enumerate().filter(|(_, force)| **force != 0.0) {
+                if !FORCE_N.hold(sensed_force_n) {
+                    let found = format!("{sensed_force_n} N on taxel {taxel} of the patch {name}");
+                    let remedy = "give newtons, and 0 where the zero of a sensor has drifted below 0";
+                    return Err(Failure::argument("sensed_force_n", found, FORCE_N.to_string(), remedy));
+                }
+                let (patch, taxel) = (patch as u16, taxel as u16);
+                taxels.push(TaxelReading { patch, taxel, sensed_force_n, ..TaxelReading::default() });
             }
         }
+        taxels.sort_by_key(|reading| (reading.patch, reading.taxel));
         let mut poses = vec![NO_POSE; layout.patches.len()];
         for (name, value) in patch_poses.into_iter().flatten() {
-            let name: String = name.extract()?;
-            let index = patch_index(&layout, Some(&name))?;
+            let (name, index) = patch_of(&name)?;
             let pose = pose_of(&array::finite(&value, &name, &[Some(7)])?.0);
             let length = pose.orientation.length();
             if (length - 1.0).abs() > QUATERNION_TOLERANCE {
@@ -128,76 +119,68 @@ impl PyFrame {
     /// Joint angles, rad: (joints,).
     #[getter]
     fn joint_angle_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let numbers = &self.frame.joint_angle_rad;
-        array::copy(py, numbers, &[numbers.len()], "float64")
+        array::row(py, self.frame.joint_angle_rad.iter().copied())
     }
 
     /// Joint velocities, rad/s: (joints,).
     #[getter]
     fn joint_velocity_rad_per_s<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let numbers = &self.frame.joint_velocity_rad_per_s;
-        array::copy(py, numbers, &[numbers.len()], "float64")
+        array::row(py, self.frame.joint_velocity_rad_per_s.iter().copied())
     }
 
     /// Equilibrium angles of the joints' springs, rad: (joints,).
     #[getter]
     fn equilibrium_angle_rad<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let numbers = &self.frame.equilibrium_angle_rad;
-        array::copy(py, numbers, &[numbers.len()], "float64")
+        array::row(py, self.frame.equilibrium_angle_rad.iter().copied())
     }
 
     /// Joint torques without gravity compensation, Nm: (joints,).
     #[getter]
     fn joint_torque_nm<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let numbers = &self.frame.joint_torque_nm;
-        array::copy(py, numbers, &[numbers.len()], "float64")
+        array::row(py, self.frame.joint_torque_nm.iter().copied())
     }
 
     /// Pose of the end effector, world frame: x, y, z in m, and a quaternion x, y, z, w.
     #[getter]
     fn end_effector_pose_world<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        array::copy(py, &self.frame.end_effector_pose_world.numbers(), &[7], "float64")
+        array::row(py, self.frame.end_effector_pose_world.numbers())
     }
 
     /// Current goal of the end effector, m, world frame: (3,).
     #[getter]
     fn goal_position_world<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        array::copy(py, &self.frame.goal_position_world.to_array(), &[3], "float64")
+        array::row(py, self.frame.goal_position_world.to_array())
     }
 
     /// Pose of the link under a patch, world frame: x, y, z in m, and a quaternion x, y, z, w.
     #[pyo3(signature = (patch = None))]
     fn patch_pose_world<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
-        let index = patch_index(&self.layout, patch)?;
-        Ok(array::copy(py, &self.frame.patch_pose_world[index].numbers(), &[7], "float64")?)
+        Ok(array::row(py, self.frame.patch_pose_world[patch_index(&self.layout, patch)?].numbers())?)
     }
 
     /// What each taxel of a patch senses, N: (taxels,).
     #[pyo3(signature = (patch = None))]
     fn sensed_force_n<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
-        let numbers = self.of_taxels(patch, 0.0, |reading| reading.sensed_force_n)?;
-        Ok(array::copy(py, &numbers, &[numbers.len()], "float64")?)
+        Ok(array::row(py, self.of_taxels(patch, 0.0, |reading| reading.sensed_force_n)?)?)
     }
 
     /// Ground truth: the normal force on each taxel of a patch before the sensor, N: (taxels,).
     #[pyo3(signature = (patch = None))]
     fn true_normal_force_n<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
-        let numbers = self.of_taxels(patch, 0.0, |reading| reading.true_normal_force_n)?;
-        Ok(array::copy(py, &numbers, &[numbers.len()], "float64")?)
+        Ok(array::row(py, self.of_taxels(patch, 0.0, |reading| reading.true_normal_force_n)?)?)
     }
 
     /// Ground truth: the object that presses hardest on each taxel of a patch, -1 for none: (taxels,).
     #[pyo3(signature = (patch = None))]
     fn object<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
         let numbers = self.of_taxels(patch, -1_i32, |reading| reading.object.map_or(-1, i32::from))?;
-        Ok(array::copy(py, &numbers, &[numbers.len()], "int32")?)
+        Ok(array::copy(py, &numbers, &[numbers.len()])?)
     }
 
     /// Ground truth: the sum of the contact forces on a patch, N, world frame: (3,).
     #[pyo3(signature = (patch = None))]
     fn contact_force_world<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
-        let index = patch_index(&self.layout, patch)?;
-        Ok(array::copy(py, &self.frame.contact_force_world[index].to_array(), &[3], "float64")?)
+        Ok(array::row(py, self.frame.contact_force_world[patch_index(&self.layout, patch)?].to_array())?)
     }
 
     fn __repr__(&self) -> String {
@@ -205,21 +188,12 @@ impl PyFrame {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {
-        let text = serde_json::to_string(&(&self.frame, &*self.layout));
-        let text = text.map_err(|error| Failure::Run(error.to_string()))?;
-        Ok((py.get_type::<PyFrame>().getattr("_from_json")?, (text,)))
+        json::pickled::<PyFrame>(py, &(&self.frame, &*self.layout))
     }
 
     #[staticmethod]
     fn _from_json(text: &str) -> Result<Self, Failure> {
-        let read = serde_json::from_str(text);
-        let (frame, layout): (Frame, SkinLayout) = read.map_err(|error| Failure::Usage(error.to_string()))?;
-        let layout = Arc::new(layout);
-        Ok(PyFrame { frame, layout })
+        let (frame, layout) = json::unpickled(text.as_bytes())?;
+        Ok(PyFrame { frame, layout: Arc::new(layout) })
     }
-}
-
-/// Adds the classes of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyFrame>()
 }

@@ -1,6 +1,5 @@
 //! Making data sets.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -8,21 +7,21 @@ use pyo3::prelude::*;
 use pyo3::types::PyList;
 use underbrush_experiments::dataset::{Campaign, Written, require_same_reaches};
 use underbrush_experiments::verdict_controller::VerdictControl;
-use underbrush_recording::disk::{Dataset, Shard, check_not_input, remove_dataset};
+use underbrush_recording::disk::{Dataset, DiskError, Shard, Shards, check_not_input, remove_dataset};
 
 use crate::controller;
 use crate::dataset::PyDataset;
 use crate::failure::Failure;
-use crate::interrupt::{Stop, watched};
-use crate::progress::Reported;
+use crate::interrupt::Stop;
+use crate::pool::alone;
+use crate::progress::{Reported, watched};
 use crate::scene::scene;
 
 /// Simulate many reaches and write them as a data set.
 #[pyfunction]
 #[pyo3(signature = (scenes, reaches, out, *, seed = 0, controller = None, verdicts = None, resume = false, force = false,
                     shard = None, progress = None, jobs = None))]
-#[allow(clippy::too_many_arguments, reason = "options by name")]
-fn generate(
+pub fn generate(
     py: Python<'_>,
     scenes: &Bound<'_, PyAny>,
     reaches: u64,
@@ -38,7 +37,7 @@ fn generate(
 ) -> Result<PyDataset, Failure> {
     let stop = Arc::new(Stop::default());
     let mut campaign = described(scenes, reaches, seed, controller, verdicts, &stop)?;
-    campaign.shard = self::shard(shard)?;
+    campaign.shard = shard.map(part).transpose()?;
     make_room(&out, &[], resume, force)?;
     write(py, &campaign, &out, resume, &stop, progress, jobs)
 }
@@ -46,8 +45,7 @@ fn generate(
 /// Simulate one part of a campaign into a folder that all parts share.
 #[pyfunction]
 #[pyo3(signature = (scenes, reaches, out, shard, *, seed = 0, controller = None, verdicts = None, progress = None, jobs = None))]
-#[allow(clippy::too_many_arguments, reason = "options by name")]
-fn generate_shared(
+pub fn generate_shared(
     py: Python<'_>,
     scenes: &Bound<'_, PyAny>,
     reaches: u64,
@@ -62,18 +60,14 @@ fn generate_shared(
     let part = self::part(shard)?;
     let stop = Arc::new(Stop::default());
     let campaign = described(scenes, reaches, seed, controller, verdicts, &stop)?;
-    let reported = Reported::new(&stop, progress);
-    let run = || Ok(campaign.write_shared(&out, part, &reported)?);
-    let written = watched(py, jobs, &stop, |py| reported.show(py), run)?;
-    reported.show(py)?;
-    Ok(written.map(finished))
+    let run = |reported: &Reported| Ok(campaign.write_shared(&out, part, reported)?);
+    Ok(watched(py, jobs, &stop, progress, run)?.map(finished))
 }
 
 /// Make a data set again from what it stores.
 #[pyfunction]
 #[pyo3(signature = (dataset, out, *, verdicts = None, resume = false, force = false, progress = None, jobs = None))]
-#[allow(clippy::too_many_arguments, reason = "options by name")]
-fn generate_again(
+pub fn generate_again(
     py: Python<'_>,
     dataset: PathBuf,
     out: PathBuf,
@@ -87,13 +81,13 @@ fn generate_again(
     let source = Dataset::open(&dataset)?;
     let campaign = Campaign::of(&source, verdicts)?;
     make_room(&out, &[dataset], resume, force)?;
-    let made = write(py, &campaign, &out, resume, &Arc::new(Stop::default()), progress, jobs)?;
+    let made = write(py, &campaign, &out, resume, &Arc::default(), progress, jobs)?;
     require_same_reaches(made.set(), &source)?;
     Ok(made)
 }
 
 /// With `force`, removes the data set in a folder that is not one of the inputs.
-pub fn make_room(out: &Path, inputs: &[PathBuf], resume: bool, force: bool) -> Result<(), Failure> {
+fn make_room(out: &Path, inputs: &[PathBuf], resume: bool, force: bool) -> Result<(), Failure> {
     if resume && force {
         let allowed = "either resume or force";
         return Err(Failure::argument("force", "True with resume", allowed, "leave one out"));
@@ -118,31 +112,16 @@ fn described(
         Ok(list) => list.iter().map(|own| scene(&own)).collect::<Result<Vec<_>, _>>()?,
         Err(_) => vec![scene(scenes)?],
     };
-    let mut names: Vec<&str> = listed.iter().map(|scene| scene.name.as_str()).collect();
-    names.sort_unstable();
-    if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-        let found = format!("two scenes called {}", pair[0]);
-        return Err(Failure::argument("scenes", found, "scenes with names of their own", "rename one of them"));
-    }
-    let (kind, own) = controller::chosen(controller, stop)?;
-    Ok(Campaign {
-        scenes: listed.into_iter().map(|scene| (scene, reaches)).collect(),
-        arms: BTreeMap::new(),
-        seed,
-        controller: kind,
-        own_controller: own,
-        verdicts: verdicts.as_deref().map(VerdictControl::load).transpose()?,
-        shard: None,
-    })
-}
-
-/// Part I of N, counted from 1, if one is given.
-pub fn shard(shard: Option<(u64, u64)>) -> Result<Option<Shard>, Failure> {
-    shard.map(part).transpose()
+    let verdicts = verdicts.as_deref().map(VerdictControl::load).transpose()?;
+    let (controller, own_controller) = controller::chosen(controller, stop)?;
+    Ok(Campaign { controller, own_controller, verdicts, ..Campaign::new(listed, reaches, seed)? })
 }
 
 /// Part I of N, counted from 1.
-fn part((number, count): (u64, u64)) -> Result<Shard, Failure> {
+///
+/// # Errors
+/// [`Failure::Input`] if there is no such part.
+pub fn part((number, count): (u64, u64)) -> Result<Shard, Failure> {
     if (1..=count).contains(&number) {
         return Ok(Shard { index: number - 1, count });
     }
@@ -168,16 +147,47 @@ pub fn write(
     progress: Option<Py<PyAny>>,
     jobs: Option<usize>,
 ) -> Result<PyDataset, Failure> {
-    let reported = Reported::new(stop, progress);
-    let run = || Ok(campaign.write(out, resume, &reported)?);
-    let written = watched(py, jobs, stop, |py| reported.show(py), run)?;
-    reported.show(py)?;
-    Ok(finished(written))
+    let run = |reported: &Reported| Ok(campaign.write(out, resume, reported)?);
+    Ok(finished(watched(py, jobs, stop, progress, run)?))
 }
 
-/// Adds the functions of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(generate, module)?)?;
-    module.add_function(wrap_pyfunction!(generate_shared, module)?)?;
-    module.add_function(wrap_pyfunction!(generate_again, module)?)
+/// Join all parts that ``generate(..., shard=(I, N))`` has made into the set that one call without ``shard`` makes,
+/// byte for byte.
+///
+/// Parameters
+/// ----------
+/// parts : list of paths
+///     The folders of all parts, in any order.
+/// out : path
+///     The folder to write.
+/// resume : bool
+///     Continue an interrupted merge. If the set is finished already, open it.
+/// force : bool
+///     Remove the data set that is in ``out`` first.
+///
+/// Returns
+/// -------
+/// Dataset
+///
+/// Raises
+/// ------
+/// InputError
+///     If a folder holds no finished part or a damaged one, if parts are missing, given twice or from different
+///     campaigns, or if ``out`` holds anything (with ``resume``, anything but this merge). The message names it.
+#[pyfunction]
+#[pyo3(signature = (parts, out, *, resume = false, force = false))]
+pub fn merge(
+    py: Python<'_>,
+    parts: Vec<PathBuf>,
+    out: PathBuf,
+    resume: bool,
+    force: bool,
+) -> Result<PyDataset, Failure> {
+    make_room(&out, &parts, resume, force)?;
+    let merge = || match Shards::open(parts)?.merge(&out, resume, || ()) {
+        // With `resume`, this means that the set has the same plan.
+        Err(DiskError::Finished { .. }) if resume => Ok(Dataset::open(&out)?),
+        merged => Ok(merged?),
+    };
+    Ok(PyDataset::new(alone(py, merge)?))
 }

@@ -2,15 +2,10 @@
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
 use pyo3::prelude::*;
 
 use crate::failure::Failure;
-use crate::pool;
-
-/// How often signals are checked.
-const PERIOD: Duration = Duration::from_millis(50);
 
 /// Tells a run to end.
 #[derive(Default)]
@@ -53,43 +48,4 @@ impl Stop {
             Err(failure) => Err(self.reason(failure)),
         }
     }
-}
-
-/// Runs work on the pool in another thread while this one checks for signals and calls `meanwhile`. If a signal handler
-/// or `meanwhile` raises, this sets `stop`, and waits for the work, which then ends soon.
-///
-/// # Errors
-/// Those of the work, or the exception.
-pub fn watched<T: Send>(
-    py: Python<'_>,
-    jobs: Option<usize>,
-    stop: &Stop,
-    mut meanwhile: impl FnMut(Python<'_>) -> PyResult<()>,
-    work: impl FnOnce() -> Result<T, Failure> + Send,
-) -> Result<T, Failure> {
-    let (sender, receiver) = std::sync::mpsc::sync_channel(1);
-    let receiver = Mutex::new(receiver);
-    let result = std::thread::scope(|scope| {
-        scope.spawn(move || {
-            // The receiver exists until the result has arrived.
-            let _ = sender.send(pool::install(jobs, work));
-        });
-        loop {
-            let come = py.detach(|| match receiver.lock() {
-                Ok(receiver) => receiver.recv_timeout(PERIOD),
-                Err(_) => Err(std::sync::mpsc::RecvTimeoutError::Disconnected),
-            });
-            match come {
-                Ok(result) => return result,
-                Err(std::sync::mpsc::RecvTimeoutError::Timeout) => {}
-                Err(_) => return Err(Failure::Run("the working thread ended without a result".into())),
-            }
-            if !stop.is_set()
-                && let Err(error) = py.check_signals().and_then(|()| meanwhile(py))
-            {
-                stop.raise(error);
-            }
-        }
-    });
-    result.map_err(|failure| stop.reason(failure))
 }

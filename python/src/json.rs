@@ -1,8 +1,10 @@
 //! Results as plain Python objects: dictionaries, lists, numbers and texts, as `--json` prints them.
 
+use pyo3::PyTypeInfo;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use crate::failure::Failure;
@@ -17,6 +19,20 @@ pub fn value(result: &impl Serialize) -> Result<Value, Failure> {
     serde_json::to_value(result).map_err(|error| Failure::Run(error.to_string()))
 }
 
+/// What a pickle of an object of the class `C` holds: a call of its `_from_json` with this value.
+pub fn pickled<'py, C: PyTypeInfo>(
+    py: Python<'py>,
+    value: &impl Serialize,
+) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {
+    let text = serde_json::to_string(value).map_err(|error| Failure::Run(error.to_string()))?;
+    Ok((py.get_type::<C>().getattr("_from_json")?, (text,)))
+}
+
+/// A value from the JSON in a pickle.
+pub fn unpickled<T: DeserializeOwned>(json: &[u8]) -> Result<T, Failure> {
+    serde_json::from_slice(json).map_err(|error| Failure::Usage(error.to_string()))
+}
+
 fn object<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
     Ok(match value {
         Value::Null => py.None().into_bound(py),
@@ -28,17 +44,12 @@ fn object<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
             (None, None) => number.as_f64().unwrap_or(f64::NAN).into_pyobject(py)?.into_any(),
         },
         Value::Array(items) => {
-            let list = PyList::empty(py);
-            for item in items {
-                list.append(object(py, item)?)?;
-            }
-            list.into_any()
+            let items: PyResult<Vec<_>> = items.iter().map(|item| object(py, item)).collect();
+            PyList::new(py, items?)?.into_any()
         }
         Value::Object(entries) => {
             let dict = PyDict::new(py);
-            for (key, entry) in entries {
-                dict.set_item(key, object(py, entry)?)?;
-            }
+            entries.iter().try_for_each(|(key, entry)| dict.set_item(key, object(py, entry)?))?;
             dict.into_any()
         }
     })

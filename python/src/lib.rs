@@ -1,14 +1,12 @@
 //! The native module of the Python package `underbrush`. It converts arguments and results, and holds no physics and no
 //! statistics. Without the feature `extension` it is empty.
 #![cfg(feature = "extension")]
-
-use pyo3::prelude::*;
+#![allow(clippy::too_many_arguments, reason = "options by name")]
 
 mod arguments;
 mod arm;
 mod array;
 mod benchmark;
-mod body;
 mod classifier;
 mod controller;
 mod controller_input;
@@ -19,12 +17,10 @@ mod failure;
 mod fitting;
 mod frame;
 mod generate;
+mod given;
 mod interrupt;
 mod json;
-mod merge;
-mod model_kind;
 mod online;
-mod pickled;
 mod pool;
 mod progress;
 mod python_classifier;
@@ -32,48 +28,51 @@ mod reach;
 mod replay;
 mod scene;
 mod sequences;
-mod simulate;
 mod simulation;
 mod skin;
-mod source;
 mod study;
 mod table;
 mod touch;
-mod trial;
 mod trials;
 mod validation;
 mod warning;
 
 /// The native part of underbrush.
-#[pymodule(gil_used = true)]
-fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add("PROGRAM_VERSION", underbrush_experiments::dataset::PROGRAM_VERSION)?;
-    warning::show();
-    scene::add_to(module)?;
-    skin::add_to(module)?;
-    frame::add_to(module)?;
-    arm::add_to(module)?;
-    simulation::add_to(module)?;
-    controller_input::add_to(module)?;
-    controller::add_to(module)?;
-    reach::add_to(module)?;
-    simulate::add_to(module)?;
-    table::add_to(module)?;
-    dataset::add_to(module)?;
-    generate::add_to(module)?;
-    merge::add_to(module)?;
-    trial::add_to(module)?;
-    trials::add_to(module)?;
-    classifier::add_to(module)?;
-    fitting::add_to(module)?;
-    evaluation::add_to(module)?;
-    online::add_to(module)?;
-    touch::add_to(module)?;
-    environment::add_to(module)?;
-    validation::add_to(module)?;
-    replay::add_to(module)?;
-    study::add_to(module)?;
-    benchmark::add_to(module)?;
-    array::add_to(module)
+#[pyo3::pymodule(gil_used = true)]
+mod _core {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::{
+        arm::PyArm,
+        array::Numbers,
+        benchmark::{benchmark, benchmark_part, benchmark_sets},
+        classifier::PyModel,
+        controller::ShippedController,
+        controller_input::PyControllerInput,
+        dataset::PyDataset,
+        environment::{PyEnvironments, seconds_without_python},
+        evaluation::evaluate_trials,
+        fitting::{Options, classifiers, fit},
+        frame::PyFrame,
+        generate::{generate, generate_again, generate_shared, merge},
+        online::{Online, online},
+        reach::{Reach, simulate},
+        replay::{_check_free, replay_page},
+        scene::{Picture, PyScene},
+        simulation::{PySimulation, step_many},
+        skin::Skin,
+        study::{check, inspect, reproduce, run_campaign},
+        table::PyTable,
+        touch::PyTouchModel,
+        trials::{PyTrial, Trials},
+        validation::{checks, validate},
+    };
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        underbrush_experiments::show_warnings(crate::warning::show);
+        module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+        module.add("PROGRAM_VERSION", underbrush_experiments::dataset::PROGRAM_VERSION)
+    }
 }

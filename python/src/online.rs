@@ -1,17 +1,16 @@
 //! Verdicts frame by frame.
 
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use underbrush_classifier::decision::Decision;
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
-use underbrush_classifier::touch::{Touch, TouchClassifier};
-use underbrush_classifier::trial::TrialOptions;
+use underbrush_classifier::paper_rule::Scores;
+use underbrush_classifier::touch::TouchClassifier;
 use underbrush_recording::SkinLayout;
 
 use crate::arguments;
-use crate::failure::Failure;
+use crate::failure::{Failure, locked};
 use crate::frame::PyFrame;
 use crate::interrupt::Stop;
 use crate::python_classifier::PythonClassifier;
@@ -35,13 +34,6 @@ struct State {
     last_s: Option<f64>,
 }
 
-impl State {
-    /// The state before the first frame.
-    fn before(kind: Kind) -> Mutex<Self> {
-        Mutex::new(State { kind, last_s: None })
-    }
-}
-
 enum Kind {
     Contacts(Box<OnlineClassifier>),
     Touch(Box<TouchClassifier>),
@@ -55,44 +47,32 @@ impl Online {
         skin: &Skin,
         needs_pose_of: Option<usize>,
     ) -> Self {
-        Online {
-            needs_pose_of,
-            state: State::before(Kind::Contacts(Box::new(classifier))),
-            categories,
-            layout: Arc::clone(&skin.layout),
-            raised: None,
-        }
+        Online::new(Kind::Contacts(Box::new(classifier)), categories, skin, needs_pose_of)
     }
 
     /// Verdicts of a touch model.
     pub fn of_touch(classifier: TouchClassifier, skin: &Skin) -> Self {
-        let patch = classifier.model().options().patch.as_deref();
-        Online {
-            needs_pose_of: skin.layout.chosen_patch(patch),
-            categories: classifier.model().categories().to_vec(),
-            state: State::before(Kind::Touch(Box::new(classifier))),
-            layout: Arc::clone(&skin.layout),
-            raised: None,
-        }
+        let patch = skin.layout.chosen_patch(classifier.model().options().patch.as_deref());
+        let categories = classifier.model().categories().to_vec();
+        Online::new(Kind::Touch(Box::new(classifier)), categories, skin, patch)
+    }
+
+    fn new(kind: Kind, categories: Vec<String>, skin: &Skin, needs_pose_of: Option<usize>) -> Self {
+        let (state, layout) = (Mutex::new(State { kind, last_s: None }), Arc::clone(&skin.layout));
+        Online { state, categories, layout, needs_pose_of, raised: None }
     }
 
     fn lock(&self) -> Result<MutexGuard<'_, State>, Failure> {
-        self.state.try_lock().map_err(|error| match error {
-            TryLockError::WouldBlock => {
-                Failure::Run("another thread is using this classifier; give each stream of frames its own".into())
-            }
-            TryLockError::Poisoned(_) => Failure::Run("this classifier failed before; make a new one".into()),
-        })
+        let busy = "another thread is using this classifier; give each stream of frames its own";
+        locked(&self.state, busy, "this classifier failed before; make a new one")
     }
+}
 
-    fn named(&self, touch: Touch) -> &str {
-        match touch {
-            Touch::Nothing => "nothing",
-            Touch::Uncertain => "uncertain",
-            Touch::Unknown => "unknown",
-            Touch::Category(index) => self.categories.get(index).map_or("uncertain", String::as_str),
-        }
-    }
+/// A dictionary with a number for each category.
+fn by_category<'py>(py: Python<'py>, categories: &[String], numbers: &[f64]) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    categories.iter().zip(numbers).try_for_each(|(category, number)| dict.set_item(category, number))?;
+    Ok(dict)
 }
 
 #[pymethods]
@@ -113,23 +93,17 @@ impl Online {
         }
         if let Some(patch) = self.needs_pose_of.filter(|patch| !frame.has_pose(*patch)) {
             let name = &self.layout.patches[patch].name;
+            let (found, remedy) =
+                (format!("no pose of the patch {name}"), format!("make it with patch_poses={{{name:?}: …}}"));
             let allowed = "a frame with this pose, because the classifier uses motion";
-            return Err(Failure::argument(
-                "frame",
-                format!("no pose of the patch {name}"),
-                allowed,
-                format!("make it with patch_poses={{{name:?}: …}}"),
-            ));
+            return Err(Failure::argument("frame", found, allowed, remedy));
         }
         let mut state = self.lock()?;
         let time_s = frame.frame.time_s;
         if let Some(last_s) = state.last_s.filter(|last_s| time_s <= *last_s) {
-            return Err(Failure::argument(
-                "frame",
-                format!("the time {time_s} s"),
-                format!("a later time than {last_s} s, that of the frame before"),
-                "give each frame once; for another reach make a new classifier",
-            ));
+            let allowed = format!("a later time than {last_s} s, that of the frame before");
+            let remedy = "give each frame once; for another reach make a new classifier";
+            return Err(Failure::argument("frame", format!("the time {time_s} s"), allowed, remedy));
         }
         let verdicts = PyList::empty(py);
         match &mut state.kind {
@@ -139,11 +113,7 @@ impl Online {
                     verdict.set_item("taxel", taxel.taxel)?;
                     verdict.set_item("samples", taxel.samples)?;
                     verdict.set_item("verdict", taxel.verdict.name())?;
-                    let scores = PyDict::new(py);
-                    for (category, score) in self.categories.iter().zip(&taxel.scores) {
-                        scores.set_item(category, score)?;
-                    }
-                    verdict.set_item("scores", scores)?;
+                    verdict.set_item("scores", by_category(py, &self.categories, &taxel.scores)?)?;
                     verdicts.append(verdict)?;
                 }
             }
@@ -155,12 +125,9 @@ impl Online {
                     verdict.set_item("samples", taxel.samples)?;
                     verdict.set_item("contact", classifier.regions()[taxel.region].contact)?;
                     verdict.set_item("nothing", taxel.nothing)?;
-                    verdict.set_item("verdict", self.named(taxel.touch))?;
-                    let probabilities = PyDict::new(py);
-                    for (category, own) in self.categories.iter().zip(classifier.probabilities(taxel.region)) {
-                        probabilities.set_item(category, own)?;
-                    }
-                    verdict.set_item("probabilities", probabilities)?;
+                    verdict.set_item("verdict", taxel.touch.name(&self.categories))?;
+                    let probabilities = classifier.probabilities(taxel.region);
+                    verdict.set_item("probabilities", by_category(py, &self.categories, probabilities)?)?;
                     verdicts.append(verdict)?;
                 }
             }
@@ -176,7 +143,7 @@ impl Online {
 /// Classify frame by frame with a classifier written in Python: an object with `categories` and `scores(trials)`.
 #[pyfunction]
 #[pyo3(signature = (classifier, skin, patch = None, *, threshold_n = None, decision = None))]
-fn online(
+pub fn online(
     classifier: &Bound<'_, PyAny>,
     skin: &Skin,
     patch: Option<String>,
@@ -184,21 +151,9 @@ fn online(
     decision: Option<&Bound<'_, PyAny>>,
 ) -> Result<Online, Failure> {
     let own = PythonClassifier::of(classifier, &Arc::new(Stop::default()))?;
-    let options = OnlineOptions {
-        patch,
-        threshold_n: threshold_n.unwrap_or(TrialOptions::default().threshold_n),
-        decision: match decision {
-            None => Decision::argmax(),
-            some => arguments::decision(some, None, Some(arguments::ANY_SCORES.into()))?,
-        },
-    };
+    let decision = arguments::decision(decision, &Scores::of_any_kind())?;
+    let options = OnlineOptions::new(patch, threshold_n, decision);
     let made = OnlineClassifier::new(&own, &skin.layout, &options)?;
     let categories = underbrush_classifier::estimator::Classifier::categories(&own);
     Ok(Online { raised: Some(own.raised()), ..Online::of_contacts(made, categories, skin, None) })
-}
-
-/// Adds the class and the function of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Online>()?;
-    module.add_function(wrap_pyfunction!(online, module)?)
 }

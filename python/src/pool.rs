@@ -116,6 +116,14 @@ pub fn detached<T: Send>(
     py.detach(|| install(jobs, work))
 }
 
+/// Runs work on this thread without the interpreter's lock.
+///
+/// # Errors
+/// As [`guarded`].
+pub fn alone<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T, Failure> + Send) -> Result<T, Failure> {
+    py.detach(|| guarded(work))
+}
+
 /// Runs work. A panic, such as that of the physics engine in an extreme scene, becomes an error.
 ///
 /// # Errors

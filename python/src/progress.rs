@@ -1,26 +1,41 @@
 //! Passes the progress of a run on to Python.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use pyo3::prelude::*;
 use underbrush_experiments::{Counter, Progress};
 use underbrush_recording::GoalOutcomes;
 
+use crate::failure::Failure;
 use crate::interrupt::Stop;
+use crate::pool;
+
+/// How often signals are checked.
+const PERIOD: Duration = Duration::from_millis(50);
 
 /// What a run has done so far.
 #[derive(Default)]
 struct Done {
-    things: AtomicU64,
-    total: AtomicU64,
-    goals: Mutex<GoalOutcomes>,
-    remarks: Mutex<Vec<String>>,
+    things: u64,
+    total: u64,
+    goals: GoalOutcomes,
+    remarks: Vec<String>,
+}
+
+/// What a run has done so far, shared with its threads.
+#[derive(Clone, Default)]
+struct Shared(Arc<Mutex<Done>>);
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, Done> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// Passes the progress of a run on to a Python function, and asks whether the run should end.
 pub struct Reported {
-    done: Arc<Done>,
+    done: Shared,
     stop: Arc<Stop>,
     callback: Option<Py<PyAny>>,
 }
@@ -28,22 +43,21 @@ pub struct Reported {
 impl Reported {
     /// Progress for this function, called as `callback(done, total, text)`.
     pub fn new(stop: &Arc<Stop>, callback: Option<Py<PyAny>>) -> Self {
-        Reported { done: Arc::default(), stop: Arc::clone(stop), callback }
+        Reported { done: Shared::default(), stop: Arc::clone(stop), callback }
     }
 
     /// Shows what is new: remarks as warnings, and the count.
     pub fn show(&self, py: Python<'_>) -> PyResult<()> {
-        let remarks = self.done.remarks.lock().map(|mut remarks| std::mem::take(&mut *remarks));
-        for remark in remarks.unwrap_or_default() {
+        let Done { things, total, goals, remarks } = {
+            let mut done = self.done.lock();
+            Done { remarks: std::mem::take(&mut done.remarks), ..*done }
+        };
+        for remark in remarks {
             py.import("warnings")?.call_method1("warn", (remark,))?;
         }
-        let total = self.done.total.load(Ordering::Relaxed);
         if let Some(callback) = self.callback.as_ref().filter(|_| total > 0) {
-            let goals = self.done.goals.lock().map_or(String::new(), |goals| match goals.tried() {
-                0 => String::new(),
-                _ => goals.to_string(),
-            });
-            callback.call1(py, (self.done.things.load(Ordering::Relaxed), total, goals))?;
+            let goals = if goals.tried() == 0 { String::new() } else { goals.to_string() };
+            callback.call1(py, (things, total, goals))?;
         }
         Ok(())
     }
@@ -53,15 +67,13 @@ impl Progress for Reported {
     fn stage(&self, _: &str) {}
 
     fn remark(&self, text: &str) {
-        if let Ok(mut remarks) = self.done.remarks.lock() {
-            remarks.push(text.to_owned());
-        }
+        self.done.lock().remarks.push(text.to_owned());
     }
 
-    fn count(&self, _: &str, total: u64, done: u64) -> Box<dyn Counter> {
-        self.done.total.store(total, Ordering::Relaxed);
-        self.done.things.store(done, Ordering::Relaxed);
-        Box::new(Counted(Arc::clone(&self.done)))
+    fn count(&self, _: &str, total: u64, things: u64) -> Box<dyn Counter> {
+        let mut done = self.done.lock();
+        (done.things, done.total) = (things, total);
+        Box::new(self.done.clone())
     }
 
     fn is_stopped(&self) -> bool {
@@ -69,17 +81,58 @@ impl Progress for Reported {
     }
 }
 
-struct Counted(Arc<Done>);
-
-impl Counter for Counted {
+impl Counter for Shared {
     fn advance(&self) {
-        self.0.things.fetch_add(1, Ordering::Relaxed);
+        self.lock().things += 1;
     }
 
     fn reach(&self, goals: GoalOutcomes) {
-        if let Ok(mut sum) = self.0.goals.lock() {
-            *sum = [*sum, goals].into_iter().sum();
-        }
-        self.advance();
+        let mut done = self.lock();
+        done.goals = [done.goals, goals].into_iter().sum();
+        done.things += 1;
     }
+}
+
+/// Runs work on the pool in another thread while this one checks for signals and shows progress by `progress`, a function
+/// of done, total and text. If a signal handler or that function raises, this sets `stop`, and waits for the work, which
+/// then ends soon.
+///
+/// # Errors
+/// Those of the work, or the exception.
+pub fn watched<T: Send>(
+    py: Python<'_>,
+    jobs: Option<usize>,
+    stop: &Arc<Stop>,
+    progress: Option<Py<PyAny>>,
+    work: impl FnOnce(&Reported) -> Result<T, Failure> + Send,
+) -> Result<T, Failure> {
+    let reported = Reported::new(stop, progress);
+    let shown = &reported;
+    let (sender, receiver) = std::sync::mpsc::sync_channel(1);
+    let receiver = Mutex::new(receiver);
+    let result = std::thread::scope(|scope| {
+        scope.spawn(move || {
+            // The receiver exists until the result has arrived.
+            let _ = sender.send(pool::install(jobs, || work(shown)));
+        });
+        loop {
+            let come = py.detach(|| match receiver.lock() {
+                Ok(receiver) => receiver.recv_timeout(PERIOD),
+                Err(_) => Err(std::sync::mpsc::RecvTimeoutError::Disconnected),
+            });
+            match come {
+                Ok(result) => return result,
+                Err(std::sync::mpsc::RecvTimeoutError::Timeout) => {}
+                Err(_) => return Err(Failure::Run("the working thread ended without a result".into())),
+            }
+            if !stop.is_set()
+                && let Err(error) = py.check_signals().and_then(|()| shown.show(py))
+            {
+                stop.raise(error);
+            }
+        }
+    });
+    let value = result.map_err(|failure| stop.reason(failure))?;
+    reported.show(py)?;
+    Ok(value)
 }

@@ -186,14 +186,8 @@ impl OnlineScorer for PythonScorer {
         if pushed.is_empty() {
             return;
         }
-        let trial = |contact: &usize| Trial {
-            trial: *contact as u64,
-            category: None,
-            reach: None,
-            patch: None,
-            taxel: None,
-            samples: self.samples[*contact].clone(),
-        };
+        let samples = |contact: usize| self.samples[contact].clone();
+        let trial = |contact: &usize| Trial { trial: *contact as u64, samples: samples(*contact), ..Trial::default() };
         let trials = Trials::new(pushed.iter().map(trial).collect());
         match scores(&self.object, trials, self.categories) {
             Ok(found) => {

@@ -5,30 +5,55 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::types::{PyBytes, PyDict};
+use serde_json::{Value, json};
 use underbrush_classifier::DataSource;
+use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_experiments::{contact_trials, model_data};
 use underbrush_recording::disk::{
     Dataset, check_free, read_recording, recording_columns, recording_table, remove_leftovers, write_recording,
 };
-use underbrush_recording::{Recording, SkinLayout};
+use underbrush_recording::{Body, Recording, SkinLayout};
+use underbrush_sim::reach::ReachPlan;
 
 use crate::arguments::cutting;
-use crate::body::MovingBody;
-use crate::failure::Failure;
+use crate::controller;
+use crate::failure::{self, Failure, place};
 use crate::frame::PyFrame;
+use crate::interrupt::Stop;
 use crate::json;
-use crate::pickled;
-use crate::pool::{self, guarded};
+use crate::pool::{self, alone};
+use crate::progress::watched;
+use crate::scene::scene;
 use crate::skin::{Skin, patch_index};
-use crate::source::Source;
 use crate::table::{Column, LentColumns, PyTable, record_batch};
 use crate::trials::Trials;
+
+/// Where a reach is stored.
+pub enum Source {
+    /// In memory.
+    Memory(Arc<Recording>),
+    /// In a data set, with its index.
+    Dataset(Arc<Dataset>, usize),
+}
 
 /// One reach: frames, goals, objects, contacts.
 #[pyclass(frozen, module = "underbrush._core")]
 pub struct Reach {
     source: Source,
+    /// Name of the scene.
+    #[pyo3(get)]
+    scene: String,
+    /// Name of the controller.
+    #[pyo3(get)]
+    controller: String,
+    /// The seed, and the index of the reach among the reaches of this seed.
+    #[pyo3(get)]
+    seed_and_index: (u64, u64),
+    /// The worst outcome of its goals: reached, stuck, timed_out or aborted.
+    #[pyo3(get)]
+    outcome: &'static str,
+    frames: usize,
     /// The whole recording, once something has needed it.
     whole: OnceLock<Arc<Recording>>,
     layout: OnceLock<Arc<SkinLayout>>,
@@ -36,9 +61,25 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// A reach of this source.
+    /// A reach in memory.
+    pub fn of_recording(recording: Recording) -> Self {
+        Reach::new(Source::Memory(Arc::new(recording)))
+    }
+
+    /// The reach that is stored there.
     pub fn new(source: Source) -> Self {
-        Reach { source, whole: OnceLock::new(), layout: OnceLock::new(), columns: LentColumns::default() }
+        let (scene, controller, seed_and_index, outcome, frames) = match &source {
+            Source::Memory(own) => {
+                let seed_and_index = (own.seed, own.reach_index);
+                (own.scene.clone(), own.controller.clone(), seed_and_index, own.outcome(), own.frames.len())
+            }
+            Source::Dataset(dataset, index) => {
+                let own = &dataset.episodes()[*index];
+                (own.scene.clone(), own.controller.clone(), (own.seed, own.reach_index), own.outcome, own.frames)
+            }
+        };
+        let (whole, layout, columns) = (OnceLock::new(), OnceLock::new(), LentColumns::default());
+        Reach { source, scene, controller, seed_and_index, outcome: outcome.name(), frames, whole, layout, columns }
     }
 
     /// The whole recording. If the reach is in a data set, it is read when it is first needed.
@@ -75,7 +116,11 @@ impl Reach {
     }
 
     fn skin_layout(&self) -> Arc<SkinLayout> {
-        Arc::clone(self.layout.get_or_init(|| Arc::new(self.source.layout())))
+        let layout = || match &self.source {
+            Source::Memory(recording) => Arc::new(recording.layout.clone()),
+            Source::Dataset(dataset, _) => Arc::new(dataset.layout().clone()),
+        };
+        Arc::clone(self.layout.get_or_init(layout))
     }
 
     /// A column, read from the frames on disk if it is there, and from the whole recording otherwise.
@@ -107,37 +152,29 @@ impl Reach {
     /// Read a recording from its file.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> Result<Self, Failure> {
-        let recording = py.detach(|| guarded(|| Ok(read_recording(&path)?)))?;
-        Ok(Reach::new(Source::Memory(Arc::new(recording))))
+        Ok(Reach::of_recording(alone(py, || Ok(read_recording(&path)?))?))
     }
 
     /// Write the reach to a file (Parquet). Only with ``force`` is a file overwritten.
     #[pyo3(signature = (path, *, force = false))]
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> Result<(), Failure> {
-        py.detach(|| {
-            guarded(|| {
-                check_free(&path, force)?;
-                remove_leftovers(&path);
-                Ok(write_recording(&path, &*self.recording()?)?)
-            })
+        alone(py, || {
+            check_free(&path, force)?;
+            remove_leftovers(&path);
+            Ok(write_recording(&path, &*self.recording()?)?)
         })
     }
 
     /// Number of frames.
     fn __len__(&self) -> usize {
-        self.source.summary().frames()
+        self.frames
     }
 
     /// One frame.
     fn frame(&self, py: Python<'_>, index: isize) -> Result<PyFrame, Failure> {
-        let recording = py.detach(|| guarded(|| self.recording()))?;
-        let length = recording.frames.len();
-        let place = if index < 0 { index + length as isize } else { index };
-        let place = usize::try_from(place).ok().filter(|place| *place < length);
-        Ok(PyFrame {
-            frame: recording.frames[place.ok_or_else(|| Failure::index(index, length))?].clone(),
-            layout: self.skin_layout(),
-        })
+        let recording = alone(py, || self.recording())?;
+        let frame = recording.frames[place(index, recording.frames.len())?].clone();
+        Ok(PyFrame { frame, layout: self.skin_layout() })
     }
 
     /// A column of the frames as an array, read only: (frames,) or (frames, width). Every call returns the same array.
@@ -151,7 +188,7 @@ impl Reach {
     /// Names of the columns that `column` reads.
     #[getter]
     fn column_names(&self, py: Python<'_>) -> Result<Vec<String>, Failure> {
-        let recording = py.detach(|| guarded(|| self.recording()))?;
+        let recording = alone(py, || self.recording())?;
         Ok(recording_columns(&recording))
     }
 
@@ -195,30 +232,6 @@ impl Reach {
         self.of_patch(py, "truth.normal_force", patch, dtype)
     }
 
-    /// Name of the scene.
-    #[getter]
-    fn scene(&self) -> String {
-        self.source.summary().scene().to_owned()
-    }
-
-    /// Name of the controller.
-    #[getter]
-    fn controller(&self) -> String {
-        self.source.summary().controller().to_owned()
-    }
-
-    /// The seed, and the index of the reach among the reaches of this seed.
-    #[getter]
-    fn seed_and_index(&self) -> (u64, u64) {
-        self.source.summary().seed_and_index()
-    }
-
-    /// The worst outcome of its goals: reached, stuck, timed_out or aborted.
-    #[getter]
-    fn outcome(&self) -> &'static str {
-        self.source.summary().outcome()
-    }
-
     /// The skin.
     #[getter]
     fn skin(&self) -> Skin {
@@ -248,9 +261,14 @@ impl Reach {
     /// world frame.
     #[getter]
     fn bodies<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
-        let recording = self.recording()?;
-        let bodies: Vec<MovingBody<'_>> = recording.bodies.iter().map(MovingBody::of).collect();
-        json::to_python(py, &bodies)
+        let moving = |body: &Body| -> Result<Value, Failure> {
+            let mut own = json::value(body)?;
+            own["moved_frames"] = body.track.iter().map(|point| point.frame).collect();
+            own["poses_world"] = body.track.iter().map(|point| json!(point.pose().numbers())).collect();
+            Ok(own)
+        };
+        let bodies: Result<Vec<Value>, Failure> = self.recording()?.bodies.iter().map(moving).collect();
+        json::to_python(py, &bodies?)
     }
 
     /// Residuals of the physics.
@@ -262,34 +280,23 @@ impl Reach {
     /// All frames with their ground truth as a table, one row per frame.
     #[getter]
     fn frames(&self, py: Python<'_>) -> Result<PyTable, Failure> {
-        let table = py.detach(|| guarded(|| Ok(recording_table(&*self.recording()?)?)))?;
+        let table = alone(py, || Ok(recording_table(&*self.recording()?)?))?;
         PyTable::new(vec![table])
     }
 
     /// Cut the reach into contact trials.
-    #[pyo3(signature = (*, by = "taxel", patch = None, threshold_n = None, min_samples = 1, labels = "contact", wrap = None))]
-    #[allow(clippy::too_many_arguments, reason = "options by name")]
-    fn trials(
-        &self,
-        py: Python<'_>,
-        by: &str,
-        patch: Option<String>,
-        threshold_n: Option<f64>,
-        min_samples: usize,
-        labels: &str,
-        wrap: Option<bool>,
-    ) -> Result<Trials, Failure> {
-        let (unit, options) = cutting(by, patch, threshold_n, min_samples, labels, wrap)?;
-        let cut = || Ok(contact_trials::of_recording(&*self.recording()?, unit, &options, 0)?);
-        let list = py.detach(|| guarded(cut))?;
+    #[pyo3(signature = (**options), text_signature = "($self, *, by='taxel', patch=None, threshold_n=None, min_samples=1, \
+                        labels='contact', wrap=None)")]
+    fn trials(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> Result<Trials, Failure> {
+        let options = cutting(options)?;
+        let cut = || Ok(contact_trials::of_recording(&*self.recording()?, &options, 0)?);
+        let list = alone(py, cut)?;
         Ok(Trials::new(list).cut_from(Reach::sources(&[self])))
     }
 
     fn __repr__(&self) -> String {
-        let own = self.source.summary();
-        let ((seed, index), scene) = (own.seed_and_index(), own.scene());
-        let (frames, outcome) = (own.frames(), own.outcome());
-        format!("Reach(scene={scene:?}, seed={seed}, index={index}, {frames} frames, {outcome})")
+        let (scene, (seed, index)) = (&self.scene, self.seed_and_index);
+        format!("Reach(scene={scene:?}, seed={seed}, index={index}, {} frames, {})", self.frames, self.outcome)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (Bound<'py, PyAny>,)), Failure> {
@@ -300,29 +307,46 @@ impl Reach {
                 Ok((class.getattr("_of_dataset")?, (place,)))
             }
             Source::Memory(recording) => {
-                let bytes = PyBytes::new(py, &pickled::bytes_of(recording)?).into_any();
+                let reach = Reach::new(Source::Memory(Arc::clone(recording)));
+                let bytes = py.import("underbrush._data")?.call_method1("bytes_of", (reach,))?;
                 Ok((class.getattr("_from_bytes")?, (bytes,)))
             }
         }
     }
 
     #[staticmethod]
-    fn _from_bytes(bytes: &[u8]) -> Result<Self, Failure> {
-        Ok(Reach::new(Source::Memory(Arc::new(pickled::recording_of(bytes)?))))
+    fn _from_bytes<'py>(bytes: &Bound<'py, PyBytes>) -> PyResult<Bound<'py, PyAny>> {
+        bytes.py().import("underbrush._data")?.call_method1("reach_of", (bytes,))
     }
 
     #[staticmethod]
     fn _of_dataset(place: (PathBuf, usize)) -> Result<Self, Failure> {
-        let dataset = Dataset::open(place.0)?;
-        let length = dataset.episodes().len();
-        if place.1 >= length {
-            return Err(Failure::index(place.1 as isize, length));
-        }
-        Ok(Reach::new(Source::Dataset(Arc::new(dataset), place.1)))
+        let dataset = Arc::new(Dataset::open(place.0)?);
+        failure::place(place.1 as isize, dataset.episodes().len())?;
+        Ok(Reach::new(Source::Dataset(dataset, place.1)))
     }
 }
 
-/// Adds the class of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Reach>()
+/// Simulate one reach.
+#[pyfunction(name = "reach")]
+#[pyo3(signature = (scene, seed = 0, index = 0, *, controller = None, verdicts = None))]
+pub fn simulate(
+    py: Python<'_>,
+    scene: &Bound<'_, PyAny>,
+    seed: u64,
+    index: u64,
+    controller: Option<&Bound<'_, PyAny>>,
+    verdicts: Option<PathBuf>,
+) -> Result<Reach, Failure> {
+    let stop = Arc::new(Stop::default());
+    let (kind, own) = controller::chosen(controller, &stop)?;
+    let mut plan = ReachPlan::new(self::scene(scene)?, kind, seed)?;
+    if let Some(make) = own {
+        plan = plan.with_controller(move |arm| make(arm));
+    }
+    if let Some(model) = verdicts {
+        plan = VerdictControl::load(&model)?.applied_to(plan)?;
+    }
+    let run = |_: &_| Ok(plan.run_until(index, &mut |_, _| {}, &|| stop.is_set())?);
+    Ok(Reach::of_recording(watched(py, None, &stop, None, run)?))
 }

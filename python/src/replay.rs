@@ -6,7 +6,6 @@ use pyo3::prelude::*;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::decision::Decision;
 use underbrush_classifier::online::OnlineOptions;
-use underbrush_classifier::trial::TrialOptions;
 use underbrush_recording::disk::check_free;
 use underbrush_replay::{Judging, JudgingModel, Source, single_file};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
@@ -17,7 +16,7 @@ use crate::pool;
 /// The page with some reaches of data sets and recordings inside, as the text of one HTML file.
 #[pyfunction]
 #[pyo3(signature = (paths, reaches = None, *, model = None, patch = None))]
-fn replay_page(
+pub fn replay_page(
     py: Python<'_>,
     paths: Vec<PathBuf>,
     reaches: Option<Vec<usize>>,
@@ -28,12 +27,8 @@ fn replay_page(
         let judging = |path: PathBuf| -> Result<Judging, Failure> {
             let by = match any_model::load(&path)? {
                 AnyModel::OfTrials(model) => {
-                    let options = OnlineOptions {
-                        patch,
-                        threshold_n: TrialOptions::default().threshold_n,
-                        decision: model.decision.clone().unwrap_or(Decision::argmax()),
-                    };
-                    JudgingModel::OfTrials(Box::new(model), options)
+                    let decision = model.decision.clone().unwrap_or(Decision::argmax());
+                    JudgingModel::OfTrials(Box::new(model), OnlineOptions::new(patch, None, decision))
                 }
                 AnyModel::Touch(model) => JudgingModel::of_touch(*model, patch.as_deref())?,
             };
@@ -47,12 +42,6 @@ fn replay_page(
 
 /// Refuses a path where a file is already, unless ``force`` says that it may be overwritten.
 #[pyfunction]
-fn _check_free(path: PathBuf, force: bool) -> Result<(), Failure> {
+pub fn _check_free(path: PathBuf, force: bool) -> Result<(), Failure> {
     Ok(check_free(&path, force)?)
-}
-
-/// Adds the function of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(_check_free, module)?)?;
-    module.add_function(wrap_pyfunction!(replay_page, module)?)
 }

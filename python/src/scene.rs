@@ -4,18 +4,17 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use underbrush_recording::InputError;
-use underbrush_recording::disk::{check_free, write_file};
 use underbrush_report::picture;
-use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::{SHIPPED, Scene};
 use underbrush_sim::snapshot::Snapshot;
 
+use crate::arguments::save;
 use crate::array;
 use crate::failure::Failure;
+use crate::given;
 use crate::json;
-use crate::pool::guarded;
+use crate::pool::{alone, guarded};
 
 /// The scenes that ship, by name, with their text.
 fn shipped() -> impl Iterator<Item = (&'static str, &'static str)> {
@@ -48,8 +47,7 @@ impl Picture {
     /// Write the picture to a file. Only with ``force`` is a file overwritten.
     #[pyo3(signature = (path, *, force = false))]
     fn save(&self, path: PathBuf, force: bool) -> Result<(), Failure> {
-        check_free(&path, force)?;
-        Ok(write_file(&path, self.svg.as_bytes())?)
+        save(&path, force, &self.svg)
     }
 }
 
@@ -76,17 +74,6 @@ pub fn scene(value: &Bound<'_, PyAny>) -> Result<Scene, Failure> {
         }
         None => Ok(Scene::load(path)?),
     }
-}
-
-/// The controller with a name.
-///
-/// # Errors
-/// [`Failure::Input`] for an unknown name.
-pub fn controller_kind(name: &str) -> Result<ControllerKind, Failure> {
-    ControllerKind::from_name(name).map_err(|_| {
-        let allowed = format!("{}, or a function of your own", ControllerKind::names().join(", "));
-        Failure::argument("controller", format!("{name:?}"), allowed, "choose one of them")
-    })
 }
 
 /// A drawing of a simulation in its present state.
@@ -116,29 +103,6 @@ fn merge(table: &mut toml::Table, changes: toml::Table) {
     }
 }
 
-/// The keys of a dictionary. The error says what cannot be in a scene file.
-fn toml_table(dict: &Bound<'_, PyDict>) -> Result<toml::Table, String> {
-    let key = |key: &Bound<'_, PyAny>| key.extract().map_err(|_| format!("the key {key}"));
-    dict.iter().map(|(name, value)| Ok((key(&name)?, toml_value(&value)?))).collect()
-}
-
-fn toml_value(value: &Bound<'_, PyAny>) -> Result<toml::Value, String> {
-    if let Ok(dict) = value.cast::<PyDict>() {
-        return Ok(toml::Value::Table(toml_table(dict)?));
-    }
-    // A truth value is also a number in Python, and a number is no list.
-    let plain = value.extract().map(toml::Value::Boolean);
-    let plain = plain.or_else(|_| value.extract().map(toml::Value::Integer));
-    let plain = plain.or_else(|_| value.extract().map(toml::Value::Float));
-    if let Ok(plain) = plain.or_else(|_| value.extract().map(toml::Value::String)) {
-        return Ok(plain);
-    }
-    match value.extract::<Vec<Bound<'_, PyAny>>>() {
-        Ok(items) => Ok(toml::Value::Array(items.iter().map(toml_value).collect::<Result<_, _>>()?)),
-        Err(_) => Err(value.to_string()),
-    }
-}
-
 #[pymethods]
 impl PyScene {
     #[new]
@@ -150,8 +114,7 @@ impl PyScene {
     #[staticmethod]
     #[pyo3(signature = (text, path = PathBuf::from("scene.toml")))]
     fn parse(text: String, path: PathBuf) -> Result<Self, Failure> {
-        let scene = Scene::parse(path, text)?;
-        Ok(PyScene { scene })
+        Ok(PyScene { scene: Scene::parse(path, text)? })
     }
 
     /// Names of the scenes that ship.
@@ -192,27 +155,23 @@ impl PyScene {
             let allowed = "a dictionary of the keys of a scene file";
             Failure::argument("changes", found, allowed, "see scenes/README.md for the keys")
         };
-        let changes = toml_table(changes).map_err(refused)?;
         let mut table = self.table()?;
-        merge(&mut table, changes);
+        merge(&mut table, given::dictionary(changes).map_err(|error| refused(error.to_string()))?);
         let text = toml::to_string(&table).map_err(|error| refused(error.to_string()))?;
         let path = match name {
             Some(name) => self.scene.path.with_file_name(format!("{name}.toml")),
             None => self.scene.path.clone(),
         };
-        let scene = Scene::parse(path, text)?;
-        Ok(PyScene { scene })
+        Ok(PyScene { scene: Scene::parse(path, text)? })
     }
 
     /// Draw arm and clutter at the start of a reach, from the side and from above.
     #[pyo3(signature = (seed = 0, index = 0))]
     fn draw(&self, py: Python<'_>, seed: u64, index: u64) -> Result<Picture, Failure> {
-        py.detach(|| {
-            guarded(|| {
-                let plan = ReachPlan::new(self.scene.clone(), None, seed)?;
-                let caption = format!("{}, seed {seed}, reach {index}: the start", self.scene.file.summary);
-                Ok(drawn(&plan, &plan.simulation(index)?, &caption))
-            })
+        alone(py, || {
+            let plan = ReachPlan::new(self.scene.clone(), None, seed)?;
+            let caption = format!("{}, seed {seed}, reach {index}: the start", self.scene.file.summary);
+            Ok(drawn(&plan, &plan.simulation(index)?, &caption))
         })
     }
 
@@ -225,10 +184,10 @@ impl PyScene {
     fn clutter<'py>(&self, py: Python<'py>, seed: u64, index: u64) -> Result<Bound<'py, PyDict>, Failure> {
         let clutter = guarded(|| Ok(ReachPlan::new(self.scene.clone(), None, seed)?.draw(index)?))?;
         let objects: Vec<_> = clutter.objects.iter().map(|placed| placed.record()).collect();
-        let goals: Vec<f64> = clutter.goals.iter().flat_map(|goal| goal.to_array()).collect();
+        let goals = clutter.goals.iter().flat_map(|goal| goal.to_array()).collect();
         let found = PyDict::new(py);
         found.set_item("objects", json::to_python(py, &objects)?)?;
-        found.set_item("goals", array::lend(py, goals, &[clutter.goals.len(), 3])?)?;
+        found.set_item("goals", array::lend_rows(py, goals, 3)?)?;
         Ok(found)
     }
 
@@ -250,16 +209,7 @@ impl PyScene {
 
 impl PyScene {
     fn table(&self) -> Result<toml::Table, Failure> {
-        let parsed = toml::from_str(&self.scene.text);
-        parsed.map_err(|error| {
-            let path = &self.scene.path;
-            InputError::new(path, "scene", error.message(), "TOML", "correct the file").into()
-        })
+        // The scene was read from this text.
+        toml::from_str(&self.scene.text).map_err(|error| Failure::Run(error.to_string()))
     }
-}
-
-/// Adds the classes of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyScene>()?;
-    module.add_class::<Picture>()
 }

@@ -56,13 +56,9 @@ pub fn of_sequences(
     categories: Option<Vec<Option<String>>>,
     groups: Option<Vec<u64>>,
 ) -> Result<Vec<Trial>, Failure> {
-    for (name, length) in [("categories", categories.as_ref().map(Vec::len)), ("groups", groups.as_ref().map(Vec::len))]
-    {
-        if let Some(length) = length.filter(|length| *length != sequences.len()) {
-            let found = format!("{length} for {} sequences", sequences.len());
-            return Err(Failure::argument(name, found, "one for each sequence", "give as many"));
-        }
-    }
+    let count = sequences.len();
+    Failure::unless_one_each("categories", categories.as_ref().map_or(count, Vec::len), count, "sequence")?;
+    Failure::unless_one_each("groups", groups.as_ref().map_or(count, Vec::len), count, "sequence")?;
     let width = set.dimension();
     let one = |(index, value): (usize, &Bound<'_, PyAny>)| {
         let name = format!("sequence {index}");
@@ -77,9 +73,8 @@ pub fn of_sequences(
             trial: index as u64,
             category: categories.as_ref().and_then(|categories| categories[index].clone()),
             reach: groups.as_ref().map(|groups| groups[index]),
-            patch: None,
-            taxel: None,
             samples: samples.collect::<Result<_, Failure>>()?,
+            ..Trial::default()
         })
     };
     sequences.iter().enumerate().map(one).collect()

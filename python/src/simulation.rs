@@ -1,7 +1,7 @@
 //! The simulation, step by step.
 
 use std::collections::HashSet;
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use glam::DVec3;
 use pyo3::prelude::*;
@@ -13,9 +13,9 @@ use underbrush_sim::simulation::Simulation;
 
 use crate::arm::PyArm;
 use crate::array;
-use crate::failure::Failure;
+use crate::failure::{Failure, locked};
 use crate::frame::PyFrame;
-use crate::pool::{self, guarded};
+use crate::pool::{self, alone};
 use crate::scene::{self, Picture};
 use crate::skin::Skin;
 
@@ -31,18 +31,10 @@ pub struct PySimulation {
 impl PySimulation {
     /// The state, unless another thread is using it.
     fn lock(&self) -> Result<MutexGuard<'_, Simulation>, Failure> {
-        match self.state.try_lock() {
-            Ok(state) => Ok(state),
-            // After a panic of the engine, the state may be one from the middle of a frame, so the simulation cannot go
-            // on.
-            Err(TryLockError::Poisoned(_)) => {
-                Err(Failure::Run("the physics engine failed in this simulation; make a new one".into()))
-            }
-            Err(TryLockError::WouldBlock) => Err(Failure::Run(
-                "another thread is using this simulation; give each thread a simulation of its own, or use step_many"
-                    .into(),
-            )),
-        }
+        let busy =
+            "another thread is using this simulation; give each thread a simulation of its own, or use step_many";
+        // After a panic of the engine, the state may be one from the middle of a frame.
+        locked(&self.state, busy, "the physics engine failed in this simulation; make a new one")
     }
 
     fn angles(&self, value: &Bound<'_, PyAny>) -> Result<Vec<f64>, Failure> {
@@ -62,16 +54,14 @@ impl PySimulation {
     #[pyo3(signature = (scene, seed = 0, index = 0))]
     fn new(py: Python<'_>, scene: &Bound<'_, PyAny>, seed: u64, index: u64) -> Result<Self, Failure> {
         let scene = scene::scene(scene)?;
-        py.detach(|| {
-            guarded(|| {
-                let plan = ReachPlan::new(scene, None, seed)?;
-                let simulation = plan.simulation(index)?;
-                Ok(PySimulation {
-                    layout: Arc::new(plan.arm.skin.layout.clone()),
-                    index,
-                    state: Mutex::new(simulation),
-                    plan,
-                })
+        alone(py, || {
+            let plan = ReachPlan::new(scene, None, seed)?;
+            let simulation = plan.simulation(index)?;
+            Ok(PySimulation {
+                layout: Arc::new(plan.arm.skin.layout.clone()),
+                index,
+                state: Mutex::new(simulation),
+                plan,
             })
         })
     }
@@ -79,13 +69,11 @@ impl PySimulation {
     /// Advance by one frame of 10 ms with the joints' springs at these equilibrium angles, rad.
     fn step(&self, py: Python<'_>, equilibrium_rad: &Bound<'_, PyAny>) -> Result<PyFrame, Failure> {
         let angles = self.angles(equilibrium_rad)?;
-        py.detach(|| {
-            guarded(|| {
-                // Locked in here, so that a panic of the engine marks the state as unusable.
-                let mut simulation = self.lock()?;
-                simulation.step(&angles);
-                Ok(self.frame(&simulation))
-            })
+        alone(py, || {
+            // Locked in here, so that a panic of the engine marks the state as unusable.
+            let mut simulation = self.lock()?;
+            simulation.step(&angles);
+            Ok(self.frame(&simulation))
         })
     }
 
@@ -132,9 +120,8 @@ impl PySimulation {
     #[getter]
     fn goals_world<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
         let simulation = self.lock()?;
-        let goals = &simulation.clutter().goals;
-        let numbers: Vec<f64> = goals.iter().flat_map(|goal| goal.to_array()).collect();
-        Ok(array::lend(py, numbers, &[goals.len(), 3])?)
+        let goals = simulation.clutter().goals.iter();
+        Ok(array::lend_rows(py, goals.flat_map(|goal| goal.to_array()).collect(), 3)?)
     }
 
     /// Ground truth: the largest force between one link and one object in the last frame, N.
@@ -166,7 +153,7 @@ impl PySimulation {
 /// Step many simulations at once, over all cores: one row of `equilibrium_rad` for each.
 #[pyfunction]
 #[pyo3(signature = (simulations, equilibrium_rad, jobs = None))]
-fn step_many(
+pub fn step_many(
     py: Python<'_>,
     simulations: Vec<Py<PySimulation>>,
     equilibrium_rad: &Bound<'_, PyAny>,
@@ -200,10 +187,4 @@ fn step_many(
             })
             .collect())
     })
-}
-
-/// Adds the classes and functions of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PySimulation>()?;
-    module.add_function(wrap_pyfunction!(step_many, module)?)
 }

@@ -8,6 +8,7 @@ use underbrush_recording::{Patch, SkinLayout};
 
 use crate::array;
 use crate::failure::Failure;
+use crate::json;
 
 /// The skin of an arm: patches of taxels.
 #[pyclass(frozen, module = "underbrush._core")]
@@ -38,8 +39,7 @@ impl Skin {
     /// Read the skin from an arm file, or from a skin file alone.
     #[staticmethod]
     fn load(path: PathBuf) -> Result<Self, Failure> {
-        let layout = Arc::new(underbrush_sim::arm::load_layout(path)?);
-        Ok(Skin { layout })
+        Ok(Skin { layout: Arc::new(underbrush_sim::arm::load_layout(path)?) })
     }
 
     /// Names of the patches.
@@ -63,17 +63,15 @@ impl Skin {
     /// Centres of the taxels, m, in the frame of their link: (taxels, 3).
     #[pyo3(signature = (patch = None))]
     fn positions_link<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
-        let taxels = &self.patch(patch)?.taxels;
-        let numbers: Vec<f64> = taxels.iter().flat_map(|taxel| taxel.position_link.to_array()).collect();
-        Ok(array::lend(py, numbers, &[taxels.len(), 3])?)
+        let taxels = self.patch(patch)?.taxels.iter();
+        Ok(array::lend_rows(py, taxels.flat_map(|taxel| taxel.position_link.to_array()).collect(), 3)?)
     }
 
     /// Outward unit normals of the taxels, in the frame of their link: (taxels, 3).
     #[pyo3(signature = (patch = None))]
     fn normals_link<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
-        let taxels = &self.patch(patch)?.taxels;
-        let numbers: Vec<f64> = taxels.iter().flat_map(|taxel| taxel.normal_link.to_array()).collect();
-        Ok(array::lend(py, numbers, &[taxels.len(), 3])?)
+        let taxels = self.patch(patch)?.taxels.iter();
+        Ok(array::lend_rows(py, taxels.flat_map(|taxel| taxel.normal_link.to_array()).collect(), 3)?)
     }
 
     fn __eq__(&self, other: &Bound<'_, PyAny>) -> bool {
@@ -88,18 +86,11 @@ impl Skin {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {
-        let text = serde_json::to_string(&*self.layout).map_err(|error| Failure::Run(error.to_string()))?;
-        Ok((py.get_type::<Skin>().getattr("_from_json")?, (text,)))
+        json::pickled::<Skin>(py, &*self.layout)
     }
 
     #[staticmethod]
     fn _from_json(text: &str) -> Result<Self, Failure> {
-        let layout = serde_json::from_str(text).map_err(|error| Failure::Usage(error.to_string()))?;
-        Ok(Skin { layout: Arc::new(layout) })
+        Ok(Skin { layout: Arc::new(json::unpickled(text.as_bytes())?) })
     }
-}
-
-/// Adds the classes of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Skin>()
 }

@@ -12,24 +12,22 @@ use underbrush_report::reproduction::Reproduction;
 use underbrush_report::suite_text;
 
 use crate::failure::Failure;
-use crate::interrupt::{Stop, watched};
 use crate::json;
-use crate::pool::guarded;
-use crate::progress::Reported;
+use crate::pool::alone;
+use crate::progress::{Reported, watched};
 
 /// Check a scene, data set, recording, model or table of trials, and say what it holds.
 #[pyfunction]
 #[pyo3(signature = (path, seed = 0))]
-fn inspect(py: Python<'_>, path: PathBuf, seed: u64) -> Result<Bound<'_, PyAny>, Failure> {
-    let found = py.detach(|| guarded(|| Ok(inspection::inspect(&path, seed)?)))?;
+pub fn inspect(py: Python<'_>, path: PathBuf, seed: u64) -> Result<Bound<'_, PyAny>, Failure> {
+    let found = alone(py, || Ok(inspection::inspect(&path, seed)?))?;
     json::to_python(py, &found)
 }
 
 /// Run regression suites and hold what they find against their bounds.
 #[pyfunction]
 #[pyo3(signature = (suites, *, seed = None, bless = false, out = None, force = false, progress = None, jobs = None))]
-#[allow(clippy::too_many_arguments, reason = "options by name")]
-fn check<'py>(
+pub fn check<'py>(
     py: Python<'py>,
     suites: Vec<PathBuf>,
     seed: Option<u64>,
@@ -51,26 +49,21 @@ fn check<'py>(
             check_free(&folder.join(name), force)?;
         }
     }
-    let stop = Arc::new(Stop::default());
-    let reported = Reported::new(&stop, progress);
-    let run = || {
-        let checked = Checked::of(&suites, seed, bless, &reported)?;
+    let run = |reported: &Reported| {
+        let checked = Checked::of(&suites, seed, bless, reported)?;
         if let Some(folder) = &out {
             suite_text::write(folder, &checked)?;
         }
         Ok(checked)
     };
-    let checked = watched(py, jobs, &stop, |py| reported.show(py), run)?;
-    reported.show(py)?;
-    json::to_python(py, &checked)
+    json::to_python(py, &watched(py, jobs, &Arc::default(), progress, run)?)
 }
 
 /// Run an experiment, the paper's if no other is given, and write its report.
 #[pyfunction]
 #[pyo3(signature = (out, *, experiment = None, quick = false, seed = None, campaigns = 1, force = false, progress = None,
                     jobs = None))]
-#[allow(clippy::too_many_arguments, reason = "options by name")]
-fn reproduce<'py>(
+pub fn reproduce<'py>(
     py: Python<'py>,
     out: PathBuf,
     experiment: Option<PathBuf>,
@@ -84,22 +77,18 @@ fn reproduce<'py>(
     if !(1..=10_000).contains(&campaigns) {
         return Err(Failure::argument("campaigns", campaigns.to_string(), "1 to 10000", "use 1"));
     }
-    let experiment = loaded(experiment)?;
+    let experiment = Experiment::load_or_paper(experiment.as_deref())?;
     let reproduction =
         Reproduction { seed: seed.unwrap_or(experiment.file.seed), experiment: &experiment, quick, campaigns, force };
-    let stop = Arc::new(Stop::default());
-    let reported = Reported::new(&stop, progress);
     // The results have parts that cannot leave their thread, so they are converted there.
-    let run = || json::value(&reproduction.run(&out, &reported)?.0);
-    let results = watched(py, jobs, &stop, |py| reported.show(py), run)?;
-    reported.show(py)?;
-    json::to_python(py, &results)
+    let run = |reported: &Reported| json::value(&reproduction.run(&out, reported)?.0);
+    json::to_python(py, &watched(py, jobs, &Arc::default(), progress, run)?)
 }
 
 /// Run a single campaign of an experiment, not the first one, and cache its result in the folder.
 #[pyfunction]
 #[pyo3(signature = (out, campaign, *, seed = None, experiment = None, quick = false, jobs = None))]
-fn run_campaign(
+pub fn run_campaign(
     py: Python<'_>,
     out: PathBuf,
     campaign: u64,
@@ -108,33 +97,9 @@ fn run_campaign(
     quick: bool,
     jobs: Option<usize>,
 ) -> Result<(), Failure> {
-    let experiment = loaded(experiment)?;
-    let reproduction = Reproduction {
-        seed: seed.unwrap_or(experiment.file.seed),
-        experiment: &experiment,
-        quick,
-        campaigns: 1,
-        force: false,
-    };
-    let stop = Arc::new(Stop::default());
-    let reported = Reported::new(&stop, None);
-    let own = reproduction.seed.wrapping_add(campaign);
-    let run = || Ok(reproduction.run_campaign(own, &out, &reported)?);
-    watched(py, jobs, &stop, |py| reported.show(py), run)
-}
-
-/// The experiment from a file, or by default the paper's.
-fn loaded(path: Option<PathBuf>) -> Result<Experiment, Failure> {
-    Ok(match path {
-        Some(path) => Experiment::load(&path)?,
-        None => Experiment::paper()?,
-    })
-}
-
-/// Adds the functions of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(inspect, module)?)?;
-    module.add_function(wrap_pyfunction!(check, module)?)?;
-    module.add_function(wrap_pyfunction!(reproduce, module)?)?;
-    module.add_function(wrap_pyfunction!(run_campaign, module)?)
+    let experiment = Experiment::load_or_paper(experiment.as_deref())?;
+    let seed = seed.unwrap_or(experiment.file.seed);
+    let reproduction = Reproduction { seed, experiment: &experiment, quick, campaigns: 1, force: false };
+    let run = |reported: &Reported| Ok(reproduction.run_campaign(seed.wrapping_add(campaign), &out, reported)?);
+    watched(py, jobs, &Arc::default(), None, run)
 }

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use serde_json::Value;
 use underbrush_recording::disk::{self, Batch, Dataset, Rows, Text, Values};
 
-use crate::array::{self, Store};
+use crate::array::Numbers;
 use crate::failure::Failure;
 
 /// A table. Polars, pyarrow, pandas, DuckDB and others read it through Arrow's C stream interface without a copy.
@@ -141,12 +141,8 @@ impl PyTable {
     /// A column of numbers as an array, read only: (rows,) or (rows, width).
     fn column<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyAny>, Failure> {
         if self.batches.is_empty() {
-            return Err(Failure::argument(
-                "column",
-                format!("{name:?} of an empty table"),
-                "a table with rows",
-                "skip it",
-            ));
+            let found = format!("{name:?} of an empty table");
+            return Err(Failure::argument("column", found, "a table with rows", "skip it"));
         }
         Ok(Column::of(&self.batches, name, None)?.lend(py)?)
     }
@@ -166,37 +162,31 @@ impl PyTable {
     }
 }
 
-/// A column as numbers.
-pub struct Column {
-    numbers: Store,
-    shape: Vec<usize>,
-}
+/// A column as numbers: parts that belong one below the other, and the precision that floating-point numbers get if it
+/// was asked for.
+pub struct Column(Vec<Numbers>, Option<bool>);
 
-/// The values of a column, and how many there are in a row.
-fn values<'a>(batch: &'a RecordBatch, name: &str) -> Option<(&'a ArrayRef, usize)> {
-    let column = batch.column_by_name(name)?;
-    match column.as_fixed_size_list_opt() {
-        Some(lists) => Some((lists.values(), usize::try_from(lists.value_length()).ok()?)),
-        None => Some((column, 1)),
-    }
-}
-
-fn collect<T: ArrowPrimitiveType, N>(
-    batches: &[RecordBatch],
-    name: &str,
-    convert: fn(&[T::Native], &mut Vec<N>),
-) -> Option<(Vec<N>, usize)> {
-    let mut numbers = Vec::new();
-    let mut width = 1;
-    for batch in batches {
-        let (array, own) = values(batch, name)?;
-        width = own;
-        let column = batch.column_by_name(name)?;
-        let first = column.as_fixed_size_list_opt().map_or(0, |lists| lists.value_offset_at(0));
-        let typed = array.as_primitive_opt::<T>().filter(|typed| typed.null_count() == 0)?;
-        convert(&typed.values()[first..first + batch.num_rows() * width], &mut numbers);
-    }
-    Some((numbers, width))
+/// The numbers of a column; `None` if it holds something else or nulls.
+fn numbers(column: &ArrayRef) -> Option<Numbers> {
+    let (values, shape) = match column.as_fixed_size_list_opt() {
+        Some(lists) => {
+            let width = usize::try_from(lists.value_length()).ok()?;
+            (lists.values().slice(lists.value_offset_at(0), lists.len() * width), vec![lists.len(), width])
+        }
+        None => (Arc::clone(column), vec![column.len()]),
+    };
+    let code = match values.data_type() {
+        DataType::Float64 => "f8",
+        DataType::Float32 => "f4",
+        DataType::Int64 => "i8",
+        DataType::Int32 => "i4",
+        DataType::Int16 => "i2",
+        DataType::Int8 => "i1",
+        _ => return None,
+    };
+    let data = values.to_data();
+    let address = data.buffers()[0].as_ptr() as usize + data.offset() * values.data_type().primitive_width()?;
+    (values.null_count() == 0).then(|| Numbers::owned_by(address, code, &shape, Box::new(values)))
 }
 
 impl Column {
@@ -218,48 +208,19 @@ impl Column {
     /// # Errors
     /// [`Failure::Input`] for an unknown column, and one that does not hold numbers.
     pub fn of(batches: &[RecordBatch], name: &str, single: Option<bool>) -> Result<Self, Failure> {
-        let rows = batches.iter().map(RecordBatch::num_rows).sum();
-        let Some(column) = batches.first().and_then(|batch| batch.column_by_name(name)) else {
-            let known = batches.first().map_or(String::new(), |batch| {
+        let part = |batch: &RecordBatch| {
+            let Some(column) = batch.column_by_name(name) else {
                 let schema = batch.schema();
-                schema.fields().iter().map(|field| field.name().as_str()).collect::<Vec<_>>().join(", ")
-            });
-            return Err(Failure::argument("column", format!("{name:?}"), known, "choose one of them"));
-        };
-        let kind = match column.data_type() {
-            DataType::FixedSizeList(item, _) => item.data_type(),
-            plain => plain,
-        };
-        macro_rules! plain {
-            ($kind:ty) => {
-                collect::<$kind, _>(batches, name, |from, to| to.extend_from_slice(from))
-                    .map(|(numbers, width)| (Store::from(numbers), width))
+                let known: Vec<&str> = schema.fields().iter().map(|field| field.name().as_str()).collect();
+                return Err(Failure::argument("column", format!("{name:?}"), known.join(", "), "choose one of them"));
             };
-        }
-        let found = match (kind, single) {
-            (DataType::Float64, Some(true)) => {
-                let single = |from: &[f64], to: &mut Vec<f32>| to.extend(from.iter().map(|number| *number as f32));
-                collect::<Float64Type, f32>(batches, name, single).map(|(numbers, width)| (numbers.into(), width))
-            }
-            (DataType::Float32, Some(false)) => {
-                let double = |from: &[f32], to: &mut Vec<f64>| to.extend(from.iter().map(|number| f64::from(*number)));
-                collect::<Float32Type, f64>(batches, name, double).map(|(numbers, width)| (numbers.into(), width))
-            }
-            (DataType::Float64, _) => plain!(Float64Type),
-            (DataType::Float32, _) => plain!(Float32Type),
-            (DataType::Int64, _) => plain!(Int64Type),
-            (DataType::Int32, _) => plain!(Int32Type),
-            (DataType::Int16, _) => plain!(Int16Type),
-            (DataType::Int8, _) => plain!(Int8Type),
-            _ => None,
+            numbers(column).ok_or_else(|| {
+                let found = format!("{name:?} with {} ", column.data_type());
+                let remedy = "read it as a table: to_polars, to_pandas, or anything that takes __arrow_c_stream__";
+                Failure::argument("column", found, "a column of numbers without nulls", remedy)
+            })
         };
-        let Some((numbers, width)) = found else {
-            let found = format!("{name:?} with {} ", column.data_type());
-            let remedy = "read it as a table: to_polars, to_pandas, or anything that takes __arrow_c_stream__";
-            return Err(Failure::argument("column", found, "a column of numbers without nulls", remedy));
-        };
-        let shape = if width == 1 { vec![rows] } else { vec![rows, width] };
-        Ok(Column { numbers, shape })
+        Ok(Column(batches.iter().map(part).collect::<Result<_, _>>()?, single))
     }
 
     /// A column of the frames of some reaches of a data set, one after the other, read by all threads of the current pool.
@@ -273,18 +234,20 @@ impl Column {
             let batches = batches?.concat().into_iter().map(record_batch);
             return Column::of(&batches.collect::<Result<Vec<_>, _>>()?, name, single);
         };
-        let numbers: Store = match single.unwrap_or(stored_single) {
-            true => joined(dataset, reaches, (name, width), |number| number as f32)?.into(),
-            false => joined(dataset, reaches, (name, width), |number| number)?.into(),
-        };
         let rows = frames(dataset, reaches).sum();
         let shape = if width == 1 { vec![rows] } else { vec![rows, width] };
-        Ok(Column { numbers, shape })
+        let numbers = match single.unwrap_or(stored_single) {
+            true => Numbers::new(joined(dataset, reaches, (name, width), |number| number as f32)?, &shape),
+            false => Numbers::new(joined(dataset, reaches, (name, width), |number| number)?, &shape),
+        };
+        Ok(Column(vec![numbers], None))
     }
 
-    /// As an array that views the numbers.
+    /// As a read-only array. It views the numbers if they are in one part and have the right type already.
     pub fn lend(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
-        array::lend(py, self.numbers, &self.shape)
+        let parts: PyResult<Vec<_>> = self.0.into_iter().map(|part| part.lend(py)).collect();
+        let dtype = self.1.map(|single| if single { "float32" } else { "float64" });
+        py.import("underbrush._arrays")?.call_method1("joined", (parts?, dtype))
     }
 }
 
@@ -344,9 +307,4 @@ fn joined<N: Clone + Default + Send>(
     };
     parts.into_par_iter().try_for_each(read)?;
     Ok(numbers)
-}
-
-/// Adds the classes of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyTable>()
 }

@@ -4,16 +4,21 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use underbrush_classifier::evaluate::touch_folds::{ReadReaches, check_folds, cross_validate_touch, judge_touch};
-use underbrush_classifier::touch::{RiskLimits, TouchClassifier, TouchExamples, TouchModel, TouchOptions};
+use underbrush_classifier::FORMAT;
+use underbrush_classifier::any_model::{self, AnyModel};
+use underbrush_classifier::evaluate::touch_folds::{
+    ReadReaches, check_folds, cross_validate_touch, judge_touch, touch_examples,
+};
+use underbrush_classifier::touch::{
+    RiskLimits, TOUCH_FORMAT, TouchClassifier, TouchExamples, TouchModel, TouchOptions,
+};
 use underbrush_experiments::model_data;
-use underbrush_recording::disk::{check_free, write_file};
-use underbrush_recording::limits::JSON_BYTES;
-use underbrush_recording::{Recording, read_text};
+use underbrush_recording::Recording;
 
+use crate::arguments::save;
+use crate::classifier::other_kind;
 use crate::failure::Failure;
 use crate::json;
-use crate::model_kind::refuse_of_trials;
 use crate::online::Online;
 use crate::pool;
 use crate::reach::Reach;
@@ -26,11 +31,12 @@ pub struct PyTouchModel {
 }
 
 impl PyTouchModel {
-    /// A model from the text of its file; the path is for errors only.
-    fn read(path: &Path, text: &str) -> Result<Self, Failure> {
-        refuse_of_trials(path, text)?;
-        let model = Arc::new(TouchModel::from_json(path, text)?);
-        Ok(PyTouchModel { model })
+    /// A touch model that was read from this path.
+    fn of(path: &Path, model: AnyModel) -> Result<Self, Failure> {
+        match model {
+            AnyModel::Touch(model) => Ok(PyTouchModel { model: Arc::from(model) }),
+            AnyModel::OfTrials(_) => Err(other_kind(path, (FORMAT, "a classifier of trials", "Model"), TOUCH_FORMAT)),
+        }
     }
 }
 
@@ -53,11 +59,10 @@ impl PyTouchModel {
         limit_false_alarms: Option<f64>,
         jobs: Option<usize>,
     ) -> Result<Self, Failure> {
-        let options = options(patch, threshold_n);
-        let limits = RiskLimits { wrong: limit_wrong, false_alarms: limit_false_alarms };
+        let (options, limits) = options(patch, threshold_n, limit_wrong, limit_false_alarms);
         let reaches = Given(reaches.iter().map(Py::get).collect());
         let fit = || {
-            let mut model = fitted(&reaches.examples(options)?, &limits)?;
+            let mut model = touch_examples(&reaches, options)?.fit_within(&limits)?;
             let sources = Reach::sources(&reaches.0);
             model.provenance = model_data::provenance(json::value(&limits)?, sources);
             Ok(model)
@@ -73,7 +78,6 @@ impl PyTouchModel {
     #[pyo3(signature = (
         reaches, patch = None, *, folds = 2, threshold_n = None, limit_wrong = None, limit_false_alarms = None, jobs = None
     ))]
-    #[allow(clippy::too_many_arguments, reason = "options by name")]
     fn cross_validate<'py>(
         py: Python<'py>,
         reaches: Vec<Py<Reach>>,
@@ -84,13 +88,12 @@ impl PyTouchModel {
         limit_false_alarms: Option<f64>,
         jobs: Option<usize>,
     ) -> Result<Bound<'py, PyAny>, Failure> {
-        let options = options(patch, threshold_n);
+        let (options, limits) = options(patch, threshold_n, limit_wrong, limit_false_alarms);
         let reaches = Given(reaches.iter().map(Py::get).collect());
-        let limits = RiskLimits { wrong: limit_wrong, false_alarms: limit_false_alarms };
-        let fit = |examples: &TouchExamples| fitted(examples, &limits);
+        let fit = |examples: &TouchExamples| Ok(examples.fit_within(&limits)?);
         let judge = || {
             check_folds(folds, reaches.count())?;
-            cross_validate_touch(folds, &reaches.examples(options)?, &reaches, fit, Failure::from)
+            cross_validate_touch(folds, &touch_examples(&reaches, options)?, &reaches, fit, Failure::from)
         };
         json::to_python(py, &pool::detached(py, jobs, judge)?)
     }
@@ -98,14 +101,14 @@ impl PyTouchModel {
     /// Read a model file.
     #[staticmethod]
     fn load(path: PathBuf) -> Result<Self, Failure> {
-        let text = read_text(&path, &JSON_BYTES, "a readable model file", "check the path")?;
-        Self::read(&path, &text)
+        Self::of(&path, any_model::load(&path)?)
     }
 
     /// A model from the text of its file.
     #[staticmethod]
     fn from_json(text: &str) -> Result<Self, Failure> {
-        Self::read(Path::new("the model"), text)
+        let path = Path::new("the model");
+        Self::of(path, any_model::parse(path, text)?)
     }
 
     /// The text of the model file.
@@ -116,8 +119,7 @@ impl PyTouchModel {
     /// Write the model file. Only with ``force`` is a file overwritten.
     #[pyo3(signature = (path, *, force = false))]
     fn save(&self, path: PathBuf, force: bool) -> Result<(), Failure> {
-        check_free(&path, force)?;
-        Ok(write_file(&path, self.to_json()?.as_bytes())?)
+        save(&path, force, &self.to_json()?)
     }
 
     /// The known categories in alphabetical order.
@@ -159,36 +161,19 @@ impl PyTouchModel {
     }
 }
 
-fn options(patch: Option<String>, threshold_n: Option<f64>) -> TouchOptions {
-    let default = TouchOptions::default();
-    TouchOptions { patch, threshold_n: threshold_n.unwrap_or(default.threshold_n) }
-}
-
-/// A model fitted to these rows.
-fn fitted(examples: &TouchExamples, limits: &RiskLimits) -> Result<TouchModel, Failure> {
-    let rows = examples.rows();
-    if rows.reaches < rows.held_out_parts {
-        let allowed = format!(
-            "{} reaches or more, because probabilities are calibrated on reaches that are held out",
-            rows.held_out_parts
-        );
-        let found = rows.reaches.to_string();
-        return Err(Failure::argument("reaches", found, allowed, "give more reaches"));
-    }
-    Ok(examples.fit_within(limits)?)
+/// How readings become contacts, and how many bad verdicts a model may give.
+fn options(
+    patch: Option<String>,
+    threshold_n: Option<f64>,
+    wrong: Option<f64>,
+    false_alarms: Option<f64>,
+) -> (TouchOptions, RiskLimits) {
+    let threshold_n = threshold_n.unwrap_or(TouchOptions::default().threshold_n);
+    (TouchOptions { patch, threshold_n }, RiskLimits { wrong, false_alarms })
 }
 
 /// Reaches that a caller gave.
 struct Given<'a>(Vec<&'a Reach>);
-
-impl Given<'_> {
-    /// The rows of all reaches.
-    fn examples(&self, options: TouchOptions) -> Result<TouchExamples, Failure> {
-        let mut examples = TouchExamples::new(options);
-        self.read(&|_| true, &mut |recording| Ok(examples.add(recording)?))?;
-        Ok(examples)
-    }
-}
 
 impl ReadReaches for Given<'_> {
     type Error = Failure;
@@ -197,26 +182,12 @@ impl ReadReaches for Given<'_> {
         self.0.len()
     }
 
-    /// Fails if a reach has no ground truth, because every reading would count as spurious.
     fn read(
         &self,
         keeps: &dyn Fn(usize) -> bool,
         each: &mut dyn FnMut(&Recording) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
-        for (position, reach) in self.0.iter().enumerate().filter(|(position, _)| keeps(*position)) {
-            let recording = reach.recording()?;
-            if recording.objects.is_empty() {
-                let found = format!("reach {position} without ground truth");
-                let allowed = "reaches with the objects that may touch the skin";
-                return Err(Failure::argument("reaches", found, allowed, "leave it out"));
-            }
-            each(&recording)?;
-        }
-        Ok(())
+        let mut kept = self.0.iter().enumerate().filter(|(position, _)| keeps(*position));
+        kept.try_for_each(|(_, reach)| each(&*reach.recording()?))
     }
-}
-
-/// Adds the class of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<PyTouchModel>()
 }

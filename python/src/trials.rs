@@ -4,20 +4,20 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyCapsule, PyList, PySlice};
+use pyo3::types::{PyBytes, PyCapsule, PySlice};
 use underbrush_classifier::DataSource;
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_experiments::model_data;
-use underbrush_recording::Trial;
 use underbrush_recording::disk::{check_free, read_trials, trial_table, write_trials};
+use underbrush_recording::{Sample, Trial};
 
 use crate::arguments::features;
 use crate::array;
-use crate::failure::Failure;
-use crate::pool::guarded;
+use crate::failure::{Failure, place, places};
+use crate::json;
+use crate::pool::alone;
 use crate::sequences::of_sequences;
 use crate::table::PyTable;
-use crate::trial::PyTrial;
 
 /// Contact trials: what one taxel, or one connected component, sensed from the beginning of a contact to its end.
 #[pyclass(frozen, module = "underbrush._core")]
@@ -49,10 +49,7 @@ impl Trials {
     }
 
     fn place(&self, index: isize) -> Result<usize, Failure> {
-        let length = self.list.len();
-        let place = if index < 0 { index + length as isize } else { index };
-        let place = usize::try_from(place).ok().filter(|place| *place < length);
-        place.ok_or_else(|| Failure::index(index, length))
+        place(index, self.list.len())
     }
 }
 
@@ -63,7 +60,7 @@ impl Trials {
     #[pyo3(signature = (path, min_samples = 1))]
     fn load(py: Python<'_>, path: PathBuf, min_samples: usize) -> Result<Self, Failure> {
         let read = || Ok((read_trials(&path)?, model_data::of_path(&path)?));
-        let (mut list, source) = py.detach(|| guarded(read))?;
+        let (mut list, source) = alone(py, read)?;
         list.retain(|trial| trial.samples.len() >= min_samples);
         Ok(Trials::new(list).cut_from(vec![source]))
     }
@@ -71,11 +68,9 @@ impl Trials {
     /// Write the trials as a table (.csv or .parquet). Only with ``force`` is a file overwritten.
     #[pyo3(signature = (path, *, force = false))]
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> Result<(), Failure> {
-        py.detach(|| {
-            guarded(|| {
-                check_free(&path, force)?;
-                Ok(write_trials(&path, self.list.iter().cloned())?)
-            })
+        alone(py, || {
+            check_free(&path, force)?;
+            Ok(write_trials(&path, self.list.iter().cloned())?)
         })
     }
 
@@ -100,9 +95,7 @@ impl Trials {
     /// A trial by its number; trials by a slice, a list of numbers, or an array of truth values.
     fn __getitem__<'py>(&self, py: Python<'py>, key: &Bound<'py, PyAny>) -> Result<Bound<'py, PyAny>, Failure> {
         if let Ok(slice) = key.cast::<PySlice>() {
-            let indices = slice.indices(self.list.len() as isize)?;
-            let places = (0..indices.slicelength).map(|step| indices.start + step as isize * indices.step);
-            return Ok(Bound::new(py, self.some(places.map(|place| place as usize)))?.into_any());
+            return Ok(Bound::new(py, self.some(places(slice, self.list.len())?))?.into_any());
         }
         if let Ok(index) = key.extract::<isize>() {
             let trial = PyTrial { list: Arc::clone(&self.list), place: self.place(index)? };
@@ -112,10 +105,7 @@ impl Trials {
         // An empty list selects nothing. It could hold numbers as well as truth values.
         let flags = key.extract::<Vec<bool>>().ok().filter(|flags| !flags.is_empty());
         if let Some(flags) = flags {
-            if flags.len() != self.list.len() {
-                let found = format!("{} truth values for {} trials", flags.len(), self.list.len());
-                return Err(Failure::argument("index", found, "one for each trial", "give as many"));
-            }
+            Failure::unless_one_each("index", flags.len(), self.list.len(), "trial")?;
             let places = flags.iter().enumerate().filter(|(_, flag)| **flag).map(|(place, _)| place);
             return Ok(Bound::new(py, self.some(places))?.into_any());
         }
@@ -134,8 +124,8 @@ impl Trials {
 
     /// Category of each trial; None where it is unknown.
     #[getter]
-    fn categories<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
-        array::texts(py, self.list.iter().map(|trial| trial.category.clone()))
+    fn categories(&self) -> Vec<Option<&str>> {
+        self.list.iter().map(|trial| trial.category.as_deref()).collect()
     }
 
     /// Reach of each trial; None where it is unknown.
@@ -148,16 +138,12 @@ impl Trials {
     #[getter]
     fn lengths<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let numbers: Vec<i64> = self.list.iter().map(|trial| trial.samples.len() as i64).collect();
-        let length = numbers.len();
-        array::lend(py, numbers, &[length])
+        array::lend(py, numbers, &[self.list.len()])
     }
 
     /// The same trials with other categories.
     fn with_categories(&self, categories: Vec<Option<String>>) -> Result<Self, Failure> {
-        if categories.len() != self.list.len() {
-            let found = format!("{} for {} trials", categories.len(), self.list.len());
-            return Err(Failure::argument("categories", found, "one for each trial", "give as many"));
-        }
+        Failure::unless_one_each("categories", categories.len(), self.list.len(), "trial")?;
         let pairs = self.list.iter().zip(categories);
         Ok(Trials::new(pairs.map(|(trial, category)| Trial { category, ..trial.clone() }).collect()))
     }
@@ -172,8 +158,7 @@ impl Trials {
         let set = self::features(features)?.unwrap_or(FeatureSet::FORCE);
         let one = |trial: &Trial| {
             let observations = set.observations(trial, None)?;
-            let numbers: Vec<f64> = observations.samples().flatten().copied().collect();
-            Ok(array::lend(py, numbers, &[trial.samples.len(), set.dimension()])?)
+            Ok(array::lend_rows(py, observations.samples().flatten().copied().collect(), set.dimension())?)
         };
         self.list.iter().map(one).collect()
     }
@@ -233,18 +218,97 @@ impl Trials {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,)), Failure> {
-        let bytes = serde_json::to_vec(&*self.list).map_err(|error| Failure::Run(error.to_string()))?;
-        Ok((py.get_type::<Trials>().getattr("_from_json")?, (PyBytes::new(py, &bytes),)))
+        let (call, (text,)) = json::pickled::<Trials>(py, &*self.list)?;
+        Ok((call, (PyBytes::new(py, text.as_bytes()),)))
     }
 
     #[staticmethod]
     fn _from_json(bytes: &[u8]) -> Result<Self, Failure> {
-        let list = serde_json::from_slice(bytes).map_err(|error| Failure::Usage(error.to_string()))?;
-        Ok(Trials::new(list))
+        Ok(Trials::new(json::unpickled(bytes)?))
     }
 }
 
-/// Adds the class of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_class::<Trials>()
+/// One contact trial.
+#[pyclass(frozen, name = "Trial", module = "underbrush._core")]
+pub struct PyTrial {
+    list: Arc<Vec<Trial>>,
+    place: usize,
+}
+
+impl PyTrial {
+    fn trial(&self) -> &Trial {
+        &self.list[self.place]
+    }
+
+    fn of_samples<'py>(&self, py: Python<'py>, number: impl Fn(&Sample) -> f64) -> PyResult<Bound<'py, PyAny>> {
+        let samples = &self.trial().samples;
+        array::lend(py, samples.iter().map(number).collect::<Vec<_>>(), &[samples.len()])
+    }
+}
+
+#[pymethods]
+impl PyTrial {
+    /// Number of the trial in its table.
+    #[getter]
+    fn number(&self) -> u64 {
+        self.trial().trial
+    }
+
+    /// Ground truth; None if unknown.
+    #[getter]
+    fn category(&self) -> Option<&str> {
+        self.trial().category.as_deref()
+    }
+
+    /// The reach that it comes from; None if unknown.
+    #[getter]
+    fn reach(&self) -> Option<u64> {
+        self.trial().reach
+    }
+
+    /// Name of the patch; None if unknown.
+    #[getter]
+    fn patch(&self) -> Option<&str> {
+        self.trial().patch.as_deref()
+    }
+
+    /// Index of the taxel in its patch; None if unknown.
+    #[getter]
+    fn taxel(&self) -> Option<u32> {
+        self.trial().taxel
+    }
+
+    /// Ground truth: whether something truly pressed in at least one sample; None if unknown.
+    #[getter]
+    fn touched(&self) -> Option<bool> {
+        self.trial().touched()
+    }
+
+    /// Number of samples.
+    fn __len__(&self) -> usize {
+        self.trial().samples.len()
+    }
+
+    /// Time of each sample, s: (samples,).
+    #[getter]
+    fn time_s<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.of_samples(py, |sample| sample.time_s)
+    }
+
+    /// Sensed force, N: (samples,).
+    #[getter]
+    fn force_n<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.of_samples(py, |sample| sample.force_n)
+    }
+
+    /// How far the contact has travelled since it began, m, NaN where unknown: (samples,).
+    #[getter]
+    fn motion_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.of_samples(py, |sample| sample.motion_m.unwrap_or(f64::NAN))
+    }
+
+    fn __repr__(&self) -> String {
+        let category = self.category().unwrap_or("unknown");
+        format!("Trial({}, {category}, {} samples)", self.number(), self.__len__())
+    }
 }

@@ -6,14 +6,14 @@ use pyo3::prelude::*;
 use underbrush_validation::{CHECKS, Check};
 
 use crate::failure::Failure;
-use crate::interrupt::{Stop, watched};
 use crate::json;
+use crate::progress::watched;
 
 /// Check the simulated physics against closed-form solutions. Returns a dictionary for each check, as
 /// `underbrush validate --json` prints them.
 #[pyfunction]
 #[pyo3(signature = (only = None, *, tolerance_scale = 1.0, jobs = None))]
-fn validate<'py>(
+pub fn validate<'py>(
     py: Python<'py>,
     only: Option<Vec<String>>,
     tolerance_scale: f64,
@@ -30,19 +30,12 @@ fn validate<'py>(
     }
     let chosen = |check: &&Check| only.as_ref().is_none_or(|only| only.iter().any(|name| name == check.name));
     let chosen: Vec<&Check> = CHECKS.iter().filter(chosen).collect();
-    let stop = Arc::new(Stop::default());
-    let run = || Ok(underbrush_validation::run(&chosen, tolerance_scale, || {}));
-    json::to_python(py, &watched(py, jobs, &stop, |_| Ok(()), run)?)
+    let run = |_: &_| Ok(underbrush_validation::run(&chosen, tolerance_scale, || {}));
+    json::to_python(py, &watched(py, jobs, &Arc::default(), None, run)?)
 }
 
 /// Names of the physics checks.
 #[pyfunction]
-fn checks() -> Vec<&'static str> {
+pub fn checks() -> Vec<&'static str> {
     CHECKS.iter().map(|check| check.name).collect()
-}
-
-/// Adds the functions of this file.
-pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    module.add_function(wrap_pyfunction!(validate, module)?)?;
-    module.add_function(wrap_pyfunction!(checks, module)?)
 }

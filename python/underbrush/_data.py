@@ -2,12 +2,41 @@
 
 from __future__ import annotations
 
+import html
+import tempfile
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
+
+
+def html_of(dataset: _core.Dataset) -> str:
+    """A table of the first reaches of a data set, for notebooks."""
+    keys = ("scene", "frames", "outcome", "contacts")
+    rows = ([number, *(episode[key] for key in keys)] for number, episode in enumerate(dataset.episodes[:50]))
+    cells = ("".join(f"<td>{html.escape(str(cell), quote=False)}</td>" for cell in row) for row in rows)
+    header = "".join(f"<th>{name}</th>" for name in ("reach", *keys))
+    caption = f"<caption>{len(dataset)} reaches in {html.escape(str(dataset.path), quote=False)}</caption>"
+    return f"<table>{caption}<tr>{header}</tr>{''.join(f'<tr>{row}</tr>' for row in cells)}</table>"
+
+
+def bytes_of(reach: _core.Reach) -> bytes:
+    """The bytes of the file of a reach, for pickling."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "reach.parquet"
+        reach.save(path)
+        return path.read_bytes()
+
+
+def reach_of(data: bytes) -> _core.Reach:
+    """The reach in the bytes of a file."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "reach.parquet"
+        path.write_bytes(data)
+        return _core.Reach.load(path)
 
 
 class TrialDataset:

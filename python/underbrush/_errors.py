@@ -40,6 +40,12 @@ class InputError(ValueError):
         return str(self.args[0])
 
 
+def refused(argument: str, found: str, allowed: str, remedy: str) -> InputError:
+    """The error about an argument."""
+    message = f"argument: {argument}: found {found}; allowed: {allowed}; remedy: {remedy}"
+    return InputError(message, "argument", None, argument, found, allowed, remedy)
+
+
 class RunError(RuntimeError):
     """A run that failed although its input was good, for example because of a fault inside the physics engine."""
 

@@ -99,7 +99,7 @@ impl Mul for Pose {
 }
 
 /// Force on one taxel in one frame, true and sensed. A frame leaves out taxels for which everything is zero.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TaxelReading {
     /// Index of the patch in the layout.
     pub patch: u16,

@@ -89,7 +89,7 @@ impl Region {
 }
 
 /// One trial (paper, sections IV-C and IV-D): the unit of training and classification.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trial {
     /// Number of the trial in its table.
     pub trial: u64,

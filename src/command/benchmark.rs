@@ -2,15 +2,17 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use underbrush_experiments::benchmark::{EnteredController, Entry, JudgedModel};
+use clap::Args;
+use underbrush_experiments::benchmark::{EnteredController, Entry};
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_report::benchmark_text;
 use underbrush_sim::controller::ControllerKind;
 
 use crate::failure::Failure;
+use crate::input;
+use crate::options::named;
 use crate::progress::Shown;
-use crate::{input, interrupt, output};
+use crate::{interrupt, output};
 
 /// Shown at the end of `underbrush benchmark --help`.
 const EXAMPLE: &str = "\
@@ -32,8 +34,12 @@ interrupted command goes on where it stopped. benchmarks/incidental-contact-1.md
 #[command(after_help = EXAMPLE)]
 pub struct Options {
     /// What is measured
-    #[arg(value_enum)]
-    track: Track,
+    #[arg(value_parser = named::<String>(&[
+        ("verdicts", "What contacts are, by the number of samples since they began, with outliers that are unseen in training"),
+        ("transfer", "What contacts are, with another arm, speed or sensor than in training"),
+        ("reaching", "How a controller reaches through clutter, and how hard it presses on trunks and leaves"),
+    ]))]
+    track: String,
     /// Model to judge, of any kind; for verdicts and transfer
     #[arg(long, value_name = "MODEL", required_if_eq_any = [("track", "verdicts"), ("track", "transfer")])]
     model: Option<PathBuf>,
@@ -52,43 +58,12 @@ pub struct Options {
     quick: bool,
 }
 
-/// A track.
-#[derive(Clone, Copy, ValueEnum)]
-enum Track {
-    /// What contacts are, by the number of samples since they began, with outliers that are unseen in training
-    Verdicts,
-    /// What contacts are, with another arm, speed or sensor than in training
-    Transfer,
-    /// How a controller reaches through clutter, and how hard it presses on trunks and leaves
-    Reaching,
-}
-
-impl Options {
-    fn entry(&self) -> Result<Entry, Failure> {
-        let model = || {
-            let path = self.model.as_deref();
-            let path = path.ok_or_else(|| Failure::usage("this track judges a model; give it with --model"))?;
-            Ok::<_, Failure>(Box::new(JudgedModel::load(path)?))
-        };
-        Ok(match self.track {
-            Track::Verdicts => Entry::Verdicts(model()?),
-            Track::Transfer => Entry::Transfer(model()?),
-            Track::Reaching => Entry::Reaching(EnteredController {
-                kind: self.controller,
-                own: None,
-                verdicts: self.verdicts.as_deref().map(VerdictControl::load).transpose()?,
-            }),
-        })
-    }
-}
-
 /// Measures, writes the row and prints it.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let entry = options.entry()?;
-    interrupt::hint(format!(
-        "finished reaches are kept in {}; run the same command to go on (it needs no --resume)",
-        options.out.display()
-    ));
+    let verdicts = options.verdicts.as_deref().map(VerdictControl::load).transpose()?;
+    let controller = options.controller.map(|kind| EnteredController { kind: Some(kind), own: None, verdicts });
+    let entry = Entry::new(&options.track, options.model.as_deref(), controller)?;
+    interrupt::kept("finished reaches are", &options.out, "the same command (without --resume)");
     let row = entry.run(&options.out, options.quick, &Shown)?;
     output::result(json, &row, || benchmark_text::of(&row))
 }

@@ -1,15 +1,17 @@
 //! Options for turning scores into verdicts, for every command that gives verdicts.
 
+use std::collections::BTreeMap;
+
 use clap::{Args, ValueEnum};
-use underbrush_classifier::Model;
+use serde::Serialize;
 use underbrush_classifier::decision::{Decision, Rule};
-use underbrush_classifier::paper_rule;
-use underbrush_classifier::recipe::Recipe;
+use underbrush_classifier::paper_rule::Scores;
 
 use crate::failure::Failure;
+use crate::options;
 
 /// How scores become verdicts.
-#[derive(Args, Default)]
+#[derive(Args, Default, Serialize)]
 pub struct DecisionArguments {
     /// How scores become verdicts [default: the model's own rule (train --false-positive-rate), or argmax if it has
     /// none]
@@ -23,7 +25,7 @@ pub struct DecisionArguments {
     prior: Vec<(String, f64)>,
 }
 
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
+#[derive(Clone, Copy, PartialEq, Serialize, ValueEnum)]
 enum DecisionName {
     /// The best category
     Argmax,
@@ -42,52 +44,17 @@ fn prior(text: &str) -> Result<(String, f64), String> {
     parse().ok_or_else(|| "must be CATEGORY=P, such as leaf=0.7".into())
 }
 
-/// The scores to be judged. Thresholds on a margin are valid for one kind of score only.
-pub struct Scores<'a> {
-    /// The decision stored with the models, if any.
-    own: Option<&'a Decision>,
-    /// Whether the models' own thresholds were chosen on this kind of score.
-    are_own: bool,
-    /// Why the paper's thresholds do not apply; `None` if they do.
-    misfit: Option<String>,
-}
-
-impl<'a> Scores<'a> {
-    /// Scores by this model.
-    pub fn of_model(model: &'a Model) -> Self {
-        Scores {
-            own: model.decision.as_ref(),
-            are_own: model.as_hmm().is_none_or(|models| models.score_kind() == models.own_score_kind()),
-            misfit: paper_rule::misfit_of_model(model),
-        }
-    }
-
-    /// Scores of hidden Markov models by this recipe, or of another classifier.
-    pub fn of_recipe(recipe: Option<&Recipe>) -> Self {
-        Scores { own: None, are_own: true, misfit: paper_rule::misfit_of_recipe(recipe) }
-    }
-}
-
-/// Refuses an option that a touch model would ignore, if it was given.
-pub fn refuse_for_touch_model(option: Option<&'static str>) -> Result<(), Failure> {
-    match option {
-        None => Ok(()),
-        Some(option) => Err(Failure::usage(format!(
-            "{option} does not apply to a touch model, whose verdicts rest on probabilities; use --nothing-above, \
-             --unknown-share and --cost-of-uncertain, or leave it out"
-        ))),
-    }
+/// Refuses the first of these options, which a touch model would ignore.
+pub fn refuse_for_touch_model(options: Vec<String>) -> Result<(), Failure> {
+    let reason = "does not apply to a touch model, whose verdicts rest on probabilities; use --nothing-above, \
+                  --unknown-share and --cost-of-uncertain";
+    options::refuse(options, reason)
 }
 
 impl DecisionArguments {
-    /// The first given option.
-    pub fn given(&self) -> Option<&'static str> {
-        let options = [
-            ("--decision", self.decision.is_some()),
-            ("--margin", self.margin.is_some()),
-            ("--prior", !self.prior.is_empty()),
-        ];
-        options.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
+    /// The given options.
+    pub fn given(&self) -> Vec<String> {
+        options::given(self)
     }
 
     /// Refuses options that a touch model would ignore.
@@ -105,37 +72,26 @@ impl DecisionArguments {
                 "--margin applies to --decision uncertain only; add that, or leave --margin out",
             ));
         }
-        let own = scores.own.cloned().unwrap_or(Decision::argmax());
-        let rule = match (self.decision, &scores.misfit) {
-            (None, _) if !scores.are_own && own.rule != Rule::Argmax => {
-                return Err(Failure::usage(
-                    "--score does not fit the thresholds in the model, which were chosen on its own kind of score; leave \
-                     --score out, or choose a --decision",
-                ));
+        let rule = match self.decision {
+            None => None,
+            Some(DecisionName::Argmax) => Some(Rule::Argmax),
+            Some(DecisionName::Uncertain) => Some(Rule::UncertainBelow { margin: self.margin.unwrap_or(15.0) }),
+            Some(DecisionName::Paper) => {
+                let refused = |error| Failure::usage(format!("--decision paper does not apply: {error}"));
+                Some(scores.paper().map_err(refused)?)
             }
-            (None, _) => own.rule,
-            (Some(DecisionName::Argmax), _) => Rule::Argmax,
-            (Some(DecisionName::Uncertain), _) => Rule::UncertainBelow { margin: self.margin.unwrap_or(15.0) },
-            (Some(DecisionName::Paper), Some(misfit)) => {
-                return Err(Failure::usage(format!(
-                    "--decision paper does not apply: its thresholds of 15 and 80 nats belong to Viterbi scores of hidden \
-                     Markov models of unscaled force, and {misfit}; use --decision uncertain with a --margin, or train \
-                     --false-positive-rate"
-                )));
-            }
-            (Some(DecisionName::Paper), None) => Decision::paper().rule,
         };
-        for (place, (category, _)) in self.prior.iter().enumerate() {
-            if self.prior[..place].iter().any(|(earlier, _)| earlier == category) {
-                return Err(Failure::usage(format!(
-                    "--prior is given twice for {category}; give it once for each category"
-                )));
+        let mut decision = scores.decision(rule)?;
+        let mut prior = BTreeMap::new();
+        for (category, own) in self.prior.clone() {
+            if prior.insert(category.clone(), own).is_some() {
+                let text = format!("--prior is given twice for {category}; give it once for each category");
+                return Err(Failure::usage(text));
             }
         }
-        let prior = match self.prior.is_empty() {
-            true => own.prior,
-            false => self.prior.iter().cloned().collect(),
-        };
-        Ok(Decision { prior, rule })
+        if !prior.is_empty() {
+            decision.prior = prior;
+        }
+        Ok(decision)
     }
 }

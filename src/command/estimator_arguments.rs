@@ -2,13 +2,16 @@
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use serde::Serialize;
 use underbrush_classifier::estimator::{ClassifierKind, Estimator};
 use underbrush_classifier::feature::{FEATURES, FeatureSet};
+use underbrush_classifier::fit_options::FitOptions;
 use underbrush_classifier::hmm::{InitialDistribution, Topology, TrainingOptions};
-use underbrush_classifier::recipe::{Preset, Recipe};
+use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
 
 use crate::failure::Failure;
+use crate::options;
 
 /// Which classifier is fitted, and how.
 #[derive(Args, Clone, Debug)]
@@ -57,18 +60,24 @@ fn features_help() -> String {
 }
 
 impl EstimatorArguments {
-    /// The classifier and its options.
+    /// The classifier, not fitted yet.
     ///
     /// # Errors
     /// If an option does not apply to the classifier.
     pub fn estimator(&self) -> Result<Box<dyn Estimator>, Failure> {
-        match (self.hmm()?, self.classifier) {
-            (Some(recipe), _) => Ok(Box::new(recipe)),
-            (None, Chosen::OfTrials(kind)) => Ok((kind.estimator)(self.features)),
-            (None, Chosen::Touch) => Err(Failure::usage(
+        match self.classifier {
+            Chosen::OfTrials(kind) => Ok(self.options()?.estimator(kind)?),
+            Chosen::Touch => Err(Failure::usage(
                 "--classifier touch is fitted to whole frames, not to trials; use train or evaluate with data sets or recordings",
             )),
         }
+    }
+
+    /// How it is fitted.
+    fn options(&self) -> Result<FitOptions, Failure> {
+        let recipe = serde_json::to_value(&self.recipe).and_then(serde_json::from_value);
+        let recipe = recipe.map_err(|error| Failure::usage(error.to_string()))?;
+        Ok(FitOptions { features: self.features, ..recipe })
     }
 
     /// Whether the classifier of frames is chosen.
@@ -76,13 +85,9 @@ impl EstimatorArguments {
     /// # Errors
     /// If an option is given that does not apply to it.
     pub fn is_touch(&self) -> Result<bool, Failure> {
-        match (self.classifier, self.given()) {
-            (Chosen::Touch, Some(option)) => Err(Failure::usage(format!(
-                "{option} does not apply to --classifier touch, whose features and networks are fixed; leave it out"
-            ))),
-            (Chosen::Touch, None) => Ok(true),
-            (Chosen::OfTrials(_), _) => Ok(false),
-        }
+        let Chosen::Touch = self.classifier else { return Ok(false) };
+        let reason = "does not apply to --classifier touch, whose features and networks are fixed";
+        options::refuse(self.given(), reason).map(|()| true)
     }
 
     /// The recipe, if the classifier is hidden Markov models.
@@ -90,16 +95,9 @@ impl EstimatorArguments {
     /// # Errors
     /// If an option of hidden Markov models is given for another classifier.
     pub fn hmm(&self) -> Result<Option<Recipe>, Failure> {
-        if self.classifier_name() == "hmm" {
-            let recipe = self.recipe.recipe();
-            let features = self.features.unwrap_or(recipe.features);
-            return Ok(Some(Recipe { features, ..recipe }));
-        }
-        match self.recipe.given().first() {
-            None => Ok(None),
-            Some(option) => Err(Failure::usage(format!(
-                "{option} does not apply to this --classifier: it is about hidden Markov models; leave it out"
-            ))),
+        match self.classifier {
+            Chosen::OfTrials(kind) => Ok(self.options()?.recipe_of(kind)?),
+            Chosen::Touch => Ok(None),
         }
     }
 
@@ -111,35 +109,35 @@ impl EstimatorArguments {
         }
     }
 
-    /// The first given option about fitting.
-    pub fn given(&self) -> Option<&'static str> {
-        let features = self.features.map(|_| "--features");
-        self.recipe.given().first().copied().or(features)
+    /// The given options about fitting.
+    pub fn given(&self) -> Vec<String> {
+        let features = self.features.map(|_| "--features".to_owned());
+        options::given(&self.recipe).into_iter().chain(features).collect()
     }
 
     /// The options of Baum-Welch training.
-    pub fn training(&self) -> TrainingOptions {
-        self.recipe.training()
+    pub fn training(&self) -> Result<TrainingOptions, Failure> {
+        Ok(self.options()?.recipe()?.training)
     }
 }
 
-/// How hidden Markov models are trained. Each option is `None` if it is not given, so that a command can refuse what it
-/// would ignore.
-#[derive(Args, Clone, Debug, Default)]
+/// How hidden Markov models are trained: the fields of [`FitOptions`] that the command line has. Each option is `None`
+/// if it is not given, so that a command can refuse what it would ignore.
+#[derive(Args, Clone, Debug, Default, Serialize)]
 struct RecipeArguments {
     /// Preset; other options override it: the authors' recipe, or a modern one (forward score, z-scored features)
     /// [default: authors]
-    #[arg(long, value_parser = named(&Recipe::PRESETS))]
-    recipe: Option<Preset>,
+    #[arg(long, value_parser = names(&Recipe::PRESETS))]
+    recipe: Option<String>,
     /// Hidden states of each model [default: 10]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=500))]
     states: Option<u16>,
     /// Allowed transitions between states [default: left-right]
-    #[arg(long, value_parser = named(&Topology::NAMED))]
-    topology: Option<Topology>,
+    #[arg(long, value_parser = names(&Topology::NAMED))]
+    topology: Option<String>,
     /// Distribution of the first state [default: uniform]
-    #[arg(long, value_parser = named(&InitialDistribution::NAMED))]
-    initial: Option<InitialDistribution>,
+    #[arg(long, value_parser = names(&InitialDistribution::NAMED))]
+    initial: Option<String>,
     /// Maximum number of iterations of Baum-Welch [default: 500]
     #[arg(long, value_name = "N")]
     iterations: Option<usize>,
@@ -154,56 +152,14 @@ struct RecipeArguments {
     max_samples: Option<u32>,
 }
 
-/// The values that have these names.
-fn named<T: Copy + Send + Sync + 'static>(known: &'static [(&'static str, T)]) -> impl TypedValueParser<Value = T> {
-    let names = known.iter().map(|(name, _)| *name);
-    PossibleValuesParser::new(names).try_map(|name| {
-        let found = known.iter().find(|(own, _)| *own == name);
-        found.map(|(_, value)| *value).ok_or("unknown name")
-    })
+/// The names of a list.
+fn names<T>(known: &'static [(&'static str, T)]) -> PossibleValuesParser {
+    PossibleValuesParser::new(known.iter().map(|(name, _)| *name))
 }
 
 fn not_negative(text: &str) -> Result<f64, String> {
     let value: f64 = text.parse().map_err(|_| "not a number".to_string())?;
     if value.is_finite() && value >= 0.0 { Ok(value) } else { Err("must be zero or more".into()) }
-}
-
-impl RecipeArguments {
-    /// Names of the options that are given.
-    fn given(&self) -> Vec<&'static str> {
-        let options = [
-            ("--recipe", self.recipe.is_some()),
-            ("--states", self.states.is_some()),
-            ("--topology", self.topology.is_some()),
-            ("--initial", self.initial.is_some()),
-            ("--iterations", self.iterations.is_some()),
-            ("--tolerance", self.tolerance.is_some()),
-            ("--variance-floor", self.variance_floor.is_some()),
-            ("--max-samples", self.max_samples.is_some()),
-        ];
-        options.into_iter().filter(|(_, given)| *given).map(|(name, _)| name).collect()
-    }
-
-    fn recipe(&self) -> Recipe {
-        let base = self.recipe.map_or_else(Recipe::authors, |preset| preset());
-        Recipe {
-            states: self.states.map_or(base.states, usize::from),
-            topology: self.topology.unwrap_or(base.topology),
-            initial: self.initial.unwrap_or(base.initial),
-            max_samples: self.max_samples.map(|samples| samples as usize),
-            training: self.training(),
-            ..base
-        }
-    }
-
-    fn training(&self) -> TrainingOptions {
-        let default = TrainingOptions::default();
-        TrainingOptions {
-            iterations: self.iterations.unwrap_or(default.iterations),
-            tolerance: self.tolerance.unwrap_or(default.tolerance),
-            variance_floor: self.variance_floor.unwrap_or(default.variance_floor),
-        }
-    }
 }
 
 #[cfg(test)]

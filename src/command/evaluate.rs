@@ -5,21 +5,23 @@ mod text;
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::estimator::Classifier;
 use underbrush_classifier::evaluate::{
     EvaluationReport, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate, evaluate,
 };
+use underbrush_classifier::paper_rule::Scores;
 use underbrush_experiments::model_data;
 use underbrush_recording::{InputError, Trial};
 
-use super::decision_arguments::{DecisionArguments, Scores};
+use super::decision_arguments::DecisionArguments;
 use super::estimator_arguments::EstimatorArguments;
 use super::overwrite::Overwrite;
 use super::touch::{self, Judge, RiskArguments, TouchDecisionArguments};
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
+use crate::options::{self, named};
 use crate::output;
 
 /// Shown at the end of `underbrush evaluate --help`.
@@ -51,8 +53,11 @@ pub struct Options {
     folds: usize,
     /// How trials are grouped into folds [default: reach if every trial names its reach, else position; position with
     /// --preset paper]
-    #[arg(long, alias = "split", value_enum)]
-    group: Option<Group>,
+    #[arg(long, alias = "split", value_parser = named::<FoldBy>(&[
+        ("position", "By position within each category, not shuffled: first half, second half (the authors' way)"),
+        ("reach", "By whole reaches, so that no contact is in two folds"),
+    ]))]
+    group: Option<FoldBy>,
     /// Evaluate the models in this file instead of cross-validating. Use trials that they were not trained on; outliers
     /// may be among them
     #[arg(long, value_name = "MODEL", conflicts_with_all = ["folds", "group", "classifier"])]
@@ -78,14 +83,6 @@ pub struct Options {
     risk: RiskArguments,
     #[command(flatten, next_help_heading = "Trials of a data set or a recording")]
     cut: TrialArguments,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum Group {
-    /// By position within each category, not shuffled: first half, second half (the authors' way)
-    Position,
-    /// By whole reaches, so that no contact is in two folds
-    Reach,
 }
 
 /// Evaluates and prints the confusion matrix and figures.
@@ -160,12 +157,11 @@ impl Options {
     /// Refuses options that would be ignored.
     fn check(&self) -> Result<(), Failure> {
         self.estimator.is_touch()?;
-        match self.estimator.given() {
-            Some(option) if self.model.is_some() => Err(Failure::usage(format!(
-                "{option} does not apply to the models of --model, which are trained already; leave it out"
-            ))),
-            _ => self.estimator.hmm().map(|_| ()),
+        if self.model.is_some() {
+            let reason = "does not apply to the models of --model, which are trained already";
+            options::refuse(self.estimator.given(), reason)?;
         }
+        self.estimator.hmm().map(drop)
     }
 
     /// Refuses to test on the input that is fitted to, under whatever name and in whatever copy: the accuracy would be
@@ -192,21 +188,17 @@ impl Options {
 
     /// Judges whole frames by the classifier touch.
     fn frames(&self, judge: Judge<'_>, json: bool) -> Result<(), Failure> {
-        let others = [
-            self.by_samples.then_some("--by-samples"),
-            self.roc.as_ref().map(|_| "--roc"),
-            matches!(self.group, Some(Group::Position)).then_some("--group position"),
-            self.decision.given(),
+        let own = [
+            (self.by_samples, "--by-samples"),
+            (self.roc.is_some(), "--roc"),
+            (self.group == Some(FoldBy::Position), "--group position"),
         ];
-        if let Some(option) = others.into_iter().flatten().next() {
-            return Err(Failure::usage(format!(
-                "{option} does not apply to the classifier touch, which judges the frames of whole reaches; leave it out"
-            )));
-        }
+        let others = own.iter().filter(|(given, _)| *given).map(|(_, option)| (*option).to_owned());
+        let reason = "does not apply to the classifier touch, which judges the frames of whole reaches";
+        options::refuse(others.chain(self.decision.given()), reason)?;
         let limits = self.risk.limits();
         self.touch.refuse_beside(&limits)?;
-        let evaluation = touch::Evaluation { paths: &self.trials, judge, limits, decision: &self.touch };
-        evaluation.run(json)
+        touch::evaluate(&self.trials, judge, &limits, &self.touch, json)
     }
 
     /// The kind of scores that are judged.
@@ -215,15 +207,8 @@ impl Options {
     }
 
     fn folds(&self, trials: &[Trial]) -> Folds {
-        Folds {
-            count: self.folds,
-            by: match self.group {
-                Some(Group::Position) => FoldBy::Position,
-                Some(Group::Reach) => FoldBy::Reach,
-                None if self.cut.is_paper() => FoldBy::Position,
-                None => FoldBy::advised(trials),
-            },
-        }
+        let paper = self.cut.is_paper().then_some(FoldBy::Position);
+        Folds { count: self.folds, by: self.group.or(paper).unwrap_or_else(|| FoldBy::advised(trials)) }
     }
 }
 

@@ -124,26 +124,20 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let reaches = Reaches::open(&options.data)?;
     let out = options.out.as_path();
     let mut written = Written { out: out.to_path_buf(), reaches: 0, frames: 0, files: 0, bytes: 0 };
-    if reaches.count() == 1 || matches!(options.to, Format::Hdf5) {
-        overwrite.file(out, &options.data)?;
+    let is_folder = reaches.count() > 1 && matches!(options.to, Format::Mcap);
+    if is_folder {
+        make_room(out, overwrite)?
+    } else {
+        overwrite.file(out, &options.data)?
     }
     match options.to {
-        Format::Mcap if reaches.count() == 1 => reaches.read_any(|recording| {
-            write_mcap(out, recording)?;
+        Format::Mcap => reaches.read_any(|recording| {
+            let path = if is_folder { out.join(name_of(written.reaches)) } else { out.to_path_buf() };
+            write_mcap(&path, recording)?;
             written.count(recording);
-            written.file(out);
+            written.file(&path);
             Ok(())
         })?,
-        Format::Mcap => {
-            make_room(out, overwrite)?;
-            reaches.read_any(|recording| {
-                let path = out.join(name_of(written.reaches));
-                write_mcap(&path, recording)?;
-                written.count(recording);
-                written.file(&path);
-                Ok(())
-            })?;
-        }
         Format::Hdf5 => {
             write_hdf5(out, &reaches, &mut written)?;
             written.file(out);

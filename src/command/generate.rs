@@ -1,11 +1,10 @@
 //! `underbrush generate`: runs many reaches and writes a data set.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use serde::Serialize;
+use serde_json::json;
 use underbrush_experiments::audit;
 use underbrush_experiments::dataset::{Campaign, Written, require_same_reaches};
 use underbrush_experiments::verdict_controller::VerdictControl;
@@ -60,28 +59,6 @@ pub struct Options {
     shared: bool,
 }
 
-/// What is printed after a part while other parts are not finished.
-#[derive(Serialize)]
-struct PartSummary {
-    /// The folder of the data set.
-    #[serde(serialize_with = "output::path")]
-    dataset: PathBuf,
-    /// The part, in the form of the option `--shard`.
-    part: String,
-    /// Whether the data set is finished: always false here.
-    finished: bool,
-}
-
-impl PartSummary {
-    fn text(&self) -> String {
-        format!(
-            "part {} is done; the part that finishes last makes the data set in {}",
-            self.part,
-            self.dataset.display()
-        )
-    }
-}
-
 fn shard(text: &str) -> Result<Shard, String> {
     let parse = || {
         let (index, count) = text.split_once('/')?;
@@ -93,23 +70,13 @@ fn shard(text: &str) -> Result<Shard, String> {
 
 /// The campaign that the options describe.
 fn described(options: &Options) -> Result<Campaign, Failure> {
-    let reaches = options.reaches.unwrap_or_default();
-    let scenes = options.scenes.iter().map(|path| Ok((Scene::load(path)?, reaches)));
-    let campaign = Campaign {
-        scenes: scenes.collect::<Result<Vec<_>, Failure>>()?,
-        arms: BTreeMap::new(),
-        seed: options.seed,
+    let scenes: Result<Vec<Scene>, _> = options.scenes.iter().map(Scene::load).collect();
+    Ok(Campaign {
         controller: options.controller,
-        own_controller: None,
         verdicts: verdicts(options)?,
         shard: options.shard.filter(|_| !options.shared),
-    };
-    let mut names: Vec<&str> = campaign.scenes.iter().map(|(scene, _)| scene.name.as_str()).collect();
-    names.sort_unstable();
-    match names.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => Err(Failure::usage(format!("two scenes are called {}; rename one file", pair[0]))),
-        None => Ok(campaign),
-    }
+        ..Campaign::new(scenes?, options.reaches.unwrap_or_default(), options.seed)?
+    })
 }
 
 fn verdicts(options: &Options) -> Result<Option<VerdictControl>, Failure> {
@@ -126,14 +93,17 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     };
     let out = &options.out;
     options.overwrite.dataset(out, options.scenes.iter().chain(&options.from).chain(&options.verdicts))?;
-    let again = if options.shared { "run the same command again" } else { "run the same command with --resume" };
-    interrupt::hint(format!("finished reaches are kept in {}; {again} to go on", out.display()));
+    let again = if options.shared { "the same command again" } else { "the same command with --resume" };
+    interrupt::kept("finished reaches are", out, again);
     let written = match options.shard.filter(|_| options.shared) {
         Some(part) => match campaign.write_shared(out, part, &Shown)? {
             Some(written) => written,
             None => {
-                let summary = PartSummary { dataset: options.out, part: part.to_string(), finished: false };
-                return output::result(json, &summary, || summary.text());
+                let out = out.display().to_string();
+                let summary = json!({ "dataset": out, "part": part.to_string(), "finished": false });
+                return output::result(json, &summary, || {
+                    format!("part {part} is done; the part that finishes last makes the data set in {out}")
+                });
             }
         },
         None => campaign.write(out, options.resume, &Shown)?,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
-use serde::Serialize;
+use serde_json::json;
 use underbrush_exchange::import::{Mapping, import};
 use underbrush_recording::disk::write_trials;
 
@@ -27,50 +27,35 @@ pub struct Options {
     overwrite: Overwrite,
 }
 
-/// What was written.
-#[derive(Serialize)]
-struct Written {
-    #[serde(serialize_with = "output::path")]
-    file: PathBuf,
-    reaches: usize,
-    frames: usize,
-    trials: usize,
-    samples: usize,
-    /// Number of trials by category; the empty name is for trials without one.
-    categories: BTreeMap<String, usize>,
-}
-
 /// Writes the table.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let inputs = [&options.file, &options.mapping];
     options.overwrite.table(&options.out, inputs)?;
     let imported = import(&options.file, &Mapping::load(&options.mapping)?)?;
-    let mut written = Written {
-        file: options.out.clone(),
-        reaches: imported.reaches,
-        frames: imported.frames,
-        trials: imported.trials.len(),
-        samples: imported.trials.iter().map(|trial| trial.samples.len()).sum(),
-        categories: BTreeMap::new(),
-    };
+    let mut categories = BTreeMap::<String, usize>::new();
     for trial in &imported.trials {
-        let category = trial.category.clone().unwrap_or_default();
-        *written.categories.entry(category).or_default() += 1;
+        *categories.entry(trial.category.clone().unwrap_or_default()).or_default() += 1;
     }
+    let (trials, frames, reaches) = (imported.trials.len(), imported.frames, imported.reaches);
+    let samples: usize = imported.trials.iter().map(|trial| trial.samples.len()).sum();
     write_trials(&options.out, imported.trials)?;
+    let file = options.out.display().to_string();
+    // The empty name is for trials without a category.
+    let written = json!({
+        "file": file, "reaches": reaches, "frames": frames, "trials": trials, "samples": samples, "categories": categories,
+    });
     output::result(json, &written, || {
-        let named = written.categories.iter().map(|(name, count)| match name.as_str() {
+        let named = categories.iter().map(|(name, count)| match name.as_str() {
             "" => format!("{count} without a category"),
             name => format!("{count} {name}"),
         });
         format!(
-            "{}, {} from {} of {}: {}\n{}",
-            output::counted(written.trials, "trial", "trials"),
-            output::counted(written.samples, "sample", "samples"),
-            output::counted(written.frames, "frame", "frames"),
-            output::counted(written.reaches, "reach", "reaches"),
-            named.collect::<Vec<_>>().join(", "),
-            written.file.display()
+            "{}, {} from {} of {}: {}\n{file}",
+            output::counted(trials, "trial", "trials"),
+            output::counted(samples, "sample", "samples"),
+            output::counted(frames, "frame", "frames"),
+            output::counted(reaches, "reach", "reaches"),
+            named.collect::<Vec<_>>().join(", ")
         )
     })
 }

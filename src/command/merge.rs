@@ -34,10 +34,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     let inputs = parts.clone();
     let shards = Shards::open(parts)?;
     overwrite.dataset(&out, &inputs)?;
-    interrupt::hint(format!(
-        "what is complete is kept in {}; run the same command with --resume to go on",
-        out.display()
-    ));
+    interrupt::kept("what is complete is", &out, "the same command with --resume");
     let bar = progress::bar(shards.plan().episodes.len() as u64, "reaches");
     let merged = shards.merge(&out, resume, || bar.inc(1));
     bar.finish_and_clear();

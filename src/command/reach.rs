@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use clap::Args;
 use serde::Serialize;
-use underbrush_classifier::trial::{PatchImage, TrialOptions};
-use underbrush_experiments::contact_trials::{self, Unit};
+use underbrush_classifier::trial::{PatchImage, TrialOptions, Unit};
+use underbrush_experiments::contact_trials;
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_experiments::{audit, dataset};
 use underbrush_recording::disk::{remove_leftovers, write_recording};
@@ -24,7 +24,7 @@ use super::touch::TouchDecisionArguments;
 use super::watched::Watched;
 use crate::failure::Failure;
 use crate::input;
-use crate::output;
+use crate::output::{self, cells};
 use crate::progress::Shown;
 
 /// Options of `underbrush reach`.
@@ -164,7 +164,10 @@ impl Report {
     fn of(recording: &Recording, options: &TrialOptions, f_max_n: Option<f64>, wall_s: f64) -> Result<Self, Failure> {
         let layout = &recording.layout;
         let patch = layout.chosen_patch(options.patch.as_deref()).map(|index| &layout.patches[index]);
-        let cut = |unit| contact_trials::of_recording(recording, unit, options, 0).map(|trials| trials.len());
+        let cut = |by| {
+            let options = TrialOptions { by, ..options.clone() };
+            contact_trials::of_recording(recording, &options, 0).map(|trials| trials.len())
+        };
         let simulated_s = recording.frames.len() as f64 / recording.rate_hz;
         let forces = recording.contact_forces(None);
         Ok(Report {
@@ -199,20 +202,10 @@ impl Report {
     }
 
     fn text(&self) -> String {
-        let rows: Vec<Vec<String>> = self
-            .goals
-            .iter()
-            .enumerate()
-            .map(|(number, goal)| {
-                let [x, y, z] = goal.position_world_m;
-                vec![
-                    (number + 1).to_string(),
-                    format!("({x:.2}, {y:.2}, {z:.2})"),
-                    goal.outcome.into(),
-                    format!("{:.1}", goal.seconds),
-                ]
-            })
-            .collect();
+        let rows = self.goals.iter().enumerate().map(|(number, goal)| {
+            let [x, y, z] = goal.position_world_m;
+            cells![number + 1, format!("({x:.2}, {y:.2}, {z:.2})"), goal.outcome, format!("{:.1}", goal.seconds)]
+        });
         let aborted = self.aborted_by.as_ref().map_or(String::new(), |stop| format!(", then aborted: {stop}"));
         let limit =
             self.f_max_n.map_or(String::new(), |f_max_n| format!("; the controller's f_max is {f_max_n} N a taxel"));
@@ -220,7 +213,7 @@ impl Report {
         let touched: Vec<String> = patches
             .map(|(patch, frames)| format!("{patch} in {}", output::counted(*frames, "frame", "frames")))
             .collect();
-        output::table(&["goal", "position / m", "outcome", "seconds"], &rows)
+        output::table(&["goal", "position / m", "outcome", "seconds"], rows)
             + &format!(
                 "\n{} (seed {}, reach {}, {}): {} of {} goals reached{}\n\
                  {:.1} s of simulated time in {:.2} s: {:.0} times real time on one core\n\

@@ -5,18 +5,19 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use clap::Args;
-use serde::Serialize;
+use serde_json::json;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::online::OnlineOptions;
-use underbrush_classifier::trial::TrialOptions;
+use underbrush_classifier::paper_rule::Scores;
 use underbrush_recording::disk::remove_leftovers;
 use underbrush_replay::{Judging, JudgingModel, Server, Source, single_file};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
-use super::decision_arguments::{DecisionArguments, Scores};
+use super::decision_arguments::DecisionArguments;
 use super::overwrite::Overwrite;
 use super::touch::TouchDecisionArguments;
 use crate::failure::Failure;
+use crate::options;
 use crate::{input, output};
 
 /// Shown at the end of `underbrush replay --help`.
@@ -65,20 +66,6 @@ pub struct Options {
     touch: TouchDecisionArguments,
 }
 
-#[derive(Serialize)]
-struct Served {
-    address: String,
-    reaches: usize,
-}
-
-#[derive(Serialize)]
-struct Written {
-    #[serde(serialize_with = "output::path")]
-    file: PathBuf,
-    reaches: usize,
-    bytes: usize,
-}
-
 /// Serves the page or writes it.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     if let Some(out) = &options.out {
@@ -97,10 +84,8 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
 
 fn judging(options: &Options) -> Result<Option<Judging>, Failure> {
     let Some(path) = &options.model else {
-        return match options.decision.given().or(options.touch.given()) {
-            None => Ok(None),
-            Some(option) => Err(Failure::usage(format!("{option} is about verdicts; add --model, or leave it out"))),
-        };
+        let given = options.decision.given().into_iter().chain(options::given(&options.touch));
+        return options::refuse(given, "is about the verdicts of a --model").map(|()| None);
     };
     judging_by(path, options.patch.as_deref(), &options.decision, &options.touch).map(Some)
 }
@@ -115,11 +100,8 @@ pub fn judging_by(
     let by = match any_model::load(path)? {
         AnyModel::OfTrials(model) => {
             touch.refuse_for_trials()?;
-            let options = OnlineOptions {
-                patch: patch.map(str::to_owned),
-                threshold_n: TrialOptions::default().threshold_n,
-                decision: decision.decision(&Scores::of_model(&model))?,
-            };
+            let decision = decision.decision(&Scores::of_model(&model))?;
+            let options = OnlineOptions::new(patch.map(str::to_owned), None, decision);
             JudgingModel::OfTrials(Box::new(model), options)
         }
         AnyModel::Touch(mut model) => {
@@ -137,10 +119,10 @@ fn write(source: &Source, chosen: &[usize], path: &Path, json: bool) -> Result<(
     let page = single_file(source, numbers, MAX_PAGE_BYTES)?;
     remove_leftovers(path);
     output::write_file(path, page.as_bytes())?;
-    let written = Written { file: path.to_path_buf(), reaches: numbers.len(), bytes: page.len() };
-    output::result(json, &written, || {
-        let megabytes = written.bytes as f64 / 1e6;
-        format!("{}: {} in {megabytes:.1} MB", path.display(), output::counted(written.reaches, "reach", "reaches"))
+    let (reaches, bytes, path) = (numbers.len(), page.len(), path.display().to_string());
+    output::result(json, &json!({ "file": path, "reaches": reaches, "bytes": bytes }), || {
+        let megabytes = bytes as f64 / 1e6;
+        format!("{path}: {} in {megabytes:.1} MB", output::counted(reaches, "reach", "reaches"))
     })
 }
 
@@ -148,8 +130,7 @@ fn serve(source: Source, port: u16, open: bool, json: bool) -> Result<(), Failur
     let served = source.reaches().len();
     let server = Server::start(source, port)?;
     let address = server.address().to_owned();
-    let report = Served { address: address.clone(), reaches: served };
-    output::result(json, &report, || {
+    output::result(json, &json!({ "address": address, "reaches": served }), || {
         format!("{} at {address} until Ctrl-C", output::counted(served, "reach", "reaches"))
     })?;
     if open {

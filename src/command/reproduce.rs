@@ -49,10 +49,7 @@ pub struct Options {
 
 /// Runs everything and prints the tables.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let experiment = match &options.experiment {
-        Some(path) => Experiment::load(path)?,
-        None => Experiment::paper()?,
-    };
+    let experiment = Experiment::load_or_paper(options.experiment.as_deref())?;
     let reproduction = Reproduction {
         experiment: &experiment,
         seed: options.seed.unwrap_or(experiment.file.seed),
@@ -62,10 +59,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     };
     let out = &options.out;
     let command = if options.force { "the same command without --force" } else { "the same command" };
-    interrupt::hint(format!(
-        "finished stages are cached in {}; run {command} to go on (it needs no --resume)",
-        out.display()
-    ));
+    interrupt::kept("finished stages are", out, &format!("{command} (without --resume)"));
     let (results, report) = reproduction.run(out, &Shown)?;
     output::result(json, &results, || {
         let page = out.join("report/index.html");

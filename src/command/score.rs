@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::Model;
 use underbrush_classifier::any_model;
@@ -10,6 +10,7 @@ use underbrush_classifier::hmm::ScoreKind;
 
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
+use crate::options::named;
 use crate::output;
 
 /// Options of `underbrush score`.
@@ -20,38 +21,26 @@ pub struct Options {
     /// Table of trials (`trial`, `time_s` and the model's features are required), data set or recording
     trials: PathBuf,
     /// Kind of score of hidden Markov models [default: the model's own]
-    #[arg(long, value_enum)]
-    by: Option<Score>,
+    #[arg(long, value_parser = named::<ScoreKind>(&KINDS))]
+    by: Option<ScoreKind>,
 }
 
-/// A kind of score, as named on the command line.
-#[derive(Clone, Copy, ValueEnum)]
-pub enum Score {
-    /// Log-likelihood, the sum over all state paths
-    Forward,
-    /// Log-probability of the best state path
-    Viterbi,
-}
-
-impl From<Score> for ScoreKind {
-    fn from(score: Score) -> Self {
-        match score {
-            Score::Forward => ScoreKind::Forward,
-            Score::Viterbi => ScoreKind::Viterbi,
-        }
-    }
-}
+/// The kinds of score, with their help.
+pub const KINDS: [(&str, &str); 2] = [
+    ("forward", "Log-likelihood, the sum over all state paths"),
+    ("viterbi", "Log-probability of the best state path"),
+];
 
 /// Reads a model and chooses its kind of score; `option` names the option that asks for it.
-pub fn load(path: &Path, by: Option<Score>, option: &str) -> Result<Model, Failure> {
+pub fn load(path: &Path, by: Option<ScoreKind>, option: &str) -> Result<Model, Failure> {
     by_kind(any_model::load_of_trials(path)?, path, by, option)
 }
 
 /// Chooses the kind of score of a model that was read from `path`.
-pub fn by_kind(mut model: Model, path: &Path, by: Option<Score>, option: &str) -> Result<Model, Failure> {
+pub fn by_kind(mut model: Model, path: &Path, by: Option<ScoreKind>, option: &str) -> Result<Model, Failure> {
     if let Some(kind) = by {
         let name = model.classifier.name();
-        model.score_by(kind.into()).map_err(|_| {
+        model.score_by(kind).map_err(|_| {
             Failure::usage(format!(
                 "{option} applies to hidden Markov models only, and {} is a model of the classifier {name}; leave it out",
                 path.display()

@@ -21,7 +21,7 @@ use super::overwrite::Overwrite;
 use super::touch::{self, RiskArguments};
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
-use crate::output;
+use crate::output::{self, cells};
 
 /// Options of `underbrush train`.
 #[derive(Args)]
@@ -141,10 +141,11 @@ impl Options {
         let source = model_data::of_path(path)?;
         let is_table = source.kind == DataKind::Trials;
         let start = self.start.as_deref().map(file_blake3).transpose()?;
+        let cut = self.cut.options()?;
         let options = json!({
-            "by": if is_table { None } else { Some(self.cut.unit()?) },
-            "trials": if is_table { json!({ "min_samples": self.cut.min_samples() }) } else { json!(self.cut.options()) },
-            "training": self.start.as_ref().map(|_| self.estimator.training()),
+            "by": if is_table { None } else { Some(cut.by) },
+            "trials": if is_table { json!({ "min_samples": cut.min_samples }) } else { json!(cut) },
+            "training": self.start.as_ref().map(|_| self.estimator.training()).transpose()?,
             "start_blake3": start,
             "false_positive_rate": self.false_positive_rate,
             "outlier_prior": self.false_positive_rate.map(|_| self.outlier_prior),
@@ -161,7 +162,7 @@ fn continued(options: &Options, start: &Path, path: &Path, trials: &[Trial]) -> 
             "--start continues the training of hidden Markov models only; give such a model, or leave it out",
         )
     })?;
-    let trained = HmmClassifier::train_from(models, trials, &options.estimator.training());
+    let trained = HmmClassifier::train_from(models, trials, &options.estimator.training()?);
     let (models, _) = trained.map_err(|error| about(path, error))?;
     Ok(Model::new(Box::new(models)))
 }
@@ -273,28 +274,20 @@ fn thresholds_text(chosen: Option<&ChosenThresholds>) -> String {
 }
 
 fn text(report: &TrainingReport) -> String {
-    let rows: Vec<Vec<String>> = report
-        .categories
-        .iter()
-        .map(|(category, history)| {
-            let ends = |value: Option<&f64>| value.map_or("-".into(), |value| format!("{value:.3}"));
-            vec![
-                category.clone(),
-                history.trials.to_string(),
-                history.samples.to_string(),
-                history.log_likelihood.len().saturating_sub(1).to_string(),
-                ends(history.log_likelihood.first()),
-                ends(history.log_likelihood.last()),
-                match history.stop {
-                    Stop::Converged { iteration } => format!("converged at {iteration}"),
-                    Stop::MaxIterations => "all iterations done".into(),
-                    Stop::Fell { iteration, by } => format!("fell by {by:.2e} nats at {iteration}"),
-                },
-            ]
-        })
-        .collect();
+    let rows = report.categories.iter().map(|(category, history)| {
+        let ends = |value: Option<&f64>| value.map_or("-".into(), |value| format!("{value:.3}"));
+        let likelihoods = &history.log_likelihood;
+        let stop = match history.stop {
+            Stop::Converged { iteration } => format!("converged at {iteration}"),
+            Stop::MaxIterations => "all iterations done".into(),
+            Stop::Fell { iteration, by } => format!("fell by {by:.2e} nats at {iteration}"),
+        };
+        let (start, end) = (ends(likelihoods.first()), ends(likelihoods.last()));
+        let iterations = likelihoods.len().saturating_sub(1);
+        cells![category, history.trials, history.samples, iterations, start, end, stop]
+    });
     let header = ["category", "trials", "samples", "iterations", "log-likelihood at start", "at end", "stop"];
-    let mut text = output::table(&header, &rows);
+    let mut text = output::table(&header, rows);
     for (category, history) in &report.categories {
         if !history.empty_states.is_empty() {
             text +=
@@ -312,10 +305,7 @@ fn skipped_text(skipped: usize) -> String {
 }
 
 fn counts_text(classifier: &str, counts: &Counts) -> String {
-    let row = |(category, count): (&String, &Count)| {
-        vec![category.clone(), count.trials.to_string(), count.samples.to_string()]
-    };
-    let rows: Vec<Vec<String>> = counts.categories.iter().map(row).collect();
-    let table = output::table(&["category", "trials", "samples"], &rows);
+    let rows = counts.categories.iter().map(|(category, count)| cells![category, count.trials, count.samples]);
+    let table = output::table(&["category", "trials", "samples"], rows);
     format!("Classifier {classifier}\n{table}{}", skipped_text(counts.skipped_trials))
 }

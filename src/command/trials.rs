@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use serde::Serialize;
+use serde_json::json;
 use underbrush_recording::disk::write_trials;
 
 use super::overwrite::Overwrite;
@@ -27,41 +27,27 @@ pub struct Options {
     cut: TrialArguments,
 }
 
-#[derive(Serialize)]
-struct Written {
-    #[serde(serialize_with = "output::path")]
-    file: PathBuf,
-    trials: usize,
-    samples: usize,
-    /// Trials during which no object pressed, among those for which this is known.
-    never_touched: usize,
-    /// Trials for which it is unknown whether an object pressed.
-    touch_unknown: usize,
-}
-
 /// Writes the table.
 pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     options.overwrite.table(&options.out, [&options.dataset])?;
     let trials = input::some_trials(&options.dataset, &options.cut)?;
-    let written = Written {
-        file: options.out.clone(),
-        trials: trials.len(),
-        samples: trials.iter().map(|trial| trial.samples.len()).sum(),
-        never_touched: trials.iter().filter(|trial| trial.touched() == Some(false)).count(),
-        touch_unknown: trials.iter().filter(|trial| trial.touched().is_none()).count(),
-    };
+    let never_touched = trials.iter().filter(|trial| trial.touched() == Some(false)).count();
+    let touch_unknown = trials.iter().filter(|trial| trial.touched().is_none()).count();
+    let (count, samples) = (trials.len(), trials.iter().map(|trial| trial.samples.len()).sum::<usize>());
     write_trials(&options.out, trials)?;
+    let file = options.out.display().to_string();
+    // Trials during which no object pressed are among those for which this is known.
+    let written = json!({
+        "file": file, "trials": count, "samples": samples, "never_touched": never_touched, "touch_unknown": touch_unknown,
+    });
     output::result(json, &written, || {
-        let mut text = format!(
-            "{}, {} in {}",
-            output::counted(written.trials, "trial", "trials"),
-            output::counted(written.samples, "sample", "samples"),
-            written.file.display()
-        );
-        if written.touch_unknown < written.trials {
+        let counts = [(count, "trial", "trials"), (samples, "sample", "samples")];
+        let [trials, samples] = counts.map(|(count, one, many)| output::counted(count, one, many));
+        let mut text = format!("{trials}, {samples} in {file}");
+        if touch_unknown < count {
             text += &format!(
                 "\n{} never touched: the forces there come from the sensor alone (spurious readings, creep, crosstalk)",
-                output::counted(written.never_touched, "of the trials was", "of the trials were")
+                output::counted(never_touched, "of the trials was", "of the trials were")
             );
         }
         text

@@ -100,10 +100,7 @@ fn run_as_described(checks: &[&Check], tolerance_scale: f64, json: bool) -> Resu
     let failing = names_of(&outcomes, |outcome| (outcome.verdict == Verdict::Fail).then_some(outcome.name));
     let report = Report { tolerance_scale, falsified: false, sound: failing.is_empty(), checks: outcomes };
     output::result(json, &report, || text::described(&report))?;
-    if report.sound {
-        return Ok(());
-    }
-    Err(Failure::run(format!("these checks fail: {failing}")))
+    unless(report.sound, format!("these checks fail: {failing}"))
 }
 
 fn run_falsified(checks: &[&Check], tolerance_scale: f64, json: bool) -> Result<(), Failure> {
@@ -123,10 +120,11 @@ fn run_falsified(checks: &[&Check], tolerance_scale: f64, json: bool) -> Result<
         checks: outcomes,
     };
     output::result(json, &report, || text::falsified(&report))?;
-    if report.sound {
-        return Ok(());
-    }
-    Err(Failure::run(format!("these checks do not notice a wrong parameter as they should: {unsound}")))
+    unless(report.sound, format!("these checks do not notice a wrong parameter as they should: {unsound}"))
+}
+
+fn unless(sound: bool, complaint: String) -> Result<(), Failure> {
+    if sound { Ok(()) } else { Err(Failure::run(complaint)) }
 }
 
 fn names_of<T>(outcomes: &[T], name: impl Fn(&T) -> Option<&'static str>) -> String {

@@ -8,8 +8,8 @@ use underbrush_recording::Recording;
 use super::error::EvaluateError;
 use super::touch::TouchEvaluation;
 use super::touch_figures::TouchFigures;
-use crate::touch::{FeatureWorth, TouchDecision, TouchExamples, TouchModel};
-use crate::trial::TrialError;
+use crate::touch::{FeatureWorth, TouchDecision, TouchExamples, TouchModel, TouchOptions};
+use crate::trial::{TrialError, require_truth};
 
 /// The verdicts of touch models on reaches with ground truth, summarized.
 #[derive(Clone, Debug, Serialize)]
@@ -50,6 +50,19 @@ pub trait ReadReaches {
     ) -> Result<(), Self::Error>;
 }
 
+/// The training rows of all reaches.
+///
+/// # Errors
+/// If a reach cannot be read, has no ground truth or does not fit.
+pub fn touch_examples<R: ReadReaches>(reaches: &R, options: TouchOptions) -> Result<TouchExamples, R::Error> {
+    let mut examples = TouchExamples::new(options);
+    reaches.read(&|_| true, &mut |recording| {
+        require_truth(recording)?;
+        Ok(examples.add(recording)?)
+    })?;
+    Ok(examples)
+}
+
 /// All verdicts so far.
 struct Judged {
     verdicts: TouchEvaluation,
@@ -72,6 +85,7 @@ impl Judged {
         self.decisions.push(model.decision);
         let model = Arc::new(model);
         reaches.read(keeps, &mut |recording| {
+            require_truth(recording)?;
             self.verdicts.add(TouchEvaluation::of(&model, recording)?);
             Ok(())
         })

@@ -35,9 +35,10 @@ impl TouchExamples {
         let trials = self.reaches.len();
         if trials < FOLDS {
             return Err(ModelError::Mismatch {
-                found: format!("{trials} recordings to fit a touch model to"),
+                found: format!("{trials} reach to fit to"),
                 allowed: format!(
-                    "{FOLDS} or more, because probabilities are calibrated on recordings that are held out"
+                    "{FOLDS} or more (of {FOLDS} reaches or more, each is held out once to calibrate probabilities); give a \
+                     data set, or several recordings"
                 ),
             });
         }

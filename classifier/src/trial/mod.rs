@@ -8,7 +8,7 @@ mod tracking;
 mod travel;
 mod trial_list;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use trial_list::{OpenTrial, TrialList, knows_truth};
 use underbrush_recording::{Recording, Sample};
@@ -20,8 +20,18 @@ pub(crate) use tracking::neighbours_of_patch;
 pub(crate) use travel::Travel;
 pub use trial_list::ContactTrial;
 
+/// What a trial is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Unit {
+    /// One taxel from contact to break (paper, section IV-D).
+    Taxel,
+    /// One connected component of taxels (paper, section IV-C).
+    Component,
+}
+
 /// How a trial gets its category.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Labels {
     /// From the object that touched the skin during most of its samples; none if nothing did.
@@ -33,8 +43,12 @@ pub enum Labels {
 }
 
 /// How trials are cut from a recording.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct TrialOptions {
+    /// What a trial is made of, for callers that cut trials of either unit.
+    #[serde(skip_serializing)]
+    pub by: Unit,
     /// Name of the patch; the skin's first if `None`. The paper classifies on the forearm only, which is Cody's first
     /// patch.
     pub patch: Option<String>,
@@ -53,6 +67,7 @@ pub struct TrialOptions {
     /// Choice: 0.025 m. Sliding from one taxel to its diagonal neighbour moves the centre by 16 mm (pitch 10.8 mm along
     /// and 12 mm around the forearm), the arm moves at most 5 mm between frames (0.5 m/s, 100 Hz), and a component that
     /// gains or loses an edge row shifts by half a pitch; separate objects are usually farther apart.
+    #[serde(skip_deserializing)]
     pub association_distance_m: f64,
     /// How a trial gets its category.
     pub labels: Labels,
@@ -61,6 +76,7 @@ pub struct TrialOptions {
 impl Default for TrialOptions {
     fn default() -> Self {
         TrialOptions {
+            by: Unit::Taxel,
             patch: None,
             threshold_n: 0.03,
             min_samples: 1,
@@ -93,6 +109,14 @@ pub enum TrialError {
         found: String,
         /// The names that exist.
         known: Vec<String>,
+    },
+    /// A recording that lists no objects, as one of a real robot: every reading would count as spurious.
+    #[error("reach {reach} of {scene} lists no objects, so it has no ground truth; leave it out")]
+    NoTruth {
+        /// The index of the reach.
+        reach: u64,
+        /// The scene.
+        scene: String,
     },
     /// The skin has no patches.
     #[error("the skin has no patch, so there is nothing to classify; use an arm with a skin")]
@@ -128,6 +152,17 @@ pub enum TrialError {
         /// What is allowed.
         allowed: String,
     },
+}
+
+/// Refuses a recording without ground truth.
+///
+/// # Errors
+/// [`TrialError::NoTruth`].
+pub(crate) fn require_truth(recording: &Recording) -> Result<(), TrialError> {
+    if recording.objects.is_empty() {
+        return Err(TrialError::NoTruth { reach: recording.reach_index, scene: recording.scene.clone() });
+    }
+    Ok(())
 }
 
 /// One trial for each period during which the sensed force of a taxel stays above the threshold (section IV-D).

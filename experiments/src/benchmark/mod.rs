@@ -19,8 +19,8 @@ mod verdicts;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
-use underbrush_recording::Recording;
 use underbrush_recording::disk::Dataset;
+use underbrush_recording::{InputError, Recording};
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::MakeController;
 use underbrush_sim::scene::Scene;
@@ -72,6 +72,30 @@ impl Entry {
     /// Names of the tracks.
     pub const TRACKS: [&str; 3] = ["verdicts", "transfer", "reaching"];
 
+    /// What is judged in this track.
+    ///
+    /// # Errors
+    /// If the track is unknown or judges something else, or the model cannot be read or judged.
+    pub fn new(
+        track: &str,
+        model: Option<&Path>,
+        controller: Option<EnteredController>,
+    ) -> Result<Self, ExperimentError> {
+        match (track, model, controller) {
+            ("verdicts", Some(model), None) => Ok(Entry::Verdicts(Box::new(JudgedModel::load(model)?))),
+            ("transfer", Some(model), None) => Ok(Entry::Transfer(Box::new(JudgedModel::load(model)?))),
+            ("reaching", None, Some(own)) if own.kind.is_some() || own.own.is_some() => Ok(Entry::Reaching(own)),
+            (track, model, controller) => {
+                let [model, controller] =
+                    [model.is_some(), controller.is_some()].map(|given| if given { "a" } else { "no" });
+                let found = format!("{track:?} with {model} model and {controller} controller");
+                let allowed = format!("one of {}", Entry::TRACKS.join(", "));
+                let remedy = "give a model for verdicts and transfer, a controller for reaching";
+                Err(InputError::new("argument", "track", found, allowed, remedy).into())
+            }
+        }
+    }
+
     /// Name of its track.
     pub fn track(&self) -> &'static str {
         match self {
@@ -89,12 +113,7 @@ impl Entry {
         let set = |name: String, paths: &[&str], reaches: u64, seed: u64| {
             let reaches = if quick { frozen::QUICK_REACHES } else { reaches };
             let scenes: Vec<Scene> = paths.iter().map(|path| frozen::scene(path)).collect::<Result<_, _>>()?;
-            let campaign = Campaign {
-                arms: frozen::arms(&scenes)?,
-                scenes: scenes.into_iter().map(|scene| (scene, reaches)).collect(),
-                seed,
-                ..Campaign::default()
-            };
+            let campaign = Campaign { arms: frozen::arms(&scenes)?, ..Campaign::new(scenes, reaches, seed)? };
             Ok::<TestSet, ExperimentError>(TestSet { name, campaign })
         };
         let judged = frozen::JUDGED_REACHES;

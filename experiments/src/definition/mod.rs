@@ -60,6 +60,14 @@ impl Experiment {
         })
     }
 
+    /// The experiment in a file, or else the paper's.
+    ///
+    /// # Errors
+    /// As [`Experiment::load`].
+    pub fn load_or_paper(path: Option<&Path>) -> Result<Self, InputError> {
+        path.map_or_else(Self::paper, Self::load)
+    }
+
     /// Reads and checks an experiment file, its scenes and its arm.
     ///
     /// # Errors

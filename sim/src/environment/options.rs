@@ -1,9 +1,11 @@
 //! The options of an environment: its actions, its reward, and when its episodes end.
 
+use serde::Deserialize;
 use underbrush_recording::{FRAME_PERIOD_S, InputError, Limits};
 
 /// What an action is. Its numbers are from -1 to 1; others are clamped to that range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ActionKind {
     /// One number for each joint: the change of its equilibrium angle in one step, as a share of
     /// [`EnvironmentOptions::largest_change_rad`].
@@ -14,14 +16,9 @@ pub enum ActionKind {
     Waypoint,
 }
 
-impl ActionKind {
-    /// The kinds by name.
-    pub const NAMED: [(&'static str, ActionKind); 2] =
-        [("equilibrium", ActionKind::Equilibrium), ("waypoint", ActionKind::Waypoint)];
-}
-
 /// The reward of a step. F is the largest force that a taxel senses in a frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct Reward {
     /// For every metre by which the end effector has come closer to its goal.
     pub progress_per_m: f64,
@@ -53,7 +50,8 @@ impl Default for Reward {
 }
 
 /// The options of an environment.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct EnvironmentOptions {
     /// What an action is.
     pub action: ActionKind,

@@ -12,12 +12,15 @@ use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::decision::Verdict;
+use underbrush_classifier::hmm::ScoreKind;
+use underbrush_classifier::paper_rule::Scores;
 
-use super::decision_arguments::{DecisionArguments, Scores, refuse_for_touch_model};
-use super::score::{self, Score};
+use super::decision_arguments::{DecisionArguments, refuse_for_touch_model};
+use super::score;
 use super::touch::TouchDecisionArguments;
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
+use crate::options::named;
 use crate::output;
 
 use of_contacts::OfContacts;
@@ -64,8 +67,8 @@ pub struct Options {
     #[command(flatten)]
     decision: DecisionArguments,
     /// Kind of score of hidden Markov models [default: the model's own]
-    #[arg(long, value_enum)]
-    score: Option<Score>,
+    #[arg(long, value_parser = named::<ScoreKind>(&score::KINDS))]
+    score: Option<ScoreKind>,
     #[command(flatten)]
     cut: TrialArguments,
     #[command(flatten, next_help_heading = "Verdicts of touch models")]
@@ -87,7 +90,8 @@ impl Options {
 
     /// Refuses options that a touch model would ignore.
     fn refuse_for_touch(&self) -> Result<(), Failure> {
-        refuse_for_touch_model(self.decision.given().or(self.score.map(|_| "--score")))?;
+        let score = self.score.map(|_| "--score".to_owned());
+        refuse_for_touch_model(self.decision.given().into_iter().chain(score).collect())?;
         self.cut.refuse_for_touch_model()
     }
 }

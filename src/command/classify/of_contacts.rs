@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use underbrush_classifier::Model;
-use underbrush_classifier::feature::MOTION;
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
+use underbrush_classifier::paper_rule::Scores;
 use underbrush_recording::{Frame, SkinLayout};
 
-use super::super::decision_arguments::Scores;
 use super::Options;
 use super::online::{Answers, Reach, json_line};
 use crate::failure::Failure;
@@ -40,8 +39,7 @@ impl Answers for OfContacts {
     }
 
     fn needs_pose_of(&self, layout: &SkinLayout) -> Option<usize> {
-        let patch = layout.chosen_patch(self.settings.patch.as_deref());
-        patch.filter(|_| self.model.classifier.features().contains(&MOTION))
+        self.settings.needs_pose_of(self.model.classifier.as_ref(), layout)
     }
 }
 

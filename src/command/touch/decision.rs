@@ -1,12 +1,15 @@
 //! Options for turning the probabilities of a touch model into verdicts.
 
 use clap::Args;
+use serde::Serialize;
 use underbrush_classifier::touch::{RiskLimits, TouchDecision};
 
 use crate::failure::Failure;
+use crate::options;
 
 /// How probabilities become verdicts. Options that are not given stay as in the model.
-#[derive(Args, Clone, Debug, Default)]
+#[derive(Args, Clone, Debug, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub struct TouchDecisionArguments {
     /// Call a reading nothing if the probability that nothing presses on the taxel is above this [default: as chosen in
     /// training, so that few true contacts are lost]
@@ -30,24 +33,11 @@ fn share(text: &str) -> Result<f64, String> {
 }
 
 impl TouchDecisionArguments {
-    /// The first given option.
-    pub fn given(&self) -> Option<&'static str> {
-        let options = [
-            ("--nothing-above", self.nothing_above),
-            ("--unknown-share", self.unknown_share),
-            ("--cost-of-uncertain", self.cost_of_uncertain),
-        ];
-        options.iter().find(|(_, given)| given.is_some()).map(|(name, _)| *name)
-    }
-
     /// Refuses options that would be ignored, because verdicts come from a classifier of trials.
     pub fn refuse_for_trials(&self) -> Result<(), Failure> {
-        match self.given() {
-            None => Ok(()),
-            Some(option) => Err(Failure::usage(format!(
-                "{option} applies to the classifier touch only, and this is a classifier of trials; use --decision, or leave it out"
-            ))),
-        }
+        let reason =
+            "applies to the classifier touch only, and this is a classifier of trials, which --decision is for";
+        options::refuse(options::given(self), reason)
     }
 
     /// Refuses options that set a value which a limit of risk is to choose.

@@ -6,14 +6,6 @@ use underbrush_classifier::ModelError;
 use underbrush_classifier::touch::{RiskLimits, TouchExamples, TouchModel, TouchOptions};
 
 use crate::failure::Failure;
-use crate::reaches::Reaches;
-
-/// The training rows of all reaches.
-pub(super) fn examples(reaches: &Reaches, options: &TouchOptions) -> Result<TouchExamples, Failure> {
-    let mut examples = TouchExamples::new(options.clone());
-    reaches.read_all(|recording| Ok(examples.add(recording)?))?;
-    Ok(examples)
-}
 
 /// A model fitted to these rows.
 pub(super) fn fit(
@@ -21,14 +13,6 @@ pub(super) fn fit(
     options: &TouchOptions,
     limits: &RiskLimits,
 ) -> Result<TouchModel, Failure> {
-    let rows = examples.rows();
-    if rows.reaches < rows.held_out_parts {
-        return Err(Failure::usage(format!(
-            "{} reach to fit to; allowed: {} or more, because probabilities are calibrated on reaches that are held out; give a \
-             data set, or several recordings",
-            rows.reaches, rows.held_out_parts
-        )));
-    }
     examples.fit_within(limits).map_err(|error| match error {
         ModelError::NoCategories { .. } => {
             let patch = options.patch.as_ref();
@@ -36,7 +20,8 @@ pub(super) fn fit(
             Failure::usage(format!(
                 "nothing of a category to fit, such as leaf or trunk, touches {patch} above {} N in {} reaches (blocks and \
                  outliers are never fitted); lower --threshold-n, choose another --patch, or generate more reaches",
-                options.threshold_n, rows.reaches
+                options.threshold_n,
+                examples.rows().reaches
             ))
         }
         other => other.into(),

@@ -8,6 +8,6 @@ mod text;
 mod train;
 
 pub use decision::TouchDecisionArguments;
-pub use evaluate::{Evaluation, Judge};
+pub use evaluate::{Judge, evaluate};
 pub use risk::RiskArguments;
 pub use train::train;

@@ -1,12 +1,15 @@
 //! Options for how many bad verdicts a fitted touch model may give.
 
 use clap::Args;
+use serde::Serialize;
 use underbrush_classifier::touch::RiskLimits;
 
 use crate::failure::Failure;
+use crate::options;
 
 /// Limits on the bad verdicts in new reaches. Options that are not given stay at their defaults.
-#[derive(Args, Clone, Copy, Debug, Default)]
+#[derive(Args, Clone, Copy, Debug, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub struct RiskArguments {
     /// Choose the cost of an uncertain verdict so that at most this share of the taxel frames of a new reach is called
     /// another category, on average over reaches. A share of 0.05 needs 19 reaches or more, 0.01 needs 99
@@ -28,11 +31,7 @@ fn share(text: &str) -> Result<f64, String> {
 impl RiskArguments {
     /// Refuses options that would be ignored, for the reason given.
     pub fn refuse(&self, reason: &str) -> Result<(), Failure> {
-        let options = [("--limit-wrong", self.limit_wrong), ("--limit-false-alarms", self.limit_false_alarms)];
-        match options.iter().find(|(_, given)| given.is_some()) {
-            None => Ok(()),
-            Some((option, _)) => Err(Failure::usage(format!("{option} {reason}; leave it out"))),
-        }
+        options::refuse(options::given(self), reason)
     }
 
     /// The limits that are given.

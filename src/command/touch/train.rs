@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use serde_json::json;
+use underbrush_classifier::evaluate::touch_folds::touch_examples;
 use underbrush_classifier::touch::{RiskLimits, TouchDecision, TouchOptions, TouchRows};
 use underbrush_experiments::model_data;
 
@@ -31,7 +32,7 @@ pub fn train(
     json: bool,
 ) -> Result<(), Failure> {
     let reaches = Reaches::open(paths)?;
-    let examples = fit::examples(&reaches, options)?;
+    let examples = touch_examples(&reaches, options.clone())?;
     let mut model = fit::fit(&examples, options, limits).map_err(|failure| fit::about(failure, paths))?;
     model.warn_of_little_data();
     let sources: Result<Vec<_>, _> = paths.iter().map(|path| model_data::of_path(path)).collect();

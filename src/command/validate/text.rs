@@ -80,9 +80,8 @@ fn broken_comparisons(outcome: &FalsifiedOutcome, tolerance_scale: f64) -> Strin
         cells.push(if by.is_empty() { "HOLDS".into() } else { by.join(" ") });
         Some(cells)
     };
-    let rows: Vec<Vec<String>> = outcome.comparisons.iter().filter_map(row).collect();
     let header = ["", "closed form", "simulated", "residual", "tolerance", "fails with"];
-    output::table(&header, &rows)
+    output::table(&header, outcome.comparisons.iter().filter_map(row))
 }
 
 /// The table of one check, with the reasons for its tolerances and the causes of known shortfalls.
@@ -101,7 +100,7 @@ fn comparisons(outcome: &Outcome, tolerance_scale: f64) -> String {
         rows.push(cells(judged, tolerance_scale, reason + 1));
     }
     let header = ["", "closed form", "simulated", "residual", "tolerance", "", "because"];
-    let mut text = output::table(&header, &rows);
+    let mut text = output::table(&header, rows);
     for (index, reason) in reasons.iter().enumerate() {
         let _ = writeln!(text, "[{}] {reason}", index + 1);
     }

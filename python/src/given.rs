@@ -1,0 +1,187 @@
+//! Python objects read as the options of the libraries, which have the names and the defaults.
+
+use std::fmt;
+
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde::de::value::{MapAccessDeserializer, SeqDeserializer};
+use serde::de::{
+    DeserializeOwned, DeserializeSeed, Deserializer, Error, Expected, IntoDeserializer, MapAccess, Unexpected, Visitor,
+};
+use serde::forward_to_deserialize_any;
+
+use crate::failure::Failure;
+
+/// Options from the arguments of a call by name. `None` stands for the default.
+///
+/// # Errors
+/// A `TypeError` for an unknown name or a value of the wrong type, [`Failure::Input`] for a value that is not allowed.
+pub fn options<T: DeserializeOwned>(arguments: Option<&Bound<'_, PyDict>>) -> Result<T, Failure> {
+    let given: Vec<_> = arguments.into_iter().flatten().filter(|(_, value)| !value.is_none()).collect();
+    T::deserialize(MapAccessDeserializer::new(Entries { left: given.into_iter(), value: None })).map_err(Failure::from)
+}
+
+/// The value of an argument with this name.
+///
+/// # Errors
+/// [`Failure::Input`] with the names that exist.
+pub fn named<T: DeserializeOwned>(argument: &str, name: &str) -> Result<T, Failure> {
+    let value: Result<T, Refused> = T::deserialize(name.into_deserializer());
+    value.map_err(|refused| refused.within(argument).into())
+}
+
+/// A dictionary as a type of the libraries. Errors as for [`options`].
+pub fn dictionary<T: DeserializeOwned>(dict: &Bound<'_, PyDict>) -> Result<T, Refused> {
+    T::deserialize(Given(dict.clone().into_any()))
+}
+
+/// Why an object is refused.
+#[derive(Debug)]
+pub enum Refused {
+    /// It has another type than is needed.
+    Type(String),
+    /// What is not allowed in the entry with this name, or as the name of an entry if that is empty.
+    Value { entry: String, found: String, allowed: String },
+}
+
+impl Refused {
+    fn value(found: impl fmt::Display, allowed: impl fmt::Display) -> Self {
+        Refused::Value { entry: String::new(), found: found.to_string(), allowed: allowed.to_string() }
+    }
+
+    /// The same in the entry with this name.
+    fn within(self, name: &str) -> Self {
+        match self {
+            Refused::Type(text) => Refused::Type(format!("{name}: {text}")),
+            Refused::Value { entry, found, allowed } if entry.is_empty() => {
+                Refused::Value { entry: name.to_owned(), found, allowed }
+            }
+            Refused::Value { entry, found, allowed } => {
+                Refused::Value { entry: format!("{name}.{entry}"), found, allowed }
+            }
+        }
+    }
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Refused::Type(text) => f.write_str(text),
+            Refused::Value { entry, found, allowed } => write!(f, "{entry}: found {found}; allowed: {allowed}"),
+        }
+    }
+}
+
+impl std::error::Error for Refused {}
+
+impl Error for Refused {
+    fn custom<T: fmt::Display>(text: T) -> Self {
+        Refused::Type(text.to_string())
+    }
+
+    fn invalid_value(found: Unexpected<'_>, allowed: &dyn Expected) -> Self {
+        Refused::value(found, format_args!("a value in the range of {allowed}"))
+    }
+
+    fn unknown_variant(found: &str, allowed: &'static [&'static str]) -> Self {
+        Refused::value(format!("{found:?}"), allowed.join(", "))
+    }
+
+    fn unknown_field(found: &str, allowed: &'static [&'static str]) -> Self {
+        Refused::value(found, allowed.join(", "))
+    }
+}
+
+impl From<Refused> for Failure {
+    fn from(refused: Refused) -> Self {
+        match refused {
+            Refused::Type(text) => PyTypeError::new_err(text).into(),
+            Refused::Value { entry, found, .. } if entry.is_empty() => {
+                PyTypeError::new_err(format!("got an unexpected keyword argument '{found}'")).into()
+            }
+            Refused::Value { entry, found, allowed } => Failure::argument(entry, found, allowed, "change it"),
+        }
+    }
+}
+
+/// A Python object. Numbers may be those of NumPy.
+struct Given<'py>(Bound<'py, PyAny>);
+
+impl<'py> IntoDeserializer<'_, Refused> for Given<'py> {
+    type Deserializer = Given<'py>;
+
+    fn into_deserializer(self) -> Given<'py> {
+        self
+    }
+}
+
+impl<'de> Deserializer<'de> for Given<'_> {
+    type Error = Refused;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refused> {
+        let Given(object) = self;
+        if object.is_none() {
+            visitor.visit_unit()
+        } else if let Ok(dict) = object.cast::<PyDict>() {
+            visitor.visit_map(Entries { left: dict.iter().collect::<Vec<_>>().into_iter(), value: None })
+        } else if let Ok(text) = object.extract() {
+            visitor.visit_string(text)
+        } else if let Ok(flag) = object.extract() {
+            // A truth value is also a number in Python, and a number is no list.
+            visitor.visit_bool(flag)
+        } else if let Ok(number) = object.extract() {
+            visitor.visit_i64(number)
+        } else if let Ok(number) = object.extract() {
+            visitor.visit_u64(number)
+        } else if let Ok(number) = object.extract() {
+            visitor.visit_f64(number)
+        } else if let Ok(items) = object.extract::<Vec<Bound<'_, PyAny>>>() {
+            visitor.visit_seq(SeqDeserializer::new(items.into_iter().map(Given)))
+        } else {
+            Err(Refused::Type(format!("found {object}")))
+        }
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refused> {
+        if self.0.is_none() { visitor.visit_none() } else { visitor.visit_some(self) }
+    }
+
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Refused> {
+        let name: Result<String, _> = self.0.extract();
+        visitor
+            .visit_enum(name.map_err(|_| Refused::Type(format!("found {}, not a name", self.0)))?.into_deserializer())
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct newtype_struct
+        seq tuple tuple_struct map struct identifier ignored_any
+    }
+}
+
+/// The entries of a dictionary. Errors name the entry.
+struct Entries<'py> {
+    left: std::vec::IntoIter<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
+    value: Option<(String, Bound<'py, PyAny>)>,
+}
+
+impl<'de> MapAccess<'de> for Entries<'_> {
+    type Error = Refused;
+
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Refused> {
+        let Some((key, value)) = self.left.next() else { return Ok(None) };
+        let name: String = key.extract().map_err(|_| Refused::Type(format!("the key {key}")))?;
+        self.value = Some((name.clone(), value));
+        seed.deserialize(name.into_deserializer()).map(Some)
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Refused> {
+        let (name, value) = self.value.take().ok_or_else(|| Refused::custom("a value without a key"))?;
+        seed.deserialize(Given(value)).map_err(|refused| refused.within(&name))
+    }
+}

@@ -1,0 +1,39 @@
+//! Options that choose one of some names, and which options are given.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use serde::Serialize;
+use serde::de::value::Error as Unread;
+use serde::de::{DeserializeOwned, IntoDeserializer};
+use serde_json::{Value, json};
+
+use crate::failure::Failure;
+
+/// Reads one of these names, each with a line of help.
+pub fn named<T>(names: &'static [(&'static str, &'static str)]) -> impl TypedValueParser<Value = T>
+where
+    T: DeserializeOwned + Clone + Send + Sync + 'static,
+{
+    let values = names.iter().map(|(name, help)| PossibleValue::new(*name).help(*help));
+    PossibleValuesParser::new(values)
+        .try_map(|name| T::deserialize(IntoDeserializer::<Unread>::into_deserializer(name)))
+}
+
+/// The options that are given, as they are written. Each field is an option, with its name in kebab case; what is not
+/// given is `None`, `false` or empty.
+pub fn given(options: &impl Serialize) -> Vec<String> {
+    let options = serde_json::to_value(options).unwrap_or_default();
+    let is_given = |value: &Value| !matches!(value, Value::Null | Value::Bool(false)) && *value != json!([]);
+    let given = options.as_object().into_iter().flatten().filter(|(_, value)| is_given(value));
+    given.map(|(name, _)| format!("--{name}")).collect()
+}
+
+/// Refuses the first of these options, for this reason.
+///
+/// # Errors
+/// If there is one.
+pub fn refuse(options: impl IntoIterator<Item = String>, reason: &str) -> Result<(), Failure> {
+    match options.into_iter().next() {
+        None => Ok(()),
+        Some(option) => Err(Failure::usage(format!("{option} {reason}; leave it out"))),
+    }
+}
