@@ -140,10 +140,6 @@ impl PyTable {
 
     /// A column of numbers as an array, read only: (rows,) or (rows, width).
     fn column<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyAny>, Failure> {
-        if self.batches.is_empty() {
-            let found = format!("{name:?} of an empty table");
-            return Err(Failure::argument("column", found, "a table with rows", "skip it"));
-        }
         Ok(Column::of(&self.batches, name, None)?.lend(py)?)
     }
 
@@ -208,6 +204,10 @@ impl Column {
     /// # Errors
     /// [`Failure::Input`] for an unknown column, and one that does not hold numbers.
     pub fn of(batches: &[RecordBatch], name: &str, single: Option<bool>) -> Result<Self, Failure> {
+        if batches.is_empty() {
+            let found = format!("{name:?} of an empty table");
+            return Err(Failure::argument("column", found, "a table with rows", "skip it"));
+        }
         let part = |batch: &RecordBatch| {
             let Some(column) = batch.column_by_name(name) else {
                 let schema = batch.schema();
