@@ -79,39 +79,39 @@ fn jobs(text: &str) -> Result<usize, String> {
 #[derive(Subcommand)]
 enum Command {
     /// Repeat the paper's experiments, and write a report with its tables beside the published ones
-    Reproduce(command::reproduce::Options),
+    Reproduce(command::reproduce::ReproduceOptions),
     /// Simulate one reach through a scene
-    Reach(command::reach::Options),
+    Reach(command::reach::ReachOptions),
     /// Simulate many reaches and write them as a data set
-    Generate(command::generate::Options),
+    Generate(command::generate::GenerateOptions),
     /// Join the parts that `generate --shard` made on several machines into one data set
-    Merge(command::merge::Options),
+    Merge(command::merge::MergeOptions),
     /// Fit a classifier to trials, or to whole frames, and save it as a model file
-    Train(command::train::Options),
+    Train(command::train::TrainOptions),
     /// Classify contact trials or frames: leaf, trunk, uncertain or outlier
-    Classify(command::classify::Options),
+    Classify(command::classify::ClassifyOptions),
     /// Cross-validate classifiers on trials with ground truth
-    Evaluate(command::evaluate::Options),
+    Evaluate(command::evaluate::EvaluateOptions),
     /// Write the contact trials of a data set as a table with one row per sample
-    Trials(command::trials::Options),
+    Trials(command::trials::TrialsOptions),
     /// Print the log-likelihood of each trial under each model, as CSV
-    Score(command::score::Options),
+    Score(command::score::ScoreOptions),
     /// Check the simulated physics against closed-form solutions
-    Validate(command::validate::Options),
+    Validate(command::validate::ValidateOptions),
     /// Run regression suites: check the results of scenes, controller and model against the bounds in a file
-    Check(command::check::Options),
+    Check(command::check::CheckOptions),
     /// Judge a model or a controller on frozen scenes, for a table that others can check
-    Benchmark(command::benchmark::Options),
+    Benchmark(command::benchmark::BenchmarkOptions),
     /// Check a scene, data set, recording, table of trials or model, and show what is in it
-    Inspect(command::inspect::Options),
+    Inspect(command::inspect::InspectOptions),
     /// Show reaches in the browser: the arm in 3-D, its skin, plots and verdicts over time
-    Replay(command::replay::Options),
+    Replay(command::replay::ReplayOptions),
     /// Write reaches for other tools, as MCAP (Foxglove, ROS 2) or HDF5 (robomimic)
-    Export(command::export::Options),
+    Export(command::export::ExportOptions),
     /// Cut contact trials from a CSV, HDF5 or MCAP file of a real robot
-    Import(command::import::Options),
+    Import(command::import::ImportOptions),
     /// Print the JSON Schema of scene, arm, skin, experiment, suite or model files, for use in an editor
-    Schema(command::schema::Options),
+    Schema(command::schema::SchemaOptions),
 }
 
 fn main() -> ExitCode {

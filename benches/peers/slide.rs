@@ -10,7 +10,7 @@ use underbrush_sim::object::Object;
 use underbrush_sim::object::leaf::{Leaf, root_stiffness_nm_per_rad};
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::scene::PhysicsSection;
-use underbrush_sim::simulation::rig::{FreeBody, Rig};
+use underbrush_sim::simulation::test_rig::{FreeBody, Rig};
 
 /// The middle of the ranges that scene files have by default, in wet foam; `segments` is the number of bending hinges.
 fn leaf(segments: u32) -> Leaf {

@@ -18,7 +18,7 @@ use underbrush_sim::object::structure::Axis;
 use underbrush_sim::physics::{ENGINE, PhysicsOptions};
 use underbrush_sim::scene::PhysicsSection;
 use underbrush_sim::simulation::Simulation;
-use underbrush_sim::simulation::rig::{BodyId, ColliderDescription, LinkDescription, Rig};
+use underbrush_sim::simulation::test_rig::{BodyId, ColliderDescription, LinkDescription, Rig};
 
 use slide::{Case, slide};
 use sweep::Sweep;

@@ -16,8 +16,8 @@ use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
 use crate::audit;
-use crate::ends::Ends;
 use crate::error::ExperimentError;
+use crate::reach_ends::Ends;
 
 /// Checks a file or folder and says what it holds, as nested keys and values. A scene is drawn once, with this seed.
 ///

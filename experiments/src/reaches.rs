@@ -14,8 +14,8 @@ use crate::dataset::reach_plan;
 use crate::definition::Experiment;
 use crate::error::ExperimentError;
 use crate::files;
-use crate::kept::{self, Run};
 use crate::progress::Progress;
+use crate::result_cache::{self, Run};
 use crate::session::Session;
 
 /// The requirement on a reach.
@@ -108,7 +108,7 @@ impl Search<'_> {
         let file = |index: u64| -> PathBuf { folder.join(format!("{scene}-{index}.parquet")) };
         let index_file = folder.join(format!("{scene}.json"));
         let (mut drawn, mut reaches) = (0, Vec::new());
-        if let Some(index) = kept::load::<Index>(&index_file, run, progress) {
+        if let Some(index) = result_cache::load::<Index>(&index_file, run, progress) {
             drawn = index.drawn;
             for index in index.found {
                 reaches.push(self.cached(&file(index), index, progress)?);
@@ -123,7 +123,7 @@ impl Search<'_> {
                 drawn += 1;
             }
             let index = Index { drawn, found: reaches.iter().map(|recording| recording.reach_index).collect() };
-            kept::store(&index_file, run, &index)?;
+            result_cache::store(&index_file, run, &index)?;
         }
         Ok(Found { scene, source: self.source.to_owned(), drawn, reaches })
     }

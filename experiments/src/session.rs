@@ -13,8 +13,8 @@ use underbrush_sim::reach::ReachError;
 
 use crate::definition::Experiment;
 use crate::error::ExperimentError;
-use crate::kept::{self, Run};
 use crate::progress::Progress;
+use crate::result_cache::{self, Run};
 
 /// A run of an experiment.
 pub struct Session<'a> {
@@ -144,6 +144,6 @@ impl<'a> Session<'a> {
         make: impl FnOnce() -> Result<T, ExperimentError>,
     ) -> Result<T, ExperimentError> {
         let path: PathBuf = self.folder.join("campaigns").join(format!("{name}-{seed}.json"));
-        kept::result(&path, &self.run_of(seed), self.progress, make)
+        result_cache::result(&path, &self.run_of(seed), self.progress, make)
     }
 }

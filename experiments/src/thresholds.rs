@@ -11,7 +11,7 @@ use underbrush_classifier::evaluate::{
 use crate::error::ExperimentError;
 use crate::session::Session;
 use crate::training::{self, Trials};
-use crate::{estimators, models, reaches};
+use crate::{estimators, online_models, reaches};
 
 /// Chosen thresholds and the ROC curves.
 pub struct Thresholds {
@@ -25,7 +25,7 @@ pub struct Thresholds {
 
 /// Chooses thresholds on taxel trials that are held out by whole reaches. The outlier reaches only show their effect.
 pub fn run(session: &Session) -> Result<Thresholds, ExperimentError> {
-    let (data, models) = (session.once(training::run)?, session.once(models::run)?);
+    let (data, models) = (session.once(training::run)?, session.once(online_models::run)?);
     let tested = session.once(reaches::run)?;
     session.stage("Thresholds", || {
         let (experiment, taxel_trials) = (session.experiment, &data.trials.taxel);

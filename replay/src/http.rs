@@ -6,7 +6,7 @@ use std::net::{Shutdown, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::answer::Answer;
+use crate::response::Response;
 
 /// Most header fields of a request. Choice: browsers send about 15.
 const MAX_FIELDS: usize = 64;
@@ -57,7 +57,7 @@ impl Request {
     }
 
     /// Sends the answer and closes the connection.
-    pub fn respond(mut self, answer: &Answer, limits: &Limits) {
+    pub fn respond(mut self, answer: &Response, limits: &Limits) {
         // The other side may have left.
         if answer.write(&mut self.stream, self.method == "HEAD").is_ok() {
             close(self.stream, limits);
@@ -93,7 +93,7 @@ pub fn serve(listener: &TcpListener, limits: Limits, handle: impl Fn(Request) + 
 
 /// Answers without a thread, and so without waiting for anything.
 fn refuse_at_once(mut stream: &TcpStream) {
-    let answer = Answer::text(503, "too many connections at a time; try again");
+    let answer = Response::text(503, "too many connections at a time; try again");
     if stream.set_nonblocking(true).is_ok() && answer.write(&mut stream, false).is_ok() {
         let _ = stream.shutdown(Shutdown::Write);
         // What has been read cannot turn the close into a reset.
@@ -108,7 +108,7 @@ fn converse(mut stream: TcpStream, limits: Limits, handle: &impl Fn(Request)) {
     match read(&mut stream, &limits) {
         Head::Complete { method, target, fields } => handle(Request { method, target, fields, stream }),
         Head::Refused(status, text) => {
-            if Answer::text(status, text).write(&mut stream, false).is_ok() {
+            if Response::text(status, text).write(&mut stream, false).is_ok() {
                 close(stream, &limits);
             }
         }

@@ -9,27 +9,27 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-mod answer;
 mod contact_trials;
 mod container;
+mod context;
 mod error;
 mod http;
 mod judging;
-mod known;
 mod live;
 pub mod pack;
 mod page;
-mod running;
+mod response;
+mod running_reach;
 mod server;
 mod source;
-mod spans;
 mod touch_regions;
+mod trial_spans;
 mod trial_table;
 mod verdicts;
 
+pub use context::ReplayContext;
 pub use error::ReplayError;
 pub use judging::{Judging, JudgingModel, VerdictLog};
-pub use known::Known;
 pub use live::{Live, SoFar};
 pub use page::single_file;
 pub use server::Server;

@@ -12,7 +12,7 @@ use underbrush_recording::{
 
 use crate::container::{MAX_BYTES, Sections};
 use crate::verdicts::VerdictHeader;
-use crate::{Judging, Known, ReplayError, Verdicts, contact_trials};
+use crate::{Judging, ReplayContext, ReplayError, Verdicts, contact_trials};
 
 #[derive(Serialize)]
 struct Header<'a> {
@@ -70,7 +70,7 @@ fn name(recording: &Recording) -> String {
 /// # Errors
 /// [`ReplayError::Trials`] and [`ReplayError::Verdicts`] if frames do not fit skin or model, [`ReplayError::TooLarge`]
 /// for a reach of more than 1 GiB, which is hours.
-pub fn pack(recording: &Recording, known: &Known, judging: Option<&Judging>) -> Result<Vec<u8>, ReplayError> {
+pub fn pack(recording: &Recording, known: &ReplayContext, judging: Option<&Judging>) -> Result<Vec<u8>, ReplayError> {
     let verdicts = judging.map(|judging| judging.judge(recording)).transpose();
     let verdicts = verdicts.map_err(|source| ReplayError::Verdicts { reach: name(recording), source })?;
     pack_from(recording, known, verdicts.as_ref(), 0)
@@ -84,7 +84,7 @@ pub fn pack(recording: &Recording, known: &Known, judging: Option<&Judging>) -> 
 /// As [`pack`].
 pub fn pack_from(
     recording: &Recording,
-    known: &Known,
+    known: &ReplayContext,
     verdicts: Option<&Verdicts>,
     from: usize,
 ) -> Result<Vec<u8>, ReplayError> {

@@ -5,11 +5,11 @@ use std::io;
 use std::net::{Ipv4Addr, TcpListener};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::answer::Answer;
 use crate::http::{self, Limits, Request};
 use crate::page::PAGE;
-use crate::running::Running;
-use crate::{Known, Live, ReplayError, Source};
+use crate::response::Response;
+use crate::running_reach::Running;
+use crate::{Live, ReplayContext, ReplayError, Source};
 
 /// Packed reaches that are kept. Choice: two that are compared, and their neighbours.
 const KEPT: usize = 4;
@@ -67,7 +67,7 @@ impl Server {
     ///
     /// # Errors
     /// [`ReplayError::Serve`] if the port is taken or not allowed.
-    pub fn watch(live: Arc<Live>, known: Known, port: u16) -> Result<Self, ReplayError> {
+    pub fn watch(live: Arc<Live>, known: ReplayContext, port: u16) -> Result<Self, ReplayError> {
         Server::of(Content::Running(Running { live, known }), port)
     }
 
@@ -108,7 +108,7 @@ impl Shared {
         let path = self.path(&request.target).map(str::to_owned);
         let answer = match &path {
             Some(path) => self.refusal(&request, path).unwrap_or_else(|| self.answer(&request, path)),
-            None => Answer::text(
+            None => Response::text(
                 403,
                 "the address lacks the key of this server; open the whole address that the program has printed",
             ),
@@ -130,11 +130,11 @@ impl Shared {
     }
 
     /// The answer to a request that is refused; `None` if the request is allowed.
-    fn refusal(&self, request: &Request, path: &str) -> Option<Answer> {
+    fn refusal(&self, request: &Request, path: &str) -> Option<Response> {
         let known = |host: &str| self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host));
         let hosts = request.values("Host");
         if hosts.len() != 1 || !known(hosts[0]) {
-            return Some(Answer::text(403, "this server answers only for its own address on this machine"));
+            return Some(Response::text(403, "this server answers only for its own address on this machine"));
         }
         let commands = matches!(self.content, Content::Running(_));
         match request.method.as_str() {
@@ -144,31 +144,31 @@ impl Shared {
                 let origins = request.values("Origin");
                 let own = origins.first().and_then(|origin| origin.strip_prefix("http://"));
                 (origins.len() != 1 || !own.is_some_and(known))
-                    .then(|| Answer::text(403, "only the page of this server can give commands"))
+                    .then(|| Response::text(403, "only the page of this server can give commands"))
             }
-            _ => Some(Answer::text(405, "only GET and HEAD are allowed here")),
+            _ => Some(Response::text(405, "only GET and HEAD are allowed here")),
         }
     }
 
-    fn answer(&self, request: &Request, target: &str) -> Answer {
+    fn answer(&self, request: &Request, target: &str) -> Response {
         let (path, query) = target.split_once('?').unwrap_or((target, ""));
         let number = path.strip_prefix("/api/reach/").filter(|number| is_number(number));
         let command = path.strip_prefix(COMMAND).filter(|_| request.method == "POST");
         match (&self.content, number, command) {
-            _ if path == "/" => Answer::new(200, "text/html; charset=utf-8", PAGE),
-            (Content::Stored(source, _), ..) if path == "/api/reaches" => Answer::list(source.reaches()),
+            _ if path == "/" => Response::new(200, "text/html; charset=utf-8", PAGE),
+            (Content::Stored(source, _), ..) if path == "/api/reaches" => Response::list(source.reaches()),
             (Content::Stored(source, kept), Some(number), _) => reach(source, kept, number),
             (Content::Running(running), ..) if path == "/api/reaches" => running.list(),
             (Content::Running(running), Some(number), _) => running.reach(number, query),
             (Content::Running(running), _, Some(command)) => running.command(command),
-            (Content::Running(_), ..) if path == NEWS && request.method == "GET" => Answer::text(200, ""),
-            _ => Answer::text(404, "no such page"),
+            (Content::Running(_), ..) if path == NEWS && request.method == "GET" => Response::text(200, ""),
+            _ => Response::text(404, "no such page"),
         }
     }
 }
 
 /// A packed reach. Only one is packed at a time, so memory stays bounded however many are asked for.
-fn reach(source: &Source, kept: &Mutex<Kept>, number: &str) -> Answer {
+fn reach(source: &Source, kept: &Mutex<Kept>, number: &str) -> Response {
     let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
     // A number that does not fit into `usize` is not in the list either.
     let number = number.parse().unwrap_or(usize::MAX);
@@ -178,14 +178,14 @@ fn reach(source: &Source, kept: &Mutex<Kept>, number: &str) -> Answer {
     } else {
         match source.pack(number) {
             Ok(bytes) => kept.push((number, Arc::new(bytes))),
-            Err(error @ ReplayError::NoSuchReach { .. }) => return Answer::text(404, error.to_string()),
-            Err(error) => return Answer::text(500, error.to_string()),
+            Err(error @ ReplayError::NoSuchReach { .. }) => return Response::text(404, error.to_string()),
+            Err(error) => return Response::text(500, error.to_string()),
         }
         let surplus = kept.len().saturating_sub(KEPT);
         kept.drain(..surplus);
     }
     let bytes = kept.last().map(|(_, bytes)| Arc::clone(bytes)).unwrap_or_default();
-    Answer::reach(bytes)
+    Response::reach(bytes)
 }
 
 fn is_number(text: &str) -> bool {

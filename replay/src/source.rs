@@ -8,7 +8,7 @@ use underbrush_recording::disk::{Dataset, is_folder, is_recording, read_recordin
 use underbrush_recording::{GoalOutcomes, InputError, Outcome, Recording, SkinLayout};
 
 use crate::pack::pack;
-use crate::{Judging, Known, ReplayError, trial_table};
+use crate::{Judging, ReplayContext, ReplayError, trial_table};
 
 /// One line of the list of reaches.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -68,7 +68,7 @@ pub struct Source {
     datasets: Vec<Dataset>,
     places: Vec<Place>,
     reaches: Vec<Summary>,
-    known: Known,
+    known: ReplayContext,
     judging: Option<Judging>,
 }
 
@@ -78,7 +78,7 @@ impl Source {
     /// # Errors
     /// [`ReplayError::Disk`] for a path that is none of these, and for damaged files; [`ReplayError::Verdicts`] if the model does
     /// not fit the skin.
-    pub fn open(paths: &[PathBuf], known: Known, judging: Option<Judging>) -> Result<Self, ReplayError> {
+    pub fn open(paths: &[PathBuf], known: ReplayContext, judging: Option<Judging>) -> Result<Self, ReplayError> {
         let mut source = Source { datasets: Vec::new(), places: Vec::new(), reaches: Vec::new(), known, judging };
         for path in paths {
             let ends_with = |ending: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
@@ -97,7 +97,7 @@ impl Source {
     ///
     /// # Errors
     /// [`ReplayError::Verdicts`] if a model does not fit the skin.
-    pub fn of(recordings: Vec<Held>, known: Known) -> Result<Self, ReplayError> {
+    pub fn of(recordings: Vec<Held>, known: ReplayContext) -> Result<Self, ReplayError> {
         let mut source = Source { datasets: Vec::new(), places: Vec::new(), reaches: Vec::new(), known, judging: None };
         for held in recordings {
             check(held.judging.as_ref(), &held.recording.scene, &held.recording.layout)?;
@@ -188,7 +188,7 @@ impl Source {
 }
 
 /// The line of a recording in the list.
-pub fn summary(number: usize, recording: &Recording, source: String, known: &Known) -> Summary {
+pub fn summary(number: usize, recording: &Recording, source: String, known: &ReplayContext) -> Summary {
     let forces = recording.contacts.iter().map(|contact| contact.peak_force_n);
     Summary {
         number,

@@ -15,7 +15,7 @@ use underbrush_recording::{
     Trial,
 };
 
-use crate::spans::{Spans, check, patch_name};
+use crate::trial_spans::{Spans, check, patch_name};
 use crate::{Judging, JudgingModel};
 
 /// Distance between neighbouring taxels, m. Choice.

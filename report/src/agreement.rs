@@ -2,8 +2,8 @@
 //! the mean of several.
 
 use underbrush_classifier::feature::FeatureSet;
-use underbrush_experiments::cell::{CellKey, Ordering, unit_name};
 use underbrush_experiments::definition::TableOneUnit;
+use underbrush_experiments::table_cell::{CellKey, Ordering, unit_name};
 
 use crate::accuracy_chart::{AccuracyChart, lowest};
 use crate::drawing::{Rows, Table};

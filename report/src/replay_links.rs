@@ -1,7 +1,7 @@
 //! Links from figures to the replay pages beside the report, which show the reaches that the figures are about.
 //! `replay_pages` writes those pages.
 
-use underbrush_experiments::online::Online;
+use underbrush_experiments::frame_verdicts::Online;
 
 /// The page with the general reach that figures show, if there is one, followed by the outlier reaches.
 pub const TEST_FILE: &str = "replay.html";

@@ -6,7 +6,7 @@ use underbrush_classifier::Model;
 use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_experiments::experiment::example_trials;
 use underbrush_experiments::session::Session;
-use underbrush_experiments::{ExperimentError, files, models, online, reaches, training};
+use underbrush_experiments::{ExperimentError, files, frame_verdicts, online_models, reaches, training};
 use underbrush_recording::Recording;
 use underbrush_replay::{Held, Judging, JudgingModel, ReplayError, Source, single_file};
 
@@ -16,8 +16,8 @@ use crate::replayed::{MAX_PAGE_BYTES, known};
 
 /// Writes each page that has reaches, with the verdicts that the figures are about.
 pub fn write(session: &Session, folder: &Path) -> Result<(), ReproductionError> {
-    let (tested, online) = (session.once(reaches::run)?, session.once(online::run)?);
-    let uncertain = online::uncertain_rule(session.experiment);
+    let (tested, online) = (session.once(reaches::run)?, session.once(frame_verdicts::run)?);
+    let uncertain = frame_verdicts::uncertain_rule(session.experiment);
     let judged = |recording: &Recording, rule: Rule| held(session, recording.clone(), rule);
 
     let shown = online.shown().and_then(|shown| {
@@ -42,12 +42,12 @@ pub fn write(session: &Session, folder: &Path) -> Result<(), ReproductionError> 
 
 /// A reach with the verdicts of the experiment's models by this rule.
 fn held(session: &Session, recording: Recording, rule: Rule) -> Result<Held, ExperimentError> {
-    let models = session.once(models::run)?;
+    let models = session.once(online_models::run)?;
     let judging = Judging {
         name: "model.json".into(),
         by: JudgingModel::OfTrials(
             Box::new(Model::new(Box::new(models.0.clone()))),
-            online::options(session.experiment, rule),
+            frame_verdicts::options(session.experiment, rule),
         ),
     };
     Ok(Held { recording, judging: Some(judging) })

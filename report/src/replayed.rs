@@ -1,7 +1,7 @@
 //! What the replay page shows but recordings do not contain.
 
 use underbrush_experiments::audit;
-use underbrush_replay::Known;
+use underbrush_replay::ReplayContext;
 use underbrush_sim::controller::ControllerKind;
 
 /// Largest size of a page with reaches inside, bytes. Choice: browsers refuse texts of more than about 500 MB, and
@@ -9,8 +9,8 @@ use underbrush_sim::controller::ControllerKind;
 pub const MAX_PAGE_BYTES: usize = 400_000_000;
 
 /// The force limits of the controllers that ship, and the bounds of the audit.
-pub fn known() -> Known {
-    Known { force_limit_n, audit_warnings: audit::exceeded_bounds }
+pub fn known() -> ReplayContext {
+    ReplayContext { force_limit_n, audit_warnings: audit::exceeded_bounds }
 }
 
 /// The force limit of a controller that ships.

@@ -1,10 +1,10 @@
 //! A report that is being written: the page, its tables, and the text for the terminal.
 
 use underbrush_experiments::accuracy::{Accuracy, Figures, Part, Spread};
-use underbrush_experiments::cell::{CellKey, unit_name};
 use underbrush_experiments::definition::{Published, PublishedSection};
 use underbrush_experiments::experiment::campaigns::CampaignFigures;
 use underbrush_experiments::results::Results;
+use underbrush_experiments::table_cell::{CellKey, unit_name};
 
 use crate::category_looks::CategoryLooks;
 use crate::drawing::{Cell, Page, Rows, Table};

@@ -5,10 +5,10 @@ use std::path::Path;
 use underbrush_experiments::definition::Experiment;
 use underbrush_experiments::experiment::campaigns;
 use underbrush_experiments::files::{write, write_json};
-use underbrush_experiments::plan::Plan;
 use underbrush_experiments::results::Results;
+use underbrush_experiments::run_folder::Plan;
 use underbrush_experiments::session::Session;
-use underbrush_experiments::{ExperimentError, Progress, audit, models, training};
+use underbrush_experiments::{ExperimentError, Progress, audit, online_models, training};
 use underbrush_recording::disk::write_trials;
 
 pub use crate::error::ReproductionError;
@@ -48,7 +48,7 @@ impl Reproduction<'_> {
             let path = out.join(format!("trials-{unit}.parquet"));
             write_trials(path, trials.iter().cloned()).map_err(ExperimentError::from)?;
         }
-        let models = session.once(models::run)?;
+        let models = session.once(online_models::run)?;
         let text = models.model(&session)?.save_string();
         write(&out.join("model.json"), text.map_err(ExperimentError::from)?.as_bytes())?;
         let results = Results::of(&session)?;

@@ -22,9 +22,9 @@ use underbrush_recording::Pose;
 
 use crate::arm::Arm;
 use crate::arm::skin::{FACING_COSINE, corner_m, reach_m};
-use crate::cone::{Carrier, solve_symmetric, within_cones};
 use crate::contact::chord::{Chords, End, Faces, View};
 use crate::contact::surface::Surface;
+use crate::friction_cone::{Carrier, solve_symmetric, within_cones};
 use crate::geometry::signed_distance_m;
 use indent::{Cell, indent};
 

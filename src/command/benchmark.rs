@@ -29,10 +29,10 @@ Train on the training set, and measure:
 Reaches are made once and kept for the next model: 200 in the track verdicts, 280 in transfer, 500 for each controller. An \
 interrupted command goes on where it stopped. benchmarks/incidental-contact-1.md has the rules and the table.";
 
-/// Options of `underbrush benchmark`.
+/// BenchmarkOptions of `underbrush benchmark`.
 #[derive(Args)]
 #[command(after_help = EXAMPLE)]
-pub struct Options {
+pub struct BenchmarkOptions {
     /// What is measured
     #[arg(value_parser = named::<String>(&[
         ("verdicts", "What contacts are, by the number of samples since they began, with outliers that are unseen in training"),
@@ -59,7 +59,7 @@ pub struct Options {
 }
 
 /// Measures, writes the row and prints it.
-pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+pub fn run(options: BenchmarkOptions, json: bool) -> Result<(), Failure> {
     let verdicts = options.verdicts.as_deref().map(VerdictControl::load).transpose()?;
     let controller = options.controller.map(|kind| EnteredController { kind: Some(kind), own: None, verdicts });
     let entry = Entry::new(&options.track, options.model.as_deref(), controller)?;

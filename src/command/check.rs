@@ -30,10 +30,10 @@ A suite is a TOML file. This one runs 24 reaches and bounds two numbers; `{}` is
 
 docs/suites.md lists keys and metrics and explains the margin. Suites that ship are in suites/.";
 
-/// Options of `underbrush check`.
+/// CheckOptions of `underbrush check`.
 #[derive(Args)]
 #[command(after_help = EXAMPLE)]
-pub struct Options {
+pub struct CheckOptions {
     /// Suite files, such as suites/leaf.toml
     #[arg(required = true, value_name = "SUITE")]
     suites: Vec<PathBuf>,
@@ -51,7 +51,7 @@ pub struct Options {
 }
 
 /// Runs the suites and prints what they find.
-pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+pub fn run(options: CheckOptions, json: bool) -> Result<(), Failure> {
     for name in suite_text::FILES {
         if let Some(folder) = &options.out {
             options.overwrite.file(&folder.join(name), &options.suites)?;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 use underbrush_experiments::audit::{self, Worst};
-use underbrush_experiments::ends::Ends;
+use underbrush_experiments::reach_ends::Ends;
 use underbrush_recording::disk::Dataset;
 use underbrush_report::text::{self, counted};
 

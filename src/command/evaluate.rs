@@ -36,10 +36,10 @@ balanced accuracy, the mean recall over the categories that the classifier knows
 outlier unless the object is an outlier. Trials that no object touched are also reported separately, if the table says which \
 these are.";
 
-/// Options of `underbrush evaluate`.
+/// EvaluateOptions of `underbrush evaluate`.
 #[derive(Args)]
 #[command(after_help = ADVICE)]
-pub struct Options {
+pub struct EvaluateOptions {
     /// Data set (folder), recording, or table of trials (`trial`, `category`, `time_s`, `force_n` are required). For
     /// the classifier touch: one or more data sets and recordings
     #[arg(required = true)]
@@ -86,7 +86,7 @@ pub struct Options {
 }
 
 /// Evaluates and prints the confusion matrix and figures.
-pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     options.check()?;
     options.check_apart()?;
     if let Some(roc) = &options.roc {
@@ -153,7 +153,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     output::result(json, &results, || text::of(&results))
 }
 
-impl Options {
+impl EvaluateOptions {
     /// Refuses options that would be ignored.
     fn check(&self) -> Result<(), Failure> {
         self.estimator.is_touch()?;
@@ -213,7 +213,7 @@ impl Options {
 }
 
 /// A classifier fitted to the trials in another file.
-fn fitted(options: &Options, path: &Path) -> Result<Box<dyn Classifier>, Failure> {
+fn fitted(options: &EvaluateOptions, path: &Path) -> Result<Box<dyn Classifier>, Failure> {
     let trials = input::some_trials(path, &options.cut)?;
     let classifier = options.estimator.estimator()?.fit(&trials.iter().collect::<Vec<_>>());
     classifier.map_err(|error| Failure::from(error).about(path))

@@ -14,9 +14,9 @@ use crate::failure::Failure;
 use crate::output;
 use crate::reaches::Reaches;
 
-/// Options of `underbrush export`.
+/// ExportOptions of `underbrush export`.
 #[derive(Args)]
-pub struct Options {
+pub struct ExportOptions {
     /// Data sets (folders) or recordings (.parquet)
     #[arg(required = true, value_name = "DATA")]
     data: Vec<PathBuf>,
@@ -118,7 +118,7 @@ fn write_hdf5(_: &Path, _: &Reaches, _: &mut Written) -> Result<(), Failure> {
 }
 
 /// Writes the files.
-pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+pub fn run(options: ExportOptions, json: bool) -> Result<(), Failure> {
     let overwrite = options.overwrite;
     check_not_input(&options.out, &options.data)?;
     let reaches = Reaches::open(&options.data)?;

@@ -18,9 +18,9 @@ use crate::failure::Failure;
 use crate::progress::Shown;
 use crate::{input, interrupt, output};
 
-/// Options of `underbrush generate`.
+/// GenerateOptions of `underbrush generate`.
 #[derive(Args)]
-pub struct Options {
+pub struct GenerateOptions {
     /// Scene files, such as scenes/leaf.toml scenes/trunk.toml
     #[arg(required_unless_present = "from", value_name = "SCENE")]
     scenes: Vec<PathBuf>,
@@ -69,7 +69,7 @@ fn shard(text: &str) -> Result<Shard, String> {
 }
 
 /// The campaign that the options describe.
-fn described(options: &Options) -> Result<Campaign, Failure> {
+fn described(options: &GenerateOptions) -> Result<Campaign, Failure> {
     let scenes: Result<Vec<Scene>, _> = options.scenes.iter().map(Scene::load).collect();
     Ok(Campaign {
         controller: options.controller,
@@ -79,12 +79,12 @@ fn described(options: &Options) -> Result<Campaign, Failure> {
     })
 }
 
-fn verdicts(options: &Options) -> Result<Option<VerdictControl>, Failure> {
+fn verdicts(options: &GenerateOptions) -> Result<Option<VerdictControl>, Failure> {
     Ok(options.verdicts.as_deref().map(VerdictControl::load).transpose()?)
 }
 
 /// Runs the campaign.
-pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+pub fn run(options: GenerateOptions, json: bool) -> Result<(), Failure> {
     let start = Instant::now();
     let source = options.from.as_ref().map(Dataset::open).transpose()?;
     let campaign = match &source {

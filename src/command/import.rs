@@ -12,9 +12,9 @@ use super::overwrite::Overwrite;
 use crate::failure::Failure;
 use crate::output;
 
-/// Options of `underbrush import`.
+/// ImportOptions of `underbrush import`.
 #[derive(Args)]
-pub struct Options {
+pub struct ImportOptions {
     /// File to read: .csv or .mcap; .h5 or .hdf5 if the program was built with the feature `hdf5`
     file: PathBuf,
     /// Mapping (TOML): which numbers are the forces on which taxels, in which unit. docs/exchange.md describes it
@@ -28,7 +28,7 @@ pub struct Options {
 }
 
 /// Writes the table.
-pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
     let inputs = [&options.file, &options.mapping];
     options.overwrite.table(&options.out, inputs)?;
     let imported = import(&options.file, &Mapping::load(&options.mapping)?)?;

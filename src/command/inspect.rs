@@ -9,9 +9,9 @@ use underbrush_experiments::inspection;
 use crate::failure::Failure;
 use crate::output;
 
-/// Options of `underbrush inspect`.
+/// InspectOptions of `underbrush inspect`.
 #[derive(Args)]
-pub struct Options {
+pub struct InspectOptions {
     /// Scene (.toml), data set (folder), recording or trials (.parquet), trials (.csv) or model (.json)
     path: PathBuf,
     /// For a scene: seed of the draw that is tried
@@ -20,7 +20,7 @@ pub struct Options {
 }
 
 /// Checks the file or folder and prints what it contains.
-pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+pub fn run(options: InspectOptions, json: bool) -> Result<(), Failure> {
     let found = inspection::inspect(&options.path, options.seed)?;
     output::result(json, &found, || text(&found, 0))
 }

@@ -11,9 +11,9 @@ use crate::failure::Failure;
 use crate::progress;
 use crate::{interrupt, output};
 
-/// Options of `underbrush merge`.
+/// MergeOptions of `underbrush merge`.
 #[derive(Args)]
-pub struct Options {
+pub struct MergeOptions {
     /// Folders of all parts, in any order, each made by `underbrush generate --shard I/N` with otherwise the same
     /// options
     #[arg(required = true, value_name = "PART")]
@@ -29,8 +29,8 @@ pub struct Options {
 }
 
 /// Joins the parts.
-pub fn run(options: Options, json: bool) -> Result<(), Failure> {
-    let Options { parts, out, resume, overwrite } = options;
+pub fn run(options: MergeOptions, json: bool) -> Result<(), Failure> {
+    let MergeOptions { parts, out, resume, overwrite } = options;
     let inputs = parts.clone();
     let shards = Shards::open(parts)?;
     overwrite.dataset(&out, &inputs)?;

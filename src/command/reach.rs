@@ -27,9 +27,9 @@ use crate::input;
 use crate::output::{self, cells};
 use crate::progress::Shown;
 
-/// Options of `underbrush reach`.
+/// ReachOptions of `underbrush reach`.
 #[derive(Args)]
-pub struct Options {
+pub struct ReachOptions {
     /// Scene file, such as scenes/mixed.toml
     scene: PathBuf,
     /// Seed of the random numbers
@@ -104,7 +104,7 @@ struct Goal {
 }
 
 /// Runs the reach.
-pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
     let mut plan = ReachPlan::new(Scene::load(&options.scene)?, options.controller, options.seed)?;
     if let Some(model) = &options.verdicts {
         plan = VerdictControl::load(model)?.applied_to(plan)?;

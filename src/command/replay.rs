@@ -33,10 +33,10 @@ The server listens on 127.0.0.1 only, cannot change anything, and gives out noth
 answers only under the whole address that is printed, which has a random key: do not show it to people who may not see \
 the reaches. While a browser is being opened, other users of the machine can see the address; --no-open avoids that.";
 
-/// Options of `underbrush replay`.
+/// ReplayOptions of `underbrush replay`.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
-pub struct Options {
+pub struct ReplayOptions {
     /// Data sets (folders), recordings and tables of contact trials (.csv or .parquet)
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
@@ -67,7 +67,7 @@ pub struct Options {
 }
 
 /// Serves the page or writes it.
-pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+pub fn run(options: ReplayOptions, json: bool) -> Result<(), Failure> {
     if let Some(out) = &options.out {
         options.overwrite.file(out, options.inputs.iter().chain(&options.model))?;
     }
@@ -82,7 +82,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     }
 }
 
-fn judging(options: &Options) -> Result<Option<Judging>, Failure> {
+fn judging(options: &ReplayOptions) -> Result<Option<Judging>, Failure> {
     let Some(path) = &options.model else {
         let given = options.decision.given().into_iter().chain(options::given(&options.touch));
         return options::refuse(given, "is about the verdicts of a --model").map(|()| None);

@@ -10,9 +10,9 @@ use crate::failure::Failure;
 use crate::progress::Shown;
 use crate::{interrupt, output};
 
-/// Options of `underbrush reproduce`.
+/// ReproduceOptions of `underbrush reproduce`.
 #[derive(Args)]
-pub struct Options {
+pub struct ReproduceOptions {
     /// Folder for data set, trials, models, tables and report
     ///
     /// Finished stages are cached there, and an interrupted run continues where it stopped, as long as experiment,
@@ -48,7 +48,7 @@ pub struct Options {
 }
 
 /// Runs everything and prints the tables.
-pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+pub fn run(options: ReproduceOptions, json: bool) -> Result<(), Failure> {
     let experiment = Experiment::load_or_paper(options.experiment.as_deref())?;
     let reproduction = Reproduction {
         experiment: &experiment,

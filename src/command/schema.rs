@@ -5,9 +5,9 @@ use clap::{Args, ValueEnum};
 use crate::failure::Failure;
 use crate::output;
 
-/// Options of `underbrush schema`.
+/// SchemaOptions of `underbrush schema`.
 #[derive(Args)]
-pub struct Options {
+pub struct SchemaOptions {
     /// The kind of file
     #[arg(value_enum, default_value = "scene")]
     file: Kind,
@@ -35,7 +35,7 @@ enum Kind {
 }
 
 /// Prints the schema.
-pub fn run(options: &Options) -> Result<(), Failure> {
+pub fn run(options: &SchemaOptions) -> Result<(), Failure> {
     let schema = match options.file {
         Kind::Scene => underbrush_sim::scene::schema(),
         Kind::Arm => underbrush_sim::arm::schema(),

@@ -13,9 +13,9 @@ use crate::input::{self, TrialArguments};
 use crate::options::named;
 use crate::output;
 
-/// Options of `underbrush score`.
+/// ScoreOptions of `underbrush score`.
 #[derive(Args)]
-pub struct Options {
+pub struct ScoreOptions {
     /// Model file
     model: PathBuf,
     /// Table of trials (`trial`, `time_s` and the model's features are required), data set or recording
@@ -60,7 +60,7 @@ struct Row {
 }
 
 /// Prints CSV, one row per category and trial.
-pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+pub fn run(options: ScoreOptions, json: bool) -> Result<(), Failure> {
     let model = load(&options.model, options.by, "--by")?;
     let trials = input::trials(&options.trials, &TrialArguments::default())?;
     let scored = model

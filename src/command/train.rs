@@ -23,9 +23,9 @@ use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output::{self, cells};
 
-/// Options of `underbrush train`.
+/// TrainOptions of `underbrush train`.
 #[derive(Args)]
-pub struct Options {
+pub struct TrainOptions {
     /// Data set (folder), recording, or table of trials (`trial`, `category`, `time_s`, `force_n` are required). With
     /// --classifier touch: one or more data sets and recordings
     #[arg(required = true)]
@@ -96,7 +96,7 @@ struct Count {
 }
 
 /// Fits the classifier and writes the model file.
-pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+pub fn run(options: TrainOptions, json: bool) -> Result<(), Failure> {
     // The models of --start may be replaced by what they are trained to.
     options.overwrite.file(&options.out, &options.trials)?;
     if options.estimator.is_touch()? {
@@ -135,7 +135,7 @@ pub fn run(options: Options, json: bool) -> Result<(), Failure> {
     })
 }
 
-impl Options {
+impl TrainOptions {
     /// Where the model comes from.
     fn provenance(&self, path: &Path) -> Result<Provenance, Failure> {
         let source = model_data::of_path(path)?;
@@ -155,7 +155,7 @@ impl Options {
 }
 
 /// The models of a file, trained further.
-fn continued(options: &Options, start: &Path, path: &Path, trials: &[Trial]) -> Result<Model, Failure> {
+fn continued(options: &TrainOptions, start: &Path, path: &Path, trials: &[Trial]) -> Result<Model, Failure> {
     let start = any_model::load_of_trials(start)?;
     let models = start.into_hmm().map_err(|_| {
         Failure::usage(
@@ -196,7 +196,7 @@ fn report(classifier: &dyn Classifier, trials: &[Trial]) -> Report {
 
 /// Thresholds from the training trials, if they are requested.
 fn thresholds(
-    options: &Options,
+    options: &TrainOptions,
     path: &Path,
     estimator: &dyn Estimator,
     trials: &[Trial],

@@ -11,9 +11,9 @@ use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output;
 
-/// Options of `underbrush trials`.
+/// TrialsOptions of `underbrush trials`.
 #[derive(Args)]
-pub struct Options {
+pub struct TrialsOptions {
     /// Data set (folder) or recording
     dataset: PathBuf,
     /// Table to write, `.csv` or `.parquet`, with one row per sample and the columns trial, category, reach, patch,
@@ -28,7 +28,7 @@ pub struct Options {
 }
 
 /// Writes the table.
-pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+pub fn run(options: TrialsOptions, json: bool) -> Result<(), Failure> {
     options.overwrite.table(&options.out, [&options.dataset])?;
     let trials = input::some_trials(&options.dataset, &options.cut)?;
     let never_touched = trials.iter().filter(|trial| trial.touched() == Some(false)).count();

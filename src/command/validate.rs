@@ -16,9 +16,9 @@ use crate::{output, progress};
 
 mod text;
 
-/// Options of `underbrush validate`.
+/// ValidateOptions of `underbrush validate`.
 #[derive(Args)]
-pub struct Options {
+pub struct ValidateOptions {
     /// Run only this check; may be given several times
     #[arg(long, value_name = "NAME", value_parser = names())]
     only: Vec<String>,
@@ -72,7 +72,7 @@ fn scale(text: &str) -> Result<f64, String> {
 }
 
 /// Runs the checks and prints the result.
-pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+pub fn run(options: ValidateOptions, json: bool) -> Result<(), Failure> {
     let chosen = |check: &&Check| options.only.is_empty() || options.only.iter().any(|name| name == check.name);
     let checks: Vec<&Check> = CHECKS.iter().filter(chosen).collect();
     if let Some(folder) = &options.pictures {

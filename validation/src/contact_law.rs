@@ -9,7 +9,7 @@ use underbrush_sim::arm::Arm;
 use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::object::trunk::Trunk;
 use underbrush_sim::physics::PhysicsOptions;
-use underbrush_sim::simulation::rig::{FreeBody, Rig};
+use underbrush_sim::simulation::test_rig::{FreeBody, Rig};
 
 use crate::pressed_arm::{self, Beside, FOREARM_RADIUS_M, PressedArm};
 use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};

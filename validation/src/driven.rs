@@ -3,7 +3,7 @@
 use underbrush_sim::object::Object;
 use underbrush_sim::object::structure::Axis;
 use underbrush_sim::physics::PhysicsOptions;
-use underbrush_sim::simulation::rig::{BodyId, Rig};
+use underbrush_sim::simulation::test_rig::{BodyId, Rig};
 
 use crate::CheckError;
 

@@ -4,7 +4,7 @@ use glam::DVec3;
 use underbrush_oracles::beam;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::physics::PhysicsOptions;
-use underbrush_sim::simulation::rig::{BodyId, Rig};
+use underbrush_sim::simulation::test_rig::{BodyId, Rig};
 
 use crate::{Breaks, CheckError, Falsification};
 

@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use underbrush_recording::{BodyPart, BodyShape, Pose};
 use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::physics::PhysicsOptions;
-use underbrush_sim::simulation::rig::{FreeBody, Rig};
+use underbrush_sim::simulation::test_rig::{FreeBody, Rig};
 
 use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
 

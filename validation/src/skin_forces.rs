@@ -6,7 +6,7 @@ use underbrush_sim::arm::Arm;
 use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::object::trunk::Trunk;
 use underbrush_sim::physics::PhysicsOptions;
-use underbrush_sim::simulation::rig::{BodyId, FreeBody, Rig};
+use underbrush_sim::simulation::test_rig::{BodyId, FreeBody, Rig};
 
 use crate::pressed_arm::{Beside, OPTIONS, PressedArm, friction_of, with_friction};
 use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};

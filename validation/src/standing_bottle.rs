@@ -5,7 +5,7 @@ use underbrush_oracles::statics;
 use underbrush_sim::object::TABLE_FRICTION;
 use underbrush_sim::object::water_bottle::WaterBottle;
 use underbrush_sim::physics::PhysicsOptions;
-use underbrush_sim::simulation::rig::{BodyId, Rig};
+use underbrush_sim::simulation::test_rig::{BodyId, Rig};
 
 use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
 

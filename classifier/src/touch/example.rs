@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use underbrush_recording::Recording;
 
-use super::course::{DESCRIPTION_COUNT, REGION_FEATURE_COUNT};
+use super::contact_history::{DESCRIPTION_COUNT, REGION_FEATURE_COUNT};
 use super::frame::SkinTracker;
 use super::network::Row;
 use super::options::TouchOptions;

@@ -10,7 +10,7 @@ use super::held_out::{HeldOut, HeldOutRegion, Judged, lapses, nothing_above, sha
 use super::model::{Calibrated, TOUCH_FORMAT, TouchModel};
 use super::networks::{category_network, touched_network};
 use super::risk::RiskLimits;
-use super::rows::{FOLDS, TouchExamples};
+use super::training_rows::{FOLDS, TouchExamples};
 use crate::error::ModelError;
 use crate::provenance::Provenance;
 

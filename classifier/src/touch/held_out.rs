@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::network::{Network, Row, softmax};
 use super::networks::{category_network, touched_network};
 use super::risk::Lapse;
-use super::rows::TouchExamples;
+use super::training_rows::TouchExamples;
 use underbrush_recording::math;
 
 /// At most this share of true contacts may be called nothing in held-out reaches. Choice: a little less than the 2 %

@@ -16,11 +16,11 @@
 //! | networks are fitted to recordings with ground truth, and calibrated | [`TouchExamples`] |
 //! | frames become verdicts | [`TouchClassifier`] |
 
+mod batch_scores;
 mod compress;
-mod course;
+mod contact_history;
 mod decision;
 mod example;
-mod feature_rows;
 mod fit;
 mod frame;
 mod held_out;
@@ -28,26 +28,26 @@ mod model;
 mod motion;
 mod network;
 mod networks;
+mod novelty;
 mod online;
 mod options;
+mod permutation_importance;
 mod region;
 mod risk;
-mod rows;
 mod taxel;
-mod usual;
-mod worth;
+mod training_rows;
 
-pub use course::{Course, DESCRIPTION_COUNT, Measure, REGION_FEATURE_COUNT, REGION_FEATURES};
+pub use contact_history::{Course, DESCRIPTION_COUNT, Measure, REGION_FEATURE_COUNT, REGION_FEATURES};
 pub use decision::{Touch, TouchDecision};
 pub use frame::SkinTracker;
 pub use model::{TOUCH_FORMAT, TouchModel};
 pub use online::{RegionTouch, TaxelTouch, TouchClassifier};
 pub use options::TouchOptions;
+pub use permutation_importance::FeatureWorth;
 pub use region::Region;
 pub use risk::RiskLimits;
-pub use rows::{TouchExamples, TouchRows};
 pub use taxel::{TAXEL_FEATURE_COUNT, TAXEL_FEATURES, TaxelCourse};
-pub use worth::FeatureWorth;
+pub use training_rows::{TouchExamples, TouchRows};
 
 #[cfg(test)]
 mod tests;

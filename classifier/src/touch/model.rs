@@ -8,13 +8,13 @@ use serde_json::json;
 use underbrush_recording::InputError;
 use underbrush_recording::limits::{self, Limits};
 
-use super::course::{Course, REGION_FEATURE_COUNT};
+use super::batch_scores::FeatureRows;
+use super::contact_history::{Course, REGION_FEATURE_COUNT};
 use super::decision::TouchDecision;
-use super::feature_rows::FeatureRows;
 use super::network::{FITTED, Network, softmax};
+use super::novelty::Usual;
 use super::options::TouchOptions;
 use super::taxel::TAXEL_FEATURE_COUNT;
-use super::usual::Usual;
 use crate::document::{Document, Head};
 use crate::error::{ModelError, check_limits};
 use crate::model_file::warn_of_one_category;

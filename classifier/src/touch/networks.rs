@@ -2,7 +2,7 @@
 
 use super::example::{Examples, TaxelExample};
 use super::network::Network;
-use super::usual::Usual;
+use super::novelty::Usual;
 
 pub(super) fn touched_network(reaches: &[&Examples]) -> Network {
     let rows: Vec<_> = reaches.iter().flat_map(|reach| &reach.taxels).map(TaxelExample::row).collect();

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use underbrush_recording::{Frame, SkinLayout};
 
-use super::course::{REGION_FEATURE_COUNT, REGION_KNEES};
+use super::batch_scores::FeatureRows;
+use super::contact_history::{REGION_FEATURE_COUNT, REGION_KNEES};
 use super::decision::Touch;
-use super::feature_rows::FeatureRows;
 use super::frame::SkinTracker;
 use super::model::TouchModel;
 use super::taxel::{TAXEL_FEATURE_COUNT, TAXEL_KNEES};

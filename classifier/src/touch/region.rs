@@ -3,7 +3,7 @@
 use glam::DVec3;
 use underbrush_recording::Pose;
 
-use super::course::{Course, Measure};
+use super::contact_history::{Course, Measure};
 use super::motion::Motion;
 use crate::trial::{PatchImage, TrialError, neighbours_of_patch};
 

@@ -1,7 +1,7 @@
 //! What one taxel has sensed since its contact began, to tell a touch from a spurious reading.
 
 use super::compress::{COUNT_KNEE, PLAIN, knees, names};
-use super::course::Course;
+use super::contact_history::Course;
 
 /// Knees as for regions. Changes of a steady reading are noise of about 2 mN.
 const FORCE_KNEE_N: f64 = 0.05;

@@ -7,11 +7,11 @@ use underbrush_sim::scene::SceneFile;
 use super::table_one;
 use super::training_data::{self, TrialsPerReach};
 use crate::accuracy::{Accuracy, Figures};
-use crate::cell::Cell;
 use crate::definition::{AblationName, Experiment, TableOneUnit};
 use crate::error::ExperimentError;
 use crate::estimators;
 use crate::session::Session;
+use crate::table_cell::Cell;
 use crate::training::{self, Trials};
 
 /// The results of the ablation.

@@ -9,10 +9,10 @@ use super::classifiers::{self, Compared};
 use super::table_one;
 use super::training_data::{self, TrialsPerReach};
 use crate::accuracy::{Accuracy, Figures, Part, Spread};
-use crate::cell::{self, Cell, CellKey, Ordering, unit_name};
 use crate::definition::{Experiment, TableOneUnit};
 use crate::error::ExperimentError;
 use crate::session::Session;
+use crate::table_cell::{self, Cell, CellKey, Ordering, unit_name};
 use crate::training::{self, Trials};
 
 /// The campaigns; `None` if only one was requested.
@@ -185,10 +185,10 @@ impl Campaigns {
         let statements = experiment.published().map_or(&[][..], |own| &own.orderings);
         Ok(Some(Campaigns {
             seeds: campaigns.iter().map(|(seed, _)| *seed).collect(),
-            mean_absolute_difference_points: cell::mean_difference(
+            mean_absolute_difference_points: table_cell::mean_difference(
                 table_1.iter().map(|cell| (cell.key.recipe.as_str(), mean(cell), cell.paper)),
             ),
-            orderings: cell::orderings(statements, &keyed),
+            orderings: table_cell::orderings(statements, &keyed),
             trials_per_reach,
             classifiers,
             table_1,

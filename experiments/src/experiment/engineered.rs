@@ -4,7 +4,7 @@ use serde::Serialize;
 use underbrush_classifier::evaluate::Tally;
 
 use crate::error::ExperimentError;
-use crate::online::{self, Shares};
+use crate::frame_verdicts::{self, Shares};
 use crate::session::Session;
 
 /// All engineered reaches.
@@ -37,8 +37,8 @@ pub struct Engineered {
 
 /// Summarizes the verdicts of each reach.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
-    let online = session.once(online::run)?;
-    let one = |reach: &online::Engineered| {
+    let online = session.once(frame_verdicts::run)?;
+    let one = |reach: &frame_verdicts::Engineered| {
         let own = reach.by_scene.as_ref();
         Engineered {
             scene: reach.scene.clone(),

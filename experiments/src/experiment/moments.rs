@@ -11,9 +11,9 @@ use underbrush_sim::simulation::Simulation;
 use underbrush_sim::snapshot::Snapshot;
 
 use crate::error::ExperimentError;
-use crate::online::{self, Classified};
+use crate::frame_verdicts::{self, Classified};
 use crate::session::Session;
-use crate::{models, reaches};
+use crate::{online_models, reaches};
 
 /// Both moments, if there are such reaches. They are for pictures, so nothing is serialized.
 #[derive(Serialize)]
@@ -35,10 +35,10 @@ impl Outcome {
 
 /// Takes both snapshots.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
-    let (online, models) = (session.once(online::run)?, session.once(models::run)?);
+    let (online, models) = (session.once(frame_verdicts::run)?, session.once(online_models::run)?);
     session.stage("Moments of a general and of an outlier reach", || {
         Ok(Outcome {
-            general: take(session, &models.0, online.shown(), online::uncertain_rule(session.experiment))?,
+            general: take(session, &models.0, online.shown(), frame_verdicts::uncertain_rule(session.experiment))?,
             outlier: take(session, &models.0, online.outlier.first(), Decision::paper().rule)?,
         })
     })
@@ -84,7 +84,7 @@ fn take(
         .max_by_key(|(index, frame)| (frame.in_contact, std::cmp::Reverse(*index)));
     let Some((chosen, _)) = best else { return Ok(None) };
     let plan = reaches::plan(session.experiment, &shown.source, session.seed)?;
-    let options = online::options(session.experiment, rule);
+    let options = frame_verdicts::options(session.experiment, rule);
     let layout = plan.arm.skin.layout.clone();
     let mut classifier = OnlineClassifier::new(models, &layout, &options)?;
     let (mut index, mut taken, mut fault) = (0, None, None);

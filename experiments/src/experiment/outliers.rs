@@ -10,7 +10,7 @@ use underbrush_classifier::evaluate::ChosenThresholds;
 use underbrush_recording::Category;
 
 use crate::error::ExperimentError;
-use crate::online::{self, Classified, Online};
+use crate::frame_verdicts::{self, Classified, Online};
 use crate::session::Session;
 use crate::thresholds::{self, Thresholds};
 
@@ -80,7 +80,7 @@ pub const CHOSEN: &str = "chosen";
 
 /// Counts verdicts by both rules.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
-    let (online, curves) = (session.once(online::run)?, session.once(thresholds::run)?);
+    let (online, curves) = (session.once(frame_verdicts::run)?, session.once(thresholds::run)?);
     let mut found = detection(&rule_name("the paper's", &Decision::paper()), &online.outlier);
     if let Some((decision, reaches)) = &online.outlier_by_chosen {
         found.extend(detection(&rule_name(CHOSEN, decision), reaches));

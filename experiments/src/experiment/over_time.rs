@@ -7,7 +7,7 @@ use underbrush_classifier::feature::FeatureSet;
 
 use crate::error::ExperimentError;
 use crate::estimators;
-use crate::online::{self, Classified, Online, Shares};
+use crate::frame_verdicts::{self, Classified, Online, Shares};
 use crate::session::Session;
 
 /// The figures of one general reach.
@@ -50,7 +50,7 @@ pub struct SamplesUsed {
 
 /// Summarizes the verdicts.
 pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
-    let online = session.once(online::run)?;
+    let online = session.once(frame_verdicts::run)?;
     let by_scene = online.engineered.iter().filter_map(|reach| reach.by_scene.as_ref());
     let used = by_scene.chain(&online.general).filter_map(|reach| reach.stream.mean_samples_used());
     let used: Vec<f64> = used.collect();

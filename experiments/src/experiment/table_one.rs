@@ -12,11 +12,11 @@ use underbrush_classifier::recipe::Recipe;
 use underbrush_recording::Trial;
 
 use crate::accuracy::Accuracy;
-use crate::cell::{self, Cell, CellKey, Ordering};
 use crate::definition::{Experiment, RecipeName, TableOneUnit};
 use crate::error::ExperimentError;
 use crate::estimators;
 use crate::session::Session;
+use crate::table_cell::{self, Cell, CellKey, Ordering};
 use crate::training::{self, Trials};
 
 /// The table.
@@ -84,12 +84,12 @@ pub fn evaluate(
 /// Mean absolute difference of the cells from the published ones, by recipe, points.
 pub fn mean_difference(cells: &[Cell]) -> BTreeMap<String, f64> {
     let cells = cells.iter();
-    cell::mean_difference(cells.map(|cell| (cell.key.recipe.as_str(), cell.accuracy.accuracy, cell.paper)))
+    table_cell::mean_difference(cells.map(|cell| (cell.key.recipe.as_str(), cell.accuracy.accuracy, cell.paper)))
 }
 
 /// The published statements on these cells.
 pub fn orderings(experiment: &Experiment, cells: &[Cell]) -> Vec<Ordering> {
     let statements = experiment.published().map_or(&[][..], |own| &own.orderings);
     let keyed: Vec<_> = cells.iter().map(|cell| (&cell.key, cell.accuracy.accuracy)).collect();
-    cell::orderings(statements, &keyed)
+    table_cell::orderings(statements, &keyed)
 }

@@ -5,8 +5,8 @@ use underbrush_recording::{FRAME_PERIOD_S, Trial};
 
 use crate::audit::{self, Worst};
 use crate::definition::{Experiment, TableOneUnit};
-use crate::ends::Ends;
 use crate::error::ExperimentError;
+use crate::reach_ends::Ends;
 use crate::session::Session;
 use crate::training::{self, Trials};
 

@@ -2,11 +2,11 @@ use super::table_one_paper::TABLE_ONE_PAPER;
 use underbrush_classifier::feature::FeatureSet;
 
 use crate::accuracy::{Accuracy, Part};
-use crate::cell::{self, Cell, CellKey};
 use crate::definition::{Experiment, OrderingName, TableOneUnit};
 use crate::experiment::ablation::Ablated;
 use crate::experiment::campaigns::{Campaigns, OneOfMany};
 use crate::experiment::classifiers::Compared;
+use crate::table_cell::{self, Cell, CellKey};
 
 const ORDERINGS: [OrderingName; 3] =
     [OrderingName::TaxelsOverComponents, OrderingName::ForceOverForceAndMotion, OrderingName::MoreStates];
@@ -62,7 +62,7 @@ fn orderings_are_found_as_they_are() {
             })
             .collect();
         let keyed: Vec<(&CellKey, f64)> = keyed.iter().map(|(key, accuracy)| (key, *accuracy)).collect();
-        let found = cell::orderings(&ORDERINGS, &keyed);
+        let found = table_cell::orderings(&ORDERINGS, &keyed);
         found.iter().map(|own| (own.holds, own.pairs_holding, own.pairs)).collect()
     };
     assert_eq!(counts(1.0, 0), [(true, 6, 6), (true, 6, 6), (true, 8, 8)]);
@@ -82,7 +82,7 @@ fn the_statement_on_states_names_them() {
         };
         let keys: Vec<CellKey> = states.iter().map(key).collect();
         let keyed: Vec<(&CellKey, f64)> = keys.iter().map(|key| (key, 50.0)).collect();
-        cell::orderings(&[OrderingName::MoreStates], &keyed).remove(0).statement
+        table_cell::orderings(&[OrderingName::MoreStates], &keyed).remove(0).statement
     };
     assert_eq!(statement(&[5, 10, 20]), "10 and 20 states are better than 5");
     assert_eq!(statement(&[6, 3]), "6 states are better than 3");

@@ -1,7 +1,7 @@
 use std::path::{Path, PathBuf};
 
-use crate::kept::{self, Run};
 use crate::progress::Silent;
+use crate::result_cache::{self, Run};
 
 fn run(seed: u64, quick: bool, experiment: &str) -> Run {
     Run { seed, quick, experiment: experiment.into() }
@@ -12,7 +12,7 @@ fn this() -> Run {
 }
 
 fn load(path: &Path, run: &Run) -> Option<Vec<f64>> {
-    kept::load(path, run, &Silent)
+    result_cache::load(path, run, &Silent)
 }
 
 fn folder() -> (tempfile::TempDir, PathBuf) {
@@ -28,8 +28,8 @@ fn only_the_same_run_takes_a_kept_result() {
     let (folder, path) = folder();
     assert_eq!(load(&path, &this()), None);
     let values = vec![64.2, 0.1 + 0.2];
-    assert_eq!(kept::result(&path, &this(), &Silent, || Ok(values.clone())).unwrap(), values);
-    let not_made = kept::result(&path, &this(), &Silent, || -> Result<Vec<f64>, _> { panic!("made again") });
+    assert_eq!(result_cache::result(&path, &this(), &Silent, || Ok(values.clone())).unwrap(), values);
+    let not_made = result_cache::result(&path, &this(), &Silent, || -> Result<Vec<f64>, _> { panic!("made again") });
     assert_eq!(not_made.unwrap(), values);
     for other in [run(4, true, "paper"), run(3, false, "paper"), run(3, true, "other")] {
         assert_eq!(load(&path, &other), None);
@@ -39,11 +39,11 @@ fn only_the_same_run_takes_a_kept_result() {
     assert_eq!(load(&renamed, &this()), None);
     // Another build writes another hash of its sources.
     for hash in [env!("UNDERBRUSH_ANALYSIS_SOURCES"), env!("UNDERBRUSH_DATA_SOURCES")] {
-        kept::store(&path, &this(), &values).unwrap();
-        let content: serde_json::Value = crate::kept::read(&path, &Silent).unwrap();
+        result_cache::store(&path, &this(), &values).unwrap();
+        let content: serde_json::Value = crate::result_cache::read(&path, &Silent).unwrap();
         let other = content.to_string().replace(hash, "0123456789abcdef");
         assert_ne!(other, content.to_string());
-        crate::kept::write(&path, &serde_json::from_str::<serde_json::Value>(&other).unwrap()).unwrap();
+        crate::result_cache::write(&path, &serde_json::from_str::<serde_json::Value>(&other).unwrap()).unwrap();
         assert_eq!(load(&path, &this()), None, "{hash}");
     }
 }
@@ -52,14 +52,14 @@ fn only_the_same_run_takes_a_kept_result() {
 #[test]
 fn an_edited_result_is_made_again() {
     let (_folder, path) = folder();
-    kept::store(&path, &this(), &vec![64.2, 85.3]).unwrap();
+    result_cache::store(&path, &this(), &vec![64.2, 85.3]).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     let edited = text.replace("85.3", "95.3");
     for damaged in [edited.as_str(), &text[..text.len() / 2]] {
         assert_ne!(damaged, text);
         std::fs::write(&path, damaged).unwrap();
         assert_eq!(load(&path, &this()), None, "{damaged}");
-        kept::result(&path, &this(), &Silent, || Ok(vec![64.2, 85.3])).unwrap();
+        result_cache::result(&path, &this(), &Silent, || Ok(vec![64.2, 85.3])).unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
     }
 }

@@ -1,5 +1,5 @@
 use crate::definition::Experiment;
-use crate::plan::Plan;
+use crate::run_folder::Plan;
 
 /// Tests that results of another seed or size are refused with the reason; that the same plan continues; and that
 /// `--force` removes what a run creates, and nothing else.

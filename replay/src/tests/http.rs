@@ -5,8 +5,8 @@ use std::io::{ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
-use crate::answer::Answer;
 use crate::http::{Limits, serve};
+use crate::response::Response;
 
 /// Limits that a test need not wait for.
 const LIMITS: Limits = Limits {
@@ -26,8 +26,8 @@ fn start(limits: Limits) -> u16 {
     std::thread::spawn(move || {
         serve(&listener, limits, move |request| {
             let answer = match request.target.as_str() {
-                "/large" => Answer::new(200, "text/plain", vec![b'x'; MANY_BYTES]),
-                _ => Answer::text(200, "fine"),
+                "/large" => Response::new(200, "text/plain", vec![b'x'; MANY_BYTES]),
+                _ => Response::text(200, "fine"),
             };
             request.respond(&answer, &limits);
         });

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use serde_json::Value;
 
-use super::server::{Answer, Place, ask, get, run};
+use super::server::{Place, Response, ask, get, run};
 use super::{KNOWN, reach};
 use crate::pack::{pack, pack_from};
 use crate::{Held, Live, Server, SoFar, Source};
@@ -35,7 +35,7 @@ fn so_far(frames: usize) -> SoFar {
     SoFar { recording: reach(0, frames), verdicts: None }
 }
 
-fn command(place: &Place, command: &str) -> Answer {
+fn command(place: &Place, command: &str) -> Response {
     let Place { port, base } = place;
     let lines = [
         format!("POST {base}/api/live/{command} HTTP/1.1"),

@@ -19,10 +19,10 @@ use underbrush_recording::{
     Patch, Pose, Recording, SkinLayout, Taxel, TaxelReading,
 };
 
-use crate::{Known, Source};
+use crate::{ReplayContext, Source};
 
 /// Made-up values of what the command line knows.
-pub const KNOWN: Known = Known {
+pub const KNOWN: ReplayContext = ReplayContext {
     force_limit_n: |controller| (controller == "cody-2013").then_some(3.0),
     audit_warnings: |audit, _| match audit.deepest_penetration_m > 0.01 {
         true => vec!["too deep".into()],

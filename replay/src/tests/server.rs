@@ -33,14 +33,14 @@ fn start(folder: &Path) -> Place {
 }
 
 /// The answer to a request: its status, its head and its content.
-pub struct Answer {
+pub struct Response {
     pub status: u16,
     pub head: String,
     pub content: Vec<u8>,
 }
 
 /// Sends these lines, followed by an empty one, and reads the answer to its end.
-pub fn ask(port: u16, lines: &[&str]) -> Answer {
+pub fn ask(port: u16, lines: &[&str]) -> Response {
     let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
     // No answer takes a minute. A server that hangs must fail the test.
     stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
@@ -50,7 +50,7 @@ pub fn ask(port: u16, lines: &[&str]) -> Answer {
     stream.read_to_end(&mut bytes).unwrap();
     let end = bytes.windows(4).position(|four| four == b"\r\n\r\n").unwrap();
     let head = String::from_utf8(bytes[..end].to_vec()).unwrap();
-    Answer {
+    Response {
         status: head.split(' ').nth(1).unwrap().parse().unwrap(),
         head: head.to_lowercase(),
         content: bytes[end + 4..].to_vec(),
@@ -58,7 +58,7 @@ pub fn ask(port: u16, lines: &[&str]) -> Answer {
 }
 
 /// Asks for a path after the key with this method, as a browser on this machine.
-pub fn get(place: &Place, method: &str, path: &str) -> Answer {
+pub fn get(place: &Place, method: &str, path: &str) -> Response {
     let Place { port, base } = place;
     let line = format!("{method} {base}{path} HTTP/1.1");
     ask(*port, &[&line, &format!("Host: 127.0.0.1:{port}")])

@@ -1,8 +1,8 @@
 //! Several independent campaigns: mean and spread.
 
 use underbrush_experiments::accuracy::Figures;
-use underbrush_experiments::cell::unit_name;
 use underbrush_experiments::experiment::campaigns::{CampaignCell, Campaigns, Outcome};
+use underbrush_experiments::table_cell::unit_name;
 
 use super::classifiers;
 use super::table_one::trials_and_features;

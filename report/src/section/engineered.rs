@@ -1,7 +1,7 @@
 //! Online verdicts in reaches that touch one category alone (Fig. 11).
 
 use underbrush_experiments::experiment::engineered::{Engineered, Outcome};
-use underbrush_experiments::online::Shares;
+use underbrush_experiments::frame_verdicts::Shares;
 
 use crate::drawing::{Axis, Dash, Layer, Rows, Shape, Style, Table, chart};
 use crate::replay_links;

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use underbrush_classifier::decision::Rule;
 use underbrush_classifier::evaluate::{RocCurve, StreamFrame, ThresholdTargets};
 use underbrush_experiments::experiment::outliers::{CHOSEN, Detection, Outcome};
-use underbrush_experiments::online::{Classified, Online};
+use underbrush_experiments::frame_verdicts::{Classified, Online};
 use underbrush_experiments::thresholds::Thresholds;
 use underbrush_recording::{Category, FRAME_PERIOD_S};
 

@@ -3,7 +3,7 @@
 use underbrush_classifier::evaluate::Tally;
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_experiments::experiment::over_time::Outcome;
-use underbrush_experiments::online::Classified;
+use underbrush_experiments::frame_verdicts::Classified;
 
 use crate::drawing::{Axis, Dash, Layer, Rows, Shape, Style, Table, chart};
 use crate::replay_links;

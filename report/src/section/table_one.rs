@@ -1,8 +1,8 @@
 //! The cross-validation table (the paper's Table I).
 
-use underbrush_experiments::cell::{Cell, CellKey, unit_name};
 use underbrush_experiments::definition::{RecipeName, TableOneUnit};
 use underbrush_experiments::experiment::table_one::Outcome;
+use underbrush_experiments::table_cell::{Cell, CellKey, unit_name};
 
 use crate::agreement::{self, Compared};
 use crate::drawing::{Rows, Table};

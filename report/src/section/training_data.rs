@@ -1,7 +1,7 @@
 //! The training reaches and the contact trials cut from them.
 
-use underbrush_experiments::cell::unit_name;
 use underbrush_experiments::experiment::training_data::{Outcome, TrialsPerReach};
+use underbrush_experiments::table_cell::unit_name;
 
 use crate::drawing::{Rows, Table};
 use crate::report::Report;

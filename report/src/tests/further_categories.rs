@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use underbrush_classifier::decision::Verdict;
 use underbrush_classifier::evaluate::{Stream, StreamFrame, Tally};
 use underbrush_experiments::experiment::example_trials::{self, Example};
-use underbrush_experiments::online::{Classified, Online};
+use underbrush_experiments::frame_verdicts::{Classified, Online};
 use underbrush_recording::{Category, FRAME_PERIOD_S, Grid, Sample, Trial};
 
 use super::elements;

@@ -6,7 +6,7 @@ use rapier3d::prelude::ColliderHandle;
 
 use super::mechanism::Mechanism;
 use super::model::Model;
-use super::mover::{DormancyBuffers, Mover};
+use super::moving_shapes::{DormancyBuffers, Mover};
 use super::world::World;
 
 /// A dormant object is put into the engine when a moving shape comes within this distance, m: the distance covered in a

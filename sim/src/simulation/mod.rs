@@ -1,7 +1,7 @@
 //! The sealed simulation of one arm in one clutter: equilibrium angles in, one report of the frame out.
 //!
 //! [`Simulation`] owns the arm, the clutter, the physics engine and the skin's sensor. A reach is a loop over
-//! [`Simulation::step`] (see `examples/own_controller.rs`). [`rig::Rig`] holds single bodies and objects without an
+//! [`Simulation::step`] (see `examples/own_controller.rs`). [`test_rig::Rig`] holds single bodies and objects without an
 //! arm, for tests against closed-form solutions. No type of the engine appears outside this module.
 
 use std::sync::Arc;
@@ -27,12 +27,12 @@ mod dormancy;
 mod engine;
 mod mechanism;
 mod model;
-mod mover;
+mod moving_shapes;
 mod report;
-pub mod rig;
 mod saved;
 mod sense;
 mod tactile;
+pub mod test_rig;
 mod world;
 
 pub use contact::{Contact, contact_torque_nm};

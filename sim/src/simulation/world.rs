@@ -9,7 +9,7 @@ use super::contact::Contact;
 use super::engine::Engine;
 use super::mechanism::Mechanism;
 use super::model::Model;
-use super::mover::DormancyBuffers;
+use super::moving_shapes::DormancyBuffers;
 use super::report::{JointState, StepObserver, StepReport};
 use crate::physics::PhysicsOptions;
 

@@ -46,10 +46,10 @@ and otherwise ignored:
 
 A new reach begins with {\"reset\":true}: contacts end, and time may start again at 0.";
 
-/// Options of `underbrush classify`.
+/// ClassifyOptions of `underbrush classify`.
 #[derive(Args)]
 #[command(after_help = PROTOCOL)]
-pub struct Options {
+pub struct ClassifyOptions {
     /// Model file
     model: PathBuf,
     /// Data set (folder), recording, table of trials, or `-`: frames as JSON lines on stdin, each answered before the
@@ -83,7 +83,7 @@ struct TrialVerdict {
     scores: BTreeMap<String, f64>,
 }
 
-impl Options {
+impl ClassifyOptions {
     fn reads_stdin(&self) -> bool {
         self.input == Path::new("-")
     }
@@ -97,7 +97,7 @@ impl Options {
 }
 
 /// Classifies.
-pub fn run(options: Options, json: bool) -> Result<(), Failure> {
+pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
     let model = any_model::load(&options.model)?;
     if !options.reads_stdin() && (options.skin.is_some() || options.strict) {
         let message =

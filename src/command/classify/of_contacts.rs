@@ -8,7 +8,7 @@ use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_classifier::paper_rule::Scores;
 use underbrush_recording::{Frame, SkinLayout};
 
-use super::Options;
+use super::ClassifyOptions;
 use super::online::{Answers, Reach, json_line};
 use crate::failure::Failure;
 
@@ -19,7 +19,7 @@ pub(super) struct OfContacts {
 }
 
 impl OfContacts {
-    pub(super) fn new(options: &Options, model: Model) -> Result<Self, Failure> {
+    pub(super) fn new(options: &ClassifyOptions, model: Model) -> Result<Self, Failure> {
         options.cut.refuse_online()?;
         let decision = options.decision.decision(&Scores::of_model(&model))?;
         Ok(OfContacts {

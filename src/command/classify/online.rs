@@ -11,7 +11,7 @@ use underbrush_recording::disk::{Dataset, is_folder, is_recording, read_recordin
 use underbrush_recording::{Frame, InputError, SkinLayout};
 use underbrush_sim::arm::{self, Arm};
 
-use super::Options;
+use super::ClassifyOptions;
 use super::latency::Latency;
 use crate::failure::Failure;
 use crate::{input, output};
@@ -37,7 +37,7 @@ pub(super) fn json_line(answer: &impl Serialize) -> Result<String, Failure> {
 }
 
 /// Prints one line of JSON for each frame.
-pub(super) fn run(options: &Options, classifier: &dyn Answers) -> Result<(), Failure> {
+pub(super) fn run(options: &ClassifyOptions, classifier: &dyn Answers) -> Result<(), Failure> {
     let mut online = Online { classifier, latency: Latency::new() };
     if options.reads_stdin() {
         let layout = match &options.skin {

@@ -5,7 +5,7 @@ use underbrush_oracles::{foundation, oscillator::Oscillator};
 use underbrush_recording::Pose;
 use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::physics::PhysicsOptions;
-use underbrush_sim::simulation::rig::{BodyId, FreeBody, Rig};
+use underbrush_sim::simulation::test_rig::{BodyId, FreeBody, Rig};
 
 use super::{PUNCH_M, STIFFNESS_N_PER_M3, bodies, cuboid, soft};
 use crate::{Breaks, Case, CheckError, Comparison, Falsification, Simulated};

@@ -1,4 +1,4 @@
-use super::super::feature_rows::FeatureRows;
+use super::super::batch_scores::FeatureRows;
 use super::super::network::{Network, Row, softmax};
 use crate::vector::BASELINE_ONLY;
 

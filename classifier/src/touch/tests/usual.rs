@@ -1,6 +1,6 @@
 use nalgebra::{DMatrix, DVector};
 
-use super::super::usual::Usual;
+use super::super::novelty::Usual;
 
 /// Numbers that look random, from −1 to 1.
 fn number(index: usize) -> f64 {

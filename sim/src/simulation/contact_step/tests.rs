@@ -5,7 +5,7 @@ use underbrush_recording::{BodyPart, BodyShape, Pose};
 
 use crate::contact::surface::Surface;
 use crate::physics::PhysicsOptions;
-use crate::simulation::rig::{FreeBody, Rig};
+use crate::simulation::test_rig::{FreeBody, Rig};
 
 fn rig() -> Rig {
     Rig::new(PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 0.0 })

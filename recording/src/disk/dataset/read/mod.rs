@@ -1,4 +1,4 @@
 //! Reads a finished data set.
 
+mod columns;
 pub(super) mod reader;
-mod some_columns;

@@ -53,7 +53,7 @@ pub struct FreeBody {
 /// use underbrush_recording::BodyShape;
 /// use underbrush_sim::physics::PhysicsOptions;
 /// use underbrush_sim::object::trunk::Trunk;
-/// use underbrush_sim::simulation::rig::Rig;
+/// use underbrush_sim::simulation::test_rig::Rig;
 ///
 /// // A trunk is fixed to the ground, whatever pushes it.
 /// let mut rig = Rig::new(PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 9.81 });

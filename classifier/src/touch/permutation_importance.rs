@@ -4,12 +4,12 @@ use rand::{SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-use super::course::REGION_FEATURES;
+use super::contact_history::REGION_FEATURES;
 use super::example::TaxelExample;
 use super::network::{Network, Row, softmax};
 use super::networks::{category_network, touched_network};
-use super::rows::{FOLDS, TouchExamples};
 use super::taxel::TAXEL_FEATURES;
+use super::training_rows::{FOLDS, TouchExamples};
 use underbrush_recording::math;
 
 /// What a feature is worth: how much worse the probabilities on held-out reaches are if its values are shuffled among

@@ -174,7 +174,7 @@ fn collider(collider: &Collider, surface: Surface) -> Option<ColliderDescription
 mod tests {
     use crate::arm::Arm;
     use crate::physics::PhysicsOptions;
-    use crate::simulation::rig::Rig;
+    use crate::simulation::test_rig::Rig;
 
     /// Tests that the friction of a shape is the friction of its surface; the engine's own coefficients are not used.
     #[test]

@@ -14,33 +14,33 @@ pub const FIELDS: &str = "X-Content-Type-Options: nosniff\r\n\
                           Connection: close\r\n";
 
 /// An answer's status, content type and content.
-pub struct Answer {
+pub struct Response {
     /// The status.
     pub status: u16,
     kind: &'static str,
     bytes: Arc<Vec<u8>>,
 }
 
-impl Answer {
+impl Response {
     /// An answer with this content.
     pub fn new(status: u16, kind: &'static str, bytes: impl Into<Vec<u8>>) -> Self {
-        Answer { status, kind, bytes: Arc::new(bytes.into()) }
+        Response { status, kind, bytes: Arc::new(bytes.into()) }
     }
 
     /// An answer with a sentence as plain text.
     pub fn text(status: u16, text: impl Into<String>) -> Self {
-        Answer::new(status, "text/plain; charset=utf-8", text.into())
+        Response::new(status, "text/plain; charset=utf-8", text.into())
     }
 
     /// A packed reach.
     pub fn reach(bytes: Arc<Vec<u8>>) -> Self {
-        Answer { status: 200, kind: "application/octet-stream", bytes }
+        Response { status: 200, kind: "application/octet-stream", bytes }
     }
 
     /// The list of reaches.
     pub fn list(reaches: &[Summary]) -> Self {
         // Plain data can always be written.
-        Answer::new(200, "application/json", serde_json::to_vec(reaches).unwrap_or_default())
+        Response::new(200, "application/json", serde_json::to_vec(reaches).unwrap_or_default())
     }
 
     /// Writes the answer, with `head_only` without its content.

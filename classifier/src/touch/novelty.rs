@@ -7,7 +7,7 @@ use nalgebra::{SMatrix, SVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::course::DESCRIPTION_COUNT;
+use super::contact_history::DESCRIPTION_COUNT;
 use super::network::FITTED;
 use underbrush_recording::math;
 

@@ -11,7 +11,7 @@ use crate::definition::Experiment;
 use crate::error::ExperimentError;
 use crate::reaches::{self, Found};
 use crate::session::Session;
-use crate::{models, thresholds};
+use crate::{online_models, thresholds};
 
 /// A reach classified online.
 pub struct Classified {
@@ -106,7 +106,7 @@ pub fn options(experiment: &Experiment, rule: Rule) -> OnlineOptions {
 /// Classifies all test reaches online.
 pub fn run(session: &Session) -> Result<Online, ExperimentError> {
     let reaches = session.once(reaches::run)?;
-    let (models, thresholds) = (session.once(models::run)?, session.once(thresholds::run)?);
+    let (models, thresholds) = (session.once(online_models::run)?, session.once(thresholds::run)?);
     let (experiment, models) = (session.experiment, &models.0);
     // One reach after the other, because the time per frame is measured.
     let classify = |found: &Found, rule: Rule, truth: StreamTruth| {

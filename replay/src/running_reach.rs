@@ -4,11 +4,11 @@ use std::io::Write;
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::answer::{Answer, FIELDS};
 use crate::live::{Live, News};
 use crate::pack::pack_from;
+use crate::response::{FIELDS, Response};
 use crate::source::summary;
-use crate::{Known, ReplayError};
+use crate::{ReplayContext, ReplayError};
 
 /// A page gets news at most this often.
 const NEWS_EVERY: Duration = Duration::from_millis(100);
@@ -20,51 +20,51 @@ pub struct Running {
     /// The reach.
     pub live: Arc<Live>,
     /// What the caller knows and the recording does not hold.
-    pub known: Known,
+    pub known: ReplayContext,
 }
 
 impl Running {
     /// The list, which holds this reach alone.
-    pub fn list(&self) -> Answer {
+    pub fn list(&self) -> Response {
         let Some((latest, news)) = self.live.so_far() else {
             return no_answer();
         };
         let mut summary = summary(0, &latest.recording, String::new(), &self.known);
         summary.running = !news.ended;
-        Answer::list(&[summary])
+        Response::list(&[summary])
     }
 
     /// The reach so far; with `from=N` in the query only what follows the first N frames.
-    pub fn reach(&self, number: &str, query: &str) -> Answer {
+    pub fn reach(&self, number: &str, query: &str) -> Response {
         let mut parts = query.split('&').filter_map(|part| part.strip_prefix("from="));
         let Ok(from) = parts.next().map_or(Ok(0), str::parse) else {
-            return Answer::text(400, "from is the number of frames that are known");
+            return Response::text(400, "from is the number of frames that are known");
         };
 
         if !number.trim_start_matches('0').is_empty() {
             let count = 1;
             let number = number.parse().unwrap_or(usize::MAX);
-            return Answer::text(404, ReplayError::NoSuchReach { number, count }.to_string());
+            return Response::text(404, ReplayError::NoSuchReach { number, count }.to_string());
         }
         let Some((latest, _)) = self.live.so_far() else {
             return no_answer();
         };
         match pack_from(&latest.recording, &self.known, latest.verdicts.as_ref(), from) {
-            Ok(bytes) => Answer::reach(Arc::new(bytes)),
-            Err(error) => Answer::text(500, error.to_string()),
+            Ok(bytes) => Response::reach(Arc::new(bytes)),
+            Err(error) => Response::text(500, error.to_string()),
         }
     }
 
     /// Does what a command asks for: `pause`, `run`, or `step/N` for N frames.
-    pub fn command(&self, command: &str) -> Answer {
+    pub fn command(&self, command: &str) -> Response {
         let steps = command.strip_prefix("step/").and_then(|count| count.parse().ok());
         match (command, steps) {
             ("pause", _) => self.live.pause(true),
             ("run", _) => self.live.pause(false),
             (_, Some(count @ 1..=MAX_STEPS)) => self.live.step(count),
-            _ => return Answer::text(404, "no such command"),
+            _ => return Response::text(404, "no such command"),
         }
-        Answer::text(200, "done")
+        Response::text(200, "done")
     }
 
     /// Sends news as server-sent events until the reach ends or the other side leaves.
@@ -90,6 +90,6 @@ impl Running {
     }
 }
 
-fn no_answer() -> Answer {
-    Answer::text(500, "the simulation does not answer; look at the terminal in which it runs")
+fn no_answer() -> Response {
+    Response::text(500, "the simulation does not answer; look at the terminal in which it runs")
 }
