@@ -18,13 +18,13 @@ where
         .try_map(|name| T::deserialize(IntoDeserializer::<Unread>::into_deserializer(name)))
 }
 
-/// The options that are given, as they are written. Each field is an option, with its name in kebab case; what is not
-/// given is `None`, `false` or empty.
+/// The options that are given, as they are written. Each field is an option of its name; what is not given is
+/// `None`, `false` or empty.
 pub fn given(options: &impl Serialize) -> Vec<String> {
     let options = serde_json::to_value(options).unwrap_or_default();
     let is_given = |value: &Value| !matches!(value, Value::Null | Value::Bool(false)) && *value != json!([]);
     let given = options.as_object().into_iter().flatten().filter(|(_, value)| is_given(value));
-    given.map(|(name, _)| format!("--{name}")).collect()
+    given.map(|(name, _)| format!("--{}", name.replace('_', "-"))).collect()
 }
 
 /// Refuses the first of these options, for this reason.

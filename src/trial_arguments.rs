@@ -14,7 +14,6 @@ use crate::options::{self, named};
 /// --min-samples applies to it, and of the preset everything but the labels. Options that are not given are `None`, so
 /// that a command can refuse those that it would ignore.
 #[derive(Args, Clone, Debug, Default, Serialize)]
-#[serde(rename_all = "kebab-case")]
 pub struct TrialArguments {
     /// Preset; other options override it
     #[arg(long, value_name = "NAME", value_parser = named::<String>(&[

@@ -118,6 +118,18 @@ pub enum DecisionError {
 }
 
 /// Priors and the rule that turns scores into verdicts.
+///
+/// ```
+/// use underbrush_classifier::decision::{Decision, Rule, Verdict};
+///
+/// // Uncertain if the best category leads by less than 3 nats.
+/// let decision = Decision::new(Rule::UncertainBelow { margin: 3.0 });
+/// let judge = decision.prepare(&["leaf".into(), "trunk".into()])?;
+/// let verdict = |leaf: f64, trunk: f64| judge.judge(&[("leaf".into(), leaf), ("trunk".into(), trunk)]);
+/// assert_eq!(verdict(-10.0, -20.0)?, Verdict::Category("leaf".into()));
+/// assert_eq!(verdict(-10.0, -11.0)?, Verdict::Uncertain);
+/// # Ok::<(), underbrush_classifier::decision::DecisionError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Decision {

@@ -81,7 +81,11 @@ impl Error for Refused {
     }
 
     fn invalid_value(found: Unexpected<'_>, allowed: &dyn Expected) -> Self {
-        Refused::value(found, format_args!("a value in the range of {allowed}"))
+        // serde names Rust's types of numbers.
+        match allowed.to_string().as_str() {
+            "usize" | "u64" | "u32" => Refused::value(found, "a whole number from 0"),
+            allowed => Refused::value(found, allowed),
+        }
     }
 
     fn unknown_variant(found: &str, allowed: &'static [&'static str]) -> Self {

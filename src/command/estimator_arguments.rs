@@ -74,7 +74,14 @@ impl EstimatorArguments {
     }
 
     /// How it is fitted.
+    ///
+    /// # Errors
+    /// If an option of hidden Markov models is given for another classifier.
     fn options(&self) -> Result<FitOptions, Failure> {
+        if self.classifier_name() != "hmm" {
+            let reason = "does not apply to this --classifier: it is about hidden Markov models";
+            options::refuse(options::given(&self.recipe), reason)?;
+        }
         let recipe = serde_json::to_value(&self.recipe).and_then(serde_json::from_value);
         let recipe = recipe.map_err(|error| Failure::usage(error.to_string()))?;
         Ok(FitOptions { features: self.features, ..recipe })

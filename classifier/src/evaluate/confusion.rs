@@ -11,6 +11,18 @@ use super::record::Record;
 use crate::decision::Verdict;
 
 /// Counts of true category against verdict.
+///
+/// ```
+/// use underbrush_classifier::evaluate::{ConfusionMatrix, Record};
+///
+/// let categories = ["leaf".to_string(), "trunk".to_string()];
+/// let record = |truth, verdict| Record { truth, verdict, scores: &[], reach: Some(0), weight: 1 };
+/// // Three leaves are called leaf and one trunk uncertain.
+/// let records = [record("leaf", 0), record("leaf", 0), record("leaf", 0), record("trunk", 2)];
+/// let accuracy = ConfusionMatrix::of(records, &categories).accuracy();
+/// let accuracy = accuracy.map(|own| (own.accuracy, own.balanced_accuracy, own.majority_baseline));
+/// assert_eq!(accuracy, Some((0.75, Some(0.5), 0.75)));
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ConfusionMatrix {
     /// True categories, one per row, in alphabetical order.

@@ -24,6 +24,14 @@ pub(super) const BOOTSTRAP_RESAMPLES: usize = 2000;
 const Z: f64 = 1.959_963_984_540_054;
 
 /// Wilson's score interval for `successes` in `trials` independent trials (Wilson 1927, JASA 22); 0 to 1 for no trials.
+///
+/// ```
+/// use underbrush_classifier::evaluate::wilson;
+///
+/// // 9 of 10: the true share may well be two thirds.
+/// let interval = wilson(9, 10);
+/// assert!((interval.low - 0.596).abs() < 1e-3 && (interval.high - 0.982).abs() < 1e-3);
+/// ```
 pub fn wilson(successes: usize, trials: usize) -> Interval {
     if trials == 0 {
         return Interval { low: 0.0, high: 1.0 };

@@ -20,6 +20,14 @@ pub struct RocPoint {
 }
 
 /// The curve from (0, 0) to (1, 1), with one point per distinct score.
+///
+/// ```
+/// use underbrush_classifier::evaluate::RocCurve;
+///
+/// // Three of the four pairs of a positive and a negative are in the right order.
+/// let curve = RocCurve::of(&[2.0, 0.5], &[1.0, 0.0]);
+/// assert_eq!(curve.map(|curve| curve.area), Some(0.75));
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RocCurve {
     /// From the strictest threshold, at which nothing is positive, to the one at which everything is.

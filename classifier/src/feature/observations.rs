@@ -3,6 +3,15 @@
 use super::error::FeatureError;
 
 /// One sequence of observations: a row-major matrix of samples × dimension, finite and never empty.
+///
+/// ```
+/// use underbrush_classifier::feature::Observations;
+///
+/// // Three samples of force and motion.
+/// let observations = Observations::new(2, vec![0.1, 0.0, 0.3, 0.001, 0.4, 0.002])?;
+/// assert_eq!((observations.sample_count(), observations.sample(1)), (3, &[0.3, 0.001][..]));
+/// # Ok::<(), underbrush_classifier::feature::FeatureError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observations {
     dimension: usize,

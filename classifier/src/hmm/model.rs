@@ -38,6 +38,23 @@ pub struct ParameterError {
 const ROW_SUM_TOLERANCE: f64 = 1e-6;
 
 /// A model with checked parameters. To score with it, make a [`super::Scorer`].
+///
+/// ```
+/// use underbrush_classifier::feature::Observations;
+/// use underbrush_classifier::hmm::{GaussianHmm, HmmParameters, ScoreKind, Scorer};
+///
+/// // One state: the log-likelihood is that of independent normal samples.
+/// let model = GaussianHmm::new(HmmParameters {
+///     initial: vec![1.0],
+///     transition: vec![vec![1.0]],
+///     mean: vec![vec![0.0]],
+///     covariance: vec![vec![vec![1.0]]],
+/// })?;
+/// let observations = Observations::new(1, vec![0.0, 1.0])?;
+/// let found = Scorer::from(model).log_probability(ScoreKind::Forward, &observations)?;
+/// assert!((found + std::f64::consts::TAU.ln() + 0.5).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct GaussianHmm {
     pub(super) states: usize,

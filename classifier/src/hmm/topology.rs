@@ -62,6 +62,14 @@ impl Topology {
     /// one (from 15 states).
     ///
     /// Choice: the authors publish ranges for these weights; the values within the ranges and the limit of 15 are ours.
+    ///
+    /// ```
+    /// use underbrush_classifier::hmm::Topology;
+    ///
+    /// // No state goes back, and the last one stays.
+    /// let rows = Topology::LeftToRight.transitions(3);
+    /// assert_eq!((rows[1][0], rows[2][2]), (0.0, 1.0));
+    /// ```
     pub fn transitions(self, states: usize) -> Vec<Vec<f64>> {
         match self {
             Topology::Ergodic => vec![vec![1.0 / states as f64; states]; states],

@@ -28,6 +28,22 @@ const QUATERNION_TOLERANCE: f64 = 2e-3;
 const QUATERNION_ROUNDING: f64 = 1e-9;
 
 /// Reads the lines of one stream.
+///
+/// ```
+/// use underbrush_exchange::live::{LineParser, Message};
+/// use underbrush_recording::{Patch, SkinLayout, Taxel};
+/// use glam::DVec3;
+///
+/// let taxel = Taxel { position_link: DVec3::ZERO, normal_link: DVec3::Z, tangent_link: DVec3::X, area_m2: 1e-4 };
+/// let patch = Patch { name: "sleeve".into(), link: "arm".into(), grid: None, taxels: vec![taxel; 4] };
+/// let mut parser = LineParser::new(SkinLayout { patches: vec![patch] }, None);
+/// let line = r#"{"time_s": 0.01, "taxels": [{"taxel": 2, "sensed_force_n": 0.4}]}"#;
+/// let Ok(Message::Frame(frame)) = parser.parse(1, line) else { panic!("a frame") };
+/// assert_eq!(frame.taxels[0].sensed_force_n, 0.4);
+/// // A fault names its field.
+/// let error = parser.parse(2, r#"{"time_s": 0.02, "taxels": [{"taxel": 9, "sensed_force_n": 1}]}"#).unwrap_err();
+/// assert_eq!(error.field, "taxels[0].taxel");
+/// ```
 #[derive(Clone, Debug)]
 pub struct LineParser {
     layout: SkinLayout,

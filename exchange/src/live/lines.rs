@@ -5,6 +5,16 @@ use std::io::{self, BufRead};
 use super::json::LineError;
 
 /// The lines of a stream with their numbers.
+///
+/// ```
+/// use underbrush_exchange::live::Lines;
+///
+/// let mut lines = Lines::new("short\n\na line that is too long\n".as_bytes(), 10);
+/// assert_eq!(lines.next_line()?, Some((1, Ok("short"))));
+/// // Blank lines are counted and skipped.
+/// assert!(matches!(lines.next_line()?, Some((3, Err(_)))));
+/// # Ok::<(), std::io::Error>(())
+/// ```
 pub struct Lines<R> {
     reader: R,
     max_bytes: usize,

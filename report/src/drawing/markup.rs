@@ -2,6 +2,12 @@
 
 /// Text with the special characters of SVG and HTML as entities. Control characters, which XML does not allow, become
 /// spaces.
+///
+/// ```
+/// use underbrush_report::drawing::escape;
+///
+/// assert_eq!(escape("a < b & c"), "a &lt; b &amp; c");
+/// ```
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for character in text.chars() {

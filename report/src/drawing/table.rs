@@ -85,6 +85,14 @@ impl Cell {
 }
 
 /// A table of things, one in each row, that is filled column by column.
+///
+/// ```
+/// use underbrush_report::drawing::Rows;
+///
+/// let reaches = [("leaf", 0.981), ("trunk", 0.667)];
+/// let table = Rows::of(reaches).column("scene", |own| own.0).percent("goals / %", 1, |own| own.1);
+/// assert!(table.text().contains("98.1"));
+/// ```
 #[derive(Clone, Debug)]
 pub struct Rows<T> {
     things: Vec<T>,

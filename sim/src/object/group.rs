@@ -121,6 +121,29 @@ impl<K: Kind> Specification for Group<K> {
     }
 }
 
+/// A key of a group.
+enum Key<K> {
+    Count,
+    Place,
+    Quantity(usize, PhantomData<K>),
+}
+
+impl<'de, K: Kind> Deserialize<'de> for Key<K> {
+    /// An unknown key is refused here, so that the error is about its line.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let key = String::deserialize(deserializer)?;
+        match (key.as_str(), K::QUANTITIES.iter().position(|declared| declared.name == key)) {
+            ("count", _) => Ok(Key::Count),
+            ("place", _) => Ok(Key::Place),
+            (_, Some(number)) => Ok(Key::Quantity(number, PhantomData)),
+            (_, None) => {
+                let names: String = K::QUANTITIES.iter().map(|declared| format!(", `{}`", declared.name)).collect();
+                Err(D::Error::custom(format!("unknown field `{key}`, expected one of `count`, `place`{names}")))
+            }
+        }
+    }
+}
+
 impl<'de, K: Kind> Deserialize<'de> for Group<K> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct GroupVisitor<K>(PhantomData<K>);
@@ -135,17 +158,11 @@ impl<'de, K: Kind> Deserialize<'de> for Group<K> {
                 let (mut count, mut place) = (None, None);
                 let defaults = K::QUANTITIES.iter().map(|declared| Quantity { draw: declared.default, span: 0..0 });
                 let mut ranges: Vec<Quantity> = defaults.collect();
-                while let Some(key) = map.next_key::<String>()? {
-                    match (key.as_str(), K::QUANTITIES.iter().position(|declared| declared.name == key)) {
-                        ("count", _) => count = Some(map.next_value()?),
-                        ("place", _) => place = Some(map.next_value()?),
-                        (_, Some(number)) => ranges[number] = map.next_value()?,
-                        (_, None) => {
-                            let names = K::QUANTITIES.iter().map(|declared| format!(", `{}`", declared.name));
-                            let names: String = names.collect();
-                            let text = format!("unknown field `{key}`, expected one of `count`, `place`{names}");
-                            return Err(A::Error::custom(text));
-                        }
+                while let Some(key) = map.next_key::<Key<K>>()? {
+                    match key {
+                        Key::Count => count = Some(map.next_value()?),
+                        Key::Place => place = Some(map.next_value()?),
+                        Key::Quantity(number, _) => ranges[number] = map.next_value()?,
                     }
                 }
                 let count = count.ok_or_else(|| A::Error::missing_field("count"))?;

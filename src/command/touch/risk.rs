@@ -9,7 +9,6 @@ use crate::options;
 
 /// Limits on the bad verdicts in new reaches. Options that are not given stay at their defaults.
 #[derive(Args, Clone, Copy, Debug, Default, Serialize)]
-#[serde(rename_all = "kebab-case")]
 pub struct RiskArguments {
     /// Choose the cost of an uncertain verdict so that at most this share of the taxel frames of a new reach is called
     /// another category, on average over reaches. A share of 0.05 needs 19 reaches or more, 0.01 needs 99

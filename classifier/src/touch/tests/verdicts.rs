@@ -22,7 +22,9 @@ fn examples() -> TouchExamples {
 fn too_little_to_fit_to_is_refused() {
     let mut examples = TouchExamples::new(TouchOptions::default());
     examples.add(&reaches()[0]).unwrap();
-    assert!(matches!(examples.fit(), Err(ModelError::Mismatch { found, .. }) if found.starts_with("1 recordings")));
+    assert!(
+        matches!(examples.fit(), Err(ModelError::Mismatch { found, .. }) if found.starts_with("1 reach to fit to"))
+    );
     let mut examples = TouchExamples::new(TouchOptions::default());
     for _ in 0..3 {
         examples.add(&presses(0, STIFFNESS_N_PER_M[0], 0.0, 0.06)).unwrap();
