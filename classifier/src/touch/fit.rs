@@ -35,7 +35,7 @@ impl TouchExamples {
         let trials = self.reaches.len();
         if trials < FOLDS {
             return Err(ModelError::Mismatch {
-                found: format!("{trials} reach to fit to"),
+                found: if trials == 1 { "1 reach to fit to".into() } else { "no reaches to fit to".into() },
                 allowed: format!(
                     "{FOLDS} or more (of {FOLDS} reaches or more, each is held out once to calibrate probabilities); give a \
                      data set, or several recordings"
