@@ -24,7 +24,6 @@ pub(super) struct Chain {
 }
 
 impl Chain {
-    /// The names that a file may use for a link, for error messages.
     /// The names of the last moving link and of the links that are fixed to it.
     pub(super) fn links_at_end(&self) -> String {
         let last = self.links.len() - 1;
@@ -33,6 +32,7 @@ impl Chain {
         names.join(", ")
     }
 
+    /// The names that a file may use for a link, for error messages.
     pub(super) fn known_links(&self) -> String {
         let names: Vec<&str> = self.frames.keys().map(String::as_str).collect();
         format!("a link of the chain: {}", names.join(", "))
