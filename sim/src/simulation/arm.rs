@@ -196,17 +196,19 @@ impl ArmBodies {
 }
 
 /// The frame of a link's principal inertia in the link's frame, with its origin at the centre of mass, and the principal
-/// moments, kg m².
+/// moments, kg m². The smallest comes first: where the engine takes them for equal (see
+/// [`super::mechanism::Mechanism`]), it gives the first axis the smallest and then finds the others.
 fn principal_inertia(link: &Link) -> (Pose, DVec3) {
     let inertia = Matrix3::from_column_slice(&link.inertia_link.to_cols_array());
-    let SymmetricEigen { eigenvalues, mut eigenvectors } = SymmetricEigen::new(inertia);
+    let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(inertia);
+    let mut order = [0, 1, 2];
+    order.sort_by(|first, second| eigenvalues[*first].total_cmp(&eigenvalues[*second]));
+    let [first, second, third] = order.map(|own| DVec3::from_slice(eigenvectors.column(own).as_slice()));
     // The axes must be right-handed.
-    if eigenvectors.determinant() < 0.0 {
-        eigenvectors.column_mut(2).neg_mut();
-    }
-    let axes = DMat3::from_cols_slice(eigenvectors.as_slice());
+    let third = if first.cross(second).dot(third) < 0.0 { -third } else { third };
+    let axes = DMat3::from_cols(first, second, third);
     let frame = Pose::from_parts(link.center_of_mass_link, DQuat::from_mat3(&axes).normalize());
-    (frame, DVec3::from_slice(eigenvalues.as_slice()).max(DVec3::ZERO))
+    (frame, DVec3::from_array(order.map(|own| eigenvalues[own])).max(DVec3::ZERO))
 }
 
 #[cfg(test)]

@@ -54,14 +54,22 @@ fn engine_has_the_same_poses_and_jacobians() {
 
 #[test]
 fn engine_has_the_same_inertia() {
-    // Tests mass, centre of mass and the whole inertia tensor of every link through the engine's principal axes.
-    let arm = Arm::cody().unwrap();
-    let (engine, bodies) = inserted(&arm, &arm.start_posture_rad());
-    for ((handle, frame), link) in bodies.links.iter().zip(&bodies.inertia_frames).zip(&arm.links).skip(1) {
-        let properties = engine.bodies[*handle].mass_properties().local_mprops.transform_by(frame);
-        assert!((properties.mass() - link.mass_kg).abs() < 1e-12);
-        assert!(properties.local_com.distance(link.center_of_mass_link) < 1e-15);
-        assert!(properties.reconstruct_inertia_matrix().abs_diff_eq(link.inertia_link, 1e-12), "{}", link.name);
+    // Tests mass, centre of mass and the whole inertia tensor of every link through the engine's principal axes, also of
+    // an arm that is ten thousand times as light.
+    for scale in [1.0, 1e-4] {
+        let mut arm = Arm::cody().unwrap();
+        for link in &mut arm.links {
+            link.mass_kg *= scale;
+            link.inertia_link *= scale;
+        }
+        let (engine, bodies) = inserted(&arm, &arm.start_posture_rad());
+        for ((handle, frame), link) in bodies.links.iter().zip(&bodies.inertia_frames).zip(&arm.links).skip(1) {
+            let properties = engine.bodies[*handle].mass_properties().local_mprops.transform_by(frame);
+            assert!((properties.mass() - link.mass_kg).abs() < 1e-12 * scale);
+            assert!(properties.local_com.distance(link.center_of_mass_link) < 1e-15);
+            let found = properties.reconstruct_inertia_matrix();
+            assert!(found.abs_diff_eq(link.inertia_link, 1e-12 * scale), "{}, {scale}: {found}", link.name);
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod foam_block;
 mod foam_roll;
+mod inertia;
 mod leaf;
 mod water_bottle;
 
