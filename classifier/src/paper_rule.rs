@@ -52,7 +52,7 @@ impl<'a> Scores<'a> {
         }
     }
 
-    /// The decision by this rule, or else by the model's own, with the model's own priors.
+    /// The decision with this rule and the model's priors. Without a rule, it is the model's own decision.
     ///
     /// # Errors
     /// [`DecisionError::NotItsOwn`] if no rule is given, and the model's own does not apply to these scores.

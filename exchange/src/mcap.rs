@@ -34,7 +34,7 @@ impl From<McapError> for Fault {
     }
 }
 
-/// Hands the records of a file to `each`, in their order, with those in chunks. A file must end as MCAP does, and its
+/// Passes all records of a file to `each` in their order, also those in chunks. A file must end as MCAP does, and its
 /// checksums must match.
 pub(crate) fn read<E: From<Fault>>(
     mut file: impl Read,

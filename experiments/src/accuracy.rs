@@ -50,7 +50,7 @@ pub struct Figures<T> {
 }
 
 impl<T> Figures<T> {
-    /// What `summary` makes of each figure of several accuracies.
+    /// Applies `summary` to each figure of several accuracies.
     pub fn over<A>(all: &[&A], of: fn(&A) -> [f64; 3], summary: impl Fn(&[f64]) -> T) -> Self {
         let [accuracy, balanced_accuracy, majority_baseline] =
             [0, 1, 2].map(|figure| summary(&all.iter().map(|own| of(own)[figure]).collect::<Vec<_>>()));

@@ -81,7 +81,7 @@ pub fn require_same_reaches(made: &Dataset, source: &Dataset) -> Result<(), Expe
 }
 
 impl Campaign {
-    /// So many reaches of each of these scenes, with the scenes' own arms and controllers.
+    /// This many reaches of each of these scenes, with the scenes' own arms and controllers.
     ///
     /// # Errors
     /// [`ExperimentError::Request`] if two scenes have the same name.
@@ -91,15 +91,7 @@ impl Campaign {
             let text = "give scenes with names of their own, or rename one file";
             return Err(ExperimentError::Request(format!("two scenes are called {}; {text}", second.name)));
         }
-        Ok(Campaign {
-            scenes: scenes.into_iter().map(|scene| (scene, reaches)).collect(),
-            arms: BTreeMap::new(),
-            seed,
-            controller: None,
-            own_controller: None,
-            verdicts: None,
-            shard: None,
-        })
+        Ok(Campaign { scenes: scenes.into_iter().map(|scene| (scene, reaches)).collect(), seed, ..Campaign::default() })
     }
 
     /// The campaign that made a data set, reconstructed from the set alone. If its controller had verdicts, the touch
@@ -147,7 +139,7 @@ impl Campaign {
         Ok(campaign)
     }
 
-    /// Runs the campaign and returns what `make` makes of each recording, in the order of the reaches. Nothing is written.
+    /// Runs the campaign and returns the result of `make` for each recording, in the order of the reaches. Nothing is written.
     pub fn each<T: Send, E: std::error::Error + Send + 'static>(
         &self,
         progress: &dyn Progress,
@@ -319,7 +311,7 @@ pub fn reach_plan(
     }
 }
 
-/// Runs some reaches, several at a time, and returns what `make` makes of each job and its recording, in their order.
+/// Runs reaches in parallel, and returns the result of `make` for each job and its recording, in the order of the jobs.
 pub fn each_reach<T: Send, E: std::error::Error + Send + 'static>(
     plans: &[ReachPlan],
     jobs: &[Job],

@@ -42,7 +42,7 @@ impl Failure {
         InputError::new("argument", name, found, allowed, remedy).into()
     }
 
-    /// The refusal of a list that has not one entry for each of some things.
+    /// Refuses a list that does not have one entry for each thing.
     ///
     /// # Errors
     /// [`Failure::Input`] if the numbers differ.

@@ -43,7 +43,7 @@ impl Options {
         Scores::of_recipe(self.recipe.as_ref())
     }
 
-    /// The first given option that models which are trained further keep.
+    /// The first option that was given although start models keep their own.
     fn kept(&self) -> Option<String> {
         let training = ["score", "iterations", "tolerance", "variance_floor"];
         let other = (self.recipe.is_none()).then(|| "classifier".to_owned());

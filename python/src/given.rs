@@ -41,7 +41,7 @@ pub fn dictionary<T: DeserializeOwned>(dict: &Bound<'_, PyDict>) -> Result<T, Re
 pub enum Refused {
     /// It has another type than is needed.
     Type(String),
-    /// What is not allowed in the entry with this name, or as the name of an entry if that is empty.
+    /// The value of the entry with this name is not allowed. If the name is empty, there is no such entry.
     Value { entry: String, found: String, allowed: String },
 }
 
@@ -132,7 +132,7 @@ impl<'de> Deserializer<'de> for Given<'_> {
         } else if let Ok(text) = object.extract() {
             visitor.visit_string(text)
         } else if let Ok(flag) = object.extract() {
-            // A truth value is also a number in Python, and a number is no list.
+            // Truth values come first, because they are also numbers in Python.
             visitor.visit_bool(flag)
         } else if let Ok(number) = object.extract() {
             visitor.visit_i64(number)

@@ -48,7 +48,7 @@ pub(super) trait Baseline:
     /// What a file holds.
     fn parameters(learned: &Self::Learned) -> Self::Parameters;
 
-    /// Checks and takes over what a file holds, for this many categories.
+    /// Checks and applies what a file holds, for this many categories.
     fn learned(&self, parameters: Self::Parameters, categories: usize) -> Result<Self::Learned, Fault>;
 
     /// A contact without samples.

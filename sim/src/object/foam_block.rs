@@ -54,9 +54,10 @@ impl Kind for FoamBlock {
     const STANDS_ON: StandsOn = StandsOn::Table;
 
     fn draw(group: &Group<Self>, random: &mut ChaCha8Rng, _: &Footing) -> Result<Self, DrawError> {
-        let height_m = group.draw_nth(0, random)?;
-        let wet = random.next_u32() as f64 / 2f64.powi(32) < group.draw_nth(1, random)?;
-        Ok(FoamBlock { height_m, wet, modulus_pa: group.draw_nth(if wet { 3 } else { 2 }, random)? })
+        let height_m = group.draw_quantity("height_m", random)?;
+        let wet = random.next_u32() as f64 / 2f64.powi(32) < group.draw_quantity("wet_share", random)?;
+        let modulus = if wet { "wet_modulus_pa" } else { "dry_modulus_pa" };
+        Ok(FoamBlock { height_m, wet, modulus_pa: group.draw_quantity(modulus, random)? })
     }
 }
 

@@ -76,21 +76,28 @@ pub struct Group<K> {
 }
 
 impl<K: Kind> Group<K> {
-    /// Draws the quantity with this number among the declarations.
+    /// The range of the quantity with this name, and its physical limits.
+    fn range(&self, name: &str) -> (&Quantity, (f64, f64)) {
+        let mut declared = K::QUANTITIES.iter().zip(&self.ranges);
+        let found = declared.find(|(declared, _)| declared.name == name);
+        let (declared, range) = found.expect("a kind asks only for quantities that it declares");
+        (range, declared.limits)
+    }
+
+    /// Draws the quantity with this name.
     ///
     /// # Errors
     /// If its range holds (almost) no physical values.
-    pub fn draw_nth(&self, number: usize, random: &mut ChaCha8Rng) -> Result<f64, DrawError> {
-        self.ranges[number].draw(random, K::QUANTITIES[number].limits)
+    pub fn draw_quantity(&self, name: &str, random: &mut ChaCha8Rng) -> Result<f64, DrawError> {
+        let (range, limits) = self.range(name);
+        range.draw(random, limits)
     }
 
-    /// The error for a group of which (almost) no object is possible: this quantity has to be within these limits,
-    /// each that of its declaration if not given.
+    /// The error for a group of which (almost) no object is possible: this quantity has to be within these limits. A limit
+    /// that is not given is that of its declaration.
     pub fn refusal(&self, name: &str, low: Option<f64>, high: Option<f64>) -> DrawError {
-        let declared = K::QUANTITIES.iter().zip(&self.ranges).find(|(declared, _)| declared.name == name);
-        let (draw, limits) = declared
-            .map_or((Draw::Fixed(f64::NAN), (f64::NAN, f64::NAN)), |(declared, range)| (range.draw, declared.limits));
-        DrawError { draw, low: low.unwrap_or(limits.0), high: high.unwrap_or(limits.1) }
+        let (range, limits) = self.range(name);
+        DrawError { draw: range.draw, low: low.unwrap_or(limits.0), high: high.unwrap_or(limits.1) }
     }
 }
 
@@ -225,9 +232,7 @@ macro_rules! quantities {
                 group: &$crate::object::group::Group<K>,
                 random: &mut rand_chacha::ChaCha8Rng,
             ) -> Result<Self, $crate::range::DrawError> {
-                let mut numbers = 0..;
-                let mut next = || group.draw_nth(numbers.next().unwrap_or_default(), random);
-                Ok($drawn { $($name: next()?),+ })
+                Ok($drawn { $($name: group.draw_quantity(stringify!($name), random)?),+ })
             }
 
             /// The values by name.

@@ -16,8 +16,8 @@ use crate::range::{Draw, DrawError, draw_possible};
 quantities! {
     /// One trunk.
     pub struct Trunk {
-        // Choice: stems of artificial trees, and the pipes used in their place, are 2 to 4 cm thick. The limits are those
-        // of a twig and a tree trunk.
+        // Choice: stems of artificial trees, and the pipes used in their place, are 2 to 4 cm thick. Limits: from a twig
+        // to a tree trunk.
         /// Diameter, m.
         diameter_m: Draw::Uniform(0.02, 0.04), 0.005, 0.3;
         // Choice: as high over the table as the tallest leaves, so that the arm meets both at the same heights. The arm

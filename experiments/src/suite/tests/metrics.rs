@@ -56,16 +56,7 @@ fn reach() -> Recording {
                 reading(2, Some(1), 4.0),
                 reading(3, None, 9.0),
             ],
-            time_s: 0.0,
-            joint_angle_rad: Vec::new(),
-            joint_velocity_rad_per_s: Vec::new(),
-            equilibrium_angle_rad: Vec::new(),
-            joint_torque_nm: Vec::new(),
-            end_effector_pose_world: Pose::IDENTITY,
-            goal_position_world: Pose::IDENTITY.position,
-            goal_index: 0,
-            patch_pose_world: Vec::new(),
-            contact_force_world: Vec::new(),
+            ..Frame::blank(0)
         }],
         audit: Audit { energy_residual: 0.005, largest_contact_residual: 5e-6, ..Audit::default() },
     }
