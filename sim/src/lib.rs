@@ -6,6 +6,7 @@
 //! | one draw of the scene from a seed | [`clutter`], [`object`], [`seed`] |
 //! | the arm and its skin, from files | [`arm`] |
 //! | arm and clutter in the physics engine: equilibrium angles in, one report of the frame out | [`simulation`] |
+//! | how arm and objects move: joint trees and their contacts | [`dynamics`], [`contact`] |
 //! | contacts spread over taxels, and the sensor's readings | [`skin`], [`sensor`] |
 //! | equilibrium angles from the sensed forces | [`controller`] |
 //! | the loop of one reach, and many reaches | [`reach`], [`campaign`] |
@@ -21,6 +22,7 @@ pub mod clutter;
 pub mod contact;
 mod contact_log;
 pub mod controller;
+pub mod dynamics;
 pub mod environment;
 mod fault;
 mod friction_cone;

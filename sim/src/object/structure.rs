@@ -38,7 +38,8 @@ pub struct Joint {
     pub parent: usize,
     /// Origin of the joint frame and of the child's frame at rest, m, in the parent's frame. All have parallel axes.
     pub origin_parent: DVec3,
-    /// The free axes; all others are locked. The engine has no joint with two free rotations: stack two joints instead.
+    /// The free axes, translations first; all others are locked. Of the rotations, one or all three may be free: stack two
+    /// joints for two.
     pub free_axes: Vec<(Axis, Spring)>,
 }
 
@@ -72,6 +73,20 @@ pub enum Axis {
     RotationY,
     /// Rotation about z.
     RotationZ,
+}
+
+impl Axis {
+    /// Unit vector in the frame of the joint, and whether this is a rotation about it.
+    pub fn direction(self) -> (DVec3, bool) {
+        match self {
+            Axis::TranslationX => (DVec3::X, false),
+            Axis::TranslationY => (DVec3::Y, false),
+            Axis::TranslationZ => (DVec3::Z, false),
+            Axis::RotationX => (DVec3::X, true),
+            Axis::RotationY => (DVec3::Y, true),
+            Axis::RotationZ => (DVec3::Z, true),
+        }
+    }
 }
 
 /// Spring and damper on one degree of freedom, unloaded at rest.

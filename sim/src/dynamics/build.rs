@@ -1,0 +1,166 @@
+//! Trees of arms and objects.
+
+use glam::{DMat3, DQuat, DVec3};
+use underbrush_recording::Pose;
+
+use super::{Coordinate, EndStop, Link, Scratch, Tree};
+use crate::arm::Arm;
+use crate::object::structure::{self, Spring, Structure};
+
+/// Angle by which an end stop gives way under the largest torque of the joint's actuator, rad: 2°, as rubber stops do.
+const STOP_GIVE_RAD: f64 = 0.035;
+/// Loss time of the stops, s. Choice: about critical damping for a joint of Cody's shoulder, whose inertia of about
+/// 0.3 kg m² and stop of 2 kNm/rad oscillate with 13 Hz.
+const STOP_LOSS_TIME_S: f64 = 0.02;
+
+/// A free axis of a joint.
+#[derive(Clone, Copy, Debug)]
+pub struct Axis {
+    /// Unit vector in the frame of the joint.
+    pub axis_joint: DVec3,
+    /// Whether it is a rotation.
+    pub turns: bool,
+    /// Its spring, damper and armature.
+    pub spring: Spring,
+    /// Its end stop.
+    pub stop: Option<EndStop>,
+}
+
+/// A link to be added to a tree.
+#[derive(Clone, Copy, Debug)]
+pub struct LinkOptions {
+    /// The link that carries it.
+    pub parent: usize,
+    /// Pose of the joint's frame in the frame of the parent. The link's own frame is there while the joint is at 0.
+    pub joint_parent: Pose,
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Centre of mass, m, frame of the link.
+    pub center_of_mass_link: DVec3,
+    /// Inertia about the centre of mass, kg m², axes of the link's frame.
+    pub inertia_link: DMat3,
+}
+
+impl Tree {
+    /// A tree of nothing but the ground, at this pose. Gravity acts on what is added if it `weighs`.
+    pub fn new(ground_world: Pose, weighs: bool) -> Self {
+        let ground = Link {
+            parent: 0,
+            joint_parent: Pose::IDENTITY,
+            mass_kg: 0.0,
+            center_of_mass_link: DVec3::ZERO,
+            inertia_link: DMat3::ZERO,
+            pose_world: ground_world,
+            coordinates: (0, 0),
+            last: None,
+            several_turns: false,
+            turn: DQuat::IDENTITY,
+        };
+        Tree { links: vec![ground], coordinates: Vec::new(), weighs, pushes: Vec::new(), scratch: Scratch::default() }
+    }
+
+    /// Adds a link on a joint with these axes, of which one or three may be rotations, and returns its index. All
+    /// translations come before the rotations.
+    pub fn add(&mut self, link: LinkOptions, axes: impl IntoIterator<Item = Axis>) -> usize {
+        let (index, first) = (self.links.len(), self.coordinates.len());
+        let mut last = self.links[link.parent].last;
+        for Axis { axis_joint, turns, spring, stop } in axes {
+            self.coordinates.push(Coordinate {
+                link: index,
+                turns,
+                axis_joint,
+                spring,
+                rest: 0.0,
+                stop,
+                position: 0.0,
+                velocity: 0.0,
+                dashpot: 0.0,
+                before: last,
+                axis_world: axis_joint,
+            });
+            last = Some(self.coordinates.len() - 1);
+        }
+        let LinkOptions { parent, joint_parent, mass_kg, center_of_mass_link, inertia_link } = link;
+        self.links.push(Link {
+            parent,
+            joint_parent,
+            mass_kg,
+            center_of_mass_link,
+            inertia_link,
+            pose_world: Pose::IDENTITY,
+            coordinates: (first, self.coordinates.len()),
+            last,
+            several_turns: false,
+            turn: DQuat::IDENTITY,
+        });
+        let link = &mut self.links[index];
+        link.several_turns = self.coordinates[first..].iter().filter(|own| own.turns).count() > 1;
+        self.pushes.resize(self.coordinates.len(), 0.0);
+        self.place();
+        index
+    }
+
+    /// An object with its foot at this pose.
+    pub fn of_structure(structure: &Structure, foot_world: Pose) -> Self {
+        let mut tree = Tree::new(foot_world, true);
+        // The links of a tree have the order of the bodies. A body without a joint is one more link that cannot move.
+        for body in structure.bodies.iter().skip(1) {
+            let inertia = body.inertia;
+            let joint = body.joint.as_ref();
+            let link = LinkOptions {
+                parent: joint.map_or(0, |joint| joint.parent),
+                joint_parent: Pose::from_position(joint.map_or(DVec3::ZERO, |joint| joint.origin_parent)),
+                mass_kg: inertia.mass_kg,
+                center_of_mass_link: inertia.center_of_mass_body,
+                inertia_link: DMat3::from_diagonal(inertia.principal_kg_m2),
+            };
+            let axes = joint.into_iter().flat_map(|joint| &joint.free_axes);
+            tree.add(link, axes.map(|(axis, spring)| Axis::of_structure(*axis, *spring)));
+        }
+        tree
+    }
+
+    /// An arm at rest in a posture, rad, with its equilibrium angles there. Its base frame is the world frame. Gravity does
+    /// not act on it, because the robot compensates gravity.
+    pub fn of_arm(arm: &Arm, posture_rad: &[f64]) -> Self {
+        let mut tree = Tree::new(Pose::IDENTITY, false);
+        for (index, (joint, link)) in arm.joints.iter().zip(&arm.links[1..]).enumerate() {
+            let is_limited = joint.limits_rad.iter().all(|limit| limit.is_finite());
+            let axis = Axis {
+                axis_joint: joint.axis_child,
+                turns: true,
+                spring: Spring {
+                    stiffness: joint.stiffness_nm_per_rad,
+                    damping: joint.damping_nm_s_per_rad,
+                    armature: joint.armature_kg_m2,
+                    maxwell: None,
+                },
+                stop: is_limited.then_some(EndStop {
+                    limits_rad: joint.limits_rad,
+                    stiffness_nm_per_rad: joint.torque_limit_nm / STOP_GIVE_RAD,
+                    loss_time_s: STOP_LOSS_TIME_S,
+                }),
+            };
+            let link = LinkOptions {
+                parent: index,
+                joint_parent: joint.origin_parent,
+                mass_kg: link.mass_kg,
+                center_of_mass_link: link.center_of_mass_link,
+                inertia_link: link.inertia_link,
+            };
+            tree.add(link, [axis]);
+        }
+        for (coordinate, angle) in tree.coordinates.iter_mut().zip(posture_rad) {
+            (coordinate.position, coordinate.rest) = (*angle, *angle);
+        }
+        tree.place();
+        tree
+    }
+}
+
+impl Axis {
+    fn of_structure(axis: structure::Axis, spring: Spring) -> Self {
+        let (axis_joint, turns) = axis.direction();
+        Axis { axis_joint, turns, spring, stop: None }
+    }
+}

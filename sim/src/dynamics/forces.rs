@@ -1,0 +1,126 @@
+//! The free step: mass matrix, forces, and the velocities that follow.
+
+use glam::{DMat3, DVec3};
+use underbrush_recording::math;
+
+use super::spatial::{Inertia, Spatial};
+use super::{Coordinate, Scratch, Tree};
+
+impl Coordinate {
+    /// Stiffness of the spring with its relaxing branch, and the force of both, N/m and N or Nm/rad and Nm.
+    fn spring(&self) -> (f64, f64) {
+        let own = self.spring.stiffness * (self.rest - self.position);
+        match self.spring.maxwell {
+            None => (self.spring.stiffness, own),
+            Some(branch) => {
+                (self.spring.stiffness + branch.stiffness, own + branch.stiffness * (self.dashpot - self.position))
+            }
+        }
+    }
+
+    /// Relaxes the branch over a step: exact for a displacement z that is constant over it, dz/dt = (x − z)/τ.
+    fn relax(&mut self, step_s: f64) {
+        if let Some(branch) = self.spring.maxwell {
+            let share = -math::exp_m1(-step_s / branch.relaxation_time_s);
+            self.dashpot += (self.position - self.dashpot) * share;
+        }
+    }
+}
+
+impl Tree {
+    /// Finds the velocities at the end of a step of `step_s` if nothing touches the tree ([`Tree::next`]), and its mass
+    /// matrix. Gravity, m/s², acts downwards. What was pushed until now acts in this step.
+    pub fn prepare(&mut self, step_s: f64, gravity_m_per_s2: f64) {
+        self.coordinates.iter_mut().for_each(|coordinate| coordinate.relax(step_s));
+        self.sum_forces(if self.weighs { gravity_m_per_s2 } else { 0.0 });
+        self.sum_masses(step_s);
+        self.factorize();
+        let mut next = std::mem::take(&mut self.scratch.next);
+        self.solve(&mut next);
+        for (next, coordinate) in next.iter_mut().zip(&self.coordinates) {
+            *next = coordinate.velocity + step_s * *next;
+        }
+        self.scratch.next = next;
+        self.pushes.fill(0.0);
+    }
+
+    /// Velocities and bias accelerations of the links, and the forces that these need.
+    fn sum_forces(&mut self, gravity_m_per_s2: f64) {
+        let Scratch { axes, velocities, accelerations, forces, inertias, .. } = &mut self.scratch;
+        // Moments are about the first link that moves.
+        let about = self.links.get(1).map_or(DVec3::ZERO, |link| link.pose_world.position);
+        axes.clear();
+        velocities.clear();
+        accelerations.clear();
+        forces.clear();
+        inertias.clear();
+        for (index, link) in self.links.iter().enumerate() {
+            let (mut velocity, mut acceleration) = if index == 0 {
+                (Spatial::default(), Spatial::default())
+            } else {
+                (velocities[link.parent], accelerations[link.parent])
+            };
+            let carried = velocity;
+            let point = link.pose_world.position - about;
+            // The velocity of the joint's point, which prismatic coordinates move.
+            let mut at_point = carried.linear + carried.angular.cross(point);
+            for coordinate in &self.coordinates[link.coordinates.0..link.coordinates.1] {
+                let Coordinate { axis_world: axis, velocity: speed, turns, .. } = *coordinate;
+                // The axis turns with the parent.
+                let turned = carried.angular.cross(axis);
+                let (unit, change) = if turns {
+                    let unit = Spatial { angular: axis, linear: point.cross(axis) };
+                    (unit, Spatial { angular: turned, linear: at_point.cross(axis) + point.cross(turned) })
+                } else {
+                    at_point += axis * speed;
+                    (Spatial { angular: DVec3::ZERO, linear: axis }, Spatial { angular: DVec3::ZERO, linear: turned })
+                };
+                velocity.add_scaled(&unit, speed);
+                acceleration.add_scaled(&change, speed);
+                axes.push(unit);
+            }
+            let center = link.pose_world.transform_point(link.center_of_mass_link) - about;
+            let rotation = DMat3::from_quat(link.pose_world.orientation);
+            let inertia = rotation * link.inertia_link * rotation.transpose();
+            let Spatial { angular, linear } = velocity;
+            let of_center = acceleration.linear
+                + acceleration.angular.cross(center)
+                + angular.cross(linear + angular.cross(center));
+            let force = (of_center + DVec3::Z * gravity_m_per_s2) * link.mass_kg;
+            let spin = inertia * acceleration.angular + angular.cross(inertia * angular);
+            forces.push(Spatial { angular: center.cross(force) + spin, linear: force });
+            inertias.push(Inertia::new(link.mass_kg, center, inertia));
+            velocities.push(velocity);
+            accelerations.push(acceleration);
+        }
+    }
+
+    /// The mass matrix of the step, and the generalized forces in place of the velocities at its end.
+    fn sum_masses(&mut self, step_s: f64) {
+        let size = self.coordinates.len();
+        let Scratch { axes, forces, inertias, mass, next, .. } = &mut self.scratch;
+        mass.clear();
+        mass.resize(size * size, 0.0);
+        next.clear();
+        next.resize(size, 0.0);
+        for (index, link) in self.links.iter().enumerate().skip(1).rev() {
+            for at in link.coordinates.0..link.coordinates.1 {
+                let coordinate = &self.coordinates[at];
+                let (stiffness, spring) = coordinate.spring();
+                let momentum = inertias[index].times(&axes[at]);
+                let columns = std::iter::successors(Some(at), |at| self.coordinates[*at].before);
+                for column in columns {
+                    mass[at * size + column] = axes[column].dot(&momentum);
+                }
+                let damping = coordinate.spring.damping;
+                mass[at * size + at] += coordinate.spring.armature + step_s * (damping + step_s * stiffness);
+                next[at] = self.pushes[at] + spring
+                    - axes[at].dot(&forces[index])
+                    - (step_s * stiffness + damping) * coordinate.velocity;
+            }
+            let (force, inertia) = (forces[index], inertias[index]);
+            forces[link.parent].add(&force);
+            inertias[link.parent].add(&inertia);
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! Articulated bodies in generalized coordinates: the arm, and every object that moves.
+//!
+//! A [`Tree`] is a tree of rigid links on revolute, prismatic and free joints with springs, dampers and armatures. It is
+//! made from an arm or from an object's [`crate::object::structure::Structure`]. A step has three parts:
+//!
+//! 1. [`Tree::prepare`] finds the velocities at the end of the step if nothing touches the tree, and the mass matrix of
+//!    the step, which includes springs and dampers (implicit Euler).
+//! 2. Contacts may change these velocities ([`crate::contact::solver`]).
+//! 3. [`Tree::advance`] moves the tree with them.
+//!
+//! The equations are those of Featherstone, *Rigid Body Dynamics Algorithms* (2008): recursive Newton-Euler (table 5.1),
+//! composite rigid bodies (table 6.2), and the factorization LᵀL that keeps the sparsity of a tree (table 6.3). All
+//! vectors are in the axes of the world, and moments are about one point near the tree.
+
+use glam::{DMat3, DQuat, DVec3};
+use serde::{Deserialize, Serialize};
+use underbrush_recording::Pose;
+
+use crate::object::structure::Spring;
+use spatial::Spatial;
+
+mod build;
+mod energy;
+mod factor;
+mod forces;
+mod motion;
+mod spatial;
+#[cfg(test)]
+mod tests;
+
+pub use build::{Axis, LinkOptions};
+
+/// An end stop of a degree of freedom, on both sides.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EndStop {
+    /// Lower and upper limit, rad.
+    pub limits_rad: [f64; 2],
+    /// Stiffness, Nm/rad.
+    pub stiffness_nm_per_rad: f64,
+    /// Loss time, s.
+    pub loss_time_s: f64,
+}
+
+/// A degree of freedom: a displacement along or about an axis.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Coordinate {
+    /// The link that it moves.
+    pub link: usize,
+    /// Whether it is a rotation.
+    pub turns: bool,
+    /// Unit axis in the frame of the joint.
+    pub axis_joint: DVec3,
+    /// Its spring, damper and armature.
+    pub spring: Spring,
+    /// Where the spring is at rest, m or rad.
+    pub rest: f64,
+    /// Its end stop.
+    pub stop: Option<EndStop>,
+    /// Displacement, m or rad. Of a joint with three rotations it is the integral of the velocity.
+    pub position: f64,
+    /// Velocity, m/s or rad/s.
+    pub velocity: f64,
+    /// Displacement of the dashpot of the relaxing branch, m or rad.
+    pub dashpot: f64,
+    /// The coordinate before it on the way from the root.
+    before: Option<usize>,
+    /// Unit axis in the world frame.
+    axis_world: DVec3,
+}
+
+/// A rigid body of a tree.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Link {
+    /// The link that carries it; the ground carries itself.
+    pub parent: usize,
+    /// Pose of the joint's frame in the frame of the parent.
+    pub joint_parent: Pose,
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Centre of mass, m, frame of the link.
+    pub center_of_mass_link: DVec3,
+    /// Inertia about the centre of mass, kg m², axes of the link's frame.
+    pub inertia_link: DMat3,
+    /// Pose in the world frame.
+    pub pose_world: Pose,
+    /// Its first coordinate, and the one after its last.
+    coordinates: (usize, usize),
+    /// The last coordinate that moves it: its own, or one of a link nearer to the root.
+    last: Option<usize>,
+    /// Whether its joint has three rotations, and the rotation of such a joint.
+    several_turns: bool,
+    turn: DQuat,
+}
+
+/// A tree of links. Link 0 is the ground, which does not move.
+///
+/// ```
+/// use glam::DVec3;
+/// use underbrush_recording::Pose;
+/// use underbrush_sim::dynamics::Tree;
+/// use underbrush_sim::object::Object;
+/// use underbrush_sim::object::foam_block::FoamBlock;
+///
+/// // The top of a foam block is pressed with 1 N for 10 s, until its foam has relaxed.
+/// let block = FoamBlock { height_m: 0.08, wet: true, modulus_pa: 5.0e4 };
+/// let mut tree = Tree::of_structure(&block.structure(), Pose::IDENTITY);
+/// for _ in 0..2000 {
+///     let top = tree.links()[1].pose_world.position;
+///     tree.push(1, DVec3::Z * -1.0, top, DVec3::ZERO);
+///     tree.prepare(0.005, 0.0);
+///     tree.advance(0.005);
+/// }
+/// let spring = tree.coordinates()[0].spring;
+/// assert!((tree.coordinates()[0].position * spring.stiffness + 1.0).abs() < 1e-3);
+/// ```
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Tree {
+    links: Vec<Link>,
+    coordinates: Vec<Coordinate>,
+    /// Whether gravity acts on it.
+    weighs: bool,
+    /// Generalized forces of the next step, N or Nm.
+    pushes: Vec<f64>,
+    #[serde(skip)]
+    scratch: Scratch,
+}
+
+/// What a step computes. It is made anew in each step.
+#[derive(Clone, Debug, Default)]
+struct Scratch {
+    /// Motions of the links' coordinates per unit of velocity, in the order of the coordinates.
+    axes: Vec<Spatial>,
+    /// Velocities and bias accelerations of the links.
+    velocities: Vec<Spatial>,
+    accelerations: Vec<Spatial>,
+    /// Bias forces and inertias of the links, later of all that they carry.
+    forces: Vec<Spatial>,
+    inertias: Vec<spatial::Inertia>,
+    /// The mass matrix of the step: the lower triangle by rows.
+    mass: Vec<f64>,
+    factor: Vec<f64>,
+    /// The velocities at the end of the step.
+    next: Vec<f64>,
+}
+
+impl Tree {
+    /// The links, the ground first.
+    pub fn links(&self) -> &[Link] {
+        &self.links
+    }
+
+    /// The degrees of freedom, from the ground on.
+    pub fn coordinates(&self) -> &[Coordinate] {
+        &self.coordinates
+    }
+
+    /// The degrees of freedom, to set springs. After positions are set, call [`Tree::place`].
+    pub fn coordinates_mut(&mut self) -> &mut [Coordinate] {
+        &mut self.coordinates
+    }
+
+    /// The degrees of freedom of the joint that carries a link.
+    pub fn coordinates_of(&self, link: usize) -> &[Coordinate] {
+        let (first, end) = self.links[link].coordinates;
+        &self.coordinates[first..end]
+    }
+
+    /// Index of the first of these.
+    pub fn first_coordinate(&self, link: usize) -> usize {
+        self.links[link].coordinates.0
+    }
+
+    /// Whether a link can move.
+    pub fn moves(&self, link: usize) -> bool {
+        self.links[link].last.is_some()
+    }
+
+    /// Whether gravity acts on it.
+    pub fn weighs(&self) -> bool {
+        self.weighs
+    }
+
+    /// The velocities at the end of the step that was prepared, one for each coordinate.
+    pub fn next(&self) -> &[f64] {
+        &self.scratch.next
+    }
+
+    /// Changes the velocities at the end of the step.
+    pub fn next_mut(&mut self) -> &mut [f64] {
+        &mut self.scratch.next
+    }
+
+    /// An entry of the mass matrix of the step: M + Δt D + Δt² K, kg m² or kg.
+    pub fn mass(&self, row: usize, column: usize) -> f64 {
+        let (row, column) = (row.max(column), row.min(column));
+        self.scratch.mass[row * self.coordinates.len() + column]
+    }
+
+    /// The coordinates that move a link, from its own towards the ground, each with the velocity of the point of the link
+    /// at `point_world` and the angular velocity per unit of the coordinate's velocity, world frame.
+    pub fn motions(&self, link: usize, point_world: DVec3) -> impl Iterator<Item = (usize, [DVec3; 2])> + '_ {
+        let ancestors = std::iter::successors(self.links[link].last, |at| self.coordinates[*at].before);
+        ancestors.map(move |at| {
+            let Coordinate { link, turns, axis_world, .. } = self.coordinates[at];
+            let motion = match turns {
+                true => [axis_world.cross(point_world - self.links[link].pose_world.position), axis_world],
+                false => [axis_world, DVec3::ZERO],
+            };
+            (at, motion)
+        })
+    }
+
+    /// Velocity of the point of a link at `point_world`, m/s, and angular velocity, rad/s, world frame, at the velocities
+    /// that `velocity` returns for the coordinates.
+    pub fn velocity_at(&self, link: usize, point_world: DVec3, velocity: impl Fn(usize) -> f64) -> [DVec3; 2] {
+        let mut sum = [DVec3::ZERO; 2];
+        for (at, [linear, angular]) in self.motions(link, point_world) {
+            let speed = velocity(at);
+            sum[0] += linear * speed;
+            sum[1] += angular * speed;
+        }
+        sum
+    }
+
+    /// Centre of mass of a link, m, world frame.
+    pub fn center_of_mass_world(&self, link: usize) -> DVec3 {
+        let link = &self.links[link];
+        link.pose_world.transform_point(link.center_of_mass_link)
+    }
+
+    /// Adds a force (N) on a link at a point (m), and a moment (Nm), world frame, for the next step.
+    pub fn push(&mut self, link: usize, force_world: DVec3, point_world: DVec3, moment_world: DVec3) {
+        let mut pushes = std::mem::take(&mut self.pushes);
+        for (at, [linear, angular]) in self.motions(link, point_world) {
+            pushes[at] += linear.dot(force_world) + angular.dot(moment_world);
+        }
+        self.pushes = pushes;
+    }
+}

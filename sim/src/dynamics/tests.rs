@@ -1,0 +1,106 @@
+//! Tests of joint trees against mechanics. The check `engine-dynamics` of `validate` compares them with Rapier's.
+
+use glam::{DMat3, DVec3};
+use underbrush_recording::Pose;
+
+use super::{Axis, LinkOptions, Tree};
+use crate::object::structure::Spring;
+
+const GRAVITY_M_PER_S2: f64 = 9.81;
+
+fn hinge(axis_joint: DVec3) -> Axis {
+    Axis { axis_joint, turns: true, spring: Spring::elastic(0.0, 0.0), stop: None }
+}
+
+/// Two rods of 1 kg and 0.5 m that hang on hinges with axes at right angles.
+fn double_pendulum() -> Tree {
+    let mut tree = Tree::new(Pose::IDENTITY, true);
+    for (parent, axis) in [(0, DVec3::X), (1, DVec3::Y)] {
+        let link = LinkOptions {
+            parent,
+            joint_parent: Pose::from_position(if parent == 0 { DVec3::ZERO } else { DVec3::Z * -0.5 }),
+            mass_kg: 1.0,
+            center_of_mass_link: DVec3::Z * -0.25,
+            inertia_link: DMat3::from_diagonal(DVec3::new(0.021, 0.021, 0.001)),
+        };
+        tree.add(link, [hinge(axis)]);
+    }
+    tree
+}
+
+/// Tests that a spatial double pendulum keeps its energy: the error of semi-implicit Euler is proportional to the step.
+#[test]
+fn a_double_pendulum_keeps_its_energy() {
+    let drift_j = |step_s: f64| {
+        let mut tree = double_pendulum();
+        tree.coordinates_mut()[0].position = 1.2;
+        tree.coordinates_mut()[1].position = 0.7;
+        tree.place();
+        let energy = |tree: &Tree| tree.kinetic_energy_j() + tree.potential_energy_j(GRAVITY_M_PER_S2);
+        let start = energy(&tree);
+        let mut worst = 0.0_f64;
+        for _ in 0..(1.0 / step_s) as usize {
+            tree.prepare(step_s, GRAVITY_M_PER_S2);
+            tree.advance(step_s);
+            worst = worst.max((energy(&tree) - start).abs());
+        }
+        worst
+    };
+    let [coarse, fine] = [1e-4, 5e-5].map(drift_j);
+    // The pendulum exchanges some 5 J.
+    assert!(coarse < 1e-2, "{coarse} J");
+    assert!((coarse / fine - 2.0).abs() < 0.1, "{coarse} J, {fine} J");
+}
+
+/// Tests the mass matrix through the kinetic energy ½ q̇ᵀ M q̇ of the links, without springs and dampers.
+#[test]
+fn the_mass_matrix_gives_the_kinetic_energy() {
+    let mut tree = double_pendulum();
+    for (own, (position, velocity)) in tree.coordinates_mut().iter_mut().zip([(0.8, 1.3), (-0.5, -2.1)]) {
+        (own.position, own.velocity) = (position, velocity);
+    }
+    tree.place();
+    tree.prepare(1e-3, 0.0);
+    let speeds: Vec<f64> = tree.coordinates().iter().map(|own| own.velocity).collect();
+    let mut found = 0.0;
+    for row in 0..2 {
+        for column in 0..2 {
+            found += 0.5 * speeds[row] * tree.mass(row, column) * speeds[column];
+        }
+    }
+    assert!((found / tree.kinetic_energy_j() - 1.0).abs() < 1e-13);
+}
+
+/// Tests a free body: it falls with g t²/2, to the first order of the step, and keeps its angular momentum while it
+/// tumbles.
+#[test]
+fn a_free_body_falls_and_tumbles() {
+    let mut tree = Tree::new(Pose::IDENTITY, true);
+    let slide = |axis_joint| Axis { turns: false, ..hinge(axis_joint) };
+    let link = LinkOptions {
+        parent: 0,
+        joint_parent: Pose::IDENTITY,
+        mass_kg: 2.0,
+        center_of_mass_link: DVec3::ZERO,
+        inertia_link: DMat3::from_diagonal(DVec3::new(0.01, 0.02, 0.025)),
+    };
+    let axes = DVec3::AXES.map(slide).into_iter().chain(DVec3::AXES.map(hinge));
+    tree.add(link, axes);
+    for (own, speed) in tree.coordinates_mut()[3..].iter_mut().zip([1.0, 3.0, -2.0]) {
+        own.velocity = speed;
+    }
+    let momentum = |tree: &Tree| {
+        let link = &tree.links()[1];
+        let [_, angular] = tree.velocity_at(1, link.pose_world.position, |at| tree.coordinates()[at].velocity);
+        let angular_link = link.pose_world.inverse_transform_vector(angular);
+        link.pose_world.transform_vector(link.inertia_link * angular_link)
+    };
+    let (start, step_s) = (momentum(&tree), 1e-5);
+    for _ in 0..50_000 {
+        tree.prepare(step_s, GRAVITY_M_PER_S2);
+        tree.advance(step_s);
+    }
+    let fallen_m = -tree.links()[1].pose_world.position.z;
+    assert!((fallen_m / (0.125 * GRAVITY_M_PER_S2) - 1.0).abs() < 3.0 * step_s, "{fallen_m} m");
+    assert!(momentum(&tree).distance(start) < 1e-3 * start.length(), "{} {start}", momentum(&tree));
+}
