@@ -4,10 +4,10 @@ use rapier3d::parry::bounding_volume::BoundingVolume;
 use rapier3d::parry::query::distance;
 use rapier3d::prelude::ColliderHandle;
 
-use super::mechanism::Mechanism;
 use super::model::Model;
 use super::moving_shapes::{DormancyBuffers, Mover};
 use super::world::World;
+use crate::geometry::parry_pose;
 
 /// A dormant object is put into the engine when a moving shape comes within this distance, m: the distance covered in a
 /// frame at 1 m/s, twice the hand speed of the fastest preset.
@@ -49,15 +49,14 @@ impl World {
     fn retire(&mut self, model: &Model, movers: &[Mover]) {
         for index in 0..self.mechanisms.len() {
             let resting = self.mechanisms[index]
-                .as_ref()
-                .is_some_and(|mechanism| mechanism.is_movable() && mechanism.is_at_rest(&self.engine));
+                .is_some_and(|mechanism| mechanism.is_movable(&self.engine) && mechanism.is_at_rest(&self.engine));
             // The skin still spreads the contacts of this frame, which need the object's collision shapes.
             if resting
                 && !self.contacts().iter().any(|contact| contact.object == index)
                 && !movers.iter().any(|mover| self.is_near(model, mover, index, SLEEP_MARGIN_M))
                 && let Some(mechanism) = self.mechanisms[index].take()
             {
-                mechanism.remove(&mut self.engine);
+                self.engine.remove(mechanism.slot);
             }
         }
     }
@@ -66,28 +65,33 @@ impl World {
     fn movers(&self) -> impl Iterator<Item = Mover> {
         let mover = |collider: ColliderHandle| Mover {
             collider,
-            bounds: self.engine.colliders[collider]
-                .shape()
-                .compute_aabb(&self.engine.collider_pose(collider))
+            bounds: self
+                .engine
+                .shape(collider)
+                .compute_aabb(&parry_pose(&self.engine.collider_pose(collider)))
                 .loosened(WAKE_M),
         };
-        let arm = self.arm.colliders.iter().map(|(collider, _)| *collider);
+        let arm = self.arm.colliders.iter().copied();
         let objects = self
             .mechanisms
             .iter()
             .flatten()
-            .filter(|mechanism| mechanism.is_movable() && !mechanism.is_at_rest(&self.engine))
-            .flat_map(Mechanism::colliders);
-        arm.chain(objects.copied()).map(mover)
+            .filter(|mechanism| mechanism.is_movable(&self.engine) && !mechanism.is_at_rest(&self.engine))
+            .flat_map(|mechanism| mechanism.colliders(&self.engine));
+        arm.chain(objects).map(mover)
     }
 
     /// Whether a mover is nearer to an object at rest than the waking distance plus a margin.
     fn is_near(&self, model: &Model, mover: &Mover, index: usize, margin_m: f64) -> bool {
         let (outline, pose) = &model.outlines[index];
-        let collider = &self.engine.colliders[mover.collider];
         mover.bounds.loosened(margin_m).intersects(&outline.aabb(pose))
             // A pair whose distance cannot be computed counts as near.
-            && distance(&self.engine.collider_pose(mover.collider), collider.shape(), pose, outline)
+            && distance(
+                &parry_pose(&self.engine.collider_pose(mover.collider)),
+                self.engine.shape(mover.collider),
+                pose,
+                outline,
+            )
                 .map_or(true, |found| found.distance < WAKE_M + margin_m)
     }
 }

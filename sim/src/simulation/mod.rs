@@ -28,6 +28,7 @@ mod engine;
 mod mechanism;
 mod model;
 mod moving_shapes;
+mod placed;
 mod report;
 mod saved;
 mod sense;

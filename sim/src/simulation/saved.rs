@@ -1,6 +1,6 @@
 //! Saving the state of a simulation, and continuing from it.
 //!
-//! A saved state holds what changes: the engine's bodies, joints and contacts, the objects' relaxing springs, the
+//! A saved state holds what changes: joint trees, shapes and contacts, the
 //! sensor with its random streams, the last report, and the last equilibrium angles. It does not hold the arm and the clutter; their fingerprint
 //! tells whether a saved state belongs to them.
 
@@ -12,7 +12,7 @@ use crate::physics::{ENGINE, PhysicsOptions};
 const MAGIC: &[u8; 16] = b"underbrush state";
 
 /// Raised when what a state holds changes, because its encoding does not describe itself.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 
 /// Length of a BLAKE3 hash, bytes.
 const HASH: usize = blake3::OUT_LEN;

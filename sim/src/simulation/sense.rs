@@ -7,7 +7,6 @@ use underbrush_recording::TaxelReading;
 use super::model::Model;
 use super::tactile::{ContactPair, TactileFrame, entry};
 use super::world::World;
-use crate::geometry::from_parry;
 use crate::sensor::Sensor;
 use crate::skin::{ContactPoint, SpreadBuffers};
 
@@ -119,9 +118,9 @@ pub(super) fn sense(
         points.clear();
         points.extend(group.iter().map(|touch| touch.point));
         let skin = &patches[patch];
-        let shape = world.engine.colliders[collider].shape();
+        let shape = world.engine.shape(collider);
         let surface = &model.structures[object].surface;
-        let shape_pose = world.link_pose(skin.link).inverse() * from_parry(&world.engine.collider_pose(collider));
+        let shape_pose = world.link_pose(skin.link).inverse() * world.engine.collider_pose(collider);
         for force in skin.spread(points, shape, &shape_pose, surface, spread) {
             loads.add((patch, force.taxel), object as u16, force.normal_force_n, force.shear_link);
         }

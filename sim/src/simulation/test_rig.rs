@@ -6,12 +6,13 @@ use underbrush_recording::{BodyPart, Pose as WorldPose};
 
 use super::arm::ArmBodies;
 use super::engine::Engine;
-use super::mechanism::{Mechanism, collider, engine_axis};
+use super::mechanism::{Mechanism, collider};
+use super::placed::{PlacedLink, Solid};
 use crate::arm::Arm;
 use crate::contact::surface::Surface;
-use crate::geometry::{from_parry, parry_pose};
+use crate::dynamics::{self, LinkOptions, Tree};
 use crate::object::Object;
-use crate::object::structure::Axis;
+use crate::object::structure::{Axis, Spring};
 use crate::physics::PhysicsOptions;
 
 mod description;
@@ -63,14 +64,21 @@ pub struct FreeBody {
 /// ```
 pub struct Rig {
     engine: Engine,
-    bodies: Vec<RigidBodyHandle>,
-    mechanisms: Vec<Mechanism>,
+    bodies: Vec<PlacedLink>,
+    loads: Vec<Load>,
+}
+
+/// A force on a body at its centre of mass, N, and a moment, Nm, world frame.
+struct Load {
+    body: BodyId,
+    force_world: DVec3,
+    moment_world: DVec3,
 }
 
 impl Rig {
     /// An empty rig.
     pub fn new(options: PhysicsOptions) -> Self {
-        Rig { engine: Engine::new(options), bodies: Vec::new(), mechanisms: Vec::new() }
+        Rig { engine: Engine::new(options), bodies: Vec::new(), loads: Vec::new() }
     }
 
     /// Step and solver options.
@@ -80,8 +88,8 @@ impl Rig {
 
     /// Adds an arm at rest in its start posture, and returns its links, base first.
     pub fn add_arm(&mut self, arm: &Arm) -> Vec<BodyId> {
-        let bodies = ArmBodies::insert(arm, &arm.start_posture_rad(), &mut self.engine);
-        bodies.links.into_iter().map(|body| self.name(body)).collect()
+        let arm = ArmBodies::insert(arm, &arm.start_posture_rad(), &mut self.engine);
+        self.name(arm.slot)
     }
 
     /// Adds an object at rest with its foot at the origin, and returns its bodies in the order of its structure.
@@ -93,136 +101,128 @@ impl Rig {
     /// its bodies in the order of its structure.
     pub fn add_object_at(&mut self, object: &dyn Object, foot_world: DVec3, yaw_rad: f64) -> Vec<BodyId> {
         let mechanism = Mechanism::build(&object.structure(), &mut self.engine, foot_world, yaw_rad);
-        let bodies = mechanism.bodies().to_vec();
-        self.mechanisms.push(mechanism);
-        bodies.into_iter().map(|body| self.name(body)).collect()
+        self.name(mechanism.slot)
     }
 
     /// Adds a body that cannot move. `None` if its shape has no volume.
     pub fn add_fixed(&mut self, part: &BodyPart, surface: Surface, pose_world: &WorldPose) -> Option<BodyId> {
-        let shape = collider(part)?;
-        let body = RigidBodyBuilder::fixed().pose(parry_pose(pose_world));
-        let body = self.engine.bodies.insert(body);
-        self.engine.insert_collider(shape, surface, body);
-        Some(self.name(body))
+        let solid = Solid { link: 0, shape: collider(part)?, groups: InteractionGroups::all(), surface };
+        let slot = self.engine.insert(Tree::new(*pose_world, false), vec![solid]);
+        self.name(slot).pop()
     }
 
     /// Adds a free body. `None` if its shape has no volume.
     pub fn add_free(&mut self, free: &FreeBody) -> Option<BodyId> {
-        let shape = collider(&free.part)?;
-        let engine = &mut self.engine;
-        // Contacts act only on articulated bodies, so the body hangs on a joint whose axes are free.
-        let origin = engine.bodies.insert(RigidBodyBuilder::fixed());
-        let body = RigidBodyBuilder::dynamic().pose(parry_pose(&free.pose_world)).can_sleep(false);
-        let body = engine.bodies.insert(body);
-        engine.insert_collider(shape.mass(free.mass_kg), free.surface, body);
-        // Otherwise the engine would not sum up the masses until its first step.
-        engine.bodies[body].recompute_mass_properties_from_colliders(&engine.colliders);
-        let locked = match free.may_rotate {
-            true => JointAxesMask::empty(),
-            false => JointAxesMask::ANG_AXES,
+        let shape = collider(&free.part)?.mass(free.mass_kg);
+        let mass = shape.build().mass_properties();
+        let link = LinkOptions {
+            parent: 0,
+            joint_parent: free.pose_world,
+            mass_kg: free.mass_kg,
+            center_of_mass_link: mass.local_com,
+            inertia_link: mass.reconstruct_inertia_matrix(),
         };
-        let mut data = GenericJoint::new(locked);
-        data.set_local_frame1(parry_pose(&free.pose_world));
-        let handle = engine.joints.insert(origin, body, data, true)?;
-        let (multibody, _) = engine.joints.get_mut(handle)?;
-        multibody.forward_kinematics(&engine.bodies, true);
-        multibody.damping_mut().fill(0.0);
+        let axis =
+            |axis_joint, turns| dynamics::Axis { axis_joint, turns, spring: Spring::elastic(0.0, 0.0), stop: None };
+        let turning = DVec3::AXES.map(|own| axis(own, true)).into_iter().filter(|_| free.may_rotate);
+        let mut tree = Tree::new(WorldPose::IDENTITY, true);
+        tree.add(link, DVec3::AXES.map(|own| axis(own, false)).into_iter().chain(turning));
         let velocity = free.pose_world.inverse_transform_vector(free.velocity_world);
-        for (own, value) in multibody.generalized_velocity_mut().iter_mut().zip(velocity.to_array()) {
-            *own = value;
+        for (own, value) in tree.coordinates_mut().iter_mut().zip(velocity.to_array()) {
+            own.velocity = value;
         }
-        Some(self.name(body))
+        let solid = Solid { link: 1, shape, groups: InteractionGroups::all(), surface: free.surface };
+        let slot = self.engine.insert(tree, vec![solid]);
+        self.name(slot).pop()
     }
 
-    fn name(&mut self, body: RigidBodyHandle) -> BodyId {
-        self.bodies.push(body);
-        BodyId(self.bodies.len() - 1)
+    /// Names the bodies of a tree.
+    fn name(&mut self, slot: usize) -> Vec<BodyId> {
+        let links = 0..self.engine.tree(slot).links().len();
+        let named = links.map(|link| {
+            self.bodies.push(PlacedLink { slot, link });
+            BodyId(self.bodies.len() - 1)
+        });
+        named.collect()
     }
 
     /// Everything that another engine needs to build the same joints and bodies, read back from the engine.
-    pub fn describe(&mut self) -> Description {
-        Description::read(&mut self.engine)
-    }
-
-    fn body(&self, body: BodyId) -> &RigidBody {
-        &self.engine.bodies[self.bodies[body.0]]
+    pub fn describe(&self) -> Description {
+        Description::read(&self.engine)
     }
 
     /// Makes one engine step.
     pub fn step(&mut self) {
-        self.relax();
-        self.engine.step();
-    }
-
-    fn relax(&mut self) {
-        for mechanism in &mut self.mechanisms {
-            mechanism.relax(&mut self.engine);
+        for load in &self.loads {
+            let PlacedLink { slot, link } = self.bodies[load.body.0];
+            let tree = self.engine.tree_mut(slot);
+            let center = tree.center_of_mass_world(link);
+            tree.push(link, load.force_world, center, load.moment_world);
         }
+        self.engine.step();
     }
 
     /// Makes one engine step in which a second spring, parallel to the joint's own and `ratio` times as stiff, pulls
     /// the joint that carries `body` towards `goal` (m or rad). Returns the force of that spring at the end of the
     /// step, N or Nm; `None` if no joint carries the body.
     pub fn step_driven(&mut self, body: BodyId, axis: Axis, ratio: f64, goal: f64) -> Option<f64> {
-        self.relax();
-        let link = self.joint_mut(body)?;
-        let (own, rest) = link.joint.spring(engine_axis(axis));
-        let drive = own * ratio;
-        link.joint.set_spring(engine_axis(axis), own + drive, (own * rest + drive * goal) / (own + drive));
-        self.engine.step();
-        let link = self.joint_mut(body)?;
-        link.joint.set_spring(engine_axis(axis), own, rest);
-        Some(drive * (goal - self.coordinate(body, axis)?))
+        let (slot, at) = self.find(body, axis)?;
+        let own = &mut self.engine.tree_mut(slot).coordinates_mut()[at];
+        let (spring, rest) = (own.spring, own.rest);
+        // Of the joint's own spring and its relaxing branch.
+        let drive = ratio * (spring.stiffness + spring.maxwell.map_or(0.0, |branch| branch.stiffness));
+        own.spring.stiffness += drive;
+        own.rest = (spring.stiffness * rest + drive * goal) / (spring.stiffness + drive);
+        self.step();
+        let own = &mut self.engine.tree_mut(slot).coordinates_mut()[at];
+        (own.spring, own.rest) = (spring, rest);
+        Some(drive * (goal - own.position))
     }
 
-    fn joint_mut(&mut self, body: BodyId) -> Option<&mut MultibodyLink> {
-        let link = *self.engine.joints.rigid_body_link(self.bodies[body.0])?;
-        self.engine.joints.get_multibody_mut(link.multibody)?.link_mut(link.id)
+    /// The coordinate along an axis of the joint that carries a body: its tree and its index there.
+    fn find(&self, body: BodyId, axis: Axis) -> Option<(usize, usize)> {
+        let PlacedLink { slot, link } = self.bodies[body.0];
+        let tree = self.engine.tree(slot);
+        let is_axis = |own: &dynamics::Coordinate| (own.axis_joint, own.turns) == axis.direction();
+        Some((slot, tree.first_coordinate(link) + tree.coordinates_of(link).iter().position(is_axis)?))
     }
 
     /// Pose of a body in the world frame.
     pub fn pose_world(&self, body: BodyId) -> WorldPose {
-        from_parry(self.body(body).position())
+        *self.engine.scene.link_pose(self.bodies[body.0])
     }
 
     /// Velocity of a body's centre of mass, m/s, world frame.
     pub fn velocity_world(&self, body: BodyId) -> DVec3 {
-        let link = self.engine.joints.rigid_body_link(self.bodies[body.0]);
-        let found = link.and_then(|link| Some((self.engine.joints.get_multibody(link.multibody)?, link.id)));
-        let Some((multibody, link)) = found else {
-            return DVec3::ZERO;
-        };
-        let columns = multibody.body_jacobian(link).column_iter();
-        columns
-            .zip(multibody.generalized_velocity().iter())
-            .map(|(column, speed)| DVec3::new(column[0], column[1], column[2]) * *speed)
-            .sum()
+        let PlacedLink { slot, link } = self.bodies[body.0];
+        let tree = self.engine.tree(slot);
+        tree.velocity_at(link, tree.center_of_mass_world(link), |at| tree.coordinates()[at].velocity)[0]
     }
 
     /// A body's centre of mass, m, world frame.
     pub fn center_of_mass_world(&self, body: BodyId) -> DVec3 {
-        self.body(body).center_of_mass()
+        let PlacedLink { slot, link } = self.bodies[body.0];
+        self.engine.tree(slot).center_of_mass_world(link)
     }
 
     /// A body's mass, kg.
     pub fn mass_kg(&self, body: BodyId) -> f64 {
-        self.body(body).mass()
+        let PlacedLink { slot, link } = self.bodies[body.0];
+        self.engine.tree(slot).links()[link].mass_kg
     }
 
     /// Sets the external force on a body, N, acting at a point (m, world frame), and the external moment, Nm. Both stay
     /// until they are set again.
     pub fn load(&mut self, body: BodyId, force_world: DVec3, point_world: DVec3, moment_world: DVec3) {
-        let body = &mut self.engine.bodies[self.bodies[body.0]];
-        body.reset_forces(true);
-        body.reset_torques(true);
-        body.add_force_at_point(force_world, point_world, true);
-        body.add_torque(moment_world, true);
+        self.loads.retain(|load| load.body != body);
+        let moment_world = moment_world + (point_world - self.center_of_mass_world(body)).cross(force_world);
+        self.loads.push(Load { body, force_world, moment_world });
     }
 
     /// Sum of the normal forces on a body in the last step, N.
     pub fn pressing_force_n(&self, body: BodyId) -> f64 {
-        let own = self.body(body).colliders();
+        let PlacedLink { slot, link } = self.bodies[body.0];
+        let own = self.engine.scene.colliders_of(self.engine.placed(slot).bodies[link]);
         let contacts = self.engine.contact_step.contacts.iter();
         let impulse: f64 = contacts
             .filter(|contact| contact.colliders.iter().any(|collider| own.contains(collider)))
@@ -233,8 +233,7 @@ impl Rig {
 
     /// Displacement of the joint that carries a body along one of its axes, m or rad; `None` if no joint carries it.
     pub fn coordinate(&self, body: BodyId, axis: Axis) -> Option<f64> {
-        let link = self.engine.joints.rigid_body_link(self.bodies[body.0])?;
-        let multibody = self.engine.joints.get_multibody(link.multibody)?;
-        Some(multibody.link(link.id)?.joint.coords()[engine_axis(axis)])
+        let (slot, at) = self.find(body, axis)?;
+        Some(self.engine.tree(slot).coordinates()[at].position)
     }
 }

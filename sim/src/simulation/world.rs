@@ -10,6 +10,7 @@ use super::engine::Engine;
 use super::mechanism::Mechanism;
 use super::model::Model;
 use super::moving_shapes::DormancyBuffers;
+use super::placed::PlacedLink;
 use super::report::{JointState, StepObserver, StepReport};
 use crate::physics::PhysicsOptions;
 
@@ -68,9 +69,6 @@ impl World {
         let steps = (FRAME_PERIOD_S / self.engine.options().step_s).round() as usize;
         for _ in 0..steps {
             self.arm.set_equilibrium(&model.arm, equilibrium_angle_rad, &mut self.engine);
-            for mechanism in self.mechanisms.iter_mut().flatten() {
-                mechanism.relax(&mut self.engine);
-            }
             self.engine.step();
             let earlier = self.contacts.len();
             self.gather_contacts();
@@ -113,25 +111,22 @@ impl World {
         let placed = &model.clutter.objects[index];
         let structure = &model.structures[index];
         let mechanism = Mechanism::build(structure, &mut self.engine, placed.foot_world, placed.yaw_rad);
-        for (number, body) in mechanism.bodies().iter().enumerate() {
-            for collider in self.engine.bodies[*body].colliders() {
-                self.engine.colliders[*collider].user_data = mark(index, number);
-            }
-        }
         self.mechanisms[index] = Some(mechanism);
     }
 
     /// Adds the contacts of the last step between arm and objects.
     fn gather_contacts(&mut self) {
         for contact in &self.engine.contact_step.contacts {
-            let links = contact.colliders.map(|collider| self.arm.link_of(collider));
+            let links = contact.colliders.map(|collider| self.arm.link_of(&self.engine, collider));
             let (side, link) = match links {
                 [Some(link), None] => (0, link),
                 [None, Some(link)] => (1, link),
                 _ => continue,
             };
             let other = contact.colliders[1 - side];
-            let Some((object, body)) = object_and_body(&self.engine.colliders[other]) else {
+            let PlacedLink { slot, link: body } = self.engine.link_of(other);
+            let is_of = |mechanism: &Option<Mechanism>| mechanism.is_some_and(|mechanism| mechanism.slot == slot);
+            let Some(object) = self.mechanisms.iter().position(is_of) else {
                 continue;
             };
             let sign = if side == 0 { 1.0 } else { -1.0 };
@@ -139,7 +134,7 @@ impl World {
                 link,
                 object,
                 body,
-                position_link: self.arm.point_in_link(link, contact.position_body[side]),
+                position_link: contact.position_body[side],
                 inward_world: contact.normal_world * sign,
                 force_world: contact.impulse_world * (sign / FRAME_PERIOD_S),
                 moment_world: contact.moment_world * (sign / FRAME_PERIOD_S),
@@ -150,18 +145,6 @@ impl World {
             self.contact_colliders.push(other);
         }
     }
-}
-
-/// The mark of an object's collision shape: the object's index plus one in the lower 64 bits, and the body's index in
-/// the upper 64 bits. The arm's shapes have no mark.
-fn mark(object: usize, body: usize) -> u128 {
-    (body as u128) << 64 | (object as u128 + 1)
-}
-
-/// The object and the body that a collision shape belongs to; `None` for the arm's.
-fn object_and_body(collider: &Collider) -> Option<(usize, usize)> {
-    let object = (collider.user_data as u64).checked_sub(1)?;
-    Some((object as usize, (collider.user_data >> 64) as usize))
 }
 
 #[cfg(test)]

@@ -162,12 +162,13 @@ impl Solver {
         self.patches.len() - 1
     }
 
-    /// Sets how a block moves one side of a patch: the six speeds of that side for each velocity of the block, with a
-    /// minus sign for the second side.
-    pub fn add_side(&mut self, patch: usize, side: usize, block: usize, columns: impl Iterator<Item = [f64; ROWS]>) {
+    /// Says which block moves one side of a patch. Returns the columns to fill: the six speeds of that side for each
+    /// velocity of the block, with a minus sign for the second side. They are zero.
+    pub fn add_side(&mut self, patch: usize, side: usize, block: usize) -> &mut [[f64; ROWS]] {
         let first = self.columns.len();
-        self.columns.extend(columns);
+        self.columns.resize(first + self.blocks[block].size, [0.0; ROWS]);
         self.patches[patch].sides[side] = Some(Side { block, columns: first });
+        &mut self.columns[first..]
     }
 
     /// Adds the end stop of a joint.
@@ -181,11 +182,10 @@ impl Solver {
         &self.velocity[block.offset..block.offset + block.size]
     }
 
-    /// By how much contacts changed the velocities of a block.
-    pub fn change(&self, block: usize) -> impl Iterator<Item = f64> + '_ {
-        let block = self.blocks[block];
-        let range = block.offset..block.offset + block.size;
-        self.velocity[range.clone()].iter().zip(&self.free[range]).map(|(u, free)| u - free)
+    /// Whether contacts changed the velocities of a block.
+    pub fn is_changed(&self, block: usize) -> bool {
+        let Block { offset, size, .. } = self.blocks[block];
+        self.velocity[offset..offset + size] != self.free[offset..offset + size]
     }
 
     /// Index of a block's first velocity.

@@ -1,33 +1,18 @@
-//! Writes what the contacts changed into the engine, and keeps what the next step needs.
+//! Writes what the contacts changed into the trees, and keeps what the next step needs.
 
 use nalgebra::Vector3;
 
-use super::{ContactStep, Kept, Parts, PatchContact, key};
+use super::{ContactStep, Kept, PatchContact, Scene, key};
 use crate::contact::law::{center_of_pressure, in_plane};
 
 impl ContactStep {
-    /// Writes velocities and positions into the engine, and the contacts of the step into [`ContactStep::contacts`].
-    pub(super) fn apply(&mut self, parts: &mut Parts) {
+    /// Writes the velocities into the trees, and the contacts of the step into [`ContactStep::contacts`].
+    pub(super) fn apply(&mut self, scene: &mut Scene, step_s: f64) {
         let scratch = &mut self.scratch;
-        for body in &scratch.order {
-            let block = scratch.block_of_body[*body];
-            scratch.displacement.clear();
-            scratch.displacement.extend(scratch.solver.change(block).map(|change| change * parts.step_s));
-            if scratch.displacement.iter().all(|part| *part == 0.0) {
-                continue;
-            }
-            let Some(multibody) = parts.joints.get_multibody_mut(scratch.bodies[*body].index) else {
-                continue;
-            };
-            let mut velocities = multibody.generalized_velocity_mut();
-            for (velocity, solved) in velocities.iter_mut().zip(scratch.solver.velocity(block)) {
-                *velocity = *solved;
-            }
-            multibody.apply_displacements(&scratch.displacement);
-            multibody.forward_kinematics(parts.bodies, false);
-            for link in multibody.links().filter(|link| !link.is_root()) {
-                // Unlike `update_rigid_bodies`, this also moves the colliders, from the next step on.
-                parts.bodies[link.rigid_body_handle()].set_position(*link.local_to_world(), false);
+        for slot in &scratch.order {
+            let block = scratch.block_of_tree[*slot];
+            if scratch.solver.is_changed(block) {
+                scene.tree_mut(*slot).next_mut().copy_from_slice(scratch.solver.velocity(block));
             }
         }
         for (patch, candidate) in scratch.candidates.iter().enumerate() {
@@ -43,7 +28,7 @@ impl ContactStep {
             let nodes = &scratch.nodes[candidate.nodes.0..candidate.nodes.1];
             let overlaps = nodes.iter().map(|node| {
                 let speeds = &solved.normal_speeds;
-                node.overlap_m - parts.step_s * (speeds[0] + node.place.y * speeds[1] - node.place.x * speeds[2])
+                node.overlap_m - step_s * (speeds[0] + node.place.y * speeds[1] - node.place.x * speeds[2])
             });
             self.contacts.push(PatchContact {
                 colliders: candidate.colliders,

@@ -6,21 +6,22 @@ use rapier3d::parry::query::{ContactManifold, DefaultQueryDispatcher, Persistent
 use rapier3d::prelude::ColliderHandle;
 use underbrush_recording::Pose as WorldPose;
 
-use super::copied::{Copied, LinkOf, body_pose, link_of, relative_speeds};
-use super::{AllBounds, ContactStep, PairKey, Parts, key};
+use super::{ContactStep, PairKey, key};
 use crate::contact::chord::Faces;
 use crate::contact::law::{Law, NormalSpeeds, in_plane};
 use crate::contact::patch::{Columns, Node};
 use crate::contact::plane::{Pair, Plane};
 use crate::contact::solver::ROWS;
-use crate::geometry::{from_parry, parry_pose};
+use crate::dynamics::Tree;
+use crate::geometry::parry_pose;
+use crate::simulation::placed::{Mount, NEAR_M, PlacedLink, Scene};
 
 /// A patch before the solution.
 #[derive(Clone)]
 pub(super) struct Candidate {
     pub(super) colliders: [ColliderHandle; 2],
     pub(super) bodies: PairKey,
-    pub(super) links: [Option<LinkOf>; 2],
+    pub(super) links: [Option<PlacedLink>; 2],
     pub(super) body_poses: [WorldPose; 2],
     pub(super) plane: Plane,
     pub(super) law: Law,
@@ -65,70 +66,61 @@ impl Detection {
 
 /// Two shapes that are near each other, of which at least one can move, as they lie when the step begins.
 pub(super) struct Meeting<'a> {
+    scene: &'a Scene,
     handles: [ColliderHandle; 2],
     bodies: PairKey,
-    links: [Option<LinkOf>; 2],
+    /// `None` for a link that cannot move.
+    links: [Option<PlacedLink>; 2],
     body_poses: [WorldPose; 2],
     pub(super) pair: Pair<'a>,
     law: Law,
 }
 
 impl<'a> Meeting<'a> {
-    /// `None` if both shapes are fixed, or belong to one articulated body.
-    pub(super) fn of(
-        step: &ContactStep,
-        handles: [ColliderHandle; 2],
-        copies: &[Copied],
-        parts: &'a Parts,
-    ) -> Option<Self> {
-        let colliders = handles.map(|handle| &parts.colliders[handle]);
-        let links = colliders.map(|collider| link_of(collider, copies, parts));
-        let [first, second] = links.map(|link| link.map(|link| link.body));
-        if first == second {
-            return None;
-        }
-        let [first, second] = [0, 1].map(|side| body_pose(colliders[side], links[side], copies, parts));
-        let body_poses = [first?, second?];
-        let shape_poses = [0, 1].map(|side| {
-            let on_body = colliders[side].position_wrt_parent();
-            on_body.map_or(body_poses[side], |pose| body_poses[side] * from_parry(pose))
-        });
-        Some(Meeting {
+    pub(super) fn new(scene: &'a Scene, handles: [ColliderHandle; 2], mounts: [&Mount; 2], step_s: f64) -> Self {
+        Meeting {
+            scene,
             handles,
-            bodies: [colliders[0].parent()?, colliders[1].parent()?].map(|body| body.into_raw_parts()),
-            links,
-            body_poses,
-            pair: Pair { shapes: colliders.map(|collider| collider.shape()), poses_world: shape_poses },
-            law: Law { interface: step.surface(handles[0])?.with(&step.surface(handles[1])?), step_s: parts.step_s },
-        })
-    }
-
-    /// Whether the shapes may be nearer than `near_m`, by the boxes around them.
-    pub(super) fn is_near(&self, bounds: &AllBounds, near_m: f64) -> bool {
-        bounds.may_be_near(self.handles, &self.pair.poses_world, near_m)
+            bodies: handles.map(|handle| scene.body_of(handle).into_raw_parts()),
+            links: mounts.map(|mount| mount.moves.then_some(mount.at)),
+            body_poses: mounts.map(|mount| *scene.link_pose(mount.at)),
+            pair: Pair {
+                shapes: handles.map(|handle| scene.shape(handle)),
+                poses_world: mounts.map(|mount| mount.pose_world),
+            },
+            law: Law { interface: mounts[0].surface.with(&mounts[1].surface), step_s },
+        }
     }
 
     /// The overlap beyond which a column at the origin of the plane may press in this step, m, if the overlap there is
     /// `overlap_m`; and the parting speed when the step begins.
-    pub(super) fn closing_m(
-        &self,
-        plane: &Plane,
-        overlap_m: f64,
-        copies: &[Copied],
-        parts: &Parts,
-    ) -> (f64, NormalSpeeds) {
-        let before = relative_speeds(plane, self.links, copies, |body, index| copies[body].velocity[index]);
+    pub(super) fn closing_m(&self, plane: &Plane, overlap_m: f64) -> (f64, NormalSpeeds) {
+        let before = self.speeds(plane, |tree, at| tree.coordinates()[at].velocity);
         // The speed of surfaces that stay in contact hardly changes. Surfaces that are about to meet may be accelerated
         // in this step, so their speed at its end without contacts counts, too.
         let over_m = self.law.closing_m(before[0]);
         if overlap_m > over_m {
             return (over_m, before);
         }
-        let free = relative_speeds(plane, self.links, copies, |body, index| {
-            let multibody = parts.joints.get_multibody(copies[body].index);
-            multibody.map_or(0.0, |multibody| multibody.generalized_velocity()[index])
-        });
+        let free = self.speeds(plane, |tree, at| tree.next()[at]);
         (self.law.closing_m(free[0]), before)
+    }
+
+    /// The parting speed at the origin of a plane and the angular velocities about its tangents.
+    fn speeds(&self, plane: &Plane, velocity: impl Fn(&Tree, usize) -> f64) -> NormalSpeeds {
+        let (mut linear, mut angular) = (DVec3::ZERO, DVec3::ZERO);
+        for (link, sign) in self.links.iter().zip([1.0, -1.0]) {
+            let Some(PlacedLink { slot, link }) = *link else { continue };
+            let tree = &self.scene.placed(slot).tree;
+            let [at_point, about] = tree.velocity_at(link, plane.origin_world, |at| velocity(tree, at));
+            linear += at_point * sign;
+            angular += about * sign;
+        }
+        Vector3::new(
+            linear.dot(plane.normal_world),
+            angular.dot(plane.tangents_world[0]),
+            angular.dot(plane.tangents_world[1]),
+        )
     }
 }
 
@@ -137,13 +129,11 @@ impl ContactStep {
     pub(super) fn candidate(
         &self,
         meeting: &Meeting,
-        copies: &[Copied],
         nodes: &mut Vec<Node>,
         detection: &mut Detection,
-        parts: &Parts,
     ) -> Option<Candidate> {
-        let &Meeting { handles, bodies, links, body_poses, ref pair, law } = meeting;
-        if !detection.find(pair, parts.near_m) {
+        let &Meeting { handles, bodies, links, body_poses, ref pair, law, .. } = meeting;
+        if !detection.find(pair, NEAR_M) {
             return None;
         }
         let Detection { manifold, faces } = detection;
@@ -154,7 +144,7 @@ impl ContactStep {
         let first_node = nodes.len();
         let mut press = |plane: &Plane, faces: &mut [Faces; 2]| {
             let columns = Columns::new(pair, plane, faces)?;
-            let (over_m, before) = meeting.closing_m(plane, columns.overlap_m(DVec2::ZERO)?, copies, parts);
+            let (over_m, before) = meeting.closing_m(plane, columns.overlap_m(DVec2::ZERO)?);
             columns.add_nodes(over_m, nodes);
             (nodes.len() > first_node).then_some(before)
         };
@@ -191,28 +181,24 @@ impl ContactStep {
 }
 
 impl Candidate {
-    /// The six speeds of one side for each generalized velocity.
-    pub(super) fn columns<'a>(
-        &'a self,
-        copied: &'a Copied,
-        link: usize,
-        sign: f64,
-    ) -> impl Iterator<Item = [f64; ROWS]> + 'a {
+    /// Writes the six speeds of one side for each generalized velocity. The columns of velocities that do not move the link
+    /// stay as they are.
+    pub(super) fn fill_columns(&self, tree: &Tree, link: usize, sign: f64, columns: &mut [[f64; ROWS]]) {
         let plane = &self.plane;
         let [first, second] = plane.tangents_world;
         let normal = plane.normal_world;
         let to_center = in_plane(&plane.tangents_world, self.center.x, self.center.y);
-        copied.motion_of(link, plane.origin_world).map(move |[linear, angular]| {
+        for (at, [linear, angular]) in tree.motions(link, plane.origin_world) {
             let at_center = linear + angular.cross(to_center);
-            [
+            columns[at] = [
                 sign * linear.dot(normal),
                 sign * angular.dot(first),
                 sign * angular.dot(second),
                 sign * at_center.dot(first),
                 sign * at_center.dot(second),
                 sign * self.radius_m * angular.dot(normal),
-            ]
-        })
+            ];
+        }
     }
 }
 

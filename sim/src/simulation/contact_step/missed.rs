@@ -7,9 +7,7 @@ use glam::DVec3;
 use rapier3d::parry::query;
 use rapier3d::parry::shape::{Shape, TypedShape};
 
-use super::Parts;
 use super::candidate::Meeting;
-use super::copied::Copied;
 use crate::contact::chord::Faces;
 use crate::contact::law::in_plane;
 use crate::contact::patch::Columns;
@@ -22,7 +20,7 @@ const SHALLOW_M: f64 = 1e-4;
 
 impl Meeting<'_> {
     /// How far the shapes overlap, m, if they should press on each other; otherwise 0.
-    pub(super) fn overlap_m(&self, copies: &[Copied], parts: &Parts, faces: &mut [Faces; 2]) -> f64 {
+    pub(super) fn overlap_m(&self, faces: &mut [Faces; 2]) -> f64 {
         let (normal_world, least_m) = least_overlap(&self.pair);
         if least_m <= SHALLOW_M {
             return 0.0;
@@ -34,7 +32,7 @@ impl Meeting<'_> {
         // The engine's library knows the direction better, where it finds the overlap.
         let (point_world, normal_world, overlap_m) = self.deepest().unwrap_or(along_list);
         let plane = self.pair.plane(point_world, normal_world);
-        let (over_m, _) = self.closing_m(&plane, overlap_m, copies, parts);
+        let (over_m, _) = self.closing_m(&plane, overlap_m);
         if overlap_m - over_m.max(0.0) > SHALLOW_M { overlap_m } else { 0.0 }
     }
 

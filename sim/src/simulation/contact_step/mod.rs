@@ -1,30 +1,24 @@
-//! Contacts between the engine's bodies, added to a step that the engine made without any.
+//! Contacts between trees, added to a step that was prepared without any.
 //!
-//! The engine finds which bounding boxes overlap, but computes no contacts. Before its step the poses, Jacobians and
-//! velocities of every articulated body are copied. After it, the patches of the shapes that overlap are made from
-//! those poses, [`crate::contact::solver`] finds the velocities with contacts, and these replace the engine's
-//! velocities. The positions are changed to match.
+//! The patches of the shapes that overlap are made from the poses at the start of the step,
+//! [`crate::contact::solver`] finds the velocities with contacts, and these replace the trees' velocities at the end of
+//! the step.
 
 use glam::DVec3;
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::bounds::AllBounds;
+use super::placed::{NEAR_M, PlacedLink, Scene};
 use crate::contact::patch::Node;
 use crate::contact::solver::{Convergence, Solver};
-use crate::contact::surface::Surface;
 use candidate::{Candidate, Detection, Meeting};
-use copied::{Copied, mass_matrix};
 
 mod apply;
 mod candidate;
-mod copied;
 mod missed;
 mod stops;
 #[cfg(test)]
 mod tests;
-
-pub(super) use stops::JointStop;
 
 /// The contact of two shapes in one step.
 #[derive(Clone, Copy, Debug)]
@@ -68,10 +62,6 @@ struct Kept {
 /// The state and the buffers of the contacts of one engine.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub(super) struct ContactStep {
-    /// The surfaces of the colliders, by the index in their handle.
-    surfaces: Vec<Option<Surface>>,
-    bounds: AllBounds,
-    pub(super) stops: Vec<JointStop>,
     /// Sorted by pair.
     kept: Vec<(PairKey, Kept)>,
     /// The contacts of the last step.
@@ -90,103 +80,49 @@ pub(super) struct ContactStep {
 /// Buffers, kept from step to step so that a step allocates little.
 #[derive(Clone, Default)]
 struct Scratch {
-    bodies: Vec<Copied>,
-    /// How many of the copied bodies are of this step.
-    count: usize,
-    pairs: Vec<[ColliderHandle; 2]>,
     candidates: Vec<Candidate>,
     nodes: Vec<Node>,
     detection: Detection,
-    patches_of_body: Vec<usize>,
+    /// By slot: the number of patches and stops, and the block of the solver.
+    patches_of_tree: Vec<usize>,
+    block_of_tree: Vec<usize>,
+    /// The slots of the trees that have a block, in the order of the blocks.
     order: Vec<usize>,
-    block_of_body: Vec<usize>,
-    mass: Vec<f64>,
-    displacement: Vec<f64>,
     kept: Vec<(PairKey, Kept)>,
     solver: Solver,
 }
 
-/// The part of an engine that contacts work on.
-pub(super) struct Parts<'a> {
-    pub(super) bodies: &'a mut RigidBodySet,
-    pub(super) colliders: &'a ColliderSet,
-    pub(super) joints: &'a mut MultibodyJointSet,
-    pub(super) narrow_phase: &'a NarrowPhase,
-    pub(super) step_s: f64,
-    /// Shapes that are farther apart have no contact, m.
-    pub(super) near_m: f64,
-}
-
 impl ContactStep {
-    /// Adds a collider with its surface.
-    pub(super) fn add_collider(&mut self, collider: ColliderHandle, shape: &dyn Shape, surface: Surface) {
-        self.bounds.set(collider, shape);
-        let index = collider.into_raw_parts().0 as usize;
-        if self.surfaces.len() <= index {
-            self.surfaces.resize(index + 1, None);
-        }
-        self.surfaces[index] = Some(surface);
-    }
-
-    pub(super) fn surface(&self, collider: ColliderHandle) -> Option<Surface> {
-        *self.surfaces.get(collider.into_raw_parts().0 as usize)?
-    }
-
-    /// Copies what the engine's step overwrites.
-    pub(super) fn before_step(&mut self, bodies: &RigidBodySet, joints: &MultibodyJointSet) {
-        let scratch = &mut self.scratch;
-        scratch.count = 0;
-        for multibody in joints.multibodies() {
-            let root = multibody.root().rigid_body_handle();
-            let Some(index) = joints.rigid_body_link(root).map(|link| link.multibody) else {
-                continue;
-            };
-            if multibody.ndofs() == 0 {
-                continue;
-            }
-            if scratch.count == scratch.bodies.len() {
-                scratch.bodies.push(Copied::new(index));
-            }
-            let copied = &mut scratch.bodies[scratch.count];
-            scratch.count += 1;
-            copied.copy(index, multibody, bodies);
-        }
-    }
-
-    /// Replaces the velocities and positions at the end of the engine's step by those with contacts.
-    pub(super) fn after_step(&mut self, parts: &mut Parts) {
+    /// Changes the velocities at the end of the step to those with contacts.
+    pub(super) fn step(&mut self, scene: &mut Scene, step_s: f64) {
         self.contacts.clear();
         self.convergence = Convergence::default();
-        self.find_patches(parts);
-        if self.choose_blocks(parts) {
-            self.fill_solver(parts);
+        self.find_patches(scene, step_s);
+        if self.choose_blocks(scene, step_s) {
+            self.fill_solver(scene);
             self.convergence = self.scratch.solver.solve();
-            self.apply(parts);
+            self.apply(scene, step_s);
         }
         self.keep();
     }
 
     /// Finds the patches of the shapes that may press on each other in this step, in an order that does not depend on
-    /// the engine's.
-    fn find_patches(&mut self, parts: &Parts) {
+    /// the broad phase's.
+    fn find_patches(&mut self, scene: &Scene, step_s: f64) {
         let mut scratch = std::mem::take(&mut self.scratch);
         scratch.candidates.clear();
         scratch.nodes.clear();
-        scratch.pairs.clear();
-        let boxed = parts.narrow_phase.contact_pairs();
-        scratch.pairs.extend(boxed.map(|pair| [pair.collider1, pair.collider2]));
-        scratch.pairs.sort_unstable_by_key(key);
         self.missed_overlap_m = 0.0;
-        let copies = &scratch.bodies[..scratch.count];
-        for colliders in &scratch.pairs {
-            let meeting = Meeting::of(self, *colliders, copies, parts);
-            let Some(meeting) = meeting.filter(|meeting| meeting.is_near(&self.bounds, parts.near_m)) else {
+        for colliders in scene.pairs() {
+            let mounts = colliders.map(|collider| scene.mount(collider));
+            if mounts[0].distance_at_least_m(mounts[1]) > NEAR_M {
                 continue;
-            };
-            match self.candidate(&meeting, copies, &mut scratch.nodes, &mut scratch.detection, parts) {
+            }
+            let meeting = Meeting::new(scene, *colliders, mounts, step_s);
+            match self.candidate(&meeting, &mut scratch.nodes, &mut scratch.detection) {
                 Some(candidate) => scratch.candidates.push(candidate),
                 None => {
-                    let missed_m = meeting.overlap_m(copies, parts, &mut scratch.detection.faces);
+                    let missed_m = meeting.overlap_m(&mut scratch.detection.faces);
                     self.missed_overlap_m = self.missed_overlap_m.max(missed_m);
                 }
             }
@@ -206,62 +142,51 @@ impl ContactStep {
         kept.find(|kept| kept.bodies == *bodies)
     }
 
-    /// Gives every articulated body that something may touch, or that is near an end stop, a block of the solver. The
-    /// more patches and stops a body has, the later its block. Returns whether there are any blocks.
-    fn choose_blocks(&mut self, parts: &Parts) -> bool {
-        let scratch = &mut self.scratch;
-        scratch.solver.start(parts.step_s);
-        scratch.patches_of_body.clear();
-        scratch.patches_of_body.resize(scratch.count, 0);
-        for link in scratch.candidates.iter().flat_map(|candidate| candidate.links.iter().flatten()) {
-            scratch.patches_of_body[link.body] += 1;
+    /// Gives every tree that something may touch, or that is near an end stop, a block of the solver. The more patches
+    /// and stops a tree has, the later its block. Returns whether there are any blocks.
+    fn choose_blocks(&mut self, scene: &Scene, step_s: f64) -> bool {
+        let Scratch { candidates, patches_of_tree: counts, block_of_tree, order, solver, .. } = &mut self.scratch;
+        solver.start(step_s);
+        counts.clear();
+        counts.resize(scene.slots(), 0);
+        for PlacedLink { slot, .. } in candidates.iter().flat_map(|candidate| candidate.links.iter().flatten()) {
+            counts[*slot] += 1;
         }
-        for stop in &self.stops {
-            if let Some(body) = stop.body(&scratch.bodies[..scratch.count], parts) {
-                scratch.patches_of_body[body] += 1;
-            }
+        for (slot, placed) in scene.trees() {
+            counts[slot] += stops::near(&placed.tree).count();
         }
-        scratch.order.clear();
-        let counts = &scratch.patches_of_body;
-        scratch.order.extend((0..scratch.count).filter(|body| counts[*body] > 0));
-        scratch.order.sort_by_key(|body| counts[*body]);
-        scratch.block_of_body.clear();
-        scratch.block_of_body.resize(scratch.count, usize::MAX);
-        for body in &scratch.order {
-            let copied = &scratch.bodies[*body];
-            let Some(multibody) = parts.joints.get_multibody(copied.index) else {
-                continue;
-            };
-            let mass = mass_matrix(multibody, &mut scratch.mass);
-            scratch.block_of_body[*body] = scratch.solver.add_block(
-                copied.velocity.iter().copied(),
-                multibody.generalized_velocity().iter().copied(),
-                |row, column| mass[(row, column)],
+        order.clear();
+        order.extend((0..counts.len()).filter(|slot| counts[*slot] > 0));
+        order.sort_by_key(|slot| counts[*slot]);
+        block_of_tree.clear();
+        block_of_tree.resize(scene.slots(), usize::MAX);
+        for slot in order.iter() {
+            let tree = &scene.placed(*slot).tree;
+            block_of_tree[*slot] = solver.add_block(
+                tree.coordinates().iter().map(|own| own.velocity),
+                tree.next().iter().copied(),
+                |row, column| tree.mass(row, column),
             );
         }
-        !scratch.order.is_empty()
+        !order.is_empty()
     }
 
-    fn fill_solver(&mut self, parts: &Parts) {
-        let scratch = &mut self.scratch;
-        for candidate in &scratch.candidates {
-            let nodes = &scratch.nodes[candidate.nodes.0..candidate.nodes.1];
-            let patch = scratch.solver.add_patch(candidate.law, nodes, candidate.deflection);
+    fn fill_solver(&mut self, scene: &Scene) {
+        let Scratch { candidates, nodes, block_of_tree, order, solver, .. } = &mut self.scratch;
+        for candidate in candidates.iter() {
+            let nodes = &nodes[candidate.nodes.0..candidate.nodes.1];
+            let patch = solver.add_patch(candidate.law, nodes, candidate.deflection);
             for (side, link) in candidate.links.iter().enumerate() {
-                let Some(link) = link else { continue };
-                let copied = &scratch.bodies[link.body];
+                let Some(PlacedLink { slot, link }) = *link else { continue };
                 let sign = if side == 0 { 1.0 } else { -1.0 };
-                let columns = candidate.columns(copied, link.link, sign);
-                scratch.solver.add_side(patch, side, scratch.block_of_body[link.body], columns);
+                let columns = solver.add_side(patch, side, block_of_tree[slot]);
+                candidate.fill_columns(&scene.placed(slot).tree, link, sign, columns);
             }
         }
-        for stop in &self.stops {
-            let Some(body) = stop.body(&scratch.bodies[..scratch.count], parts) else {
-                continue;
-            };
-            let first = scratch.solver.offset(scratch.block_of_body[body]);
-            for stop in stop.rows(first, parts).into_iter().flatten() {
-                scratch.solver.add_stop(stop);
+        for slot in order.iter() {
+            let first = solver.offset(block_of_tree[*slot]);
+            for stop in stops::near(&scene.placed(*slot).tree).flat_map(|(at, own)| stops::rows(first + at, own)) {
+                solver.add_stop(stop);
             }
         }
     }

@@ -1,12 +1,12 @@
-//! The contents of a rig, read back from the engine, so that another engine can build the same.
+//! The contents of a rig, read back from the scene, so that another engine can build the same.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 use rapier3d::prelude::*;
 use underbrush_recording::{BodyPart, BodyShape, Pose as WorldPose};
 
-use crate::contact::surface::Surface;
-use crate::geometry::from_parry;
+use crate::dynamics::Link;
 use crate::simulation::engine::Engine;
+use crate::simulation::placed::{Placed, Scene};
 
 /// The bodies and joints of a rig.
 #[derive(Clone, Debug)]
@@ -73,71 +73,57 @@ pub struct ColliderDescription {
 }
 
 impl Description {
-    pub(super) fn read(engine: &mut Engine) -> Self {
-        for (_, body) in engine.bodies.iter_mut() {
-            // Otherwise the engine would not sum up the masses until its first step.
-            body.recompute_mass_properties_from_colliders(&engine.colliders);
-        }
-        let engine = &*engine;
-        let mut trees: Vec<Vec<LinkDescription>> =
-            engine.joints.multibodies().map(|tree| describe(tree, engine)).collect();
-        // The engine may list the trees in any order.
-        trees.sort_by_key(|tree| tree.first().map(|root| root.body));
-        Description { trees }
+    pub(super) fn read(engine: &Engine) -> Self {
+        Description { trees: engine.scene.trees().map(|(_, placed)| describe(placed, engine)).collect() }
     }
 }
 
-/// One multibody, link by link from the root.
-fn describe(tree: &Multibody, engine: &Engine) -> Vec<LinkDescription> {
-    tree.links()
-        .map(|link| {
-            let handle = link.rigid_body_handle();
-            let body = &engine.bodies[handle];
-            let mass = body.mass_properties().local_mprops;
-            let joint = &link.joint.data;
-            let locked = joint.locked_axes.bits();
-            let free = (0..6).filter(|axis| link.parent_id().is_some() && locked & (1 << axis) == 0);
-            let axes = free.enumerate().map(|(number, axis)| {
-                let degree = link.assembly_id() + number;
-                let (stiffness, rest) = link.joint.spring(axis);
-                // The engine names a joint by the body that it carries.
-                let stop = engine.contact_step.stops.iter().find(|stop| stop.joint.0 == handle.0);
-                AxisDescription {
-                    axis,
-                    coordinate: link.joint.coords()[axis],
-                    stiffness,
-                    rest,
-                    damping: tree.damping()[degree],
-                    armature: tree.armature()[degree],
-                    limits: stop.map(|stop| stop.limits_rad),
-                }
-            });
-            LinkDescription {
-                body: handle.into_raw_parts().0 as usize,
-                parent: link.parent_id(),
-                fixed: !body.is_dynamic(),
-                pose_world: from_parry(body.position()),
-                gravity_scale: body.gravity_scale(),
-                mass_kg: mass.mass(),
-                center_of_mass_body: mass.local_com,
-                inertia_body: mass.reconstruct_inertia_matrix(),
-                joint_frames: [from_parry(&joint.local_frame1), from_parry(&joint.local_frame2)],
-                axes: axes.collect(),
-                colliders: body
-                    .colliders()
-                    .iter()
-                    .filter_map(|handle| collider(&engine.colliders[*handle], engine.contact_step.surface(*handle)?))
-                    .collect(),
+/// One tree, link by link from the ground.
+fn describe(placed: &Placed, engine: &Engine) -> Vec<LinkDescription> {
+    let tree = &placed.tree;
+    let describe = |(index, link): (usize, &Link)| {
+        let coordinates = tree.coordinates_of(index);
+        // A joint with one axis has it along x of its frame. The others have theirs along x, y and z.
+        let turn = match coordinates {
+            [one] => WorldPose::from_orientation(DQuat::from_rotation_arc(DVec3::X, one.axis_joint)),
+            _ => WorldPose::IDENTITY,
+        };
+        let axes = coordinates.iter().map(|own| {
+            let axis_frame = turn.inverse_transform_vector(own.axis_joint);
+            let along = DVec3::AXES.iter().position(|axis| axis.dot(axis_frame) > 0.5).unwrap_or(0);
+            AxisDescription {
+                axis: along + if own.turns { 3 } else { 0 },
+                coordinate: own.position,
+                stiffness: own.spring.stiffness + own.spring.maxwell.map_or(0.0, |branch| branch.stiffness),
+                rest: own.rest,
+                damping: own.spring.damping,
+                armature: own.spring.armature,
+                limits: own.stop.map(|stop| stop.limits_rad),
             }
-        })
-        .collect()
+        });
+        let body = placed.bodies[index];
+        LinkDescription {
+            body: body.into_raw_parts().0 as usize,
+            parent: (index > 0).then_some(link.parent),
+            fixed: !tree.moves(index),
+            pose_world: link.pose_world,
+            gravity_scale: if tree.weighs() { 1.0 } else { 0.0 },
+            mass_kg: link.mass_kg,
+            center_of_mass_body: link.center_of_mass_link,
+            inertia_body: link.inertia_link,
+            joint_frames: [link.joint_parent * turn, turn],
+            axes: axes.collect(),
+            colliders: engine.scene.colliders_of(body).iter().filter_map(|own| collider(&engine.scene, *own)).collect(),
+        }
+    };
+    tree.links().iter().enumerate().map(describe).collect()
 }
 
 /// A collision shape; `None` for a kind of shape that recordings do not have. Nothing here builds such shapes.
-fn collider(collider: &Collider, surface: Surface) -> Option<ColliderDescription> {
-    let shape = collider.shape();
+fn collider(scene: &Scene, collider: ColliderHandle) -> Option<ColliderDescription> {
+    let shape = scene.shape(collider);
     // The engine's cylinders lie along y, and its capsules between any two points.
-    let along = |axis: DVec3| WorldPose::from_orientation(glam::DQuat::from_rotation_arc(DVec3::Z, axis));
+    let along = |axis: DVec3| WorldPose::from_orientation(DQuat::from_rotation_arc(DVec3::Z, axis));
     let (shape, shape_pose) = match shape.as_typed_shape() {
         TypedShape::Ball(ball) => (BodyShape::Sphere { radius_m: ball.radius }, WorldPose::IDENTITY),
         TypedShape::Cuboid(cuboid) => {
@@ -161,11 +147,11 @@ fn collider(collider: &Collider, surface: Surface) -> Option<ColliderDescription
         }
         _ => return None,
     };
-    let pose = collider.position_wrt_parent().map_or(WorldPose::IDENTITY, from_parry);
-    let groups = collider.collision_groups();
+    let mount = scene.mount(collider);
+    let groups = scene.groups(collider);
     Some(ColliderDescription {
-        part: BodyPart { shape, pose_body: pose * shape_pose },
-        friction: surface.friction,
+        part: BodyPart { shape, pose_body: mount.pose_link * shape_pose },
+        friction: mount.surface.friction,
         groups: [groups.memberships.bits(), groups.filter.bits()],
     })
 }

@@ -85,10 +85,8 @@ fn end_effector_force_at_rest_is_held_by_the_springs() {
             let end_effector = arm.end_effector_pose(&arm.forward_kinematics(
                 &joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>(),
             ));
-            let body = &mut engine.bodies[bodies.links[arm.end_effector_link]];
-            body.reset_forces(true);
-            body.reset_torques(true);
-            body.add_force_at_point(force, end_effector.position, true);
+            let tree = engine.tree_mut(bodies.slot);
+            tree.push(arm.end_effector_link, force, end_effector.position, DVec3::ZERO);
             engine.step();
         }
         let angles = joints(&bodies, &engine).iter().map(|joint| joint.angle_rad).collect::<Vec<f64>>();

@@ -1,9 +1,12 @@
 //! The arm in the engine against the arm as data.
 
+use nalgebra::Vector3;
+
 use super::ArmBodies;
 use crate::arm::Arm;
 use crate::arm::tests::kinematics::matrix;
 use crate::arm::tests::random_postures;
+use crate::geometry::parry_pose;
 use crate::physics::PhysicsOptions;
 use crate::simulation::engine::Engine;
 use crate::simulation::report::JointState;
@@ -26,49 +29,30 @@ fn inserted(arm: &Arm, posture: &[f64]) -> (Engine, ArmBodies) {
 }
 
 #[test]
-fn engine_has_the_same_poses_and_jacobians() {
-    // Tests that kinematics here and the engine's multibody are the same arm: link poses and the Jacobians of the
-    // centres of mass at random postures.
+fn the_tree_has_the_same_poses_and_jacobians() {
+    // Tests that kinematics here and the tree are the same arm: link poses and the Jacobians of the centres of mass at
+    // random postures.
     let arm = Arm::cody().unwrap();
     for posture in random_postures(&arm, 1000) {
         let (engine, bodies) = inserted(&arm, &posture);
+        let tree = engine.tree(bodies.slot);
         let poses = arm.forward_kinematics(&posture);
-        let (multibody, _) = engine.joints.get(bodies.joints[0]).unwrap();
-        assert_eq!(multibody.ndofs(), 7);
-        for (index, (handle, pose)) in bodies.links.iter().zip(&poses).enumerate() {
-            let body = &engine.bodies[*handle];
+        assert_eq!(tree.coordinates().len(), 7);
+        for (index, pose) in poses.iter().enumerate() {
             assert!((matrix(&bodies.link_pose(&engine, index)) - matrix(pose)).amax() < 1e-12);
             let center = pose.transform_point(arm.links[index].center_of_mass_link);
-            assert!(body.center_of_mass().distance(center) < 1e-12);
-            let engine = multibody.body_jacobian(index);
+            assert!(tree.center_of_mass_world(index).distance(center) < 1e-12);
             let position = arm.position_jacobian(&poses, index, center);
             let angular = arm.angular_jacobian(&poses, index);
-            assert!((engine.fixed_rows::<3>(0) - position).amax() < 1e-12);
-            assert!((engine.fixed_rows::<3>(3) - angular).amax() < 1e-12);
+            let motions: Vec<_> = tree.motions(index, center).collect();
+            assert_eq!(motions.len(), index);
+            for (at, [linear, turning]) in motions {
+                assert!((Vector3::from(linear.to_array()) - position.column(at)).amax() < 1e-12);
+                assert!((Vector3::from(turning.to_array()) - angular.column(at)).amax() < 1e-12);
+            }
         }
         for (joint, set) in joints(&bodies, &engine).iter().zip(&posture) {
             assert!((joint.angle_rad - set).abs() < 1e-12);
-        }
-    }
-}
-
-#[test]
-fn engine_has_the_same_inertia() {
-    // Tests mass, centre of mass and the whole inertia tensor of every link through the engine's principal axes, also of
-    // an arm that is ten thousand times as light.
-    for scale in [1.0, 1e-4] {
-        let mut arm = Arm::cody().unwrap();
-        for link in &mut arm.links {
-            link.mass_kg *= scale;
-            link.inertia_link *= scale;
-        }
-        let (engine, bodies) = inserted(&arm, &arm.start_posture_rad());
-        for ((handle, frame), link) in bodies.links.iter().zip(&bodies.inertia_frames).zip(&arm.links).skip(1) {
-            let properties = engine.bodies[*handle].mass_properties().local_mprops.transform_by(frame);
-            assert!((properties.mass() - link.mass_kg).abs() < 1e-12 * scale);
-            assert!(properties.local_com.distance(link.center_of_mass_link) < 1e-15);
-            let found = properties.reconstruct_inertia_matrix();
-            assert!(found.abs_diff_eq(link.inertia_link, 1e-12 * scale), "{}, {scale}: {found}", link.name);
         }
     }
 }
@@ -86,12 +70,11 @@ fn arm_stays_where_it_is_put() {
     for (joint, set) in joints(&bodies, &engine).iter().zip(&posture) {
         assert!((joint.angle_rad - set).abs() < 1e-12);
     }
-    let (multibody, _) = engine.joints.get(bodies.joints[0]).unwrap();
-    assert_eq!(multibody.damping().len(), 7);
-    for ((joint, handle), damping) in arm.joints.iter().zip(&bodies.joints).zip(multibody.damping().iter()) {
-        assert_eq!(*damping, joint.damping_nm_s_per_rad);
-        let (multibody, link) = engine.joints.get(*handle).unwrap();
-        assert_eq!(multibody.link(link).unwrap().joint().spring(3).0, joint.stiffness_nm_per_rad);
+    let coordinates = engine.tree(bodies.slot).coordinates();
+    assert_eq!(coordinates.len(), 7);
+    for (joint, own) in arm.joints.iter().zip(coordinates) {
+        assert_eq!(own.spring.damping, joint.damping_nm_s_per_rad);
+        assert_eq!(own.spring.stiffness, joint.stiffness_nm_per_rad);
     }
 }
 
@@ -132,11 +115,9 @@ fn shapes_sit_where_the_files_put_them() {
     let (engine, bodies) = inserted(&arm, &[0.0; 7]);
     let lowest_and_highest = |name: &str| {
         let link = arm.link_index(name).unwrap();
-        let boxes = bodies.colliders.iter().filter(|(_, on)| *on == link);
+        let boxes = bodies.colliders.iter().filter(|own| bodies.link_of(&engine, **own) == Some(link));
         boxes
-            .map(|(collider, _)| {
-                engine.colliders[*collider].shape().compute_aabb(engine.colliders[*collider].position())
-            })
+            .map(|own| engine.shape(*own).compute_aabb(&parry_pose(&engine.collider_pose(*own))))
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), bounds| {
                 (low.min(bounds.mins.z), high.max(bounds.maxs.z))
             })
@@ -155,8 +136,9 @@ fn an_engine_without_numbers_does_not_panic() {
     let arm = Arm::cody().unwrap();
     let (mut engine, bodies) = inserted(&arm, &arm.start_posture_rad());
     let nothing = vec![f64::NAN; arm.joints.len()];
-    let multibody = engine.joints.get_mut(bodies.joints[0]).unwrap().0;
-    multibody.apply_displacements(&nothing);
+    for own in engine.tree_mut(bodies.slot).coordinates_mut() {
+        own.position = f64::NAN;
+    }
     assert!(
         joints(&bodies, &engine)
             .iter()

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::build;
+use super::{build, pose, step_pushed};
 use crate::object::Object;
 use crate::object::foam_block::FoamBlock;
 use crate::physics::PhysicsOptions;
@@ -16,17 +16,12 @@ fn a_load_presses_the_top_in() {
     let relaxing_share = block.parameters()["relaxing_share"];
     let options = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 0.0 };
     let mut engine = Engine::new(options);
-    let mut mechanism = build(&block, &mut engine);
-    let top = mechanism.bodies()[1];
+    let mechanism = build(&block, &mut engine);
     let mut press = |seconds: f64, force_n: f64| {
         for _ in 0..(seconds / options.step_s).round() as usize {
-            let body = &mut engine.bodies[top];
-            body.reset_forces(true);
-            body.add_force(DVec3::Z * -force_n, true);
-            mechanism.relax(&mut engine);
-            engine.step();
+            step_pushed(&mut engine, mechanism, 1, DVec3::Z * -force_n, DVec3::ZERO);
         }
-        (-engine.bodies[top].position().translation.z, mechanism.is_at_rest(&engine))
+        (-pose(&engine, mechanism, 1).position.z, mechanism.is_at_rest(&engine))
     };
     let (depth_m, _) = press(40.0, 30.0);
     let expected = 30.0 * 0.08 / (5.0e4 * 0.025 * (1.0 - relaxing_share));

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::build;
+use super::{build, pose, step_pushed};
 use crate::object::foam_roll::FoamRoll;
 use crate::physics::PhysicsOptions;
 use crate::simulation::engine::Engine;
@@ -21,22 +21,16 @@ fn a_push_creeps_and_recovers() {
     };
     let options = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 0.0 };
     let mut engine = Engine::new(options);
-    let mut mechanism = build(&roll, &mut engine);
+    let mechanism = build(&roll, &mut engine);
     // The core takes the force, so that only the lean shows.
-    let core = mechanism.bodies()[2];
+    let core = 2;
     let force = 0.5;
     let lever = 0.4;
     let mut lean = |seconds: f64, force: f64| {
         for _ in 0..(seconds / options.step_s).round() as usize {
-            let body = &mut engine.bodies[core];
-            body.reset_forces(true);
-            body.reset_torques(true);
-            let point = body.position().transform_point(DVec3::Z * lever);
-            body.add_force_at_point(DVec3::X * force, point, true);
-            mechanism.relax(&mut engine);
-            engine.step();
+            step_pushed(&mut engine, mechanism, core, DVec3::X * force, DVec3::Z * lever);
         }
-        engine.bodies[core].position().transform_vector(DVec3::Z).x
+        pose(&engine, mechanism, core).transform_vector(DVec3::Z).x
     };
     let at_once = force * lever / roll.lean_stiffness_nm_per_rad();
     let retardation = roll.relaxation_time_s / (1.0 - roll.relaxing_share);
@@ -69,20 +63,13 @@ fn roll(modulus_pa: f64) -> FoamRoll {
 fn lean_after_a_push_m(roll: &FoamRoll, seconds: f64) -> f64 {
     let options = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 9.81 };
     let mut engine = Engine::new(options);
-    let mut mechanism = build(roll, &mut engine);
-    let core = mechanism.bodies()[2];
+    let mechanism = build(roll, &mut engine);
+    let (core, top) = (2, DVec3::Z * roll.height_m);
     for step in 0..(seconds / options.step_s) as usize {
-        let body = &mut engine.bodies[core];
-        body.reset_forces(true);
-        body.reset_torques(true);
-        if step < 100 {
-            let top = body.position().transform_point(DVec3::Z * roll.height_m);
-            body.add_force_at_point(DVec3::X * 0.05, top, true);
-        }
-        mechanism.relax(&mut engine);
-        engine.step();
+        let force = if step < 100 { DVec3::X * 0.05 } else { DVec3::ZERO };
+        step_pushed(&mut engine, mechanism, core, force, top);
     }
-    let tip = engine.bodies[core].position().transform_point(DVec3::Z * roll.height_m);
+    let tip = pose(&engine, mechanism, core).transform_point(top);
     tip.truncate().length()
 }
 

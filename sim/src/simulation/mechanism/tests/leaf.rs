@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::build;
+use super::{build, pose, step_pushed};
 use crate::object::leaf::Leaf;
 use crate::physics::PhysicsOptions;
 use crate::simulation::engine::Engine;
@@ -12,17 +12,12 @@ fn tip_deflection(leaf: &Leaf, force: DVec3) -> DVec3 {
     let options = PhysicsOptions { step_s: 0.01, gravity_m_per_s2: 0.0 };
     let mut engine = Engine::new(options);
     let mechanism = build(leaf, &mut engine);
-    let last = mechanism.bodies()[mechanism.bodies().len() - 1];
+    let last = engine.tree(mechanism.slot).links().len() - 1;
     let tip_local = DVec3::Z * (leaf.height_m - leaf.blade_hinges()[leaf.segments as usize - 1].0);
     for _ in 0..4000 {
-        let body = &mut engine.bodies[last];
-        let tip = body.position().transform_point(tip_local);
-        body.reset_forces(true);
-        body.reset_torques(true);
-        body.add_force_at_point(force, tip, true);
-        engine.step();
+        step_pushed(&mut engine, mechanism, last, force, tip_local);
     }
-    engine.bodies[last].position().transform_point(tip_local) - DVec3::Z * leaf.height_m
+    pose(&engine, mechanism, last).transform_point(tip_local) - DVec3::Z * leaf.height_m
 }
 
 fn example(segments: u32, root_stiffness_nm_per_rad: Option<f64>) -> Leaf {

@@ -2,11 +2,11 @@
 
 mod foam_block;
 mod foam_roll;
-mod inertia;
 mod leaf;
 mod water_bottle;
 
 use glam::DVec3;
+use underbrush_recording::Pose;
 
 use super::Mechanism;
 use crate::object::Object;
@@ -15,4 +15,17 @@ use crate::simulation::engine::Engine;
 /// An object at the origin.
 fn build(object: &dyn Object, engine: &mut Engine) -> Mechanism {
     Mechanism::build(&object.structure(), engine, DVec3::ZERO, 0.0)
+}
+
+/// Makes a step in which a force acts on a body at one of its points, m, body frame.
+fn step_pushed(engine: &mut Engine, mechanism: Mechanism, body: usize, force_world: DVec3, point_body: DVec3) {
+    let tree = engine.tree_mut(mechanism.slot);
+    let point = tree.links()[body].pose_world.transform_point(point_body);
+    tree.push(body, force_world, point, DVec3::ZERO);
+    engine.step();
+}
+
+/// The pose of a body.
+fn pose(engine: &Engine, mechanism: Mechanism, body: usize) -> Pose {
+    engine.tree(mechanism.slot).links()[body].pose_world
 }

@@ -1,0 +1,342 @@
+//! The Rapier scene: bodies, shapes, collision groups and the broad phase; and the joint trees whose links the bodies
+//! are.
+//!
+//! The bodies are fixed or kinematic: [`crate::dynamics`] moves the trees. The scene finds which shapes may come near each
+//! other while none moves by more than some room, and finds them anew as soon as one has moved farther. So no pair is
+//! missed, however fast the shapes are.
+
+use glam::{DMat3, DVec3};
+use rapier3d::prelude::*;
+use serde::{Deserialize, Serialize};
+use underbrush_recording::Pose as WorldPose;
+
+use super::bounds::Bounds;
+use crate::contact::surface::Surface;
+use crate::dynamics::Tree;
+use crate::geometry::{from_parry, parry_pose};
+
+/// Shapes that are farther apart have no contact, m. The hand moves 2.5 mm in a step of 5 ms at 0.5 m/s, the speed of the
+/// fastest preset.
+pub(super) const NEAR_M: f64 = 0.005;
+
+/// How far a shape may move before the pairs are found anew, m. Choice: the way of the hand in five frames at 0.2 m/s. With
+/// more room they are found less often, but there are more of them.
+const ROOM_M: f64 = 0.01;
+
+/// Tells Rapier not to compute contacts: the broad phase is all that is asked for.
+struct NoContacts;
+
+impl PhysicsHooks for NoContacts {
+    fn filter_contact_pair(&self, _pair: &PairFilterContext) -> Option<SolverFlags> {
+        None
+    }
+}
+
+/// A link of a tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct PlacedLink {
+    pub(super) slot: usize,
+    pub(super) link: usize,
+}
+
+/// A shape to be added.
+pub struct Solid {
+    /// The link that carries it.
+    pub link: usize,
+    /// The shape, in its place on the link.
+    pub shape: ColliderBuilder,
+    /// What it collides with.
+    pub groups: InteractionGroups,
+    /// Its surface.
+    pub surface: Surface,
+}
+
+/// A tree, and the bodies of its links.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Placed {
+    /// The tree.
+    pub tree: Tree,
+    /// One for each link.
+    pub bodies: Vec<RigidBodyHandle>,
+}
+
+/// Where a shape is.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Mount {
+    pub(super) at: PlacedLink,
+    pub(super) surface: Surface,
+    /// Whether its link can move.
+    pub(super) moves: bool,
+    pub(super) pose_link: WorldPose,
+    bounds: Bounds,
+    /// Where it was when the pairs were found: the middle and the axes of its box, and its extent along the axes of the
+    /// world, m.
+    found_center: DVec3,
+    found_axes: DMat3,
+    found_extent: [DVec3; 2],
+    /// Its pose when the step began, world frame, and the axes of that pose.
+    pub(super) pose_world: WorldPose,
+    pub(super) axes_world: DMat3,
+}
+
+impl Mount {
+    fn place(&mut self, link_world: &WorldPose) {
+        self.pose_world = *link_world * self.pose_link;
+        self.axes_world = DMat3::from_quat(self.pose_world.orientation);
+    }
+
+    fn center(&self) -> DVec3 {
+        self.pose_world.position + self.axes_world * self.bounds.center
+    }
+
+    /// Whether any of its points may be farther than `ROOM_M` from where it was when the pairs were found. A corner of its
+    /// box moves with the middle and with the ends of the three half edges that lead to it.
+    fn has_left_its_room(&self) -> bool {
+        let half = self.bounds.half_extents;
+        let [x, y, z] =
+            [0, 1, 2].map(|axis| self.axes_world.col(axis).distance(self.found_axes.col(axis)) * half[axis]);
+        self.center().distance(self.found_center) + x + y + z > ROOM_M
+    }
+
+    /// A lower bound on the distance to another shape, m.
+    pub(super) fn distance_at_least_m(&self, other: &Mount) -> f64 {
+        let side = |mount: &Mount| (mount.bounds, mount.pose_world.position, mount.axes_world);
+        super::bounds::distance_at_least_m(side(self), side(other))
+    }
+}
+
+/// Rapier's broad phase. It is no part of a saved state: what it finds does not depend on its past.
+#[derive(Clone, Default)]
+struct Finder {
+    broad_phase: BroadPhaseBvh,
+    narrow_phase: NarrowPhase,
+    /// Whether it has been told of all shapes.
+    is_filled: bool,
+}
+
+/// Trees, shapes, and the pairs of shapes that are near each other.
+#[derive(Clone, Default, Serialize, Deserialize)]
+pub(super) struct Scene {
+    bodies: RigidBodySet,
+    colliders: ColliderSet,
+    #[serde(skip)]
+    finder: Finder,
+    placed: Vec<Option<Placed>>,
+    /// Indexed by the index in the collider's handle.
+    mounts: Vec<Option<Mount>>,
+    /// Sorted.
+    pairs: Vec<[ColliderHandle; 2]>,
+    /// Whether shapes were added or removed since the pairs were found.
+    is_changed: bool,
+}
+
+fn index(collider: ColliderHandle) -> usize {
+    collider.into_raw_parts().0 as usize
+}
+
+impl Scene {
+    pub(super) fn insert(&mut self, tree: Tree, solids: Vec<Solid>) -> usize {
+        let free = self.placed.iter().position(Option::is_none);
+        let slot = free.unwrap_or_else(|| {
+            self.placed.push(None);
+            self.placed.len() - 1
+        });
+        let bodies = tree.links().iter().enumerate().map(|(link, own)| {
+            let body = match tree.moves(link) {
+                true => RigidBodyBuilder::kinematic_position_based(),
+                false => RigidBodyBuilder::fixed(),
+            };
+            self.bodies.insert(body.pose(parry_pose(&own.pose_world)).can_sleep(false))
+        });
+        let bodies: Vec<RigidBodyHandle> = bodies.collect();
+        for Solid { link, shape, groups, surface } in solids {
+            let shape = shape
+                .density(0.0)
+                .collision_groups(groups)
+                .active_collision_types(
+                    ActiveCollisionTypes::KINEMATIC_KINEMATIC | ActiveCollisionTypes::KINEMATIC_FIXED,
+                )
+                .active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS);
+            let collider = self.colliders.insert_with_parent(shape, bodies[link], &mut self.bodies);
+            let inserted = &self.colliders[collider];
+            let mut mount = Mount {
+                at: PlacedLink { slot, link },
+                surface,
+                moves: tree.moves(link),
+                pose_link: inserted.position_wrt_parent().map_or(WorldPose::IDENTITY, from_parry),
+                bounds: Bounds::of(inserted.shape()),
+                found_center: DVec3::ZERO,
+                found_axes: DMat3::IDENTITY,
+                found_extent: [DVec3::ZERO; 2],
+                pose_world: WorldPose::IDENTITY,
+                axes_world: DMat3::IDENTITY,
+            };
+            mount.place(&tree.links()[link].pose_world);
+            let index = index(collider);
+            if self.mounts.len() <= index {
+                self.mounts.resize(index + 1, None);
+            }
+            self.mounts[index] = Some(mount);
+        }
+        self.placed[slot] = Some(Placed { tree, bodies });
+        self.is_changed = true;
+        slot
+    }
+
+    pub(super) fn remove(&mut self, slot: usize) {
+        let Some(placed) = self.placed[slot].take() else { return };
+        for body in placed.bodies {
+            for collider in self.bodies[body].colliders() {
+                self.mounts[index(*collider)] = None;
+            }
+            self.bodies.remove(
+                body,
+                &mut IslandManager::new(),
+                &mut self.colliders,
+                &mut ImpulseJointSet::new(),
+                &mut MultibodyJointSet::new(),
+                &mut SoftBodySet::new(),
+                true,
+            );
+        }
+        self.is_changed = true;
+    }
+
+    /// A tree with the bodies of its links.
+    ///
+    /// # Panics
+    /// If the slot is empty.
+    pub(super) fn placed(&self, slot: usize) -> &Placed {
+        self.placed[slot].as_ref().expect("the slots that are handed out are taken")
+    }
+
+    /// A tree, to change it.
+    ///
+    /// # Panics
+    /// If the slot is empty.
+    pub(super) fn tree_mut(&mut self, slot: usize) -> &mut Tree {
+        &mut self.placed[slot].as_mut().expect("the slots that are handed out are taken").tree
+    }
+
+    /// The number of slots.
+    pub(super) fn slots(&self) -> usize {
+        self.placed.len()
+    }
+
+    /// All trees with their slots.
+    pub(super) fn trees(&self) -> impl Iterator<Item = (usize, &Placed)> {
+        self.placed.iter().enumerate().filter_map(|(slot, placed)| Some((slot, placed.as_ref()?)))
+    }
+
+    /// The trees in which anything moves.
+    pub(super) fn trees_mut(&mut self) -> impl Iterator<Item = &mut Tree> {
+        let trees = self.placed.iter_mut().flatten().map(|placed| &mut placed.tree);
+        trees.filter(|tree| !tree.coordinates().is_empty())
+    }
+
+    /// Where a shape is.
+    ///
+    /// # Panics
+    /// If it was removed.
+    pub(super) fn mount(&self, collider: ColliderHandle) -> &Mount {
+        self.mounts[index(collider)].as_ref().expect("a shape has a mount until it is removed")
+    }
+
+    pub(super) fn shape(&self, collider: ColliderHandle) -> &dyn Shape {
+        self.colliders[collider].shape()
+    }
+
+    pub(super) fn groups(&self, collider: ColliderHandle) -> InteractionGroups {
+        self.colliders[collider].collision_groups()
+    }
+
+    /// The shapes of a body.
+    pub(super) fn colliders_of(&self, body: RigidBodyHandle) -> &[ColliderHandle] {
+        self.bodies[body].colliders()
+    }
+
+    /// The body that carries a shape.
+    pub(super) fn body_of(&self, collider: ColliderHandle) -> RigidBodyHandle {
+        let PlacedLink { slot, link } = self.mount(collider).at;
+        self.placed(slot).bodies[link]
+    }
+
+    /// The pose of a link, world frame.
+    pub(super) fn link_pose(&self, at: PlacedLink) -> &WorldPose {
+        &self.placed(at.slot).tree.links()[at.link].pose_world
+    }
+
+    /// The present pose of a shape, world frame.
+    pub(super) fn collider_pose(&self, collider: ColliderHandle) -> WorldPose {
+        let mount = self.mount(collider);
+        *self.link_pose(mount.at) * mount.pose_link
+    }
+
+    /// The pairs of shapes that may be near each other and collide, of which at least one moves, in a fixed order.
+    pub(super) fn pairs(&self) -> &[[ColliderHandle; 2]] {
+        &self.pairs
+    }
+
+    /// Moves the shapes with their links, and finds the pairs anew if a shape has left its room.
+    pub(super) fn find_pairs(&mut self) {
+        let mut has_left = false;
+        for mount in self.mounts.iter_mut().flatten().filter(|mount| mount.moves) {
+            if let Some(placed) = &self.placed[mount.at.slot] {
+                mount.place(&placed.tree.links()[mount.at.link].pose_world);
+            }
+            has_left |= mount.has_left_its_room();
+        }
+        if has_left || self.is_changed {
+            self.update();
+        }
+    }
+
+    /// Moves the bodies to their links, and runs the broad phase.
+    fn update(&mut self) {
+        for placed in self.placed.iter().flatten() {
+            for (link, body) in placed.bodies.iter().enumerate().filter(|(link, _)| placed.tree.moves(*link)) {
+                self.bodies[*body].set_position(parry_pose(&placed.tree.links()[link].pose_world), false);
+            }
+        }
+        for (handle, collider) in self.colliders.iter() {
+            if let Some(mount) = &mut self.mounts[index(handle)] {
+                let extent = collider.shape().compute_aabb(&parry_pose(&mount.pose_world));
+                (mount.found_center, mount.found_axes) = (mount.center(), mount.axes_world);
+                mount.found_extent = [extent.mins, extent.maxs];
+            }
+        }
+        let Finder { broad_phase, narrow_phase, is_filled } = &mut self.finder;
+        if !std::mem::replace(is_filled, true) {
+            for (_, collider) in self.colliders.iter_mut() {
+                collider.set_position(*collider.position());
+            }
+        }
+        // The distance counts once for a pair.
+        CollisionPipeline::new().step(
+            2.0 * ROOM_M + NEAR_M,
+            &mut IslandManager::new(),
+            broad_phase,
+            narrow_phase,
+            &mut self.bodies,
+            &mut self.colliders,
+            &NoContacts,
+            &(),
+        );
+        let boxed = self.finder.narrow_phase.contact_pairs().map(|pair| [pair.collider1, pair.collider2]);
+        let mut pairs = std::mem::take(&mut self.pairs);
+        pairs.clear();
+        pairs.extend(boxed.filter(|pair| self.may_meet(pair)));
+        pairs.sort_unstable_by_key(|pair| pair.map(ColliderHandle::into_raw_parts));
+        self.pairs = pairs;
+        self.is_changed = false;
+    }
+
+    /// Whether a pair of shapes belongs to different trees and may come near each other before one of them has left its
+    /// room. The broad phase has compared their groups; its own boxes may be larger.
+    fn may_meet(&self, pair: &[ColliderHandle; 2]) -> bool {
+        let [first, second] = pair.map(|collider| self.mount(collider));
+        let ([low, high], [other_low, other_high]) = (first.found_extent, second.found_extent);
+        let apart = (low - other_high).max(other_low - high);
+        first.at.slot != second.at.slot && apart.max_element() <= 2.0 * ROOM_M + NEAR_M
+    }
+}
