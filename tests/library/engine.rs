@@ -29,7 +29,7 @@ fn naming_the_engine(root: &Path, folder: &Path, found: &mut Vec<PathBuf>) {
 }
 
 /// Tests that the engine is sealed: of all sources (crates, tests, benches, examples) only those of `sim`'s module
-/// `simulation` use the engine's crate.
+/// `simulation` use the engine's crate, and the check that compares the simulator's joint trees with the engine's.
 #[test]
 fn only_the_simulation_uses_the_engine() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -37,6 +37,8 @@ fn only_the_simulation_uses_the_engine() {
     naming_the_engine(root, root, &mut found);
     let (inside, outside): (Vec<_>, Vec<_>) =
         found.into_iter().partition(|path| path.starts_with("sim/src/simulation"));
+    let outside: Vec<_> =
+        outside.into_iter().filter(|path| *path != Path::new("validation/src/joint_trees.rs")).collect();
     assert!(inside.len() > 3, "the test looks in the right place: {inside:?}");
     assert!(outside.is_empty(), "these name the engine, too: {outside:?}");
 }

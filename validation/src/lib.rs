@@ -22,6 +22,7 @@ mod friction;
 mod hmm;
 mod joint_step;
 mod joint_torque;
+mod joint_trees;
 mod leaf_bending;
 mod leaf_case;
 mod leaf_vibration;
@@ -65,6 +66,7 @@ pub const CHECKS: &[Check] = &[
     hmm::CHECK,
     contact_law::CHECK,
     standing_bottle::CHECK,
+    joint_trees::CHECK,
 ];
 
 #[cfg(test)]

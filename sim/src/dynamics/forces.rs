@@ -35,12 +35,12 @@ impl Tree {
         self.sum_forces(if self.weighs { gravity_m_per_s2 } else { 0.0 });
         self.sum_masses(step_s);
         self.factorize();
-        let mut next = std::mem::take(&mut self.scratch.next);
-        self.solve(&mut next);
-        for (next, coordinate) in next.iter_mut().zip(&self.coordinates) {
-            *next = coordinate.velocity + step_s * *next;
-        }
-        self.scratch.next = next;
+        let mut acceleration = std::mem::take(&mut self.scratch.acceleration);
+        self.solve(&mut acceleration);
+        let ends = self.coordinates.iter().zip(&acceleration).map(|(own, rate)| own.velocity + step_s * rate);
+        self.scratch.next.clear();
+        self.scratch.next.extend(ends);
+        self.scratch.acceleration = acceleration;
         self.pushes.fill(0.0);
     }
 
@@ -95,14 +95,14 @@ impl Tree {
         }
     }
 
-    /// The mass matrix of the step, and the generalized forces in place of the velocities at its end.
+    /// The mass matrix of the step, and the generalized forces in place of the accelerations.
     fn sum_masses(&mut self, step_s: f64) {
         let size = self.coordinates.len();
-        let Scratch { axes, forces, inertias, mass, next, .. } = &mut self.scratch;
+        let Scratch { axes, forces, inertias, mass, acceleration, .. } = &mut self.scratch;
         mass.clear();
         mass.resize(size * size, 0.0);
-        next.clear();
-        next.resize(size, 0.0);
+        acceleration.clear();
+        acceleration.resize(size, 0.0);
         for (index, link) in self.links.iter().enumerate().skip(1).rev() {
             for at in link.coordinates.0..link.coordinates.1 {
                 let coordinate = &self.coordinates[at];
@@ -114,7 +114,7 @@ impl Tree {
                 }
                 let damping = coordinate.spring.damping;
                 mass[at * size + at] += coordinate.spring.armature + step_s * (damping + step_s * stiffness);
-                next[at] = self.pushes[at] + spring
+                acceleration[at] = self.pushes[at] + spring
                     - axes[at].dot(&forces[index])
                     - (step_s * stiffness + damping) * coordinate.velocity;
             }

@@ -139,6 +139,7 @@ struct Scratch {
     /// The mass matrix of the step: the lower triangle by rows.
     mass: Vec<f64>,
     factor: Vec<f64>,
+    acceleration: Vec<f64>,
     /// The velocities at the end of the step.
     next: Vec<f64>,
 }
@@ -183,6 +184,11 @@ impl Tree {
     /// The velocities at the end of the step that was prepared, one for each coordinate.
     pub fn next(&self) -> &[f64] {
         &self.scratch.next
+    }
+
+    /// The generalized accelerations of the step that was prepared, rad/s² or m/s².
+    pub fn acceleration(&self) -> &[f64] {
+        &self.scratch.acceleration
     }
 
     /// Changes the velocities at the end of the step.

@@ -1,0 +1,339 @@
+//! Check 20: joint trees move as Rapier's multibodies do.
+//!
+//! Rapier's multibodies are made from what [`Rig::describe`] says, without any code of the trees. Their equations are
+//! compared in random states at a step so short that its implicit terms vanish, and then along a second of free motion.
+
+use glam::{DMat3, DQuat, DVec3};
+use nalgebra::{Matrix3, SymmetricEigen};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rapier3d::prelude::*;
+use underbrush_recording::Pose as WorldPose;
+use underbrush_sim::arm::Arm;
+use underbrush_sim::dynamics::{Coordinate, Tree};
+use underbrush_sim::object::Object;
+use underbrush_sim::object::foam_block::FoamBlock;
+use underbrush_sim::object::foam_roll::FoamRoll;
+use underbrush_sim::object::leaf::Leaf;
+use underbrush_sim::object::water_bottle::WaterBottle;
+use underbrush_sim::physics::PhysicsOptions;
+use underbrush_sim::simulation::test_rig::{LinkDescription, Rig};
+
+use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+
+/// Check 20.
+pub const CHECK: Check = Check {
+    number: 20,
+    name: "joint-trees",
+    summary: "The arm and every object move as Rapier's multibodies do",
+    cases: &[Case { compare, falsifications: &[HEAVY_LINKS, STRONG_GRAVITY] }],
+};
+
+const HEAVY_LINKS: Falsification = Falsification {
+    wrong: "mass of every simulated link",
+    by: "0.1 % too high",
+    // A free body falls as fast whatever its mass.
+    breaks: Breaks::Named(&["leaf", "roll", "block", "arm"]),
+};
+const STRONG_GRAVITY: Falsification = Falsification {
+    wrong: "gravity",
+    by: "0.1 % too strong",
+    // It does not act on the arm.
+    breaks: Breaks::Named(&["leaf", "roll", "block", "bottle"]),
+};
+
+const GRAVITY_M_PER_S2: f64 = 9.81;
+/// A step so short that springs, dampers and Coriolis forces do not depend on whether they are taken at its start or end.
+const INSTANT_S: f64 = 1e-14;
+/// Random states of each tree.
+const STATES: usize = 20;
+/// Step of the free motion, s, and its length.
+const STEP_S: f64 = 2e-5;
+const MOTION_S: f64 = 1.0;
+
+fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    let mass_ratio = simulated.with(HEAVY_LINKS, 1.0, 1.001);
+    let gravity_m_per_s2 = GRAVITY_M_PER_S2 * simulated.with(STRONG_GRAVITY, 1.0, 1.001);
+    let mut subjects = Vec::new();
+    let leaf = Leaf {
+        height_m: 0.3,
+        width_m: 0.03,
+        flexural_rigidity_n_m2: 0.02,
+        mass_per_area_kg_per_m2: 0.8,
+        loss_factor: 0.2,
+        root_stiffness_nm_per_rad: Some(2.0),
+        segments: 4,
+    };
+    let roll = FoamRoll {
+        diameter_m: 0.12,
+        height_m: 0.5,
+        modulus_pa: 1e5,
+        relaxing_share: 0.5,
+        relaxation_time_s: 2.0,
+        density_kg_per_m3: 30.0,
+    };
+    let bottle =
+        WaterBottle { diameter_m: 0.26, height_m: 0.45, empty_mass_kg: 0.75, water_mass_kg: 0.3, friction: 0.15 };
+    let block = FoamBlock { height_m: 0.08, wet: true, modulus_pa: 5e4 };
+    for (name, object) in
+        [("leaf", &leaf as &dyn Object), ("foam roll", &roll), ("bottle", &bottle), ("foam block", &block)]
+    {
+        let mut rig = rig();
+        rig.add_object(object);
+        let mut structure = object.structure();
+        for body in &mut structure.bodies {
+            body.inertia.mass_kg *= mass_ratio;
+            body.inertia.principal_kg_m2 *= mass_ratio;
+        }
+        subjects.push((name, Tree::of_structure(&structure, WorldPose::IDENTITY), rig));
+    }
+    let mut arm = Arm::cody()?;
+    let mut arm_rig = rig();
+    arm_rig.add_arm(&arm);
+    let posture_rad = arm.start_posture_rad();
+    for link in &mut arm.links {
+        link.mass_kg *= mass_ratio;
+        link.inertia_link *= mass_ratio;
+    }
+    subjects.push(("arm", Tree::of_arm(&arm, &posture_rad), arm_rig));
+    let mut found = Vec::new();
+    for (name, tree, rig) in &subjects {
+        let trees = rig.describe().trees;
+        let described = trees.iter().find(|links| links.len() == tree.links().len());
+        let links = described.ok_or_else(|| CheckError::Case(format!("no {name} on the rig")))?;
+        found.push(Comparison::absolute(
+            format!("accelerations of the {name} over the largest"),
+            "",
+            0.0,
+            accelerations_apart(tree, links, gravity_m_per_s2),
+            1e-9,
+            "1e-9: rounding of both, with condition numbers up to 1e5",
+        ));
+        // A foam block has one axis, and its mass hardly counts beside its springs: its accelerations say all.
+        if tree.coordinates().len() > 1 {
+            found.push(Comparison::absolute(
+                format!("free motion of the {name}, largest difference"),
+                "rad or m",
+                0.0,
+                motions_apart(tree, links, gravity_m_per_s2),
+                1e-6,
+                "1e-6: both are of the first order, but Rapier takes Coriolis forces at the end of the step",
+            ));
+        }
+    }
+    Ok(found)
+}
+
+fn rig() -> Rig {
+    Rig::new(PhysicsOptions { step_s: INSTANT_S, gravity_m_per_s2: GRAVITY_M_PER_S2 })
+}
+
+/// The largest difference of the accelerations in random states, over the largest acceleration of the state.
+fn accelerations_apart(tree: &Tree, links: &[LinkDescription], gravity_m_per_s2: f64) -> f64 {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut worst = 0.0_f64;
+    for _ in 0..STATES {
+        let size = tree.coordinates().len();
+        let mut draw =
+            |size_of: f64| -> Vec<f64> { (0..size).map(|_| random.random_range(-size_of..size_of)).collect() };
+        let (displacement, velocity) = (draw(0.3), draw(3.0));
+        let own = prepared(tree, &displacement, &velocity, INSTANT_S, gravity_m_per_s2);
+        let mut peer = Peer::new(links, INSTANT_S);
+        peer.set(&displacement, &velocity);
+        peer.step();
+        let expected = peer.accelerations();
+        let largest = expected.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        let apart = own.acceleration().iter().zip(&expected).map(|(own, other)| (own - other).abs());
+        worst = worst.max(apart.fold(0.0, f64::max) / largest);
+    }
+    worst
+}
+
+/// The largest difference of the displacements along a free motion from a bent state.
+fn motions_apart(tree: &Tree, links: &[LinkDescription], gravity_m_per_s2: f64) -> f64 {
+    let size = tree.coordinates().len();
+    // Angles of 1 to 3 degrees and displacements of 1 mm. The shell of a roll that is pressed in by centimetres springs
+    // back at 10 m/s, and then Coriolis forces count even in steps of 20 µs.
+    let bent = |(at, own): (usize, &Coordinate)| if own.turns { 0.02 * (1.0 + at as f64 % 3.0) } else { 0.001 };
+    let displacement: Vec<f64> = tree.coordinates().iter().enumerate().map(bent).collect();
+    let velocity = vec![0.1; size];
+    let mut tree = tree.clone();
+    for branch in tree.coordinates_mut().iter_mut().filter_map(|own| own.spring.maxwell.as_mut()) {
+        // Multibodies have no relaxing branches.
+        branch.relaxation_time_s = f64::INFINITY;
+    }
+    let mut own = prepared(&tree, &displacement, &velocity, STEP_S, gravity_m_per_s2);
+    let mut peer = Peer::new(links, STEP_S);
+    peer.set(&displacement, &velocity);
+    let mut worst = 0.0_f64;
+    for _ in 0..(MOTION_S / STEP_S) as usize {
+        own.advance(STEP_S);
+        own.prepare(STEP_S, gravity_m_per_s2);
+        peer.step();
+        let positions = own.coordinates().iter().map(|own| own.position).zip(peer.positions());
+        worst = positions.map(|(own, other)| (own - other).abs()).fold(worst, f64::max);
+    }
+    worst
+}
+
+/// The tree after displacements and with velocities, prepared for a step.
+fn prepared(tree: &Tree, displacement: &[f64], velocity: &[f64], step_s: f64, gravity_m_per_s2: f64) -> Tree {
+    let mut tree = tree.clone();
+    tree.prepare(1.0, 0.0);
+    tree.next_mut().copy_from_slice(displacement);
+    tree.advance(1.0);
+    for (own, velocity) in tree.coordinates_mut().iter_mut().zip(velocity) {
+        own.velocity = *velocity;
+        own.dashpot = 0.0;
+    }
+    tree.prepare(step_s, gravity_m_per_s2);
+    tree
+}
+
+/// The same bodies and joints as a multibody of Rapier.
+struct Peer {
+    parameters: IntegrationParameters,
+    pipeline: PhysicsPipeline,
+    islands: IslandManager,
+    broad_phase: BroadPhaseBvh,
+    narrow_phase: NarrowPhase,
+    bodies: RigidBodySet,
+    colliders: ColliderSet,
+    impulse_joints: ImpulseJointSet,
+    joints: MultibodyJointSet,
+    soft_bodies: SoftBodySet,
+    continuous_collision: CCDSolver,
+    joint: MultibodyJointHandle,
+    /// Link and axis of each coordinate.
+    axes: Vec<(usize, usize)>,
+}
+
+impl Peer {
+    fn new(links: &[LinkDescription], step_s: f64) -> Self {
+        let (mut bodies, mut colliders, mut joints) =
+            (RigidBodySet::new(), ColliderSet::new(), MultibodyJointSet::new());
+        let mut handles: Vec<RigidBodyHandle> = Vec::new();
+        let mut joint = MultibodyJointHandle::invalid();
+        let mut axes = Vec::new();
+        for (index, link) in links.iter().enumerate() {
+            let builder = if link.fixed { RigidBodyBuilder::fixed() } else { RigidBodyBuilder::dynamic() };
+            let body =
+                bodies.insert(builder.pose(pose(&link.pose_world)).gravity_scale(link.gravity_scale).can_sleep(false));
+            // The mass is that of a shape that touches nothing: added to the body itself, its axes might be changed.
+            let shape =
+                ColliderBuilder::ball(1e-3).mass_properties(mass(link)).collision_groups(InteractionGroups::none());
+            colliders.insert_with_parent(shape, body, &mut bodies);
+            if let Some(parent) = link.parent {
+                let free = link.axes.iter().fold(JointAxesMask::empty(), |mask, axis| {
+                    mask | JointAxesMask::from_bits_truncate(1 << axis.axis)
+                });
+                let mut data = GenericJoint::new(JointAxesMask::all().difference(free));
+                data.set_local_frame1(pose(&link.joint_frames[0])).set_local_frame2(pose(&link.joint_frames[1]));
+                if let Some(handle) = joints.insert(handles[parent], body, data, true) {
+                    joint = handle;
+                }
+                axes.extend(link.axes.iter().map(|axis| (index, axis.axis)));
+            }
+            handles.push(body);
+        }
+        let mut peer = Peer {
+            parameters: IntegrationParameters { dt: step_s, num_solver_iterations: 1, ..Default::default() },
+            pipeline: PhysicsPipeline::new(),
+            islands: IslandManager::new(),
+            broad_phase: BroadPhaseBvh::new(),
+            narrow_phase: NarrowPhase::new(),
+            bodies,
+            colliders,
+            impulse_joints: ImpulseJointSet::new(),
+            joints,
+            soft_bodies: SoftBodySet::new(),
+            continuous_collision: CCDSolver::new(),
+            joint,
+            axes,
+        };
+        peer.set_springs(links);
+        peer
+    }
+
+    fn set_springs(&mut self, links: &[LinkDescription]) {
+        for body in self.bodies.iter_mut().map(|(_, body)| body) {
+            body.recompute_mass_properties_from_colliders(&self.colliders);
+        }
+        let Some((tree, _)) = self.joints.get_mut(self.joint) else { return };
+        // Drops the six degrees of freedom of the fixed root, because the vectors are indexed by the others.
+        tree.forward_kinematics(&self.bodies, true);
+        let described = links.iter().flat_map(|link| &link.axes);
+        let mut displacement = vec![0.0; tree.ndofs()];
+        for (degree, (axis, (link, _))) in described.zip(&self.axes).enumerate() {
+            if let Some(link) = tree.link_mut(*link) {
+                link.joint.set_spring(axis.axis, axis.stiffness, axis.rest);
+            }
+            tree.damping_mut()[degree] = axis.damping;
+            tree.armature_mut()[degree] = axis.armature;
+            displacement[degree] = axis.coordinate;
+        }
+        tree.apply_displacements(&displacement);
+        tree.forward_kinematics(&self.bodies, true);
+    }
+
+    fn set(&mut self, displacement: &[f64], velocity: &[f64]) {
+        let Some((tree, _)) = self.joints.get_mut(self.joint) else { return };
+        tree.apply_displacements(displacement);
+        for (own, value) in tree.generalized_velocity_mut().iter_mut().zip(velocity) {
+            *own = *value;
+        }
+        tree.forward_kinematics(&self.bodies, true);
+        tree.update_rigid_bodies(&mut self.bodies, true);
+    }
+
+    fn step(&mut self) {
+        self.pipeline.step(
+            DVec3::Z * -GRAVITY_M_PER_S2,
+            &self.parameters,
+            &mut self.islands,
+            &mut self.broad_phase,
+            &mut self.narrow_phase,
+            &mut self.bodies,
+            &mut self.colliders,
+            &mut self.impulse_joints,
+            &mut self.joints,
+            &mut self.soft_bodies,
+            &mut self.continuous_collision,
+            &(),
+            &(),
+        );
+    }
+
+    fn accelerations(&self) -> Vec<f64> {
+        let tree = self.joints.get(self.joint);
+        tree.map_or(Vec::new(), |(tree, _)| tree.generalized_acceleration().iter().copied().collect())
+    }
+
+    fn positions(&self) -> impl Iterator<Item = f64> + '_ {
+        let tree = self.joints.get(self.joint).map(|(tree, _)| tree);
+        self.axes.iter().map(move |(link, axis)| {
+            tree.and_then(|tree| tree.link(*link)).map_or(f64::NAN, |link| link.joint.coords()[*axis])
+        })
+    }
+}
+
+fn pose(pose: &WorldPose) -> Pose {
+    Pose::from_parts(pose.position, pose.orientation)
+}
+
+/// Mass and inertia. The smallest principal moment comes first: where Rapier's library takes moments for equal, it gives
+/// the first axis the smallest.
+fn mass(link: &LinkDescription) -> MassProperties {
+    let inertia = Matrix3::from_column_slice(&link.inertia_body.to_cols_array());
+    let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(inertia);
+    let mut order = [0, 1, 2];
+    order.sort_by(|first, second| eigenvalues[*first].total_cmp(&eigenvalues[*second]));
+    let [first, second, third] = order.map(|own| DVec3::from_slice(eigenvectors.column(own).as_slice()));
+    let third = if first.cross(second).dot(third) < 0.0 { -third } else { third };
+    MassProperties::with_principal_inertia_frame(
+        link.center_of_mass_body,
+        link.mass_kg,
+        DVec3::from_array(order.map(|own| eigenvalues[own])).max(DVec3::ZERO),
+        DQuat::from_mat3(&DMat3::from_cols(first, second, third)).normalize(),
+    )
+}
