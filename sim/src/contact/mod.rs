@@ -1,7 +1,7 @@
 //! Contact between bodies with compliant surfaces: the law, the patch it acts on, and the velocities that follow.
 //!
-//! Nothing here depends on the engine. [`crate::simulation`] reads shapes, poses, Jacobians and mass matrices from the
-//! engine, and writes the changes by contacts back to it. `docs/physics.md` derives the method.
+//! Nothing here depends on the engine. [`crate::simulation`] brings shapes together with the poses, Jacobians and mass
+//! matrices of [`crate::dynamics`]. `docs/physics.md` derives the method.
 
 pub mod chord;
 mod envelope;

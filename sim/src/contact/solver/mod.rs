@@ -1,6 +1,6 @@
 //! The velocities at the end of a step, under the contact law.
 //!
-//! Without contacts the engine would end the step with the generalized velocities u*. With the mass matrix M of its implicit
+//! Without contacts the step would end with the generalized velocities u*. With the mass matrix M of the implicit
 //! step (which includes joint springs and dampers), the velocities u with contacts satisfy
 //!
 //!   M (u − u*) = Σ Jᵀ λ(J u),
