@@ -20,7 +20,6 @@ use crate::object::structure::Spring;
 use spatial::Spatial;
 
 mod build;
-mod energy;
 mod factor;
 mod forces;
 mod motion;
