@@ -100,10 +100,10 @@ pub struct Link {
 /// use underbrush_sim::object::Object;
 /// use underbrush_sim::object::foam_block::FoamBlock;
 ///
-/// // The top of a foam block is pressed with 1 N for 10 s, until its foam has relaxed.
+/// // The top of a foam block is pressed with 1 N for 40 s, until its foam has relaxed.
 /// let block = FoamBlock { height_m: 0.08, wet: true, modulus_pa: 5.0e4 };
 /// let mut tree = Tree::of_structure(&block.structure(), Pose::IDENTITY);
-/// for _ in 0..2000 {
+/// for _ in 0..8000 {
 ///     let top = tree.links()[1].pose_world.position;
 ///     tree.push(1, DVec3::Z * -1.0, top, DVec3::ZERO);
 ///     tree.prepare(0.005, 0.0);
