@@ -13,12 +13,12 @@ use underbrush_sim::arm::Arm;
 use underbrush_sim::dynamics::{Coordinate, Tree};
 use underbrush_sim::object::Object;
 use underbrush_sim::object::foam_block::FoamBlock;
-use underbrush_sim::object::foam_roll::FoamRoll;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::water_bottle::WaterBottle;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::test_rig::{LinkDescription, Rig};
 
+use crate::portrait::roll;
 use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
 
 /// Check 20.
@@ -64,14 +64,7 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         root_stiffness_nm_per_rad: Some(2.0),
         segments: 4,
     };
-    let roll = FoamRoll {
-        diameter_m: 0.12,
-        height_m: 0.5,
-        modulus_pa: 1e5,
-        relaxing_share: 0.5,
-        relaxation_time_s: 2.0,
-        density_kg_per_m3: 30.0,
-    };
+    let roll = roll();
     let bottle =
         WaterBottle { diameter_m: 0.26, height_m: 0.45, empty_mass_kg: 0.75, water_mass_kg: 0.3, friction: 0.15 };
     let block = FoamBlock { height_m: 0.08, wet: true, modulus_pa: 5e4 };
@@ -107,7 +100,7 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             0.0,
             accelerations_apart(tree, links, gravity_m_per_s2),
             1e-9,
-            "1e-9: rounding of both, with condition numbers up to 1e5",
+            "1e-9: rounding of both",
         ));
         // A foam block has one axis, and its mass hardly counts beside its springs: its accelerations say all.
         if tree.coordinates().len() > 1 {
@@ -152,8 +145,8 @@ fn accelerations_apart(tree: &Tree, links: &[LinkDescription], gravity_m_per_s2:
 /// The largest difference of the displacements along a free motion from a bent state.
 fn motions_apart(tree: &Tree, links: &[LinkDescription], gravity_m_per_s2: f64) -> f64 {
     let size = tree.coordinates().len();
-    // Angles of 1 to 3 degrees and displacements of 1 mm. The shell of a roll that is pressed in by centimetres springs
-    // back at 10 m/s, and then Coriolis forces count even in steps of 20 µs.
+    // Angles of 1 to 3 degrees and displacements of 1 mm. If the shell of a roll starts centimetres away from rest,
+    // the motions differ by 3 mm. The reason is not known; fast motion makes Coriolis forces large.
     let bent = |(at, own): (usize, &Coordinate)| if own.turns { 0.02 * (1.0 + at as f64 % 3.0) } else { 0.001 };
     let displacement: Vec<f64> = tree.coordinates().iter().enumerate().map(bent).collect();
     let velocity = vec![0.1; size];

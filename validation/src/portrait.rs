@@ -59,7 +59,8 @@ fn leaf() -> Box<dyn Object> {
     })
 }
 
-fn roll() -> FoamRoll {
+/// A foam roll like those in scenes.
+pub(crate) fn roll() -> FoamRoll {
     FoamRoll {
         diameter_m: 0.12,
         height_m: 0.5,

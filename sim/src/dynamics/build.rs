@@ -42,7 +42,7 @@ pub struct LinkOptions {
 }
 
 impl Tree {
-    /// A tree of nothing but the ground, at this pose. Gravity acts on what is added if it `weighs`.
+    /// A tree that has only its ground yet, at this pose. Gravity acts on its links if it `weighs`.
     pub fn new(ground_world: Pose, weighs: bool) -> Self {
         let ground = Link {
             parent: 0,

@@ -29,7 +29,7 @@ impl Coordinate {
 
 impl Tree {
     /// Finds the velocities at the end of a step of `step_s` if nothing touches the tree ([`Tree::next`]), and its mass
-    /// matrix. Gravity, m/s², acts downwards. What was pushed until now acts in this step.
+    /// matrix. Gravity, m/s², acts downwards. The forces of [`Tree::push`] act in this step.
     pub fn prepare(&mut self, step_s: f64, gravity_m_per_s2: f64) {
         self.coordinates.iter_mut().for_each(|coordinate| coordinate.relax(step_s));
         self.sum_forces(if self.weighs { gravity_m_per_s2 } else { 0.0 });
@@ -44,7 +44,7 @@ impl Tree {
         self.pushes.fill(0.0);
     }
 
-    /// Velocities and bias accelerations of the links, and the forces that these need.
+    /// Computes the velocities, bias accelerations and bias forces of the links.
     fn sum_forces(&mut self, gravity_m_per_s2: f64) {
         let Scratch { axes, velocities, accelerations, forces, inertias, .. } = &mut self.scratch;
         // Moments are about the first link that moves.

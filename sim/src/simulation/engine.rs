@@ -1,4 +1,4 @@
-//! The scene and its contacts, and a step of both.
+//! The scene, its contacts, and the step that advances them.
 
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};

@@ -1,5 +1,4 @@
-//! The Rapier scene: bodies, shapes, collision groups and the broad phase; and the joint trees whose links the bodies
-//! are.
+//! The Rapier scene: bodies, shapes, collision groups and the broad phase. Each body is a link of a joint tree.
 //!
 //! The bodies are fixed or kinematic: [`crate::dynamics`] moves the trees. The scene finds which shapes may come near each
 //! other while none moves by more than some room, and finds them anew as soon as one has moved farther. So no pair is
@@ -19,11 +18,11 @@ use crate::geometry::{from_parry, parry_pose};
 /// fastest preset.
 pub(super) const NEAR_M: f64 = 0.005;
 
-/// How far a shape may move before the pairs are found anew, m. Choice: the way of the hand in five frames at 0.2 m/s. With
-/// more room they are found less often, but there are more of them.
+/// How far a shape may move before the pairs are found anew, m. Choice: the way of the hand in five frames at 0.2 m/s. A
+/// larger value means fewer searches and more pairs.
 const ROOM_M: f64 = 0.01;
 
-/// Tells Rapier not to compute contacts: the broad phase is all that is asked for.
+/// Tells Rapier not to compute contacts. Only its broad phase is used.
 struct NoContacts;
 
 impl PhysicsHooks for NoContacts {
@@ -89,8 +88,8 @@ impl Mount {
         self.pose_world.position + self.axes_world * self.bounds.center
     }
 
-    /// Whether any of its points may be farther than `ROOM_M` from where it was when the pairs were found. A corner of its
-    /// box moves with the middle and with the ends of the three half edges that lead to it.
+    /// Whether a point of the shape may have moved by more than `ROOM_M` since the pairs were found. The bound is the
+    /// displacement of the centre of its box plus those of the ends of the box's three half axes.
     fn has_left_its_room(&self) -> bool {
         let half = self.bounds.half_extents;
         let [x, y, z] =
@@ -228,7 +227,7 @@ impl Scene {
         self.placed.iter().enumerate().filter_map(|(slot, placed)| Some((slot, placed.as_ref()?)))
     }
 
-    /// The trees in which anything moves.
+    /// The trees that can move.
     pub(super) fn trees_mut(&mut self) -> impl Iterator<Item = &mut Tree> {
         let trees = self.placed.iter_mut().flatten().map(|placed| &mut placed.tree);
         trees.filter(|tree| !tree.coordinates().is_empty())
@@ -272,7 +271,7 @@ impl Scene {
         *self.link_pose(mount.at) * mount.pose_link
     }
 
-    /// The pairs of shapes that may be near each other and collide, of which at least one moves, in a fixed order.
+    /// The pairs of shapes that may collide, in a fixed order. At least one shape of each can move.
     pub(super) fn pairs(&self) -> &[[ColliderHandle; 2]] {
         &self.pairs
     }

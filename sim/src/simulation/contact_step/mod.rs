@@ -1,8 +1,7 @@
 //! Contacts between trees, added to a step that was prepared without any.
 //!
-//! The patches of the shapes that overlap are made from the poses at the start of the step,
-//! [`crate::contact::solver`] finds the velocities with contacts, and these replace the trees' velocities at the end of
-//! the step.
+//! Patches are found where shapes overlap at the start of the step. [`crate::contact::solver`] then finds the velocities
+//! with contacts, and these replace the trees' velocities at the end of the step.
 
 use glam::DVec3;
 use rapier3d::prelude::*;
@@ -93,7 +92,7 @@ struct Scratch {
 }
 
 impl ContactStep {
-    /// Changes the velocities at the end of the step to those with contacts.
+    /// Finds the velocities at the end of the step with contacts, and writes them into the trees.
     pub(super) fn step(&mut self, scene: &mut Scene, step_s: f64) {
         self.contacts.clear();
         self.convergence = Convergence::default();

@@ -62,8 +62,8 @@ fn advance(simulation: &mut Simulation, equilibrium_angle_rad: &[f64]) -> Alloca
     found
 }
 
-/// Tests that in a frame only parry's search for the depth of overlaps and the broad phase allocate memory, for an arm that
-/// moves to and fro among leaves and trunks that it touches. The frames are those of [`Simulation::step`].
+/// Tests that only parry's search for the depth of overlaps and the broad phase allocate memory in a frame. The arm moves to
+/// and fro among leaves and trunks that it touches. The frames are those of [`Simulation::step`].
 #[test]
 fn only_parry_allocates_in_a_frame() {
     let plan = ReachPlan::new(Scene::parse("many.toml", SCENE.into()).unwrap(), None, 1).unwrap();
@@ -104,8 +104,8 @@ fn only_parry_allocates_in_a_frame() {
         assert!(touching >= 4, "{touching} contacts in frame {frame}");
         let own = [found.before_steps, found.dormancy, found.report];
         assert_eq!(own, [0; 3], "frame {frame}: {found:?}");
-        // Within a step, parry's search makes its lists anew for each pair, and the broad phase some when it runs: some
-        // 120 allocations in these frames. One allocation of our own for each patch, node or iteration would exceed the
+        // Within a step, parry's search makes its lists anew for each pair, and the broad phase some when it runs: 122
+        // allocations in a frame that was looked at. One allocation of our own for each patch, node or iteration would exceed the
         // bound.
         assert!(found.steps <= 24 * touching, "frame {frame}: {found:?} for {touching} contacts");
     }
