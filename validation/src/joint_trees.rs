@@ -15,7 +15,7 @@ use underbrush_sim::object::Object;
 use underbrush_sim::object::foam_block::FoamBlock;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::water_bottle::WaterBottle;
-use underbrush_sim::physics::PhysicsOptions;
+use underbrush_sim::physics::{PhysicsOptions, Theta};
 use underbrush_sim::simulation::test_rig::{LinkDescription, Rig};
 
 use crate::portrait::roll;
@@ -160,8 +160,9 @@ fn motions_apart(tree: &Tree, links: &[LinkDescription], gravity_m_per_s2: f64) 
     peer.set(&displacement, &velocity);
     let mut worst = 0.0_f64;
     for _ in 0..(MOTION_S / STEP_S) as usize {
-        own.advance(STEP_S);
-        own.prepare(STEP_S, gravity_m_per_s2);
+        own.advance();
+        own.begin(STEP_S, Theta::EULER);
+        own.prepare(gravity_m_per_s2);
         peer.step();
         let positions = own.coordinates().iter().map(|own| own.position).zip(peer.positions());
         worst = positions.map(|(own, other)| (own - other).abs()).fold(worst, f64::max);
@@ -172,14 +173,13 @@ fn motions_apart(tree: &Tree, links: &[LinkDescription], gravity_m_per_s2: f64) 
 /// The tree after displacements and with velocities, prepared for a step.
 fn prepared(tree: &Tree, displacement: &[f64], velocity: &[f64], step_s: f64, gravity_m_per_s2: f64) -> Tree {
     let mut tree = tree.clone();
-    tree.prepare(1.0, 0.0);
-    tree.next_mut().copy_from_slice(displacement);
-    tree.advance(1.0);
+    tree.displace(|_, at| displacement[at]);
     for (own, velocity) in tree.coordinates_mut().iter_mut().zip(velocity) {
         own.velocity = *velocity;
         own.dashpot = 0.0;
     }
-    tree.prepare(step_s, gravity_m_per_s2);
+    tree.begin(step_s, Theta::EULER);
+    tree.prepare(gravity_m_per_s2);
     tree
 }
 

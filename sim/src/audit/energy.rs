@@ -4,11 +4,11 @@
 //!
 //! * the **actuators** move the rest angles of the springs from φ₀ to φ₁ at the joint angles q₀, which takes the work
 //!   Σ ½ K ((φ₁ − q₀)² − (φ₀ − q₀)²);
-//! * the **dampers** take Σ D (q̇₀² + q̇₀ q̇₁ + q̇₁²) Δt / 3, exact for a constant acceleration;
+//! * the **dampers** take Σ D u² Δt, where u = (q₁ − q₀)/Δt;
 //! * the **contacts** take −Σ f · Δx, the mean force of the step times the displacement of the point of the link on
 //!   which it acts. This includes losses by friction and contact damping, and what the objects store and lose;
-//! * the **integrator** dissipates energy numerically. For one step h of the implicit Euler rule on M v̇ = −K x,
-//!   ΔE = −½ Δvᵀ M Δv − ½ h² vᵀ K v.
+//! * the **integrator** dissipates energy numerically. For one step h of the θ-method on M v̇ = −K x,
+//!   ΔE = (½ − θ) (Δvᵀ M Δv + h² uᵀ K u).
 //!
 //! The rest is the residual: impacts within a step, and gyroscopic terms. Steps that begin or end with a joint at a
 //! mechanical limit are left out, because no term accounts for the work of a stop.
@@ -147,26 +147,33 @@ impl EnergyBalance {
             return;
         }
         let step_s = step.physics.step_s;
+        let damps = step.theta.value() - 0.5;
         let sums = &mut self.sums;
         let mut work_j = 0.0;
         let states = self.last.joints.iter().zip(&self.now.joints);
         for (joint, (last, now)) in arm.joints.iter().zip(states) {
             let stretch = |rest: f64| (rest - last.angle_rad).powi(2);
             work_j += 0.5 * joint.stiffness_nm_per_rad * (stretch(now.rest_angle_rad) - stretch(last.rest_angle_rad));
-            let (before, after) = (last.velocity_rad_per_s, now.velocity_rad_per_s);
-            let mean_square = (before * before + before * after + after * after) / 3.0;
-            sums.dampers_j += joint.damping_nm_s_per_rad * mean_square * step_s;
-            sums.integrator_j += 0.5 * joint.stiffness_nm_per_rad * mean_square * step_s * step_s
-                + 0.5 * joint.armature_kg_m2 * (after - before).powi(2);
+            let moved_rad = now.angle_rad - last.angle_rad;
+            sums.dampers_j += joint.damping_nm_s_per_rad * moved_rad * moved_rad / step_s;
+            let faster = now.velocity_rad_per_s - last.velocity_rad_per_s;
+            sums.integrator_j +=
+                damps * (joint.stiffness_nm_per_rad * moved_rad * moved_rad + joint.armature_kg_m2 * faster * faster);
         }
         sums.stored_j += self.now.energy_j - self.last.energy_j;
         sums.actuators_j += work_j;
         sums.exchanged_j += work_j.abs();
         let last = &self.last;
-        sums.integrator_j += self.now.kinetic_energy_j(arm, |index, link| {
-            let before = &last.links[index];
-            (link.velocity_world - before.velocity_world, link.angular_velocity_world - before.angular_velocity_world)
-        });
+        // Twice the kinetic energy is vᵀ M v.
+        sums.integrator_j += 2.0
+            * damps
+            * self.now.kinetic_energy_j(arm, |index, link| {
+                let before = &last.links[index];
+                (
+                    link.velocity_world - before.velocity_world,
+                    link.angular_velocity_world - before.angular_velocity_world,
+                )
+            });
         for contact in step.contacts {
             let place = |state: &ArmState| state.links[contact.link].pose.transform_point(contact.position_link);
             let mean_force_world = contact.force_world * (FRAME_PERIOD_S / step_s);

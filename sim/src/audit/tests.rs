@@ -19,10 +19,10 @@ fn free_arm(step_s: f64) -> Simulation {
 }
 
 /// Tests the energy balance of the free arm after a step δ of its actuators: they do the work Σ ½ K δ², and once the
-/// arm is at rest again, dampers and integrator have taken all of it. The unexplained part and the integrator's part
-/// are both first order in the time step.
+/// arm is at rest again, the dampers have taken all of it and the integrator nothing. The unexplained part is that of the
+/// gyroscopic forces, which are those at the start of a step: it is of the first order.
 #[test]
-fn a_step_of_the_actuators_ends_in_dampers_and_integrator() {
+fn a_step_of_the_actuators_ends_in_the_dampers() {
     let mut found = Vec::new();
     for step_s in [0.005, 0.001, 0.00025] {
         let mut simulation = free_arm(step_s);
@@ -39,12 +39,11 @@ fn a_step_of_the_actuators_ends_in_dampers_and_integrator() {
         assert!((sums.actuators_j / work - 1.0).abs() < 1e-9, "{} J of {work} J", sums.actuators_j);
         assert!(sums.stored_j.abs() < 1e-3 * work, "{} J left", sums.stored_j);
         assert_eq!(sums.contacts_j, 0.0);
-        assert!(sums.dampers_j > 0.0 && sums.integrator_j > 0.0);
-        found.push((sums.residual_j() / work, sums.integrator_j / work));
+        assert!(sums.dampers_j > 0.0 && sums.integrator_j == 0.0);
+        found.push(sums.residual_j() / work);
     }
-    let [(coarse, _), (middle, middle_own), (fine, fine_own)] = found[..] else { panic!("three steps") };
-    assert!(coarse.abs() < 0.04 && middle.abs() < 0.01, "{found:?}");
-    assert!(fine.abs() < 0.5 * middle.abs() && fine_own < 0.5 * middle_own, "{found:?}");
+    let [coarse, middle, fine] = found[..] else { panic!("three steps") };
+    assert!(coarse.abs() < 1e-3 && fine.abs() < 0.5 * middle.abs(), "{found:?}");
 }
 
 /// Tests that every bound belongs to a known figure, and that every figure has one except the jump within a step: a

@@ -1,10 +1,12 @@
 //! The contact law of one patch over one step.
 //!
 //! A patch is an elastic foundation with loss (Kelvin-Voigt): in a column of area a with the overlap h the pressure is
-//! k (h + τ dh/dt), and never negative. Within a step the overlap changes to h − Δt v, where v is the speed at which the
-//! surfaces part at the end of the step. The impulse of the column is therefore Δt k a · max(0, h − (Δt + τ) v). If the
-//! column closes only during the step (h < 0), loss acts for the part of the step in which it is closed:
-//! Δt k a · max(0, (1 + τ/Δt) h − (Δt + τ) v). Both are slopes of convex functions of v.
+//! k (h + τ dh/dt), and never negative. Within a step the surfaces part with a constant speed v, so the overlap changes
+//! linearly from h to h − Δt v. The impulse of the column is Δt k a times the mean of max(0, h + τ dh/dt) over the step.
+//! This is the discrete gradient of the column's potential, so contacts make no energy: see [`mean_press`]. Where one of
+//! the two trees takes its forces at θ of the step (see [`crate::dynamics`]), the mean is that over the part of the step
+//! after (2 θ − 1) Δt: over the whole step for θ = ½, and the value at its end for θ = 1. All are slopes of convex
+//! functions of v.
 //!
 //! Friction acts at the patch's centre of pressure, on the slip (v₁, v₂) there and on the angular velocity ω about the
 //! normal. It is Coulomb friction for a patch whose limit surface is an ellipsoid (Howe & Cutkosky, "Practical
@@ -18,6 +20,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::patch::Node;
 use super::surface::Interface;
+use crate::physics::Theta;
 
 /// Tangential displacement at which a patch begins to slip, m. Choice: asperities slide after 1 to 100 µm; it is well below
 /// what a taxel resolves, and the arm passes it within one step of 5 ms at 2 mm/s.
@@ -47,36 +50,63 @@ pub struct Law {
     pub interface: Interface,
     /// Length of the step, s.
     pub step_s: f64,
+    /// θ of the tree that damps more.
+    pub theta: Theta,
+}
+
+/// The mean of max(0, h + τ dh/dt) over the part of a step after (2 θ − 1) Δt, and its derivative with respect to v, for
+/// the overlap h − v t. Loss acts on the way on which the two are closed, over the whole step.
+pub(super) fn mean_press(overlap: f64, speed: f64, loss_time_s: f64, step_s: f64, theta: Theta) -> (f64, f64) {
+    let from_s = (2.0 * theta.value() - 1.0) * step_s;
+    // Surfaces that part press until h falls to τ v.
+    let lag_s = if speed > 0.0 { loss_time_s } else { 0.0 };
+    let (first_s, last_s) = (from_s + lag_s, step_s + lag_s);
+    let (first, last) = (overlap - first_s * speed, overlap - last_s * speed);
+    let (high, low, high_s, low_s) =
+        if speed > 0.0 { (first, last, first_s, last_s) } else { (last, first, last_s, first_s) };
+    if high <= 0.0 {
+        return (0.0, 0.0);
+    }
+    let (mut mean, mut slope) = if low >= 0.0 {
+        (0.5 * (high + low), -0.5 * (high_s + low_s))
+    } else {
+        let share = high / (high - low);
+        (0.5 * high * share, -share * (high_s + 0.5 * share * (low_s - high_s)))
+    };
+    if speed <= 0.0 {
+        // Loss on the way from max(0, h).
+        mean += loss_time_s / step_s * (last - overlap.max(0.0));
+        slope -= loss_time_s;
+    }
+    (mean, slope)
 }
 
 impl Law {
-    /// The overlap with which a column presses if the surfaces neither part nor approach, m.
-    fn pressed_m(&self, overlap_m: f64) -> f64 {
-        if overlap_m >= 0.0 { overlap_m } else { (1.0 + self.interface.loss_time_s / self.step_s) * overlap_m }
+    /// The overlap at the start of the step beyond which a column presses at the parting speed `speed`, m.
+    pub fn closing_m(&self, speed: f64) -> f64 {
+        let from_s = (2.0 * self.theta.value() - 1.0) * self.step_s;
+        if speed < 0.0 { self.step_s * speed } else { (from_s + self.interface.loss_time_s) * speed }
     }
 
-    /// The overlap beyond which a column presses at the parting speed `speed`, m.
-    pub fn closing_m(&self, speed: f64) -> f64 {
-        if speed < 0.0 { self.step_s * speed } else { (self.step_s + self.interface.loss_time_s) * speed }
+    fn mean_press(&self, node: &Node, speeds: &NormalSpeeds) -> (f64, f64) {
+        mean_press(node.overlap_m, node.parting(speeds), self.interface.loss_time_s, self.step_s, self.theta)
     }
 
     /// Normal impulse and moments about the tangents.
     pub fn normal(&self, nodes: &[Node], speeds: &NormalSpeeds) -> Response {
-        let rate = self.step_s + self.interface.loss_time_s;
         let scale = self.step_s * self.interface.stiffness_n_per_m3;
         let mut impulse = [0.0; 3];
         let mut stiffness = [0.0; 6];
         for node in nodes {
             let DVec2 { x, y } = node.place;
-            let speed = speeds[0] + y * speeds[1] - x * speeds[2];
-            let pressed = self.pressed_m(node.overlap_m) - rate * speed;
+            let (pressed, pressed_slope) = self.mean_press(node, speeds);
             if pressed > 0.0 {
                 let modulus = scale * node.area_m2;
                 let force = modulus * pressed;
                 impulse[0] += force;
                 impulse[1] += force * y;
                 impulse[2] -= force * x;
-                let slope = modulus * rate;
+                let slope = -modulus * pressed_slope;
                 stiffness[0] += slope;
                 stiffness[1] += slope * y;
                 stiffness[2] -= slope * x;
@@ -89,14 +119,25 @@ impl Law {
         Response { impulse: Vector3::from(impulse), stiffness: Matrix3::new(a, b, c, b, d, e, c, e, f) }
     }
 
-    /// Friction at most `limit` (N s) large. `deflection` is the elastic displacement at the start of the step, m.
-    pub fn friction(&self, deflection: &Vector3<f64>, limit: f64, speeds: &SlipSpeeds) -> Response {
-        let displaced = deflection + speeds * self.step_s;
+    /// Friction at most `limit` (N s) large. `deflection` is the elastic displacement at the start of the step, m, and
+    /// `before` the slip there. Friction is that of the slip at the end of the step: asperities are far stiffer than what
+    /// a step resolves, and at the mean slip they would let it ring.
+    pub fn friction(
+        &self,
+        deflection: &Vector3<f64>,
+        limit: f64,
+        before: &SlipSpeeds,
+        speeds: &SlipSpeeds,
+    ) -> Response {
+        let theta = self.theta.value();
+        let at_end = (speeds - before * (1.0 - theta)) / theta;
+        let displaced = deflection + at_end * self.step_s;
         let distance = displaced.norm();
         let softness = limit / distance.max(STICTION_M);
-        let mut stiffness = Matrix3::from_diagonal_element(softness * self.step_s);
+        let rate = softness * self.step_s / theta;
+        let mut stiffness = Matrix3::from_diagonal_element(rate);
         if distance > STICTION_M {
-            stiffness -= displaced * displaced.transpose() * (softness * self.step_s / (distance * distance));
+            stiffness -= displaced * displaced.transpose() * (rate / (distance * distance));
         }
         Response { impulse: displaced * -softness, stiffness }
     }
@@ -110,11 +151,7 @@ impl Law {
     /// Centre of pressure in the tangent plane, m, and the mean distance r of the pressure from it, m, at the parting
     /// speeds `speeds`. If nothing presses at these speeds, the columns' areas count instead of the pressures.
     pub fn center_and_radius(&self, nodes: &[Node], speeds: &NormalSpeeds) -> (DVec2, f64) {
-        let rate = self.step_s + self.interface.loss_time_s;
-        let force = |node: &Node| {
-            let speed = speeds[0] + node.place.y * speeds[1] - node.place.x * speeds[2];
-            node.area_m2 * (self.pressed_m(node.overlap_m) - rate * speed).max(0.0)
-        };
+        let force = |node: &Node| node.area_m2 * self.mean_press(node, speeds).0;
         let total: f64 = nodes.iter().map(force).sum();
         let weight = |node: &Node| if total > 0.0 { force(node) } else { node.area_m2 };
         let sum: f64 = nodes.iter().map(weight).sum();

@@ -8,6 +8,7 @@
 //! for an elliptic region.
 
 use glam::{DMat2, DVec2};
+use nalgebra::Vector3;
 
 use super::chord::{Chords, End, Faces, Slope, View};
 use super::plane::{Pair, Plane};
@@ -19,8 +20,15 @@ pub struct Node {
     pub place: DVec2,
     /// Area of the column, m².
     pub area_m2: f64,
-    /// Overlap of the undeformed shapes, m; negative for a gap.
+    /// Overlap of the undeformed shapes when the step begins, m; negative for a gap.
     pub overlap_m: f64,
+}
+
+impl Node {
+    /// The speed at which the surfaces part in this column, m/s, or another motion of the patch there.
+    pub fn parting(&self, speeds: &Vector3<f64>) -> f64 {
+        speeds[0] + self.place.y * speeds[1] - self.place.x * speeds[2]
+    }
 }
 
 /// Nodes and weights of Gauss-Legendre quadrature on −1..1.

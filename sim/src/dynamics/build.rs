@@ -56,7 +56,14 @@ impl Tree {
             several_turns: false,
             turn: DQuat::IDENTITY,
         };
-        Tree { links: vec![ground], coordinates: Vec::new(), weighs, pushes: Vec::new(), scratch: Scratch::default() }
+        Tree {
+            links: vec![ground],
+            coordinates: Vec::new(),
+            weighs,
+            pushes: Vec::new(),
+            inertia: Vec::new(),
+            scratch: Scratch::default(),
+        }
     }
 
     /// Adds a link on a joint with these axes, of which one or three may be rotations, and returns its index. All

@@ -29,8 +29,8 @@ impl Tree {
         }
     }
 
-    /// Solves M x = b in place, with the factors of [`Tree::factorize`].
-    pub(super) fn solve(&self, x: &mut [f64]) {
+    /// Solves Lᵀ x = b in place, with the factors of [`Tree::factorize`].
+    pub(super) fn solve_upper(&self, x: &mut [f64]) {
         let (size, coordinates, factor) = (self.coordinates.len(), &self.coordinates, &self.scratch.factor);
         for row in (0..size).rev() {
             x[row] /= factor[row * size + row];
@@ -38,6 +38,12 @@ impl Tree {
                 x[column] -= factor[row * size + column] * x[row];
             }
         }
+    }
+
+    /// Solves M x = b in place, with the factors of [`Tree::factorize`].
+    pub(super) fn solve(&self, x: &mut [f64]) {
+        let (size, coordinates, factor) = (self.coordinates.len(), &self.coordinates, &self.scratch.factor);
+        self.solve_upper(x);
         for row in 0..size {
             for column in before(coordinates, row) {
                 x[row] -= factor[row * size + column] * x[column];

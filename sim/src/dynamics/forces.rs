@@ -5,10 +5,11 @@ use underbrush_recording::math;
 
 use super::spatial::{Inertia, Spatial};
 use super::{Coordinate, Scratch, Tree};
+use crate::physics::Theta;
 
 impl Coordinate {
     /// Stiffness of the spring with its relaxing branch, and the force of both, N/m and N or Nm/rad and Nm.
-    fn spring(&self) -> (f64, f64) {
+    pub(super) fn spring(&self) -> (f64, f64) {
         let own = self.spring.stiffness * (self.rest - self.position);
         match self.spring.maxwell {
             None => (self.spring.stiffness, own),
@@ -28,24 +29,38 @@ impl Coordinate {
 }
 
 impl Tree {
-    /// Finds the velocities at the end of a step of `step_s` if nothing touches the tree ([`Tree::next`]), and its mass
-    /// matrix. Gravity, m/s², acts downwards. The forces of [`Tree::push`] act in this step.
-    pub fn prepare(&mut self, step_s: f64, gravity_m_per_s2: f64) {
+    /// Begins a step of `step_s`: moves the tree ahead by (1 − θ) Δt with its present velocities.
+    pub fn begin(&mut self, step_s: f64, theta: Theta) {
+        let ahead_s = if theta == Theta::MIDPOINT { 0.5 * step_s } else { 0.0 };
+        (self.scratch.step_s, self.scratch.theta, self.scratch.ahead_s) = (step_s, theta, ahead_s);
+        if ahead_s > 0.0 {
+            self.displace(|coordinate, _| ahead_s * coordinate.velocity);
+        }
         self.coordinates.iter_mut().for_each(|coordinate| coordinate.relax(step_s));
+    }
+
+    /// Finds the velocities u_θ of the step that has begun if nothing touches the tree ([`Tree::next`]), and its mass
+    /// matrix. Gravity, m/s², acts downwards. The forces of [`Tree::push`] act in this step.
+    pub fn prepare(&mut self, gravity_m_per_s2: f64) {
         self.sum_forces(if self.weighs { gravity_m_per_s2 } else { 0.0 });
-        self.sum_masses(step_s);
+        self.sum_masses();
         self.factorize();
         let mut acceleration = std::mem::take(&mut self.scratch.acceleration);
         self.solve(&mut acceleration);
-        let ends = self.coordinates.iter().zip(&acceleration).map(|(own, rate)| own.velocity + step_s * rate);
+        let reach_s = self.reach_s();
+        let next = self.coordinates.iter().zip(&acceleration).map(|(own, rate)| own.velocity + reach_s * rate);
         self.scratch.next.clear();
-        self.scratch.next.extend(ends);
+        self.scratch.next.extend(next);
         self.scratch.acceleration = acceleration;
-        self.pushes.fill(0.0);
+    }
+
+    /// θ Δt, s: the time from the start of the step to where forces are taken.
+    fn reach_s(&self) -> f64 {
+        self.scratch.theta.value() * self.scratch.step_s
     }
 
     /// Computes the velocities, bias accelerations and bias forces of the links.
-    fn sum_forces(&mut self, gravity_m_per_s2: f64) {
+    pub(super) fn sum_forces(&mut self, gravity_m_per_s2: f64) {
         let Scratch { axes, velocities, accelerations, forces, inertias, .. } = &mut self.scratch;
         // Moments are about the first link that moves.
         let about = self.links.get(1).map_or(DVec3::ZERO, |link| link.pose_world.position);
@@ -96,8 +111,9 @@ impl Tree {
     }
 
     /// The mass matrix of the step, and the generalized forces in place of the accelerations.
-    fn sum_masses(&mut self, step_s: f64) {
+    pub(super) fn sum_masses(&mut self) {
         let size = self.coordinates.len();
+        let (reach_s, ahead_s) = (self.reach_s(), self.scratch.ahead_s);
         let Scratch { axes, forces, inertias, mass, acceleration, .. } = &mut self.scratch;
         mass.clear();
         mass.resize(size * size, 0.0);
@@ -113,10 +129,11 @@ impl Tree {
                     mass[at * size + column] = axes[column].dot(&momentum);
                 }
                 let damping = coordinate.spring.damping;
-                mass[at * size + at] += coordinate.spring.armature + step_s * (damping + step_s * stiffness);
+                mass[at * size + at] += coordinate.spring.armature + reach_s * (damping + reach_s * stiffness);
+                // The spring's force is that where the tree was moved ahead to.
                 acceleration[at] = self.pushes[at] + spring
                     - axes[at].dot(&forces[index])
-                    - (step_s * stiffness + damping) * coordinate.velocity;
+                    - ((reach_s - ahead_s) * stiffness + damping) * coordinate.velocity;
             }
             let (force, inertia) = (forces[index], inertias[index]);
             forces[link.parent].add(&force);

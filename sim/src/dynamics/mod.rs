@@ -1,12 +1,18 @@
 //! Articulated bodies in generalized coordinates: the arm, and every object that moves.
 //!
 //! A [`Tree`] is a tree of rigid links on revolute, prismatic and free joints with springs, dampers and armatures. It is
-//! made from an arm or from an object's [`crate::object::structure::Structure`]. A step has three parts:
+//! made from an arm or from an object's [`crate::object::structure::Structure`]. A step is one of the θ-method: the
+//! velocity u_θ = (1 − θ) u₀ + θ u₁ moves the tree from the start to the end of the step, and springs and dampers act as
+//! they do at θ of the way. θ = ½ is the implicit midpoint rule, which is of second order and keeps the energy of
+//! springs. A larger θ damps what the step does not resolve; [`Theta::of_phase`] says which trees need it. A step has
+//! four parts:
 //!
-//! 1. [`Tree::prepare`] finds the velocities at the end of the step if nothing touches the tree, and the mass matrix of
-//!    the step, which includes springs and dampers (implicit Euler).
-//! 2. Contacts may change these velocities ([`crate::contact::solver`]).
-//! 3. [`Tree::advance`] moves the tree with them.
+//! 1. [`Tree::begin`] moves a tree with θ = ½ ahead to the middle of the step. Poses, masses and contacts are those
+//!    there. Other trees may move fast and are thin, so they stay.
+//! 2. [`Tree::prepare`] finds u_θ if nothing touches the tree, and the mass matrix of the step, which includes springs
+//!    and dampers.
+//! 3. Contacts may change u_θ ([`crate::contact::solver`]).
+//! 4. [`Tree::advance`] moves the tree to the end of the step.
 //!
 //! The equations are those of Featherstone, *Rigid Body Dynamics Algorithms* (2008): recursive Newton-Euler (table 5.1),
 //! composite rigid bodies (table 6.2), and the factorization LᵀL that keeps the sparsity of a tree (table 6.3). All
@@ -17,6 +23,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::Pose;
 
 use crate::object::structure::Spring;
+use crate::physics::Theta;
 use spatial::Spatial;
 
 mod build;
@@ -26,6 +33,7 @@ mod motion;
 mod spatial;
 #[cfg(test)]
 mod tests;
+mod theta;
 
 pub use build::{Axis, LinkOptions};
 
@@ -99,6 +107,7 @@ pub struct Link {
 /// use underbrush_sim::dynamics::Tree;
 /// use underbrush_sim::object::Object;
 /// use underbrush_sim::object::foam_block::FoamBlock;
+/// use underbrush_sim::physics::Theta;
 ///
 /// // The top of a foam block is pressed with 1 N for 40 s, until its foam has relaxed.
 /// let block = FoamBlock { height_m: 0.08, wet: true, modulus_pa: 5.0e4 };
@@ -106,8 +115,9 @@ pub struct Link {
 /// for _ in 0..8000 {
 ///     let top = tree.links()[1].pose_world.position;
 ///     tree.push(1, DVec3::Z * -1.0, top, DVec3::ZERO);
-///     tree.prepare(0.005, 0.0);
-///     tree.advance(0.005);
+///     tree.begin(0.005, Theta::EULER);
+///     tree.prepare(0.0);
+///     tree.advance();
 /// }
 /// let spring = tree.coordinates()[0].spring;
 /// assert!((tree.coordinates()[0].position * spring.stiffness + 1.0).abs() < 1e-3);
@@ -120,6 +130,8 @@ pub struct Tree {
     weighs: bool,
     /// Generalized forces of the next step, N or Nm.
     pushes: Vec<f64>,
+    /// The inertia that each coordinate moves in the posture of the first step, kg or kg m².
+    inertia: Vec<f64>,
     #[serde(skip)]
     scratch: Scratch,
 }
@@ -127,6 +139,10 @@ pub struct Tree {
 /// What a step computes. It is made anew in each step.
 #[derive(Clone, Debug, Default)]
 struct Scratch {
+    /// Length of the step, s, its θ, and how far the tree was moved ahead, s.
+    step_s: f64,
+    theta: Theta,
+    ahead_s: f64,
     /// Motions of the links' coordinates per unit of velocity, in the order of the coordinates.
     axes: Vec<Spatial>,
     /// Velocities and bias accelerations of the links.
@@ -139,7 +155,8 @@ struct Scratch {
     mass: Vec<f64>,
     factor: Vec<f64>,
     acceleration: Vec<f64>,
-    /// The velocities at the end of the step.
+    motion: Vec<f64>,
+    /// The velocities u_θ that move the tree in the step.
     next: Vec<f64>,
 }
 
@@ -180,7 +197,7 @@ impl Tree {
         self.weighs
     }
 
-    /// The velocities at the end of the step that was prepared, one for each coordinate.
+    /// The velocities u_θ of the step that was prepared, one for each coordinate.
     pub fn next(&self) -> &[f64] {
         &self.scratch.next
     }
@@ -190,12 +207,12 @@ impl Tree {
         &self.scratch.acceleration
     }
 
-    /// Changes the velocities at the end of the step.
+    /// Changes the velocities u_θ of the step.
     pub fn next_mut(&mut self) -> &mut [f64] {
         &mut self.scratch.next
     }
 
-    /// An entry of the mass matrix of the step: M + Δt D + Δt² K, kg m² or kg.
+    /// An entry of the mass matrix of the step: M + θ Δt D + (θ Δt)² K, kg m² or kg.
     pub fn mass(&self, row: usize, column: usize) -> f64 {
         let (row, column) = (row.max(column), row.min(column));
         self.scratch.mass[row * self.coordinates.len() + column]

@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use underbrush_recording::Pose;
 
-use super::Tree;
+use super::{Coordinate, Tree};
 
 impl Tree {
     /// Computes the poses of the links from the positions of the coordinates.
@@ -24,18 +24,28 @@ impl Tree {
         }
     }
 
-    /// Moves the tree with the velocities at the end of the step ([`Tree::next`]).
-    pub fn advance(&mut self, step_s: f64) {
-        for (coordinate, next) in self.coordinates.iter_mut().zip(&self.scratch.next) {
-            coordinate.velocity = *next;
-            coordinate.position += step_s * *next;
+    /// Moves the tree to the end of the step with the velocities u_θ ([`Tree::next`]), and gives it its velocities there.
+    pub fn advance(&mut self) {
+        let next = std::mem::take(&mut self.scratch.next);
+        let (step_s, ahead_s, theta) = (self.scratch.step_s, self.scratch.ahead_s, self.scratch.theta.value());
+        self.displace(|coordinate, at| step_s * next[at] - ahead_s * coordinate.velocity);
+        for (coordinate, next) in self.coordinates.iter_mut().zip(&next) {
+            coordinate.velocity += (next - coordinate.velocity) / theta;
         }
-        for link in &mut self.links {
-            if link.several_turns {
-                let turning = self.coordinates[link.coordinates.0..link.coordinates.1].iter().filter(|own| own.turns);
-                let turned: DVec3 = turning.map(|own| own.axis_joint * own.velocity).sum();
-                link.turn = (DQuat::from_scaled_axis(turned * step_s) * link.turn).normalize();
-            }
+        self.scratch.next = next;
+        self.pushes.fill(0.0);
+    }
+
+    /// Moves the coordinates by what `change` returns for each and its index, m or rad, and places the links.
+    pub fn displace(&mut self, change: impl Fn(&Coordinate, usize) -> f64) {
+        for link in self.links.iter_mut().filter(|link| link.several_turns) {
+            let (first, end) = link.coordinates;
+            let turning = self.coordinates[first..end].iter().zip(first..).filter(|(own, _)| own.turns);
+            let turned: DVec3 = turning.map(|(own, at)| own.axis_joint * change(own, at)).sum();
+            link.turn = (DQuat::from_scaled_axis(turned) * link.turn).normalize();
+        }
+        for (at, coordinate) in self.coordinates.iter_mut().enumerate() {
+            coordinate.position += change(coordinate, at);
         }
         self.place();
     }

@@ -5,6 +5,7 @@ use underbrush_recording::Pose;
 
 use super::{Axis, LinkOptions, Tree};
 use crate::object::structure::Spring;
+use crate::physics::Theta;
 
 const GRAVITY_M_PER_S2: f64 = 9.81;
 
@@ -58,8 +59,9 @@ fn a_double_pendulum_keeps_its_energy() {
         let start = energy(&tree);
         let mut worst = 0.0_f64;
         for _ in 0..(1.0 / step_s) as usize {
-            tree.prepare(step_s, GRAVITY_M_PER_S2);
-            tree.advance(step_s);
+            tree.begin(step_s, Theta::EULER);
+            tree.prepare(GRAVITY_M_PER_S2);
+            tree.advance();
             worst = worst.max((energy(&tree) - start).abs());
         }
         worst
@@ -78,7 +80,8 @@ fn the_mass_matrix_gives_the_kinetic_energy() {
         (own.position, own.velocity) = (position, velocity);
     }
     tree.place();
-    tree.prepare(1e-3, 0.0);
+    tree.begin(1e-3, Theta::EULER);
+    tree.prepare(0.0);
     let speeds: Vec<f64> = tree.coordinates().iter().map(|own| own.velocity).collect();
     let mut found = 0.0;
     for row in 0..2 {
@@ -115,8 +118,9 @@ fn a_free_body_falls_and_tumbles() {
     };
     let (start, step_s) = (momentum(&tree), 1e-5);
     for _ in 0..50_000 {
-        tree.prepare(step_s, GRAVITY_M_PER_S2);
-        tree.advance(step_s);
+        tree.begin(step_s, Theta::EULER);
+        tree.prepare(GRAVITY_M_PER_S2);
+        tree.advance();
     }
     let fallen_m = -tree.links()[1].pose_world.position.z;
     assert!((fallen_m / (0.125 * GRAVITY_M_PER_S2) - 1.0).abs() < 3.0 * step_s, "{fallen_m} m");

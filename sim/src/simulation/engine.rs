@@ -103,13 +103,17 @@ impl Engine {
     /// Advances the world by one step.
     pub fn step(&mut self) {
         let PhysicsOptions { step_s, gravity_m_per_s2 } = self.options;
+        for tree in self.scene.trees_mut() {
+            let theta = tree.own_theta(step_s);
+            tree.begin(step_s, theta);
+        }
         self.scene.find_pairs();
         for tree in self.scene.trees_mut() {
-            tree.prepare(step_s, gravity_m_per_s2);
+            tree.prepare(gravity_m_per_s2);
         }
-        self.contact_step.step(&mut self.scene, step_s);
+        self.contact_step.step(&mut self.scene, &self.options);
         for tree in self.scene.trees_mut() {
-            tree.advance(step_s);
+            tree.advance();
         }
     }
 }

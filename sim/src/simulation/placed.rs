@@ -13,6 +13,7 @@ use super::bounds::Bounds;
 use crate::contact::surface::Surface;
 use crate::dynamics::Tree;
 use crate::geometry::{from_parry, parry_pose};
+use crate::physics::Theta;
 
 /// Shapes that are farther apart have no contact, m. The hand moves 2.5 mm in a step of 5 ms at 0.5 m/s, the speed of the
 /// fastest preset.
@@ -258,6 +259,12 @@ impl Scene {
     pub(super) fn body_of(&self, collider: ColliderHandle) -> RigidBodyHandle {
         let PlacedLink { slot, link } = self.mount(collider).at;
         self.placed(slot).bodies[link]
+    }
+
+    /// The rule of the tree that damps more, of those that the links belong to.
+    pub(super) fn theta(&self, links: &[Option<PlacedLink>; 2]) -> Theta {
+        let thetas = links.iter().flatten().map(|link| self.placed(link.slot).tree.theta());
+        thetas.fold(Theta::MIDPOINT, Theta::or_more)
     }
 
     /// The pose of a link, world frame.

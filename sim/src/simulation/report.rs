@@ -6,7 +6,7 @@ use underbrush_recording::{FRAME_PERIOD_S, Pose};
 use super::contact::{Contact, contact_torque_nm};
 use super::tactile::TactileFrame;
 use crate::arm::Arm;
-use crate::physics::PhysicsOptions;
+use crate::physics::{PhysicsOptions, Theta};
 
 /// The state of one joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -93,6 +93,8 @@ pub struct StepReport<'a> {
     pub link_pose_world: &'a [Pose],
     /// The contacts of this step.
     pub contacts: &'a [Contact],
+    /// How far along the step the forces on the arm were taken.
+    pub theta: Theta,
     /// Residual of the contact solver in this step, relative to the largest generalized impulse.
     pub contact_residual: f64,
     /// The largest overlap of two shapes that should have pressed on each other in this step but have no patch, m.

@@ -163,8 +163,8 @@ impl Rig {
     }
 
     /// Makes one engine step in which a second spring, parallel to the joint's own and `ratio` times as stiff, pulls
-    /// the joint that carries `body` towards `goal` (m or rad). Returns the force of that spring at the end of the
-    /// step, N or Nm; `None` if no joint carries the body.
+    /// the joint that carries `body` towards `goal` (m or rad). Returns the force of that spring in the step, N or Nm;
+    /// `None` if no joint carries the body.
     pub fn step_driven(&mut self, body: BodyId, axis: Axis, ratio: f64, goal: f64) -> Option<f64> {
         let (slot, at) = self.find(body, axis)?;
         let own = &mut self.engine.tree_mut(slot).coordinates_mut()[at];
@@ -173,10 +173,13 @@ impl Rig {
         let drive = ratio * (spring.stiffness + spring.maxwell.map_or(0.0, |branch| branch.stiffness));
         own.spring.stiffness += drive;
         own.rest = (spring.stiffness * rest + drive * goal) / (spring.stiffness + drive);
+        let before = own.position;
         self.step();
-        let own = &mut self.engine.tree_mut(slot).coordinates_mut()[at];
+        let tree = self.engine.tree_mut(slot);
+        let theta = tree.theta().value();
+        let own = &mut tree.coordinates_mut()[at];
         (own.spring, own.rest) = (spring, rest);
-        Some(drive * (goal - own.position))
+        Some(drive * (goal - before - theta * (own.position - before)))
     }
 
     /// The coordinate along an axis of the joint that carries a body: its tree and its index there.

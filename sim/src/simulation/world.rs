@@ -81,6 +81,7 @@ impl World {
                     joints: &self.joints,
                     link_pose_world: &self.link_pose_world,
                     contacts: &self.contacts[earlier..],
+                    theta: self.engine.tree(self.arm.slot).theta(),
                     contact_residual: self.engine.contact_step.convergence.residual,
                     missed_overlap_m: self.engine.contact_step.missed_overlap_m,
                 });

@@ -8,7 +8,7 @@
 //! | cantilevers under small loads; first frequency | [`beam`] |
 //! | cantilevers as chains with hinges at Gauss-Legendre nodes | [`chain`] |
 //! | cantilevers under large loads | [`elastica`] |
-//! | damped oscillators, exact and under implicit Euler | [`oscillator`] |
+//! | damped oscillators, exact and under the θ-method | [`oscillator`] |
 //! | an elastic layer over a hard body (Winkler) | [`foundation`] |
 //! | foam: bars, sag, standard linear solids | [`foam`] |
 //! | friction on a slope, stiffnesses in series, cylinders that tip over | [`statics`] |

@@ -1,4 +1,4 @@
-//! A mass on a spring and a damper: its step response, exact and under implicit Euler.
+//! A mass on a spring and a damper: its step response, exact and under the θ-method.
 
 use std::f64::consts::{PI, TAU};
 
@@ -80,13 +80,16 @@ impl Oscillator {
         (place(turning), -velocity(low))
     }
 
-    /// The oscillator that implicit Euler with a step of `step_s` simulates: the eigenvalue s = −ζω₀ ± iω_d becomes the
-    /// factor 1 / (1 − s Δt) per step, which is also the factor of an oscillator.
-    pub fn under_implicit_euler(&self, step_s: f64) -> Oscillator {
+    /// The oscillator that the θ-method with a step of `step_s` simulates: the eigenvalue s = −ζω₀ ± iω_d becomes the
+    /// factor (1 + (1 − θ) s Δt) / (1 − θ s Δt) per step, which is also the factor of an oscillator. θ = 1 is implicit
+    /// Euler.
+    pub fn under_theta_method(&self, theta: f64, step_s: f64) -> Oscillator {
         let decay = self.damping_ratio * self.frequency_rad_per_s;
-        let (real, imaginary) = (1.0 + decay * step_s, self.damped_frequency_rad_per_s() * step_s);
-        let seen_decay = real.hypot(imaginary).ln() / step_s;
-        let seen_frequency = imaginary.atan2(real) / step_s;
+        // 1 − x s Δt, with the positive imaginary part of −s.
+        let term = |x: f64| (1.0 + x * decay * step_s, x * self.damped_frequency_rad_per_s() * step_s);
+        let (below, above) = (term(theta), term(theta - 1.0));
+        let seen_decay = (below.0.hypot(below.1) / above.0.hypot(above.1)).ln() / step_s;
+        let seen_frequency = (below.1.atan2(below.0) - above.1.atan2(above.0)) / step_s;
         let natural = seen_decay.hypot(seen_frequency);
         Oscillator { frequency_rad_per_s: natural, damping_ratio: seen_decay / natural }
     }
@@ -146,32 +149,40 @@ mod tests {
         assert_relative_eq!((EXAMPLE.overshoot() / third).ln(), EXAMPLE.log_decrement(), epsilon = 1e-9);
     }
 
-    /// Tests the oscillator that implicit Euler simulates against steps of implicit Euler: period and decay of the free
-    /// vibration.
+    /// Tests the oscillator that the θ-method simulates against its steps: period and decay of the free vibration.
     #[test]
-    fn implicit_euler_is_an_oscillator_of_its_own() {
+    fn the_theta_method_is_an_oscillator_of_its_own() {
+        for theta in [0.5, 0.7, 1.0] {
+            check_theta_method(theta);
+        }
+    }
+
+    fn check_theta_method(theta: f64) {
         let (w, z, step) = (EXAMPLE.frequency_rad_per_s, EXAMPLE.damping_ratio, 0.01);
         let (mut x, mut v) = (0.0, 1.0);
         let mut crossings = Vec::new();
         let mut at = Vec::new();
         for index in 0..2000 {
-            let next = (v - step * w * w * x) / (1.0 + 2.0 * z * w * step + w * w * step * step);
-            let moved = x + step * next;
+            // The velocity at θ of the step: one of implicit Euler that is θ as long.
+            let part = theta * step;
+            let mean = (v - part * w * w * x) / (1.0 + 2.0 * z * w * part + w * w * part * part);
+            let (moved, next) = (x + step * mean, v + (mean - v) / theta);
             if x < 0.0 && moved >= 0.0 {
                 crossings.push(f64::from(index) * step - x / (moved - x) * step);
             }
             (x, v) = (moved, next);
             at.push(x * x + (v / w).powi(2));
         }
-        let seen = EXAMPLE.under_implicit_euler(step);
+        let seen = EXAMPLE.under_theta_method(theta, step);
         let periods = crossings.len() as f64 - 1.0;
         let period = (crossings[crossings.len() - 1] - crossings[0]) / periods;
         assert_relative_eq!(period, seen.period_s(), max_relative = 1e-3);
         // Amplitudes 1000 steps apart; the phase changes their ratio by less than a period's decrement.
         let decay = (at[500] / at[1500]).ln() / 2.0 / (1000.0 * step);
         assert_relative_eq!(decay, seen.damping_ratio * seen.frequency_rad_per_s, max_relative = 0.05);
-        // To first order the step adds ω Δt / 2 to the damping ratio.
-        let small = EXAMPLE.under_implicit_euler(1e-5);
-        assert_relative_eq!(small.damping_ratio - z, w * 1e-5 / 2.0, max_relative = 0.05);
+        // To first order the step adds (θ − ½) ω Δt to the damping ratio.
+        let small = EXAMPLE.under_theta_method(theta, 1e-5);
+        let added = (theta - 0.5) * w * 1e-5;
+        assert_relative_eq!(small.damping_ratio - z, added, max_relative = 0.05, epsilon = 1e-8);
     }
 }

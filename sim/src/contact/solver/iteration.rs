@@ -25,6 +25,9 @@ impl Solver {
         self.step.resize(size, 0.0);
         self.shape_matrix();
         self.read_speeds(false);
+        for patch in &mut self.patches {
+            patch.before = split(&patch.speeds).1;
+        }
         let mut convergence = self.solve_together();
         if convergence.residual > TOLERANCE {
             self.solve_by_limits(&mut convergence);
@@ -147,7 +150,7 @@ impl Solver {
             if !hold_limits {
                 patch.limit = patch.law.interface.friction * patch.normal.impulse[0];
             }
-            patch.friction = patch.law.friction(&patch.deflection, patch.limit, &slip_speeds);
+            patch.friction = patch.law.friction(&patch.deflection, patch.limit, &patch.before, &slip_speeds);
             let (normal, friction) = (&patch.normal.impulse, &patch.friction.impulse);
             let impulse = [normal[0], normal[1], normal[2], friction[0], friction[1], friction[2]];
             for side in patch.sides.iter().flatten() {

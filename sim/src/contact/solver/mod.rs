@@ -55,6 +55,8 @@ struct Patch {
     nodes: (usize, usize),
     sides: [Option<Side>; 2],
     deflection: Vector3<f64>,
+    /// Slip at the start of the step.
+    before: SlipSpeeds,
     speeds: [f64; ROWS],
     change: [f64; ROWS],
     /// The law at the present speeds.
@@ -72,9 +74,9 @@ pub struct Solved {
     pub normal_impulse: Vector3<f64>,
     /// Friction impulse along the tangents, N s, and moment about the normal over r.
     pub friction_impulse: Vector3<f64>,
-    /// Parting speeds at the end of the step.
+    /// Parting speeds at the velocities u_θ.
     pub normal_speeds: NormalSpeeds,
-    /// Slip at the end of the step.
+    /// Slip at the velocities u_θ.
     pub slip_speeds: SlipSpeeds,
     /// Elastic displacement at the end of the step, m.
     pub deflection_m: Vector3<f64>,
@@ -124,8 +126,8 @@ impl Solver {
     }
 
     /// Adds an articulated body and returns its index. `before` holds its velocities at the start of the step, `free`
-    /// those at the end if nothing touches it, and `mass` returns the entries of its mass matrix. Bodies that many
-    /// others touch should come last.
+    /// its velocities u_θ if nothing touches it, and `mass` returns the entries of its mass matrix over θ. Bodies that
+    /// many others touch should come last.
     pub fn add_block(
         &mut self,
         before: impl Iterator<Item = f64>,
@@ -152,6 +154,7 @@ impl Solver {
             nodes: (first, self.nodes.len()),
             sides: [None; 2],
             deflection: deflection_m,
+            before: Vector3::zeros(),
             speeds: [0.0; ROWS],
             change: [0.0; ROWS],
             normal: Response::default(),

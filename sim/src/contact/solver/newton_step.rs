@@ -90,7 +90,7 @@ impl Solver {
                 let (normal_speeds, slip_speeds) = split(&speeds);
                 let nodes = &self.nodes[patch.nodes.0..patch.nodes.1];
                 let normal = patch.law.normal(nodes, &normal_speeds).impulse;
-                let friction = patch.law.friction(&patch.deflection, patch.limit, &slip_speeds).impulse;
+                let friction = patch.law.friction(&patch.deflection, patch.limit, &patch.before, &slip_speeds).impulse;
                 let (normal_change, slip_change) = split(&patch.change);
                 slope -= normal.dot(&normal_change) + friction.dot(&slip_change);
             }

@@ -26,10 +26,7 @@ impl ContactStep {
             let position_world = plane.origin_world + in_plane(&plane.tangents_world, at.x, at.y);
             let tangential = |parts: &Vector3<f64>| in_plane(&plane.tangents_world, parts[0], parts[1]);
             let nodes = &scratch.nodes[candidate.nodes.0..candidate.nodes.1];
-            let overlaps = nodes.iter().map(|node| {
-                let speeds = &solved.normal_speeds;
-                node.overlap_m - step_s * (speeds[0] + node.place.y * speeds[1] - node.place.x * speeds[2])
-            });
+            let overlaps = nodes.iter().map(|node| node.overlap_m - step_s * node.parting(&solved.normal_speeds));
             self.contacts.push(PatchContact {
                 colliders: candidate.colliders,
                 position_body: candidate.body_poses.map(|pose| pose.inverse_transform_point(position_world)),

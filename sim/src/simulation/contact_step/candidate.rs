@@ -78,17 +78,18 @@ pub(super) struct Meeting<'a> {
 
 impl<'a> Meeting<'a> {
     pub(super) fn new(scene: &'a Scene, handles: [ColliderHandle; 2], mounts: [&Mount; 2], step_s: f64) -> Self {
+        let links = mounts.map(|mount| mount.moves.then_some(mount.at));
         Meeting {
             scene,
             handles,
             bodies: handles.map(|handle| scene.body_of(handle).into_raw_parts()),
-            links: mounts.map(|mount| mount.moves.then_some(mount.at)),
+            links,
             body_poses: mounts.map(|mount| *scene.link_pose(mount.at)),
             pair: Pair {
                 shapes: handles.map(|handle| scene.shape(handle)),
                 poses_world: mounts.map(|mount| mount.pose_world),
             },
-            law: Law { interface: mounts[0].surface.with(&mounts[1].surface), step_s },
+            law: Law { interface: mounts[0].surface.with(&mounts[1].surface), step_s, theta: scene.theta(&links) },
         }
     }
 
@@ -96,14 +97,21 @@ impl<'a> Meeting<'a> {
     /// `overlap_m`; and the parting speed when the step begins.
     pub(super) fn closing_m(&self, plane: &Plane, overlap_m: f64) -> (f64, NormalSpeeds) {
         let before = self.speeds(plane, |tree, at| tree.coordinates()[at].velocity);
+        let ahead_m = self.parted_m(plane)[0];
         // The speed of surfaces that stay in contact hardly changes. Surfaces that are about to meet may be accelerated
-        // in this step, so their speed at its end without contacts counts, too.
-        let over_m = self.law.closing_m(before[0]);
+        // in this step, so their speed in it without contacts counts, too.
+        let over_m = self.law.closing_m(before[0]) - ahead_m;
         if overlap_m > over_m {
             return (over_m, before);
         }
         let free = self.speeds(plane, |tree, at| tree.next()[at]);
-        (self.law.closing_m(free[0]), before)
+        (self.law.closing_m(free[0]) - ahead_m, before)
+    }
+
+    /// How far the surfaces have parted at the origin of a plane since the step began, m, and turned, rad: trees move ahead
+    /// before contacts are found.
+    fn parted_m(&self, plane: &Plane) -> Vector3<f64> {
+        self.speeds(plane, |tree, at| tree.ahead_s() * tree.coordinates()[at].velocity)
     }
 
     /// The parting speed at the origin of a plane and the angular velocities about its tangents.
@@ -156,6 +164,10 @@ impl ContactStep {
                 press(&plane, faces)?
             }
         };
+        let parted_m = meeting.parted_m(&plane);
+        for node in &mut nodes[first_node..] {
+            node.overlap_m += node.parting(&parted_m);
+        }
         let (center, radius_m) = law.center_and_radius(&nodes[first_node..], &before);
         let deflection = kept.map_or(Vector3::zeros(), |kept| {
             let deflection_world = body_poses[1].transform_vector(kept.deflection);

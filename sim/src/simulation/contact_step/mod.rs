@@ -9,7 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use super::placed::{NEAR_M, PlacedLink, Scene};
 use crate::contact::patch::Node;
+use crate::contact::plane::Plane;
 use crate::contact::solver::{Convergence, Solver};
+use crate::physics::{PhysicsOptions, Theta};
 use candidate::{Candidate, Detection, Meeting};
 
 mod apply;
@@ -82,6 +84,8 @@ struct Scratch {
     candidates: Vec<Candidate>,
     nodes: Vec<Node>,
     detection: Detection,
+    /// By slot: Σ k/m over the contacts, 1/s².
+    contact_rate: Vec<f64>,
     /// By slot: the number of patches and stops, and the block of the solver.
     patches_of_tree: Vec<usize>,
     block_of_tree: Vec<usize>,
@@ -92,11 +96,13 @@ struct Scratch {
 }
 
 impl ContactStep {
-    /// Finds the velocities at the end of the step with contacts, and writes them into the trees.
-    pub(super) fn step(&mut self, scene: &mut Scene, step_s: f64) {
+    /// Finds the velocities u_θ of the step with contacts, and writes them into the trees.
+    pub(super) fn step(&mut self, scene: &mut Scene, options: &PhysicsOptions) {
+        let step_s = options.step_s;
         self.contacts.clear();
         self.convergence = Convergence::default();
         self.find_patches(scene, step_s);
+        self.choose_theta(scene, options);
         if self.choose_blocks(scene, step_s) {
             self.fill_solver(scene);
             self.convergence = self.scratch.solver.solve();
@@ -141,6 +147,34 @@ impl ContactStep {
         kept.find(|kept| kept.bodies == *bodies)
     }
 
+    /// Gives every tree the rule that its contacts need: their springs act side by side on what the tree's inertia lets
+    /// move at them.
+    fn choose_theta(&mut self, scene: &mut Scene, options: &PhysicsOptions) {
+        let Scratch { candidates, nodes, contact_rate: rates, .. } = &mut self.scratch;
+        rates.clear();
+        rates.resize(scene.slots(), 0.0);
+        for candidate in candidates.iter() {
+            let area_m2: f64 = nodes[candidate.nodes.0..candidate.nodes.1].iter().map(|node| node.area_m2).sum();
+            let stiffness_n_per_m = area_m2 * candidate.law.interface.stiffness_n_per_m3;
+            for PlacedLink { slot, link } in candidate.links.iter().flatten() {
+                let tree = scene.tree_mut(*slot);
+                let Plane { origin_world, normal_world, .. } = candidate.plane;
+                rates[*slot] += stiffness_n_per_m * tree.mobility(*link, origin_world, normal_world);
+            }
+        }
+        for (slot, rate) in rates.iter().enumerate().filter(|(_, rate)| **rate > 0.0) {
+            let tree = scene.tree_mut(slot);
+            let theta = tree.theta().or_more(Theta::of_phase(options.step_s * rate.sqrt(), Theta::EULER));
+            if theta != tree.theta() {
+                tree.set_theta(theta);
+                tree.prepare(options.gravity_m_per_s2);
+            }
+        }
+        for candidate in candidates {
+            candidate.law.theta = scene.theta(&candidate.links);
+        }
+    }
+
     /// Gives every tree that something may touch, or that is near an end stop, a block of the solver. The more patches
     /// and stops a tree has, the later its block. Returns whether there are any blocks.
     fn choose_blocks(&mut self, scene: &Scene, step_s: f64) -> bool {
@@ -164,7 +198,7 @@ impl ContactStep {
             block_of_tree[*slot] = solver.add_block(
                 tree.coordinates().iter().map(|own| own.velocity),
                 tree.next().iter().copied(),
-                |row, column| tree.mass(row, column),
+                |row, column| tree.mass(row, column) / tree.theta().value(),
             );
         }
         !order.is_empty()
@@ -184,7 +218,8 @@ impl ContactStep {
         }
         for slot in order.iter() {
             let first = solver.offset(block_of_tree[*slot]);
-            for stop in stops::near(&scene.placed(*slot).tree).flat_map(|(at, own)| stops::rows(first + at, own)) {
+            let tree = &scene.placed(*slot).tree;
+            for stop in stops::near(tree).flat_map(|(at, own)| stops::rows(first + at, own, tree)) {
                 solver.add_stop(stop);
             }
         }

@@ -16,11 +16,12 @@ pub(super) fn near(tree: &Tree) -> impl Iterator<Item = (usize, &Coordinate)> {
 }
 
 /// The stops at both limits of a coordinate, whose velocity has this index in the solver.
-pub(super) fn rows(index: usize, coordinate: &Coordinate) -> impl Iterator<Item = Stop> + use<> {
-    let angle = coordinate.position;
+pub(super) fn rows(index: usize, coordinate: &Coordinate, tree: &Tree) -> impl Iterator<Item = Stop> + use<> {
+    let angle = coordinate.position - tree.ahead_s() * coordinate.velocity;
+    let theta = tree.theta();
     coordinate.stop.into_iter().flat_map(move |stop| {
         let EndStop { limits_rad: [lower, upper], stiffness_nm_per_rad, loss_time_s } = stop;
         let sides = [(1.0, lower - angle), (-1.0, angle - upper)];
-        sides.map(|(sign, overlap_rad)| Stop { index, sign, overlap_rad, stiffness_nm_per_rad, loss_time_s })
+        sides.map(|(sign, overlap_rad)| Stop { index, sign, overlap_rad, stiffness_nm_per_rad, loss_time_s, theta })
     })
 }

@@ -81,9 +81,9 @@ fn only_parry_allocates_in_a_frame() {
         twin.step(&frame.equilibrium_angle_rad);
     }
     let held = &frames[most].equilibrium_angle_rad;
-    // One period of a second in which buffers may still grow, and one that counts.
+    // Two periods of a second in which buffers may still grow, and one that counts.
     let (mut changed, mut counted) = (0, 0);
-    for frame in 0..200 {
+    for frame in 0..300 {
         let sway = 0.02 * (f64::from(frame) * TAU / 100.0).sin();
         let angles: Vec<f64> = held.iter().map(|angle| angle + sway).collect();
         let active = |simulation: &Simulation| -> Vec<bool> {
@@ -96,7 +96,7 @@ fn only_parry_allocates_in_a_frame() {
         }
         assert_eq!(simulation.report(), twin.step(&angles));
         // An object that enters the engine needs memory, there and in the next frames.
-        if frame < 100 || frame < changed + 5 {
+        if frame < 200 || frame < changed + 5 {
             continue;
         }
         counted += 1;
