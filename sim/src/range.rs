@@ -9,7 +9,7 @@ use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 use underbrush_recording::limits::short;
 
-use crate::seed::standard_normal;
+use crate::seed::standard_normals;
 
 mod placement;
 mod schema;
@@ -142,7 +142,7 @@ impl Quantity {
                 Some(uniform.sample(random)).filter(physical).ok_or(error)
             }
             Draw::Normal(mean, deviation) => {
-                let mut normal = || mean + deviation * standard_normal(random);
+                let mut normal = || mean + deviation * standard_normals(random)[0];
                 (0..DRAWS).map(|_| normal()).find(physical).ok_or(error)
             }
         }

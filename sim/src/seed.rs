@@ -29,14 +29,15 @@ pub fn stream(seed: u64, scene: &str, reach_index: u64, purpose: &str) -> ChaCha
     ChaCha8Rng::from_seed(*hasher.finalize().as_bytes())
 }
 
-/// A draw from the standard normal distribution (Marsaglia's polar method). `rand_distr` takes its logarithm from the
-/// machine, and the last digits of a draw would depend on it.
-pub fn standard_normal(random: &mut ChaCha8Rng) -> f64 {
+/// Two independent draws from the standard normal distribution (Marsaglia's polar method). `rand_distr` takes its
+/// logarithm from the machine, and the last digits of a draw would depend on it.
+pub fn standard_normals(random: &mut ChaCha8Rng) -> [f64; 2] {
     loop {
         let [x, y] = [0, 1].map(|_| 2.0 * random.random::<f64>() - 1.0);
         let square = x * x + y * y;
         if 0.0 < square && square < 1.0 {
-            return x * (-2.0 * math::ln(square) / square).sqrt();
+            let scale = (-2.0 * math::ln(square) / square).sqrt();
+            return [x * scale, y * scale];
         }
     }
 }
@@ -52,7 +53,9 @@ mod tests {
     fn normal_draws_are_normal() {
         let mut random = stream(1, "test", 0, "normal");
         let count = 200_000.0;
-        let draws: Vec<f64> = (0..200_000).map(|_| standard_normal(&mut random)).collect();
+        let draws: Vec<f64> = (0..100_000).flat_map(|_| standard_normals(&mut random)).collect();
+        let product: f64 = draws.chunks_exact(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / 100_000.0;
+        assert!(product.abs() < 5.0 / f64::sqrt(100_000.0), "the draws of a pair are correlated: {product}");
         let mean = |of: &dyn Fn(f64) -> f64| draws.iter().map(|draw| of(*draw)).sum::<f64>() / count;
         for (found, expected, variance) in [
             (mean(&|x| x), 0.0, 1.0),

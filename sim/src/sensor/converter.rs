@@ -3,24 +3,31 @@
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use crate::seed::standard_normal;
+use crate::seed::standard_normals;
 
 /// White Gaussian noise of one standard deviation for all taxels.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Noise {
     standard_deviation_n: f64,
+    /// The second of two draws, for the next reading.
+    spare: Option<f64>,
 }
 
 impl Noise {
     /// Noise with this standard deviation, N; 0 switches it off.
     pub fn new(standard_deviation_n: f64) -> Self {
-        Noise { standard_deviation_n }
+        Noise { standard_deviation_n, spare: None }
     }
 
     /// Draws the noise of one reading, N. A number is drawn even if the noise is off, so that the noise of one
     /// technology does not depend on whether the other has any.
-    pub fn draw(&self, random: &mut ChaCha8Rng) -> f64 {
-        standard_normal(random) * self.standard_deviation_n
+    pub fn draw(&mut self, random: &mut ChaCha8Rng) -> f64 {
+        let normal = self.spare.take().unwrap_or_else(|| {
+            let [first, second] = standard_normals(random);
+            self.spare = Some(second);
+            first
+        });
+        normal * self.standard_deviation_n
     }
 }
 
