@@ -23,13 +23,12 @@ pub type Parser = fn(&[u8]) -> bool;
 
 /// All parsers, by the name of their fuzz target.
 #[allow(dead_code, reason = "each fuzz target calls one")]
-pub const PARSERS: [(&str, Parser); 16] = [
+pub const PARSERS: [(&str, Parser); 15] = [
     ("arm", arm),
     ("data_set", data_set),
     ("experiment", experiment),
     ("frame_lines", frame_lines),
     ("import_csv", import_csv),
-    ("import_hdf5", import_hdf5),
     ("import_mcap", import_mcap),
     ("mapping", mapping),
     ("model", model),
@@ -222,7 +221,6 @@ pub fn mapping(bytes: &[u8]) -> bool {
         };
         let seeds = [
             ("log.csv", &include_bytes!("corpus/import_csv/palm.csv")[..]),
-            ("log.h5", &include_bytes!("corpus/import_hdf5/reach.h5")[..]),
             ("log.mcap", &include_bytes!("corpus/import_mcap/reach.mcap")[..]),
         ];
         for (name, bytes) in seeds {
@@ -247,11 +245,6 @@ fn imported(name: &str, bytes: &[u8], mapping: &str) -> bool {
 /// A robot's CSV file.
 pub fn import_csv(bytes: &[u8]) -> bool {
     imported("log.csv", bytes, include_str!("corpus/mapping/csv.toml"))
-}
-
-/// A robot's HDF5 file.
-pub fn import_hdf5(bytes: &[u8]) -> bool {
-    imported("log.h5", bytes, include_str!("corpus/mapping/hdf5.toml"))
 }
 
 /// A robot's MCAP file.

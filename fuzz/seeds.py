@@ -32,15 +32,6 @@ threshold_n = 0.1
 category_from = "label"
 reach_from = "run"
 """,
-    "hdf5.toml": """[time]
-rate_hz = 100
-[force]
-from = "data/*/obs/tactile_sleeve"
-scale_n = 1.0
-offset_n = 0.0
-[trial]
-category_from = "scene"
-""",
     "mcap.toml": """[force]
 topic = "/skin/sleeve"
 from = "sensed_force_n"
@@ -171,10 +162,9 @@ def main():
             path = os.path.join(folder, f"of-reach-{name}")
             run("trials", reach, "--min-samples", "1", "--out", path)
             seed(name.replace(".", "_"), f"reach.{name.split('.')[1]}", read(path))
-        for kind, name in [("mcap", "reach.mcap"), ("hdf5", "reach.h5")]:
-            path = os.path.join(folder, name)
-            run("export", reach, "--to", kind, "--out", path)
-            seed(f"import_{kind}", name, read(path))
+        path = os.path.join(folder, "reach.mcap")
+        run("export", reach, "--to", "mcap", "--out", path)
+        seed("import_mcap", "reach.mcap", read(path))
         whole = os.path.join(folder, "set")
         run("generate", thicket, "--reaches", "1", "--seed", "5", "--out", whole)
         files = [os.path.join(place, name) for place, _, names in os.walk(whole) for name in names]

@@ -13,6 +13,7 @@ from types import ModuleType
 import underbrush
 import underbrush.distributed
 import underbrush.gym
+import underbrush.hdf5
 import underbrush.rerun
 import underbrush.sklearn
 
@@ -61,6 +62,7 @@ def page() -> str:
         ("underbrush.sklearn", underbrush.sklearn, list(underbrush.sklearn.__all__)),
         ("underbrush.distributed", underbrush.distributed, ["generate", "reproduce", "benchmark"]),
         ("underbrush.rerun", underbrush.rerun, ["log"]),
+        ("underbrush.hdf5", underbrush.hdf5, ["export", "csv_of"]),
         ("underbrush.gym", underbrush.gym, ["ReachEnv", "ReachVectorEnv"]),
     ]
     for title, module, names in modules:

@@ -106,9 +106,9 @@ enum Command {
     Inspect(command::inspect::InspectOptions),
     /// Show reaches in the browser: the arm in 3-D, its skin, plots and verdicts over time
     Replay(command::replay::ReplayOptions),
-    /// Write reaches for other tools, as MCAP (Foxglove, ROS 2) or HDF5 (robomimic)
+    /// Write reaches for other tools, as MCAP (Foxglove, ROS 2)
     Export(command::export::ExportOptions),
-    /// Cut contact trials from a CSV, HDF5 or MCAP file of a real robot
+    /// Cut contact trials from a CSV or MCAP file of a real robot
     Import(command::import::ImportOptions),
     /// Print the JSON Schema of scene, arm, skin, experiment, suite or model files, for use in an editor
     Schema(command::schema::SchemaOptions),

@@ -17,8 +17,8 @@ In both cases the same command without a fault (for sets, with --resume) must le
 A program that was not killed must not report success unless the output is whole, and must name what failed, without a
 panic. A write that is cut short and followed by no fault must change nothing.
 
-read_faults.py does the same with the calls that read. Both need Linux, strace, a C compiler and a program
-with the feature `hdf5`, but no Python packages; TMPDIR=/dev/shm makes them faster. `--every N` tries only every N-th write; all other calls are always tried.
+read_faults.py does the same with the calls that read. Both need Linux, strace and a C compiler, but no
+Python packages; TMPDIR=/dev/shm makes them faster. `--every N` tries only every N-th write; all other calls are always tried.
 """
 
 import argparse
@@ -186,7 +186,6 @@ def jobs(underbrush, folder):
         subprocess.run([*shared, "1/2"], cwd=place, check=True, stdout=subprocess.DEVNULL)
 
     mcap = [underbrush, "export", whole, "--to", "mcap", "--out", "mcap"]
-    hdf5 = [underbrush, "export", whole, "--to", "hdf5", "--out", "set.hdf5"]
     merge = [underbrush, "merge", f"{parts}/1", f"{parts}/2", "--out", "set"]
     return [
         Job("generate", generate, "set", again=[*generate, "--resume"]),
@@ -194,7 +193,6 @@ def jobs(underbrush, folder):
         Job("generate --shared, last part", [*shared, "2/2"], "set", prepare=first_part),
         Job("merge", merge, "set", again=[*merge, "--resume"]),
         Job("export to MCAP", mcap, "mcap", again=[*mcap, "--force"], is_set=False),
-        Job("export to HDF5", hdf5, "set.hdf5", again=[*hdf5, "--force"], is_set=False),
     ]
 
 

@@ -187,6 +187,16 @@ impl Decision {
 }
 
 /// A verdict with the category's index instead of its name, so that [`Judge::choose`] need not copy strings.
+///
+/// ```
+/// use underbrush_classifier::decision::{Choice, Decision, Rule};
+///
+/// let judge = Decision::new(Rule::UncertainBelow { margin: 2.0 }).prepare(&["leaf".into(), "trunk".into()])?;
+/// assert_eq!(judge.choose(&[-10.0, -14.0]), Choice::Category(0));
+/// assert_eq!(judge.choose(&[-10.0, -11.0]), Choice::Uncertain);
+/// assert_eq!(Choice::Uncertain.index(2), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Choice {
     /// The category with this index.
@@ -210,6 +220,16 @@ impl Choice {
 }
 
 /// A [`Decision`] that was checked for the categories of a set of models.
+///
+/// ```
+/// use underbrush_classifier::decision::Decision;
+///
+/// let judge = Decision::argmax().prepare(&["leaf".into(), "trunk".into()])?;
+/// let (best, margin) = judge.margin(&[-12.0, -9.5]).expect("both are possible");
+/// assert_eq!((best, margin), (1, 2.5));
+/// assert_eq!(judge.verdict(judge.choose(&[-12.0, -9.5])).name(), "trunk");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Judge {
     categories: Vec<String>,

@@ -10,6 +10,16 @@ use crate::recipe::Recipe;
 
 /// How a classifier is fitted. What is not given is as in the recipe, or as the classifier has it. All options but the
 /// features are for hidden Markov models.
+///
+/// ```
+/// use underbrush_classifier::fit_options::FitOptions;
+///
+/// let options = FitOptions { recipe: Some("modern".into()), states: Some(4), ..FitOptions::default() };
+/// assert_eq!(options.recipe()?.states, 4);
+/// let misspelt = FitOptions { topology: Some("ring".into()), ..options };
+/// assert!(misspelt.recipe().is_err_and(|error| error.to_string().contains("topology")));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FitOptions {

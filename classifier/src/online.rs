@@ -89,6 +89,44 @@ pub struct TaxelVerdict {
 /// After k samples of a contact its scores equal [`Classifier::scores_after`] k samples of the same trial, bit for bit.
 /// With hidden Markov models nothing is allocated after the first frame, except for the name when a verdict changes,
 /// and for contact regions if a feature describes them.
+///
+/// ```
+/// use glam::DVec3;
+/// use underbrush_classifier::baseline::NaiveBayes;
+/// use underbrush_classifier::decision::Decision;
+/// use underbrush_classifier::estimator::Estimator;
+/// use underbrush_classifier::feature::FeatureSet;
+/// use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
+/// use underbrush_recording::{Frame, Patch, Sample, SkinLayout, Taxel, TaxelReading, Trial};
+///
+/// // A classifier of forces: leaves press with 0.2 N, trunks with 4 N, and a little more each time.
+/// let press = |category: &str, force_n: f64, k: u64| {
+///     let sample = |t: u32| Sample {
+///         time_s: 0.01 * f64::from(t),
+///         force_n: force_n + 0.01 * (k as f64 + f64::from(t)),
+///         motion_m: None,
+///         region: None,
+///         touched: None,
+///     };
+///     Trial { trial: k, category: Some(category.into()), samples: (0..20).map(sample).collect(), ..Trial::default() }
+/// };
+/// let trials: Vec<Trial> = (0..8).flat_map(|k| [press("leaf", 0.2, k), press("trunk", 4.0, k)]).collect();
+/// let classifier = NaiveBayes { features: FeatureSet::FORCE }.fit(&trials.iter().collect::<Vec<_>>())?;
+///
+/// // A skin of one taxel, and a frame in which it senses 3 N.
+/// let taxel = Taxel { position_link: DVec3::ZERO, normal_link: DVec3::Z, tangent_link: DVec3::X, area_m2: 1e-4 };
+/// let patch = Patch { name: "palm".into(), link: "hand".into(), grid: None, taxels: vec![taxel] };
+/// let layout = SkinLayout { patches: vec![patch] };
+/// let options = OnlineOptions::new(None, None, Decision::argmax());
+/// let mut online = OnlineClassifier::new(classifier.as_ref(), &layout, &options)?;
+/// let reading = TaxelReading { sensed_force_n: 4.1, ..TaxelReading::default() };
+/// let pressed = Frame { taxels: vec![reading], ..Frame::blank(1) };
+/// let names: Vec<String> = online.update(&pressed)?.map(|own| own.verdict.name().to_owned()).collect();
+/// assert_eq!(names, ["trunk"]);
+/// // The contact has ended.
+/// assert_eq!(online.update(&Frame { time_s: 0.01, ..Frame::blank(1) })?.count(), 0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct OnlineClassifier {
     scorer: Box<dyn OnlineScorer>,

@@ -16,13 +16,13 @@
 
 mod metadata;
 
+use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use rten::{RunOptions, ThreadPool, Value as Tensor, ValueView};
 use serde_json::Value;
-use tract_onnx::prelude::*;
-use tract_onnx::tract_hir::infer::Factoid;
 use underbrush_recording::limits::JSON_BYTES;
 use underbrush_recording::{InputError, Sample, math, open_regular};
 
@@ -47,81 +47,72 @@ pub fn load(path: &Path) -> Result<Box<dyn Classifier>, InputError> {
     let fail = |field: &str, found: String, allowed: &str, remedy: &str| {
         InputError::new(path, field.to_owned(), found, allowed.to_owned(), remedy.to_owned())
     };
-    let not_onnx = |error: TractError| {
-        let allowed = "an ONNX model with operators that tract knows";
-        fail("file", format!("{error:#}"), allowed, "export the model again")
+    let not_onnx = |found: String| {
+        let remedy = "export the model again, with the probabilities as its only output and with standard operators, as \
+                      examples/onnx/train.py does";
+        fail("file", found, "an ONNX model of numbers, with operators that rten knows", remedy)
     };
     let length = open_regular(path, "an ONNX model", "check the path")?.metadata();
-    let length = length.map_err(|error| not_onnx(error.into()))?.len();
+    let length = length.map_err(|error| not_onnx(error.to_string()))?.len();
     JSON_BYTES.check(path, "file", length)?;
-    let onnx = tract_onnx::onnx();
-    let proto = guarded(|| onnx.proto_model_for_path(path)).map_err(not_onnx)?;
-    let expected = Expected::read(path, &proto)?;
-    let model = guarded(|| onnx.model_for_proto_model(&proto)).map_err(not_onnx)?;
-    let rank = model.input_fact(0).ok().and_then(|fact| fact.shape.rank().concretize());
+    let model = guarded(|| rten::Model::load_file(path)).map_err(not_onnx)?;
+    let expected = Expected::read(path, model.metadata())?;
     let (window, features) = (expected.window, expected.features.dimension());
-    let shape = match rank {
-        Some(3) => vec![1, window, features],
+    let shape = match model.input_shape(0).map_or(0, |shape| shape.len()) {
+        3 => vec![1, window, features],
         _ => vec![1, window * features],
     };
-    let shaped = || {
-        let model = model.with_input_fact(0, f32::fact(&shape).into())?;
-        model.into_optimized()?.into_runnable()
-    };
-    let network = Network {
-        plan: guarded(shaped).map_err(|error| {
-            let found = format!("{error:#}");
-            let allowed = format!("an input of shape {shape:?}, as the metadata say");
-            fail(
-                "input",
-                found,
-                &allowed,
-                "export the model for these shapes and with standard operators (skl2onnx: black_op={'Scaler'}), or correct its \
-                 metadata",
-            )
-        })?,
-        shape,
-        output: 0,
-    };
-    let found = network.find_output(expected.categories.len()).map_err(|error| {
-        let allowed = format!("an output of {} 32-bit floats, one per category", expected.categories.len());
-        let remedy = "export probabilities as a plain tensor (skl2onnx: options={'zipmap': False})";
-        fail("output", format!("{error:#}"), &allowed, remedy)
+    let pool = Arc::new(ThreadPool::with_num_threads(rayon::current_num_threads()));
+    let network = Network { model, pool, shape, output: 0 };
+    let zeros = vec![0.0; window * features];
+    let outputs = network.run(&zeros).map_err(|found| {
+        let allowed = format!("an input of shape {:?}, as the metadata say", network.shape);
+        let remedy = "export the model for these shapes and with standard operators (skl2onnx: black_op={'Scaler'}), or correct \
+                      its metadata";
+        fail("input", found, &allowed, remedy)
     })?;
-    let network = Network { output: found, ..network };
+    let categories = expected.categories.len();
+    let output = outputs.iter().position(|output| numbers(output).is_some_and(|numbers| numbers.len() == categories));
+    let output = output.ok_or_else(|| {
+        let allowed = format!("an output of {categories} 32-bit floats, one per category");
+        let remedy = "export probabilities as a plain tensor (skl2onnx: options={'zipmap': False})";
+        fail("output", format!("{outputs:?}"), &allowed, remedy)
+    })?;
+    let network = Network { output, ..network };
     Ok(Box::new(OnnxClassifier(Arc::new(Loaded { path: path.to_owned(), expected, network }))))
 }
 
-/// Runs a step of tract and turns a panic into an error. Some files make tract panic, and bad input must never end the
-/// program.
-fn guarded<T>(step: impl FnOnce() -> TractResult<T>) -> TractResult<T> {
-    catch_unwind(AssertUnwindSafe(step)).unwrap_or_else(|panic| {
+/// Runs a step of rten, and turns an error or a panic into text: bad input must never end the program.
+fn guarded<T, E: Display>(step: impl FnOnce() -> Result<T, E>) -> Result<T, String> {
+    let result = catch_unwind(AssertUnwindSafe(step)).map_err(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
-        let text = text.or(panic.downcast_ref::<&str>().copied());
-        Err(TractError::msg(text.unwrap_or("a failure that says nothing more").to_owned()))
-    })
+        text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("a failure that says nothing more").to_owned()
+    })?;
+    result.map_err(|error| error.to_string())
+}
+
+/// The values of an output, if it is a tensor of 32-bit floats.
+fn numbers(output: &Tensor) -> Option<Vec<f32>> {
+    output.as_tensor_view::<f32>().map(|view| view.iter().copied().collect())
 }
 
 /// The network, ready to run.
 struct Network {
-    plan: Arc<TypedRunnableModel>,
+    model: rten::Model,
+    /// As many threads as the program uses.
+    pool: Arc<ThreadPool>,
     shape: Vec<usize>,
     /// Which of the outputs is the answer.
     output: usize,
 }
 
 impl Network {
-    fn run(&self, input: &[f32]) -> TractResult<TVec<TValue>> {
-        guarded(|| self.plan.run(tvec!(Tensor::from_shape(&self.shape, input)?.into())))
-    }
-
-    /// The first output of as many floats as categories.
-    fn find_output(&self, categories: usize) -> TractResult<usize> {
-        let outputs = self.run(&vec![0.0; self.shape.iter().product()])?;
-        let fits = |output: &TValue| output.datum_type() == f32::datum_type() && output.len() == categories;
-        let shapes: Vec<String> = outputs.iter().map(|output| format!("{output:?}")).collect();
-        let found = outputs.iter().position(fits);
-        found.ok_or_else(|| TractError::msg(format!("outputs {}", shapes.join(", "))))
+    fn run(&self, input: &[f32]) -> Result<Vec<Tensor>, String> {
+        let ids = self.model.input_ids();
+        let [id] = ids else { return Err(format!("{} inputs in place of one", ids.len())) };
+        let input = guarded(|| ValueView::from_shape(&self.shape, input))?;
+        let options = RunOptions::default().with_thread_pool(Some(Arc::clone(&self.pool)));
+        guarded(|| self.model.run(vec![(*id, input.into())], self.model.output_ids(), Some(options)))
     }
 }
 
@@ -139,20 +130,18 @@ impl Loaded {
             InputError::new(&self.path, field, found, allowed, remedy)
         };
         let count = answer.len();
-        let outputs = self.network.run(input).map_err(|error| {
+        let outputs = self.network.run(input).map_err(|found| {
             let allowed = "a network that runs with any forces and motions".to_owned();
             let remedy = "correct the network so that it runs with such numbers, and export it again";
-            fail("network", format!("a failure: {error:#}"), allowed, remedy)
+            fail("network", format!("a failure: {found}"), allowed, remedy)
         })?;
         let output = &outputs[self.network.output];
-        let values = output.to_plain_array_view::<f32>();
-        let values = values.ok().filter(|values| values.len() == count).ok_or_else(|| {
+        let values = numbers(output).filter(|values| values.len() == count).ok_or_else(|| {
             let allowed = format!("{count} 32-bit floats, one per category, as when the file was read");
             let remedy = "export the network with an output whose shape does not depend on the input";
-            let found = format!("shape {:?}, type {:?}", output.shape(), output.datum_type());
-            fail("output", found, allowed, remedy)
+            fail("output", format!("{output:?}"), allowed, remedy)
         })?;
-        answer.iter_mut().zip(values).for_each(|(place, value)| *place = f64::from(*value));
+        answer.iter_mut().zip(values).for_each(|(place, value)| *place = f64::from(value));
         if self.expected.is_probability {
             let is_probability = |value: &f64| (-PROBABILITY_TOLERANCE..=1.0 + PROBABILITY_TOLERANCE).contains(value);
             if !answer.iter().all(is_probability) || (answer.iter().sum::<f64>() - 1.0).abs() > PROBABILITY_TOLERANCE {

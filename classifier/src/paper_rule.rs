@@ -9,6 +9,15 @@ use crate::model_file::Model;
 use crate::recipe::{Recipe, ScalingKind};
 
 /// The scores that a decision is about. Thresholds are valid for one kind of score only.
+///
+/// ```
+/// use underbrush_classifier::paper_rule::Scores;
+/// use underbrush_classifier::recipe::Recipe;
+///
+/// // The recipe of the authors has Viterbi scores of unscaled force, the modern one does not.
+/// assert!(Scores::of_recipe(Some(&Recipe::authors())).paper().is_ok());
+/// assert!(Scores::of_recipe(Some(&Recipe::modern())).paper().is_err());
+/// ```
 pub struct Scores<'a> {
     /// The decision stored with the models, if any.
     own: Option<&'a Decision>,

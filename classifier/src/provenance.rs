@@ -7,6 +7,16 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 /// Where a model comes from. A file may hold further keys, for instance of a user's own.
+///
+/// ```
+/// use underbrush_classifier::Provenance;
+///
+/// let provenance: Provenance = serde_json::from_str(r#"{ "program": "mine 1.0", "robot": "left arm" }"#)?;
+/// assert_eq!(provenance.program.as_deref(), Some("mine 1.0"));
+/// // Keys of a user's own are kept.
+/// assert_eq!(provenance.further["robot"], "left arm");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Provenance {
     /// Name and version of the program that trained the model.

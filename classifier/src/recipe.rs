@@ -35,6 +35,15 @@ pub enum ScalingKind {
 }
 
 /// How models are started, trained and scored. Stored in the model file, so that results can be traced to it.
+///
+/// ```
+/// use underbrush_classifier::feature::FeatureSet;
+/// use underbrush_classifier::recipe::Recipe;
+///
+/// let recipe = Recipe { states: 5, features: FeatureSet::FORCE_AND_MOTION, ..Recipe::authors() };
+/// assert_eq!(recipe.topology, Recipe::authors().topology);
+/// assert_eq!(Recipe::PRESETS.map(|(name, _)| name), ["authors", "modern"]);
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Recipe {

@@ -1,20 +1,32 @@
 //! The list of classifiers. The command line, model files and tests take classifiers only from this list.
 
+#[cfg(test)]
+use crate::baseline::nearest_mean;
 use crate::baseline::{echo_state_network, logistic, naive_bayes, nearest_neighbours};
 use crate::estimator::ClassifierKind;
 use crate::hmm_classifier;
 
 /// All classifiers. To add one, write its file and add its entry here.
-pub const CLASSIFIERS: [&ClassifierKind; 6] = [
+pub const CLASSIFIERS: [&ClassifierKind; 6 + cfg!(test) as usize] = [
     &hmm_classifier::KIND,
     &nearest_neighbours::KIND,
     &naive_bayes::KIND,
     &echo_state_network::KIND,
     &logistic::KIND,
     &logistic::TAXEL_KIND,
+    #[cfg(test)]
+    &nearest_mean::KIND,
 ];
 
 /// The kind of classifier with this name or alias.
+///
+/// ```
+/// use underbrush_classifier::registry;
+///
+/// let kind = registry::find("naive-bayes").expect("it is in the list");
+/// assert!(kind.names().any(|name| name == "naive-bayes") && !kind.summary.is_empty());
+/// assert!(registry::find("horoscope").is_none());
+/// ```
 pub fn find(name: &str) -> Option<&'static ClassifierKind> {
     CLASSIFIERS.into_iter().find(|kind| kind.names().any(|own| own == name))
 }

@@ -1,7 +1,7 @@
 //! ONNX models: scores, padding, files that do not fit, and networks that fail while they run. `onnx/make.py` wrote the
 //! files. `linear.onnx` is softmax(x W + b) of the forces of two samples; its weights are [`WEIGHTS`] and
-//! [`CONSTANTS`]. `other_window.onnx` is the same network with a window of three samples in its metadata. The others
-//! fail with certain forces; see [`FAILING`].
+//! [`CONSTANTS`]. `other_window.onnx` is the same network with a window of three samples in its metadata.
+//! `label.onnx` has a text. The others fail with certain forces; see [`FAILING`].
 #![cfg(feature = "onnx")]
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
@@ -67,7 +67,12 @@ fn scores_are_those_of_the_formula() {
 fn files_that_do_not_fit_are_refused() {
     let broken = std::env::temp_dir().join(format!("underbrush-{}.onnx", std::process::id()));
     std::fs::write(&broken, b"no protocol buffer").unwrap();
-    let cases = [(file("other_window.onnx"), "input"), (file("missing.onnx"), "file"), (broken.clone(), "file")];
+    let cases = [
+        (file("other_window.onnx"), "input"),
+        (file("label.onnx"), "its only output"),
+        (file("missing.onnx"), "file"),
+        (broken.clone(), "file"),
+    ];
     for (path, field) in cases {
         let error = onnx::load(&path).unwrap_err().to_string();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();

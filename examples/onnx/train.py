@@ -1,6 +1,6 @@
 """Train a network with scikit-learn on trials of underbrush and export it for underbrush as ONNX.
 
-    underbrush generate leaf trunk --reaches 10 --out data
+    underbrush generate scenes/leaf.toml scenes/trunk.toml --reaches 10 --out data
     underbrush trials data --out trials.csv
     python examples/onnx/train.py trials.csv network.onnx
     cargo run --release --features onnx -- evaluate other-trials.csv --model network.onnx
@@ -13,6 +13,7 @@ import sys
 
 import numpy as np
 import onnx
+import onnx.utils
 from skl2onnx import to_onnx
 from sklearn.neural_network import MLPClassifier
 from sklearn.pipeline import make_pipeline
@@ -44,8 +45,9 @@ labels = np.array([category[trial] for trial in trials for _ in LENGTHS])
 model = make_pipeline(StandardScaler(), MLPClassifier((32,), alpha=1e-2, early_stopping=True, random_state=0))
 model.fit(rows, labels)
 
-# tract, which runs the model, knows the standard operators, but not all of the machine-learning ones.
+# rten, which runs the model, knows the standard operators, but not the machine-learning ones, and no texts, such as labels.
 exported = to_onnx(model, rows[:1], options={"zipmap": False}, black_op={"Scaler"})
+exported = onnx.utils.Extractor(exported).extract_model([exported.graph.input[0].name], ["probabilities"])
 metadata = {
     "underbrush.features": ",".join(FEATURES),
     "underbrush.window": str(WINDOW),

@@ -97,6 +97,14 @@ impl Accuracy {
 }
 
 /// Mean and spread of a figure over campaigns.
+///
+/// ```
+/// use underbrush_experiments::accuracy::Spread;
+///
+/// let spread = Spread::of(&[80.0, 84.0, 88.0]);
+/// assert_eq!((spread.mean, spread.standard_deviation), (84.0, Some(4.0)));
+/// assert_eq!(Spread::of(&[80.0]).standard_deviation, None);
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Spread {
     /// Mean.

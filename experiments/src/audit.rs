@@ -51,6 +51,16 @@ struct Audited<'a> {
 }
 
 /// The bounds that the audit of a reach exceeds, each as a sentence.
+///
+/// ```
+/// use underbrush_experiments::audit::exceeded_bounds;
+/// use underbrush_recording::{Audit, SkinLayout};
+///
+/// let layout = SkinLayout::default();
+/// assert!(exceeded_bounds(&Audit::default(), &layout).is_empty());
+/// let bad = Audit { largest_contact_residual: 0.5, ..Audit::default() };
+/// assert!(exceeded_bounds(&bad, &layout)[0].starts_with("largest_contact_residual is 5.0e-1"));
+/// ```
 pub fn exceeded_bounds(audit: &Audit, layout: &SkinLayout) -> Vec<String> {
     let exceeded = bounds(layout).filter_map(|bound| {
         let value = (bound.field.get)(audit);

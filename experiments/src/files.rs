@@ -25,6 +25,16 @@ pub fn write(path: &Path, contents: &[u8]) -> Result<(), ExperimentError> {
 }
 
 /// Writes a value as JSON.
+///
+/// ```
+/// use underbrush_experiments::files::write_json;
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("result.json");
+/// write_json(&path, &[1, 2])?;
+/// assert_eq!(serde_json::from_slice::<Vec<u8>>(&std::fs::read(&path)?)?, [1, 2]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), ExperimentError> {
     let json =
         serde_json::to_vec_pretty(value).map_err(|source| ExperimentError::Json { path: path.into(), source })?;

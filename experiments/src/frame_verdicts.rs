@@ -56,6 +56,16 @@ pub struct Online {
 }
 
 /// Fractions of the taxels with ground truth, per cent, over all frames.
+///
+/// ```
+/// use underbrush_classifier::evaluate::Tally;
+/// use underbrush_experiments::frame_verdicts::Shares;
+///
+/// let tally = Tally { correct: 7, misclassified: 1, uncertain: 2, unknown: 5 };
+/// let shares = Shares::of(&tally).expect("ten taxels were judged");
+/// assert_eq!((shares.correct_percent, shares.taxel_frames, shares.without_truth), (70.0, 10, 5));
+/// assert!(Shares::of(&Tally::default()).is_none());
+/// ```
 #[derive(Clone, Debug, Serialize)]
 pub struct Shares {
     /// Correct verdicts.

@@ -23,6 +23,18 @@ use crate::reach_ends::Ends;
 ///
 /// # Errors
 /// If there is nothing at the path, it is of no known kind, or it breaks a rule of its kind.
+///
+/// ```
+/// use underbrush_experiments::inspection::inspect;
+///
+/// let folder = tempfile::tempdir()?;
+/// let table = folder.path().join("trials.csv");
+/// std::fs::write(&table, "trial,category,time_s,force_n\n0,leaf,0.00,0.2\n0,leaf,0.01,0.3\n")?;
+/// assert!(inspect(&table, 0)?.to_string().contains("leaf"));
+/// let absent = inspect(&folder.path().join("absent.toml"), 0).unwrap_err().to_string();
+/// assert!(absent.contains("no such file or folder"), "{absent}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn inspect(path: &Path, seed: u64) -> Result<Value, ExperimentError> {
     if !is_there(path)? {
         let allowed = "a scene, data set (folder), recording, model or table of trials";

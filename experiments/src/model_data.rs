@@ -70,6 +70,13 @@ pub fn of_recording(recording: &Recording) -> DataSource {
 }
 
 /// Trials in memory, or whatever else can be written as JSON, by the hash of that text.
+///
+/// ```
+/// use underbrush_experiments::model_data::in_memory;
+///
+/// assert_eq!(in_memory(&[0.1, 0.2]).blake3, in_memory(&[0.1, 0.2]).blake3);
+/// assert_ne!(in_memory(&[0.1, 0.2]).blake3, in_memory(&[0.2, 0.1]).blake3);
+/// ```
 pub fn in_memory(data: &impl Serialize) -> DataSource {
     let mut hasher = blake3::Hasher::new();
     // Writing to a hasher cannot fail, and neither can making JSON of plain data.

@@ -3,6 +3,36 @@
 use underbrush_recording::GoalOutcomes;
 
 /// Receives the progress of a run. All calls may be ignored.
+///
+/// ```
+/// use underbrush_experiments::{Counter, Progress, Silent};
+/// use underbrush_recording::GoalOutcomes;
+///
+/// /// Prints a dot for each step.
+/// struct Dots;
+///
+/// impl Progress for Dots {
+///     fn stage(&self, name: &str) {
+///         print!("\n{name} ");
+///     }
+///     fn remark(&self, _: &str) {}
+///     fn count(&self, _: &str, _: u64, _: u64) -> Box<dyn Counter> {
+///         Box::new(Dots)
+///     }
+/// }
+///
+/// impl Counter for Dots {
+///     fn advance(&self) {
+///         print!(".");
+///     }
+///     fn reach(&self, _: GoalOutcomes) {
+///         self.advance();
+///     }
+/// }
+/// let counter = Dots.count("reaches", 2, 0);
+/// counter.advance();
+/// assert!(!Dots.is_stopped() && !Silent.is_stopped());
+/// ```
 pub trait Progress: Sync {
     /// A stage begins.
     fn stage(&self, name: &str);

@@ -79,6 +79,13 @@ pub type KeyedAccuracy<'a> = (&'a CellKey, f64);
 
 /// Mean absolute difference from the published figures, by recipe. A cell is given as (recipe, accuracy, published);
 /// cells without a published figure do not count.
+///
+/// ```
+/// use underbrush_experiments::table_cell::mean_difference;
+///
+/// let cells = [("authors", 80.0, Some(82.0)), ("authors", 91.0, Some(90.0)), ("authors", 70.0, None)];
+/// assert_eq!(mean_difference(cells.into_iter())["authors"], 1.5);
+/// ```
 pub fn mean_difference<'a>(cells: impl Iterator<Item = (&'a str, f64, Option<f64>)>) -> BTreeMap<String, f64> {
     let mut sums: BTreeMap<String, (f64, usize)> = BTreeMap::new();
     for (recipe, accuracy, published) in cells {

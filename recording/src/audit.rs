@@ -5,6 +5,16 @@ use serde::{Deserialize, Serialize};
 /// The worst residuals of one reach. None is negative, and all are 0 if nothing was audited, as on a robot.
 ///
 /// The simulator's auditor documents how each is measured and which bound it should keep.
+///
+/// ```
+/// use underbrush_recording::Audit;
+///
+/// let mut audit = Audit::default();
+/// for field in Audit::FIELDS.iter().filter(|field| field.name == "energy_residual") {
+///     (field.set)(&mut audit, 1e-3);
+/// }
+/// assert_eq!(audit.energy_residual, 1e-3);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Audit {
     /// Largest relative difference, over all frames and patches, between the vector sum of the true taxel forces and

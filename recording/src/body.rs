@@ -31,6 +31,14 @@ pub enum BodyOwner {
 }
 
 /// A convex collision shape, centred on its frame. Cylinders and capsules lie along z.
+///
+/// ```
+/// use glam::DVec3;
+/// use underbrush_recording::BodyShape;
+///
+/// assert_eq!(BodyShape::Capsule { radius_m: 0.04, length_m: 0.3 }.numbers(), [0.04, 0.3]);
+/// assert_eq!(BodyShape::Box { size_m: DVec3::new(0.1, 0.2, 0.3) }.numbers().len(), 3);
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BodyShape {
@@ -100,6 +108,24 @@ pub struct TrackPoint {
 }
 
 /// One rigid body: a link of the arm, or a part of an object that moves as one piece.
+///
+/// ```
+/// use glam::DVec3;
+/// use underbrush_recording::{Body, BodyOwner, BodyPart, BodyShape, Pose};
+/// use underbrush_recording::body::POSITION_TOLERANCE_M;
+///
+/// let ball = BodyPart { shape: BodyShape::Sphere { radius_m: 0.05 }, pose_body: Pose::IDENTITY };
+/// let rest_pose_world = Pose::from_position(DVec3::Z);
+/// let mut body = Body { owner: BodyOwner::Object(0), parts: vec![ball], rest_pose_world, track: Vec::new() };
+/// // It rolls in frame 2 and then stays.
+/// for frame in 0..5 {
+///     let position = if frame < 2 { DVec3::Z } else { DVec3::new(0.01, 0.0, 1.0) };
+///     body.observe(frame, &Pose::from_position(position));
+/// }
+/// assert_eq!(body.track.len(), 1);
+/// assert_eq!(body.pose_world(1).position, DVec3::Z);
+/// assert!((body.pose_world(4).position.x - 0.01).abs() < POSITION_TOLERANCE_M);
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Body {
     /// The link or object that it belongs to.

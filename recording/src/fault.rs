@@ -7,6 +7,16 @@
 use crate::InputError;
 
 /// What an error means.
+///
+/// ```
+/// use underbrush_recording::InputError;
+/// use underbrush_recording::fault::Fault;
+///
+/// let error = InputError::new("arm.toml", "mass_kg", "-1", "above 0 kg", "correct the mass");
+/// assert!(matches!(Fault::from(error.clone()), Fault::Input(_)));
+/// // The same file on a disk that fails may be read later.
+/// assert!(matches!(Fault::from(InputError { storage: true, ..error }), Fault::Storage(_)));
+/// ```
 #[derive(Clone, Debug)]
 pub enum Fault {
     /// Bad input, with its place.

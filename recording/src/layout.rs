@@ -4,6 +4,24 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// All patches of skin on an arm, in the order used by [`crate::frame::TaxelReading::patch`].
+///
+/// ```
+/// use glam::DVec3;
+/// use underbrush_recording::{Grid, Patch, SkinLayout, Taxel};
+///
+/// // A pad of 2 × 3 taxels on a link called palm, 1 cm apart.
+/// let taxel = |index: usize| Taxel {
+///     position_link: 0.01 * DVec3::new((index % 3) as f64, (index / 3) as f64, 0.0),
+///     normal_link: DVec3::Z,
+///     tangent_link: DVec3::X,
+///     area_m2: 1e-4,
+/// };
+/// let grid = Some(Grid { rows: 2, columns: 3, wraps: false });
+/// let pad = Patch { name: "pad".into(), link: "palm".into(), grid, taxels: (0..6).map(taxel).collect() };
+/// let layout = SkinLayout { patches: vec![pad] };
+/// assert_eq!(layout.taxel_count(), 6);
+/// assert_eq!((layout.patch_index("pad"), layout.chosen_patch(Some("sole"))), (Some(0), None));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SkinLayout {
     /// The patches; names are unique.

@@ -193,7 +193,7 @@ pub const TEXT_COLUMN_BYTES: Ceiling = Ceiling {
 
 /// What a file declares to hold.
 pub const EXPANSION: Ceiling = Ceiling {
-    what: "the numbers in a row group of a Parquet file or in a dataset of an HDF5 file above 64 MiB",
+    what: "the numbers in a row group of a Parquet file above 64 MiB",
     most: 1100,
     unit: "bytes for each byte of the file",
     why: "deflate cannot compress further than by 1032",

@@ -67,6 +67,56 @@ pub struct ContactForces {
 }
 
 /// One reach: everything that was sensed, and the ground truth.
+///
+/// ```
+/// use glam::DVec3;
+/// use std::collections::BTreeMap;
+/// use underbrush_recording::{Audit, Category, Contact, GoalRecord, ObjectRecord, Outcome, Recording, SkinLayout};
+///
+/// let trunk = ObjectRecord {
+///     kind: "trunk".into(),
+///     category: Category::TRUNK,
+///     position_world: DVec3::ZERO,
+///     parameters: BTreeMap::new(),
+/// };
+/// let goal = |outcome| GoalRecord {
+///     position_world: DVec3::X,
+///     start_time_s: 0.0,
+///     end_time_s: 2.0,
+///     outcome,
+///     safety_stop: None,
+/// };
+/// // Two frames at 6 N on average, then six at 2 N.
+/// let contact = |first_frame, last_frame, mean_force_n| Contact {
+///     link: "forearm".into(),
+///     patch: None,
+///     object: 0,
+///     first_frame,
+///     last_frame,
+///     peak_force_n: 1.5 * mean_force_n,
+///     mean_force_n,
+/// };
+/// let reach = Recording {
+///     scene: "lab".into(),
+///     controller: "by-hand".into(),
+///     seed: 0,
+///     reach_index: 0,
+///     rate_hz: 100.0,
+///     joint_names: Vec::new(),
+///     layout: SkinLayout::default(),
+///     objects: vec![trunk],
+///     bodies: Vec::new(),
+///     goals: vec![goal(Outcome::Reached), goal(Outcome::Stuck)],
+///     contacts: vec![contact(0, 1, 6.0), contact(10, 15, 2.0)],
+///     frames: Vec::new(),
+///     audit: Audit::default(),
+/// };
+/// assert_eq!(reach.outcome(), Outcome::Stuck);
+/// assert_eq!(reach.goal_outcomes().reached, 1);
+/// let forces = reach.contact_forces(Some(Category::TRUNK));
+/// assert_eq!((forces.contacts, forces.peak_n, forces.mean_n), (2, 9.0, 3.0));
+/// assert_eq!(reach.contact_forces(Some(Category::LEAF)).contacts, 0);
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
     /// Name of the scene.

@@ -12,6 +12,14 @@ use crate::limits::Ceiling;
 /// # Errors
 /// [`InputError`] for a file that is missing, and for a folder, a pipe or a device in its place. Reading a pipe or a
 /// device may never end. If the operating system fails, [`InputError::storage`] is set.
+///
+/// ```
+/// use std::path::Path;
+/// use underbrush_recording::open_regular;
+///
+/// let error = open_regular(Path::new("no/such/log.csv"), "a log", "check the path").unwrap_err();
+/// assert_eq!((error.found.as_str(), error.storage), ("no such file", false));
+/// ```
 pub fn open_regular(path: &Path, allowed: &str, remedy: &str) -> Result<File, InputError> {
     let refused = |found: &str| InputError::new(path, "file", found, allowed, remedy);
     let failed = |error: std::io::Error| match error.kind() {

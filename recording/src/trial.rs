@@ -5,6 +5,15 @@ use serde::{Deserialize, Serialize};
 use crate::limits::{self, Limits, short};
 
 /// One sample of a trial.
+///
+/// ```
+/// use underbrush_recording::Sample;
+///
+/// let sample = Sample { time_s: 0.3, force_n: 1.2, motion_m: None, region: None, touched: None };
+/// assert!(sample.fault().is_none());
+/// let (column, found, _) = Sample { force_n: f64::NAN, ..sample }.fault().expect("NaN is no force");
+/// assert_eq!((column, found.as_str()), ("force_n", "NaN"));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// Time, s: since the start of the reach in data sets, from any origin in tables of other programs.
@@ -25,6 +34,16 @@ pub struct Sample {
 }
 
 /// A contact region (paper, section III) at one instant: connected taxels in contact, whichever objects press them.
+///
+/// ```
+/// use underbrush_recording::Region;
+///
+/// let region = Region { taxels: 3, largest_force_n: 2.0, force_sum_n: 4.5 };
+/// assert_eq!(region.fault(), None);
+/// // Three taxels cannot have more than three times the largest force.
+/// let impossible = Region { force_sum_n: 7.0, ..region };
+/// assert!(impossible.fault().is_some_and(|(column, _)| column == "region_force_sum_n"));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Region {
     /// Number of taxels.
@@ -89,6 +108,15 @@ impl Region {
 }
 
 /// One trial (paper, sections IV-C and IV-D): the unit of training and classification.
+///
+/// ```
+/// use underbrush_recording::{Sample, Trial};
+///
+/// let sample = |time_s, touched| Sample { time_s, force_n: 0.5, motion_m: None, region: None, touched };
+/// let trial = Trial { samples: vec![sample(0.0, Some(false)), sample(0.01, None)], ..Trial::default() };
+/// // The second sample may have been a contact.
+/// assert_eq!(trial.touched(), None);
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Trial {
     /// Number of the trial in its table.

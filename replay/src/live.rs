@@ -44,6 +44,20 @@ struct State {
 }
 
 /// The state that the threads share.
+///
+/// ```
+/// use std::sync::Arc;
+/// use underbrush_replay::Live;
+///
+/// let live = Arc::new(Live::new());
+/// let simulation = Arc::clone(&live);
+/// // The first frame waits until a page asks for news.
+/// let thread = std::thread::spawn(move || simulation.frame(|| None));
+/// while live.news_after(None).frames == 0 {}
+/// thread.join().expect("the frame has been passed on");
+/// live.pause(true);
+/// assert!(live.news_after(None).paused);
+/// ```
 #[derive(Default)]
 pub struct Live {
     state: Mutex<State>,

@@ -25,6 +25,15 @@ pub fn policy() -> &'static str {
 ///
 /// # Errors
 /// As [`Source::pack`], and [`ReplayError::FileTooLarge`] if the file would have more than `max_bytes`.
+///
+/// ```
+/// use underbrush_replay::{ReplayContext, ReplayError, Source, single_file};
+///
+/// let context = ReplayContext { force_limit_n: |_| None, audit_warnings: |_, _| Vec::new() };
+/// let source = Source::of(Vec::new(), context)?;
+/// assert!(single_file(&source, &[], 50_000_000)?.starts_with("<!doctype html>"));
+/// # Ok::<(), ReplayError>(())
+/// ```
 pub fn single_file(source: &Source, numbers: &[usize], max_bytes: usize) -> Result<String, ReplayError> {
     let mut data = String::new();
     let mut listed = Vec::new();

@@ -64,6 +64,20 @@ pub struct Held {
 }
 
 /// The reaches of some data sets and recordings.
+///
+/// ```
+/// use underbrush_replay::{ReplayContext, ReplayError, Source};
+///
+/// let folder = tempfile::tempdir()?;
+/// let table = folder.path().join("trials.csv");
+/// std::fs::write(&table, "trial,reach,patch,taxel,time_s,force_n\n0,0,palm,3,0.00,0.2\n0,0,palm,3,0.01,0.3\n")?;
+/// let context = ReplayContext { force_limit_n: |_| None, audit_warnings: |_, _| Vec::new() };
+/// let source = Source::open(&[table], context, None)?;
+/// assert_eq!(source.reaches().len(), 1);
+/// assert!(source.pack(0)?.starts_with(b"ubreplay"));
+/// assert!(matches!(source.pack(1), Err(ReplayError::NoSuchReach { .. })));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Source {
     datasets: Vec<Dataset>,
     places: Vec<Place>,

@@ -162,10 +162,9 @@ fn frames(
             let reading = TaxelReading {
                 patch,
                 taxel: trial.taxel.unwrap_or_default() as u16,
-                true_normal_force_n: 0.0,
-                true_shear_force_n: [0.0; 2],
                 sensed_force_n: sample.force_n,
                 object: object.map(|object| object as u16),
+                ..TaxelReading::default()
             };
             (sample.time_s, reading)
         }));
@@ -174,17 +173,10 @@ fn frames(
     let start_s = readings.first().map_or(0.0, |(time_s, _)| *time_s);
     let frame = |time_s: f64, taxels: Vec<TaxelReading>| Frame {
         time_s: time_s - start_s,
-        joint_angle_rad: Vec::new(),
-        joint_velocity_rad_per_s: Vec::new(),
-        equilibrium_angle_rad: Vec::new(),
-        joint_torque_nm: Vec::new(),
         // The map shows the row nearest to the hand at the top.
         end_effector_pose_world: Pose::from_position(PITCH_M * DVec3::Y),
-        goal_position_world: DVec3::ZERO,
-        goal_index: 0,
-        patch_pose_world: vec![Pose::IDENTITY; layout.patches.len()],
-        contact_force_world: vec![DVec3::ZERO; layout.patches.len()],
         taxels,
+        ..Frame::blank(layout.patches.len())
     };
     let mut frames = Vec::new();
     let mut groups = readings.chunk_by(|(a_s, _), (b_s, _)| a_s == b_s).peekable();

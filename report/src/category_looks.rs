@@ -48,6 +48,14 @@ const MARKS: [Mark; 2] = [Mark::Diamond, Mark::Circle];
 const DASHES: [Dash; 3] = [Dash::Dotted, Dash::Dashed, Dash::Solid];
 
 /// The look of each category of an experiment or a picture.
+///
+/// ```
+/// use underbrush_report::category_looks::CategoryLooks;
+///
+/// let looks = CategoryLooks::of(["leaf", "reed", "vine"]);
+/// assert_eq!(looks.look("leaf").colour_name, "green");
+/// assert_ne!(looks.look("reed"), looks.look("vine"));
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct CategoryLooks {
     /// Names of the categories that are not the paper's. The position of a name decides its look.

@@ -8,11 +8,24 @@ use underbrush_experiments::audit::Worst;
 use crate::drawing::{Rows, Table};
 
 /// A number with its noun, such as "1 reach" or "2 reaches".
+///
+/// ```
+/// use underbrush_report::text::counted;
+///
+/// assert_eq!([1, 2].map(|count| counted(count, "reach", "reaches")), ["1 reach", "2 reaches"]);
+/// ```
 pub fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, one: &str, many: &str) -> String {
     format!("{count} {}", if count == N::from(1) { one } else { many })
 }
 
 /// A table of columns padded to their widest entry. The first column is aligned left, the others right.
+///
+/// ```
+/// use underbrush_report::text::table;
+///
+/// let rows = [["leaf", "7"], ["trunk", "12"]].map(|row| row.map(String::from).to_vec());
+/// assert_eq!(table(&["category", "trials"], &rows).lines().last(), Some("trunk         12"));
+/// ```
 pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
         let entries = rows.iter().filter_map(|row| row.get(column)).map(|entry| entry.chars().count());

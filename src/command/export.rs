@@ -6,7 +6,6 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use underbrush_classifier::evaluate::touch_folds::ReadReaches;
 use underbrush_exchange::write_mcap;
-use underbrush_recording::Recording;
 use underbrush_recording::disk::{check_free, check_not_input};
 
 use super::overwrite::Overwrite;
@@ -35,8 +34,7 @@ pub struct ExportOptions {
 enum Format {
     /// For Foxglove and tools of ROS 2: joint states, transforms, scene and skin; one file per reach
     Mcap,
-    /// In the shape of robomimic's data sets: one file with a demonstration for each reach. Needs a program that was built
-    /// with the feature `hdf5`
+    /// In the shape of robomimic's data sets. The Python package writes it: python -m underbrush.hdf5 export
     Hdf5,
 }
 
@@ -49,20 +47,6 @@ struct Written {
     frames: usize,
     files: usize,
     bytes: u64,
-}
-
-impl Written {
-    /// Counts a reach.
-    fn count(&mut self, recording: &Recording) {
-        self.reaches += 1;
-        self.frames += recording.frames.len();
-    }
-
-    /// Counts a file.
-    fn file(&mut self, path: &Path) {
-        self.files += 1;
-        self.bytes += std::fs::metadata(path).map_or(0, |file| file.len());
-    }
 }
 
 /// An error about the folder for several files.
@@ -99,50 +83,32 @@ fn make_room(folder: &Path, overwrite: Overwrite) -> Result<(), Failure> {
     Ok(())
 }
 
-#[cfg(feature = "hdf5")]
-fn write_hdf5(out: &Path, reaches: &Reaches, written: &mut Written) -> Result<(), Failure> {
-    underbrush_exchange::write_hdf5(out, |writer| {
-        reaches.read_any(|recording| {
-            writer.push(recording)?;
-            written.count(recording);
-            Ok(())
-        })
-    })
-}
-
-#[cfg(not(feature = "hdf5"))]
-fn write_hdf5(_: &Path, _: &Reaches, _: &mut Written) -> Result<(), Failure> {
-    Err(Failure::usage(
-        "this program was built without HDF5; build it with `cargo build --release --features hdf5`, or export MCAP",
-    ))
-}
-
 /// Writes the files.
 pub fn run(options: ExportOptions, json: bool) -> Result<(), Failure> {
+    if let Format::Hdf5 = options.to {
+        let remedy = "write it with `python -m underbrush.hdf5 export DATA --out FILE`, or export MCAP";
+        return Err(Failure::usage(format!("HDF5 is written by the Python package only; {remedy}")));
+    }
     let overwrite = options.overwrite;
     check_not_input(&options.out, &options.data)?;
     let reaches = Reaches::open(&options.data)?;
     let out = options.out.as_path();
     let mut written = Written { out: out.to_path_buf(), reaches: 0, frames: 0, files: 0, bytes: 0 };
-    let is_folder = reaches.count() > 1 && matches!(options.to, Format::Mcap);
+    let is_folder = reaches.count() > 1;
     if is_folder {
         make_room(out, overwrite)?
     } else {
         overwrite.file(out, &options.data)?
     }
-    match options.to {
-        Format::Mcap => reaches.read_any(|recording| {
-            let path = if is_folder { out.join(name_of(written.reaches)) } else { out.to_path_buf() };
-            write_mcap(&path, recording)?;
-            written.count(recording);
-            written.file(&path);
-            Ok(())
-        })?,
-        Format::Hdf5 => {
-            write_hdf5(out, &reaches, &mut written)?;
-            written.file(out);
-        }
-    }
+    reaches.read_any(|recording| {
+        let path = if is_folder { out.join(name_of(written.reaches)) } else { out.to_path_buf() };
+        write_mcap(&path, recording)?;
+        written.reaches += 1;
+        written.frames += recording.frames.len();
+        written.files += 1;
+        written.bytes += std::fs::metadata(&path).map_or(0, |file| file.len());
+        Ok::<(), Failure>(())
+    })?;
     output::result(json, &written, || {
         let Written { reaches, frames, files, .. } = written;
         let megabytes = written.bytes as f64 / 1e6;

@@ -154,12 +154,15 @@ fn outputs_that_cannot_be_written() {
     let outputs = tempfile::tempdir().unwrap();
     let named = |name: &str| outputs.path().join(name);
     let (set, scene, taken) = (fixture.dataset(), fixture.trunk_scene(), named("taken.parquet"));
+    let recordings = tempfile::tempdir().unwrap();
+    let recording = recordings.path().join("reach.parquet");
+    underbrush!["reach", scene, "--out", recording].success();
     std::fs::create_dir(&taken).unwrap();
     for answer in [
         underbrush!["train", set, "--threshold-n", "1000", "--out", taken],
         underbrush!["trials", set, "--threshold-n", "1000", "--out", taken],
         underbrush!["evaluate", set, "--threshold-n", "1000", "--roc", taken],
-        underbrush!["export", set, "--to", "hdf5", "--out", taken],
+        underbrush!["export", recording, "--to", "mcap", "--out", taken],
         underbrush!["replay", set, "--out", taken],
         underbrush!["reach", scene, "--out", taken],
     ] {

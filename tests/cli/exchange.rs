@@ -28,26 +28,40 @@ fn mapping(folder: &Path, text: &str) -> std::path::PathBuf {
     path
 }
 
-/// Tests that a data set exported as HDF5 and imported again has the trials that `trials` cuts from the set itself,
-/// labelled by the scene; that a classifier can be trained on these trials and classifies them; and that `replay`
+/// Tests that a CSV log with the forces of a data set, imported with its times and categories, has the trials that
+/// `trials` cuts from the set; that a classifier can be trained on these trials and classifies them; and that `replay`
 /// writes each reach with verdicts, but refuses a model that needs motion, which was not imported.
-#[cfg(feature = "hdf5")]
 #[test]
-fn trials_through_hdf5_are_those_of_the_data_set() {
+fn trials_through_csv_are_those_of_the_data_set() {
     let folder = tempfile::tempdir().unwrap();
-    let [file, table, model] = ["set.hdf5", "trials.csv", "model.json"].map(|name| folder.path().join(name));
-    let written = underbrush!["export", fixture().dataset(), "--to", "hdf5", "--out", file, "--json"].json();
+    let [file, table, model] = ["log.csv", "trials.csv", "model.json"].map(|name| folder.path().join(name));
     let set = underbrush_recording::disk::Dataset::open(fixture().dataset()).unwrap();
-    assert_eq!((&written["reaches"], &written["files"]), (&6.into(), &1.into()));
-    assert_eq!(written["frames"], set.info().total_frames);
-    assert_eq!(written["bytes"], std::fs::metadata(&file).unwrap().len());
+    let patch = set.layout().patches.iter().position(|patch| patch.name == "forearm").unwrap();
+    let taxels = set.layout().patches[patch].taxels.len();
+    let columns: Vec<String> = (0..taxels).map(|taxel| format!("f{taxel}")).collect();
+    let mut log = format!("reach,scene,{}\n", columns.join(","));
+    for index in 0..set.episodes().len() {
+        let reach = set.read_reach(index).unwrap();
+        for frame in &reach.frames {
+            let mut forces_n = vec![0.0; taxels];
+            let readings = frame.taxels.iter().filter(|reading| usize::from(reading.patch) == patch);
+            readings.for_each(|reading| forces_n[usize::from(reading.taxel)] = reading.sensed_force_n);
+            let forces_n: Vec<String> = forces_n.iter().map(f64::to_string).collect();
+            log += &format!("{index},{},{}\n", reach.scene, forces_n.join(","));
+        }
+    }
+    std::fs::write(&file, log).unwrap();
     let map = mapping(
         folder.path(),
-        "[time]\nrate_hz = 100\n[force]\nfrom = \"data/*/obs/tactile_forearm\"\n[trial]\ncategory_from = \"scene\"\n",
+        &format!(
+            "[time]\nrate_hz = 100\n[force]\nfrom = \"f{{taxel}}\"\ntaxels = {taxels}\n[trial]\ncategory_from = \"scene\"\n\
+             reach_from = \"reach\"\n"
+        ),
     );
     let imported = underbrush!["import", file, "--mapping", map, "--out", table, "--json"].json();
     let (direct, imported_trials) = (read_trials(fixture().table_csv()).unwrap(), read_trials(&table).unwrap());
     assert_eq!(imported["trials"], direct.len());
+    assert_eq!(imported["frames"], set.info().total_frames);
     assert_eq!(known(&direct), known(&imported_trials));
     let categories = imported["categories"].as_object().unwrap();
     assert_eq!(categories.keys().collect::<Vec<_>>(), ["leaf", "trunk"]);
@@ -111,7 +125,7 @@ fn what_cannot_be_exchanged_is_refused() {
     underbrush!["export", fixture().table_csv(), "--to", "mcap", "--out", out]
         .refused(&["trials.csv", "data sets (folders) or recordings"]);
     underbrush!["export", fixture().dataset(), "--to", "rosbag", "--out", out].refused(&["rosbag", "mcap, hdf5"]);
-    underbrush!["export", "nowhere", "--to", "hdf5", "--out", out].refused(&["nowhere", "no such file or folder"]);
+    underbrush!["export", "nowhere", "--to", "mcap", "--out", out].refused(&["nowhere", "no such file or folder"]);
     assert!(!out.exists());
 
     let log = folder.path().join("log.csv");
@@ -129,19 +143,16 @@ fn what_cannot_be_exchanged_is_refused() {
     assert!(!table.exists());
 }
 
-/// Tests that a program without HDF5 says how to get it, from `export` and from `import`.
-#[cfg(not(feature = "hdf5"))]
+/// Tests that `export` and `import` name the Python package for HDF5.
 #[test]
-fn a_program_without_hdf5_says_how_to_get_it() {
+fn hdf5_is_left_to_python() {
     let folder = tempfile::tempdir().unwrap();
     let [out, log] = ["out.hdf5", "log.h5"].map(|name| folder.path().join(name));
-    underbrush!["export", fixture().dataset(), "--to", "hdf5", "--out", out].refused(&["--features hdf5", "MCAP"]);
+    underbrush!["export", fixture().dataset(), "--to", "hdf5", "--out", out]
+        .refused(&["python -m underbrush.hdf5 export", "MCAP"]);
     std::fs::write(&log, "").unwrap();
     let map = mapping(folder.path(), "[time]\nrate_hz = 100\n[force]\nfrom = \"data/force\"\n");
-    underbrush!["import", log, "--mapping", map, "--out", folder.path().join("trials.csv")].refused(&[
-        "log.h5",
-        "HDF5, which this program was built without",
-        "--features hdf5",
-    ]);
+    underbrush!["import", log, "--mapping", map, "--out", folder.path().join("trials.csv")]
+        .refused(&["log.h5", "python -m underbrush.hdf5 csv"]);
     assert!(!out.exists());
 }

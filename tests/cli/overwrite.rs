@@ -27,7 +27,7 @@ fn calls(folder: &Path) -> Vec<Vec<OsString>> {
         call(call_, "").success();
         out
     });
-    let mut pieces: Vec<(Vec<OsString>, Vec<OsString>)> = vec![
+    let pieces: Vec<(Vec<OsString>, Vec<OsString>)> = vec![
         (text("train --states 2"), vec![table.clone(), "--out".into(), named("new.json")]),
         (text("reach"), vec![scene.clone(), "--out".into(), named("new.parquet")]),
         (text("reach"), vec![scene.clone(), "--picture".into(), named("new.svg")]),
@@ -36,15 +36,12 @@ fn calls(folder: &Path) -> Vec<Vec<OsString>> {
         (text("import"), vec![log.into(), "--mapping".into(), mapping.into(), "--out".into(), named("palm.csv")]),
         (text("evaluate"), vec![table, "--model".into(), model, "--roc".into(), named("roc.csv")]),
         (text("replay --reaches 0"), vec![set.clone(), "--out".into(), named("new.html")]),
-        (text("export --to mcap"), vec![set.clone(), "--out".into(), named("mcap")]),
+        (text("export --to mcap"), vec![set, "--out".into(), named("mcap")]),
         (text("check"), vec![suite.into(), "--out".into(), named("report")]),
         (text("validate --only hmm"), vec!["--pictures".into(), named("pictures")]),
         (text("generate --reaches 1"), vec![scene, "--out".into(), named("set")]),
         (text("merge"), [parts.to_vec(), vec!["--out".into(), named("merged")]].concat()),
     ];
-    if cfg!(feature = "hdf5") {
-        pieces.push((text("export --to hdf5"), vec![set, "--out".into(), named("new.hdf5")]));
-    }
     pieces.into_iter().map(|(words, paths)| [words, paths].concat()).collect()
 }
 

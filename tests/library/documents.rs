@@ -74,3 +74,22 @@ fn paths_in_the_pages_exist() {
     assert!(found.len() > 20 && paths > 200, "{} pages, {paths} paths", found.len());
     assert!(dead.is_empty(), "no such files:\n{}", dead.join("\n"));
 }
+
+/// Tests that the code in CONTRIBUTING.md stands in the files that it names, which are built: the examples work as shown.
+#[test]
+fn examples_of_contributing_are_built() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = fs::read_to_string(root.join("CONTRIBUTING.md")).unwrap();
+    let blocks: Vec<&str> = text.split("```rust\n").skip(1).map(|rest| rest.split_once("```").unwrap().0).collect();
+    for block in &blocks {
+        let mut source = String::new();
+        for piece in format!("\n{block}").split("\n// ").skip(1) {
+            let (head, code) = piece.split_once('\n').unwrap();
+            if head.ends_with(".rs") {
+                source = fs::read_to_string(root.join(head)).unwrap();
+            }
+            assert!(source.contains(code), "CONTRIBUTING.md shows what is not in the file:\n{code}");
+        }
+    }
+    assert_eq!(blocks.len(), 4, "one example each for an object, a classifier, a figure and a command");
+}

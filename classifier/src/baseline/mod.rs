@@ -16,6 +16,8 @@ mod file;
 mod fitted;
 pub(crate) mod logistic;
 pub(crate) mod naive_bayes;
+#[cfg(test)]
+pub(crate) mod nearest_mean;
 pub(crate) mod nearest_neighbours;
 mod table;
 

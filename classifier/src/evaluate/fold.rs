@@ -21,6 +21,17 @@ pub enum FoldBy {
 }
 
 /// How trials are divided for cross-validation.
+///
+/// ```
+/// use underbrush_classifier::evaluate::{FoldBy, Folds};
+/// use underbrush_recording::Trial;
+///
+/// let trial = |reach| Trial { category: Some("leaf".into()), reach, ..Trial::default() };
+/// assert_eq!(Folds::paper(), Folds { count: 2, by: FoldBy::Position });
+/// // Trials of one reach resemble each other, so they stay together where the reach is known.
+/// assert_eq!(FoldBy::advised(&[trial(Some(0)), trial(Some(1))]), FoldBy::Reach);
+/// assert_eq!(FoldBy::advised(&[trial(Some(0)), trial(None)]), FoldBy::Position);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Folds {

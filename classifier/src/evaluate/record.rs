@@ -3,6 +3,17 @@
 use crate::decision::Verdict;
 
 /// A verdict on one thing: a trial, a taxel in a frame, a contact or an object. All figures are counted over records.
+///
+/// ```
+/// use underbrush_classifier::evaluate::Record;
+///
+/// let categories = ["leaf".to_owned(), "trunk".to_owned()];
+/// let record = |truth, verdict| Record { truth, verdict, scores: &[], reach: None, weight: 1 };
+/// assert!(record("trunk", 1).is_right(&categories));
+/// // Uncertain is 2, outlier is 3.
+/// assert!(!record("trunk", 2).is_right(&categories));
+/// assert!(record("outlier", 3).is_right(&categories));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record<'a> {
     /// The true category.

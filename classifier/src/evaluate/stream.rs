@@ -23,6 +23,13 @@ pub enum StreamTruth {
 }
 
 /// Taxels in contact, counted by whether their verdict is right.
+///
+/// ```
+/// use underbrush_classifier::evaluate::Tally;
+///
+/// let tally = Tally { correct: 7, misclassified: 1, uncertain: 2, unknown: 5 };
+/// assert_eq!(tally.judged(), 10);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tally {
     /// The verdict is right, by the same rule as for whole trials ([`super::Prediction::is_correct`]).

@@ -9,6 +9,23 @@ use crate::vector::vectorized;
 /// A model with the tables that scoring needs, which are prepared once.
 ///
 /// Training changes its model in every iteration and does not use these tables.
+///
+/// ```
+/// use underbrush_classifier::feature::Observations;
+/// use underbrush_classifier::hmm::{GaussianHmm, HmmParameters, ScoreKind, Scorer};
+///
+/// // One state with mean 0 and variance 1: the score is the sum of log-densities of a normal distribution.
+/// let model = GaussianHmm::new(HmmParameters {
+///     initial: vec![1.0],
+///     transition: vec![vec![1.0]],
+///     mean: vec![vec![0.0]],
+///     covariance: vec![vec![vec![1.0]]],
+/// })?;
+/// let log_density = |x: f64| -0.5 * (x * x + std::f64::consts::TAU.ln());
+/// let score = Scorer::from(model).log_probability(ScoreKind::Forward, &Observations::new(1, vec![0.5, -1.0])?)?;
+/// assert!((score - log_density(0.5) - log_density(-1.0)).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scorer {
     model: GaussianHmm,

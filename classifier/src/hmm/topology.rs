@@ -20,6 +20,15 @@ impl Topology {
 }
 
 /// The initial distribution before training.
+///
+/// ```
+/// use underbrush_classifier::hmm::InitialDistribution;
+///
+/// for (name, distribution) in InitialDistribution::NAMED {
+///     let sum: f64 = distribution.probabilities(4).iter().sum();
+///     assert!((sum - 1.0).abs() < 1e-12, "{name}");
+/// }
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum InitialDistribution {

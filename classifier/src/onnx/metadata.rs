@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use tract_onnx::pb::ModelProto;
+use rten::ModelMetadata;
 use underbrush_recording::InputError;
 
 use crate::feature::{FeatureError, FeatureSet};
@@ -20,8 +20,8 @@ pub(super) struct Expected {
 }
 
 impl Expected {
-    pub(super) fn read(path: &Path, proto: &ModelProto) -> Result<Self, InputError> {
-        let get = |key: &str| proto.metadata_props.iter().find(|own| own.key == key).map(|own| own.value.as_str());
+    pub(super) fn read(path: &Path, metadata: &ModelMetadata) -> Result<Self, InputError> {
+        let get = |key: &str| metadata.get(key);
         let fail = |key: &str, found: &str, allowed: &str| {
             let remedy = "set the model's metadata_props when you export it";
             InputError::new(path, format!("metadata {key}"), found.to_owned(), allowed.to_owned(), remedy.to_owned())

@@ -7,6 +7,17 @@ use underbrush_recording::Limits;
 use crate::error::{Fault, check_limits};
 
 /// The cost of an uncertain verdict, relative to that of a wrong one, and two limits.
+///
+/// ```
+/// use underbrush_classifier::touch::{Touch, TouchDecision};
+///
+/// let decision = TouchDecision::default();
+/// // A wrong category is five times as bad as none, so a category needs a probability above 0.8.
+/// assert_eq!(decision.of_region(&[0.1, 0.9], 0.5), Touch::Category(1));
+/// assert_eq!(decision.of_region(&[0.3, 0.7], 0.5), Touch::Uncertain);
+/// // Fewer than one known contact in a hundred is as unusual.
+/// assert_eq!(decision.of_region(&[0.1, 0.9], 0.005), Touch::Unknown);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TouchDecision {
@@ -36,6 +47,13 @@ impl Default for TouchDecision {
 }
 
 /// What touches a taxel or a region.
+///
+/// ```
+/// use underbrush_classifier::touch::Touch;
+///
+/// let categories = ["leaf".to_owned(), "trunk".to_owned()];
+/// assert_eq!([Touch::Category(1), Touch::Nothing].map(|touch| touch.name(&categories)), ["trunk", "nothing"]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Touch {
     /// Nothing: a spurious reading.

@@ -43,6 +43,14 @@ pub enum Labels {
 }
 
 /// How trials are cut from a recording.
+///
+/// ```
+/// use underbrush_classifier::trial::{Labels, TrialOptions, Unit};
+///
+/// // As the paper's models were trained: trials of 20 samples or more, labelled by their environment.
+/// let options = TrialOptions { min_samples: 20, labels: Labels::Environment, ..TrialOptions::default() };
+/// assert_eq!((options.by, options.threshold_n), (Unit::Taxel, 0.03));
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TrialOptions {

@@ -67,6 +67,15 @@ NO_SUCH_ROW = """table (float[1, 2] x) => (float[1, 2] p)
   p = Gather <axis = 0> (rows, flat)
 }"""
 
+# A label as text beside the probabilities, as skl2onnx exports it.
+LABEL = """label (float[1, 2] x) => (string[1] label, float[1, 2] p)
+<string[2] names = {"leaf", "trunk"}>
+{
+  p = Softmax <axis = 1> (x)
+  index = ArgMax <axis = 1, keepdims = 0> (p)
+  label = Gather <axis = 0> (names, index)
+}"""
+
 FILES = {
     "linear": (LINEAR, 2, "probabilities"),
     "other_window": (LINEAR, 3, "probabilities"),
@@ -75,6 +84,7 @@ FILES = {
     "no_probabilities": (NO_PROBABILITIES, 2, "probabilities"),
     "changing_shape": (CHANGING_SHAPE, 2, "probabilities"),
     "no_such_row": (NO_SUCH_ROW, 2, "probabilities"),
+    "label": (LABEL, 2, "probabilities"),
 }
 
 for name, (graph, window, output) in FILES.items():

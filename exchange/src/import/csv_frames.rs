@@ -8,7 +8,6 @@ use underbrush_recording::{InputError, read_bytes};
 use super::Mapping;
 use super::cutter::{Cutter, Place};
 use super::mapping::TAXEL;
-use crate::ExchangeError;
 
 /// The indices of the columns.
 struct Columns {
@@ -69,10 +68,10 @@ impl Columns {
 }
 
 /// Hands all rows of the file to the cutter.
-pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Result<(), ExchangeError> {
+pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Result<(), InputError> {
     mapping.refuse("force.topic", mapping.force.topic.is_some(), "CSV")?;
     if mapping.time.from.is_none() && mapping.time.rate_hz.is_none() {
-        return Err(mapping.fault("time.from", "nothing".into(), "the column of the times, or `rate_hz`").into());
+        return Err(mapping.fault("time.from", "nothing".into(), "the column of the times, or `rate_hz`"));
     }
     let text = read_bytes(path, &CSV_BYTES, "a readable file", "check the path")?;
     let unreadable = |error: csv::Error| {

@@ -7,8 +7,6 @@ use serde::Deserialize;
 use underbrush_recording::limits::{TEXT_BYTES, short};
 use underbrush_recording::{InputError, Limits, read_text};
 
-use crate::ExchangeError;
-
 /// Frames per second: from one reading in a hundred seconds to a fast vibration sensor.
 const RATE_HZ: Limits = Limits::new(0.01, 1e5, "Hz");
 /// Number of taxels: as many as a data set may have.
@@ -41,8 +39,7 @@ struct MappingFile {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TimeTable {
-    /// Where the times are: a column of a CSV file, or a dataset of an HDF5 file. Not for MCAP, whose messages have a
-    /// time.
+    /// Where the times are: a column of a CSV file. Not for MCAP, whose messages have a time.
     pub(super) from: Option<String>,
     /// Unit of these times: `s` (default), `ms`, `us` or `ns`.
     pub(super) unit: Option<String>,
@@ -56,12 +53,10 @@ pub(super) struct TimeTable {
 pub(super) struct ForceTable {
     /// Topic of the messages; only for MCAP.
     pub(super) topic: Option<String>,
-    /// Where the forces are. CSV: the column of each taxel, with `{taxel}` in place of its number from 0. HDF5: a
-    /// dataset with a row for each frame and a column for each taxel; with `*` in place of a group's name, each
-    /// matching group is a reach. MCAP: the field of the message that holds the list of forces, `data` for the arrays
-    /// of `std_msgs`.
+    /// Where the forces are. CSV: the column of each taxel, with `{taxel}` in place of its number from 0. MCAP: the field
+    /// of the message that holds the list of forces, `data` for the arrays of `std_msgs`.
     pub(super) from: String,
-    /// Number of taxels; only for CSV. HDF5 and MCAP files hold it themselves.
+    /// Number of taxels; only for CSV. MCAP files hold it themselves.
     pub(super) taxels: Option<u32>,
     /// Unit of the forces: `N` (default), `mN`, `kN`, `gf`, `kgf` or `lbf`.
     unit: Option<String>,
@@ -83,7 +78,7 @@ pub(super) struct TrialTable {
     min_samples: Option<u32>,
     /// The category of all trials.
     pub(super) category: Option<String>,
-    /// Where the category is, if it changes. CSV: a column. HDF5: an attribute of the group that holds the reach.
+    /// Where the category is, if it changes: a column; only for CSV.
     pub(super) category_from: Option<String>,
     /// Where the number of the reach is: a column; only for CSV.
     pub(super) reach_from: Option<String>,
@@ -142,10 +137,10 @@ impl Mapping {
     /// Reads a mapping file.
     ///
     /// # Errors
-    /// [`ExchangeError::Input`] with line and field if its content is not allowed, or if it cannot be read.
-    pub fn load(path: &Path) -> Result<Self, ExchangeError> {
+    /// [`InputError`] with line and field if its content is not allowed, or if it cannot be read.
+    pub fn load(path: &Path) -> Result<Self, InputError> {
         let text = read_text(path, &TEXT_BYTES, "a mapping file (TOML, UTF-8)", "check the path")?;
-        Ok(Mapping::parse(path, text)?)
+        Mapping::parse(path, text)
     }
 
     /// Parses and checks the text of a mapping file. `path` is for errors.

@@ -5,12 +5,10 @@ use std::io::BufReader;
 use std::path::Path;
 
 use underbrush_recording::InputError;
-use underbrush_recording::disk::DiskError;
 
 use super::cutter::{Cutter, Place};
 use super::message::{Decoder, decoder};
 use super::{Mapping, opened};
-use crate::ExchangeError;
 use crate::mcap::{Fault, read as read_records};
 use mcap::records::{Channel, Record};
 
@@ -37,13 +35,12 @@ impl From<InputError> for Stop {
 
 impl Stop {
     /// The error about the file.
-    fn about(self, path: &Path) -> ExchangeError {
+    fn about(self, path: &Path) -> InputError {
         let (found, allowed, remedy) = match self {
-            Stop::Input(error) => return error.into(),
-            Stop::File(Fault::Io(source)) => {
-                let path = path.to_path_buf();
-                let action = "read";
-                return DiskError::Io { path, action, source }.into();
+            Stop::Input(error) => return error,
+            Stop::File(Fault::Io(error)) => {
+                let error = InputError::new(path, "file", error.to_string(), "a readable file", "check the path");
+                return InputError { storage: true, ..error };
             }
             Stop::File(Fault::Compression(name)) => (
                 format!("chunks compressed with {name}"),
@@ -54,7 +51,7 @@ impl Stop {
                 (found, "a complete MCAP file", "repair it with `mcap recover`, or record it again")
             }
         };
-        InputError::new(path, "MCAP", found, allowed, remedy).into()
+        InputError::new(path, "MCAP", found, allowed, remedy)
     }
 }
 
@@ -127,7 +124,7 @@ impl Reading<'_> {
 }
 
 /// Hands all messages of the topic to the cutter.
-pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Result<(), ExchangeError> {
+pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Result<(), InputError> {
     let not_for_mcap = [
         ("time.from", mapping.time.from.is_some()),
         ("time.unit", mapping.time.unit.is_some()),
@@ -140,7 +137,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
         mapping.refuse(field, is_set, "MCAP")?;
     }
     let Some(topic) = &mapping.force.topic else {
-        return Err(mapping.fault("force.topic", "nothing".into(), "the topic of the forces").into());
+        return Err(mapping.fault("force.topic", "nothing".into(), "the topic of the forces"));
     };
     let mut reading = Reading {
         path,
@@ -160,7 +157,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
         let topics = reading.topics.iter().map(|(topic, schema)| format!("{topic} ({schema})"));
         let topics = topics.collect::<Vec<_>>().join(", ");
         let allowed = format!("a topic of {} with messages: {topics}", path.display());
-        return Err(mapping.fault("force.topic", format!("{topic:?}, which has no message"), allowed).into());
+        return Err(mapping.fault("force.topic", format!("{topic:?}, which has no message"), allowed));
     }
     Ok(())
 }

@@ -1,12 +1,10 @@
-//! Reads contact trials from a CSV, HDF5 or MCAP file of another robot, as a small mapping file describes
+//! Reads contact trials from a CSV or MCAP file of another robot, as a small mapping file describes
 //! (docs/exchange.md).
 //!
 //! The trials hold what the file holds: the force of each taxel over time. They have no motion, no region and no truth.
 
 mod csv_frames;
 mod cutter;
-#[cfg(feature = "hdf5")]
-mod hdf5_frames;
 mod mapping;
 mod mcap_frames;
 mod message;
@@ -19,7 +17,6 @@ use std::path::Path;
 
 use underbrush_recording::{InputError, Trial, open_regular};
 
-use crate::ExchangeError;
 use cutter::Cutter;
 
 pub use mapping::{Mapping, mapping_schema};
@@ -36,41 +33,55 @@ pub struct Imported {
 }
 
 /// Opens a file that the user named.
-fn opened(path: &Path) -> Result<File, ExchangeError> {
-    Ok(open_regular(path, "a readable file", "check the path")?)
+fn opened(path: &Path) -> Result<File, InputError> {
+    open_regular(path, "a readable file", "check the path")
 }
 
-/// Cuts trials from a file. Its extension gives the format: `.csv`, `.mcap`, and with the feature `hdf5` also `.h5` or
-/// `.hdf5`.
+/// Cuts trials from a file. Its extension gives the format: `.csv` or `.mcap`.
 ///
 /// # Errors
-/// [`ExchangeError::Input`] if something in the mapping or the file is missing or not allowed, with its line (for HDF5
-/// the row, for MCAP the message), and if no trial is found; [`ExchangeError::Disk`] if the file cannot be read.
-pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, ExchangeError> {
+/// [`InputError`] if something in the mapping or the file is missing or not allowed, with its line (for MCAP the message),
+/// if no trial is found, and if the file cannot be read.
+///
+/// ```
+/// use underbrush_exchange::import::{Mapping, import};
+///
+/// let folder = tempfile::tempdir()?;
+/// let file = |name: &str, text: &str| {
+///     let path = folder.path().join(name);
+///     std::fs::write(&path, text).map(|()| path)
+/// };
+/// // A palm of two taxels, in millinewtons. Only the second is touched, from 20 ms on.
+/// let log = file("log.csv", "ms,f0,f1\n10,0,0\n20,0,500\n30,0,700\n")?;
+/// let mapping = "[time]\nfrom = \"ms\"\nunit = \"ms\"\n[force]\nfrom = \"f{taxel}\"\ntaxels = 2\nunit = \"mN\"\n";
+/// let found = import(&log, &Mapping::load(&file("mapping.toml", mapping)?)?)?;
+/// assert_eq!((found.frames, found.trials.len()), (3, 1));
+/// let trial = &found.trials[0];
+/// assert_eq!((trial.taxel, trial.samples[1].time_s), (Some(1), 0.03));
+/// assert!((trial.samples[1].force_n - 0.7).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, InputError> {
     let mut cutter = Cutter::new(path, mapping);
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let read = match extension.as_str() {
         "csv" => csv_frames::read,
-        #[cfg(feature = "hdf5")]
-        "h5" | "hdf5" => hdf5_frames::read,
-        #[cfg(not(feature = "hdf5"))]
-        "h5" | "hdf5" => {
-            let found = "HDF5, which this program was built without";
-            let remedy = "build it with `cargo build --release --features hdf5`";
-            return Err(InputError::new(path, "file name", found, ".csv or .mcap", remedy).into());
-        }
         "mcap" => mcap_frames::read,
+        "h5" | "hdf5" => {
+            let remedy = "convert it with the Python package: `python -m underbrush.hdf5 csv --help`";
+            return Err(InputError::new(path, "file name", "HDF5", ".csv or .mcap", remedy));
+        }
         _ => {
             let found = format!("extension {extension:?}");
             let remedy = "rename the file, or convert it";
-            return Err(InputError::new(path, "file name", found, ".csv, .h5, .hdf5 or .mcap", remedy).into());
+            return Err(InputError::new(path, "file name", found, ".csv or .mcap", remedy));
         }
     };
     // A damaged file may make the decoder of its format panic, and bad input must never end the program.
     let result = catch_unwind(AssertUnwindSafe(|| read(path, mapping, &mut cutter)));
     result.unwrap_or_else(|_| {
         let found = "damaged bytes that cannot be decoded";
-        Err(InputError::new(path, "file", found, "a complete file", "copy the file again, or record it again").into())
+        Err(InputError::new(path, "file", found, "a complete file", "copy the file again, or record it again"))
     })?;
     let trials = cutter.finish();
     if trials.is_empty() {
@@ -80,7 +91,7 @@ pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, ExchangeError>
             mapping.threshold_n, mapping.min_samples
         );
         let remedy = "check the unit of the mapping, or lower `threshold_n` or `min_samples` there";
-        return Err(InputError::new(path, "trials", found, allowed, remedy).into());
+        return Err(InputError::new(path, "trials", found, allowed, remedy));
     }
     Ok(Imported { trials, frames: cutter.frames, reaches: cutter.reaches })
 }

@@ -79,19 +79,8 @@ impl LineParser {
         let taxels = self.readings(&line)?;
         let patch_pose_world = self.poses(&line)?;
         self.last = Some((time_s, number));
-        Ok(Message::Frame(Box::new(Frame {
-            time_s,
-            joint_angle_rad: Vec::new(),
-            joint_velocity_rad_per_s: Vec::new(),
-            equilibrium_angle_rad: Vec::new(),
-            joint_torque_nm: Vec::new(),
-            end_effector_pose_world: NO_POSE,
-            goal_position_world: DVec3::ZERO,
-            goal_index: 0,
-            patch_pose_world,
-            contact_force_world: Vec::new(),
-            taxels,
-        })))
+        let blank = Frame::blank(self.layout.patches.len());
+        Ok(Message::Frame(Box::new(Frame { time_s, patch_pose_world, taxels, ..blank })))
     }
 
     fn time_s(&self, line: &Object<'_>) -> Result<f64, LineError> {
@@ -122,14 +111,8 @@ impl LineParser {
                 return Err(taxel_spot.error(allowed));
             };
             let force = reading.need("sensed_force_n", "the normal force in newtons")?;
-            let reading = TaxelReading {
-                patch,
-                taxel,
-                true_normal_force_n: 0.0,
-                true_shear_force_n: [0.0; 2],
-                sensed_force_n: number(&force, FORCE_N)?,
-                object: None,
-            };
+            let sensed_force_n = number(&force, FORCE_N)?;
+            let reading = TaxelReading { patch, taxel, sensed_force_n, ..TaxelReading::default() };
             readings.push((reading, taxel_spot));
         }
         readings.sort_by_key(|(reading, _)| (reading.patch, reading.taxel));
@@ -162,7 +145,7 @@ impl LineParser {
     /// A pose for each patch. Only the one that the models need is read; the others are at the origin.
     fn poses(&self, line: &Object<'_>) -> Result<Vec<Pose>, LineError> {
         let patches = &self.layout.patches;
-        let mut poses = vec![NO_POSE; patches.len()];
+        let mut poses = vec![Pose::IDENTITY; patches.len()];
         let Some(needed) = self.pose_of else {
             return Ok(poses);
         };
@@ -191,9 +174,6 @@ impl LineParser {
         Ok(poses)
     }
 }
-
-/// The pose of patches that no model uses.
-const NO_POSE: Pose = Pose { position: DVec3::ZERO, orientation: DQuat::IDENTITY };
 
 fn read_pose(spot: &Spot<'_>) -> Result<Pose, LineError> {
     let allowed = "an object with position and orientation";

@@ -26,7 +26,6 @@ use glam::DVec3;
 use underbrush_recording::disk::{DiskError, write_file};
 use underbrush_recording::{Body, Frame, Patch, Pose, Recording};
 
-use crate::ExchangeError;
 use crate::mcap::{Map, Writer};
 use foxglove::{FrameTransform, FrameTransforms, Grid, Message, PointCloud, SceneUpdate, Time};
 
@@ -41,11 +40,11 @@ const FRAMES_BETWEEN_ALL: usize = 100;
 /// Writes a reach as an MCAP file with chunks (zstd) and an index. The same recording gives the same bytes.
 ///
 /// # Errors
-/// [`ExchangeError::Disk`] if the file cannot be written.
-pub fn write_mcap(path: &Path, recording: &Recording) -> Result<(), ExchangeError> {
+/// [`DiskError`] if the file cannot be written.
+pub fn write_mcap(path: &Path, recording: &Recording) -> Result<(), DiskError> {
     let bytes =
         encode(recording).map_err(|source| DiskError::Io { path: path.to_path_buf(), action: "write", source })?;
-    Ok(write_file(path, &bytes)?)
+    write_file(path, &bytes)
 }
 
 /// The bytes of the file.

@@ -16,7 +16,7 @@ use crate::training::{self, Trials};
 
 /// The results of the ablation.
 #[derive(Serialize)]
-pub struct Outcome {
+pub struct AblationResults {
     /// First without a change, then with each change. Empty for a quick run.
     pub ablation: Vec<Ablated>,
 }
@@ -124,10 +124,10 @@ impl Ablated {
 }
 
 /// The table without a change, and with each of the experiment's changes. A quick run has too few reaches for it.
-pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+pub fn run(session: &Session) -> Result<AblationResults, ExperimentError> {
     let experiment = session.experiment;
     if session.quick || experiment.file.ablation.is_empty() {
-        return Ok(Outcome { ablation: Vec::new() });
+        return Ok(AblationResults { ablation: Vec::new() });
     }
     let (data, as_is) = (session.once(training::run)?, session.once(table_one::run)?);
     let counted = session.once(training_data::run)?;
@@ -155,5 +155,5 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
             Ok(rows)
         })
     })?;
-    Ok(Outcome { ablation })
+    Ok(AblationResults { ablation })
 }

@@ -17,7 +17,7 @@ use crate::training::{self, Trials};
 
 /// The campaigns; `None` if only one was requested.
 #[derive(Serialize)]
-pub struct Outcome {
+pub struct ComparedCampaigns {
     /// Means and spreads.
     pub campaigns: Option<Campaigns>,
 }
@@ -101,9 +101,9 @@ pub struct OneOfMany {
 }
 
 /// Runs the further campaigns. Each campaign's result is cached.
-pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+pub fn run(session: &Session) -> Result<ComparedCampaigns, ExperimentError> {
     if session.campaigns < 2 {
-        return Ok(Outcome { campaigns: None });
+        return Ok(ComparedCampaigns { campaigns: None });
     }
     let first = OneOfMany {
         trials_per_reach: session.once(training_data::run)?.trials_per_reach.clone(),
@@ -118,7 +118,7 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
             measured.push((seed, session.kept("seed", seed, || measure(session, seed))?));
             count.advance();
         }
-        Ok(Outcome { campaigns: Campaigns::of(session.experiment, &measured)? })
+        Ok(ComparedCampaigns { campaigns: Campaigns::of(session.experiment, &measured)? })
     })
 }
 

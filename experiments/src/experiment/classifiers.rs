@@ -17,7 +17,7 @@ use crate::{estimators, training};
 
 /// All classifiers of the experiment, in the order of its file.
 #[derive(Serialize)]
-pub struct Outcome {
+pub struct ComparedClassifiers {
     /// Their accuracies on whole trials.
     pub classifiers: Vec<Compared>,
     /// Their accuracies after increasing numbers of samples.
@@ -51,11 +51,11 @@ pub struct Speed {
 const FOLDS: Folds = Folds { count: 2, by: FoldBy::Reach };
 
 /// Compares all classifiers.
-pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+pub fn run(session: &Session) -> Result<ComparedClassifiers, ExperimentError> {
     let data = session.once(training::run)?;
     let experiment = session.experiment;
     if experiment.file.classifiers.is_empty() {
-        return Ok(Outcome { classifiers: Vec::new(), speeds: Vec::new() });
+        return Ok(ComparedClassifiers { classifiers: Vec::new(), speeds: Vec::new() });
     }
     let classifiers = session.stage("Other classifiers", || compare(experiment, &data.trials.taxel))?;
     let (lasting, all) = (data.trials.taxel.as_slice(), data.contacts.as_slice());
@@ -69,7 +69,7 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
             })
         })
     })?;
-    Ok(Outcome { classifiers, speeds })
+    Ok(ComparedClassifiers { classifiers, speeds })
 }
 
 /// Cross-validates all classifiers on whole trials.

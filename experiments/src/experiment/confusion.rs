@@ -13,7 +13,7 @@ use crate::session::Session;
 
 /// Both matrices, in the first recipe.
 #[derive(Serialize)]
-pub struct Outcome {
+pub struct ConfusionMatrices {
     /// Force alone.
     pub figure_6: Option<ConfusionMatrix>,
     /// Force and motion.
@@ -24,7 +24,7 @@ pub struct Outcome {
 }
 
 /// Reads both matrices from the cross-validation table.
-pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+pub fn run(session: &Session) -> Result<ConfusionMatrices, ExperimentError> {
     let table = session.once(table_one::run)?;
     let recipe = estimators::main_recipe_name(session.experiment).name();
     let states = session.experiment.file.states.iter().copied().max().unwrap_or_default();
@@ -36,5 +36,9 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
         });
         own.map(|(_, evaluation)| evaluation.confusion.clone())
     };
-    Ok(Outcome { figure_6: matrix(FeatureSet::FORCE), figure_7: matrix(FeatureSet::FORCE_AND_MOTION), states })
+    Ok(ConfusionMatrices {
+        figure_6: matrix(FeatureSet::FORCE),
+        figure_7: matrix(FeatureSet::FORCE_AND_MOTION),
+        states,
+    })
 }

@@ -9,7 +9,7 @@ use crate::session::Session;
 
 /// All engineered reaches.
 #[derive(Serialize)]
-pub struct Outcome {
+pub struct EngineeredReaches {
     /// In the order of the experiment file.
     pub figure_11: Vec<Engineered>,
 }
@@ -36,7 +36,7 @@ pub struct Engineered {
 }
 
 /// Summarizes the verdicts of each reach.
-pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+pub fn run(session: &Session) -> Result<EngineeredReaches, ExperimentError> {
     let online = session.once(frame_verdicts::run)?;
     let one = |reach: &frame_verdicts::Engineered| {
         let own = reach.by_scene.as_ref();
@@ -50,7 +50,7 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
             mean_samples_used: own.and_then(|own| own.stream.mean_samples_used()),
         }
     };
-    Ok(Outcome { figure_11: online.engineered.iter().map(one).collect() })
+    Ok(EngineeredReaches { figure_11: online.engineered.iter().map(one).collect() })
 }
 
 /// Taxel frames in which nothing presses on the taxel, per cent of all; `None` without any.

@@ -9,7 +9,7 @@ use crate::training;
 
 /// Examples and medians of each label.
 #[derive(Serialize)]
-pub struct Outcome {
+pub struct ExampleTrials {
     /// One trial of each label.
     pub figure_5: Vec<Example>,
     /// Medians of the trials that the examples are taken from.
@@ -17,10 +17,10 @@ pub struct Outcome {
 }
 
 /// Chooses the examples from the taxel trials, and computes the medians.
-pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+pub fn run(session: &Session) -> Result<ExampleTrials, ExperimentError> {
     let data = session.once(training::run)?;
     let labels = session.experiment.labels();
-    Ok(Outcome {
+    Ok(ExampleTrials {
         figure_5: examples(&labels, &data.trials.taxel),
         figure_5_medians: medians(&labels, &data.trials.taxel),
     })

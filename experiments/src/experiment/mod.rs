@@ -1,4 +1,4 @@
-//! All experiments, one file each: `run` returns a typed, serializable `Outcome`. `for_each_experiment` lists them; the
+//! All experiments, one file each: `run` returns a typed, serializable result. `for_each_experiment` lists them; the
 //! report's sections come from the same list.
 
 use std::rc::Rc;
@@ -10,31 +10,32 @@ use crate::session::Session;
 
 /// The one list of experiments, in the order in which they run and in which the report shows them.
 ///
-/// Each name stands for a file in this folder, and for the file of that name in the report's folder of sections.
+/// Each name stands for a file in this folder, with the type of its result, and for the file of that name in the report's
+/// folder of sections.
 #[macro_export]
 macro_rules! for_each_experiment {
     ($apply:ident) => {
         $apply! {
-            training_data,
-            table_one,
-            confusion,
-            example_trials,
-            over_time,
-            engineered,
-            verdicts,
-            moments,
-            truncation,
-            outliers,
-            classifiers,
-            settings,
-            ablation,
-            campaigns,
+            training_data: TrainingSummary,
+            table_one: TableOne,
+            confusion: ConfusionMatrices,
+            example_trials: ExampleTrials,
+            over_time: AccuracyOverTime,
+            engineered: EngineeredReaches,
+            verdicts: VerdictFigures,
+            moments: ReachMoments,
+            truncation: TruncatedAccuracy,
+            outliers: OutlierThresholds,
+            classifiers: ComparedClassifiers,
+            settings: ComparedSettings,
+            ablation: AblationResults,
+            campaigns: ComparedCampaigns,
         }
     };
 }
 
 macro_rules! declare {
-    ($($name:ident,)*) => {
+    ($($name:ident: $result:ident,)*) => {
         $(pub mod $name;)*
 
         /// The outcomes of all experiments.
@@ -44,7 +45,7 @@ macro_rules! declare {
                 #[allow(missing_docs, reason = "the experiment's file says what it holds")]
                 #[serde(flatten)]
                 #[serde(serialize_with = "shared")]
-                pub $name: Rc<$name::Outcome>,
+                pub $name: Rc<$name::$result>,
             )*
         }
 

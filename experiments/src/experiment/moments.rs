@@ -17,7 +17,7 @@ use crate::{online_models, reaches};
 
 /// Both moments, if there are such reaches. They are for pictures, so nothing is serialized.
 #[derive(Serialize)]
-pub struct Outcome {
+pub struct ReachMoments {
     /// The moment of the general reach that figures show.
     #[serde(skip)]
     pub general: Option<Moment>,
@@ -26,7 +26,7 @@ pub struct Outcome {
     pub outlier: Option<Moment>,
 }
 
-impl Outcome {
+impl ReachMoments {
     /// Both moments, the general reach first.
     pub fn all(&self) -> impl Iterator<Item = &Moment> {
         [&self.general, &self.outlier].into_iter().flatten()
@@ -34,10 +34,10 @@ impl Outcome {
 }
 
 /// Takes both snapshots.
-pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+pub fn run(session: &Session) -> Result<ReachMoments, ExperimentError> {
     let (online, models) = (session.once(frame_verdicts::run)?, session.once(online_models::run)?);
     session.stage("Moments of a general and of an outlier reach", || {
-        Ok(Outcome {
+        Ok(ReachMoments {
             general: take(session, &models.0, online.shown(), frame_verdicts::uncertain_rule(session.experiment))?,
             outlier: take(session, &models.0, online.outlier.first(), Decision::paper().rule)?,
         })

@@ -16,7 +16,7 @@ use crate::thresholds::{self, Thresholds};
 
 /// The effect of the thresholds.
 #[derive(Serialize)]
-pub struct Outcome {
+pub struct OutlierThresholds {
     /// Verdicts in the outlier reaches.
     pub figure_15: Outliers,
     /// Thresholds chosen from the training data; `None` if none meet the requested rates.
@@ -79,13 +79,13 @@ impl Detection {
 pub const CHOSEN: &str = "chosen";
 
 /// Counts verdicts by both rules.
-pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+pub fn run(session: &Session) -> Result<OutlierThresholds, ExperimentError> {
     let (online, curves) = (session.once(frame_verdicts::run)?, session.once(thresholds::run)?);
     let mut found = detection(&rule_name("the paper's", &Decision::paper()), &online.outlier);
     if let Some((decision, reaches)) = &online.outlier_by_chosen {
         found.extend(detection(&rule_name(CHOSEN, decision), reaches));
     }
-    Ok(Outcome {
+    Ok(OutlierThresholds {
         figure_15: Outliers { drawn: online.outlier_drawn, reaches: online.outlier.len(), detection: found },
         thresholds: curves.chosen.as_ref().ok().cloned(),
         roc: Areas {

@@ -12,7 +12,7 @@ use crate::session::Session;
 
 /// The figures of one general reach.
 #[derive(Serialize)]
-pub struct Outcome {
+pub struct AccuracyOverTime {
     /// Number of samples that a verdict used.
     pub figure_9: SamplesUsed,
     /// Fractions of correct, wrong and uncertain verdicts.
@@ -49,14 +49,14 @@ pub struct SamplesUsed {
 }
 
 /// Summarizes the verdicts.
-pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+pub fn run(session: &Session) -> Result<AccuracyOverTime, ExperimentError> {
     let online = session.once(frame_verdicts::run)?;
     let by_scene = online.engineered.iter().filter_map(|reach| reach.by_scene.as_ref());
     let used = by_scene.chain(&online.general).filter_map(|reach| reach.stream.mean_samples_used());
     let used: Vec<f64> = used.collect();
     let shown = online.shown();
     let recipe = estimators::main_recipe(session.experiment);
-    Ok(Outcome {
+    Ok(AccuracyOverTime {
         states: recipe.states,
         features: recipe.features,
         figure_9: SamplesUsed {

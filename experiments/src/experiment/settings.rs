@@ -20,7 +20,7 @@ use crate::verdict_transfer::{FoldedReaches, VerdictTransfer};
 
 /// Every classifier, trained and tested at every pair of settings.
 #[derive(Serialize, Deserialize)]
-pub struct Outcome {
+pub struct ComparedSettings {
     /// By classifier, then by the setting of training, then by the setting of testing.
     pub splits: Vec<Split>,
     /// How well verdict networks tell contacts at the other settings apart.
@@ -52,7 +52,7 @@ pub struct Folded {
     pub folds: [Vec<Trial>; 2],
 }
 
-impl Outcome {
+impl ComparedSettings {
     /// Names of the classifiers, in order.
     pub fn classifiers(&self) -> Vec<&str> {
         let mut names: Vec<&str> = self.splits.iter().map(|split| split.classifier.as_str()).collect();
@@ -97,12 +97,12 @@ fn folded(recordings: Vec<(u64, Recording)>, reaches: &[u64], counts: &[u64]) ->
 
 /// Runs the training scenes at the other settings, and tests the classifiers of each setting at every setting. A quick run
 /// has too few reaches for it.
-pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+pub fn run(session: &Session) -> Result<ComparedSettings, ExperimentError> {
     let data = session.once(training::run)?;
     let experiment = session.experiment;
     let none = experiment.file.settings.is_empty() || experiment.file.setting_classifiers.is_empty();
     if session.quick || none {
-        return Ok(Outcome { splits: Vec::new(), verdict_transfer: Vec::new() });
+        return Ok(ComparedSettings { splits: Vec::new(), verdict_transfer: Vec::new() });
     }
     let counts: Vec<u64> = experiment.file.training.iter().map(|own| own.setting_reaches()).collect();
     session.stage("Other arms and speeds", || {
@@ -127,7 +127,7 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
                 }
             }
             let splits = splits(experiment, &settings)?;
-            Ok(Outcome { splits, verdict_transfer })
+            Ok(ComparedSettings { splits, verdict_transfer })
         })
     })
 }

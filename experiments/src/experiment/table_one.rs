@@ -21,7 +21,7 @@ use crate::training::{self, Trials};
 
 /// The table.
 #[derive(Serialize)]
-pub struct Outcome {
+pub struct TableOne {
     /// All cells of all recipes.
     pub table_1: Vec<Cell>,
     /// Mean absolute difference of the cells from the published ones, by recipe, points.
@@ -34,13 +34,13 @@ pub struct Outcome {
 }
 
 /// Cross-validates all cells in all recipes.
-pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+pub fn run(session: &Session) -> Result<TableOne, ExperimentError> {
     let data = session.once(training::run)?;
     let experiment = session.experiment;
     session.stage("Cross-validation", || {
         let evaluated = evaluate(experiment, &data.trials, &experiment.file.recipes)?;
         let (table_1, evaluations): (Vec<Cell>, Vec<Evaluation>) = evaluated.into_iter().unzip();
-        Ok(Outcome {
+        Ok(TableOne {
             mean_absolute_difference_points: mean_difference(&table_1),
             orderings: orderings(experiment, &table_1),
             table_1,

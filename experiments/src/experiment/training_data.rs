@@ -12,7 +12,7 @@ use crate::training::{self, Trials};
 
 /// The training data.
 #[derive(Serialize)]
-pub struct Outcome {
+pub struct TrainingSummary {
     /// The reaches.
     pub reaches: Reaches,
     /// Contact trials by unit and label.
@@ -54,12 +54,12 @@ pub struct TrialsPerReach {
 }
 
 /// Generates the data and counts it.
-pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+pub fn run(session: &Session) -> Result<TrainingSummary, ExperimentError> {
     let data = session.once(training::run)?;
     let (episodes, layout) = (data.dataset.episodes(), data.dataset.layout());
     let frames: usize = episodes.iter().map(|episode| episode.frames).sum();
     let reaches = training::reaches(session.experiment, session.quick);
-    Ok(Outcome {
+    Ok(TrainingSummary {
         reaches: Reaches {
             count: episodes.len(),
             frames,

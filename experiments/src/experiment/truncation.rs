@@ -13,7 +13,7 @@ use crate::{estimators, training};
 
 /// Accuracy by length and number of states.
 #[derive(Serialize)]
-pub struct Outcome {
+pub struct TruncatedAccuracy {
     /// Whole trials first, then the truncated ones in the order of the experiment file.
     pub figure_13: Vec<Truncated>,
 }
@@ -31,11 +31,11 @@ pub struct Truncated {
 }
 
 /// Cross-validates taxel trials by force, with all numbers of states of the cross-validation table except the smallest.
-pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+pub fn run(session: &Session) -> Result<TruncatedAccuracy, ExperimentError> {
     let data = session.once(training::run)?;
     let file = &session.experiment.file;
     if file.truncations.is_empty() {
-        return Ok(Outcome { figure_13: Vec::new() });
+        return Ok(TruncatedAccuracy { figure_13: Vec::new() });
     }
     let fewest = file.states.iter().copied().min();
     let more: Vec<usize> = file.states.iter().copied().filter(|states| Some(*states) != fewest).collect();
@@ -52,6 +52,6 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
     };
     session.stage("Truncated trials", || {
         let found: Vec<Result<Truncated, ExperimentError>> = cases.into_par_iter().map(case).collect();
-        Ok(Outcome { figure_13: found.into_iter().collect::<Result<_, _>>()? })
+        Ok(TruncatedAccuracy { figure_13: found.into_iter().collect::<Result<_, _>>()? })
     })
 }

@@ -25,7 +25,7 @@ const FOLDS: usize = 3;
 const FIRST_INDEX: u64 = 1000;
 /// The verdicts, if the experiment asks for them.
 #[derive(Serialize)]
-pub struct Outcome {
+pub struct VerdictFigures {
     /// The figures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub verdicts: Option<Verdicts>,
@@ -104,9 +104,9 @@ pub struct SceneFigures {
 }
 
 /// Fits the networks and judges reaches that were held out.
-pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
+pub fn run(session: &Session) -> Result<VerdictFigures, ExperimentError> {
     let Some(section) = &session.experiment.file.verdicts else {
-        return Ok(Outcome { verdicts: None });
+        return Ok(VerdictFigures { verdicts: None });
     };
     let recordings = recordings(session, section)?;
     let tests = session.once(reaches::run)?;
@@ -164,7 +164,7 @@ pub fn run(session: &Session) -> Result<Outcome, ExperimentError> {
             curves,
             categories,
         };
-        Ok(Outcome { verdicts: Some(verdicts) })
+        Ok(VerdictFigures { verdicts: Some(verdicts) })
     })
 }
 

@@ -77,6 +77,14 @@ const VERDICT: Metric =
     Metric { by_category: true, needs_model: true, statistic: Statistic::Share, sides: Sides::AtMost, ..PLAIN };
 
 /// All metrics, in the order of the documentation.
+///
+/// ```
+/// use underbrush_experiments::suite::metric::METRICS;
+///
+/// let shares = METRICS.iter().filter(|metric| metric.needs_model);
+/// assert!(shares.clone().count() > 0);
+/// assert!(METRICS.iter().all(|metric| !metric.summary.is_empty()));
+/// ```
 pub const METRICS: [Metric; 17] = [
     Metric {
         name: "audit",

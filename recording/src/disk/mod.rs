@@ -39,4 +39,4 @@ pub use table::column::{Column, Rows, Text, Values};
 pub use tables::episode::Episode;
 pub use trials::{read_trials, trial_table, write_trials};
 pub use unfinished::abandon_unfinished_files;
-pub use whole_file::{remove_leftovers, write_file, write_whole};
+pub use whole_file::{remove_leftovers, write_file};

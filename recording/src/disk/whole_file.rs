@@ -113,21 +113,22 @@ pub fn remove_leftovers(path: &Path) {
 ///
 /// # Errors
 /// [`DiskError::Io`] if the file cannot be written.
+///
+/// ```
+/// use underbrush_recording::disk::write_file;
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("model.json");
+/// write_file(&path, b"{}")?;
+/// write_file(&path, b"[]")?;
+/// assert_eq!(std::fs::read(&path)?, b"[]");
+/// // A folder is not replaced.
+/// assert!(write_file(folder.path(), b"{}").is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), DiskError> {
     remove_leftovers(path);
     write_bytes(path, bytes)
-}
-
-/// Lets `write` fill a file under a temporary name, and gives it its final name if that succeeds. For libraries that want to
-/// open a file themselves.
-///
-/// # Errors
-/// Those of `write`, and [`DiskError::Io`] if the file cannot be created or renamed.
-pub fn write_whole<E: From<DiskError>>(path: &Path, write: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
-    remove_leftovers(path);
-    let temporary = begin(path)?;
-    write(temporary.file.path())?;
-    Ok(commit(temporary, path)?)
 }
 
 /// Removes a file or a folder with all that it holds, if it is there.

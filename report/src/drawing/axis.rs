@@ -3,6 +3,13 @@
 use underbrush_recording::math;
 
 /// One axis of a chart.
+///
+/// ```
+/// use underbrush_report::drawing::{Axis, Scale};
+///
+/// assert_eq!(Axis::names("verdict", ["leaf", "trunk"]).scale, Scale::Names(vec!["leaf".into(), "trunk".into()]));
+/// assert_eq!(Axis::from_zero("force / N").scale, Scale::Linear { low: Some(0.0), high: None });
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     /// The quantity with its unit, such as `force / N`.

@@ -8,6 +8,15 @@ use super::layer::{Dash, Layer, Shape, Style};
 use super::markup::{escape, slug, svg_text};
 
 /// A chart with its text. Layers are drawn in order.
+///
+/// ```
+/// use underbrush_report::drawing::{Axis, Dash, Layer, Shape, Style, chart};
+///
+/// let forces = Layer::new("leaf", Style::line("#3f7f2f", Dash::Solid), Shape::Line(vec![(0.0, 0.1), (0.5, 0.4)]));
+/// let axes = (Axis::from_zero("time / s"), Axis::from_zero("force / N"));
+/// let svg = chart("forces", "Force over time", "The force rises from 0.1 to 0.4 N.", axes, vec![forces]);
+/// assert!(svg.starts_with("<svg") && svg.contains("The force rises") && svg.contains("time / s"));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
     /// Name of the chart, unique on its page.

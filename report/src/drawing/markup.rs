@@ -25,6 +25,13 @@ pub fn escape(text: &str) -> String {
 }
 
 /// Letters, digits and hyphens of a text, in lower case: a name for an element or a file that needs no escaping.
+///
+/// ```
+/// use underbrush_report::drawing::slug;
+///
+/// assert_eq!(slug("Table I: leaf"), slug("table i  leaf"));
+/// assert!(!slug("Fig. 6").contains(' '));
+/// ```
 pub fn slug(text: &str) -> String {
     let lower = text.to_lowercase();
     let words = lower.split(|character: char| !character.is_ascii_alphanumeric());

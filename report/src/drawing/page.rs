@@ -6,6 +6,20 @@ use super::markup::{escape, slug};
 use super::table::Table;
 
 /// A page that is being written. All text is escaped; SVG is copied unchanged.
+///
+/// ```
+/// use underbrush_report::drawing::{Page, Rows};
+///
+/// let mut page = Page::new("Two reaches");
+/// page.section("forces");
+/// page.paragraph("Leaves press with less than 1 N.");
+/// page.table(&Rows::of([("leaf", 0.4), ("trunk", 7.0)])
+///     .column("category", |(name, _)| name)
+///     .number("mean force / N", 1, |(_, force_n)| force_n)
+///     .table("forces", "Mean forces"));
+/// let html = page.html();
+/// assert!(html.contains("less than 1 N") && html.contains("<td class=\"number\">7.0</td>"));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Page {
     title: String,

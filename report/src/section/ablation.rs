@@ -2,14 +2,14 @@
 
 use underbrush_experiments::accuracy::Figures;
 use underbrush_experiments::definition::TableOneUnit;
-use underbrush_experiments::experiment::ablation::{AS_IS, Ablated, Outcome, described};
+use underbrush_experiments::experiment::ablation::{AS_IS, Ablated, AblationResults, described};
 use underbrush_experiments::table_cell::unit_name;
 
 use crate::drawing::{Rows, Table};
 use crate::report::Report;
 
 /// Adds the section.
-pub fn add(report: &mut Report, outcome: &Outcome) {
+pub fn add(report: &mut Report, outcome: &AblationResults) {
     let file = &report.results.definition.file;
     if file.ablation.is_empty() {
         return;

@@ -1,7 +1,7 @@
 //! Several independent campaigns: mean and spread.
 
 use underbrush_experiments::accuracy::Figures;
-use underbrush_experiments::experiment::campaigns::{CampaignCell, Campaigns, Outcome};
+use underbrush_experiments::experiment::campaigns::{CampaignCell, Campaigns, ComparedCampaigns};
 use underbrush_experiments::table_cell::unit_name;
 
 use super::classifiers;
@@ -11,7 +11,7 @@ use crate::drawing::{Rows, Table};
 use crate::report::{CAMPAIGN_COLUMNS, Report, campaign_cells, campaigns_by_touch, possessive, seeds};
 
 /// Adds the section.
-pub fn add(report: &mut Report, outcome: &Outcome) {
+pub fn add(report: &mut Report, outcome: &ComparedCampaigns) {
     let Some(campaigns) = &outcome.campaigns else { return };
     let compared: Vec<Compared> = campaigns.table_1.iter().map(compared).collect();
     report.section("campaigns", "Cross-validation over several campaigns");

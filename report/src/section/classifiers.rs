@@ -2,7 +2,7 @@
 
 use underbrush_classifier::evaluate::AccuracyBySamples;
 use underbrush_experiments::definition::ClassifierEntry;
-use underbrush_experiments::experiment::classifiers::{Compared, Outcome, Speed};
+use underbrush_experiments::experiment::classifiers::{Compared, ComparedClassifiers, Speed};
 
 use crate::accuracy_chart::{AccuracyChart, lowest};
 use crate::drawing::{Cell, Rows, Table};
@@ -10,7 +10,7 @@ use crate::report::{ACCURACY_HEADINGS, Report, by_touch};
 use crate::style;
 
 /// Adds the section.
-pub fn add(report: &mut Report, outcome: &Outcome) {
+pub fn add(report: &mut Report, outcome: &ComparedClassifiers) {
     if outcome.classifiers.is_empty() {
         return;
     }

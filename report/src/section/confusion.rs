@@ -1,13 +1,13 @@
 //! Confusion matrices of taxel trials for the models with the most states (Figs. 6 and 7).
 
 use underbrush_classifier::evaluate::ConfusionMatrix;
-use underbrush_experiments::experiment::confusion::Outcome;
+use underbrush_experiments::experiment::confusion::ConfusionMatrices;
 
 use crate::drawing::{Rows, Table};
 use crate::report::Report;
 
 /// Adds the section.
-pub fn add(report: &mut Report, outcome: &Outcome) {
+pub fn add(report: &mut Report, outcome: &ConfusionMatrices) {
     if outcome.figure_6.is_none() && outcome.figure_7.is_none() {
         return;
     }

@@ -1,6 +1,6 @@
 //! Online verdicts in reaches that touch one category alone (Fig. 11).
 
-use underbrush_experiments::experiment::engineered::{Engineered, Outcome};
+use underbrush_experiments::experiment::engineered::{Engineered, EngineeredReaches};
 use underbrush_experiments::frame_verdicts::Shares;
 
 use crate::drawing::{Axis, Dash, Layer, Rows, Shape, Style, Table, chart};
@@ -9,7 +9,7 @@ use crate::report::Report;
 use crate::style::{CORRECT, UNCERTAIN, WRONG};
 
 /// Adds the section.
-pub fn add(report: &mut Report, outcome: &Outcome) {
+pub fn add(report: &mut Report, outcome: &EngineeredReaches) {
     let reaches = &outcome.figure_11;
     if reaches.is_empty() {
         return;
@@ -37,7 +37,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
     report.printed(table(outcome), 10);
 }
 
-fn shares_chart(outcome: &Outcome) -> String {
+fn shares_chart(outcome: &EngineeredReaches) -> String {
     let mut description = String::from("Per cent correct, misclassified and uncertain.");
     let mut letters: Vec<String> = Vec::new();
     let mut names = Vec::new();
@@ -70,7 +70,7 @@ fn shares_chart(outcome: &Outcome) -> String {
     chart("figure-11", "Verdicts in engineered reaches", description, (x, y), layers)
 }
 
-fn table(outcome: &Outcome) -> Table {
+fn table(outcome: &EngineeredReaches) -> Table {
     let shares = |reach: &Engineered, of: fn(&Shares) -> f64| reach.shares.as_ref().map(of);
     Rows::of(outcome.figure_11.iter().enumerate())
         .column("reach", |(place, _)| place + 1)

@@ -1,6 +1,6 @@
 //! Force and motion of one typical trial of each category (Fig. 5).
 
-use underbrush_experiments::experiment::example_trials::{Example, Outcome, Typical};
+use underbrush_experiments::experiment::example_trials::{Example, ExampleTrials, Typical};
 use underbrush_recording::{FRAME_PERIOD_S, Sample};
 
 use crate::category_looks::CategoryLooks;
@@ -9,7 +9,7 @@ use crate::replay_links;
 use crate::report::Report;
 
 /// Adds the section.
-pub fn add(report: &mut Report, outcome: &Outcome) {
+pub fn add(report: &mut Report, outcome: &ExampleTrials) {
     if outcome.figure_5.is_empty() {
         return;
     }
@@ -83,7 +83,7 @@ pub fn against_paper(medians: &[Typical]) -> Option<String> {
 }
 
 /// Force and motion over time, one chart each.
-pub fn charts(outcome: &Outcome, looks: &CategoryLooks) -> Vec<String> {
+pub fn charts(outcome: &ExampleTrials, looks: &CategoryLooks) -> Vec<String> {
     let of = |what: &str, label: &str, unit: &str, value: fn(&Sample) -> Option<f64>| {
         let mut description = format!("{what} over time since contact.");
         let mut layers = Vec::new();
@@ -108,7 +108,7 @@ pub fn charts(outcome: &Outcome, looks: &CategoryLooks) -> Vec<String> {
 }
 
 /// All examples, sample by sample.
-fn table(outcome: &Outcome) -> Table {
+fn table(outcome: &ExampleTrials) -> Table {
     let samples = outcome.figure_5.iter().flat_map(|example| {
         let start_s = example.data.samples.first().map_or(0.0, |sample| sample.time_s);
         example.data.samples.iter().map(move |sample| (example, sample, sample.time_s - start_s))

@@ -1,7 +1,7 @@
 //! One moment of a general reach and of an outlier reach, with the verdicts on their taxels (Figs. 12 and 14).
 
 use underbrush_classifier::decision::Verdict;
-use underbrush_experiments::experiment::moments::{Moment, Outcome};
+use underbrush_experiments::experiment::moments::{Moment, ReachMoments};
 use underbrush_recording::Category;
 use underbrush_sim::snapshot::Snapshot;
 
@@ -12,7 +12,7 @@ use crate::report::Report;
 use crate::{replay_links, skin_map};
 
 /// Adds the section.
-pub fn add(report: &mut Report, outcome: &Outcome) {
+pub fn add(report: &mut Report, outcome: &ReachMoments) {
     if outcome.all().next().is_none() {
         return;
     }

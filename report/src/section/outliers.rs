@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use underbrush_classifier::decision::Rule;
 use underbrush_classifier::evaluate::{RocCurve, StreamFrame, ThresholdTargets};
-use underbrush_experiments::experiment::outliers::{CHOSEN, Detection, Outcome};
+use underbrush_experiments::experiment::outliers::{CHOSEN, Detection, OutlierThresholds};
 use underbrush_experiments::frame_verdicts::{Classified, Online};
 use underbrush_experiments::thresholds::Thresholds;
 use underbrush_recording::{Category, FRAME_PERIOD_S};
@@ -20,7 +20,7 @@ use crate::{replay_links, roc};
 const FAILING_UNCERTAIN_SHARE: f64 = 0.9;
 
 /// Adds the section.
-pub fn add(report: &mut Report, outcome: &Outcome) {
+pub fn add(report: &mut Report, outcome: &OutlierThresholds) {
     if report.results.definition.file.outlier.is_none() {
         return;
     }
@@ -229,7 +229,7 @@ pub fn frames_table(online: &Online) -> Table {
     rows.table("figure_15", "Verdicts in the outlier reaches")
 }
 
-fn detection_table(outcome: &Outcome) -> Table {
+fn detection_table(outcome: &OutlierThresholds) -> Table {
     let verdicts = outcome.online.outlier.first().map_or(&[][..], |reach| &reach.stream.verdicts);
     let mut rows = Rows::of(&outcome.figure_15.detection)
         .column("thresholds", |row| row.rule.as_str())

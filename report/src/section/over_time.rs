@@ -2,7 +2,7 @@
 
 use underbrush_classifier::evaluate::Tally;
 use underbrush_classifier::feature::FeatureSet;
-use underbrush_experiments::experiment::over_time::Outcome;
+use underbrush_experiments::experiment::over_time::AccuracyOverTime;
 use underbrush_experiments::frame_verdicts::Classified;
 
 use crate::drawing::{Axis, Dash, Layer, Rows, Shape, Style, Table, chart};
@@ -11,7 +11,7 @@ use crate::report::Report;
 use crate::style::{CORRECT, FIRST, INK, UNCERTAIN, UNTOUCHED, WRONG};
 
 /// Adds the section.
-pub fn add(report: &mut Report, outcome: &Outcome) {
+pub fn add(report: &mut Report, outcome: &AccuracyOverTime) {
     if report.results.definition.file.general.is_none() {
         return;
     }
@@ -131,7 +131,7 @@ fn beside_paper(
     chart(name, title, description, (Axis::from_zero("time / s"), y), layers)
 }
 
-fn samples_used(outcome: &Outcome, reach: &Classified) -> String {
+fn samples_used(outcome: &AccuracyOverTime, reach: &Classified) -> String {
     let points = reach.stream.frames.iter().map(|frame| {
         let used = if frame.in_contact > 0 { frame.mean_samples_used } else { f64::NAN };
         (frame.time_s, used)

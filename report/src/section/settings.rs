@@ -1,13 +1,13 @@
 //! Other arms and speeds: classifiers trained at one setting and tested at others.
 
 use underbrush_experiments::accuracy::Accuracy;
-use underbrush_experiments::experiment::settings::{Outcome, Split};
+use underbrush_experiments::experiment::settings::{ComparedSettings, Split};
 
 use crate::drawing::{Cell, Rows, Table};
 use crate::report::{ACCURACY_COLUMNS, Report};
 
 /// Adds the section.
-pub fn add(report: &mut Report, outcome: &Outcome) {
+pub fn add(report: &mut Report, outcome: &ComparedSettings) {
     if outcome.splits.is_empty() {
         return;
     }
@@ -34,7 +34,7 @@ pub fn add(report: &mut Report, outcome: &Outcome) {
 }
 
 /// The accuracy of one classifier at the setting where it was trained, and at the others.
-fn sentence(outcome: &Outcome, classifier: &str) -> Option<String> {
+fn sentence(outcome: &ComparedSettings, classifier: &str) -> Option<String> {
     let mean =
         |splits: &[&Split]| splits.iter().map(|split| split.accuracy.accuracy).sum::<f64>() / splits.len() as f64;
     let own = outcome.splits.iter().filter(|split| split.classifier == classifier);
@@ -59,7 +59,7 @@ fn sentence(outcome: &Outcome, classifier: &str) -> Option<String> {
 }
 
 /// One classifier: settings of training in rows, settings of testing in columns.
-fn of_classifier(outcome: &Outcome, classifier: &str) -> Table {
+fn of_classifier(outcome: &ComparedSettings, classifier: &str) -> Table {
     let own = || outcome.splits.iter().filter(|split| split.classifier == classifier);
     let mut settings: Vec<&str> = Vec::new();
     for split in own() {
@@ -93,7 +93,7 @@ fn of_classifier(outcome: &Outcome, classifier: &str) -> Table {
 }
 
 /// Verdict networks at each setting.
-fn verdict_table(outcome: &Outcome) -> Table {
+fn verdict_table(outcome: &ComparedSettings) -> Table {
     let caption = "Verdicts on touched contacts, balanced over the categories, by networks fitted at the setting and by networks \
                    fitted to as many reaches at the scenes' own";
     Rows::of(&outcome.verdict_transfer)
@@ -106,7 +106,7 @@ fn verdict_table(outcome: &Outcome) -> Table {
 }
 
 /// All splits, one per row.
-fn all(outcome: &Outcome) -> Table {
+fn all(outcome: &ComparedSettings) -> Table {
     Rows::of(&outcome.splits)
         .column("classifier", |split| split.classifier.as_str())
         .column("trained", |split| split.trained.as_str())

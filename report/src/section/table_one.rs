@@ -1,7 +1,7 @@
 //! The cross-validation table (the paper's Table I).
 
 use underbrush_experiments::definition::{RecipeName, TableOneUnit};
-use underbrush_experiments::experiment::table_one::Outcome;
+use underbrush_experiments::experiment::table_one::TableOne;
 use underbrush_experiments::table_cell::{Cell, CellKey, unit_name};
 
 use crate::agreement::{self, Compared};
@@ -9,7 +9,7 @@ use crate::drawing::{Rows, Table};
 use crate::report::{ACCURACY_COLUMNS, Report, by_touch, possessive, seeds};
 
 /// Adds the section.
-pub fn add(report: &mut Report, outcome: &Outcome) {
+pub fn add(report: &mut Report, outcome: &TableOne) {
     let compared: Vec<Compared> = outcome.table_1.iter().map(compared).collect();
     let name = report.figure_name("table_one", "Cross-validation");
     report.section("table_one", "cross-validation");

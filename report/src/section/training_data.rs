@@ -1,13 +1,13 @@
 //! The training reaches and the contact trials cut from them.
 
-use underbrush_experiments::experiment::training_data::{Outcome, TrialsPerReach};
+use underbrush_experiments::experiment::training_data::{TrainingSummary, TrialsPerReach};
 use underbrush_experiments::table_cell::unit_name;
 
 use crate::drawing::{Rows, Table};
 use crate::report::Report;
 
 /// Adds the section.
-pub fn add(report: &mut Report, outcome: &Outcome) {
+pub fn add(report: &mut Report, outcome: &TrainingSummary) {
     let reaches = &outcome.reaches;
     report.section("training_data", "Training data");
     report.page.paragraph(&format!(

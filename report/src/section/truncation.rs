@@ -1,6 +1,6 @@
 //! Accuracy on truncated trials (Fig. 13).
 
-use underbrush_experiments::experiment::truncation::{Outcome, Truncated};
+use underbrush_experiments::experiment::truncation::{Truncated, TruncatedAccuracy};
 
 use crate::accuracy_chart::{AccuracyChart, lowest};
 use crate::drawing::{Cell, Rows, Table};
@@ -8,7 +8,7 @@ use crate::report::{ACCURACY_HEADINGS, Report, by_touch};
 use crate::style;
 
 /// Adds the section.
-pub fn add(report: &mut Report, outcome: &Outcome) {
+pub fn add(report: &mut Report, outcome: &TruncatedAccuracy) {
     let points = &outcome.figure_13;
     if points.is_empty() {
         return;

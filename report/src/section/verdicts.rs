@@ -2,7 +2,7 @@
 
 use underbrush_classifier::evaluate::touch::CalibrationBin;
 use underbrush_classifier::evaluate::{FALSE_ALARMS, RocCurve, RocPoint};
-use underbrush_experiments::experiment::verdicts::{Outcome, Verdicts};
+use underbrush_experiments::experiment::verdicts::{VerdictFigures, Verdicts};
 
 use crate::drawing::{Cell, Dash, Layer, Rows, Shape, Style, Table};
 use crate::report::Report;
@@ -13,7 +13,7 @@ use crate::style::{FIRST, OUTLIER};
 const APART: f64 = 0.005;
 
 /// Adds the section.
-pub fn add(report: &mut Report, outcome: &Outcome) {
+pub fn add(report: &mut Report, outcome: &VerdictFigures) {
     let Some(verdicts) = &outcome.verdicts else {
         return;
     };

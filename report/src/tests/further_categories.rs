@@ -162,7 +162,7 @@ fn the_trial_figure_draws_it_in_its_own_style() {
             samples: [0.0, 1.0].map(sample).to_vec(),
         },
     };
-    let outcome = example_trials::Outcome { figure_5: LABELS.map(example).into(), figure_5_medians: Vec::new() };
+    let outcome = example_trials::ExampleTrials { figure_5: LABELS.map(example).into(), figure_5_medians: Vec::new() };
     let force = &trial_section::charts(&outcome, &looks())[0];
     for label in LABELS {
         assert!(texts(force).iter().any(|text| text == label), "{label}");

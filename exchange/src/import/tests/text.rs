@@ -6,7 +6,6 @@ use underbrush_recording::Trial;
 
 use super::super::{Imported, Mapping};
 use super::{imported, refused, samples};
-use crate::ExchangeError;
 use crate::example::{file, written};
 
 const LOG: &str = "\
@@ -114,7 +113,7 @@ fn a_wrong_mapping_is_refused_by_line_and_field() {
         assert!(error.file.ends_with("log.toml") && error.allowed.contains(allowed), "{error}");
     }
     let nowhere = Mapping::load(Path::new("nowhere.toml"));
-    assert!(matches!(nowhere, Err(ExchangeError::Input(error)) if error.found == "no such file"));
+    assert!(matches!(nowhere, Err(error) if error.found == "no such file"));
 }
 
 /// Tests that wrong cells, times that do not rise, forces out of range and rows of a reach that are not adjacent are

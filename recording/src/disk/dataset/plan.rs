@@ -93,6 +93,13 @@ pub struct ArmText {
 }
 
 /// A text file with its content.
+///
+/// ```
+/// use underbrush_recording::disk::FileText;
+///
+/// let [one, other] = ["count = 3", "count = 4"].map(|text| FileText::new("scene.toml", text));
+/// assert!(one != other && one.blake3.len() == 64);
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileText {
     /// Name of the file.
@@ -112,6 +119,15 @@ impl FileText {
 }
 
 /// One part of a campaign that is divided among several machines.
+///
+/// ```
+/// use underbrush_recording::disk::Shard;
+///
+/// // The second of three parts.
+/// let shard = Shard { index: 1, count: 3 };
+/// let own: Vec<u64> = (0..7).filter(|position| shard.holds(*position)).collect();
+/// assert_eq!(own, [1, 4]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
     /// Which part, from 0.

@@ -157,6 +157,22 @@ pub fn read_trials(path: impl AsRef<Path>) -> Result<Vec<Trial>, DiskError> {
 /// that do not increase, numbers outside [`crate::limits`], an empty name, a category called `uncertain`, a trial number
 /// used twice);
 /// [`DiskError::Io`] and [`DiskError::Encode`] if the file cannot be written.
+///
+/// ```
+/// use underbrush_recording::disk::{read_trials, write_trials};
+/// use underbrush_recording::{Sample, Trial};
+///
+/// let sample = |time_s, force_n| Sample { time_s, force_n, motion_m: None, region: None, touched: None };
+/// let samples = vec![sample(0.0, 0.3), sample(0.01, 0.7)];
+/// let trials = [Trial { trial: 5, category: Some("leaf".into()), samples, ..Trial::default() }];
+/// let folder = tempfile::tempdir()?;
+/// for name in ["trials.csv", "trials.parquet"] {
+///     let file = folder.path().join(name);
+///     write_trials(&file, trials.clone())?;
+///     assert_eq!(read_trials(&file)?, trials);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_trials(path: impl AsRef<Path>, trials: impl IntoIterator<Item = Trial>) -> Result<(), DiskError> {
     let path = path.as_ref();
     let mut numbers = BTreeSet::new();

@@ -1,0 +1,305 @@
+"""HDF5: reaches in the layout of robomimic's data sets, and logs of other robots as CSV for ``underbrush import``.
+
+    python -m underbrush.hdf5 export my-set reach.parquet --out reaches.hdf5
+    python -m underbrush.hdf5 csv log.h5 --forces "data/*/skin" --times "data/*/t" --category label --out log.csv
+
+Needs h5py: ``pip install 'underbrush[hdf5]'``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import csv
+import itertools
+import json
+import os
+import re
+import sys
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import _core
+from ._errors import InputError
+
+# Choice: a window of some seconds, as learners read it, touches one or two chunks.
+_FRAMES_PER_CHUNK = 256
+# One of this many demonstrations is in ``mask/valid``.
+_VALID_PERIOD = 10
+_PARTS = ("train", "valid")
+
+
+def _h5py() -> Any:
+    try:
+        import h5py
+    except ImportError as error:
+        raise ImportError("underbrush.hdf5 needs h5py: pip install 'underbrush[hdf5]'") from error
+    return h5py
+
+
+@contextlib.contextmanager
+def _whole(path: Path, force: bool) -> Iterator[Path]:
+    """A temporary file that gets its name when it is complete."""
+    if path.exists() and not force:
+        raise InputError(f"{path}: exists already; overwrite it with force, or choose another name", file=str(path))
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    descriptor = os.open(temporary, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
+    try:
+        yield temporary
+        os.fsync(descriptor)
+        temporary.replace(path)
+    finally:
+        os.close(descriptor)
+        temporary.unlink(missing_ok=True)
+
+
+def _tables(reach: _core.Reach) -> dict[str, Any]:
+    """The tables of a demonstration, by name."""
+    column = reach.column
+    state, velocity, tip = column("observation.state"), column("observation.velocity"), column("observation.tip_pose")
+    rewards, dones = np.zeros(len(reach)), np.zeros(len(reach))
+    for goal in reach.goals:
+        if goal["outcome"] == "reached" and len(reach) > 0:
+            # The last goal may end after the time of the last frame.
+            after = int(np.searchsorted(reach.time_s, goal["end_time_s"]))
+            rewards[min(after, len(reach) - 1)] = 1
+    dones[-1:] = 1
+    tables = {
+        "actions": column("action"),
+        "states": np.hstack([state, velocity]),
+        "rewards": rewards,
+        "dones": dones,
+        "obs/joint_pos": state,
+        "obs/joint_vel": velocity,
+        "obs/joint_torque": column("observation.torque"),
+        "obs/eef_pos": tip[:, :3],
+        "obs/eef_quat": tip[:, 3:],
+        "obs/goal_pos": column("goal_position"),
+    }
+    for patch in reach.skin.patches:
+        tables[f"obs/tactile_{patch}"] = reach.sensed_force_n(patch, dtype="float64")
+    return tables
+
+
+def _each(data: _core.Dataset) -> Iterator[_core.Reach]:
+    return (data[index] for index in range(len(data)))
+
+
+def export(
+    reaches: _core.Dataset | Iterable[_core.Reach], path: str | os.PathLike[str], *, force: bool = False
+) -> None:
+    """Write reaches to an HDF5 file in the layout of robomimic's data sets, which ``docs/exchange.md`` describes.
+
+    Each reach is a demonstration. Every tenth is in ``mask/valid`` (of two to nine, the last), the others are in
+    ``mask/train``; those of a scene are in ``mask/SCENE``. The file gets its name when it is complete.
+
+    Parameters
+    ----------
+    reaches : Dataset or iterable of Reach
+        They are read one by one.
+    path : path
+        The file to write.
+    force : bool
+        Overwrite a file that exists.
+
+    Raises
+    ------
+    InputError
+        If the file exists and ``force`` is not set.
+    """
+    h5py = _h5py()
+    scenes: list[str] = []
+    frames = 0
+    with _whole(Path(path), force) as temporary:
+        with h5py.File(temporary, "w") as file:
+            data = file.create_group("data")
+            given = _each(reaches) if isinstance(reaches, _core.Dataset) else reaches
+            for number, reach in enumerate(given):
+                demonstration = data.create_group(f"demo_{number}")
+                seed, index = reach.seed_and_index
+                demonstration.attrs["num_samples"] = len(reach)
+                demonstration.attrs["scene"] = reach.scene
+                demonstration.attrs["seed"] = np.uint64(seed)
+                demonstration.attrs["reach_index"] = np.uint64(index)
+                demonstration.attrs["controller"] = reach.controller
+                demonstration.attrs["outcome"] = reach.outcome
+                for name, table in _tables(reach).items():
+                    # An empty table, such as that of a patch without taxels, has no chunks.
+                    chunked: dict[str, Any] = {}
+                    if table.size > 0:
+                        chunks = (min(_FRAMES_PER_CHUNK, len(table)), *table.shape[1:])
+                        chunked = {"chunks": chunks, "shuffle": True, "compression": "gzip"}
+                    demonstration.create_dataset(name, data=np.asarray(table, dtype="f8"), **chunked)
+                scenes.append(reach.scene)
+                frames += len(reach)
+            data.attrs["total"] = frames
+            # robomimic requires a description of the environment, although it cannot make this one. 2 is its code for Gym.
+            data.attrs["env_args"] = json.dumps({"env_name": "underbrush", "type": 2, "env_kwargs": {}})
+            for mask, numbers in _masks(scenes).items():
+                names = [f"demo_{number}".encode() for number in numbers]
+                file.create_dataset(f"mask/{mask}", data=np.array(names))
+
+
+def _masks(scenes: list[str]) -> dict[str, list[int]]:
+    """The numbers of the demonstrations in each mask."""
+    last = len(scenes) - 1
+    few = 2 <= len(scenes) < _VALID_PERIOD
+    masks: dict[str, list[int]] = {}
+    for number, scene in enumerate(scenes):
+        valid = number == last if few else number % _VALID_PERIOD == _VALID_PERIOD - 1
+        # A scene may have the name of a part.
+        for mask in (_PARTS[valid], f"{scene}-scene" if scene in _PARTS else scene):
+            masks.setdefault(mask, []).append(number)
+    return masks
+
+
+def csv_of(
+    path: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    forces: str,
+    *,
+    times: str | None = None,
+    category: str | None = None,
+    force: bool = False,
+) -> int:
+    """Write the forces in an HDF5 file as CSV, which ``underbrush import`` reads with a mapping.
+
+    The columns are ``reach``, ``time`` (if ``times`` is given), ``category`` (if given), and ``force_0``, ``force_1``, …
+    for the taxels. Numbers come back the same.
+
+    Parameters
+    ----------
+    path, out : path
+        The HDF5 file, and the CSV file to write.
+    forces : str
+        Path of the dataset of forces, frames × taxels or frames. With ``*`` in place of a group's name, each group that
+        has this dataset is a reach, in the order of the numbers at the end of their names.
+    times : str, optional
+        Path of the dataset of times, also with ``*``.
+    category : str, optional
+        Name of a text attribute of the reach's group.
+    force : bool
+        Overwrite a file that exists.
+
+    Returns
+    -------
+    int
+        The number of reaches.
+
+    Raises
+    ------
+    InputError
+        If something is not in the file, or has another shape or type, or if ``out`` exists and ``force`` is not set.
+    """
+    h5py = _h5py()
+    given = [name for name, wanted in (("time", times), ("category", category)) if wanted is not None]
+    with _opened(h5py, path) as file, _whole(Path(out), force) as temporary:
+        with open(temporary, "w", newline="", encoding="utf-8") as text:
+            rows = csv.writer(text)
+            groups = _groups(file, path, forces)
+            taxels = None
+            for number, group in enumerate(groups):
+                table = np.atleast_2d(_numbers(h5py, file, path, forces, group).T).T
+                if taxels is None:
+                    taxels = table.shape[1]
+                    rows.writerow(["reach", *given, *(f"force_{taxel}" for taxel in range(taxels))])
+                if table.shape[1] != taxels:
+                    raise _fault(path, forces, f"{table.shape[1]} taxels in {group}", f"{taxels}, as in the first reach")
+                columns: list[list[Any]] = [[number] * len(table)]
+                if times is not None:
+                    own = _numbers(h5py, file, path, times, group)
+                    if own.shape != (len(table),):
+                        raise _fault(path, times, f"shape {own.shape}", f"({len(table)},), one time for each frame")
+                    columns.append(own.tolist())
+                if category is not None:
+                    columns.append([_attribute(file, path, forces, category, group)] * len(table))
+                rows.writerows(zip(*columns, *table.T.tolist(), strict=True))
+    return len(groups)
+
+
+def _fault(path: object, field: str, found: str, allowed: str) -> InputError:
+    remedy = "name another path; `h5ls -r` lists them"
+    message = f"{path}: {field}: found {found}; allowed: {allowed}; {remedy}"
+    return InputError(message, file=str(path), field=field, found=found, allowed=allowed, remedy=remedy)
+
+
+def _opened(h5py: Any, path: str | os.PathLike[str]) -> Any:
+    try:
+        return h5py.File(path, "r")
+    except OSError as error:
+        raise _fault(path, "file", str(error), "a readable HDF5 file") from error
+
+
+def _groups(file: Any, path: object, pattern: str) -> list[str]:
+    """The names that ``*`` stands for, those that end in a number in its order; one empty name without ``*``."""
+    parent, star, rest = pattern.partition("*")
+    if not star:
+        return [""]
+    group = file.get(parent.strip("/") or "/")
+    names = [name for name in group or () if f"{name}{rest}" in group]
+    if not names:
+        raise _fault(path, pattern, "no such dataset", "the path of a dataset")
+
+    def order(name: str) -> tuple[int, str]:
+        number = re.search(r"\d+$", name)
+        return (int(number[0]) if number else -1, name)
+
+    return sorted(names, key=order)
+
+
+def _numbers(h5py: Any, file: Any, path: object, pattern: str, group: str) -> Any:
+    """A dataset of numbers in one or two dimensions."""
+    name = pattern.replace("*", group)
+    data = file.get(name)
+    if not isinstance(data, h5py.Dataset):
+        raise _fault(path, pattern, f"{name!r}, which is no dataset", "the path of a dataset")
+    if data.ndim not in (1, 2) or data.dtype.kind not in "fiu":
+        raise _fault(path, pattern, f"{data.dtype} of shape {data.shape}", "numbers of shape (frames,) or (frames, taxels)")
+    return data[()]
+
+
+def _attribute(file: Any, path: object, pattern: str, name: str, group: str) -> str:
+    """A text attribute of the group that ``*`` stands for, or of the file."""
+    parent, star, _ = pattern.partition("*")
+    holder = file[f"{parent}{group}"] if star else file
+    value = holder.attrs.get(name)
+    if not isinstance(value, (str, bytes)):
+        raise _fault(path, "category", repr(name), f"a text attribute: {', '.join(sorted(holder.attrs))}")
+    return value.decode() if isinstance(value, bytes) else value
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """The command line: ``python -m underbrush.hdf5 --help``."""
+    parser = argparse.ArgumentParser(prog="python -m underbrush.hdf5", description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True)
+    one = commands.add_parser("export", help="write reaches in the layout of robomimic's data sets")
+    one.add_argument("data", nargs="+", type=Path, help="data sets (folders) or recordings (.parquet)")
+    one.add_argument("--out", required=True, type=Path, help="HDF5 file to write")
+    two = commands.add_parser("csv", help="write the forces of a log as CSV, for `underbrush import`")
+    two.add_argument("log", type=Path, help="HDF5 file")
+    two.add_argument("--forces", required=True, help="dataset of frames × taxels; * stands for the group of each reach")
+    two.add_argument("--times", help="dataset of the times")
+    two.add_argument("--category", help="text attribute of the reach's group")
+    two.add_argument("--out", required=True, type=Path, help="CSV file to write")
+    for command in (one, two):
+        command.add_argument("--force", action="store_true", help="overwrite a file that exists")
+    options = parser.parse_args(arguments)
+    try:
+        if options.command == "export":
+            places = options.data
+            sets = (_each(_core.Dataset(place)) if place.is_dir() else [_core.Reach.load(place)] for place in places)
+            export(itertools.chain.from_iterable(sets), options.out, force=options.force)
+        else:
+            given = {"times": options.times, "category": options.category, "force": options.force}
+            csv_of(options.log, options.out, options.forces, **given)
+    except (InputError, ImportError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1 if isinstance(error, OSError) else 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
