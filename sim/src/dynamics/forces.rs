@@ -29,7 +29,7 @@ impl Coordinate {
 }
 
 impl Tree {
-    /// Begins a step of `step_s`: moves the tree ahead by (1 − θ) Δt with its present velocities.
+    /// Begins a step of `step_s`. With θ = ½ the tree is moved ahead to its middle with its present velocities.
     pub fn begin(&mut self, step_s: f64, theta: Theta) {
         let ahead_s = if theta == Theta::MIDPOINT { 0.5 * step_s } else { 0.0 };
         (self.scratch.step_s, self.scratch.theta, self.scratch.ahead_s) = (step_s, theta, ahead_s);

@@ -17,7 +17,7 @@ impl Tree {
         }
         let phases = self.coordinates.iter().zip(&self.inertia).map(|(own, inertia)| {
             let by_spring = step_s * (own.spring().0 / inertia).sqrt();
-            // A damper stops the motion within half a step when the midpoint rule begins to ring.
+            // The midpoint rule rings where a damper alone would stop the motion within half a step.
             by_spring.max(0.5 * step_s * own.spring.damping / inertia)
         });
         Theta::of_phase(phases.fold(0.0, f64::max), Theta::DAMPED)

@@ -17,7 +17,7 @@ const TOLERANCE: f64 = 1e-6;
 const NO_IMPULSE: f64 = 1e-14;
 
 impl Solver {
-    /// Finds the velocities at the end of the step.
+    /// Finds the velocities u_θ of the step.
     pub fn solve(&mut self) -> Convergence {
         let size = self.velocity.len();
         self.residual.resize(size, 0.0);

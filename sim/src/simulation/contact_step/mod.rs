@@ -1,7 +1,7 @@
 //! Contacts between trees, added to a step that was prepared without any.
 //!
 //! Patches are found where shapes overlap at the start of the step. [`crate::contact::solver`] then finds the velocities
-//! with contacts, and these replace the trees' velocities at the end of the step.
+//! with contacts, and these replace the trees' velocities.
 
 use glam::DVec3;
 use rapier3d::prelude::*;
@@ -40,7 +40,7 @@ pub(super) struct PatchContact {
     pub(super) overlap_m: f64,
     /// Distance of the farthest part of the patch from its centre of pressure, m.
     pub(super) radius_m: f64,
-    /// Velocity of the first surface against the second at the end of the step, in the tangent plane, m/s, world frame.
+    /// Velocity of the first surface against the second in the step, in the tangent plane, m/s, world frame.
     pub(super) slip_world: DVec3,
 }
 
