@@ -1,7 +1,7 @@
-//! The velocities at the end of a step, under the contact law.
+//! The velocities of a step, under the contact law.
 //!
-//! Without contacts the step would end with the generalized velocities u*. With the mass matrix M of the implicit
-//! step (which includes joint springs and dampers), the velocities u with contacts satisfy
+//! Without contacts the trees would move with the generalized velocities u*, which are those at θ of the step. With the
+//! mass matrix M of the step over θ (it includes joint springs and dampers), the velocities u with contacts satisfy
 //!
 //!   M (u − u*) = Σ Jᵀ λ(J u),
 //!

@@ -1,7 +1,7 @@
 //! Contacts between trees, added to a step that was prepared without any.
 //!
-//! Patches are found where shapes overlap at the start of the step. [`crate::contact::solver`] then finds the velocities
-//! with contacts, and these replace the trees' velocities.
+//! Patches are found where shapes overlap after the step has begun. [`crate::contact::solver`] then finds the velocities
+//! with contacts, and these replace the trees' own.
 
 use glam::DVec3;
 use rapier3d::prelude::*;
