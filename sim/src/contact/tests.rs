@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use underbrush_recording::Pose;
 
 use super::chord::Faces;
-use super::law::{Law, STICTION_M};
+use super::law::{Law, STICTION_M, mean_press};
 use super::patch::{Columns, Node};
 use super::plane::Pair;
 use super::solver::{ROWS, Solver};
@@ -120,6 +120,26 @@ proptest! {
         let moment = 2.0 / 3.0 * half_chord_m.powi(3) - c * area_m2;
         let expected = LAW.interface.stiffness_n_per_m3 * tilt_rad.tan() * moment;
         prop_assert!((found / expected - 1.0).abs() < 0.06, "{}", found / expected);
+    }
+
+    /// Tests the mean pressure of a column along its path against a sum over 20,000 moments of the step: it is closed where
+    /// h > 0, and presses with max(0, h + τ dh/dt).
+    #[test]
+    fn a_column_presses_with_the_mean_along_its_path(
+        overlap_m in -2e-3..2e-3f64,
+        speed in -0.5..0.5f64,
+        loss_time_s in 0.0..0.01f64,
+    ) {
+        let (found, _) = mean_press(overlap_m, speed, loss_time_s, LAW.step_s, Theta::MIDPOINT);
+        let moments = 20_000;
+        let sum: f64 = (0..moments)
+            .map(|moment| overlap_m - speed * LAW.step_s * (f64::from(moment) + 0.5) / f64::from(moments))
+            .filter(|overlap| *overlap > 0.0)
+            .map(|overlap| (overlap - loss_time_s * speed).max(0.0))
+            .sum();
+        // The sum may miss the moment at which the column closes by half of its steps.
+        let resolution = (overlap_m.abs() + (LAW.step_s + loss_time_s) * speed.abs()) / f64::from(moments);
+        prop_assert!((found - sum / f64::from(moments)).abs() < resolution, "{found}");
     }
 
     /// Tests that the law's stiffness is minus the derivative of its impulse, by central differences, for the normal
