@@ -15,12 +15,16 @@
 #![allow(clippy::print_stdout, reason = "the tables are what it is run for")]
 
 use std::cell::Cell;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 
+use contact_forces::{Forces, by_link, forces};
 use glam::DVec3;
 use underbrush_sim::reach::{ReachError, ReachPlan};
 use underbrush_sim::scene::Scene;
-use underbrush_sim::simulation::{FrameReport, Simulation};
+use underbrush_sim::simulation::Simulation;
+
+#[path = "steps/contact_forces.rs"]
+mod contact_forces;
 
 const SEED: u64 = 77001;
 const TOUCHES: usize = 20;
@@ -37,25 +41,6 @@ const REFERENCE: usize = 4;
 const BEFORE: usize = 10;
 const PEAK: usize = 15;
 const WINDOW: usize = 30;
-
-/// Forces of one frame by link and object, N, world frame.
-type Forces = BTreeMap<(usize, usize), DVec3>;
-
-fn forces(report: &FrameReport) -> Forces {
-    let mut forces = Forces::new();
-    for contact in &report.contacts {
-        *forces.entry((contact.link, contact.object)).or_default() += contact.force_world;
-    }
-    forces
-}
-
-fn by_link(forces: &Forces) -> BTreeMap<usize, DVec3> {
-    let mut sums: BTreeMap<usize, DVec3> = BTreeMap::new();
-    for ((link, _), force) in forces {
-        *sums.entry(*link).or_default() += *force;
-    }
-    sums
-}
 
 /// Root of the squared differences of the forces on the links, summed over links and frames, N.
 fn distance_n(one: &[Forces], other: &[Forces]) -> f64 {

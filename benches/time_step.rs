@@ -13,11 +13,15 @@
 
 use std::collections::BTreeMap;
 
+use contact_forces::{Forces, by_link, forces};
 use glam::DVec3;
 use rayon::prelude::*;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
-use underbrush_sim::simulation::{FrameReport, Simulation};
+use underbrush_sim::simulation::Simulation;
+
+#[path = "steps/contact_forces.rs"]
+mod contact_forces;
 
 const SCENES: [&str; 3] = ["leaf", "trunk", "mixed"];
 /// Reaches 0 to 19 of seed 0, of each at most 15 s.
@@ -35,25 +39,6 @@ const TOUCHING_N: f64 = 0.05;
 /// in 0.04 s or less (docs/physics.md).
 const BRIDGED: usize = 10;
 const STATISTICS: usize = 6;
-
-/// Forces of one frame by link and object, N, world frame.
-type Forces = BTreeMap<(usize, usize), DVec3>;
-
-fn forces(report: &FrameReport) -> Forces {
-    let mut forces = Forces::new();
-    for contact in &report.contacts {
-        *forces.entry((contact.link, contact.object)).or_default() += contact.force_world;
-    }
-    forces
-}
-
-fn by_link(forces: &Forces) -> BTreeMap<usize, DVec3> {
-    let mut sums: BTreeMap<usize, DVec3> = BTreeMap::new();
-    for ((link, _), force) in forces {
-        *sums.entry(*link).or_default() += *force;
-    }
-    sums
-}
 
 /// Squared lengths, summed over the links, N²: of the difference of two frames' forces, and of the first frame's
 /// forces.
