@@ -3,7 +3,7 @@
 //! A patch is an elastic foundation with loss (Kelvin-Voigt): in a column of area a with the overlap h the pressure is
 //! k (h + τ dh/dt), and never negative. Within a step the surfaces part with a constant speed v, so the overlap changes
 //! linearly from h to h − Δt v. The impulse of the column is Δt k a times the mean of max(0, h + τ dh/dt) over the step.
-//! This is the discrete gradient of the column's potential, so contacts make no energy. Where one of the two
+//! This is the discrete gradient of the column's potential, so columns make no energy. Where one of the two
 //! trees takes its forces at θ of the step (see [`crate::dynamics`]), the mean is that over the part of the step after
 //! (2 θ − 1) Δt: over the whole step for θ = ½, and the value at its end for θ = 1. All are slopes of convex
 //! functions of v.

@@ -24,7 +24,7 @@ impl Tree {
         }
     }
 
-    /// Moves the tree to the end of the step with the velocities u_θ ([`Tree::next`]), and gives it its velocities there.
+    /// Moves the tree to the end of the step with the velocities u_θ ([`Tree::next`]), and sets its velocities to those there.
     pub fn advance(&mut self) {
         let next = std::mem::take(&mut self.scratch.next);
         let (step_s, ahead_s, theta) = (self.scratch.step_s, self.scratch.ahead_s, self.scratch.theta.value());

@@ -65,7 +65,7 @@ fn rebound(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let spring = STIFFNESS_N_PER_M3 * PUNCH_M * PUNCH_M;
     let exact = Oscillator::new(MASS_KG, spring, spring * LOSS_TIME_S);
     let (depth, speed) = exact.rebound(SPEED_M_PER_S, LOSS_TIME_S);
-    let reason = "0.1 %: the period of the contact, 63 ms, takes 630 steps of second order";
+    let reason = "0.1 %: the period of the contact, 41 ms, takes 406 steps of second order";
     Ok(vec![
         Comparison::relative("punch that rebounds, deepest overlap", "m", depth, deepest_m, 1e-3, reason),
         Comparison::relative(
