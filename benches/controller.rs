@@ -1,18 +1,15 @@
-//! One step of the model-predictive controller with ten taxels in contact, and its quadratic program, compared with
-//! Clarabel's interior-point method on the same program. The paper's robot ran at 25 Hz, so a
-//! step of `cody-2013` may take 40 ms; `ijrr-foliage` runs at 100 Hz.
+//! One step of the model-predictive controller with ten taxels in contact, and its quadratic program alone. The paper's robot
+//! ran at 25 Hz, so a step of `cody-2013` may take 40 ms; `ijrr-foliage` runs at 100 Hz.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 
 use std::hint::black_box;
 
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
-use criterion::{Criterion, criterion_group, criterion_main};
+use divan::Bencher;
 use glam::DVec3;
-use nalgebra::{DMatrix, Matrix3xX};
+use nalgebra::Matrix3xX;
 use underbrush_recording::Pose;
 use underbrush_sim::arm::Arm;
-use underbrush_sim::controller::quadratic_program::{Outcome, QuadraticProgram};
+use underbrush_sim::controller::quadratic_program::Outcome;
 use underbrush_sim::controller::{ControlStatus, Controller, ControllerInput, ModelPredictive, Preset, TaxelContact};
 
 /// Cody in its start posture, ten taxels of the forearm in contact, moving forward.
@@ -77,66 +74,32 @@ impl Situation {
     }
 }
 
-/// The program as Clarabel takes it: −C x + s = −b, s ≥ 0.
-struct Peer {
-    hessian: CscMatrix<f64>,
-    gradient: Vec<f64>,
-    rows: CscMatrix<f64>,
-    bounds: Vec<f64>,
+const PRESETS: [fn() -> Preset; 2] = [Preset::cody_2013, Preset::ijrr_foliage];
+
+fn controller(preset: usize, situation: &Situation) -> ModelPredictive {
+    ModelPredictive::new(PRESETS[preset](), &situation.arm)
 }
 
-fn sparse(matrix: &DMatrix<f64>) -> CscMatrix<f64> {
-    let rows: Vec<Vec<f64>> = matrix.row_iter().map(|row| row.iter().copied().collect()).collect();
-    CscMatrix::from(&rows)
-}
-
-impl Peer {
-    fn new(program: &QuadraticProgram) -> Self {
-        Peer {
-            hessian: sparse(&program.hessian).to_triu(),
-            gradient: program.gradient.as_slice().to_vec(),
-            rows: sparse(&-&program.constraints),
-            bounds: program.bounds.iter().map(|bound| -bound).collect(),
-        }
-    }
-
-    /// Setting up is part of the work: the numbers are new in every step.
-    fn solve(&self) -> Vec<f64> {
-        let cones = [NonnegativeConeT(self.bounds.len())];
-        let settings = DefaultSettings { verbose: false, ..DefaultSettings::default() };
-        let mut solver = DefaultSolver::new(&self.hessian, &self.gradient, &self.rows, &self.bounds, &cones, settings)
-            .expect("the program is well formed");
-        solver.solve();
-        assert_eq!(solver.solution.status, SolverStatus::Solved);
-        solver.solution.x.clone()
-    }
-}
-
-fn step(criterion: &mut Criterion) {
+/// One control step with each preset.
+#[divan::bench(args = [0, 1])]
+fn step(bencher: Bencher, preset: usize) {
     let situation = Situation::new();
-    let mut group = criterion.benchmark_group("controller");
-    for preset in [Preset::cody_2013(), Preset::ijrr_foliage()] {
-        let name = preset.name;
-        let mut controller = ModelPredictive::new(preset, &situation.arm);
-        assert_eq!(controller.control(&situation.input()).status, ControlStatus::Solved);
-        group.bench_function(format!("step/{name}"), |bencher| {
-            bencher.iter(|| controller.control(black_box(&situation.input())));
-        });
-        let program = controller.step_program(&situation.input()).expect("the model has a factor");
-        let peer = Peer::new(&program);
-        let Outcome::Optimal(solution) = program.solve() else { panic!("the program has a minimum") };
-        // Both must solve the same problem: the solutions agree to the interior point's tolerance, in rad.
-        for (ours, theirs) in solution.minimizer.iter().zip(peer.solve()) {
-            assert!((ours - theirs).abs() < 1e-5, "{ours} rad here, {theirs} rad there");
-        }
-        group.bench_function(format!("quadratic_program/{name}/underbrush"), |bencher| {
-            bencher.iter(|| black_box(&program).solve());
-        });
-        group.bench_function(format!("quadratic_program/{name}/clarabel"), |bencher| {
-            bencher.iter(|| black_box(&peer).solve());
-        });
-    }
+    let mut controller = controller(preset, &situation);
+    assert_eq!(controller.control(&situation.input()).status, ControlStatus::Solved);
+    bencher.bench_local(|| controller.control(black_box(&situation.input())));
 }
 
-criterion_group!(benches, step);
-criterion_main!(benches);
+/// The quadratic program of that step.
+#[divan::bench(args = [0, 1])]
+fn quadratic_program(bencher: Bencher, preset: usize) {
+    let situation = Situation::new();
+    let mut controller = controller(preset, &situation);
+    controller.control(&situation.input());
+    let program = controller.step_program(&situation.input()).expect("the model has a factor");
+    assert!(matches!(program.solve(), Outcome::Optimal(_)), "the program has a minimum");
+    bencher.bench_local(|| black_box(&program).solve());
+}
+
+fn main() {
+    divan::main();
+}

@@ -4,9 +4,11 @@
 //! One element is one frame of 10 ms, so 100 elements a second are real time on one core.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 
-use criterion::{BatchSize, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
+use divan::Bencher;
+use divan::counter::ItemsCount;
 use sweep::Sweep;
 use underbrush_sim::scene::PhysicsSection;
+use underbrush_sim::simulation::Simulation;
 
 #[path = "peers/sweep.rs"]
 mod sweep;
@@ -14,30 +16,32 @@ mod sweep;
 /// Numbers of leaves; 0 is the arm alone.
 const LEAVES: [usize; 5] = [0, 24, 48, 96, 384];
 
-fn foliage(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("foliage");
-    group.sample_size(10).sampling_mode(SamplingMode::Flat);
-    group.throughput(Throughput::Elements(Sweep::frames() as u64));
-    let options = PhysicsSection::default().options();
-    for leaves in LEAVES {
-        let skinned = || Sweep::new(leaves, 0).simulation(options, true);
-        let bare = || {
-            let mut sweep = Sweep::new(leaves, 0);
-            sweep.arm.skin.layout.patches.clear();
-            sweep.arm.skin.surfaces.clear();
-            sweep.simulation(options, true)
-        };
-        let mut felt = 0;
-        Sweep::run(&mut skinned(), |report| felt += usize::from(report.tactile.largest_force().is_some()));
-        assert_eq!(felt > 0, leaves > 0, "the arm feels the leaves and nothing else");
-        group.bench_function(BenchmarkId::new("physics", leaves), |bencher| {
-            bencher.iter_batched_ref(bare, |simulation| Sweep::run(simulation, |_| {}), BatchSize::PerIteration);
-        });
-        group.bench_function(BenchmarkId::new("physics_and_skin", leaves), |bencher| {
-            bencher.iter_batched_ref(skinned, |simulation| Sweep::run(simulation, |_| {}), BatchSize::PerIteration);
-        });
-    }
+fn main() {
+    divan::main();
 }
 
-criterion_group!(benches, foliage);
-criterion_main!(benches);
+/// Measures the sweep, each time from its start.
+fn sweep(bencher: Bencher, simulation: impl Fn() -> Simulation + Sync) {
+    let bencher = bencher.counter(ItemsCount::new(Sweep::frames() as u64));
+    bencher.with_inputs(simulation).bench_local_refs(|simulation| Sweep::run(simulation, |_| {}));
+}
+
+/// The sweep without skin.
+#[divan::bench(args = LEAVES, sample_count = 10, sample_size = 1)]
+fn physics(bencher: Bencher, leaves: usize) {
+    sweep(bencher, || {
+        let mut sweep = Sweep::new(leaves, 0);
+        sweep.arm.skin.layout.patches.clear();
+        sweep.arm.skin.surfaces.clear();
+        sweep.simulation(PhysicsSection::default().options(), true)
+    });
+}
+
+#[divan::bench(args = LEAVES, sample_count = 10, sample_size = 1)]
+fn physics_and_skin(bencher: Bencher, leaves: usize) {
+    let skinned = || Sweep::new(leaves, 0).simulation(PhysicsSection::default().options(), true);
+    let mut felt = 0;
+    Sweep::run(&mut skinned(), |report| felt += usize::from(report.tactile.largest_force().is_some()));
+    assert_eq!(felt > 0, leaves > 0, "the arm feels the leaves and nothing else");
+    sweep(bencher, skinned);
+}

@@ -5,7 +5,8 @@
 
 use std::hint::black_box;
 
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use divan::Bencher;
+use divan::counter::ItemsCount;
 use glam::{DQuat, DVec3};
 use underbrush_classifier::HmmClassifier;
 use underbrush_classifier::decision::Decision;
@@ -58,43 +59,40 @@ fn sequences(category: &str) -> Vec<Observations> {
     forces.collect::<Result<_, _>>().expect("the trials have forces")
 }
 
-fn score(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("hmm/score");
-    for states in STATES {
-        let models = models(states);
-        let model = &models.models()["leaf"];
-        // The model's own category, and the other one, whose trials fit no path through the states.
-        for (name, category) in [("own", "leaf"), ("foreign", "trunk")] {
-            let sequences = sequences(category);
-            let all: Vec<&Observations> = sequences.iter().collect();
-            for (kind, kind_name) in [(ScoreKind::Forward, "forward"), (ScoreKind::Viterbi, "viterbi")] {
-                group.throughput(Throughput::Elements(u64::from(SAMPLES) * all.len() as u64));
-                group.bench_function(format!("{kind_name}/{states} states/{name}"), |bencher| {
-                    bencher.iter(|| model.log_probabilities(kind, black_box(&all)));
-                });
-                group.throughput(Throughput::Elements(u64::from(SAMPLES)));
-                group.bench_function(format!("{kind_name}/{states} states/{name}, one trial"), |bencher| {
-                    bencher.iter(|| model.log_probability(kind, black_box(all[0])));
-                });
-            }
-        }
-    }
+/// Both scores, both numbers of states, and trials of the model's own category (leaf) or the other one, whose trials fit no
+/// path through the states.
+fn score_cases() -> Vec<(ScoreKind, usize, &'static str)> {
+    let kinds = [ScoreKind::Forward, ScoreKind::Viterbi].into_iter();
+    kinds
+        .flat_map(|kind| STATES.iter().flat_map(move |states| ["leaf", "trunk"].map(|own| (kind, *states, own))))
+        .collect()
 }
 
-fn training(criterion: &mut Criterion) {
+#[divan::bench(args = score_cases())]
+fn score_all(bencher: Bencher, (kind, states, category): (ScoreKind, usize, &str)) {
+    let (models, sequences) = (models(states), sequences(category));
+    let all: Vec<&Observations> = sequences.iter().collect();
+    let bencher = bencher.counter(ItemsCount::new(u64::from(SAMPLES) * all.len() as u64));
+    bencher.bench_local(|| models.models()["leaf"].log_probabilities(kind, black_box(&all)));
+}
+
+#[divan::bench(args = score_cases())]
+fn score_one(bencher: Bencher, (kind, states, category): (ScoreKind, usize, &str)) {
+    let (models, sequences) = (models(states), sequences(category));
+    let bencher = bencher.counter(ItemsCount::new(SAMPLES));
+    bencher.bench_local(|| models.models()["leaf"].log_probability(kind, black_box(&sequences[0])));
+}
+
+#[divan::bench(args = STATES, sample_count = 20)]
+fn baum_welch(bencher: Bencher, states: usize) {
     let sequences = [sequences("leaf"), sequences("trunk")].concat();
     let options = TrainingOptions { iterations: ITERATIONS, tolerance: 0.0, ..TrainingOptions::default() };
-    let mut group = criterion.benchmark_group("hmm/baum_welch");
     // The likelihood of the final model takes one pass more than there are iterations.
     let passes = ITERATIONS as u64 + 1;
-    group.sample_size(20).throughput(Throughput::Elements(passes * u64::from(SAMPLES) * sequences.len() as u64));
-    for states in STATES {
-        let start = equal_slice_start(&sequences, states, Topology::LeftToRight, InitialDistribution::Uniform, 1e-4)
-            .expect("the trials have spread");
-        group.bench_function(format!("{states} states"), |bencher| {
-            bencher.iter(|| train(&start, black_box(&sequences), &options).expect("training runs through"));
-        });
-    }
+    let start = equal_slice_start(&sequences, states, Topology::LeftToRight, InitialDistribution::Uniform, 1e-4)
+        .expect("the trials have spread");
+    let bencher = bencher.counter(ItemsCount::new(passes * u64::from(SAMPLES) * sequences.len() as u64));
+    bencher.bench_local(|| train(&start, black_box(&sequences), &options).expect("training runs through"));
 }
 
 /// A patch of a hundred taxels, and a frame in which all of them are in contact.
@@ -126,22 +124,17 @@ fn hundred_taxels() -> (SkinLayout, Frame) {
     (SkinLayout { patches: vec![patch] }, frame)
 }
 
-fn online(criterion: &mut Criterion) {
+#[divan::bench(args = [(ScoreKind::Forward, 10), (ScoreKind::Viterbi, 10), (ScoreKind::Forward, 20), (ScoreKind::Viterbi, 20)])]
+fn online_update(bencher: Bencher, (score, states): (ScoreKind, usize)) {
     let (layout, frame) = hundred_taxels();
-    let mut group = criterion.benchmark_group("hmm/online_update");
-    group.throughput(Throughput::Elements(frame.taxels.len() as u64));
-    for states in STATES {
-        let mut models = models(states);
-        for (score, name) in [(ScoreKind::Forward, "forward"), (ScoreKind::Viterbi, "viterbi")] {
-            let options = OnlineOptions { patch: None, threshold_n: 0.0, decision: Decision::argmax() };
-            models.score_by(score);
-            let mut classifier = OnlineClassifier::new(&models, &layout, &options).expect("models fit the skin");
-            group.bench_function(format!("{name}/{states} states, 100 taxels, 2 models"), |bencher| {
-                bencher.iter(|| classifier.update(black_box(&frame)).expect("the frame fits the skin").count());
-            });
-        }
-    }
+    let mut models = models(states);
+    models.score_by(score);
+    let options = OnlineOptions { patch: None, threshold_n: 0.0, decision: Decision::argmax() };
+    let mut classifier = OnlineClassifier::new(&models, &layout, &options).expect("models fit the skin");
+    let bencher = bencher.counter(ItemsCount::new(frame.taxels.len() as u64));
+    bencher.bench_local(|| classifier.update(black_box(&frame)).expect("the frame fits the skin").count());
 }
 
-criterion_group!(benches, score, training, online);
-criterion_main!(benches);
+fn main() {
+    divan::main();
+}

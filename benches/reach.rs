@@ -6,7 +6,8 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
+use divan::Bencher;
+use divan::counter::ItemsCount;
 use underbrush_recording::disk::{DiskError, write_recording};
 use underbrush_sim::campaign::{self, Job};
 use underbrush_sim::reach::ReachPlan;
@@ -41,34 +42,27 @@ fn plan(name: &str, text: &str) -> ReachPlan {
     ReachPlan::new(scene, None, 0).expect("the plan is sound")
 }
 
-fn reach(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("reach");
-    group.sample_size(10).sampling_mode(SamplingMode::Flat);
+#[divan::bench(args = ["leaf", "trunk"], sample_count = 10, sample_size = 1)]
+fn reach(bencher: Bencher, name: &str) {
+    let plan = plan(name, if name == "leaf" { LEAF } else { TRUNK });
+    let run = |index| plan.run(index, &mut |_, _| {}).expect("there is room for the clutter");
+    // The first reach that touches something, because one without contact would measure nothing.
+    let (index, recording) = (0..20)
+        .map(|index| (index, run(index)))
+        .find(|(_, recording)| !recording.contacts.is_empty())
+        .expect("one reach in twenty touches something");
     let folder = tempfile::tempdir().unwrap();
-    for (name, text) in [("leaf", LEAF), ("trunk", TRUNK)] {
-        let plan = plan(name, text);
-        let run = |index| plan.run(index, &mut |_, _| {}).expect("there is room for the clutter");
-        // The first reach that touches something, because one without contact would measure nothing.
-        let (index, recording) = (0..20)
-            .map(|index| (index, run(index)))
-            .find(|(_, recording)| !recording.contacts.is_empty())
-            .expect("one reach in twenty touches something");
-        group.throughput(Throughput::Elements(recording.frames.len() as u64));
-        let file = folder.path().join(format!("{name}.parquet"));
-        group.bench_function(
-            format!("{name}/{:.2} simulated s", recording.frames.len() as f64 / recording.rate_hz),
-            |bencher| {
-                bencher.iter(|| write_recording(&file, &run(index)).unwrap());
-            },
-        );
-    }
-    group.finish();
+    let file = folder.path().join("reach.parquet");
+    let bencher = bencher.counter(ItemsCount::new(recording.frames.len()));
+    bencher.bench_local(|| write_recording(&file, &run(index)).unwrap());
 }
 
 /// Reaches of a campaign, half of them among leaves: enough to keep a few cores busy until near the end.
 const JOBS: u64 = 8;
 
-fn campaign(criterion: &mut Criterion) {
+/// These reaches on all cores.
+#[divan::bench(sample_count = 10, sample_size = 1)]
+fn campaign(bencher: Bencher) {
     let plans = [plan("leaf", LEAF), plan("trunk", TRUNK)];
     let jobs: Vec<Job> = (0..JOBS)
         .map(|number| Job { plan: number as usize % plans.len(), reach_index: number / plans.len() as u64 })
@@ -83,13 +77,9 @@ fn campaign(criterion: &mut Criterion) {
         .expect("there is room for the clutter");
         frames.into_inner()
     };
-    let mut group = criterion.benchmark_group("campaign");
-    group.sample_size(10).sampling_mode(SamplingMode::Flat);
-    group.throughput(Throughput::Elements(run()));
-    let threads = rayon::current_num_threads();
-    group.bench_function(format!("{JOBS} reaches on {threads} threads"), |bencher| bencher.iter(run));
-    group.finish();
+    bencher.counter(ItemsCount::new(run())).bench_local(run);
 }
 
-criterion_group!(benches, reach, campaign);
-criterion_main!(benches);
+fn main() {
+    divan::main();
+}

@@ -4,7 +4,7 @@
 use std::f64::consts::FRAC_PI_2;
 use std::hint::black_box;
 
-use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use divan::Bencher;
 use glam::DVec3;
 use parry3d::shape::{Capsule, Cuboid, Shape};
 use underbrush_recording::Pose;
@@ -53,28 +53,24 @@ fn across(contact: &ContactPoint, distance_m: f64) -> Pose {
     Pose::new(contact.position_link - contact.inward_link * distance_m, rotation)
 }
 
-fn spread(criterion: &mut Criterion) {
+#[divan::bench(args = [("trunk", 10.0), ("leaf", 1.0)])]
+fn spread_one_contact(bencher: Bencher, (name, force_n): (&str, f64)) {
     let object = Surface::hard(FRICTION);
-    let mut group = criterion.benchmark_group("skin/spread_one_contact");
-    for (name, force_n) in [("trunk", 10.0), ("leaf", 1.0)] {
-        let (patch, contact) = forearm(force_n);
-        let (shape, pose) = if name == "trunk" { trunk(&contact) } else { leaf(&contact) };
-        let mut buffers = SpreadBuffers::default();
-        let forces = patch.spread(&[contact], shape.as_ref(), &pose, &object, &mut buffers);
-        let taxels = forces.len();
-        assert!(taxels > 1, "the {name} touches {taxels} taxels");
-        let sum: DVec3 =
-            forces.iter().map(|force| force.shear_link - patch.normals_link[force.taxel] * force.normal_force_n).sum();
-        assert!(sum.distance(contact.force_link) < 1e-9 * force_n, "{sum} N of {force_n} N");
-        group.bench_function(BenchmarkId::new(name, format!("{force_n} N on {taxels} taxels")), |bencher| {
-            bencher.iter(|| {
-                let forces =
-                    patch.spread(black_box(&[contact]), shape.as_ref(), black_box(&pose), &object, &mut buffers);
-                black_box(forces.len())
-            });
-        });
-    }
+    let (patch, contact) = forearm(force_n);
+    let (shape, pose) = if name == "trunk" { trunk(&contact) } else { leaf(&contact) };
+    let mut buffers = SpreadBuffers::default();
+    let forces = patch.spread(&[contact], shape.as_ref(), &pose, &object, &mut buffers);
+    let taxels = forces.len();
+    assert!(taxels > 1, "the {name} touches {taxels} taxels");
+    let sum: DVec3 =
+        forces.iter().map(|force| force.shear_link - patch.normals_link[force.taxel] * force.normal_force_n).sum();
+    assert!(sum.distance(contact.force_link) < 1e-9 * force_n, "{sum} N of {force_n} N");
+    bencher.bench_local(|| {
+        let forces = patch.spread(black_box(&[contact]), shape.as_ref(), black_box(&pose), &object, &mut buffers);
+        forces.len()
+    });
 }
 
-criterion_group!(benches, spread);
-criterion_main!(benches);
+fn main() {
+    divan::main();
+}

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::sync::Arc;
 
-use criterion::{Criterion, criterion_group, criterion_main};
+use divan::Bencher;
 use glam::{DQuat, DVec3};
 use underbrush_classifier::touch::{TouchClassifier, TouchExamples, TouchModel, TouchOptions};
 use underbrush_recording::{
@@ -98,23 +98,19 @@ fn model() -> TouchModel {
     examples.fit().expect("the recordings have contacts")
 }
 
-fn update(criterion: &mut Criterion) {
+#[divan::bench(args = [0, REGIONS])]
+fn update(bencher: Bencher, regions: usize) {
     let model = Arc::new(model());
-    let mut group = criterion.benchmark_group("touch/update");
-    for regions in [0, REGIONS] {
-        let frames: Vec<Frame> = (0..50).map(|index| frame(index, 0, regions)).collect();
-        let mut classifier = TouchClassifier::new(Arc::clone(&model), &layout()).expect("the skin has a grid");
-        let mut index = 0;
-        group.bench_function(format!("{}_taxels", 4 * regions), |bencher| {
-            bencher.iter(|| {
-                index = (index + 1) % frames.len();
-                classifier.update(black_box(&frames[index])).unwrap();
-                black_box(classifier.taxels().len())
-            });
-        });
-    }
-    group.finish();
+    let frames: Vec<Frame> = (0..50).map(|index| frame(index, 0, regions)).collect();
+    let mut classifier = TouchClassifier::new(Arc::clone(&model), &layout()).expect("the skin has a grid");
+    let mut index = 0;
+    bencher.bench_local(|| {
+        index = (index + 1) % frames.len();
+        classifier.update(black_box(&frames[index])).unwrap();
+        classifier.taxels().len()
+    });
 }
 
-criterion_group!(benches, update);
-criterion_main!(benches);
+fn main() {
+    divan::main();
+}

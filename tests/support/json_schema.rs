@@ -59,7 +59,7 @@ fn check(root: &Value, schema: &Value, value: &Value, place: &str, found: &mut V
             "oneOf" => list().filter(|part| holds(part)).count() == 1,
             "type" => argument.as_array().map_or_else(|| is_kind(argument), |kinds| kinds.iter().any(is_kind)),
             "pattern" => {
-                let pattern = regex::Regex::new(argument.as_str().unwrap()).unwrap();
+                let pattern = regex_lite::Regex::new(argument.as_str().unwrap()).unwrap();
                 value.as_str().is_none_or(|text| pattern.is_match(text))
             }
             "const" => value == argument,
