@@ -44,15 +44,12 @@ impl InputError {
         allowed: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {
-        InputError {
-            file: file.as_ref().to_path_buf(),
-            line: None,
-            field: shortened(field.into()),
-            found: shortened(found.into()),
-            allowed: shortened(allowed.into()),
-            remedy: shortened(remedy.into()),
-            storage: false,
-        }
+        Self::of(file.as_ref().to_path_buf(), [field.into(), found.into(), allowed.into(), remedy.into()])
+    }
+
+    fn of(file: PathBuf, texts: [String; 4]) -> Self {
+        let [field, found, allowed, remedy] = texts.map(shortened);
+        InputError { file, line: None, field, found, allowed, remedy, storage: false }
     }
 
     /// The same error with its line (from 1).

@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use crate::{ReplayError, Source};
 
 /// The built page: one HTML file with its script and style inside.
-pub const PAGE: &str = include_str!("../page/dist/index.html");
+pub static PAGE: &str = include_str!("../page/dist/index.html");
 /// The place of the data in a single file. The build makes sure that the page has it exactly once.
 const MARKER: &str = "<!--underbrush-data-->";
 

@@ -111,7 +111,10 @@ impl Model {
     /// # Errors
     /// As [`Model::load`].
     pub fn from_json(path: impl AsRef<Path>, text: &str) -> Result<Self, ModelError> {
-        let document = Document::new(path, text);
+        Self::read(&Document::new(path, text))
+    }
+
+    fn read(document: &Document) -> Result<Self, ModelError> {
         let head: Head = document.read()?;
         if head.format != FORMAT {
             let remedy = "use a model of this format";
@@ -122,10 +125,10 @@ impl Model {
             let known = CLASSIFIERS.map(|kind| kind.name).join(", ");
             document.error("classifier", name, format!("one of {known}"))
         })?;
-        let classifier = (kind.load)(&document)?;
+        let classifier = (kind.load)(document)?;
         document.check_names(&classifier.categories())?;
         if let Some(decision) = &head.decision {
-            decision::check(&document, decision, &classifier.categories())?;
+            decision::check(document, decision, &classifier.categories())?;
         }
         document.check_seal()?;
         Ok(Model { classifier, decision: head.decision, provenance: head.provenance })

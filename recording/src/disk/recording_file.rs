@@ -89,7 +89,10 @@ pub(super) fn batches(frames: usize) -> impl Iterator<Item = Range<usize>> {
 /// [`DiskError::Unwritable`] for a recording that breaks a rule of its types (lengths, indices, finite numbers, taxel
 /// order); [`DiskError::Io`] and [`DiskError::Encode`] if the file cannot be written.
 pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<(), DiskError> {
-    let path = path.as_ref();
+    write_to(path.as_ref(), recording)
+}
+
+fn write_to(path: &Path, recording: &Recording) -> Result<(), DiskError> {
     check_recording(recording).map_err(|violation| violation.unwritable(path))?;
     let header = serde_json::to_string(&without_frames(recording))
         .map_err(|error| DiskError::io(path, "write")(error.into()))?;
@@ -98,14 +101,14 @@ pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<
     let mut file = ParquetFile::create(
         path,
         &none,
-        [
+        vec![
             (FORMAT_KEY, FORMAT.to_string()),
             (RECORDING_KEY, header),
             about_entry(&TABLES, &none, &recording.further_categories()),
             seal::unsealed(),
         ],
     )?;
-    file.write_group(batches(recording.frames.len()).map(|frames| Ok(columns_of(&features, &rows, frames))))?;
+    file.write_group(&mut batches(recording.frames.len()).map(|frames| Ok(columns_of(&features, &rows, frames))))?;
     file.close()
 }
 
@@ -134,7 +137,7 @@ fn open_recording(path: &Path) -> Result<(Recording, ParquetTable), DiskError> {
         return Err(InputError::new(path, FORMAT_KEY, format, FORMAT, remedy).into());
     }
     seal::check(path)?;
-    let header = serde_json::from_str(&table.key_value(RECORDING_KEY)?).map_err(|error| {
+    let header = serde_json::from_slice(table.key_value(RECORDING_KEY)?.as_bytes()).map_err(|error| {
         let remedy = "write the recording again with the program that made it";
         let allowed = "a recording's fields as JSON";
         InputError::new(path, RECORDING_KEY, error.to_string(), allowed, remedy)
@@ -148,7 +151,10 @@ fn open_recording(path: &Path) -> Result<(Recording, ParquetTable), DiskError> {
 /// [`DiskError::Input`] for a file that is truncated, changed in any bit, missing, of another format or version, or
 /// whose content breaks a rule of [`Recording`]; [`DiskError::Io`] if it cannot be read.
 pub fn read_recording(path: impl AsRef<Path>) -> Result<Recording, DiskError> {
-    let path = path.as_ref();
+    read_from(path.as_ref())
+}
+
+fn read_from(path: &Path) -> Result<Recording, DiskError> {
     let (mut recording, table) = open_recording(path)?;
     check_layout(&recording.layout).map_err(|violation| violation.misread(path))?;
     let features = features_of(&recording);

@@ -211,7 +211,11 @@ impl Arm {
 /// # Errors
 /// As for [`Arm::load`]. A skin file alone is checked only in itself, not against an arm.
 pub fn load_layout(path: impl AsRef<Path>) -> Result<SkinLayout, InputError> {
-    let source = source::Source { path: path.as_ref().to_path_buf(), text: source::read_from_disk(path.as_ref())? };
+    layout_of(path.as_ref())
+}
+
+fn layout_of(path: &Path) -> Result<SkinLayout, InputError> {
+    let source = source::Source { path: path.to_path_buf(), text: source::read_from_disk(path)? };
     let keys: toml::Table = source.toml("give the file of an arm, which names a urdf, or a skin file")?;
     match keys.contains_key("urdf") {
         true => Ok(Arm::load(path)?.skin.layout),

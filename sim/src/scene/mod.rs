@@ -58,7 +58,7 @@ impl Scene {
         let path = path.as_ref();
         let remedy = "check the path; `scenes/` holds examples";
         let text = read_text(path, &TEXT_BYTES, "a readable scene file", remedy)?;
-        Scene::parse(path, text)
+        Scene::of_text(path, text)
     }
 
     /// Parses and checks the text of a scene file. `path` appears in error messages and gives the scene its name.
@@ -66,7 +66,11 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`].
     pub fn parse(path: impl AsRef<Path>, text: String) -> Result<Scene, InputError> {
-        let path = path.as_ref();
+        Scene::of_text(path.as_ref(), text)
+    }
+
+    // Not generic, so that the reader of scenes is compiled once and not in each crate that calls it.
+    fn of_text(path: &Path, text: String) -> Result<Scene, InputError> {
         let file: SceneFile = toml::from_str(&text).map_err(|error| {
             let span = error.span().unwrap_or_default();
             let key = key_at(&text, span.start);

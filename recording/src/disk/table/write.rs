@@ -1,5 +1,6 @@
 //! Writes Parquet files.
 
+use std::iter;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -106,7 +107,7 @@ impl ParquetFile {
     pub(in crate::disk) fn create(
         path: &Path,
         columns: &[Column],
-        key_values: impl IntoIterator<Item = (&'static str, String)>,
+        key_values: Vec<(&'static str, String)>,
     ) -> Result<Self, DiskError> {
         let key_values: Vec<_> = key_values
             .into_iter()
@@ -137,7 +138,7 @@ impl ParquetFile {
     /// Writes a row group, unless it has no rows. Its rows come in batches; only what is encoded is kept in memory.
     pub(in crate::disk) fn write_group(
         &mut self,
-        batches: impl IntoIterator<Item = Result<Vec<Column>, DiskError>>,
+        batches: &mut dyn Iterator<Item = Result<Vec<Column>, DiskError>>,
     ) -> Result<(), DiskError> {
         let encode = || DiskError::encode(&self.path);
         let properties = Arc::clone(self.writer.properties());
@@ -189,10 +190,10 @@ impl ParquetFile {
 pub(in crate::disk) fn write_table(
     path: &Path,
     columns: Vec<Column>,
-    key_values: impl IntoIterator<Item = (&'static str, String)>,
+    key_values: Vec<(&'static str, String)>,
 ) -> Result<(), DiskError> {
     let mut file = ParquetFile::create(path, &columns, key_values)?;
-    file.write_group([Ok(columns)])?;
+    file.write_group(&mut iter::once(Ok(columns)))?;
     file.close()
 }
 

@@ -103,7 +103,7 @@ pub(in crate::disk) fn write_episodes(path: &Path, episodes: &[Episode]) -> Resu
         let frames = |episode: &Episode| episode.touched_frames.get(patch).map_or(0, |frames| i64::from(*frames));
         Column::of(format!("{TOUCHED_FRAMES}{patch}"), episodes.iter().map(frames))
     }));
-    write_table(path, columns, [])
+    write_table(path, columns, Vec::new())
 }
 
 /// Reads the episodes, in order.

@@ -39,5 +39,5 @@ pub(in crate::disk) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, i64>) -
         "creator": {"library": "underbrush", "version": env!("CARGO_PKG_VERSION")},
         "pandas_version": "2.0.0",
     });
-    write_table(path, columns, [("pandas", pandas.to_string())])
+    write_table(path, columns, vec![("pandas", pandas.to_string())])
 }

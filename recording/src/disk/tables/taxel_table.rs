@@ -39,7 +39,7 @@ pub(in crate::disk) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<
         .map_err(|error| DiskError::io(path, "write")(error.into()))?;
     let columns = SkinTaxel::write(&rows);
     let about = about_entry(&[&TAXELS], &columns, &[]);
-    write_table(path, columns, [(PATCHES_KEY, patches), about])
+    write_table(path, columns, vec![(PATCHES_KEY, patches), about])
 }
 
 /// Reads the skin.

@@ -59,7 +59,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
 }
 
 /// Writes a table. Numbers are the shortest text that gives the same double when read.
-pub(super) fn write(path: &Path, trials: impl Iterator<Item = Result<Trial, DiskError>>) -> Result<(), DiskError> {
+pub(super) fn write(path: &Path, trials: &mut dyn Iterator<Item = Result<Trial, DiskError>>) -> Result<(), DiskError> {
     let failed = |error: csv::Error| DiskError::io(path, "write")(error.into());
     let mut writer = csv::Writer::from_writer(whole_file::begin(path)?);
     writer.write_record(COLUMNS).map_err(failed)?;

@@ -176,15 +176,15 @@ pub fn read_trials(path: impl AsRef<Path>) -> Result<Vec<Trial>, DiskError> {
 pub fn write_trials(path: impl AsRef<Path>, trials: impl IntoIterator<Item = Trial>) -> Result<(), DiskError> {
     let path = path.as_ref();
     let mut numbers = BTreeSet::new();
-    let checked = trials.into_iter().map(|trial| match check(&trial, &mut numbers) {
+    let mut checked = trials.into_iter().map(|trial| match check(&trial, &mut numbers) {
         Ok(()) => Ok(trial),
         Err(violation) => Err(violation.unwritable(path)),
     });
     let format = format_of(path)?;
     remove_leftovers(path);
     match format {
-        Format::Csv => csv_table::write(path, checked),
-        Format::Parquet => parquet_table::write(path, checked),
+        Format::Csv => csv_table::write(path, &mut checked),
+        Format::Parquet => parquet_table::write(path, &mut checked),
     }
 }
 

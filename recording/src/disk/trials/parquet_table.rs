@@ -81,10 +81,10 @@ pub(super) fn batch(trials: &[Trial]) -> Batch {
 }
 
 /// Writes a table, as one row group.
-pub(super) fn write(path: &Path, mut trials: impl Iterator<Item = Result<Trial, DiskError>>) -> Result<(), DiskError> {
+pub(super) fn write(path: &Path, trials: &mut dyn Iterator<Item = Result<Trial, DiskError>>) -> Result<(), DiskError> {
     let none = TrialRow::write(&[]);
-    let mut file = ParquetFile::create(path, &none, [about_entry(&[&TRIALS], &none, &[]), seal::unsealed()])?;
-    let batches = std::iter::from_fn(|| {
+    let mut file = ParquetFile::create(path, &none, vec![about_entry(&[&TRIALS], &none, &[]), seal::unsealed()])?;
+    let mut batches = std::iter::from_fn(|| {
         let mut rows = Vec::new();
         while rows.len() < ROWS_PER_BATCH {
             match trials.next() {
@@ -96,6 +96,6 @@ pub(super) fn write(path: &Path, mut trials: impl Iterator<Item = Result<Trial, 
         }
         Some(Ok(TrialRow::write(&rows)))
     });
-    file.write_group(batches)?;
+    file.write_group(&mut batches)?;
     file.close()
 }

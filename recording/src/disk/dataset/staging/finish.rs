@@ -30,14 +30,14 @@ use crate::{Category, Recording};
 
 /// Writes the whole set from the staged reaches, with `meta/info.json` last.
 pub(in crate::disk) fn assemble(staging: &Staging) -> Result<(), DiskError> {
-    assemble_from(staging, |position| staged_reach::read(&staging.path(position)))
+    assemble_from(staging, &mut |position| staged_reach::read(&staging.path(position)))
 }
 
 /// Writes the whole set, with `meta/info.json` last. `reach` returns the reach at a position of the plan and has to leave
 /// it staged, because the size of the staged file decides where a new data file begins.
 pub(in crate::disk) fn assemble_from(
     staging: &Staging,
-    mut reach: impl FnMut(usize) -> Result<Recording, DiskError>,
+    reach: &mut dyn FnMut(usize) -> Result<Recording, DiskError>,
 ) -> Result<(), DiskError> {
     let (dir, plan) = (staging.dir.as_path(), &staging.plan);
     let features = features(FRAME_COLUMNS, &plan.joint_names, &plan.layout);
@@ -83,12 +83,12 @@ pub(in crate::disk) fn assemble_from(
         };
         let frames = recording.frames.len();
         let statistics = &mut assembled.statistics;
-        let columns = batches(frames).map(|frames| {
+        let mut columns = batches(frames).map(|frames| {
             let columns = columns_of(&features, &rows, frames);
             statistics.add(&columns);
             Ok(columns)
         });
-        files.write_frames(&columns_of(&features, &rows, 0..0), columns)?;
+        files.write_frames(&columns_of(&features, &rows, 0..0), &mut columns)?;
         files.end_episode(position, &recording)?;
         let place = Place { frames, first_index: assembled.total_frames, chunk_index, file_index };
         assembled.total_frames += frames;

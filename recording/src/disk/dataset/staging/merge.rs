@@ -112,7 +112,10 @@ impl Shards {
     /// or holds the same part as another folder, and if parts are missing. The error names the folder or the missing
     /// parts. Otherwise as [`Dataset::open`].
     pub fn open(dirs: impl IntoIterator<Item = impl AsRef<Path>>) -> Result<Self, DiskError> {
-        let opened = dirs.into_iter().map(Dataset::open).collect::<Result<Vec<_>, _>>()?;
+        Self::of(dirs.into_iter().map(Dataset::open).collect::<Result<Vec<_>, _>>()?)
+    }
+
+    fn of(opened: Vec<Dataset>) -> Result<Self, DiskError> {
         let Some(first) = opened.first() else {
             let remedy = "name the folders of the parts";
             return Err(InputError::new(".", "parts", "none", "all parts of a campaign", remedy).into());

@@ -67,7 +67,7 @@ impl TableFile {
                 if let Some(folder) = self.path.parent() {
                     create_folder(folder)?;
                 }
-                ParquetFile::create(&self.path, columns, [about_entry(&[self.table], columns, categories)])?
+                ParquetFile::create(&self.path, columns, vec![about_entry(&[self.table], columns, categories)])?
             }
         };
         Ok(self.file.insert(file))
@@ -85,8 +85,8 @@ impl TableFile {
     }
 
     fn end_group(&mut self) -> Result<(), DiskError> {
-        let episodes = std::mem::take(&mut self.episodes).into_iter().map(Ok);
-        self.file.as_mut().map_or(Ok(()), |file| file.write_group(episodes))
+        let mut episodes = std::mem::take(&mut self.episodes).into_iter().map(Ok);
+        self.file.as_mut().map_or(Ok(()), |file| file.write_group(&mut episodes))
     }
 
     fn close(mut self) -> Result<(), DiskError> {
@@ -148,7 +148,7 @@ impl<'a> TableFiles<'a> {
     pub(in crate::disk) fn write_frames(
         &mut self,
         columns: &[Column],
-        batches: impl Iterator<Item = Result<Vec<Column>, DiskError>>,
+        batches: &mut dyn Iterator<Item = Result<Vec<Column>, DiskError>>,
     ) -> Result<(), DiskError> {
         let Some(files) = &mut self.files else { return Ok(()) };
         files.data.file(columns, self.categories)?.write_group(batches)

@@ -48,7 +48,10 @@ impl DatasetWriter {
     /// the folder already holds; [`DiskError::PlanDiffers`] for another plan; [`DiskError::InUse`] while another
     /// process writes there.
     pub fn create(dir: impl AsRef<Path>, plan: DatasetPlan, resume: bool) -> Result<Self, DiskError> {
-        let dir = dir.as_ref().to_path_buf();
+        Self::create_in(dir.as_ref().to_path_buf(), plan, resume)
+    }
+
+    fn create_in(dir: PathBuf, plan: DatasetPlan, resume: bool) -> Result<Self, DiskError> {
         check_plan(&plan).map_err(|violation| violation.unwritable(&dir))?;
         match look(&dir)? {
             Folder::Foreign => return Err(DiskError::FolderNotEmpty { dir }),
@@ -184,7 +187,7 @@ impl DatasetWriter {
         mut reach: impl FnMut(usize) -> Result<Recording, DiskError>,
     ) -> Result<Dataset, DiskError> {
         if !self.whole {
-            assemble_from(&self.staging, |position| {
+            assemble_from(&self.staging, &mut |position| {
                 let recording = reach(position)?;
                 self.check_planned(position, &recording)?;
                 staged_reach::write(&self.staging.path(position), &recording)?;
