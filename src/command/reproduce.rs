@@ -21,7 +21,9 @@ pub struct ReproduceOptions {
     #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
     out: PathBuf,
     /// A small run: for the paper's experiment, 4 leaf and 8 trunk reaches instead of 10 and 25, one reach of each
-    /// engineered scene, and no other arms, changes or second outlier
+    /// engineered scene, only the first recipe, and no other arms, changes or second outlier
+    ///
+    /// Other classifiers are compared on whole trials, but not by the samples that they need.
     #[arg(long)]
     quick: bool,
     /// Experiment to run (TOML file) [default: the paper's]

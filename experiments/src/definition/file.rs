@@ -36,10 +36,11 @@ pub struct ExperimentFile {
     /// Numbers of hidden states in the cross-validation table.
     #[serde(default = "default_states")]
     pub states: Vec<usize>,
-    /// Recipes of the hidden Markov models in the cross-validation table; the first is used everywhere else.
+    /// Recipes of the hidden Markov models in the cross-validation table. The first is used everywhere else, and alone in
+    /// quick runs.
     #[serde(default = "default_recipes")]
     pub recipes: Vec<RecipeName>,
-    /// Classifiers to compare; none if not given.
+    /// Classifiers to compare; none if not given. Quick runs compare them on whole trials only.
     #[serde(default)]
     pub classifiers: Vec<ClassifierEntry>,
     /// Lengths to which trials are truncated, in samples, to see how much accuracy that costs.

@@ -3,8 +3,16 @@
 use underbrush_classifier::feature::FeatureSet;
 
 use super::file::{
-    EngineeredScene, Published, PublishedAccuracy, TableOneUnit, TestScene, TrainingScene, VerdictSection,
+    EngineeredScene, ExperimentFile, Published, PublishedAccuracy, RecipeName, TableOneUnit, TestScene, TrainingScene,
+    VerdictSection,
 };
+
+impl ExperimentFile {
+    /// Recipes of the cross-validation table of a full run, or the first one of a quick run.
+    pub fn recipes(&self, quick: bool) -> &[RecipeName] {
+        if quick { &self.recipes[..self.recipes.len().min(1)] } else { &self.recipes }
+    }
+}
 
 impl TrainingScene {
     /// Number of reaches of a full run or a quick one.

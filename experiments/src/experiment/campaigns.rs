@@ -137,7 +137,7 @@ fn measure(session: &Session, seed: u64) -> Result<OneOfMany, ExperimentError> {
     let reaches = training::reaches(experiment, session.quick);
     let campaign = training::campaign(experiment, seed, &reaches, |_| {})?;
     let trials = Trials::of_campaign(experiment, &campaign, session.progress)?;
-    let cells = table_one::evaluate(experiment, &trials, &experiment.file.recipes)?;
+    let cells = table_one::evaluate(experiment, &trials, experiment.file.recipes(session.quick))?;
     Ok(OneOfMany {
         trials_per_reach: training_data::per_reach(experiment, &trials, &reaches),
         table_1: cells.into_iter().map(|(cell, _)| cell).collect(),

@@ -20,7 +20,7 @@ use crate::{estimators, training};
 pub struct ComparedClassifiers {
     /// Their accuracies on whole trials.
     pub classifiers: Vec<Compared>,
-    /// Their accuracies after increasing numbers of samples.
+    /// Their accuracies after increasing numbers of samples; none in a quick run.
     pub speeds: Vec<Speed>,
 }
 
@@ -58,6 +58,9 @@ pub fn run(session: &Session) -> Result<ComparedClassifiers, ExperimentError> {
         return Ok(ComparedClassifiers { classifiers: Vec::new(), speeds: Vec::new() });
     }
     let classifiers = session.stage("Other classifiers", || compare(experiment, &data.trials.taxel))?;
+    if session.quick {
+        return Ok(ComparedClassifiers { classifiers, speeds: Vec::new() });
+    }
     let (lasting, all) = (data.trials.taxel.as_slice(), data.contacts.as_slice());
     let min_samples = experiment.file.trials.min_samples;
     let speeds = session.stage("How fast classifiers decide", || {

@@ -22,7 +22,7 @@ use crate::training::{self, Trials};
 /// The table.
 #[derive(Serialize)]
 pub struct TableOne {
-    /// All cells of all recipes.
+    /// All cells of all recipes; of the first recipe in a quick run.
     pub table_1: Vec<Cell>,
     /// Mean absolute difference of the cells from the published ones, by recipe, points.
     pub mean_absolute_difference_points: BTreeMap<String, f64>,
@@ -38,7 +38,7 @@ pub fn run(session: &Session) -> Result<TableOne, ExperimentError> {
     let data = session.once(training::run)?;
     let experiment = session.experiment;
     session.stage("Cross-validation", || {
-        let evaluated = evaluate(experiment, &data.trials, &experiment.file.recipes)?;
+        let evaluated = evaluate(experiment, &data.trials, experiment.file.recipes(session.quick))?;
         let (table_1, evaluations): (Vec<Cell>, Vec<Evaluation>) = evaluated.into_iter().unzip();
         Ok(TableOne {
             mean_absolute_difference_points: mean_difference(&table_1),

@@ -16,7 +16,11 @@ pub fn add(report: &mut Report, outcome: &ComparedClassifiers) {
     }
     let file = &report.results.definition.file;
     let best = report.published().and_then(|own| own.best_accuracy_percent);
-    report.section("classifiers", "Other classifiers, and how fast they decide");
+    let title = match outcome.speeds.is_empty() {
+        true => "Other classifiers",
+        false => "Other classifiers, and how fast they decide",
+    };
+    report.section("classifiers", title);
     report.page.paragraph(
         "All classifiers are tested on whole reaches that they were not trained on, all on the same folds. This is stricter \
          than folds by position, which can put trials of one contact on both sides.",
@@ -28,6 +32,9 @@ pub fn add(report: &mut Report, outcome: &ComparedClassifiers) {
     report.printed(table(&outcome.classifiers, best), 7);
     let rows = outcome.classifiers.iter().map(|own| (own.classifier.clone(), &own.accuracy));
     report.printed(by_touch("classifiers_by_touch", "Other classifiers", rows), 9);
+    if outcome.speeds.is_empty() {
+        return;
+    }
     let min_samples = file.trials.min_samples;
     report.page.paragraph(&format!(
         "The charts ask for a verdict after a number of samples since contact; a contact that ended earlier keeps its last \

@@ -20,7 +20,7 @@ pub fn add(report: &mut Report, outcome: &TableOne) {
             2 => "higher",
             _ => "highest",
         },
-        recipes_in_words(&report.results.definition.file.recipes)
+        recipes_in_words(report.results.definition.file.recipes(report.results.quick))
     ));
     report.page.paragraphs(choices(report));
     report.page.paragraph(&baselines(report, &outcome.table_1));
