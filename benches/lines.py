@@ -35,6 +35,13 @@ def product_lines(text: str) -> int:
     return count
 
 
+def test_modules(path: Path) -> set[Path]:
+    """The files of modules that a file declares for tests only."""
+    names = re.findall(r"#\[cfg\(test\)\]\n\s*(?:pub(?:\([^)]*\))? )?mod (\w+);", path.read_text())
+    folder = path.parent if path.stem in ("lib", "main", "mod") else path.with_suffix("")
+    return {folder / name for name in names}
+
+
 def main() -> None:
     """Prints a line for each crate, and their sum."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -47,7 +54,8 @@ def main() -> None:
             for path in (ROOT / folder).rglob("*.rs")
             if "tests" not in path.relative_to(ROOT / folder).parts[:-1] and not re.fullmatch(r"tests?\.rs", path.name)
         ]
-        own = {path: product_lines(path.read_text()) for path in paths}
+        tests = {module for path in paths for module in test_modules(path)}
+        own = {path: product_lines(path.read_text()) for path in paths if path.with_suffix("") not in tests}
         counts |= own
         print(f"{sum(own.values()):6} {folder}")
     print(f"{sum(counts.values()):6} in all")
