@@ -50,7 +50,7 @@ fn squares(reference: &Forces, other: &Forces) -> [f64; 2] {
     pairs.fold([0.0; 2], |[error, own], (a, b)| [error + a.distance_squared(b), own + a.length_squared()])
 }
 
-/// Number of contacts and their mean length, s. A contact goes on if it is interrupted by at most this many frames.
+/// Number of contacts and their mean length, s. A contact continues if it is interrupted by at most this many frames.
 fn contacts(trace: &[Forces], bridged: usize) -> [f64; 2] {
     let (mut count, mut touching) = (0, 0);
     // The last frame in which a link touched an object.

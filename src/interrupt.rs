@@ -13,7 +13,7 @@ pub fn hint(text: impl Into<String>) {
     let _ = HINT.set(text.into());
 }
 
-/// Sets the hint that `things` are kept in a folder, and `how` the run goes on.
+/// Sets the hint that `things` are kept in a folder, and `how` to continue the run.
 pub fn kept(things: &str, folder: &Path, how: &str) {
     hint(format!("{things} kept in {}; run {how} to go on", folder.display()));
 }
@@ -21,7 +21,7 @@ pub fn kept(things: &str, folder: &Path, how: &str) {
 /// Waits for SIGINT, SIGTERM and SIGHUP (the terminal was closed) in a separate thread.
 ///
 /// The program then ends by the same signal, so that a shell reports 130, 143 or 129, and a script that runs the program
-/// stops at Ctrl-C; it would go on if the program just exited with 130.
+/// stops at Ctrl-C; it would continue if the program just exited with 130.
 #[cfg(unix)]
 pub fn watch() {
     use std::sync::Arc;

@@ -84,7 +84,7 @@ fn run(sweep: Sweep, options: PhysicsOptions, dormancy: bool) -> Value {
 }
 
 /// The forces of a sweep at a fine step, and the forces of copies of it that continue with each of the other steps. The
-/// copies begin anew every `frames` frames.
+/// copies start again every `frames` frames.
 fn windows(sweep: Sweep, options: PhysicsOptions, frames: usize, steps_s: &[f64]) -> Value {
     let mut reference = sweep.simulation(options, true);
     let (mut own, mut others) = (Vec::new(), vec![Vec::new(); steps_s.len()]);

@@ -96,7 +96,7 @@ pub enum ExperimentError {
     },
     /// Campaigns do not have the same figures.
     #[error(
-        "the campaign of seed {seed} has {} under the name {name:?} where one is needed; begin anew with --force",
+        "the campaign of seed {seed} has {} under the name {name:?} where one is needed; start again with --force",
         if *several { "several results" } else { "nothing" }
     )]
     Unmatched {

@@ -95,7 +95,7 @@ pub fn fit(
             return refused(&option, "given with start", allowed);
         }
         (Some(_), None) if false_positive_rate.is_some() => {
-            let allowed = "only without start, because thresholds are chosen on models that are fitted anew";
+            let allowed = "only without start, because thresholds are chosen on models that are fitted from scratch";
             return refused("false_positive_rate", "given with start", allowed);
         }
         _ if outlier_prior.is_some() && false_positive_rate.is_none() => {
@@ -121,7 +121,7 @@ pub fn fit(
             let targets = ThresholdTargets { false_positive_rate, outlier_prior };
             model.decision = Some(held_out.choose_thresholds(&BTreeMap::new(), targets)?.decision);
         }
-        // The trials may be chosen or labelled anew, so the data that they are from do not say all.
+        // The trials may have been selected or relabelled, so their sources alone do not describe them.
         let mut data = trials.sources.clone();
         data.push(model_data::in_memory(&*trials.list));
         let options = json!({

@@ -20,7 +20,7 @@ pub struct Limits {
     pub head_time: Duration,
     /// Time within which a client must take some more of its answer.
     pub write_time: Duration,
-    /// Time for which a client that has its answer may go on to send what nobody reads.
+    /// How long a client that has its answer may keep sending. What it sends is discarded.
     pub linger: Duration,
     /// Connections at a time, each of which has a thread.
     pub connections: usize,

@@ -30,7 +30,7 @@ mod verdicts;
 pub use context::ReplayContext;
 pub use error::ReplayError;
 pub use judging::{Judging, JudgingModel, VerdictLog};
-pub use live::{Live, SoFar};
+pub use live::{Live, PartialReach};
 pub use page::single_file;
 pub use server::Server;
 pub use source::{Held, Source, Summary};

@@ -12,9 +12,9 @@ use crate::Verdicts;
 /// A request waits for the simulation at most this long. A frame takes milliseconds.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// What the page is told about a running reach.
+/// The status of a running reach, which the page shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct News {
+pub struct LiveStatus {
     /// Number of frames so far.
     pub frames: usize,
     /// Whether the simulation waits for a command.
@@ -24,7 +24,7 @@ pub struct News {
 }
 
 /// A reach as far as it has been simulated.
-pub struct SoFar {
+pub struct PartialReach {
     /// The recording.
     pub recording: Recording,
     /// The verdicts on its frames, if there is a model.
@@ -33,14 +33,14 @@ pub struct SoFar {
 
 #[derive(Default)]
 struct State {
-    news: News,
-    /// Whether a page has asked for news. The reach waits for this, so that its beginning is seen.
+    status: LiveStatus,
+    /// Whether a page has asked for the status. The reach waits for this, so that its beginning is seen.
     watched: bool,
     /// Frames that are still to be simulated while paused.
     steps: usize,
     /// Whether a request waits for the reach so far.
     wanted: bool,
-    latest: Option<Arc<SoFar>>,
+    latest: Option<Arc<PartialReach>>,
 }
 
 /// The state that the threads share.
@@ -51,12 +51,12 @@ struct State {
 ///
 /// let live = Arc::new(Live::new());
 /// let simulation = Arc::clone(&live);
-/// // The first frame waits until a page asks for news.
+/// // The first frame waits until a page asks for the status.
 /// let thread = std::thread::spawn(move || simulation.frame(|| None));
-/// while live.news_after(None).frames == 0 {}
+/// while live.status_after(None).frames == 0 {}
 /// thread.join().expect("the frame has been passed on");
 /// live.pause(true);
-/// assert!(live.news_after(None).paused);
+/// assert!(live.status_after(None).paused);
 /// ```
 #[derive(Default)]
 pub struct Live {
@@ -75,17 +75,17 @@ impl Live {
     }
 
     /// Reports that one more frame has been simulated. `so_far` returns the reach with this frame, and is called only
-    /// if a request asks for it. Blocks until the first page asks for news, and while the reach is paused.
-    pub fn frame(&self, so_far: impl Fn() -> Option<SoFar>) {
+    /// if a request asks for it. Blocks until the first page asks for the status, and while the reach is paused.
+    pub fn frame(&self, so_far: impl Fn() -> Option<PartialReach>) {
         let mut state = self.state();
-        state.news.frames += 1;
+        state.status.frames += 1;
         loop {
             if state.wanted {
                 state.latest = so_far().map(Arc::new);
                 state.wanted = false;
             }
             self.changed.notify_all();
-            if state.watched && (!state.news.paused || state.steps > 0) {
+            if state.watched && (!state.status.paused || state.steps > 0) {
                 break;
             }
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
@@ -94,19 +94,19 @@ impl Live {
     }
 
     /// Reports that the reach has ended; `whole` is the complete reach.
-    pub fn end(&self, whole: SoFar) {
+    pub fn end(&self, whole: PartialReach) {
         let mut state = self.state();
-        state.news.ended = true;
-        state.news.paused = false;
+        state.status.ended = true;
+        state.status.paused = false;
         state.wanted = false;
         state.latest = Some(Arc::new(whole));
         self.changed.notify_all();
     }
 
-    /// The reach so far, and the news about it. `None` if the simulation does not answer.
-    pub fn so_far(&self) -> Option<(Arc<SoFar>, News)> {
+    /// The reach so far and its status. `None` if the simulation does not answer.
+    pub fn so_far(&self) -> Option<(Arc<PartialReach>, LiveStatus)> {
         let mut state = self.state();
-        if !state.news.ended {
+        if !state.status.ended {
             state.wanted = true;
             self.changed.notify_all();
             let waiting = |state: &mut State| state.wanted;
@@ -117,13 +117,13 @@ impl Live {
             }
             state = answered;
         }
-        state.latest.clone().map(|latest| (latest, state.news))
+        state.latest.clone().map(|latest| (latest, state.status))
     }
 
-    /// Pauses the simulation or lets it go on.
+    /// Pauses the simulation or continues it.
     pub fn pause(&self, paused: bool) {
         let mut state = self.state();
-        state.news.paused = paused && !state.news.ended;
+        state.status.paused = paused && !state.status.ended;
         state.steps = 0;
         self.changed.notify_all();
     }
@@ -131,18 +131,18 @@ impl Live {
     /// Simulates this many frames, then pauses.
     pub fn step(&self, frames: usize) {
         let mut state = self.state();
-        state.news.paused = !state.news.ended;
+        state.status.paused = !state.status.ended;
         state.steps = frames;
         self.changed.notify_all();
     }
 
-    /// Returns the news as soon as they differ from `known`, or after a second. Also lets the reach begin.
-    pub fn news_after(&self, known: Option<News>) -> News {
+    /// Returns the status as soon as it differs from `known`, or after a second. Also lets the reach begin.
+    pub fn status_after(&self, known: Option<LiveStatus>) -> LiveStatus {
         let mut state = self.state();
         state.watched = true;
         self.changed.notify_all();
-        let same = |state: &mut State| Some(state.news) == known;
+        let same = |state: &mut State| Some(state.status) == known;
         let waited = self.changed.wait_timeout_while(state, Duration::from_secs(1), same);
-        waited.unwrap_or_else(PoisonError::into_inner).0.news
+        waited.unwrap_or_else(PoisonError::into_inner).0.status
     }
 }

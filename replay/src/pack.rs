@@ -217,14 +217,14 @@ fn add_readings(frames: &[Frame], first_taxels: &[usize], sections: &mut Section
 /// Adds one row for each stored pose from frame `from` on. The rows of body b are `track_start[b]` to
 /// `track_start[b + 1]`, and each pose holds until the next.
 fn add_tracks(bodies: &[Body], from: usize, sections: &mut Sections) {
-    let news = |body: &'_ Body| body.track.partition_point(|point| (point.frame as usize) < from);
+    let first_new = |body: &'_ Body| body.track.partition_point(|point| (point.frame as usize) < from);
     let mut end = 0;
     let starts = bodies.iter().map(|body| {
-        end += (body.track.len() - news(body)) as u32;
+        end += (body.track.len() - first_new(body)) as u32;
         end
     });
     sections.add("track_start", std::iter::once(0).chain(starts));
-    let points = || bodies.iter().flat_map(|body| &body.track[news(body)..]);
+    let points = || bodies.iter().flat_map(|body| &body.track[first_new(body)..]);
     sections.add("track_frame", points().map(|point| point.frame));
     let poses = points().flat_map(|point| {
         let ([x, y, z], [i, j, k, w]) = (point.position_world_m, point.orientation_world);

@@ -4,14 +4,14 @@ use std::io::Write;
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::live::{Live, News};
+use crate::live::{Live, LiveStatus};
 use crate::pack::pack_from;
 use crate::response::{FIELDS, Response};
 use crate::source::summary;
 use crate::{ReplayContext, ReplayError};
 
-/// A page gets news at most this often.
-const NEWS_EVERY: Duration = Duration::from_millis(100);
+/// A page gets the status at most this often.
+const STATUS_EVERY: Duration = Duration::from_millis(100);
 /// A single command steps at most this many frames: a minute.
 const MAX_STEPS: usize = 6000;
 
@@ -26,11 +26,11 @@ pub struct Running {
 impl Running {
     /// The list, which holds this reach alone.
     pub fn list(&self) -> Response {
-        let Some((latest, news)) = self.live.so_far() else {
+        let Some((latest, status)) = self.live.so_far() else {
             return no_answer();
         };
         let mut summary = summary(0, &latest.recording, String::new(), &self.known);
-        summary.running = !news.ended;
+        summary.running = !status.ended;
         Response::list(&[summary])
     }
 
@@ -67,25 +67,25 @@ impl Running {
         Response::text(200, "done")
     }
 
-    /// Sends news as server-sent events until the reach ends or the other side leaves.
+    /// Sends the status as server-sent events until the reach ends or the client disconnects.
     pub fn tell(&self, mut to: impl Write) {
         let head = format!("HTTP/1.1 200 \r\nContent-Type: text/event-stream\r\n{FIELDS}\r\n");
         let mut send = |text: &str| to.write_all(text.as_bytes()).and_then(|()| to.flush());
-        let mut told: Option<News> = None;
+        let mut sent_status: Option<LiveStatus> = None;
         let mut sent = send(&head);
         while sent.is_ok() {
-            let news = self.live.news_after(told);
-            // Sending a comment shows whether the other side is still there.
-            let event = match told == Some(news) {
+            let status = self.live.status_after(sent_status);
+            // Sending a comment shows whether the client is still connected.
+            let event = match sent_status == Some(status) {
                 true => ": still here\n\n".to_owned(),
-                false => format!("data: {}\n\n", serde_json::to_string(&news).unwrap_or_default()),
+                false => format!("data: {}\n\n", serde_json::to_string(&status).unwrap_or_default()),
             };
             sent = send(&event);
-            told = Some(news);
-            if news.ended {
+            sent_status = Some(status);
+            if status.ended {
                 break;
             }
-            std::thread::sleep(NEWS_EVERY);
+            std::thread::sleep(STATUS_EVERY);
         }
     }
 }

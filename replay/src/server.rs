@@ -14,8 +14,8 @@ use crate::{Live, ReplayContext, ReplayError, Source};
 /// Packed reaches that are kept. Choice: two that are compared, and their neighbours.
 const KEPT: usize = 4;
 
-/// Paths of the news of a running reach and of commands to it.
-const NEWS: &str = "/api/live";
+/// Paths for the status of a running reach and for commands to it.
+const STATUS: &str = "/api/live";
 const COMMAND: &str = "/api/live/";
 
 /// The packed reaches that were asked for last.
@@ -114,8 +114,8 @@ impl Shared {
             ),
         };
         match &self.content {
-            // News is sent until the reach ends.
-            Content::Running(running) if answer.status == 200 && path.as_deref() == Some(NEWS) => {
+            // The status is sent until the reach ends.
+            Content::Running(running) if answer.status == 200 && path.as_deref() == Some(STATUS) => {
                 running.tell(request.into_stream());
             }
             _ => request.respond(&answer, limits),
@@ -161,7 +161,7 @@ impl Shared {
             (Content::Running(running), ..) if path == "/api/reaches" => running.list(),
             (Content::Running(running), Some(number), _) => running.reach(number, query),
             (Content::Running(running), _, Some(command)) => running.command(command),
-            (Content::Running(_), ..) if path == NEWS && request.method == "GET" => Response::text(200, ""),
+            (Content::Running(_), ..) if path == STATUS && request.method == "GET" => Response::text(200, ""),
             _ => Response::text(404, "no such page"),
         }
     }

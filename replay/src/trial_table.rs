@@ -145,7 +145,7 @@ fn period_s(trials: &[&Trial]) -> f64 {
     median.unwrap_or(underbrush_recording::FRAME_PERIOD_S)
 }
 
-/// One frame for each time at which there is a sample, and frames without forces where no contact goes on. Times begin
+/// One frame for each time at which there is a sample, and frames without forces between contacts. Times begin
 /// at 0.
 fn frames(
     trials: &[&Trial],

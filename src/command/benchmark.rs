@@ -27,7 +27,7 @@ Train on the training set, and measure:
   underbrush benchmark reaching --controller cody-2013 --verdicts touch.json
 
 Reaches are made once and kept for the next model: 200 in the track verdicts, 280 in transfer, 500 for each controller. An \
-interrupted command goes on where it stopped. benchmarks/incidental-contact-1.md has the rules and the table.";
+interrupted command continues where it stopped. benchmarks/incidental-contact-1.md has the rules and the table.";
 
 /// BenchmarkOptions of `underbrush benchmark`.
 #[derive(Args)]

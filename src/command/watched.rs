@@ -5,7 +5,7 @@ use std::thread::JoinHandle;
 
 use underbrush_classifier::online::OnlineError;
 use underbrush_recording::{Frame, Recording, SkinLayout};
-use underbrush_replay::{Judging, Live, ReplayError, Server, SoFar, VerdictLog};
+use underbrush_replay::{Judging, Live, PartialReach, ReplayError, Server, VerdictLog};
 use underbrush_sim::reach::ReachSoFar;
 use underbrush_sim::simulation::Simulation;
 
@@ -46,8 +46,8 @@ impl<'a> Watched<'a> {
         self.live.frame(|| self.so_far.recording().map(|recording| self.with_verdicts(recording)));
     }
 
-    fn with_verdicts(&self, recording: Recording) -> SoFar {
-        SoFar { recording, verdicts: self.verdicts.as_ref().map(|log| log.verdicts().clone()) }
+    fn with_verdicts(&self, recording: Recording) -> PartialReach {
+        PartialReach { recording, verdicts: self.verdicts.as_ref().map(|log| log.verdicts().clone()) }
     }
 
     /// Shows the whole reach until the program is ended.

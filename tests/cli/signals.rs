@@ -10,7 +10,7 @@ use crate::support::{assert_same_trees, scenes, tree, underbrush};
 
 /// Starts the program, sends `signal` as soon as `ready` holds, and waits for its end. `None` if it ended before.
 fn interrupted(arguments: &[PathBuf], signal: &str, ready: impl Fn() -> bool) -> Option<Output> {
-    // Whoever runs the tests may ignore SIGHUP, as nohup does, and the program would go on doing so.
+    // The test runner may ignore SIGHUP, as nohup does, and the program would inherit that.
     let mut program = match cfg!(target_os = "linux") {
         true => Command::new("env"),
         false => Command::new(env!("CARGO_BIN_EXE_underbrush")),

@@ -55,7 +55,7 @@ fn estimators() -> Vec<(&'static str, Box<dyn Estimator>)> {
 
 #[test]
 fn every_estimator_tells_different_things_apart_and_never_looks_ahead() {
-    // Pins, for every classifier in the list, that new presses are told apart, that the scores after k samples are
+    // Tests, for every classifier in the list, that new presses are told apart, that the scores after k samples are
     // those of a trial that ended there, and that larger counts mean the whole trial.
     let trials = trials();
     let known: Vec<&Trial> = trials.iter().collect();
@@ -77,7 +77,7 @@ fn every_estimator_tells_different_things_apart_and_never_looks_ahead() {
 
 #[test]
 fn frequent_categories_have_no_advantage() {
-    // Pins, for every classifier in the list, that priors are equal: if both categories press alike, a category with
+    // Tests, for every classifier in the list, that priors are equal: if both categories press alike, a category with
     // five times as many trials gets half of the verdicts. There are sixty training sets with 40 new presses each. The
     // verdicts of one set come from one classifier and depend on each other, so the standard error is computed over the
     // sets. A deviation of 4 standard errors is allowed.

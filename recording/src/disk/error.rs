@@ -56,7 +56,7 @@ pub enum DiskError {
         dir: PathBuf,
     },
     /// The folder holds an interrupted data set.
-    #[error("{}: holds an unfinished data set; run with --resume to finish it, or with --force to begin anew", .dir.display())]
+    #[error("{}: holds an unfinished data set; run with --resume to finish it, or with --force to start again", .dir.display())]
     Unfinished {
         /// The folder.
         dir: PathBuf,

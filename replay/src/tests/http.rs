@@ -67,7 +67,7 @@ fn answers_again(port: u16) {
     }
 }
 
-/// Tests that a request that announces a body, of whatever length, is refused, and that the server goes on.
+/// Tests that a request that announces a body, of whatever length, is refused, and that the server continues.
 #[test]
 fn bodies_are_refused() {
     let port = start(LIMITS);

@@ -12,7 +12,7 @@ use serde_json::Value;
 use super::server::{Place, Response, ask, get, run};
 use super::{KNOWN, reach};
 use crate::pack::{pack, pack_from};
-use crate::{Held, Live, Server, SoFar, Source};
+use crate::{Held, Live, PartialReach, Server, Source};
 
 /// A reach of 20 frames that is simulated in a thread, its server, and the number of frames so far.
 fn start() -> (Place, JoinHandle<()>, Arc<AtomicUsize>) {
@@ -31,8 +31,8 @@ fn start() -> (Place, JoinHandle<()>, Arc<AtomicUsize>) {
 }
 
 /// The reach with this many frames.
-fn so_far(frames: usize) -> SoFar {
-    SoFar { recording: reach(0, frames), verdicts: None }
+fn so_far(frames: usize) -> PartialReach {
+    PartialReach { recording: reach(0, frames), verdicts: None }
 }
 
 fn command(place: &Place, command: &str) -> Response {
@@ -46,26 +46,26 @@ fn command(place: &Place, command: &str) -> Response {
     ask(*port, &lines.each_ref().map(String::as_str))
 }
 
-/// The news of a running reach.
-struct News(BufReader<TcpStream>);
+/// The stream with the status of a running reach.
+struct StatusStream(BufReader<TcpStream>);
 
-impl News {
-    fn listen(Place { port, base }: &Place) -> News {
+impl StatusStream {
+    fn listen(Place { port, base }: &Place) -> StatusStream {
         let mut stream = TcpStream::connect(("127.0.0.1", *port)).unwrap();
         stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
         write!(stream, "GET {base}/api/live HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n").unwrap();
-        News(BufReader::new(stream))
+        StatusStream(BufReader::new(stream))
     }
 
-    /// The next news for which this holds.
+    /// The next status for which this holds.
     fn until(&mut self, holds: impl Fn(&Value) -> bool) -> Value {
         loop {
             let mut line = String::new();
             assert!(self.0.read_line(&mut line).unwrap() > 0, "the server has closed the stream");
             if let Some(data) = line.strip_prefix("data: ") {
-                let news = serde_json::from_str(data).unwrap();
-                if holds(&news) {
-                    return news;
+                let status = serde_json::from_str(data).unwrap();
+                if holds(&status) {
+                    return status;
                 }
             }
         }
@@ -73,7 +73,7 @@ impl News {
 }
 
 /// Tests that a reach waits for the page, is listed as running, is packed as far as it has been simulated, pauses,
-/// steps one and several frames, goes on, and ends with the whole recording.
+/// steps one and several frames, continues, and ends with the whole recording.
 #[test]
 fn a_running_reach_is_told_paused_and_stepped() {
     let (place, simulation, count) = start();
@@ -82,21 +82,21 @@ fn a_running_reach_is_told_paused_and_stepped() {
     let list: Value = serde_json::from_slice(&get(&place, "GET", "/api/reaches").content).unwrap();
     assert_eq!((&list[0]["running"], list.as_array().unwrap().len()), (&true.into(), 1));
     assert_eq!(count.load(Ordering::SeqCst), 1);
-    let mut news = News::listen(&place);
-    let first = news.until(|_| true);
+    let mut status = StatusStream::listen(&place);
+    let first = status.until(|_| true);
     assert_eq!((&first["frames"], &first["paused"], &first["ended"]), (&1.into(), &true.into(), &false.into()));
     assert_eq!(command(&place, "step/1").status, 200);
-    assert_eq!(news.until(|news| news["frames"] != 1)["frames"], 2);
+    assert_eq!(status.until(|status| status["frames"] != 1)["frames"], 2);
     assert_eq!(command(&place, "step/8").status, 200);
-    assert_eq!(news.until(|news| news["frames"] == 10)["paused"], true);
+    assert_eq!(status.until(|status| status["frames"] == 10)["paused"], true);
     let answer = get(&place, "GET", "/api/reach/0");
     assert_eq!(answer.content, pack(&reach(0, 10), &KNOWN, None).unwrap());
     let answer = get(&place, "GET", "/api/reach/0?from=8");
     assert_eq!(answer.content, pack_from(&reach(0, 10), &KNOWN, None, 8).unwrap());
     assert_eq!(get(&place, "GET", "/api/reach/0?from=x").status, 400);
-    assert_eq!(count.load(Ordering::SeqCst), 10, "it does not go on by itself");
+    assert_eq!(count.load(Ordering::SeqCst), 10, "it does not continue by itself");
     assert_eq!(command(&place, "run").status, 200);
-    assert_eq!(news.until(|news| news["ended"] == true)["frames"], 20);
+    assert_eq!(status.until(|status| status["ended"] == true)["frames"], 20);
     simulation.join().unwrap();
     let answer = get(&place, "GET", "/api/reach/0");
     assert_eq!(answer.content, pack(&reach(0, 20), &KNOWN, None).unwrap());

@@ -84,7 +84,7 @@ fn a_packed_reach_holds_what_was_recorded() {
 }
 
 /// Tests that the bytes for the frames after the first eight have the rows of the other twelve, counted from the first
-/// of these, the new samples of a trial that goes on, and nothing that does not change.
+/// of these, the new samples of an open trial, and nothing that does not change.
 #[test]
 fn what_follows_holds_only_what_is_new() {
     let recording = reach(3, 20);

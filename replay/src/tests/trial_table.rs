@@ -57,7 +57,7 @@ fn a_table_of_trials_becomes_frames() {
     let expected = [
         (0.0, vec![(2, 1.0)]),
         (1.0, vec![(0, 2.0), (2, 2.0)]),
-        // The contact of taxel 2 ends, but the contact of taxel 0 goes on, so the next frame is not silent.
+        // The contact of taxel 2 ends, but the contact of taxel 0 lasts, so the next frame is not silent.
         (2.0, vec![(0, 3.0), (2, 3.0)]),
         (3.0, vec![(0, 4.0)]),
         (3.5, vec![]),

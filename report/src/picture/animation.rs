@@ -69,7 +69,7 @@ fn draw(
     Some(svg_document(WIDTH, height, FONT, caption, &body))
 }
 
-/// A bar that fills as the reach goes on, with its length in seconds; returns its height, px.
+/// A bar that fills as the reach proceeds, with its length in seconds; returns its height, px.
 fn clock(svg: &mut String, times: &[f64], top: f64) -> f64 {
     let (first, last) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
     let width = 0.6 * WIDTH;

@@ -133,7 +133,7 @@ fn the_check_of_a_page_can_fail() {
     assert_eq!(faults("<img src=\"https://example.org/a.png\">"), ["https://"]);
 }
 
-/// Pins, on a report of small reaches: the page is XML; every figure is an image with words; all linked files exist;
+/// Tests a report of small reaches: the page is XML; every figure is an image with words; all linked files exist;
 /// all CSV files parse, with equal columns in every row, and are the same bytes when everything is made again by three
 /// threads, except the two files of wall times; the cells of the table lie within their intervals; and the summary has
 /// the keys that other programs rely on.

@@ -53,7 +53,7 @@ fn parts_of_a_region_keep_its_course() {
     assert_eq!(found, [vec![(1, 1)], vec![(1, 2), (2, 2)], vec![(1, 3)]]);
 }
 
-/// Pins, for a spring, that the slope of force over press is its stiffness and that the press is how far the skin moved
+/// Tests, for a spring, that the slope of force over press is its stiffness and that the press is how far the skin moved
 /// outwards, both compressed as the documentation says, ln(1 + x / knee).
 #[test]
 fn the_slope_of_force_over_press_is_the_stiffness() {

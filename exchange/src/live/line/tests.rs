@@ -197,7 +197,7 @@ proptest! {
         prop_assert!(parser.parse(2, good).is_ok());
     }
 
-    /// Pins, against a simple reader of the same JSON, that a line is accepted if and only if each of its readings is
+    /// Tests, against a simple reader of the same JSON, that a line is accepted if and only if each of its readings is
     /// valid and no taxel occurs twice, and that the frame then holds exactly these readings.
     #[test]
     fn sound_lines_and_no_others_are_taken(readings in prop::collection::vec(reading(), 0..6)) {

@@ -27,7 +27,7 @@ pub(in crate::disk) const EPISODE_COLUMN: &str = "episode_index";
 
 /// A page ends at about this many values.
 const VALUES_PER_PAGE: usize = 20_000;
-/// The size of a page is looked at after about this many values, if they are not of a plain column without nulls.
+/// The size of a page is checked after about this many values, except in plain columns without nulls.
 const VALUES_PER_LOOK: usize = 1024;
 
 /// The type of a column in the schema of a file.

@@ -125,7 +125,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
 
     /// Tests that no damaged byte in data, metadata or footer makes the reader panic, even if the hash in the file was
-    /// computed anew, so that the decoder sees the damage.
+    /// computed again, so that the decoder sees the damage.
     #[test]
     fn a_damaged_file_never_panics(place in any::<prop::sample::Index>(), mask in 1..=255u8) {
         let folder = tempfile::tempdir().unwrap();
