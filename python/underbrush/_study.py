@@ -91,7 +91,7 @@ def reproduce(
     experiment : path, optional
         An experiment file.
     quick : bool
-        Fewer reaches.
+        Fewer reaches, and only the first recipe.
     seed : int, optional
         A seed instead of the experiment's own.
     campaigns : int

@@ -156,7 +156,7 @@ def reproduce(
     experiment : path, optional
         An experiment file that all nodes see under this path; by default the paper's.
     quick : bool
-        Fewer reaches.
+        Fewer reaches, and only the first recipe.
     seed : int, optional
         A seed instead of the experiment's own.
     address, retries : optional
