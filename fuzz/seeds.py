@@ -4,7 +4,7 @@
     python3 fuzz/seeds.py [--underbrush target/release/underbrush]
 
 Run it again when a format changes. It replaces what it wrote before and keeps the other files of the corpus, which fuzzing
-has found. Needs no packages.
+has found. Needs the Python package `underbrush[mcap]`.
 """
 
 import argparse
@@ -13,6 +13,7 @@ import math
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -163,7 +164,7 @@ def main():
             run("trials", reach, "--min-samples", "1", "--out", path)
             seed(name.replace(".", "_"), f"reach.{name.split('.')[1]}", read(path))
         path = os.path.join(folder, "reach.mcap")
-        run("export", reach, "--to", "mcap", "--out", path)
+        subprocess.run([sys.executable, "-m", "underbrush.mcap", "export", reach, "--out", path], check=True)
         seed("import_mcap", "reach.mcap", read(path))
         whole = os.path.join(folder, "set")
         run("generate", thicket, "--reaches", "1", "--seed", "5", "--out", whole)

@@ -14,6 +14,7 @@ import underbrush
 import underbrush.distributed
 import underbrush.gym
 import underbrush.hdf5
+import underbrush.mcap
 import underbrush.rerun
 import underbrush.sklearn
 
@@ -63,6 +64,7 @@ def page() -> str:
         ("underbrush.distributed", underbrush.distributed, ["generate", "reproduce", "benchmark"]),
         ("underbrush.rerun", underbrush.rerun, ["log"]),
         ("underbrush.hdf5", underbrush.hdf5, ["export", "csv_of"]),
+        ("underbrush.mcap", underbrush.mcap, ["export"]),
         ("underbrush.gym", underbrush.gym, ["ReachEnv", "ReachVectorEnv"]),
     ]
     for title, module, names in modules:

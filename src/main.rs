@@ -106,7 +106,7 @@ enum Command {
     Inspect(command::inspect::InspectOptions),
     /// Show reaches in the browser: the arm in 3-D, its skin, plots and verdicts over time
     Replay(command::replay::ReplayOptions),
-    /// Write reaches for other tools, as MCAP (Foxglove, ROS 2)
+    /// Name the Python call that writes reaches for other tools (MCAP, HDF5)
     Export(command::export::ExportOptions),
     /// Cut contact trials from a CSV or MCAP file of a real robot
     Import(command::import::ImportOptions),
@@ -157,7 +157,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Benchmark(options) => command::benchmark::run(options, shared.json),
         Command::Inspect(options) => command::inspect::run(options, shared.json),
         Command::Replay(options) => command::replay::run(options, shared.json),
-        Command::Export(options) => command::export::run(options, shared.json),
+        Command::Export(options) => command::export::run(options),
         Command::Import(options) => command::import::run(options, shared.json),
         Command::Schema(options) => command::schema::run(&options),
     }

@@ -52,14 +52,6 @@ impl Reaches {
         let sources: Result<Vec<_>, Failure> = paths.iter().map(source).collect();
         Ok(Reaches { sources: sources? })
     }
-
-    /// Reads all reaches with a progress bar, and passes each to `each`. The reaches need no ground truth.
-    ///
-    /// # Errors
-    /// If a file is damaged. Errors of `each` name the file.
-    pub fn read_any(&self, mut each: impl FnMut(&Recording) -> Result<(), Failure>) -> Result<(), Failure> {
-        self.read(&|_| true, &mut each)
-    }
 }
 
 impl ReadReaches for Reaches {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes every system call that changes files fail once, while a set is generated, assembled, merged or exported.
+"""Makes every system call that changes files fail once, while a set is generated, assembled or merged.
 
     python3 tests/faults.py [--underbrush target/release/underbrush] [--every N] [--only COMMAND]
 
@@ -10,10 +10,9 @@ each run one of these must hold; if neither does, the script prints what is wron
 
 * whole: the output is there, with the bytes of a run without faults (beside a set, the empty file incomplete/lock may
   be left, which readers ignore and the next run removes);
-* unfinished: `inspect` refuses the set as unfinished, or there is no set yet (of an export: no file, or only whole
-  ones).
+* unfinished: `inspect` refuses the set as unfinished, or there is no set yet.
 
-In both cases the same command without a fault (for sets, with --resume) must lead to the same bytes, without leftovers.
+In both cases the same command without a fault (with --resume) must lead to the same bytes, without leftovers.
 A program that was not killed must not report success unless the output is whole, and must name what failed, without a
 panic. A write that is cut short and followed by no fault must change nothing.
 
@@ -86,9 +85,8 @@ def cut(library, call, number, then):
 class Job:
     """A command that writes `out` in a folder in which `prepare` has made its inputs. `again` continues it."""
 
-    def __init__(self, name, command, out, prepare=None, again=None, is_set=True):
-        self.name, self.command, self.out, self.is_set = name, command, out, is_set
-        self.parts = set()
+    def __init__(self, name, command, out, prepare=None, again=None):
+        self.name, self.command, self.out = name, command, out
         self.writes = 0
         self.prepare = prepare or (lambda folder: None)
         self.again = again or command
@@ -138,17 +136,10 @@ def judge(job, call, folder, underbrush, expected, status, errors):
     # The message is also written, and this may be the write that fails.
     if status > 0 and call != "write" and not errors.strip():
         wrong.append("no message")
-    if not whole and job.is_set:
+    if not whole:
         inspected, said = run([underbrush, "inspect", job.out], folder)
         if inspected == 0 or not any(text in said for text in UNFINISHED):
             wrong.append(f"inspect ends with {inspected}: {said.strip()[:300]}")
-    if not whole and not job.is_set:
-        # A file of an export gets its name only when it is whole.
-        out = os.path.join(folder, job.out)
-        names = [out] if os.path.isfile(out) else [os.path.join(out, name) for name in os.listdir(out)] if os.path.isdir(out) else []
-        for name in names:
-            if not os.path.basename(name).startswith(".") and contents(name) not in job.parts:
-                wrong.append(f"{os.path.basename(name)} is not whole")
     again, said = run(job.again, folder)
     if again != 0:
         wrong.append(f"the next run ends with {again}: {said.strip()[:300]}")
@@ -185,14 +176,12 @@ def jobs(underbrush, folder):
         """Runs the first of two parts, which leaves its reach in the folder."""
         subprocess.run([*shared, "1/2"], cwd=place, check=True, stdout=subprocess.DEVNULL)
 
-    mcap = [underbrush, "export", whole, "--to", "mcap", "--out", "mcap"]
     merge = [underbrush, "merge", f"{parts}/1", f"{parts}/2", "--out", "set"]
     return [
         Job("generate", generate, "set", again=[*generate, "--resume"]),
         Job("generate --resume, all staged", [*generate, "--resume"], "set", prepare=staged),
         Job("generate --shared, last part", [*shared, "2/2"], "set", prepare=first_part),
         Job("merge", merge, "set", again=[*merge, "--resume"]),
-        Job("export to MCAP", mcap, "mcap", again=[*mcap, "--force"], is_set=False),
     ]
 
 

@@ -1,16 +1,9 @@
-//! Exchanges data with other tools: recordings as MCAP files, and contact trials from the files of other robots.
+//! Reads what other robots felt: contact trials from files, and frames from live streams.
 //!
-//! * [`write_mcap`] writes a reach for Foxglove and ROS 2 tools.
-//! * [`live`] reads the lines of a live stream of frames.
 //! * [`import`] cuts trials from a CSV or MCAP file, as a mapping file describes.
+//! * [`live`] reads the lines of a live stream of frames.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-#[cfg(test)]
-mod example;
 pub mod import;
 pub mod live;
-mod mcap;
-mod to_mcap;
-
-pub use to_mcap::write_mcap;

@@ -238,6 +238,12 @@ impl Reach {
         Skin { layout: self.skin_layout() }
     }
 
+    /// Names of the joints, in the order of their angles.
+    #[getter]
+    fn joint_names(&self) -> Result<Vec<String>, Failure> {
+        Ok(self.recording()?.joint_names.clone())
+    }
+
     /// The goals, each with its position, times and outcome.
     #[getter]
     fn goals<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {

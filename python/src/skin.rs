@@ -48,6 +48,12 @@ impl Skin {
         self.layout.patches.iter().map(|patch| patch.name.clone()).collect()
     }
 
+    /// All that is known of the patches, as in the files of recordings: name, link, grid, and each taxel's place and area.
+    #[getter]
+    fn layout<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+        json::to_python(py, &*self.layout)
+    }
+
     /// Number of taxels of a patch.
     #[pyo3(signature = (patch = None))]
     fn taxels(&self, patch: Option<&str>) -> Result<usize, Failure> {

@@ -9,20 +9,18 @@ Needs h5py: ``pip install 'underbrush[hdf5]'``.
 from __future__ import annotations
 
 import argparse
-import contextlib
 import csv
-import itertools
 import json
 import os
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from . import _core
+from . import _core, _export
 from ._errors import InputError
 
 # Choice: a window of some seconds, as learners read it, touches one or two chunks.
@@ -38,22 +36,6 @@ def _h5py() -> Any:
     except ImportError as error:
         raise ImportError("underbrush.hdf5 needs h5py: pip install 'underbrush[hdf5]'") from error
     return h5py
-
-
-@contextlib.contextmanager
-def _whole(path: Path, force: bool) -> Iterator[Path]:
-    """A temporary file that gets its name when it is complete."""
-    if path.exists() and not force:
-        raise InputError(f"{path}: exists already; overwrite it with force, or choose another name", file=str(path))
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    descriptor = os.open(temporary, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
-    try:
-        yield temporary
-        os.fsync(descriptor)
-        temporary.replace(path)
-    finally:
-        os.close(descriptor)
-        temporary.unlink(missing_ok=True)
 
 
 def _tables(reach: _core.Reach) -> dict[str, Any]:
@@ -84,10 +66,6 @@ def _tables(reach: _core.Reach) -> dict[str, Any]:
     return tables
 
 
-def _each(data: _core.Dataset) -> Iterator[_core.Reach]:
-    return (data[index] for index in range(len(data)))
-
-
 def export(
     reaches: _core.Dataset | Iterable[_core.Reach], path: str | os.PathLike[str], *, force: bool = False
 ) -> None:
@@ -113,11 +91,10 @@ def export(
     h5py = _h5py()
     scenes: list[str] = []
     frames = 0
-    with _whole(Path(path), force) as temporary:
+    with _export.whole(Path(path), force) as temporary:
         with h5py.File(temporary, "w") as file:
             data = file.create_group("data")
-            given = _each(reaches) if isinstance(reaches, _core.Dataset) else reaches
-            for number, reach in enumerate(given):
+            for number, reach in enumerate(_export.each(reaches)):
                 demonstration = data.create_group(f"demo_{number}")
                 seed, index = reach.seed_and_index
                 demonstration.attrs["num_samples"] = len(reach)
@@ -196,7 +173,7 @@ def csv_of(
     """
     h5py = _h5py()
     given = [name for name, wanted in (("time", times), ("category", category)) if wanted is not None]
-    with _opened(h5py, path) as file, _whole(Path(out), force) as temporary:
+    with _opened(h5py, path) as file, _export.whole(Path(out), force) as temporary:
         with open(temporary, "w", newline="", encoding="utf-8") as text:
             rows = csv.writer(text)
             groups = _groups(file, path, forces)
@@ -275,30 +252,24 @@ def main(arguments: list[str] | None = None) -> int:
     """The command line: ``python -m underbrush.hdf5 --help``."""
     parser = argparse.ArgumentParser(prog="python -m underbrush.hdf5", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
-    one = commands.add_parser("export", help="write reaches in the layout of robomimic's data sets")
-    one.add_argument("data", nargs="+", type=Path, help="data sets (folders) or recordings (.parquet)")
-    one.add_argument("--out", required=True, type=Path, help="HDF5 file to write")
-    two = commands.add_parser("csv", help="write the forces of a log as CSV, for `underbrush import`")
-    two.add_argument("log", type=Path, help="HDF5 file")
-    two.add_argument("--forces", required=True, help="dataset of frames × taxels; * stands for the group of each reach")
-    two.add_argument("--times", help="dataset of the times")
-    two.add_argument("--category", help="text attribute of the reach's group")
-    two.add_argument("--out", required=True, type=Path, help="CSV file to write")
-    for command in (one, two):
-        command.add_argument("--force", action="store_true", help="overwrite a file that exists")
+    _export.export_parser(commands, "write reaches in the layout of robomimic's data sets", "HDF5 file to write")
+    log = commands.add_parser("csv", help="write the forces of a log as CSV, for `underbrush import`")
+    log.add_argument("log", type=Path, help="HDF5 file")
+    log.add_argument("--forces", required=True, help="dataset of frames × taxels; * stands for the group of each reach")
+    log.add_argument("--times", help="dataset of the times")
+    log.add_argument("--category", help="text attribute of the reach's group")
+    log.add_argument("--out", required=True, type=Path, help="CSV file to write")
+    log.add_argument("--force", action="store_true", help="overwrite a file that exists")
     options = parser.parse_args(arguments)
-    try:
+
+    def run() -> None:
         if options.command == "export":
-            places = options.data
-            sets = (_each(_core.Dataset(place)) if place.is_dir() else [_core.Reach.load(place)] for place in places)
-            export(itertools.chain.from_iterable(sets), options.out, force=options.force)
+            export(_export.reaches_in(options.data, options.out)[1], options.out, force=options.force)
         else:
             given = {"times": options.times, "category": options.category, "force": options.force}
             csv_of(options.log, options.out, options.forces, **given)
-    except (InputError, ImportError, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 1 if isinstance(error, OSError) else 2
-    return 0
+
+    return _export.status(run)
 
 
 if __name__ == "__main__":

@@ -180,14 +180,13 @@ fn too_little_to_learn_from() {
 #[test]
 fn no_input_counts_twice() {
     let outputs = tempfile::tempdir().unwrap();
-    let out = outputs.path().join("out.mcap");
+    let out = outputs.path().join("out.json");
     let set = fixture().dataset();
     let again = set.join("..").join(set.file_name().unwrap());
     let name = again.display().to_string();
     for answer in [
         underbrush!["evaluate", set, again, "--classifier", "touch"],
         underbrush!["train", set, again, "--classifier", "touch", "--out", out],
-        underbrush!["export", set, again, "--to", "mcap", "--out", out],
     ] {
         answer.refused(&[&name, "the same input twice", "leave it out"]);
     }

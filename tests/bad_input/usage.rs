@@ -133,7 +133,6 @@ fn outputs_that_are_inputs() {
     for answer in [
         underbrush!["import", table, "--mapping", map, "--out", table],
         underbrush!["train", table, "--out", again],
-        underbrush!["export", binary, "--to", "mcap", "--out", binary],
         underbrush!["replay", binary, "--out", binary],
         underbrush!["replay", table, "--model", model, "--out", model],
         underbrush!["evaluate", table, "--roc", again],
@@ -162,7 +161,6 @@ fn outputs_that_cannot_be_written() {
         underbrush!["train", set, "--threshold-n", "1000", "--out", taken],
         underbrush!["trials", set, "--threshold-n", "1000", "--out", taken],
         underbrush!["evaluate", set, "--threshold-n", "1000", "--roc", taken],
-        underbrush!["export", recording, "--to", "mcap", "--out", taken],
         underbrush!["replay", set, "--out", taken],
         underbrush!["reach", scene, "--out", taken],
     ] {

@@ -5,8 +5,8 @@ use std::path::Path;
 use underbrush_recording::Trial;
 use underbrush_recording::disk::read_trials;
 
-use crate::support::fixture::{fixture, recording_with_trials};
-use crate::support::{tree, underbrush};
+use crate::support::fixture::fixture;
+use crate::support::underbrush;
 
 /// What an import can know about a trial: reach, taxel, and the time (µs) and force (N) of every sample. Times that are
 /// computed from the rate may differ by rounding, so they are rounded to whole microseconds.
@@ -84,50 +84,10 @@ fn trials_through_csv_are_those_of_the_data_set() {
     ]);
 }
 
-/// Tests that a recording exported as MCAP and imported again has the trials that `trials` cuts from the recording, and
-/// that a data set becomes one file for each reach, again and again, but not among other files of a larger export.
+/// Tests that an error in the mapping shows its line, and that a log that does not exist is named.
 #[test]
-fn trials_through_mcap_are_those_of_the_recording() {
+fn what_cannot_be_imported_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let [recording, file, table, many] =
-        ["reach.parquet", "reach.mcap", "trials.parquet", "many"].map(|name| folder.path().join(name));
-    let mut direct = recording_with_trials(&fixture().trunk_scene(), &recording);
-    let text = underbrush!["export", recording, "--to", "mcap", "--out", file].success();
-    assert!(text.starts_with("1 reach, ") && text.contains(" in 1 file, "), "{text}");
-    let map = mapping(folder.path(), "[force]\ntopic = \"/skin/forearm\"\nfrom = \"sensed_force_n\"\n");
-    underbrush!["import", file, "--mapping", map, "--out", table].success();
-    direct.iter_mut().for_each(|trial| trial.reach = Some(0));
-    assert_eq!(known(&direct), known(&read_trials(&table).unwrap()));
-
-    let written = underbrush!["export", fixture().dataset(), "--to", "mcap", "--out", many, "--json"].json();
-    assert_eq!(written["files"], 6);
-    let mut names: Vec<_> =
-        std::fs::read_dir(&many).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    assert_eq!(names, (0..6).map(|reach| format!("reach-{reach:06}.mcap")).collect::<Vec<_>>());
-    let before = tree(&many);
-    let second = folder.path().join("second.parquet");
-    std::fs::copy(&recording, &second).unwrap();
-    let fewer = |force: &str| underbrush!["export", recording, second, "--to", "mcap", "--out", many, force];
-    fewer("--jobs=1").refused(&["reach-0000", "--force"]);
-    assert!(before == tree(&many));
-    // The files of the other export are gone, so that the two are not mixed.
-    fewer("--force").success();
-    assert_eq!(tree(&many).len(), 2);
-}
-
-/// Tests that inputs and formats that cannot be exchanged are refused by name, and that an error in the mapping shows
-/// its line.
-#[test]
-fn what_cannot_be_exchanged_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("out.mcap");
-    underbrush!["export", fixture().table_csv(), "--to", "mcap", "--out", out]
-        .refused(&["trials.csv", "data sets (folders) or recordings"]);
-    underbrush!["export", fixture().dataset(), "--to", "rosbag", "--out", out].refused(&["rosbag", "mcap, hdf5"]);
-    underbrush!["export", "nowhere", "--to", "mcap", "--out", out].refused(&["nowhere", "no such file or folder"]);
-    assert!(!out.exists());
-
     let log = folder.path().join("log.csv");
     std::fs::write(&log, "t,f\n0,1\n").unwrap();
     let table = folder.path().join("trials.csv");
@@ -143,13 +103,15 @@ fn what_cannot_be_exchanged_is_refused() {
     assert!(!table.exists());
 }
 
-/// Tests that `export` and `import` name the Python package for HDF5.
+/// Tests that `export` names the Python call for each format, and `import` the one for HDF5.
 #[test]
-fn hdf5_is_left_to_python() {
+fn exports_are_left_to_python() {
     let folder = tempfile::tempdir().unwrap();
-    let [out, log] = ["out.hdf5", "log.h5"].map(|name| folder.path().join(name));
-    underbrush!["export", fixture().dataset(), "--to", "hdf5", "--out", out]
-        .refused(&["python -m underbrush.hdf5 export", "MCAP"]);
+    let [out, log] = ["out", "log.h5"].map(|name| folder.path().join(name));
+    let export = |format: &str| underbrush!["export", fixture().dataset(), "--to", format, "--out", out];
+    export("mcap").refused(&["MCAP", "python -m underbrush.mcap export"]);
+    export("hdf5").refused(&["HDF5", "python -m underbrush.hdf5 export"]);
+    export("rosbag").refused(&["rosbag", "mcap, hdf5"]);
     std::fs::write(&log, "").unwrap();
     let map = mapping(folder.path(), "[time]\nrate_hz = 100\n[force]\nfrom = \"data/force\"\n");
     underbrush!["import", log, "--mapping", map, "--out", folder.path().join("trials.csv")]

@@ -27,7 +27,7 @@ const FAILING: [(&[&str], &str); 16] = [
     (&["benchmark", "verdicts", "--model", "absent.json", "--out", "OUT"], "input"),
     (&["inspect", "absent"], "input"),
     (&["replay", "absent"], "input"),
-    (&["export", "absent", "--to", "mcap", "--out", "OUT"], "input"),
+    (&["export", "absent", "--to", "mcap", "--out", "OUT"], "usage"),
     (&["import", "absent.csv", "--mapping", "absent.toml", "--out", "OUT.csv"], "input"),
 ];
 

@@ -36,7 +36,6 @@ fn calls(folder: &Path) -> Vec<Vec<OsString>> {
         (text("import"), vec![log.into(), "--mapping".into(), mapping.into(), "--out".into(), named("palm.csv")]),
         (text("evaluate"), vec![table, "--model".into(), model, "--roc".into(), named("roc.csv")]),
         (text("replay --reaches 0"), vec![set.clone(), "--out".into(), named("new.html")]),
-        (text("export --to mcap"), vec![set, "--out".into(), named("mcap")]),
         (text("check"), vec![suite.into(), "--out".into(), named("report")]),
         (text("validate --only hmm"), vec!["--pictures".into(), named("pictures")]),
         (text("generate --reaches 1"), vec![scene, "--out".into(), named("set")]),

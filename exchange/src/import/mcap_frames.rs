@@ -1,58 +1,66 @@
 //! Frames from an MCAP file: each message of a topic is a frame.
 
 use std::collections::BTreeMap;
-use std::io::BufReader;
+use std::io::{self, BufReader, Read};
 use std::path::Path;
 
+use mcap::McapError;
+use mcap::records::{Channel, Record};
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use underbrush_recording::InputError;
+use underbrush_recording::limits::MCAP_CHUNK_BYTES;
 
 use super::cutter::{Cutter, Place};
 use super::message::{Decoder, decoder};
 use super::{Mapping, opened};
-use crate::mcap::{Fault, read as read_records};
-use mcap::records::{Channel, Record};
 
 /// Nanoseconds per second.
 const PER_SECOND: f64 = 1e9;
 
-/// Why reading ended.
-enum Stop {
-    File(Fault),
-    Input(InputError),
+/// The error about a file that cannot be read.
+fn io_error(path: &Path, error: io::Error) -> InputError {
+    let error = InputError::new(path, "file", error.to_string(), "a readable file", "check the path");
+    InputError { storage: true, ..error }
 }
 
-impl From<Fault> for Stop {
-    fn from(fault: Fault) -> Self {
-        Stop::File(fault)
-    }
+/// The error about a file that is not MCAP, or not complete.
+fn mcap_error(path: &Path, error: McapError) -> InputError {
+    let (found, allowed, remedy) = match error {
+        McapError::UnsupportedCompression(name) => (
+            format!("chunks compressed with {name}"),
+            "chunks compressed with zstd, or not compressed",
+            "write the file again with `mcap compress --compression zstd`",
+        ),
+        error => {
+            let remedy = "repair it with `mcap recover`, or record it again";
+            (format!("{error:#}"), "a complete MCAP file", remedy)
+        }
+    };
+    InputError::new(path, "MCAP", found, allowed, remedy)
 }
 
-impl From<InputError> for Stop {
-    fn from(error: InputError) -> Self {
-        Stop::Input(error)
-    }
-}
-
-impl Stop {
-    /// The error about the file.
-    fn about(self, path: &Path) -> InputError {
-        let (found, allowed, remedy) = match self {
-            Stop::Input(error) => return error,
-            Stop::File(Fault::Io(error)) => {
-                let error = InputError::new(path, "file", error.to_string(), "a readable file", "check the path");
-                return InputError { storage: true, ..error };
+/// Passes all records of a file to `each` in their order, also those in chunks. A file must end as MCAP does, and its
+/// checksums must match.
+fn read_records(path: &Path, mut each: impl FnMut(Record) -> Result<(), InputError>) -> Result<(), InputError> {
+    let options = LinearReaderOptions::default()
+        .with_validate_chunk_crcs(true)
+        .with_validate_data_section_crc(true)
+        .with_validate_summary_section_crc(true)
+        .with_record_length_limit(MCAP_CHUNK_BYTES.most as usize);
+    let mut file = BufReader::new(opened(path)?);
+    let mut reader = LinearReader::new_with_options(options);
+    while let Some(event) = reader.next_event() {
+        match event.map_err(|error| mcap_error(path, error))? {
+            LinearReadEvent::ReadRequest(bytes) => {
+                let count = file.read(reader.insert(bytes)).map_err(|error| io_error(path, error))?;
+                reader.notify_read(count);
             }
-            Stop::File(Fault::Compression(name)) => (
-                format!("chunks compressed with {name}"),
-                "chunks compressed with zstd, or not compressed",
-                "write the file again with `mcap compress --compression zstd`",
-            ),
-            Stop::File(Fault::Broken(found)) => {
-                (found, "a complete MCAP file", "repair it with `mcap recover`, or record it again")
+            LinearReadEvent::Record { opcode, data } => {
+                each(mcap::parse_record(opcode, data).map_err(|error| mcap_error(path, error))?)?;
             }
-        };
-        InputError::new(path, "MCAP", found, allowed, remedy)
+        }
     }
+    Ok(())
 }
 
 /// What has been read so far, except the messages.
@@ -150,9 +158,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
         readings: Vec::new(),
         start: None,
     };
-    let file = BufReader::new(opened(path)?);
-    let read = read_records(file, |record| Ok::<(), Stop>(reading.record(record, cutter)?));
-    read.map_err(|stop| stop.about(path))?;
+    read_records(path, |record| reading.record(record, cutter))?;
     if reading.messages == 0 {
         let topics = reading.topics.iter().map(|(topic, schema)| format!("{topic} ({schema})"));
         let topics = topics.collect::<Vec<_>>().join(", ");

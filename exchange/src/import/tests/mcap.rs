@@ -1,37 +1,75 @@
 //! MCAP files.
 
 use std::collections::BTreeMap;
+use std::io::Cursor;
 use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use mcap::records::MessageHeader;
 
-use super::{by_taxel, damage, expected, imported, refused};
-use crate::example::{file, reach};
-use crate::mcap::Writer;
-use crate::write_mcap;
+use super::{by_taxel, damage, file, imported, refused};
 
-/// Tests that a reach written as MCAP comes back as trials with the same forces, from its grid.
-#[test]
-fn trials_come_back_from_a_grid_in_mcap() {
-    let (_folder, path) = file("reach.mcap");
-    let recording = reach("foliage", 3, 300);
-    write_mcap(&path, &recording).unwrap();
-    let mapping = "[force]\ntopic = \"/skin/sleeve\"\nfrom = \"sensed_force_n\"\n";
-    let found = imported(&path, mapping).unwrap();
-    assert_eq!(found.frames, 300);
-    assert_eq!(by_taxel(&found.trials), expected(&recording, 0, 0.03));
-}
+const GRID: &str = "[force]\ntopic = \"/skin\"\nfrom = \"n\"\n";
 
 /// Writes one message per millisecond, starting at a Unix time in 2026.
 fn mcap_of(path: &Path, schema: &str, encoding: &str, messages: &[Vec<u8>]) {
-    let mut writer = Writer::new("a robot").unwrap();
-    let channel = writer.channel("/skin", encoding, schema, "ros2msg", b"").unwrap();
+    let options = mcap::WriteOptions::new().compression(Some(mcap::Compression::Zstd));
+    let mut writer = options.create(Cursor::new(Vec::new())).unwrap();
+    let schema = writer.add_schema(schema, "ros2msg", b"").unwrap();
+    let channel_id = writer.add_channel(schema, "/skin", encoding, &BTreeMap::new()).unwrap();
     for (index, message) in messages.iter().enumerate() {
         let time_ns = 1_790_000_000_000_000_000 + 1_000_000 * index as u64;
-        writer.message(channel, time_ns, message).unwrap();
+        let header = MessageHeader { channel_id, sequence: index as u32, log_time: time_ns, publish_time: time_ns };
+        writer.write_to_known_channel(&header, message).unwrap();
     }
-    std::fs::write(path, writer.finish().unwrap()).unwrap();
+    writer.finish().unwrap();
+    std::fs::write(path, writer.into_inner().into_inner()).unwrap();
+}
+
+/// A Foxglove grid of one row with double precision.
+fn grid(forces_n: &[f64]) -> Vec<u8> {
+    let bytes: Vec<u8> = forces_n.iter().flat_map(|force_n| force_n.to_le_bytes()).collect();
+    let message = serde_json::json!({
+        "column_count": forces_n.len(),
+        "row_stride": bytes.len(),
+        "cell_stride": 8,
+        "fields": [{ "name": "n", "offset": 0, "type": 8 }],
+        "data": STANDARD.encode(bytes),
+    });
+    message.to_string().into_bytes()
+}
+
+/// The forces of a palm of six taxels in a frame, N.
+fn palm(frame: usize) -> Vec<f64> {
+    // Different taxels are pressed in different frames, by forces that need all digits.
+    let force_n =
+        |taxel: usize| if (frame + 5 * taxel) / 20 % 3 == 1 { (1 + frame % 7 + taxel) as f64 / 3.0 } else { 0.0 };
+    (0..6).map(force_n).collect()
+}
+
+/// Tests that the forces of a grid come back as trials, from a file of several chunks. This has a second implementation of
+/// the cutter's rule.
+#[test]
+fn trials_come_back_from_a_grid_in_mcap() {
+    let (_folder, path) = file("reach.mcap");
+    let frames: Vec<Vec<f64>> = (0..9000).map(palm).collect();
+    mcap_of(&path, "foxglove.Grid", "json", &frames.iter().map(|frame| grid(frame)).collect::<Vec<_>>());
+    let summary = mcap::Summary::read(&std::fs::read(&path).unwrap()).unwrap().unwrap();
+    assert!(summary.chunk_indexes.len() > 1);
+    let found = imported(&path, GRID).unwrap();
+    assert_eq!(found.frames, frames.len());
+    let mut expected: BTreeMap<u32, Vec<Vec<(f64, f64)>>> = BTreeMap::new();
+    for taxel in 0..6 {
+        for (index, frame) in frames.iter().enumerate().filter(|(_, frame)| frame[taxel] > 0.0) {
+            let trials = expected.entry(taxel as u32).or_default();
+            if index == 0 || frames[index - 1][taxel] == 0.0 {
+                trials.push(Vec::new());
+            }
+            trials.last_mut().unwrap().push((1e6 * index as f64 / 1e9, frame[taxel]));
+        }
+    }
+    assert_eq!(by_taxel(&found.trials), expected);
 }
 
 /// A `std_msgs/msg/Float64MultiArray` or `Float32MultiArray` in CDR with one dimension, as rclcpp writes it.
@@ -109,16 +147,15 @@ fn rows_of_a_grid_may_be_padded() {
         });
         mcap_of(&path, "foxglove.Grid", "json", &[message.to_string().into_bytes()]);
     };
-    let mapping = "[force]\ntopic = \"/skin\"\nfrom = \"n\"\n";
     grid(16, 32);
     let trials = [0.5, 0.25, 0.125, 0.75].map(|force_n| vec![vec![(0.0, force_n)]]);
     let expected: BTreeMap<u32, Vec<Vec<(f64, f64)>>> = (0..).zip(trials).collect();
-    assert_eq!(by_taxel(&imported(&path, mapping).unwrap().trials), expected);
+    assert_eq!(by_taxel(&imported(&path, GRID).unwrap().trials), expected);
     for (row_stride, bytes, found) in
         [(4, 32, "rows of 4 bytes for 2 cells of 4"), (0, 32, "0 bytes"), (16, 24, "24 bytes in rows of 16")]
     {
         grid(row_stride, bytes);
-        let error = refused(&path, mapping);
+        let error = refused(&path, GRID);
         assert_eq!((error.line, error.field.as_str()), (Some(1), "message of /skin"));
         assert!(error.found.contains(found), "{error}");
     }
@@ -138,18 +175,24 @@ fn messages_have_the_same_number_of_taxels() {
     }
 }
 
-/// Tests that the error about something missing in an MCAP file gives the line of the mapping, and that damaged files do
-/// not end the program.
+/// Tests that the error about something missing in an MCAP file gives the line of the mapping, that damaged files do
+/// not end the program, and that a compression that is not supported is named.
 #[test]
 fn what_is_missing_or_damaged_is_named() {
     let (_folder, log) = file("reach.mcap");
-    write_mcap(&log, &reach("leaf", 0, 60)).unwrap();
+    mcap_of(&log, "foxglove.Grid", "json", &(0..60).map(|frame| grid(&palm(frame))).collect::<Vec<_>>());
     let error = refused(&log, "[force]\ntopic = \"/palm\"\nfrom = \"data\"\n");
     assert_eq!((error.line, error.field.as_str()), (Some(2), "force.topic"));
-    assert!(error.allowed.contains("/skin/sleeve (foxglove.Grid)"), "{error}");
-    let error = refused(&log, "[time]\nunit = \"ms\"\n[force]\ntopic = \"/skin/sleeve\"\nfrom = \"sensed_force_n\"\n");
+    assert!(error.allowed.contains("/skin (foxglove.Grid)"), "{error}");
+    let error = refused(&log, &format!("[time]\nunit = \"ms\"\n{GRID}"));
     assert_eq!((error.line, error.field.as_str()), (Some(2), "time.unit"));
-    let error = refused(&log, "[force]\ntopic = \"/skin/sleeve\"\nfrom = \"force\"\n");
-    assert_eq!(error.found, "the fields sensed_force_n");
-    damage(&log, "[force]\ntopic = \"/skin/sleeve\"\nfrom = \"sensed_force_n\"\n");
+    let error = refused(&log, "[force]\ntopic = \"/skin\"\nfrom = \"force\"\n");
+    assert_eq!(error.found, "the fields n");
+    let mut lz4 = std::fs::read(&log).unwrap();
+    damage(&log, GRID);
+    let place = lz4.windows(4).position(|window| window == b"zstd").unwrap();
+    lz4[place..place + 4].copy_from_slice(b"lz4f");
+    std::fs::write(&log, lz4).unwrap();
+    let error = refused(&log, GRID);
+    assert!(error.found.contains("lz4f") && error.remedy.contains("zstd"), "{error}");
 }

@@ -4,12 +4,24 @@ mod mcap;
 mod text;
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use underbrush_recording::{InputError, Trial};
 
 use super::{Imported, Mapping, import};
-use crate::example::written;
+
+/// A file in the folder with the tests' temporary files, and the folder, which is removed when dropped.
+fn file(name: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    (folder, path)
+}
+
+/// Writes a text file.
+fn written(path: &Path, text: &str) -> PathBuf {
+    std::fs::write(path, text).unwrap();
+    path.to_path_buf()
+}
 
 /// Imports with the text of a mapping.
 fn imported(path: &Path, mapping: &str) -> Result<Imported, InputError> {
@@ -25,30 +37,6 @@ fn refused(path: &Path, mapping: &str) -> InputError {
 /// Time and force of the samples of a trial.
 fn samples(trial: &Trial) -> Vec<(f64, f64)> {
     trial.samples.iter().map(|sample| (sample.time_s, sample.force_n)).collect()
-}
-
-/// The trials of one patch in the frames of a recording, by taxel. This is a second implementation of the cutter's
-/// rule.
-fn expected(
-    recording: &underbrush_recording::Recording,
-    patch: u16,
-    threshold_n: f64,
-) -> BTreeMap<u32, Vec<Vec<(f64, f64)>>> {
-    let mut trials: BTreeMap<u32, Vec<Vec<(f64, f64)>>> = BTreeMap::new();
-    let mut before: BTreeMap<u32, usize> = BTreeMap::new();
-    for (index, frame) in recording.frames.iter().enumerate() {
-        for reading in frame.taxels.iter().filter(|reading| reading.patch == patch) {
-            if reading.sensed_force_n > threshold_n {
-                let taxel = u32::from(reading.taxel);
-                let of_taxel = trials.entry(taxel).or_default();
-                if before.insert(taxel, index) != index.checked_sub(1) || of_taxel.is_empty() {
-                    of_taxel.push(Vec::new());
-                }
-                of_taxel.last_mut().unwrap().push((frame.time_s, reading.sensed_force_n));
-            }
-        }
-    }
-    trials
 }
 
 fn by_taxel(trials: &[Trial]) -> BTreeMap<u32, Vec<Vec<(f64, f64)>>> {

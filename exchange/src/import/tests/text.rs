@@ -5,8 +5,7 @@ use std::path::Path;
 use underbrush_recording::Trial;
 
 use super::super::{Imported, Mapping};
-use super::{imported, refused, samples};
-use crate::example::{file, written};
+use super::{file, imported, refused, samples, written};
 
 const LOG: &str = "\
 run, stamp, left, ft_0, ft_1, label

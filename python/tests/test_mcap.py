@@ -1,0 +1,235 @@
+"""MCAP files, read back with the readers of mcap and of ROS 2's messages."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import underbrush as ub
+import underbrush.mcap
+
+mcap = pytest.importorskip("mcap.reader")
+ros2 = pytest.importorskip("mcap_ros2.decoder")
+
+
+def messages(path: Path, topic: str) -> list[tuple[int, Any]]:
+    """The times, ns, and contents of the messages of a topic."""
+    with open(path, "rb") as file:
+        reader = mcap.make_reader(file, validate_crcs=True, decoder_factories=[ros2.DecoderFactory()])
+        if topic.startswith(("/joint", "/equi")):
+            return [(found.message.log_time, found.decoded_message) for found in reader.iter_decoded_messages([topic])]
+        return [(message.log_time, json.loads(message.data)) for _, _, message in reader.iter_messages([topic])]
+
+
+def doubles(message: dict[str, Any]) -> np.ndarray[Any, Any]:
+    """The doubles of packed data."""
+    return np.frombuffer(base64.b64decode(message["data"]), "<f8")
+
+
+@pytest.fixture(scope="module")
+def reach(data: ub.Dataset) -> ub.Reach:
+    return data[0]
+
+
+@pytest.fixture(scope="module")
+def path(reach: ub.Reach, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("mcap") / "reach.mcap"
+    underbrush.mcap.export(reach, path)
+    return path
+
+
+def test_joints_and_forces_come_back_exactly(reach: ub.Reach, path: Path) -> None:
+    """Tests that joint states and forces come back in full precision, at their times."""
+    times = [round(time_s * 1e9) for time_s in reach.time_s]
+    for topic, columns in (
+        ("/joint_states", {"position": "observation.state", "velocity": "observation.velocity", "effort": "observation.torque"}),
+        ("/equilibrium", {"position": "action"}),
+    ):
+        found = messages(path, topic)
+        assert [time for time, _ in found] == times
+        assert [state.header.stamp.sec * 10**9 + state.header.stamp.nanosec for _, state in found] == times
+        assert all(state.name == reach.joint_names and state.header.frame_id == "" for _, state in found)
+        for field in ("position", "velocity", "effort"):
+            numbers = np.array([getattr(state, field) for _, state in found])
+            expected = reach.column(columns[field]) if field in columns else np.zeros((len(reach), 0))
+            assert np.array_equal(numbers, expected), field
+    for patch in reach.skin.layout["patches"]:
+        forces_n = reach.sensed_force_n(patch["name"], dtype="float64")
+        pressed = messages(path, f"/skin/{patch['name']}/pressed")
+        assert [time for time, _ in pressed] == times
+        for (_, cloud), own in zip(pressed, forces_n, strict=True):
+            taxels = np.flatnonzero(own > 0)
+            places = reach.skin.positions_link(patch["name"])[taxels]
+            assert np.array_equal(doubles(cloud).reshape(-1, 4), np.column_stack([places, own[taxels]]))
+            assert (cloud["frame_id"], cloud["point_stride"]) == (patch["link"], 32)
+        if patch["grid"] is not None:
+            grids = messages(path, f"/skin/{patch['name']}")
+            assert np.array_equal([doubles(grid) for _, grid in grids], forces_n)
+            columns_of = {(grid["column_count"], grid["row_stride"], grid["cell_stride"]) for _, grid in grids}
+            assert columns_of == {(patch["grid"]["columns"], 8 * patch["grid"]["columns"], 8)}
+    assert reach.sensed_force_n("forearm").max() > 0.03
+
+
+def test_poses_shapes_and_goals_come_back(reach: ub.Reach, path: Path) -> None:
+    """Tests that the poses of all bodies can be followed from the transforms, that all poses are sent again at regular
+    intervals, and that shapes and goals are in the scene."""
+    poses: dict[str, list[float]] = {}
+    bodies = reach.bodies
+    ids = underbrush.mcap._frame_names(bodies, reach.objects)
+    assert len(set(ids)) == len(bodies)
+    grids = [patch for patch in reach.skin.patches if reach.skin.grid(patch) is not None]
+    for frame, (_, message) in enumerate(messages(path, "/tf")):
+        transforms = message["transforms"]
+        assert frame % 100 != 0 or len(transforms) == len(bodies) + len(grids)
+        for transform in transforms:
+            assert transform["parent_frame_id"] == "world"
+            position, rotation = transform["translation"], transform["rotation"]
+            poses[transform["child_frame_id"]] = [*map(position.get, "xyz"), *map(rotation.get, "xyzw")]
+        for body, name in zip(bodies, ids, strict=True):
+            moved = np.searchsorted(body["moved_frames"], frame, side="right")
+            rest = body["rest_pose_world"]
+            expected = body["poses_world"][moved - 1] if moved else [*rest["position"], *rest["orientation"]]
+            assert poses[name] == expected, (name, frame)
+    [(_, scene)] = messages(path, "/scene")
+    assert [entity["id"] for entity in scene["entities"]] == ids
+    for entity, body in zip(scene["entities"], bodies, strict=True):
+        kinds = [next(iter(part["shape"])) for part in body["parts"]]
+        ends = 2 * kinds.count("capsule")
+        assert len(entity["spheres"]) == kinds.count("sphere") + ends
+        assert len(entity["cylinders"]) == kinds.count("cylinder") + kinds.count("capsule")
+        assert (len(entity["cubes"]), len(entity["triangles"])) == (kinds.count("box"), kinds.count("hull"))
+        if "object" in body["owner"]:
+            category = reach.objects[body["owner"]["object"]]["category"]
+            assert entity["metadata"] == [{"key": "category", "value": category}]
+    goals = [goal["entities"][0]["spheres"][0]["pose"]["position"] for _, goal in messages(path, "/goal")]
+    column = reach.column("goal_position")
+    changes = [frame for frame in range(len(reach)) if frame == 0 or any(column[frame] != column[frame - 1])]
+    assert [[*goal.values()] for goal in goals] == column[changes].tolist()
+
+
+def test_shapes_are_those_of_foxglove() -> None:
+    """Tests how a capsule that lies on its side, a box and a hull become Foxglove's shapes."""
+    entity = underbrush.mcap._entity("body", "body")
+    # A quarter turn about y: the capsule's z axis is the x axis of the body.
+    pose = underbrush.mcap._pose((1, 2, 3), (0, np.sqrt(0.5), 0, np.sqrt(0.5)))
+    underbrush.mcap._add(entity, {"capsule": {"radius_m": 0.04, "length_m": 0.2}}, pose, (1, 1, 1, 1))
+    ends = [list(sphere["pose"]["position"].values()) for sphere in entity["spheres"]]
+    assert np.allclose(ends, [[0.9, 2, 3], [1.1, 2, 3]])
+    assert [*entity["cylinders"][0]["size"].values()] == [0.08, 0.08, 0.2]
+    underbrush.mcap._add(entity, {"box": {"size_m": [1, 2, 3]}}, pose, (1, 1, 1, 1))
+    assert [*entity["cubes"][0]["size"].values()] == [1, 2, 3]
+    cube = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+    underbrush.mcap._add(entity, {"hull": {"points_m": cube}}, pose, (1, 1, 1, 1))
+    # Each face of a cube appears as the four triangles of its corners.
+    assert len(entity["triangles"][0]["points"]) == 6 * 4 * 3
+
+
+def test_a_link_called_world_is_no_transform(reach: ub.Reach) -> None:
+    """Tests that a link that is called like the root frame does not make this frame its own parent."""
+    bodies = reach.bodies
+    links = [body for body in bodies if "link" in body["owner"]]
+    links[0]["owner"]["link"] = "world"
+    transforms = underbrush.mcap._Transforms(bodies, reach.objects, reach.skin.layout["patches"])
+    children = [transform["child_frame_id"] for transform in transforms.message(0, 0)["transforms"]]
+    assert children and "world" not in children
+
+
+def test_the_file_has_known_schemas(reach: ub.Reach, path: Path, tmp_path: Path) -> None:
+    """Tests that the file names its schemas as Foxglove and ROS 2 do, without references in them, that its messages have the
+    fields of their schema, that it says what reach it is, and that it has the same bytes each time."""
+    with open(path, "rb") as file:
+        reader = mcap.make_reader(file)
+        summary = reader.get_summary()
+        [facts] = reader.iter_metadata()
+        seed, index = reach.seed_and_index
+        expected = {"scene": reach.scene, "seed": str(seed), "reach_index": str(index)}
+        assert facts.name == "underbrush.reach"
+        assert facts.metadata == expected | {"controller": reach.controller, "outcome": reach.outcome}
+        for schema, _, message in reader.iter_messages():
+            if schema.encoding == "jsonschema":
+                check(json.loads(schema.data), json.loads(message.data))
+    found = {
+        channel.topic: (summary.schemas[channel.schema_id].name, channel.message_encoding)
+        for channel in summary.channels.values()
+    }
+    topics = {
+        "/joint_states": ("sensor_msgs/msg/JointState", "cdr"),
+        "/equilibrium": ("sensor_msgs/msg/JointState", "cdr"),
+        "/tf": ("foxglove.FrameTransforms", "json"),
+        "/scene": ("foxglove.SceneUpdate", "json"),
+        "/goal": ("foxglove.SceneUpdate", "json"),
+    }
+    for patch in reach.skin.patches:
+        if reach.skin.grid(patch) is not None:
+            topics[f"/skin/{patch}"] = ("foxglove.Grid", "json")
+        topics[f"/skin/{patch}/pressed"] = ("foxglove.PointCloud", "json")
+    assert found == topics
+    for schema in summary.schemas.values():
+        is_json = schema.name.startswith("foxglove")
+        assert schema.encoding == ("jsonschema" if is_json else "ros2msg")
+        if is_json:
+            parsed = json.loads(schema.data)
+            assert "$ref" not in schema.data.decode() and (parsed["title"], parsed["type"]) == (schema.name, "object")
+    again = tmp_path / "again.mcap"
+    underbrush.mcap.export(reach, again)
+    assert again.read_bytes() == path.read_bytes()
+
+
+def check(schema: dict[str, Any], value: Any) -> None:
+    """Demands that a value has the type and exactly the properties of its schema."""
+    kinds: dict[str, Any] = {
+        "object": dict, "array": list, "string": str, "integer": int, "number": float, "boolean": bool,
+    }  # fmt: skip
+    assert isinstance(value, kinds[schema["type"]]), (schema, value)
+    if isinstance(value, dict):
+        assert set(schema.get("properties", {})) == set(value)
+        for name, field in value.items():
+            check(schema["properties"][name], field)
+    if isinstance(value, list):
+        for item in value:
+            check(schema["items"], item)
+
+
+def test_trials_through_mcap_are_those_of_the_reach(
+    reach: ub.Reach, path: Path, command: Callable[..., Any], tmp_path: Path
+) -> None:
+    """Tests that the command line imports the trials that the reach has."""
+    mapping, table = tmp_path / "map.toml", tmp_path / "trials.parquet"
+    mapping.write_text('[force]\ntopic = "/skin/forearm"\nfrom = "sensed_force_n"\n')
+    assert command("import", path, "--mapping", mapping, "--out", table)["frames"] == len(reach)
+
+    def known(trials: ub.Trials) -> list[tuple[int | None, list[tuple[float, float]]]]:
+        samples = [list(zip(trial.time_s.round(6), trial.force_n, strict=True)) for trial in trials]
+        return sorted(zip([trial.taxel for trial in trials], samples, strict=True), key=str)
+
+    direct = known(reach.trials(patch="forearm"))
+    assert len(direct) > 3 and known(ub.Trials.load(table)) == direct
+
+
+def test_several_reaches_become_a_folder(data: ub.Dataset, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Tests that each reach has a file, that files of another export are refused or removed, that a failed export leaves no
+    file, and that an input is not overwritten."""
+    folder, file, recording = tmp_path / "many", tmp_path / "one.mcap", tmp_path / "reach.parquet"
+    main = underbrush.mcap.main
+    assert main(["export", str(data.path), "--out", str(folder)]) == 0
+    names = [path.name for path in sorted(folder.iterdir())]
+    assert names == [f"reach-{number:06}.mcap" for number in range(len(data))]
+    data[1].save(recording)
+    assert main(["export", str(recording), "--out", str(file)]) == 0
+    assert file.read_bytes() == (folder / "reach-000001.mcap").read_bytes()
+    for arguments in (["export", str(recording), "--out", str(file)], ["export", str(recording), str(recording), "--out", str(folder)]):
+        assert main(arguments) == 2
+        assert "exists already" in capsys.readouterr().err
+    before = recording.read_bytes()
+    assert main(["export", str(recording), "--out", str(recording), "--force"]) == 2
+    assert "is an input" in capsys.readouterr().err and recording.read_bytes() == before
+    assert main(["export", str(recording), str(recording), "--out", str(folder), "--force"]) == 0
+    assert len(list(folder.iterdir())) == 2
+    assert main(["export", str(tmp_path / "nowhere"), "--out", str(tmp_path / "new.mcap")]) == 2
+    assert "nowhere" in capsys.readouterr().err and not (tmp_path / "new.mcap").exists()

@@ -1,0 +1,70 @@
+"""What exports to files of other tools share."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+
+from . import _core
+from ._errors import InputError
+
+
+@contextlib.contextmanager
+def whole(path: Path, force: bool) -> Iterator[Path]:
+    """A temporary file that gets its name when it is complete."""
+    check_free(path, force)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    descriptor = os.open(temporary, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
+    try:
+        yield temporary
+        os.fsync(descriptor)
+        temporary.replace(path)
+    finally:
+        os.close(descriptor)
+        temporary.unlink(missing_ok=True)
+
+
+def check_free(path: Path, force: bool) -> None:
+    """Refuses a path that exists, unless it may be overwritten."""
+    if path.exists() and not force:
+        raise InputError(f"{path}: exists already; overwrite it with force, or choose another name", file=str(path))
+
+
+def each(reaches: _core.Dataset | Iterable[_core.Reach]) -> Iterator[_core.Reach]:
+    """The reaches one by one."""
+    return (reaches[index] for index in range(len(reaches))) if isinstance(reaches, _core.Dataset) else iter(reaches)
+
+
+def reaches_in(places: list[Path], out: Path) -> tuple[int, Iterator[_core.Reach]]:
+    """The number of reaches in data sets and recordings, and the reaches. None of the places may be the output."""
+    if any(out.exists() and place.exists() and out.samefile(place) for place in places):
+        raise InputError(f"{out}: is an input of this command; choose another name", file=str(out))
+    sets = [_core.Dataset(place) if place.is_dir() else place for place in places]
+
+    def read() -> Iterator[_core.Reach]:
+        for one in sets:
+            yield from each(one) if isinstance(one, _core.Dataset) else [_core.Reach.load(one)]
+
+    return sum(len(one) if isinstance(one, _core.Dataset) else 1 for one in sets), read()
+
+
+def export_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser], help: str, out: str) -> None:
+    """Adds the subcommand ``export``."""
+    parser = commands.add_parser("export", help=help)
+    parser.add_argument("data", nargs="+", type=Path, help="data sets (folders) or recordings (.parquet)")
+    parser.add_argument("--out", required=True, type=Path, help=out)
+    parser.add_argument("--force", action="store_true", help="overwrite a file that exists")
+
+
+def status(run: Callable[[], object]) -> int:
+    """Runs a command. Returns its exit status: 1 if a file cannot be read or written, 2 for bad input."""
+    try:
+        run()
+    except (InputError, ImportError, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 1 if isinstance(error, OSError) else 2
+    return 0
