@@ -205,7 +205,7 @@ def test_trials_through_mcap_are_those_of_the_reach(
     assert command("import", path, "--mapping", mapping, "--out", table)["frames"] == len(reach)
 
     def known(trials: ub.Trials) -> list[tuple[int | None, list[tuple[float, float]]]]:
-        samples = [list(zip(trial.time_s.round(6), trial.force_n, strict=True)) for trial in trials]
+        samples = [list(zip(trial.time_s.round(6), trial.force_n, strict=True)) for trial in list(trials)]
         return sorted(zip([trial.taxel for trial in trials], samples, strict=True), key=str)
 
     direct = known(reach.trials(patch="forearm"))

@@ -42,7 +42,7 @@ pub struct ValidateOptions {
 struct Report {
     tolerance_scale: f64,
     falsified: bool,
-    /// Whether every check passes, or fails only by a known shortfall.
+    /// Whether every check passes.
     sound: bool,
     checks: Vec<Outcome>,
 }

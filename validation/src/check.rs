@@ -7,7 +7,7 @@ use serde::Serialize;
 use underbrush_recording::InputError;
 use underbrush_sim::reach::ReachError;
 
-use crate::{Comparison, Falsification, SHORTFALLS};
+use crate::{Comparison, Falsification};
 
 /// One check.
 #[derive(Debug)]
@@ -72,9 +72,7 @@ pub enum CheckError {
 pub enum Verdict {
     /// Within the tolerance.
     Pass,
-    /// Outside the tolerance, within the bound of a known shortfall.
-    KnownShortfall,
-    /// Outside the tolerance, and not within the bound of a known shortfall.
+    /// Outside the tolerance.
     Fail,
 }
 
@@ -103,22 +101,13 @@ pub struct Judged {
     pub comparison: Comparison,
     /// Its verdict at the tolerance scale of the run.
     pub verdict: Verdict,
-    /// The cause, if it is a known shortfall.
-    pub cause: Option<&'static str>,
 }
 
 impl Judged {
-    /// Judges a comparison of a check.
-    pub(crate) fn new(check: &Check, comparison: Comparison, tolerance_scale: f64) -> Self {
-        let known = SHORTFALLS.iter().find(|known| known.check == check.name && known.quantity == comparison.quantity);
-        let (verdict, cause) = match known {
-            _ if comparison.passes(tolerance_scale) => (Verdict::Pass, None),
-            Some(known) if comparison.residual < known.bound * tolerance_scale => {
-                (Verdict::KnownShortfall, Some(known.cause))
-            }
-            _ => (Verdict::Fail, None),
-        };
-        Judged { comparison, verdict, cause }
+    /// Judges a comparison.
+    pub(crate) fn new(comparison: Comparison, tolerance_scale: f64) -> Self {
+        let verdict = if comparison.passes(tolerance_scale) { Verdict::Pass } else { Verdict::Fail };
+        Judged { comparison, verdict }
     }
 }
 
@@ -162,7 +151,7 @@ pub fn judge(check: &Check, found: Vec<Result<Vec<Comparison>, CheckError>>, tol
     for case in found {
         match case {
             Ok(found) => {
-                comparisons.extend(found.into_iter().map(|comparison| Judged::new(check, comparison, tolerance_scale)))
+                comparisons.extend(found.into_iter().map(|comparison| Judged::new(comparison, tolerance_scale)))
             }
             Err(error) => errors.push(error.to_string()),
         }

@@ -103,7 +103,7 @@ pub fn judge_falsified(
             for comparison in found {
                 let quantity = comparison.quantity.clone();
                 let must_break = falsification.must_break(&quantity);
-                let judged = Judged::new(check, comparison, tolerance_scale);
+                let judged = Judged::new(comparison, tolerance_scale);
                 if must_break && judged.verdict != Verdict::Fail {
                     faults.push(format!("with {wrong}: {quantity} does not fail"));
                 }

@@ -6,8 +6,7 @@
 //!
 //! Every case lists [`Falsification`]s: parameters of the simulated side that are wrong on purpose, with the
 //! comparisons that must notice. [`falsify`] runs them all and demands that every comparison of every check fails under
-//! at least one, because a comparison that cannot fail shows nothing. [`CHECKS`] is the one list of checks,
-//! [`SHORTFALLS`] the one list of tolerances that are not met.
+//! at least one, because a comparison that cannot fail shows nothing. [`CHECKS`] is the one list of checks.
 
 mod check;
 mod comparison;
@@ -32,7 +31,6 @@ mod reach_energy;
 mod resting_load;
 mod sensor;
 mod series;
-mod shortfall;
 mod skin_forces;
 mod skin_layer;
 mod standing_bottle;
@@ -42,7 +40,6 @@ pub use check::{Case, Check, CheckError, Judged, Outcome, Simulated, Verdict, ju
 pub use comparison::Comparison;
 pub use falsification::{Falsified, FalsifiedOutcome, FalsifiedRun, falsify, judge_falsified};
 pub use portrait::{Portrait, Section, portraits, roll_loop};
-pub use shortfall::{SHORTFALLS, Shortfall};
 pub use wrong_parameter::{Breaks, Falsification};
 
 /// All checks, by number.
@@ -73,16 +70,12 @@ pub const CHECKS: &[Check] = &[
 mod tests {
     use super::*;
 
-    /// Tests that checks are listed by number, each with a name of its own, and that every shortfall belongs to a
-    /// check.
+    /// Tests that checks are listed by number, each with a name of its own.
     #[test]
     fn checks_are_listed_once_by_number() {
         assert!(CHECKS.windows(2).all(|pair| pair[0].number < pair[1].number));
         for (index, check) in CHECKS.iter().enumerate() {
             assert!(CHECKS[..index].iter().all(|other| other.name != check.name));
-        }
-        for known in SHORTFALLS {
-            assert!(CHECKS.iter().any(|check| check.name == known.check), "{}", known.check);
         }
     }
 

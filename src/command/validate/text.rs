@@ -23,14 +23,8 @@ pub fn described(report: &Report) -> String {
         let checks = report.checks.iter();
         checks.filter(|outcome| outcome.verdict == verdict).count()
     };
-    let _ = write!(
-        text,
-        "{} checks: {} pass, {} with a known shortfall, {} fail",
-        report.checks.len(),
-        count(Verdict::Pass),
-        count(Verdict::KnownShortfall),
-        count(Verdict::Fail)
-    );
+    let _ =
+        write!(text, "{} checks: {} pass, {} fail", report.checks.len(), count(Verdict::Pass), count(Verdict::Fail));
     text
 }
 
@@ -84,7 +78,7 @@ fn broken_comparisons(outcome: &FalsifiedOutcome, tolerance_scale: f64) -> Strin
     output::table(&header, outcome.comparisons.iter().filter_map(row))
 }
 
-/// The table of one check, with the reasons for its tolerances and the causes of known shortfalls.
+/// The table of one check, with the reasons for its tolerances.
 fn comparisons(outcome: &Outcome, tolerance_scale: f64) -> String {
     if outcome.comparisons.is_empty() {
         return String::new();
@@ -103,13 +97,6 @@ fn comparisons(outcome: &Outcome, tolerance_scale: f64) -> String {
     let mut text = output::table(&header, rows);
     for (index, reason) in reasons.iter().enumerate() {
         let _ = writeln!(text, "[{}] {reason}", index + 1);
-    }
-    let mut causes: Vec<&str> = Vec::new();
-    for cause in outcome.comparisons.iter().filter_map(|judged| judged.cause) {
-        if !causes.contains(&cause) {
-            causes.push(cause);
-            let _ = writeln!(text, "short: {cause}");
-        }
     }
     text
 }
@@ -159,7 +146,6 @@ fn number(value: f64) -> String {
 fn word(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Pass => "pass",
-        Verdict::KnownShortfall => "short",
         Verdict::Fail => "FAIL",
     }
 }
