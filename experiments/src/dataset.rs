@@ -64,8 +64,7 @@ pub fn say_doubts<'a>(arms: impl IntoIterator<Item = &'a Arm>, progress: &dyn Pr
 /// Compares a set that was made again with its source. If another version made the source, a difference is a warning.
 ///
 /// # Errors
-/// [`ExperimentError::Differs`] names the first reach that differs although the same version made both;
-/// [`ExperimentError::Disk`] if a set cannot be read.
+/// If a reach differs although the same version made both, or if a set cannot be read.
 pub fn require_same_reaches(made: &Dataset, source: &Dataset) -> Result<(), ExperimentError> {
     let Some(index) = made.first_difference(source)? else {
         return Ok(());
@@ -74,7 +73,8 @@ pub fn require_same_reaches(made: &Dataset, source: &Dataset) -> Result<(), Expe
     let difference = format!("reach {} of {} differs from the one in {dir}", episode.reach_index, episode.scene);
     let [own, other] = [made, source].map(|set| set.provenance().program_version.as_str());
     if own == other {
-        return Err(ExperimentError::Differs { difference });
+        let text = "although the same version made both; the new data set is kept, please report it";
+        return Err(ExperimentError::Run(format!("{difference}, {text}")));
     }
     log::warn!("{difference}, which version {other} made; this is {own}");
     Ok(())
@@ -84,12 +84,12 @@ impl Campaign {
     /// This many reaches of each of these scenes, with the scenes' own arms and controllers.
     ///
     /// # Errors
-    /// [`ExperimentError::Request`] if two scenes have the same name.
+    /// [`ExperimentError::Usage`] if two scenes have the same name.
     pub fn new(scenes: Vec<Scene>, reaches: u64, seed: u64) -> Result<Self, ExperimentError> {
         let mut names = BTreeSet::new();
         if let Some(second) = scenes.iter().find(|scene| !names.insert(&scene.name)) {
             let text = "give scenes with names of their own, or rename one file";
-            return Err(ExperimentError::Request(format!("two scenes are called {}; {text}", second.name)));
+            return Err(ExperimentError::Usage(format!("two scenes are called {}; {text}", second.name)));
         }
         Ok(Campaign { scenes: scenes.into_iter().map(|scene| (scene, reaches)).collect(), seed, ..Campaign::default() })
     }
@@ -202,7 +202,7 @@ impl Campaign {
         if count <= reaches {
             return Ok(());
         }
-        Err(ExperimentError::Request(format!(
+        Err(ExperimentError::Usage(format!(
             "{count} parts, and the number of reaches is {reaches}; allowed: at most as many parts as reaches, because a part \
              without a reach could not be merged; ask for fewer parts, or for more reaches"
         )))
@@ -210,26 +210,26 @@ impl Campaign {
 
     fn plan(&self, plans: &[ReachPlan], jobs: &[Job]) -> Result<DatasetPlan, ExperimentError> {
         let Some(first) = plans.first() else {
-            return Err(ExperimentError::Request("no scene given; name at least one".into()));
+            return Err(ExperimentError::Usage("no scene given; name at least one".into()));
         };
         self.check_parts()?;
         if jobs.is_empty() {
-            return Err(ExperimentError::Request("no reach to run; ask for at least one reach".into()));
+            return Err(ExperimentError::Usage("no reach to run; ask for at least one reach".into()));
         }
         if let Some(other) = plans.iter().find(|plan| plan.arm.skin.layout != first.arm.skin.layout) {
-            return Err(ExperimentError::Request(format!(
+            return Err(ExperimentError::Usage(format!(
                 "scenes {} and {} have arms with different skin; generate a data set for each",
                 first.scene.name, other.scene.name
             )));
         }
         if self.own_controller.is_some() && ControllerKind::from_name(&first.controller_name()).is_ok() {
-            return Err(ExperimentError::Request(format!(
+            return Err(ExperimentError::Usage(format!(
                 "the controller is called {}, which is the name of a controller that ships; give it a name of its own",
                 first.controller_name()
             )));
         }
         if let Some(other) = plans.iter().find(|plan| plan.controller_name() != first.controller_name()) {
-            return Err(ExperimentError::Request(format!(
+            return Err(ExperimentError::Usage(format!(
                 "scenes {} and {} name different controllers, {} and {}; choose one with --controller, or generate a \
                  data set for each",
                 first.scene.name,

@@ -5,15 +5,11 @@ use std::path::Path;
 use serde::Serialize;
 use underbrush_recording::disk;
 
-use crate::error::ExperimentError;
+use crate::error::{self, ExperimentError, storage};
 
 /// Creates a folder with its parents.
 pub fn create_folder(folder: &Path) -> Result<(), ExperimentError> {
-    std::fs::create_dir_all(folder).map_err(|source| ExperimentError::Io {
-        path: folder.into(),
-        action: "made",
-        source,
-    })
+    std::fs::create_dir_all(folder).map_err(storage(folder, "made"))
 }
 
 /// Writes a file completely or not at all, and creates its parent folders.
@@ -36,7 +32,5 @@ pub fn write(path: &Path, contents: &[u8]) -> Result<(), ExperimentError> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), ExperimentError> {
-    let json =
-        serde_json::to_vec_pretty(value).map_err(|source| ExperimentError::Json { path: path.into(), source })?;
-    write(path, &json)
+    write(path, &serde_json::to_vec_pretty(value).map_err(error::json(path))?)
 }

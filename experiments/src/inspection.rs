@@ -47,7 +47,7 @@ pub fn inspect(path: &Path, seed: u64) -> Result<Value, ExperimentError> {
         "json" => model(path),
         "parquet" if is_recording(path)? => recording(path),
         "parquet" | "csv" => trials(path),
-        _ => Err(ExperimentError::Request(format!(
+        _ => Err(ExperimentError::Usage(format!(
             "{}: neither a folder nor a .toml, .json, .parquet or .csv file; give one of these",
             path.display()
         ))),

@@ -146,7 +146,7 @@ impl Search<'_> {
 /// The plan of the reaches of a scene, by its path in the experiment file.
 pub fn plan(experiment: &Experiment, source: &str, seed: u64) -> Result<ReachPlan, ExperimentError> {
     let Some(scene) = experiment.scene(source).cloned() else {
-        return Err(ExperimentError::Request(format!("{source}: the experiment has no such scene")));
+        return Err(ExperimentError::Usage(format!("{source}: the experiment has no such scene")));
     };
     Ok(reach_plan(scene, experiment.arm.as_ref(), experiment.file.controller, seed)?)
 }

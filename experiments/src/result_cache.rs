@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::dataset::PROGRAM_VERSION;
-use crate::error::ExperimentError;
+use crate::error::{self, ExperimentError};
 use crate::files;
 use crate::progress::Progress;
 
@@ -98,10 +98,9 @@ fn hash(content: &Value) -> String {
 
 /// Writes the content with its hash.
 pub(crate) fn write<T: Serialize>(path: &Path, content: &T) -> Result<(), ExperimentError> {
-    let fault = |source| ExperimentError::Json { path: path.into(), source };
-    let content = serde_json::to_value(content).map_err(fault)?;
+    let content = serde_json::to_value(content).map_err(error::json(path))?;
     let sealed = Sealed { blake3: hash(&content), content };
-    files::write(path, &serde_json::to_vec_pretty(&sealed).map_err(fault)?)
+    files::write(path, &serde_json::to_vec_pretty(&sealed).map_err(error::json(path))?)
 }
 
 /// The content of a file that [`write`] has written. A damaged file counts as missing, with a warning.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::dataset::PROGRAM_VERSION;
 use crate::definition::Experiment;
-use crate::error::ExperimentError;
+use crate::error::{ExperimentError, storage};
 use crate::files;
 
 /// Everything that decides the reaches of a run.
@@ -61,7 +61,11 @@ impl Plan {
             if !force {
                 return match self.difference(&stored) {
                     None => Ok(()),
-                    Some(difference) => Err(ExperimentError::OtherRun { folder: out.into(), difference }),
+                    Some(difference) => Err(ExperimentError::Usage(format!(
+                        "{}: holds the results of another run: {difference}; choose another folder with --out, or replace \
+                         them with --force",
+                        out.display()
+                    ))),
                 };
             }
             clear(out)?;
@@ -72,12 +76,18 @@ impl Plan {
     /// The plan of the run whose results a folder holds.
     fn stored(out: &Path) -> Result<Self, ExperimentError> {
         let path = out.join(FILE);
-        let no_plan = |found: String| ExperimentError::NoPlan { folder: out.into(), found };
+        let no_plan = |found: String| {
+            ExperimentError::Usage(format!(
+                "{}: holds files under the names of results, but {found}, so they may not come from reproduce, which leaves \
+                 them alone; choose another folder with --out",
+                out.display()
+            ))
+        };
         match std::fs::read(&path) {
             Ok(bytes) => serde_json::from_slice(&bytes)
                 .map_err(|error| no_plan(format!("a {FILE} that is not the plan of a run ({error})"))),
             Err(error) if error.kind() == ErrorKind::NotFound => Err(no_plan(format!("no {FILE}"))),
-            Err(source) => Err(ExperimentError::Io { path, action: "read", source }),
+            Err(error) => Err(storage(&path, "read")(error)),
         }
     }
 
@@ -102,7 +112,7 @@ fn clear(out: &Path) -> Result<(), ExperimentError> {
     };
     for name in FOLDERS.iter().chain(&FILES) {
         let path = out.join(name);
-        remove(&path).map_err(|source| ExperimentError::Io { path, action: "removed", source })?;
+        remove(&path).map_err(storage(&path, "removed"))?;
     }
     Ok(())
 }

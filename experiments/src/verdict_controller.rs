@@ -145,7 +145,7 @@ impl VerdictControl {
     pub fn applied_to(&self, plan: ReachPlan) -> Result<ReachPlan, ExperimentError> {
         if let PlannedController::Shipped(ControllerKind::Blind, _) = plan.controller {
             let text = "the controller blind ignores all contacts and so all verdicts; choose another controller";
-            return Err(ExperimentError::Request(text.into()));
+            return Err(ExperimentError::Usage(text.into()));
         }
         let layout = &plan.arm.skin.layout;
         let classifier = TouchClassifier::new(self.model.clone(), layout)?;

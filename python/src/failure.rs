@@ -144,9 +144,7 @@ library_errors!(
     underbrush_sim::controller::UnknownController,
     underbrush_sim::reach::ReachError,
     underbrush_sim::simulation::StateError,
-    underbrush_experiments::ExperimentError,
-    underbrush_replay::ReplayError,
-    underbrush_report::reproduction::ReproductionError
+    underbrush_replay::ReplayError
 );
 
 impl From<ModelError> for Failure {

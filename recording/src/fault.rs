@@ -1,8 +1,8 @@
 //! What an error means to the program that called the library.
 //!
-//! Every crate has its own errors. For the command line and the Python package, each error has one of four meanings,
-//! and both must agree on it: the command line turns it into an exit status, and the Python package into an exception.
-//! Each crate converts its errors with `From` for [`Fault`].
+//! For the command line and the Python package, each error has one of four meanings, and both must agree on it: the command
+//! line turns it into an exit status, and the Python package into an exception. Each crate whose callers tell errors apart
+//! has errors of its own, and converts them with `From` for [`Fault`]; experiments and reports end with a [`Fault`].
 
 use crate::InputError;
 
@@ -17,15 +17,19 @@ use crate::InputError;
 /// // The same file on a disk that fails may be read later.
 /// assert!(matches!(Fault::from(InputError { storage: true, ..error }), Fault::Storage(_)));
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, thiserror::Error)]
 pub enum Fault {
     /// Bad input, with its place.
+    #[error("{0}")]
     Input(Box<InputError>),
     /// Bad input or usage that one sentence describes.
+    #[error("{0}")]
     Usage(String),
     /// The run failed although its input was good, and would fail again.
+    #[error("{0}")]
     Run(String),
     /// A file could not be read or written, as on a full disk or a lost share: the same run may succeed later.
+    #[error("{0}")]
     Storage(String),
 }
 

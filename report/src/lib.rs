@@ -11,7 +11,6 @@ mod agreement;
 pub mod benchmark_text;
 pub mod category_looks;
 pub mod drawing;
-mod error;
 pub mod junit;
 pub mod picture;
 pub mod portrait;

@@ -10,12 +10,11 @@ use underbrush_experiments::{ExperimentError, files, frame_verdicts, online_mode
 use underbrush_recording::Recording;
 use underbrush_replay::{Held, Judging, JudgingModel, ReplayError, Source, single_file};
 
-use crate::error::ReproductionError;
 use crate::replay_links::{ENGINEERED_FILE, TEST_FILE, TRAINING_FILE};
 use crate::replayed::{MAX_PAGE_BYTES, known};
 
 /// Writes each page that has reaches, with the verdicts that the figures are about.
-pub fn write(session: &Session, folder: &Path) -> Result<(), ReproductionError> {
+pub fn write(session: &Session, folder: &Path) -> Result<(), ExperimentError> {
     let (tested, online) = (session.once(reaches::run)?, session.once(frame_verdicts::run)?);
     let uncertain = frame_verdicts::uncertain_rule(session.experiment);
     let judged = |recording: &Recording, rule: Rule| held(session, recording.clone(), rule);
@@ -35,8 +34,7 @@ pub fn write(session: &Session, folder: &Path) -> Result<(), ReproductionError> 
     let data = session.once(training::run)?;
     let examples = session.once(example_trials::run)?;
     let places = examples.figure_5.iter().filter_map(|example| example.data.reach);
-    let examples = places
-        .map(|place| held(session, data.dataset.read_reach(place as usize).map_err(ExperimentError::from)?, uncertain));
+    let examples = places.map(|place| held(session, data.dataset.read_reach(place as usize)?, uncertain));
     page(session, examples, &folder.join(TRAINING_FILE))
 }
 
@@ -58,7 +56,7 @@ fn page(
     session: &Session,
     reaches: impl Iterator<Item = Result<Held, ExperimentError>>,
     path: &Path,
-) -> Result<(), ReproductionError> {
+) -> Result<(), ExperimentError> {
     let source = Source::of(reaches.collect::<Result<_, _>>()?, known())?;
     let numbers: Vec<usize> = (0..source.reaches().len()).collect();
     if numbers.is_empty() {

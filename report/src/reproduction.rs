@@ -11,7 +11,6 @@ use underbrush_experiments::session::Session;
 use underbrush_experiments::{ExperimentError, Progress, audit, online_models, training};
 use underbrush_recording::disk::write_trials;
 
-pub use crate::error::ReproductionError;
 use crate::{Written, replay_pages};
 
 /// How an experiment is run.
@@ -35,7 +34,7 @@ impl Reproduction<'_> {
     ///
     /// # Errors
     /// If the folder holds the results of another run, a stage fails, or a file cannot be written.
-    pub fn run(&self, out: &Path, progress: &dyn Progress) -> Result<(Results, Written), ReproductionError> {
+    pub fn run(&self, out: &Path, progress: &dyn Progress) -> Result<(Results, Written), ExperimentError> {
         Plan::new(self.experiment, self.seed, self.quick).settle(out, self.force)?;
         let session = Session::new(self.experiment, (self.seed, self.quick, self.campaigns), out, progress);
         let data = session.once(training::run)?;
@@ -46,11 +45,11 @@ impl Reproduction<'_> {
         let tables = [("component", &trials.component), ("taxel", &trials.taxel)];
         for (unit, trials) in tables {
             let path = out.join(format!("trials-{unit}.parquet"));
-            write_trials(path, trials.iter().cloned()).map_err(ExperimentError::from)?;
+            write_trials(path, trials.iter().cloned())?;
         }
         let models = session.once(online_models::run)?;
         let text = models.model(&session)?.save_string();
-        write(&out.join("model.json"), text.map_err(ExperimentError::from)?.as_bytes())?;
+        write(&out.join("model.json"), text?.as_bytes())?;
         let results = Results::of(&session)?;
         write_json(&out.join("summary.json"), &results)?;
         let report = Written::of(&results);
@@ -67,7 +66,7 @@ impl Reproduction<'_> {
     ///
     /// # Errors
     /// If the folder holds the results of another run, a stage fails, or a file cannot be written.
-    pub fn run_campaign(&self, seed: u64, out: &Path, progress: &dyn Progress) -> Result<(), ReproductionError> {
+    pub fn run_campaign(&self, seed: u64, out: &Path, progress: &dyn Progress) -> Result<(), ExperimentError> {
         Plan::new(self.experiment, self.seed, self.quick).settle(out, false)?;
         let session = Session::new(self.experiment, (self.seed, self.quick, self.campaigns), out, progress);
         Ok(campaigns::run_one(&session, seed)?)

@@ -2,6 +2,7 @@
 
 use underbrush_recording::fault::Fault;
 
+use crate::campaign::CampaignError;
 use crate::controller::UnknownController;
 use crate::reach::ReachError;
 use crate::simulation::StateError;
@@ -11,6 +12,19 @@ impl From<ReachError> for Fault {
         match error {
             ReachError::Input(input) => input.into(),
             ReachError::EquilibriumAngles { .. } | ReachError::Stopped => Fault::Run(error.to_string()),
+        }
+    }
+}
+
+impl<E: std::error::Error + 'static> From<CampaignError<E>> for Fault
+where
+    Fault: From<E>,
+{
+    fn from(error: CampaignError<E>) -> Self {
+        match error {
+            CampaignError::Reach(error) => error.into(),
+            CampaignError::Receiver(error) => error.into(),
+            CampaignError::Engine { .. } => Fault::Run(error.to_string()),
         }
     }
 }

@@ -65,7 +65,7 @@ impl Campaign {
         let own: Vec<Job> = own.map(|(_, job)| *job).collect();
         if own.is_empty() {
             let text = format!("part {part} has no reach; ask for at least one reach in each part");
-            return Err(ExperimentError::Request(text));
+            return Err(ExperimentError::Usage(text));
         }
         prepare(&plans, &own, progress)?;
         let plan = self.plan(&plans, &jobs)?;

@@ -206,7 +206,13 @@ fn matched<'a, T, I: Iterator<Item = &'a T>>(
         let mut found = figures(campaign);
         match (found.next(), found.next()) {
             (Some(figure), None) => Ok(figure),
-            (first, _) => Err(ExperimentError::Unmatched { seed: *seed, name: name.into(), several: first.is_some() }),
+            (first, _) => {
+                let found = if first.is_some() { "several results" } else { "nothing" };
+                Err(ExperimentError::Run(format!(
+                    "the campaign of seed {seed} has {found} under the name {name:?} where one is needed; start again with \
+                     --force"
+                )))
+            }
         }
     };
     campaigns.iter().map(one).collect()

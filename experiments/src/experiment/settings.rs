@@ -140,7 +140,7 @@ fn check_categories(settings: &[Folded]) -> Result<(), ExperimentError> {
     for (setting, fold) in halves() {
         let own = categories(fold);
         if let Some(missing) = all.iter().find(|category| !own.contains(*category)) {
-            return Err(ExperimentError::Request(format!(
+            return Err(ExperimentError::Usage(format!(
                 "setting {}: one half of its reaches has no trial of {missing} that is long enough, so a classifier fitted \
                  to it would not know {missing}; give the training scenes more setting_reaches",
                 setting.name

@@ -52,7 +52,7 @@ pub fn text(suite: &Suite, result: &SuiteResult) -> Result<String, ExperimentErr
     let mut changes = Vec::new();
     for (scene, (own, found)) in all() {
         let bound = new_bound(suite, own, found, probability).ok_or_else(|| {
-            ExperimentError::Request(format!(
+            ExperimentError::Usage(format!(
                 "{}: {} was measured in {} of {} reaches, and a bound takes two; nothing was written. Add reaches, change the \
                  scene, or remove the bound",
                 scene.plan.scene.path.display(),

@@ -69,7 +69,7 @@ pub(super) fn blessed(
 ) -> Result<SuiteResult, ExperimentError> {
     let text = bless::text(suite, &result)?;
     let new = Suite::parse(path, text.clone()).map_err(|error| {
-        ExperimentError::Request(format!(
+        ExperimentError::Usage(format!(
             "the file would not be a suite with the new bounds, so nothing was written ({error}). Write each bound in \
              braces, on one line"
         ))
