@@ -181,7 +181,7 @@ mod tests {
     fn a_check_without_comparisons_fails() {
         let check = &CHECKS[0];
         assert_eq!(judge(check, vec![Ok(Vec::new())], 1.0).verdict, Verdict::Fail);
-        let good = || Ok(vec![Comparison::absolute("x", "m", 1.0, 1.0, 0.1, "none")]);
+        let good = || Ok(vec![Comparison::of("x", "m", 1.0, 1.0).absolute(0.1, "none")]);
         assert_eq!(judge(check, vec![good()], 1.0).verdict, Verdict::Pass);
         let broken = judge(check, vec![good(), Err(CheckError::Case("no leaf".into()))], 1.0);
         assert_eq!((broken.verdict, broken.errors), (Verdict::Fail, vec!["no leaf".to_owned()]));

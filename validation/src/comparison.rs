@@ -23,59 +23,44 @@ pub struct Comparison {
     pub reason: &'static str,
 }
 
-impl Comparison {
+/// A simulated quantity and its closed form, before it is said how far apart they may be.
+pub struct Pair {
+    quantity: String,
+    unit: &'static str,
+    expected: f64,
+    found: f64,
+}
+
+impl Pair {
     /// Compares |found / expected − 1| with the tolerance.
-    pub fn relative(
-        quantity: impl Into<String>,
-        unit: &'static str,
-        expected: f64,
-        found: f64,
-        tolerance: f64,
-        reason: &'static str,
-    ) -> Self {
-        Comparison {
-            quantity: quantity.into(),
-            unit,
-            expected,
-            found,
-            residual: (found / expected - 1.0).abs(),
-            relative: true,
-            tolerance,
-            reason,
-        }
+    pub fn relative(self, tolerance: f64, reason: &'static str) -> Comparison {
+        let residual = (self.found / self.expected - 1.0).abs();
+        Comparison { relative: true, ..self.within(residual, tolerance, reason) }
     }
 
     /// Compares |found − expected| with the tolerance.
-    pub fn absolute(
-        quantity: impl Into<String>,
-        unit: &'static str,
-        expected: f64,
-        found: f64,
-        tolerance: f64,
-        reason: &'static str,
-    ) -> Self {
-        Comparison {
-            residual: (found - expected).abs(),
-            relative: false,
-            ..Comparison::relative(quantity, unit, expected, found, tolerance, reason)
-        }
+    pub fn absolute(self, tolerance: f64, reason: &'static str) -> Comparison {
+        let residual = (self.found - self.expected).abs();
+        self.within(residual, tolerance, reason)
     }
 
-    /// Requires `found` ≤ `bound`. The residual is the excess.
-    pub fn at_most(
-        quantity: impl Into<String>,
-        unit: &'static str,
-        bound: f64,
-        found: f64,
-        tolerance: f64,
-        reason: &'static str,
-    ) -> Self {
-        Comparison {
-            // Not `max(0.0)`, which would turn NaN into a pass.
-            residual: if found <= bound { 0.0 } else { found - bound },
-            relative: false,
-            ..Comparison::relative(quantity, unit, bound, found, tolerance, reason)
-        }
+    /// Requires `found` ≤ `expected`. The residual is the excess.
+    pub fn at_most(self, tolerance: f64, reason: &'static str) -> Comparison {
+        // Not `max(0.0)`, which would turn NaN into a pass.
+        let residual = if self.found <= self.expected { 0.0 } else { self.found - self.expected };
+        self.within(residual, tolerance, reason)
+    }
+
+    fn within(self, residual: f64, tolerance: f64, reason: &'static str) -> Comparison {
+        let Pair { quantity, unit, expected, found } = self;
+        Comparison { quantity, unit, expected, found, residual, relative: false, tolerance, reason }
+    }
+}
+
+impl Comparison {
+    /// A quantity of the simulation beside its closed form.
+    pub fn of(quantity: impl Into<String>, unit: &'static str, expected: f64, found: f64) -> Pair {
+        Pair { quantity: quantity.into(), unit, expected, found }
     }
 
     /// Whether the residual is strictly below the scaled tolerance, so that a scale of 0 fails everything. NaN never
@@ -92,11 +77,11 @@ mod tests {
     /// Tests that equality passes except at scale 0, and that NaN never passes.
     #[test]
     fn only_numbers_under_the_tolerance_pass() {
-        let compare = |expected, found| Comparison::relative("x", "m", expected, found, 0.01, "none");
+        let compare = |expected, found| Comparison::of("x", "m", expected, found).relative(0.01, "none");
         assert!(compare(2.0, 2.0).passes(1.0) && !compare(2.0, 2.0).passes(0.0));
         assert!(compare(2.0, 2.01).passes(1.0) && !compare(2.0, 2.01).passes(0.25));
         assert!(!compare(2.0, f64::NAN).passes(1e9) && !compare(0.0, 0.0).passes(1e9));
-        let bound = |found| Comparison::at_most("x", "m", 1.0, found, 0.01, "none");
+        let bound = |found| Comparison::of("x", "m", 1.0, found).at_most(0.01, "none");
         assert!(bound(0.5).passes(1.0) && !bound(1.02).passes(1.0) && !bound(f64::NAN).passes(1.0));
     }
 }

@@ -141,14 +141,18 @@ fn resting(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
                 rig.step();
             }
             let depth_m = body.height_m - rig.pose_world(upper).position.z;
-            comparisons.push(Comparison::relative(
-                format!("{}, k times the overlap's volume at rest, {} g", body.name, mass_kg * 1e3),
-                "N",
-                mass_kg * GRAVITY_M_PER_S2,
-                STIFFNESS_N_PER_M3 * (body.overlap_m3)(depth_m),
-                0.005 + body.curvature_per_m * depth_m / 4.0,
-                "0.5 % of quadrature, and d / 4R where the closed form is the first term in d / R",
-            ));
+            comparisons.push(
+                Comparison::of(
+                    format!("{}, k times the overlap's volume at rest, {} g", body.name, mass_kg * 1e3),
+                    "N",
+                    mass_kg * GRAVITY_M_PER_S2,
+                    STIFFNESS_N_PER_M3 * (body.overlap_m3)(depth_m),
+                )
+                .relative(
+                    0.005 + body.curvature_per_m * depth_m / 4.0,
+                    "0.5 % of quadrature, and d / 4R where the closed form is the first term in d / R",
+                ),
+            );
         }
     }
     Ok(comparisons)
@@ -183,14 +187,15 @@ fn along_the_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError
             .filter(|contact| contact.link == pressed.forearm)
             .map(|contact| contact.force_world.dot(contact.inward_world))
             .sum();
-        comparisons.push(Comparison::relative(
-            format!("trunk on the forearm {name}, π k √(R₁R₂) d² / sin α"),
-            "N",
-            force_n,
-            law / normal.length(),
-            0.05,
-            "5 %: terms of order d / R, a tenth for the trunk, a quarter of which enters",
-        ));
+        comparisons.push(
+            Comparison::of(
+                format!("trunk on the forearm {name}, π k √(R₁R₂) d² / sin α"),
+                "N",
+                force_n,
+                law / normal.length(),
+            )
+            .relative(0.05, "5 %: terms of order d / R, a tenth for the trunk, a quarter of which enters"),
+        );
     }
     Ok(comparisons)
 }

@@ -34,14 +34,10 @@ fn leaf_in_step(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         let [_, decrement] = pluck(LOSS_FACTOR * simulated.with(LOSSY_BLADE, 1.0, 1.2), step_s)?;
         errors.push((step_s, (decrement - exact.log_decrement()).abs()));
     }
-    Ok(vec![Comparison::absolute(
-        "order in the step, log decrement of a leaf",
-        "",
-        1.0,
-        order::log_log_slope(&errors),
-        0.2,
-        REASON,
-    )])
+    Ok(vec![
+        Comparison::of("order in the step, log decrement of a leaf", "", 1.0, order::log_log_slope(&errors))
+            .absolute(0.2, REASON),
+    ])
 }
 
 fn joint_in_step(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
@@ -50,14 +46,10 @@ fn joint_in_step(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         let response = joint_step::respond(simulated, step_s)?;
         errors.push((step_s, response.largest_miss(&response.exact)));
     }
-    Ok(vec![Comparison::absolute(
-        "order in the step, step response of a joint",
-        "",
-        2.0,
-        order::log_log_slope(&errors),
-        0.2,
-        REASON,
-    )])
+    Ok(vec![
+        Comparison::of("order in the step, step response of a joint", "", 2.0, order::log_log_slope(&errors))
+            .absolute(0.2, REASON),
+    ])
 }
 
 /// Gauss-Legendre quadrature is exact for a load at the tip. For a load below the tip, the deflection's integrand is (a
@@ -79,14 +71,15 @@ fn leaf_in_hinges(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         }
         errors.push((1.0 / f64::from(segments), (squares / f64::from(PLACES)).sqrt()));
     }
-    Ok(vec![Comparison::absolute(
-        "order in the hinges, deflection by a load between 0.5 and 0.9 of the height",
-        "",
-        3.0,
-        order::log_log_slope(&errors),
-        0.2,
-        REASON,
-    )])
+    Ok(vec![
+        Comparison::of(
+            "order in the hinges, deflection by a load between 0.5 and 0.9 of the height",
+            "",
+            3.0,
+            order::log_log_slope(&errors),
+        )
+        .absolute(0.2, REASON),
+    ])
 }
 
 /// Positions of the load over which the error is averaged.

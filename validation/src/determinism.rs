@@ -54,7 +54,7 @@ count = 8
 const REACHES: u64 = 3;
 
 fn same(quantity: &str, differing: usize) -> Comparison {
-    Comparison::absolute(quantity, "bytes", 0.0, differing as f64, 1.0, "1 byte: every bit must be equal")
+    Comparison::of(quantity, "bytes", 0.0, differing as f64).absolute(1.0, "1 byte: every bit must be equal")
 }
 
 fn repeated(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {

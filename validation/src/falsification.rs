@@ -147,7 +147,7 @@ mod tests {
 
     /// A length and a mass. A wrong value of each is noticed by one comparison only.
     fn compare(simulated: Simulated) -> Found {
-        let same = |name: &str, found| Comparison::relative(name, "", 1.0, found, 1e-3, "none");
+        let same = |name: &str, found| Comparison::of(name, "", 1.0, found).relative(1e-3, "none");
         Ok(vec![same("length", simulated.with(LONG, 1.0, 1.01)), same("mass", simulated.with(HEAVY, 1.0, 1.01))])
     }
 
@@ -183,7 +183,7 @@ mod tests {
         let faults = |found: Found| judge_falsified(&ALONE, vec![vec![found]], 1.0).faults;
         let broken_off = faults(Err(CheckError::Case("no leaf".into())));
         assert_eq!(broken_off, ["with length, 1 % too long: no leaf", "a case without comparisons"]);
-        let other = Comparison::absolute("mass", "kg", 0.0, 1.0, 0.1, "none");
+        let other = Comparison::of("mass", "kg", 0.0, 1.0).absolute(0.1, "none");
         assert_eq!(faults(Ok(vec![other])), ["with length, 1 % too long: no comparison is named \"length\""]);
     }
 }

@@ -63,23 +63,24 @@ fn pressed_block(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let mut pressed = Driven::new(&block, 0.0, 1, Axis::TranslationZ)?;
     let force = pressed.drive(|_| -depth_m, 0.02).last().map_or(0.0, |point| -point.force);
     Ok(vec![
-        Comparison::relative(
+        Comparison::of(
             "wet block, force at 1 mm, E A δ / H",
             "N",
             foam::bar_force_n(BLOCK.modulus_pa, BLOCK_AREA_M2, BLOCK.height_m, depth_m),
             force,
+        )
+        .relative(
             0.03,
             "3 %: exact in the time step; a spring with a relaxation time of 2 s loses less than 1 % within 20 ms",
         ),
-        Comparison::relative(
+        Comparison::of(
             "wet block, sag ρ g H² / 2 E at the relaxed modulus",
             "m",
             // Creep adds to the instantaneous sag.
             sag / (1.0 - WET_RELAXING_SHARE),
             -sunk,
-            0.03,
-            "3 %: exact in the time step; after 30 s a fraction e⁻¹⁰ of the creep remains",
-        ),
+        )
+        .relative(0.03, "3 %: exact in the time step; after 30 s a fraction e⁻¹⁰ of the creep remains"),
     ])
 }
 
@@ -120,22 +121,10 @@ fn held_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     // Three forces at equal intervals: the ratio of their differences is e^(−Δt/τ), whatever the parallel spring.
     let time_s = 2.0 / ((early - late) / (late - at(5.0))).ln();
     Ok(vec![
-        Comparison::relative(
-            "roll's slice, force at 1 cm after 0.1 s",
-            "N",
-            solid().relaxation(0.1) * DEPTH_M,
-            first,
-            0.03,
-            "3 %: exact for a constant displacement; the dashpot lags by one step",
-        ),
-        Comparison::relative(
-            "roll's slice, relaxation time",
-            "s",
-            solid().relaxation_time_s,
-            time_s,
-            0.02,
-            "2 %: exact for a constant displacement; the drive itself deflects by 1e-3",
-        ),
+        Comparison::of("roll's slice, force at 1 cm after 0.1 s", "N", solid().relaxation(0.1) * DEPTH_M, first)
+            .relative(0.03, "3 %: exact for a constant displacement; the dashpot lags by one step"),
+        Comparison::of("roll's slice, relaxation time", "s", solid().relaxation_time_s, time_s)
+            .relative(0.02, "2 %: exact for a constant displacement; the drive itself deflects by 1e-3"),
     ])
 }
 
@@ -145,26 +134,23 @@ fn cycled_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     // The first cycles let the dashpot settle: after each cycle, e^(−2π) of its transient is left.
     let cycles = slice(simulated)?.drive(|time_s| DEPTH_M * (frequency * time_s).sin(), 3.0 * period_s);
     let last = &cycles[cycles.len() - (period_s / Driven::STEP_S).round() as usize - 1..];
-    Ok(vec![Comparison::relative(
-        "roll's slice, work lost in a cycle of 1 cm at ω = 1/τ",
-        "J",
-        solid().loop_area(DEPTH_M, frequency),
-        work(last.iter().map(|point| (point.place, point.force))),
-        0.03,
-        "3 %: the spring's own damper adds 0.2 %, and the dashpot lags by one step (1e-3 rad)",
-    )])
+    Ok(vec![
+        Comparison::of(
+            "roll's slice, work lost in a cycle of 1 cm at ω = 1/τ",
+            "J",
+            solid().loop_area(DEPTH_M, frequency),
+            work(last.iter().map(|point| (point.place, point.force))),
+        )
+        .relative(0.03, "3 %: the spring's own damper adds 0.2 %, and the dashpot lags by one step (1e-3 rad)"),
+    ])
 }
 
 fn wandering_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let min = min_work(&slice(simulated)?.drive(wander, 20.0)) / (solid().stiffness * DEPTH_M * DEPTH_M);
-    Ok(vec![Comparison::at_most(
-        "roll's slice, largest net work returned along an irregular path, over k x²",
-        "",
-        0.0,
-        -min,
-        1e-6,
-        "1e-6: a passive material returns no net work; the drive itself deflects slightly",
-    )])
+    Ok(vec![
+        Comparison::of("roll's slice, largest net work returned along an irregular path, over k x²", "", 0.0, -min)
+            .at_most(1e-6, "1e-6: a passive material returns no net work; the drive itself deflects slightly"),
+    ])
 }
 
 /// Moves the slice by 1 cm and back, one second each way. At half the distance it pushes less on the way back.
@@ -173,15 +159,19 @@ fn returning_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
     // The first point is the one after one step.
     let force_n = |time_s: f64| way[(time_s / Driven::STEP_S).round() as usize - 1].force;
     let expected = |time_s| solid().there_and_back_force(1.0, time_s);
-    Ok(vec![Comparison::relative(
-        "roll's slice, force at 5 mm while unloading, over that while loading",
-        "",
-        expected(1.5) / expected(0.5),
-        force_n(1.5) / force_n(0.5),
-        0.02,
-        "2 %: the spring's own damper adds 0.1 N to 24 N while loading and subtracts it from 17 N while unloading; the dashpot \
-         lags by one step",
-    )])
+    Ok(vec![
+        Comparison::of(
+            "roll's slice, force at 5 mm while unloading, over that while loading",
+            "",
+            expected(1.5) / expected(0.5),
+            force_n(1.5) / force_n(0.5),
+        )
+        .relative(
+            0.02,
+            "2 %: the spring's own damper adds 0.1 N to 24 N while loading and subtracts it from 17 N \
+             while unloading; the dashpot lags by one step",
+        ),
+    ])
 }
 
 /// An irregular motion: three sines without a common period, less than 1 cm, starting at rest.

@@ -55,22 +55,18 @@ fn free(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let energies = energies_j(arm, STEP_S)?;
     let (start, end) = (energies[0], energies[energies.len() - 1]);
     Ok(vec![
-        Comparison::relative(
-            "energy of the free arm after 5 s, step 1 ms",
-            "J",
-            start,
-            end,
-            1e-3,
-            "0.1 %: the integrator is first order; joints rotate by half a milliradian in a step",
-        ),
-        Comparison::absolute(
+        Comparison::of("energy of the free arm after 5 s, step 1 ms", "J", start, end)
+            .relative(1e-3, "0.1 %: the integrator is first order; joints rotate by half a milliradian in a step"),
+        Comparison::of(
             "order in the step of the largest rise of the free arm's energy in one step",
             "",
             2.0,
             order::log_log_slope(&rises),
+        )
+        .absolute(
             0.2,
-            "0.2: fit of a straight line on a log-log scale. Coriolis forces are those of the start of the step, so their \
-             work has an error of either sign that is second order in the step",
+            "0.2: fit of a straight line on a log-log scale. Coriolis forces are those of the start \
+             of the step, so their work has an error of either sign that is second order in the step",
         ),
     ])
 }
@@ -91,14 +87,13 @@ fn largest_rise_share(energies_j: &[f64]) -> f64 {
 }
 
 fn largest_rise(name: &str, energies_j: &[f64]) -> Comparison {
-    Comparison::at_most(
+    Comparison::of(
         format!("largest rise of the energy of {name} in one step, over the initial energy"),
         "",
         0.0,
         largest_rise_share(energies_j),
-        1e-9,
-        "1e-9: rounding only",
     )
+    .at_most(1e-9, "1e-9: rounding only")
 }
 
 /// Energy, J, at the start and after each step, of an arm that is released in its start posture with some velocity.

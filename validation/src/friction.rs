@@ -50,28 +50,33 @@ fn boxes(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let friction = FRICTION * simulated.with(SMOOTH_BOX, 1.0, 0.9);
     let mut comparisons = Vec::new();
     for (name, may_rotate) in [("box that cannot rotate", false), ("free box", true)] {
-        comparisons.push(Comparison::absolute(
-            format!("slope at which a {name} slips"),
-            "deg",
-            statics::slip_angle_rad(FRICTION).to_degrees(),
-            slip_slope_rad(friction, may_rotate).to_degrees(),
-            0.5,
-            "0.5°: the bisection ends at 0.01°; slip and creep are told apart within one second",
-        ));
+        comparisons.push(
+            Comparison::of(
+                format!("slope at which a {name} slips"),
+                "deg",
+                statics::slip_angle_rad(FRICTION).to_degrees(),
+                slip_slope_rad(friction, may_rotate).to_degrees(),
+            )
+            .absolute(0.5, "0.5°: the bisection ends at 0.01°; slip and creep are told apart within one second"),
+        );
         for slope_deg in [30.0_f64, 45.0] {
             let slope = slope_deg.to_radians();
             let speeds = sliding_speeds(slope, friction, may_rotate);
             // The first half second lets the contact settle.
             let half = speeds.len() / 2;
             let seconds = (speeds.len() - 1 - half) as f64 * OPTIONS.step_s;
-            comparisons.push(Comparison::relative(
-                format!("acceleration of a {name} at {slope_deg}°"),
-                "m/s²",
-                statics::sliding_acceleration_m_per_s2(GRAVITY_M_PER_S2, slope, FRICTION),
-                (speeds[speeds.len() - 1] - speeds[half]) / seconds,
-                1e-2,
-                "1 %: a constant force has no discretization error; what remains is the solver's residual",
-            ));
+            comparisons.push(
+                Comparison::of(
+                    format!("acceleration of a {name} at {slope_deg}°"),
+                    "m/s²",
+                    statics::sliding_acceleration_m_per_s2(GRAVITY_M_PER_S2, slope, FRICTION),
+                    (speeds[speeds.len() - 1] - speeds[half]) / seconds,
+                )
+                .relative(
+                    1e-2,
+                    "1 %: a constant force has no discretization error; what remains is the solver's residual",
+                ),
+            );
         }
     }
     Ok(comparisons)
@@ -122,29 +127,21 @@ fn sliding_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
         }
     }
     Ok(vec![
-        Comparison::at_most(
-            "sliding forearm, largest shear of a taxel over μ times its normal force",
-            "",
-            1.0,
-            largest,
-            1e-6,
-            "1e-6: Coulomb's bound, up to rounding",
-        ),
-        Comparison::absolute(
-            "sliding forearm, share of the friction force that opposes the slip",
-            "",
-            1.0,
-            opposed / whole,
-            1e-3,
-            "0.1 %: friction opposes the slip, whose direction changes a little within a frame",
-        ),
-        Comparison::relative(
-            "forearm dragged along a trunk, normal force that balances springs and dampers with Coulomb friction",
+        Comparison::of("sliding forearm, largest shear of a taxel over μ times its normal force", "", 1.0, largest)
+            .at_most(1e-6, "1e-6: Coulomb's bound, up to rounding"),
+        Comparison::of("sliding forearm, share of the friction force that opposes the slip", "", 1.0, opposed / whole)
+            .absolute(1e-3, "0.1 %: friction opposes the slip, whose direction changes a little within a frame"),
+        Comparison::of(
+            "forearm dragged along a trunk, normal force that balances springs and dampers with Coulomb \
+             friction",
             "N",
             balancing_n / f64::from(FRAMES - STEADY),
             pressing_n / f64::from(FRAMES - STEADY),
+        )
+        .relative(
             0.02,
-            "2 %: the closed form leaves out the arm's inertia, whose share falls from 8 % to 1 % while the arm speeds up",
+            "2 %: the closed form leaves out the arm's inertia, whose share falls from 8 % to 1 % while \
+             the arm speeds up",
         ),
     ])
 }
@@ -186,30 +183,17 @@ fn every_direction(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
     let expected = FRICTION * GRAVITY_M_PER_S2;
     let reason = "1 %: as on a slope";
     Ok(vec![
-        Comparison::at_most(
+        Comparison::of(
             "box that slides in twelve directions, largest angle between friction and slip",
             "deg",
             0.0,
             farthest_rad.to_degrees(),
-            0.1,
-            "0.1°: the solver's residual, 1e-6 of the force, and a little rotation of the box",
-        ),
-        Comparison::relative(
-            "box that slides in twelve directions, slowest deceleration",
-            "m/s²",
-            expected,
-            slowest,
-            0.01,
-            reason,
-        ),
-        Comparison::relative(
-            "box that slides in twelve directions, fastest deceleration",
-            "m/s²",
-            expected,
-            fastest,
-            0.01,
-            reason,
-        ),
+        )
+        .at_most(0.1, "0.1°: the solver's residual, 1e-6 of the force, and a little rotation of the box"),
+        Comparison::of("box that slides in twelve directions, slowest deceleration", "m/s²", expected, slowest)
+            .relative(0.01, reason),
+        Comparison::of("box that slides in twelve directions, fastest deceleration", "m/s²", expected, fastest)
+            .relative(0.01, reason),
     ])
 }
 

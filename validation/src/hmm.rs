@@ -99,14 +99,10 @@ fn forward(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         scored.transition[0][1] -= off;
         let model = GaussianHmm::new(scored).map_err(|error| CheckError::Case(format!("{error:?}")))?;
         let found = Scorer::from(model).log_probability(ScoreKind::Forward, &observations).map_err(fault)?;
-        comparisons.push(Comparison::relative(
-            format!("forward score, {name}, 3 states, 7 samples"),
-            "nat",
-            expected,
-            found,
-            1e-12,
-            "1e-12: rounding of some hundred sums and products",
-        ));
+        comparisons.push(
+            Comparison::of(format!("forward score, {name}, 3 states, 7 samples"), "nat", expected, found)
+                .relative(1e-12, "1e-12: rounding of some hundred sums and products"),
+        );
     }
     Ok(comparisons)
 }
@@ -149,14 +145,10 @@ fn likelihood(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         fall = fall.max((before - after) / before.abs());
         before = after;
     }
-    Ok(vec![Comparison::at_most(
-        "largest decrease of the log-likelihood in one iteration",
-        "",
-        0.0,
-        fall,
-        1e-9,
-        "1e-9, relative: rounding; a Baum-Welch iteration never decreases the likelihood",
-    )])
+    Ok(vec![
+        Comparison::of("largest decrease of the log-likelihood in one iteration", "", 0.0, fall)
+            .at_most(1e-9, "1e-9, relative: rounding; a Baum-Welch iteration never decreases the likelihood"),
+    ])
 }
 
 /// Number of iterations: enough for the likelihood to converge to rounding error.
@@ -189,7 +181,7 @@ fn recovered(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         let stays = truth.transition[state][state];
         let mut compare = |quantity: String, expected: f64, found: f64, standard_error: f64| {
             let tolerance = 4.0 * standard_error;
-            comparisons.push(Comparison::absolute(quantity, "", expected, found, tolerance, reason));
+            comparisons.push(Comparison::of(quantity, "", expected, found).absolute(tolerance, reason));
         };
         compare(
             format!("mean of state {state}"),

@@ -33,30 +33,19 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let (frequency, _) = measure_vibration(&about_target, STEP_S)?;
     let overshoot = about_target.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     Ok(vec![
-        Comparison::relative(
-            "period",
-            "s",
-            expected.period_s(),
-            std::f64::consts::TAU / frequency,
-            5e-3,
-            "0.5 %: zero crossings are interpolated between steps",
-        ),
-        Comparison::relative(
-            "overshoot, relative to the step",
-            "",
-            expected.overshoot(),
-            overshoot,
+        Comparison::of("period", "s", expected.period_s(), std::f64::consts::TAU / frequency)
+            .relative(5e-3, "0.5 %: zero crossings are interpolated between steps"),
+        Comparison::of("overshoot, relative to the step", "", expected.overshoot(), overshoot).relative(
             1e-4,
             "1e-4: the implicit midpoint rule is of second order; a step is 8e-3 rad of the oscillation",
         ),
-        Comparison::absolute(
+        Comparison::of(
             "largest error of the whole response, relative to the step",
             "",
             0.0,
             response.largest_miss(&expected),
-            1e-4,
-            "1e-4: the same",
-        ),
+        )
+        .absolute(1e-4, "1e-4: the same"),
     ])
 }
 

@@ -44,13 +44,10 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         let contacts = DVector::from_vec(pressed.report().contact_torque_nm(&pressed.arm));
         comparisons.push(Comparison {
             residual: (&springs + &contacts).norm() / contacts.norm(),
-            ..Comparison::relative(
-                format!("joint torques, {name} (norm)"),
-                "Nm",
-                contacts.norm(),
-                springs.norm(),
+            ..Comparison::of(format!("joint torques, {name} (norm)"), "Nm", contacts.norm(), springs.norm()).relative(
                 1e-3,
-                "0.1 %: a state of rest has no discretization error; what remains is creep of the contact under friction",
+                "0.1 %: a state of rest has no discretization error; what remains is creep of the contact \
+                 under friction",
             )
         });
     }

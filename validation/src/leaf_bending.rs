@@ -52,14 +52,19 @@ fn tip_load(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let mut comparisons = Vec::new();
     for segments in [2, 4, 8, 16] {
         let found = damped_leaf(segments, simulated)?.settle(DVec3::X * SMALL_LOAD_N, DVec3::ZERO)?;
-        comparisons.push(Comparison::relative(
-            format!("tip deflection, {segments} hinges, against the beam"),
-            "m",
-            beam::beam_deflection_m(SMALL_LOAD_N, LENGTH_M, RIGIDITY_N_M2),
-            found.x,
-            small_load_tolerance(),
-            "twice (4/35) (P L² / E I)², the next term of the elastica: Gauss-Legendre hinges are exact for a small tip load",
-        ));
+        comparisons.push(
+            Comparison::of(
+                format!("tip deflection, {segments} hinges, against the beam"),
+                "m",
+                beam::beam_deflection_m(SMALL_LOAD_N, LENGTH_M, RIGIDITY_N_M2),
+                found.x,
+            )
+            .relative(
+                small_load_tolerance(),
+                "twice (4/35) (P L² / E I)², the next term of the elastica: Gauss-Legendre hinges are exact \
+                 for a small tip load",
+            ),
+        );
     }
     Ok(comparisons)
 }
@@ -72,14 +77,18 @@ fn load_below_tip(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             return Err(CheckError::Case(format!("no table of nodes for {hinges} hinges")));
         };
         let mut leaf = damped_leaf(simulated.with(FEWER_HINGES, hinges, hinges - 1), simulated)?;
-        comparisons.push(Comparison::relative(
-            format!("deflection by a load at 0.6 of the height, {hinges} hinges, against the sum over them"),
-            "m",
-            expected,
-            leaf.settle_at(DVec3::X * SMALL_LOAD_N, height_m)?,
-            small_load_tolerance(),
-            "the same: the sum over the published Gauss nodes is exact for the chain",
-        ));
+        comparisons.push(
+            Comparison::of(
+                format!("deflection by a load at 0.6 of the height, {hinges} hinges, against the sum over them"),
+                "m",
+                expected,
+                leaf.settle_at(DVec3::X * SMALL_LOAD_N, height_m)?,
+            )
+            .relative(
+                small_load_tolerance(),
+                "the same: the sum over the published Gauss nodes is exact for the chain",
+            ),
+        );
     }
     Ok(comparisons)
 }
@@ -91,15 +100,14 @@ fn large_deflection(simulated: Simulated) -> Result<Vec<Comparison>, CheckError>
             ("sideways", expected.sideways, found.x / LENGTH_M),
             ("shortening", expected.shortening, 1.0 - found.z / LENGTH_M),
         ] {
-            comparisons.push(Comparison::absolute(
-                format!("{what}, {segments} hinges: {direction} in lengths"),
-                "",
-                expected,
-                found,
-                1.5 * chain::far_bending_error(bending, segments),
-                "1.5 (π²/24n²) ∫ s (1−s) κ² ds: the leading error of a chain with Gauss-Legendre hinges, and half as much again \
-                 because it changes the lever",
-            ));
+            comparisons.push(
+                Comparison::of(format!("{what}, {segments} hinges: {direction} in lengths"), "", expected, found)
+                    .absolute(
+                        1.5 * chain::far_bending_error(bending, segments),
+                        "1.5 (π²/24n²) ∫ s (1−s) κ² ds: the leading error of a chain with Gauss-Legendre hinges, \
+                         and half as much again because it changes the lever",
+                    ),
+            );
         }
     };
     for (load, segments) in [(0.45, 8), (1.0, 8), (2.0, 8), (3.0, 8), (3.0, 20)] {

@@ -66,23 +66,19 @@ fn undamped(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let [frequency, decrement] = pluck_in_steps(0.0, rigidity, STEP_S, engine_step_s)?;
     let free = Oscillator { frequency_rad_per_s: beam_frequency_rad_per_s(), damping_ratio: 0.0 };
     Ok(vec![
-        Comparison::relative(
-            "first frequency, 8 hinges",
-            "rad/s",
-            free.frequency_rad_per_s,
-            frequency,
+        Comparison::of("first frequency, 8 hinges", "rad/s", free.frequency_rad_per_s, frequency).relative(
             1e-3,
-            "0.1 %: a chain with 8 Gauss-Legendre hinges is off by 4e-6; higher modes, some hundredths of the first, shift a zero \
-             crossing by some hundredths of a radian, and the crossings span 40 rad",
+            "0.1 %: a chain with 8 Gauss-Legendre hinges is off by 4e-6; higher modes, some \
+             hundredths of the first, shift a zero crossing by some hundredths of a radian, and the \
+             crossings span 40 rad",
         ),
-        Comparison::relative(
+        Comparison::of(
             "log decrement of the integrator alone",
             "",
             free.under_theta_method(Theta::DAMPED.value(), STEP_S).log_decrement(),
             decrement,
-            0.15,
-            "15 %, 5e-4: peaks are sampled at steps, and higher modes add to them",
-        ),
+        )
+        .relative(0.15, "15 %, 5e-4: peaks are sampled at steps, and higher modes add to them"),
     ])
 }
 
@@ -90,12 +86,13 @@ fn damped(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let loss_factor = LOSS_FACTOR * simulated.with(LOSSY_BLADE, 1.0, 1.2);
     let exact = Oscillator { frequency_rad_per_s: beam_frequency_rad_per_s(), damping_ratio: LOSS_FACTOR / 2.0 };
     let [_, decrement] = pluck(loss_factor, STEP_S)?;
-    Ok(vec![Comparison::relative(
-        "log decrement of a leaf with a loss factor of 0.1",
-        "",
-        exact.under_theta_method(Theta::DAMPED.value(), STEP_S).log_decrement(),
-        decrement,
-        0.02,
-        "2 %: peaks are sampled at steps, and higher modes add to the first",
-    )])
+    Ok(vec![
+        Comparison::of(
+            "log decrement of a leaf with a loss factor of 0.1",
+            "",
+            exact.under_theta_method(Theta::DAMPED.value(), STEP_S).log_decrement(),
+            decrement,
+        )
+        .relative(0.02, "2 %: peaks are sampled at steps, and higher modes add to the first"),
+    ])
 }

@@ -37,7 +37,7 @@ mod standing_bottle;
 mod wrong_parameter;
 
 pub use check::{Case, Check, CheckError, Judged, Outcome, Simulated, Verdict, judge, run};
-pub use comparison::Comparison;
+pub use comparison::{Comparison, Pair};
 pub use falsification::{Falsified, FalsifiedOutcome, FalsifiedRun, falsify, judge_falsified};
 pub use portrait::{Portrait, Section, portraits, roll_loop};
 pub use wrong_parameter::{Breaks, Falsification};

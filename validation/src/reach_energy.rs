@@ -32,14 +32,11 @@ fn compare(name: &str, scene: &str, simulated: Simulated) -> Result<Vec<Comparis
     }
     Ok(vec![Comparison {
         residual: (found - sums.actuators_j).abs() / sums.exchanged_j,
-        ..Comparison::relative(
-            format!("work of the actuators in a reach among {name}"),
-            "J",
-            sums.actuators_j,
-            found,
-            0.01,
-            "1 % of the work exchanged: impacts and dampers are resolved to first order in the step of 1 ms",
-        )
+        ..Comparison::of(format!("work of the actuators in a reach among {name}"), "J", sums.actuators_j, found)
+            .relative(
+                0.01,
+                "1 % of the work exchanged: impacts and dampers are resolved to first order in the step of 1 ms",
+            )
     }])
 }
 

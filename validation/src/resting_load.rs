@@ -38,14 +38,13 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     bodies
         .into_iter()
         .map(|(name, shape, pose_body)| {
-            Ok(Comparison::relative(
+            Ok(Comparison::of(
                 format!("load under a {name}"),
                 "N",
                 MASS_KG * GRAVITY_M_PER_S2,
                 resting_load_n(BodyPart { shape, pose_body }, mass_kg)?,
-                1e-6,
-                "1e-6: a state of rest has no discretization error; what remains is the solver's residual",
-            ))
+            )
+            .relative(1e-6, "1e-6: a state of rest has no discretization error; what remains is the solver's residual"))
         })
         .collect()
 }

@@ -107,22 +107,10 @@ fn noise(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let count = (FRAMES * TAXELS) as f64;
     let variance = (squares - sum * sum / count) / (count - 1.0);
     Ok(vec![
-        Comparison::absolute(
-            "mean of the noise",
-            "N",
-            0.0,
-            sum / count,
-            3.0 * NOISE_N / count.sqrt(),
-            "3 σ/√N of N = 384 000 readings",
-        ),
-        Comparison::relative(
-            "variance of the noise",
-            "N²",
-            NOISE_N * NOISE_N,
-            variance,
-            3.0 * (2.0 / count).sqrt(),
-            "3 √(2/N) of N = 384 000 normal readings",
-        ),
+        Comparison::of("mean of the noise", "N", 0.0, sum / count)
+            .absolute(3.0 * NOISE_N / count.sqrt(), "3 σ/√N of N = 384 000 readings"),
+        Comparison::of("variance of the noise", "N²", NOISE_N * NOISE_N, variance)
+            .relative(3.0 * (2.0 / count).sqrt(), "3 √(2/N) of N = 384 000 normal readings"),
     ])
 }
 
@@ -137,14 +125,10 @@ fn quantum(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         let nearest = (force * 1000.0).round() / 1000.0;
         wrong += f64::from(reading != f64::from(nearest as f32));
     }
-    Ok(vec![Comparison::absolute(
-        "readings, of 5000, that are not the number nearest to count / 1000",
-        "",
-        0.0,
-        wrong,
-        1.0,
-        "below 1: none is allowed",
-    )])
+    Ok(vec![
+        Comparison::of("readings, of 5000, that are not the number nearest to count / 1000", "", 0.0, wrong)
+            .absolute(1.0, "below 1: none is allowed"),
+    ])
 }
 
 /// The number of frames after which a tap arrives.
@@ -154,14 +138,10 @@ fn delay(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let forces = (0..20).map(|frame| if frame == 5 { 1.0 } else { 0.0 });
     let readings: Vec<f64> = forces.map(|force| bench.press(bench.forearm, 7, force)).collect();
     let arrived = readings.iter().position(|reading| *reading > 0.0);
-    Ok(vec![Comparison::absolute(
-        "delay of a tap",
-        "frames",
-        3.0,
-        arrived.map_or(f64::NAN, |frame| frame as f64 - 5.0),
-        0.5,
-        "half a frame: a delay is a whole number of frames",
-    )])
+    Ok(vec![
+        Comparison::of("delay of a tap", "frames", 3.0, arrived.map_or(f64::NAN, |frame| frame as f64 - 5.0))
+            .absolute(0.5, "half a frame: a delay is a whole number of frames"),
+    ])
 }
 
 /// A taxel of the forearm with four neighbours, in the middle of the 384 taxels.
@@ -188,7 +168,7 @@ fn crosstalk(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let others = inner.iter().enumerate().filter(|(other, _)| *other != INNER_TAXEL);
     let largest = others.map(|(_, reading)| *reading).fold(0.0, f64::max);
     let compare = |quantity: &str, expected: f64, found: f64| {
-        Comparison::absolute(quantity, "", expected, found, ROUNDING, ROUNDING_REASON)
+        Comparison::of(quantity, "", expected, found).absolute(ROUNDING, ROUNDING_REASON)
     };
     Ok(vec![
         compare("sum of a crosstalk kernel, worst of 384", 1.0, worst.unwrap_or(f64::NAN)),
@@ -209,14 +189,15 @@ fn creep(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let reading = (0..frames).map(|_| bench.press(bench.forearm, 7, force)).last();
     let crept = |time_s: f64| 1.0 - (-f64::from(frames) * FRAME_PERIOD_S / time_s).exp();
     let expected = force * (1.0 + share * [0.1, 1.0, 10.0, 100.0].map(crept).iter().sum::<f64>());
-    Ok(vec![Comparison::relative(
-        "reading of 2 N held for 20 s, F (1 + c Σ (1 − e^(−t/τ)))",
-        "N",
-        expected,
-        reading.unwrap_or(f64::NAN),
-        ROUNDING,
-        ROUNDING_REASON,
-    )])
+    Ok(vec![
+        Comparison::of(
+            "reading of 2 N held for 20 s, F (1 + c Σ (1 − e^(−t/τ)))",
+            "N",
+            expected,
+            reading.unwrap_or(f64::NAN),
+        )
+        .relative(ROUNDING, ROUNDING_REASON),
+    ])
 }
 
 /// Area of the fabric's hysteresis loop for a load from 0 to 8 N and back.
@@ -232,12 +213,8 @@ fn hysteresis(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     };
     let up = way(&mut (0..=steps));
     let down = way(&mut (0..=steps).rev());
-    Ok(vec![Comparison::relative(
-        "area of the fabric's loop to 8 N, h F²/2",
-        "N²",
-        share * peak * peak / 2.0,
-        down - up,
-        1e-6,
-        "1e-6: the trapezoidal rule's error at a corner, the square of one of 4000 steps",
-    )])
+    Ok(vec![
+        Comparison::of("area of the fabric's loop to 8 N, h F²/2", "N²", share * peak * peak / 2.0, down - up)
+            .relative(1e-6, "1e-6: the trapezoidal rule's error at a corner, the square of one of 4000 steps"),
+    ])
 }

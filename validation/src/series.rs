@@ -159,15 +159,20 @@ fn series(
     let height_m = place(&middle).z - pressed.simulation.clutter().objects[0].foot_world.z;
     let push_m = (place(&more.equilibrium_rad) - place(&less.equilibrium_rad)).dot(outward);
     let overlap_m = more.overlap_m - less.overlap_m;
-    Ok(vec![Comparison::relative(
-        format!("force over push, {name}"),
-        "N/m",
-        statics::in_series(&[arm, object_n_per_m(height_m)]),
-        rise_n / (push_m - overlap_m),
-        2e-2,
-        "2 %: the arm's stiffness and the lever change during the push; the height of the contact on a leaf, whose cube enters, \
-         is known to a third of a millimetre in 0.1 m, as it lies between two segments",
-    )])
+    Ok(vec![
+        Comparison::of(
+            format!("force over push, {name}"),
+            "N/m",
+            statics::in_series(&[arm, object_n_per_m(height_m)]),
+            rise_n / (push_m - overlap_m),
+        )
+        .relative(
+            2e-2,
+            "2 %: the arm's stiffness and the lever change during the push; the height of the contact \
+             on a leaf, whose cube enters, is known to a third of a millimetre in 0.1 m, as it lies \
+             between two segments",
+        ),
+    ])
 }
 
 /// Overlap of the shapes at the contact points, weighted by their normal forces, m.

@@ -81,27 +81,16 @@ fn taxels(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         return Err(CheckError::Case(format!("contact in {} frames only", worst.frames)));
     }
     Ok(vec![
-        Comparison::absolute(
-            "forces of taxels against contacts, largest relative difference",
-            "",
-            0.0,
-            worst.force,
-            1e-9,
-            "1e-9: the skin conserves force up to rounding",
-        ),
-        Comparison::absolute(
+        Comparison::of("forces of taxels against contacts, largest relative difference", "", 0.0, worst.force)
+            .absolute(1e-9, "1e-9: the skin conserves force up to rounding"),
+        Comparison::of(
             "moment about the link of taxels against contacts, largest difference over the force",
             "m",
             0.0,
             worst.moment_m,
-            HALF_PITCH_M,
-            "half the pitch between columns: a taxel measures how much presses on it, not where",
-        ),
-        Comparison::at_most(
-            "largest shear of a taxel, relative to its friction cone",
-            "",
-            1.0,
-            worst.slip,
+        )
+        .absolute(HALF_PITCH_M, "half the pitch between columns: a taxel measures how much presses on it, not where"),
+        Comparison::of("largest shear of a taxel, relative to its friction cone", "", 1.0, worst.slip).at_most(
             1e-6,
             "1e-6: the cones hold up to rounding, the contact's friction up to the solver's convergence",
         ),
@@ -146,14 +135,15 @@ fn observe(pressed: &PressedArm, friction: f64, worst: &mut Worst) -> Result<(),
 
 /// A ball meets a box off its centre, both free.
 fn collision(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
-    Ok(vec![Comparison::absolute(
-        "total momentum lost in a glancing collision, over the momentum exchanged",
-        "",
-        0.0,
-        lost_momentum(simulated.with(GRAVITY_LEFT_ON, 0.0, 9.81)),
-        1e-12,
-        "1e-12: the same impulse acts on both bodies, up to rounding",
-    )])
+    Ok(vec![
+        Comparison::of(
+            "total momentum lost in a glancing collision, over the momentum exchanged",
+            "",
+            0.0,
+            lost_momentum(simulated.with(GRAVITY_LEFT_ON, 0.0, 9.81)),
+        )
+        .absolute(1e-12, "1e-12: the same impulse acts on both bodies, up to rounding"),
+    ])
 }
 
 /// Momentum that ball and box lose together, relative to the momentum that the ball gave away.

@@ -95,38 +95,37 @@ fn fine_skin(name: &str, pressed: &Pressed, overlap_m3: impl Fn(f64) -> f64) -> 
     let law = |depth_m: f64| STIFFNESS_N_PER_M3 * overlap_m3(depth_m);
     let mut comparisons: Vec<Comparison> = [0.5, 2.0]
         .map(|force_n| {
-            Comparison::relative(
+            Comparison::of(
                 format!("{name}, k times the overlap's volume at the depth under {force_n} N"),
                 "N",
                 force_n,
                 law(pressed.depth_m(FINEST_PITCH_M, force_n)),
-                0.05,
-                "5 %: a taxel averages the pressure over its area",
             )
+            .relative(0.05, "5 %: a taxel averages the pressure over its area")
         })
         .into();
     let forces: Vec<(f64, f64)> =
         [0.5, 1.0, 2.0, 4.0].map(|force_n| (pressed.depth_m(FINEST_PITCH_M, force_n), force_n)).into();
-    comparisons.push(Comparison::absolute(
-        format!("{name}, exponent of force over depth"),
-        "",
-        2.0,
-        order::log_log_slope(&forces),
-        0.05,
-        "0.05: the same, over a factor of three in depth",
-    ));
+    comparisons.push(
+        Comparison::of(format!("{name}, exponent of force over depth"), "", 2.0, order::log_log_slope(&forces))
+            .absolute(0.05, "0.05: the same, over a factor of three in depth"),
+    );
     let exact = depth_under(2.0, law);
     let misses: Vec<(f64, f64)> =
         PITCHES_M.map(|pitch_m| (pitch_m, (pressed.depth_m(pitch_m, 2.0) / exact - 1.0).abs())).into();
-    comparisons.push(Comparison::absolute(
-        format!("{name}, order in the pitch of the depth's error"),
-        "",
-        2.0,
-        order::log_log_slope(&misses),
-        0.2,
-        "0.2: fit of a straight line on a log-log scale; the mean pressure over a taxel of side p is too low by \
+    comparisons.push(
+        Comparison::of(
+            format!("{name}, order in the pitch of the depth's error"),
+            "",
+            2.0,
+            order::log_log_slope(&misses),
+        )
+        .absolute(
+            0.2,
+            "0.2: fit of a straight line on a log-log scale; the mean pressure over a taxel of side p is too low by \
          k p² / 24 (1/R₁ + 1/R₂)",
-    ));
+        ),
+    );
     comparisons
 }
 
@@ -234,14 +233,15 @@ fn forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         let side_m = middle.area_m2.sqrt();
         let radii_m = [TRUNK_RADIUS_M, FOREARM_RADIUS_M];
         let expected = taxel_forces_n(stiffness, radii_m, &places, side_m, force_n);
-        comparisons.push(Comparison::relative(
-            format!("trunk across the forearm at {force_n} N, largest taxel"),
-            "N",
-            expected.into_iter().fold(0.0, f64::max),
-            found.iter().map(|force| force.normal_force_n).fold(0.0, f64::max),
-            0.05,
-            "5 %: sixteen points per taxel, and terms of order d / R, which the law neglects",
-        ));
+        comparisons.push(
+            Comparison::of(
+                format!("trunk across the forearm at {force_n} N, largest taxel"),
+                "N",
+                expected.into_iter().fold(0.0, f64::max),
+                found.iter().map(|force| force.normal_force_n).fold(0.0, f64::max),
+            )
+            .relative(0.05, "5 %: sixteen points per taxel, and terms of order d / R, which the law neglects"),
+        );
     }
     Ok(comparisons)
 }

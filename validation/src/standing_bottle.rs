@@ -111,14 +111,12 @@ fn sliding(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     };
     let expected = friction_on_table() * MASS_KG * GRAVITY_M_PER_S2;
     let (force, _) = Pushed::new(&bottle, 0.15)?.gives_way(0.9 * expected, 0.05 * expected);
-    let mut comparisons = vec![Comparison::relative(
-        "bottle pushed at 15 cm, force at which it gives way",
-        "N",
-        expected,
-        force,
-        0.03,
-        "3 %: the force rises by 5 % a second, and the first millimetre takes (6 · 1 mm / (0.05 μ g))^(1/3) = 0.34 s",
-    )];
+    let mut comparisons =
+        vec![Comparison::of("bottle pushed at 15 cm, force at which it gives way", "N", expected, force).relative(
+            0.03,
+            "3 %: the force rises by 5 % a second, and the first millimetre takes (6 · 1 mm / (0.05 μ \
+             g))^(1/3) = 0.34 s",
+        )];
     // A push of 1.3 μ m g. The part of it that does not accelerate the bottle is the table's resistance.
     let mut pushed = Pushed::new(&bottle, 0.15)?;
     let push = 1.3 * expected;
@@ -132,14 +130,18 @@ fn sliding(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
             pushed.step(push);
         }
         let acceleration = (pushed.rig.velocity_world(pushed.bottle).x - before) / (f64::from(STEPS) * STEP_S);
-        comparisons.push(Comparison::relative(
-            format!("bottle that has slid by {place_m} m, resistance"),
-            "N",
-            expected,
-            push - MASS_KG * acceleration,
-            0.01,
-            "1 %: a constant force has no discretization error; the bottle rocks a little on the table",
-        ));
+        comparisons.push(
+            Comparison::of(
+                format!("bottle that has slid by {place_m} m, resistance"),
+                "N",
+                expected,
+                push - MASS_KG * acceleration,
+            )
+            .relative(
+                0.01,
+                "1 %: a constant force has no discretization error; the bottle rocks a little on the table",
+            ),
+        );
     }
     Ok(comparisons)
 }
@@ -163,22 +165,16 @@ fn tipping(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         *(if tipped { &mut tips_m } else { &mut slides_m }) = height_m;
     }
     Ok(vec![
-        Comparison::relative(
-            "bottle pushed at 48 cm, force at which it tips over",
-            "N",
-            expected,
-            force,
+        Comparison::of("bottle pushed at 48 cm, force at which it tips over", "N", expected, force).relative(
             0.01,
-            "1 %: the force rises by 0.3 % while the bottle leans by 0.1 rad; the closed form leaves out terms of the order \
-             w²/r, 0.1 %",
+            "1 %: the force rises by 0.3 % while the bottle leans by 0.1 rad; the closed form leaves \
+             out terms of the order w²/r, 0.1 %",
         ),
-        Comparison::relative(
-            "lowest push that tips a bottle over",
-            "m",
-            moment / slipping,
-            0.5 * (slides_m + tips_m),
-            0.02,
-            "2 %: the force rises by 1.2 % while the bottle slides by a millimetre; the bisection ends at 1 mm",
-        ),
+        Comparison::of("lowest push that tips a bottle over", "m", moment / slipping, 0.5 * (slides_m + tips_m))
+            .relative(
+                0.02,
+                "2 %: the force rises by 1.2 % while the bottle slides by a millimetre; the bisection \
+                 ends at 1 mm",
+            ),
     ])
 }

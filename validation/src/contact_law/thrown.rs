@@ -67,15 +67,9 @@ fn rebound(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let (depth, speed) = exact.rebound(SPEED_M_PER_S, LOSS_TIME_S);
     let reason = "0.1 %: the period of the contact, 41 ms, takes 406 steps of second order";
     Ok(vec![
-        Comparison::relative("punch that rebounds, deepest overlap", "m", depth, deepest_m, 1e-3, reason),
-        Comparison::relative(
-            "punch that rebounds, speed afterwards",
-            "m/s",
-            speed,
-            rig.velocity_world(punch).z,
-            1e-3,
-            reason,
-        ),
+        Comparison::of("punch that rebounds, deepest overlap", "m", depth, deepest_m).relative(1e-3, reason),
+        Comparison::of("punch that rebounds, speed afterwards", "m/s", speed, rig.velocity_world(punch).z)
+            .relative(1e-3, reason),
     ])
 }
 
@@ -117,30 +111,17 @@ fn fast_touch(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         let reason = "1 %: the touch of 20 ms takes 200 steps; and d / 4R where the closed form is the first \
                       term in d / R";
         comparisons.extend([
-            Comparison::relative(
-                format!("thrown {name}, deepest overlap"),
-                "m",
-                exact.depth_m,
-                deepest_m,
-                0.01 + curvature,
-                reason,
-            ),
-            Comparison::relative(
-                format!("thrown {name}, time until then"),
-                "s",
-                exact.deepest_at_s,
-                deepest_at_s,
-                0.02 + curvature,
-                "2 %: as above, and one step",
-            ),
-            Comparison::relative(
+            Comparison::of(format!("thrown {name}, deepest overlap"), "m", exact.depth_m, deepest_m)
+                .relative(0.01 + curvature, reason),
+            Comparison::of(format!("thrown {name}, time until then"), "s", exact.deepest_at_s, deepest_at_s)
+                .relative(0.02 + curvature, "2 %: as above, and one step"),
+            Comparison::of(
                 format!("thrown {name}, impulse of the touch"),
                 "N s",
                 MASS_KG * (SPEED_M_PER_S + exact.speed_m_per_s),
                 impulse,
-                0.01,
-                reason,
-            ),
+            )
+            .relative(0.01, reason),
         ]);
     }
     Ok(comparisons)
