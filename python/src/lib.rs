@@ -59,13 +59,13 @@ mod _core {
         online::{Online, online},
         reach::{Reach, simulate},
         replay::{_check_free, replay_page},
-        scene::{Picture, PyScene},
+        scene::PyScene,
         simulation::{PySimulation, step_many},
         skin::Skin,
         study::{check, inspect, reproduce, run_campaign},
         table::PyTable,
         touch::PyTouchModel,
-        trials::{PyTrial, Trials},
+        trials::Trials,
         validation::{checks, validate},
     };
 

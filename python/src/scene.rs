@@ -4,12 +4,10 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use underbrush_report::picture;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::{SHIPPED, Scene};
 use underbrush_sim::snapshot::Snapshot;
 
-use crate::arguments::save;
 use crate::array;
 use crate::failure::Failure;
 use crate::given;
@@ -30,25 +28,9 @@ pub struct PyScene {
     pub scene: Scene,
 }
 
-/// A picture (SVG), shown inline in a notebook.
-#[pyclass(frozen, module = "underbrush._core")]
-pub struct Picture {
-    /// The text of the picture.
-    #[pyo3(get)]
-    pub svg: String,
-}
-
-#[pymethods]
-impl Picture {
-    fn _repr_svg_(&self) -> &str {
-        &self.svg
-    }
-
-    /// Write the picture to a file. Only with ``force`` is a file overwritten.
-    #[pyo3(signature = (path, *, force = false))]
-    fn save(&self, path: PathBuf, force: bool) -> Result<(), Failure> {
-        save(&path, force, &self.svg)
-    }
+/// A picture as an object of the class in `underbrush/_picture.py`.
+pub fn picture(py: Python<'_>, svg: String) -> PyResult<Bound<'_, PyAny>> {
+    py.import("underbrush._picture")?.call_method1("Picture", (svg,))
 }
 
 /// A scene from a `Scene`, the name of one that ships, or the path of a file.
@@ -76,19 +58,18 @@ pub fn scene(value: &Bound<'_, PyAny>) -> Result<Scene, Failure> {
     }
 }
 
-/// A drawing of a simulation in its present state.
-pub fn drawn(plan: &ReachPlan, simulation: &underbrush_sim::simulation::Simulation, caption: &str) -> Picture {
+/// A drawing (SVG) of a simulation in its present state.
+pub fn drawn(plan: &ReachPlan, simulation: &underbrush_sim::simulation::Simulation, caption: &str) -> String {
     let goal = simulation.clutter().goals.first().copied().unwrap_or_default();
     let frame = simulation.frame(0, goal);
     let categories: Vec<_> = simulation.clutter().objects.iter().map(|placed| placed.object.category()).collect();
-    let svg = picture::draw(
+    underbrush_report::picture::draw(
         &Snapshot::take(simulation, &frame),
         &plan.arm.skin.layout,
         &categories,
         &plan.scene.file.workspace,
         caption,
-    );
-    Picture { svg }
+    )
 }
 
 /// Puts changes into a table: tables are merged, everything else is replaced.
@@ -167,16 +148,12 @@ impl PyScene {
 
     /// Draw arm and clutter at the start of a reach, from the side and from above.
     #[pyo3(signature = (seed = 0, index = 0))]
-    fn draw(&self, py: Python<'_>, seed: u64, index: u64) -> Result<Picture, Failure> {
-        alone(py, || {
-            let plan = ReachPlan::new(self.scene.clone(), None, seed)?;
-            let caption = format!("{}, seed {seed}, reach {index}: the start", self.scene.file.summary);
-            Ok(drawn(&plan, &plan.simulation(index)?, &caption))
-        })
+    fn draw<'py>(&self, py: Python<'py>, seed: u64, index: u64) -> Result<Bound<'py, PyAny>, Failure> {
+        Ok(picture(py, self.svg(py, seed, index)?)?)
     }
 
     fn _repr_svg_(&self, py: Python<'_>) -> Result<String, Failure> {
-        Ok(self.draw(py, 0, 0)?.svg)
+        self.svg(py, 0, 0)
     }
 
     /// What stands around the arm in a reach, and its goals (m, world frame).
@@ -208,6 +185,14 @@ impl PyScene {
 }
 
 impl PyScene {
+    fn svg(&self, py: Python<'_>, seed: u64, index: u64) -> Result<String, Failure> {
+        alone(py, || {
+            let plan = ReachPlan::new(self.scene.clone(), None, seed)?;
+            let caption = format!("{}, seed {seed}, reach {index}: the start", self.scene.file.summary);
+            Ok(drawn(&plan, &plan.simulation(index)?, &caption))
+        })
+    }
+
     fn table(&self) -> Result<toml::Table, Failure> {
         // The scene was read from this text.
         toml::from_str(&self.scene.text).map_err(|error| Failure::Run(error.to_string()))

@@ -16,7 +16,7 @@ use crate::array;
 use crate::failure::{Failure, locked};
 use crate::frame::PyFrame;
 use crate::pool::{self, alone};
-use crate::scene::{self, Picture};
+use crate::scene;
 use crate::skin::Skin;
 
 /// The arm in one draw of a scene, moved step by step.
@@ -133,15 +133,15 @@ impl PySimulation {
     }
 
     /// Draw arm and clutter as they are now.
-    fn draw(&self) -> Result<Picture, Failure> {
+    fn draw<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+        Ok(scene::picture(py, self._repr_svg_()?)?)
+    }
+
+    fn _repr_svg_(&self) -> Result<String, Failure> {
         let simulation = self.lock()?;
         let time_s = simulation.report().time_s();
         let caption = format!("{}: {time_s:.2} s after the start", self.plan.scene.file.summary);
         Ok(scene::drawn(&self.plan, &simulation, &caption))
-    }
-
-    fn _repr_svg_(&self) -> Result<String, Failure> {
-        Ok(self.draw()?.svg)
     }
 
     fn __repr__(&self) -> String {

@@ -53,6 +53,20 @@ impl Trials {
     }
 }
 
+/// A trial as an object of the class in `underbrush/_trial.py`.
+fn one<'py>(py: Python<'py>, trial: &Trial) -> PyResult<Bound<'py, PyAny>> {
+    let samples = |number: fn(&Sample) -> f64| {
+        array::lend(py, trial.samples.iter().map(number).collect::<Vec<_>>(), &[trial.samples.len()])
+    };
+    let (number, category, reach) = (trial.trial, trial.category.as_deref(), trial.reach);
+    let (patch, taxel, touched) = (trial.patch.as_deref(), trial.taxel, trial.touched());
+    let time_s = samples(|sample| sample.time_s)?;
+    let force_n = samples(|sample| sample.force_n)?;
+    let motion_m = samples(|sample| sample.motion_m.unwrap_or(f64::NAN))?;
+    let fields = (number, category, reach, patch, taxel, touched, time_s, force_n, motion_m);
+    py.import("underbrush._trial")?.call_method1("Trial", fields)
+}
+
 #[pymethods]
 impl Trials {
     /// Read a table of trials (CSV or Parquet).
@@ -98,8 +112,7 @@ impl Trials {
             return Ok(Bound::new(py, self.some(places(slice, self.list.len())?))?.into_any());
         }
         if let Ok(index) = key.extract::<isize>() {
-            let trial = PyTrial { list: Arc::clone(&self.list), place: self.place(index)? };
-            return Ok(Bound::new(py, trial)?.into_any());
+            return Ok(one(py, &self.list[self.place(index)?])?);
         }
         let key = key.call_method0("tolist").unwrap_or_else(|_| key.clone());
         // An empty list selects nothing. It could hold numbers as well as truth values.
@@ -225,90 +238,5 @@ impl Trials {
     #[staticmethod]
     fn _from_json(bytes: &[u8]) -> Result<Self, Failure> {
         Ok(Trials::new(json::unpickled(bytes)?))
-    }
-}
-
-/// One contact trial.
-#[pyclass(frozen, name = "Trial", module = "underbrush._core")]
-pub struct PyTrial {
-    list: Arc<Vec<Trial>>,
-    place: usize,
-}
-
-impl PyTrial {
-    fn trial(&self) -> &Trial {
-        &self.list[self.place]
-    }
-
-    fn of_samples<'py>(&self, py: Python<'py>, number: impl Fn(&Sample) -> f64) -> PyResult<Bound<'py, PyAny>> {
-        let samples = &self.trial().samples;
-        array::lend(py, samples.iter().map(number).collect::<Vec<_>>(), &[samples.len()])
-    }
-}
-
-#[pymethods]
-impl PyTrial {
-    /// Number of the trial in its table.
-    #[getter]
-    fn number(&self) -> u64 {
-        self.trial().trial
-    }
-
-    /// Ground truth; None if unknown.
-    #[getter]
-    fn category(&self) -> Option<&str> {
-        self.trial().category.as_deref()
-    }
-
-    /// The reach that it comes from; None if unknown.
-    #[getter]
-    fn reach(&self) -> Option<u64> {
-        self.trial().reach
-    }
-
-    /// Name of the patch; None if unknown.
-    #[getter]
-    fn patch(&self) -> Option<&str> {
-        self.trial().patch.as_deref()
-    }
-
-    /// Index of the taxel in its patch; None if unknown.
-    #[getter]
-    fn taxel(&self) -> Option<u32> {
-        self.trial().taxel
-    }
-
-    /// Ground truth: whether something truly pressed in at least one sample; None if unknown.
-    #[getter]
-    fn touched(&self) -> Option<bool> {
-        self.trial().touched()
-    }
-
-    /// Number of samples.
-    fn __len__(&self) -> usize {
-        self.trial().samples.len()
-    }
-
-    /// Time of each sample, s: (samples,).
-    #[getter]
-    fn time_s<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.of_samples(py, |sample| sample.time_s)
-    }
-
-    /// Sensed force, N: (samples,).
-    #[getter]
-    fn force_n<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.of_samples(py, |sample| sample.force_n)
-    }
-
-    /// How far the contact has travelled since it began, m, NaN where unknown: (samples,).
-    #[getter]
-    fn motion_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.of_samples(py, |sample| sample.motion_m.unwrap_or(f64::NAN))
-    }
-
-    fn __repr__(&self) -> String {
-        let category = self.category().unwrap_or("unknown");
-        format!("Trial({}, {category}, {} samples)", self.number(), self.__len__())
     }
 }

@@ -17,7 +17,6 @@ from ._core import (
     Model,
     Online,
     Options,
-    Picture,
     Reach,
     Scene,
     ShippedController,
@@ -25,7 +24,6 @@ from ._core import (
     Skin,
     Table,
     TouchModel,
-    Trial,
     Trials,
     __version__,
     checks,
@@ -42,9 +40,11 @@ from ._benchmark import benchmark
 from ._data import FrameDataset, TrialDataset
 from ._errors import InputError, RunError, StorageError
 from ._generate import generate, generate_again, generate_shared
+from ._picture import Picture
 from ._replay import Page, replay
 from ._study import check, reproduce
 from ._train import fit
+from ._trial import Trial
 
 __all__ = [
     "Arm",

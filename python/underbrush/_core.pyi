@@ -6,6 +6,8 @@ from typing import Any, Self, TypeAlias, final, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._picture import Picture
+from ._trial import Trial
 from ._types import ControllerLike, Decision, Features, FittedClassifier, SceneLike, TrialClassifier
 
 _Array: TypeAlias = NDArray[np.float64]
@@ -23,7 +25,6 @@ __all__ = [
     "Online",
     "Options",
     "PROGRAM_VERSION",
-    "Picture",
     "Reach",
     "Scene",
     "ShippedController",
@@ -31,7 +32,6 @@ __all__ = [
     "Skin",
     "Table",
     "TouchModel",
-    "Trial",
     "Trials",
     "__version__",
     "benchmark",
@@ -60,13 +60,6 @@ __all__ = [
 
 __version__: str
 PROGRAM_VERSION: str
-
-@final
-class Picture:
-    @property
-    def svg(self) -> str: ...
-    def save(self, path: _Path, *, force: bool = False) -> None: ...
-    def _repr_svg_(self) -> str: ...
 
 @final
 class Scene:
@@ -368,28 +361,6 @@ def generate_again(
     progress: Callable[[int, int, str], object] | None = None,
     jobs: int | None = None,
 ) -> Dataset: ...
-
-@final
-class Trial:
-    @property
-    def number(self) -> int: ...
-    @property
-    def category(self) -> str | None: ...
-    @property
-    def reach(self) -> int | None: ...
-    @property
-    def patch(self) -> str | None: ...
-    @property
-    def taxel(self) -> int | None: ...
-    @property
-    def touched(self) -> bool | None: ...
-    def __len__(self) -> int: ...
-    @property
-    def time_s(self) -> _Array: ...
-    @property
-    def force_n(self) -> _Array: ...
-    @property
-    def motion_m(self) -> _Array: ...
 
 @final
 class Trials:

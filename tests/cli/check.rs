@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use roxmltree::{Document, Node};
 use serde_json::Value;
-use xml::reader::{EventReader, XmlEvent};
 
 use super::touch;
 use crate::support::fixture::fixture;
@@ -137,15 +137,12 @@ fn touch_models_judge_suites() {
 
 /// The elements of an XML document with their attributes.
 fn elements(document: &str) -> Vec<(String, Vec<(String, String)>)> {
-    let events = EventReader::from_str(document).into_iter();
-    let start = |event| match event {
-        XmlEvent::StartElement { name, attributes, .. } => {
-            let attributes = attributes.into_iter().map(|own| (own.name.local_name, own.value));
-            Some((name.local_name, attributes.collect()))
-        }
-        _ => None,
+    let parsed = Document::parse(document).unwrap();
+    let element = |node: Node| {
+        let attributes = node.attributes().map(|own| (own.name().to_owned(), own.value().to_owned()));
+        (node.tag_name().name().to_owned(), attributes.collect())
     };
-    events.filter_map(|event| start(event.unwrap())).collect()
+    parsed.descendants().filter(Node::is_element).map(element).collect()
 }
 
 /// Tests that a broken bound gives exit status 1 and names the reach to look at, and that the command shown for this

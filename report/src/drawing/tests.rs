@@ -1,5 +1,5 @@
 use proptest::prelude::*;
-use xml::reader::{EventReader, XmlEvent};
+use roxmltree::{Document, Node, ParsingOptions};
 
 use super::*;
 
@@ -8,23 +8,15 @@ type Element = (String, Vec<(String, String)>, String);
 
 /// Elements of a document in order, with attributes and own text, as an independent parser reads it.
 fn elements(document: &str) -> Vec<Element> {
-    let mut found: Vec<Element> = Vec::new();
-    let mut open = Vec::new();
-    for event in EventReader::from_str(document) {
-        match event.unwrap_or_else(|error| panic!("{error} in\n{document}")) {
-            XmlEvent::StartElement { name, attributes, .. } => {
-                let attributes = attributes.into_iter().map(|own| (own.name.local_name, own.value));
-                open.push(found.len());
-                found.push((name.local_name, attributes.collect(), String::new()));
-            }
-            XmlEvent::Characters(text) => found[*open.last().unwrap()].2 += &text,
-            XmlEvent::EndElement { .. } => {
-                open.pop();
-            }
-            _ => {}
-        }
-    }
-    found
+    let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
+    let parsed = Document::parse_with_options(document, options);
+    let parsed = parsed.unwrap_or_else(|error| panic!("{error} in\n{document}"));
+    let element = |node: Node| {
+        let attributes = node.attributes().map(|own| (own.name().to_owned(), own.value().to_owned()));
+        let text = node.children().filter(Node::is_text).filter_map(|own| own.text());
+        (node.tag_name().name().to_owned(), attributes.collect(), text.collect())
+    };
+    parsed.descendants().filter(Node::is_element).map(element).collect()
 }
 
 fn attribute<'a>(element: &'a Element, name: &str) -> Option<&'a str> {

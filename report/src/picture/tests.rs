@@ -4,7 +4,6 @@ use glam::DQuat;
 use underbrush_recording::{Frame, Patch, Pose, Taxel, TaxelReading};
 use underbrush_sim::geometry::Capsule;
 use underbrush_sim::snapshot::{Blade, BladePiece, ObjectShapes};
-use xml::reader::{EventReader, XmlEvent};
 
 use super::*;
 
@@ -69,13 +68,13 @@ fn drawn(hand: [f64; 3], goal: [f64; 3], caption: &str) -> String {
 
 /// All text of an SVG; panics if it is not well-formed XML.
 fn words(svg: &str) -> String {
-    let mut words = String::new();
-    for event in EventReader::from_str(svg) {
-        if let XmlEvent::Characters(text) = event.unwrap() {
-            words += &(text + "\n");
-        }
-    }
-    words
+    let parsed = roxmltree::Document::parse(svg).unwrap();
+    parsed
+        .descendants()
+        .filter(|node| node.is_text())
+        .filter_map(|node| node.text())
+        .map(|text| format!("{text}\n"))
+        .collect()
 }
 
 /// Tests that every panel shows all of an arm of any size, the objects, the goal and the workspace.

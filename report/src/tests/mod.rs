@@ -4,11 +4,11 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use roxmltree::{Document, Node, ParsingOptions};
 use underbrush_experiments::Silent;
 use underbrush_experiments::definition::Experiment;
 use underbrush_experiments::results::Results;
 use underbrush_experiments::session::Session;
-use xml::reader::{EventReader, XmlEvent};
 
 use crate::Written;
 
@@ -99,20 +99,14 @@ type Element = (String, Vec<(String, String)>, String);
 
 /// All elements of a document, as an independent parser reads it.
 fn elements(document: &str) -> Vec<Element> {
-    let (mut found, mut open): (Vec<Element>, Vec<usize>) = Default::default();
-    for event in EventReader::from_str(document) {
-        match event.unwrap() {
-            XmlEvent::StartElement { name, attributes, .. } => {
-                let attributes = attributes.into_iter().map(|own| (own.name.local_name, own.value));
-                open.push(found.len());
-                found.push((name.local_name, attributes.collect(), String::new()));
-            }
-            XmlEvent::Characters(text) => found[*open.last().unwrap()].2 += &text,
-            XmlEvent::EndElement { .. } => drop(open.pop()),
-            _ => {}
-        }
-    }
-    found
+    let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
+    let parsed = Document::parse_with_options(document, options).unwrap();
+    let element = |node: Node| {
+        let attributes = node.attributes().map(|own| (own.name().to_owned(), own.value().to_owned()));
+        let text = node.children().filter(Node::is_text).filter_map(|own| own.text());
+        (node.tag_name().name().to_owned(), attributes.collect(), text.collect())
+    };
+    parsed.descendants().filter(Node::is_element).map(element).collect()
 }
 
 /// Faults that no page may have: values such as NaN, and links to other sites. The only addresses are SVG namespaces.

@@ -1,0 +1,30 @@
+"""Pictures."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from . import _core
+
+
+@dataclass(frozen=True, repr=False)
+class Picture:
+    """A picture (SVG), shown inline in a notebook.
+
+    Attributes
+    ----------
+    svg : str
+        The text of the picture.
+    """
+
+    svg: str
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+    def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
+        """Write the picture to a file. Only with ``force`` is a file overwritten."""
+        _core._check_free(Path(path), force)
+        Path(path).write_text(self.svg, encoding="utf-8")
