@@ -15,8 +15,9 @@ from ._errors import InputError
 
 @contextlib.contextmanager
 def whole(path: Path, force: bool) -> Iterator[Path]:
-    """A temporary file that gets its name when it is complete."""
+    """A temporary file that gets its name when it is complete. Missing folders around it are made."""
     check_free(path, force)
+    path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
     descriptor = os.open(temporary, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
     try:
