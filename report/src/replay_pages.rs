@@ -72,5 +72,5 @@ fn page(
         }
         other => other,
     };
-    Ok(files::write(path, text?.as_bytes())?)
+    files::write(path, text?.as_bytes())
 }

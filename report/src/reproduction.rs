@@ -69,6 +69,6 @@ impl Reproduction<'_> {
     pub fn run_campaign(&self, seed: u64, out: &Path, progress: &dyn Progress) -> Result<(), ExperimentError> {
         Plan::new(self.experiment, self.seed, self.quick).settle(out, false)?;
         let session = Session::new(self.experiment, (self.seed, self.quick, self.campaigns), out, progress);
-        Ok(campaigns::run_one(&session, seed)?)
+        campaigns::run_one(&session, seed)
     }
 }
