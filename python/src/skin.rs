@@ -48,7 +48,7 @@ impl Skin {
         self.layout.patches.iter().map(|patch| patch.name.clone()).collect()
     }
 
-    /// All that is known of the patches, as in the files of recordings: name, link, grid, and each taxel's place and area.
+    /// The patches as recordings store them: name, link and grid, and the place and area of each taxel.
     #[getter]
     fn layout<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
         json::to_python(py, &*self.layout)

@@ -16,7 +16,7 @@ from ._errors import InputError
 @contextlib.contextmanager
 def whole(path: Path, force: bool) -> Iterator[Path]:
     """A temporary file that gets its name when it is complete. Missing folders around it are made."""
-    check_free(path, force)
+    _core._check_free(path, force)
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
     descriptor = os.open(temporary, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
@@ -27,12 +27,6 @@ def whole(path: Path, force: bool) -> Iterator[Path]:
     finally:
         os.close(descriptor)
         temporary.unlink(missing_ok=True)
-
-
-def check_free(path: Path, force: bool) -> None:
-    """Refuses a path that exists, unless it may be overwritten."""
-    if path.exists() and not force:
-        raise InputError(f"{path}: exists already; overwrite it with force, or choose another name", file=str(path))
 
 
 def each(reaches: _core.Dataset | Iterable[_core.Reach]) -> Iterator[_core.Reach]:

@@ -6,7 +6,7 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import _core
+from . import _export
 
 
 @dataclass(frozen=True, repr=False)
@@ -26,5 +26,5 @@ class Picture:
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write the picture to a file. Only with ``force`` is a file overwritten."""
-        _core._check_free(Path(path), force)
-        Path(path).write_text(self.svg, encoding="utf-8")
+        with _export.whole(Path(path), force) as temporary:
+            temporary.write_text(self.svg, encoding="utf-8")

@@ -33,7 +33,7 @@ class Trial:
     force_n : array
         Sensed force, N.
     motion_m : array
-        How far the contact has travelled since it began, m, NaN where unknown.
+        Distance that the contact has travelled since it began, m; NaN where it is unknown.
     """
 
     number: int

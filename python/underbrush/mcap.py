@@ -366,7 +366,8 @@ def export(
     reaches : Reach, Dataset or iterable of Reach
         A data set is read reach by reach.
     path : path
-        The file to write for a reach; otherwise the folder, with a file ``reach-000000.mcap``, … for each reach.
+        For a single reach, the file to write. Otherwise the folder, in which each reach gets a file
+        ``reach-000000.mcap``, ``reach-000001.mcap``, ….
     force : bool
         Overwrite a file that exists. In a folder, the files of an earlier export are removed, so that the two are not mixed.
 
@@ -379,7 +380,7 @@ def export(
     if not isinstance(reaches, _core.Reach):
         path.mkdir(parents=True, exist_ok=True)
         for other in _files(path):
-            _export.check_free(other, force)
+            _core._check_free(other, force)
             other.unlink()
         for number, reach in enumerate(_export.each(reaches)):
             export(reach, path / f"reach-{number:06}.mcap")

@@ -1,8 +1,8 @@
 //! What an error means to the program that called the library.
 //!
-//! For the command line and the Python package, each error has one of four meanings, and both must agree on it: the command
-//! line turns it into an exit status, and the Python package into an exception. Each crate whose callers tell errors apart
-//! has errors of its own, and converts them with `From` for [`Fault`]; experiments and reports end with a [`Fault`].
+//! The four kinds of errors that a user can meet. The command line turns each kind into an exit status, and the Python
+//! package turns it into an exception. A crate whose callers need to tell errors apart has its own error types and converts
+//! them with `From` for [`Fault`]. Experiments and reports return a [`Fault`] directly.
 
 use crate::InputError;
 

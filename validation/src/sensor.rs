@@ -126,7 +126,7 @@ fn quantum(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         wrong += f64::from(reading != f64::from(nearest as f32));
     }
     Ok(vec![
-        Comparison::of("readings, of 5000, that are not the number nearest to count / 1000", "", 0.0, wrong)
+        Comparison::of("readings (of 5000) that are not the number nearest to count / 1000", "", 0.0, wrong)
             .absolute(1.0, "below 1: none is allowed"),
     ])
 }

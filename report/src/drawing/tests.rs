@@ -1,23 +1,7 @@
 use proptest::prelude::*;
-use roxmltree::{Document, Node, ParsingOptions};
 
 use super::*;
-
-/// Name, attributes and own text.
-type Element = (String, Vec<(String, String)>, String);
-
-/// Elements of a document in order, with attributes and own text, as an independent parser reads it.
-fn elements(document: &str) -> Vec<Element> {
-    let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
-    let parsed = Document::parse_with_options(document, options);
-    let parsed = parsed.unwrap_or_else(|error| panic!("{error} in\n{document}"));
-    let element = |node: Node| {
-        let attributes = node.attributes().map(|own| (own.name().to_owned(), own.value().to_owned()));
-        let text = node.children().filter(Node::is_text).filter_map(|own| own.text());
-        (node.tag_name().name().to_owned(), attributes.collect(), text.collect())
-    };
-    parsed.descendants().filter(Node::is_element).map(element).collect()
-}
+use crate::tests::{Element, elements};
 
 fn attribute<'a>(element: &'a Element, name: &str) -> Option<&'a str> {
     element.1.iter().find(|own| own.0 == name).map(|own| own.1.as_str())

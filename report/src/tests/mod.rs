@@ -95,10 +95,10 @@ fn report(experiment: &Experiment, folder: &Path) -> Results {
 }
 
 /// Name, attributes and own text.
-type Element = (String, Vec<(String, String)>, String);
+pub(crate) type Element = (String, Vec<(String, String)>, String);
 
 /// All elements of a document, as an independent parser reads it.
-fn elements(document: &str) -> Vec<Element> {
+pub(crate) fn elements(document: &str) -> Vec<Element> {
     let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
     let parsed = Document::parse_with_options(document, options).unwrap();
     let element = |node: Node| {
