@@ -6,11 +6,16 @@
 pub mod chord;
 mod envelope;
 pub mod law;
+pub mod nearest;
+pub mod outline;
 pub mod patch;
 pub mod plane;
+pub mod settle;
 pub mod solver;
 pub mod stop;
 pub mod surface;
 
+#[cfg(test)]
+mod continuity_tests;
 #[cfg(test)]
 mod tests;

@@ -4,6 +4,9 @@ use glam::DVec3;
 use parry3d::shape::{Shape, TypedShape};
 use underbrush_recording::Pose;
 
+/// The share of the angle to the best direction by which strips turn in a step. Choice: ten steps turn them by two thirds.
+const TOWARDS_BEST: f64 = 0.1;
+
 /// The tangent plane of a contact.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
@@ -13,6 +16,14 @@ pub struct Plane {
     pub normal_world: DVec3,
     /// Unit tangents, world frame; with the normal they form a right-handed basis (t₁, t₂, n).
     pub tangents_world: [DVec3; 2],
+}
+
+impl Plane {
+    /// The same plane, turned by the smallest angle to this unit normal.
+    pub fn turned_to(&self, normal_world: DVec3) -> Self {
+        let first = self.tangents_world[0].reject_from_normalized(normal_world).normalize();
+        Plane { normal_world, tangents_world: [first, normal_world.cross(first)], ..*self }
+    }
 }
 
 /// Two shapes in contact.
@@ -36,6 +47,23 @@ impl Pair<'_> {
         let second = along;
         let first = second.cross(normal_world);
         Plane { origin_world, normal_world, tangents_world: [first, second] }
+    }
+
+    /// The shape with the larger box around it; the second one if both are equal.
+    pub fn larger(&self) -> usize {
+        let [first, second] = self.shapes.map(|shape| shape.compute_local_aabb().extents().element_product());
+        usize::from(first <= second)
+    }
+
+    /// A tangent plane whose strips lie nearly as they did a step ago, along `strip_world`. They turn slowly to where
+    /// [`Pair::plane`] would lay them, because a quadrature along other strips has other errors.
+    pub fn plane_along(&self, origin_world: DVec3, normal_world: DVec3, strip_world: DVec3) -> Plane {
+        let new = self.plane(origin_world, normal_world);
+        let [_, aim] = new.tangents_world;
+        let aim = if aim.dot(strip_world) < 0.0 { -aim } else { aim };
+        let strip = strip_world.lerp(aim, TOWARDS_BEST);
+        let second = strip.reject_from_normalized(normal_world).normalize_or(aim);
+        Plane { tangents_world: [second.cross(normal_world), second], ..new }
     }
 
     /// The longest edge of a box that lies in the tangent plane; for two boxes, the edge of the more slender one.

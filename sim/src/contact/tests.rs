@@ -10,6 +10,7 @@ use underbrush_recording::Pose;
 
 use super::chord::Faces;
 use super::law::{Law, STICTION_M, mean_press};
+use super::outline::Outline;
 use super::patch::{Columns, Node};
 use super::plane::Pair;
 use super::solver::{ROWS, Solver};
@@ -27,8 +28,8 @@ fn nodes(first: (SharedShape, Pose), second: (SharedShape, Pose)) -> Vec<Node> {
     let pair = Pair { shapes: [first.0.as_ref(), second.0.as_ref()], poses_world: [first.1, second.1] };
     let mut nodes = Vec::new();
     let mut faces = [Faces::default(), Faces::default()];
-    let columns = Columns::new(&pair, &pair.plane(DVec3::ZERO, DVec3::Z), &mut faces);
-    columns.unwrap().add_nodes(0.0, &mut nodes);
+    let columns = Columns::new(&pair, &pair.plane(DVec3::ZERO, DVec3::Z), &mut faces).unwrap();
+    nodes.extend(columns.region(0.0, &Outline::default()).unwrap().nodes());
     nodes
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{ContactStep, Kept, PatchContact, Scene, key};
+use super::{ContactStep, Kept, KeptPatch, PatchContact, Scene, key};
 use crate::contact::law::{center_of_pressure, in_plane};
 
 impl ContactStep {
@@ -49,16 +49,18 @@ impl ContactStep {
             let to_body = |vector| candidate.body_poses[1].inverse_transform_vector(vector);
             let solved = scratch.solver.solved(patch);
             let deflection = if solved.normal_impulse[0] > 0.0 { solved.deflection_m } else { Vector3::zeros() };
-            scratch.kept.push((
-                key(&candidate.colliders),
-                Kept {
-                    bodies: candidate.bodies,
-                    normal: to_body(candidate.plane.normal_world),
-                    deflection: to_body(in_plane(&candidate.plane.tangents_world, deflection[0], deflection[1])),
-                    deflection_about_normal: deflection[2],
-                },
-            ));
+            let patch = KeptPatch {
+                origin: candidate.body_poses[1].inverse_transform_point(candidate.next.origin_world),
+                strip: to_body(candidate.plane.tangents_world[1]),
+                deflection: to_body(in_plane(&candidate.plane.tangents_world, deflection[0], deflection[1])),
+                deflection_about_normal: deflection[2],
+            };
+            let normal = to_body(candidate.next.normal_world);
+            let kept = Kept { bodies: candidate.bodies, normal, patch: Some(patch) };
+            scratch.kept.push((key(&candidate.colliders), kept));
         }
+        scratch.kept.append(&mut scratch.apart);
+        scratch.kept.sort_unstable_by_key(|(pair, _)| *pair);
         std::mem::swap(&mut self.kept, &mut scratch.kept);
     }
 }

@@ -2,18 +2,17 @@
 
 use glam::{DVec2, DVec3};
 use nalgebra::Vector3;
-use rapier3d::parry::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
 use rapier3d::prelude::ColliderHandle;
 use underbrush_recording::Pose as WorldPose;
 
-use super::{ContactStep, PairKey, key};
+use super::{ContactStep, Kept, KeptPatch, PairKey, key};
 use crate::contact::chord::Faces;
 use crate::contact::law::{Law, NormalSpeeds, in_plane};
-use crate::contact::patch::{Columns, Node};
+use crate::contact::patch::Node;
 use crate::contact::plane::{Pair, Plane};
+use crate::contact::settle::{Known, settle};
 use crate::contact::solver::ROWS;
 use crate::dynamics::Tree;
-use crate::geometry::parry_pose;
 use crate::simulation::placed::{Mount, NEAR_M, PlacedLink, Scene};
 
 /// A patch before the solution.
@@ -24,44 +23,13 @@ pub(super) struct Candidate {
     pub(super) links: [Option<PlacedLink>; 2],
     pub(super) body_poses: [WorldPose; 2],
     pub(super) plane: Plane,
+    /// Where the next step begins to look for it.
+    pub(super) next: Known,
     pub(super) law: Law,
     pub(super) nodes: (usize, usize),
     pub(super) center: DVec2,
     pub(super) radius_m: f64,
     pub(super) deflection: Vector3<f64>,
-}
-
-/// Buffers of one pair's detection.
-#[derive(Clone)]
-pub(super) struct Detection {
-    manifold: ContactManifold<(), ()>,
-    pub(super) faces: [Faces; 2],
-}
-
-impl Default for Detection {
-    fn default() -> Self {
-        Detection { manifold: ContactManifold::new(), faces: [Faces::default(), Faces::default()] }
-    }
-}
-
-impl Detection {
-    /// Finds the points where two shapes are nearest or overlap most, and returns whether there are any. Nothing of an
-    /// earlier manifold is used.
-    fn find(&mut self, pair: &Pair, near_m: f64) -> bool {
-        let [first, second] = pair.poses_world.each_ref().map(parry_pose);
-        self.manifold.clear();
-        (self.manifold.local_n1, self.manifold.local_n2) = (DVec3::ZERO, DVec3::ZERO);
-        let found = DefaultQueryDispatcher.contact_manifold_convex_convex(
-            &first.inv_mul(&second),
-            pair.shapes[0],
-            pair.shapes[1],
-            None,
-            None,
-            near_m,
-            &mut self.manifold,
-        );
-        found.is_ok() && !self.manifold.points.is_empty()
-    }
 }
 
 /// Two shapes that are near each other, of which at least one can move, as they lie when the step begins.
@@ -132,39 +100,114 @@ impl<'a> Meeting<'a> {
     }
 }
 
+/// What a step finds out about a pair of shapes.
+#[expect(clippy::large_enum_variant, reason = "one lives at a time")]
+pub(super) enum Found {
+    /// They may press on each other.
+    Patch(Candidate),
+    /// They do not: this unit direction from the second to the first, world frame, separates them.
+    Apart(DVec3),
+    /// Neither was found.
+    Nothing,
+}
+
 impl ContactStep {
-    /// The patch of a pair of shapes, if it may press.
-    pub(super) fn candidate(
-        &self,
-        meeting: &Meeting,
-        nodes: &mut Vec<Node>,
-        detection: &mut Detection,
-    ) -> Option<Candidate> {
-        let &Meeting { handles, bodies, links, body_poses, ref pair, law, .. } = meeting;
-        if !detection.find(pair, NEAR_M) {
-            return None;
-        }
-        let Detection { manifold, faces } = detection;
-        let kept = self.kept(&key(&handles));
-        let known = kept.or_else(|| self.sibling(&bodies));
-        let known_normal = known.map(|kept| body_poses[1].transform_vector(kept.normal));
-        let mut plane = place(pair, manifold, known_normal, faces);
-        let first_node = nodes.len();
-        let mut press = |plane: &Plane, faces: &mut [Faces; 2]| {
-            let columns = Columns::new(pair, plane, faces)?;
-            let (over_m, before) = meeting.closing_m(plane, columns.overlap_m(DVec2::ZERO)?);
-            columns.add_nodes(over_m, nodes);
-            (nodes.len() > first_node).then_some(before)
-        };
-        let before = match press(&plane, faces) {
-            Some(before) => before,
-            // The manifold's points may lie beside the region in which the shapes overlap.
-            None => {
-                plane = meeting.common(plane.normal_world, faces)?.0;
-                press(&plane, faces)?
+    /// The patch of a pair of shapes, if it may press. A contact of the last step is followed; any other pair is searched
+    /// for its nearest points.
+    pub(super) fn find(&self, meeting: &Meeting, nodes: &mut Vec<Node>, faces: &mut [Faces; 2]) -> Found {
+        let body_pose = &meeting.body_poses[1];
+        let kept = self.kept(&key(&meeting.handles));
+        if let Some(kept) = kept {
+            let normal_world = body_pose.transform_vector(kept.normal);
+            if meeting.are_apart(normal_world) {
+                return Found::Apart(normal_world);
             }
+            if let Some(patch) = &kept.patch {
+                let known = Known {
+                    origin_world: body_pose.transform_point(patch.origin),
+                    normal_world,
+                    strip_world: Some(body_pose.transform_vector(patch.strip)),
+                };
+                let first_node = nodes.len();
+                if let Some(candidate) = meeting.candidate(&known, Some(patch), nodes, faces) {
+                    let deepest_m = nodes[first_node..].iter().map(|node| node.overlap_m).fold(0.0, f64::max);
+                    if deepest_m < MAX_KEPT_OVERLAP_M {
+                        return Found::Patch(candidate);
+                    }
+                }
+                nodes.truncate(first_node);
+            }
+        }
+        let Some(nearest) = meeting.pair.nearest(NEAR_M) else {
+            return Found::Nothing;
         };
-        let parted_m = meeting.parted_m(&plane);
+        let sibling = self.sibling(&meeting.bodies).map(|kept| body_pose.transform_vector(kept.normal));
+        let flipped = sibling.filter(|sibling| sibling.dot(nearest.normal_world) < FLIPPED_COSINE);
+        if flipped.is_none() && meeting.are_apart(nearest.normal_world) {
+            return Found::Apart(nearest.normal_world);
+        }
+        let Some(origin_world) = nearest.middle_world else {
+            return Found::Nothing;
+        };
+        let patch = kept.and_then(|kept| kept.patch.as_ref());
+        let first_node = nodes.len();
+        for normal_world in flipped.into_iter().chain([nearest.normal_world]) {
+            let known = Known { origin_world, normal_world, strip_world: None };
+            if let Some(candidate) = meeting.candidate(&known, patch, nodes, faces) {
+                let deepest_m = nodes[first_node..].iter().map(|node| node.overlap_m).fold(0.0, f64::max);
+                if flipped != Some(normal_world) || deepest_m < MAX_KEPT_OVERLAP_M {
+                    return Found::Patch(candidate);
+                }
+                nodes.truncate(first_node);
+            }
+        }
+        Found::Nothing
+    }
+}
+
+impl Meeting<'_> {
+    /// What is kept of a pair that a direction separates.
+    pub(super) fn kept_apart(&self, normal_world: DVec3) -> Kept {
+        Kept { bodies: self.bodies, normal: self.body_poses[1].inverse_transform_vector(normal_world), patch: None }
+    }
+
+    /// Whether no column along this direction can press in this step.
+    fn are_apart(&self, normal_world: DVec3) -> bool {
+        let (Some(lowest), Some(highest)) = (self.pair.farthest(0, -normal_world), self.pair.farthest(1, normal_world))
+        else {
+            return false;
+        };
+        let gap_m = (lowest - highest).dot(normal_world);
+        gap_m > 0.0
+            && [lowest, highest].into_iter().all(|point| {
+                let (over_m, _) = self.closing_m(&self.pair.plane(point, normal_world), -gap_m);
+                -gap_m <= over_m
+            })
+    }
+
+    /// The patch of a contact that is roughly known, if it may press.
+    fn candidate(
+        &self,
+        known: &Known,
+        kept: Option<&KeptPatch>,
+        nodes: &mut Vec<Node>,
+        faces: &mut [Faces; 2],
+    ) -> Option<Candidate> {
+        let &Meeting { handles, bodies, links, body_poses, ref pair, law, .. } = self;
+        let first_node = nodes.len();
+        let mut before = NormalSpeeds::zeros();
+        let (plane, next) = settle(
+            pair,
+            known,
+            faces,
+            |plane, overlap_m| {
+                let over_m;
+                (over_m, before) = self.closing_m(plane, overlap_m);
+                over_m
+            },
+            nodes,
+        )?;
+        let parted_m = self.parted_m(&plane);
         for node in &mut nodes[first_node..] {
             node.overlap_m += node.parting(&parted_m);
         }
@@ -183,6 +226,7 @@ impl ContactStep {
             links,
             body_poses,
             plane,
+            next,
             law,
             nodes: (first_node, nodes.len()),
             center,
@@ -212,49 +256,6 @@ impl Candidate {
             ];
         }
     }
-}
-
-/// The tangent plane of a contact, in the middle of the manifold's points.
-fn place(pair: &Pair, manifold: &ContactManifold<(), ()>, kept_normal: Option<DVec3>, faces: &mut [Faces; 2]) -> Plane {
-    // The manifold's normal points from the first shape to the second.
-    let found = -pair.poses_world[0].transform_vector(manifold.local_n1);
-    let deepest = manifold.points.iter().map(|point| point.dist).fold(f64::INFINITY, f64::min);
-    // The mean of the near-deepest points. It is inside the overlap whenever there is one.
-    let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
-    for point in &manifold.points {
-        let weight = (1e-3 - (point.dist - deepest)).max(0.0);
-        let [first, second] = pair.poses_world;
-        let middle = 0.5 * (first.transform_point(point.local_p1) + second.transform_point(point.local_p2));
-        sum += middle * weight;
-        weights += weight;
-    }
-    let origin = sum / weights;
-    if let Some(kept) = kept_normal
-        && kept.dot(found) < FLIPPED_COSINE
-    {
-        let plane = pair.plane(origin, kept);
-        let overlap_m = Columns::new(pair, &plane, faces).and_then(|columns| columns.overlap_m(DVec2::ZERO));
-        if overlap_m.is_some_and(|overlap| 0.0 < overlap && overlap < MAX_KEPT_OVERLAP_M) {
-            return plane;
-        }
-    }
-    let plane = pair.plane(origin, found);
-    let mut presses = |plane: &Plane| {
-        let overlap_m = Columns::new(pair, plane, faces).and_then(|columns| columns.overlap_m(DVec2::ZERO));
-        overlap_m.is_some_and(|overlap| overlap > 0.0)
-    };
-    if deepest >= 0.0 || presses(&plane) {
-        return plane;
-    }
-    // On a round face the manifold has only the corners of an inscribed square, so the deepest point of a tilted face
-    // may be somewhere else.
-    let deepest_points = [0, 1].into_iter().filter_map(|side| {
-        let towards_other = if side == 0 { -found } else { found };
-        let shape = pair.shapes[side].as_support_map()?;
-        Some(shape.support_point(&parry_pose(&pair.poses_world[side]), towards_other))
-    });
-    let mut planes = deepest_points.map(|point| pair.plane(point, found));
-    planes.find(presses).unwrap_or(plane)
 }
 
 /// A normal that changes by more than 120° in a step has flipped: the shapes overlap by more than half the thickness of

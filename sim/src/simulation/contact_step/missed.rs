@@ -38,7 +38,7 @@ impl Meeting<'_> {
 
     /// The plane across `normal_world` through points that the shapes have in common, if there are any, and the overlap
     /// there, m.
-    pub(super) fn common(&self, normal_world: DVec3, faces: &mut [Faces; 2]) -> Option<(Plane, f64)> {
+    fn common(&self, normal_world: DVec3, faces: &mut [Faces; 2]) -> Option<(Plane, f64)> {
         // Columns of the overlap lie within the smaller shape.
         let spheres = [0, 1].map(|side| {
             let sphere = self.pair.shapes[side].compute_local_bounding_sphere();

@@ -8,11 +8,12 @@ use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::placed::{NEAR_M, PlacedLink, Scene};
+use crate::contact::chord::Faces;
 use crate::contact::patch::Node;
 use crate::contact::plane::Plane;
 use crate::contact::solver::{Convergence, Solver};
 use crate::physics::{PhysicsOptions, Theta};
-use candidate::{Candidate, Detection, Meeting};
+use candidate::{Candidate, Found, Meeting};
 
 mod apply;
 mod candidate;
@@ -47,13 +48,24 @@ pub(super) struct PatchContact {
 /// Two colliders or two bodies, as raw handles, which can be sorted.
 type PairKey = [(u32, u32); 2];
 
-/// What a pair of shapes in contact keeps from step to step, in the frame of the second body.
+/// What a pair of shapes that are near each other keeps from step to step, in the frame of the second body.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Kept {
     /// The bodies.
     bodies: PairKey,
-    /// The contact's normal.
+    /// The contact's normal, or a direction that separates the shapes.
     normal: DVec3,
+    /// The contact, if there is one.
+    patch: Option<KeptPatch>,
+}
+
+/// What a contact keeps.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct KeptPatch {
+    /// A place of the patch, m.
+    origin: DVec3,
+    /// The direction of the strips of its region.
+    strip: DVec3,
     /// Elastic displacement of the contact along its surface, m.
     deflection: DVec3,
     /// Elastic rotation about the normal, times the patch's radius, m.
@@ -83,7 +95,9 @@ pub(super) struct ContactStep {
 struct Scratch {
     candidates: Vec<Candidate>,
     nodes: Vec<Node>,
-    detection: Detection,
+    faces: [Faces; 2],
+    /// Pairs that a direction separates.
+    apart: Vec<(PairKey, Kept)>,
     /// By slot: Σ k/m over the contacts, 1/s².
     contact_rate: Vec<f64>,
     /// By slot: the number of patches and stops, and the block of the solver.
@@ -117,6 +131,7 @@ impl ContactStep {
         let mut scratch = std::mem::take(&mut self.scratch);
         scratch.candidates.clear();
         scratch.nodes.clear();
+        scratch.apart.clear();
         self.missed_overlap_m = 0.0;
         for colliders in scene.pairs() {
             let mounts = colliders.map(|collider| scene.mount(collider));
@@ -124,10 +139,11 @@ impl ContactStep {
                 continue;
             }
             let meeting = Meeting::new(scene, *colliders, mounts, step_s);
-            match self.candidate(&meeting, &mut scratch.nodes, &mut scratch.detection) {
-                Some(candidate) => scratch.candidates.push(candidate),
-                None => {
-                    let missed_m = meeting.overlap_m(&mut scratch.detection.faces);
+            match self.find(&meeting, &mut scratch.nodes, &mut scratch.faces) {
+                Found::Patch(candidate) => scratch.candidates.push(candidate),
+                Found::Apart(normal_world) => scratch.apart.push((key(colliders), meeting.kept_apart(normal_world))),
+                Found::Nothing => {
+                    let missed_m = meeting.overlap_m(&mut scratch.faces);
                     self.missed_overlap_m = self.missed_overlap_m.max(missed_m);
                 }
             }
@@ -144,7 +160,7 @@ impl ContactStep {
     /// not be pushed into one of them by the other.
     fn sibling(&self, bodies: &PairKey) -> Option<&Kept> {
         let mut kept = self.kept.iter().map(|(_, kept)| kept);
-        kept.find(|kept| kept.bodies == *bodies)
+        kept.find(|kept| kept.patch.is_some() && kept.bodies == *bodies)
     }
 
     /// Gives every tree the rule that its contacts need: their springs act side by side on what the tree's inertia lets
