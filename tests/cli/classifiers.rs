@@ -121,11 +121,15 @@ fn thresholds_of_another_classifier() {
     let options = ["--classifier", "naive-bayes", "--features", "force", "--false-positive-rate", "0.3"];
     let [a, b, c, d, e, f] = options;
     underbrush!["train", table, a, b, c, d, e, f, "--outlier-prior", "0.2", "--out", model].success();
-    let decision = underbrush!["inspect", model, "--json"].json()["decision"].clone();
-    assert!(decision["rule"]["outlier_band"]["category_above"].is_number(), "{decision}");
-    let of = |rule: &str| underbrush!["classify", model, table, "--decision", rule].success();
-    let own = underbrush!["classify", model, table].success();
-    assert_ne!(own, of("argmax"));
+    let mut file: Value = serde_json::from_str(&std::fs::read_to_string(&model).unwrap()).unwrap();
+    let chosen = &mut file["decision"]["rule"]["outlier_band"]["category_above"];
+    assert!(chosen.is_number(), "{chosen}");
+    // The chosen thresholds may leave no verdict uncertain.
+    *chosen = 1e9.into();
+    file.as_object_mut().unwrap().remove("blake3");
+    std::fs::write(&model, file.to_string()).unwrap();
+    let verdicts = underbrush!["classify", model, table].success();
+    assert!(!verdicts.contains(",trunk,") && verdicts.contains(",outlier,"), "{verdicts}");
 }
 
 /// Tests that options that only hidden Markov models have are refused by name for other classifiers.

@@ -99,7 +99,7 @@ fn follow(path: u64, counted: &mut Counted) {
         let known_or_nearest = known.or_else(|| {
             let nearest = pair.nearest(0.005)?;
             let origin_world = nearest.middle_world?;
-            Some(Known { origin_world, normal_world: nearest.normal_world, strip_world: None })
+            Some(Known { origin_world, normal_world: nearest.normal_world, region: None })
         });
         let mut nodes = Vec::new();
         let found = known_or_nearest.and_then(|from| settle(&pair, &from, &mut faces, |_, _| 0.0, &mut nodes));

@@ -13,7 +13,9 @@
 //! pushes back, so the surface of the larger shape counts.
 
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
+use super::chord::Slope;
 use super::patch::{Columns, Node};
 use super::plane::Plane;
 
@@ -39,8 +41,11 @@ const OUTWARDS: [(usize, bool); 5] = [(2, false), (1, false), (0, false), (3, tr
 const FIRST_EXTENT_M: f64 = 0.004;
 /// No patch is larger than this, m.
 const MAX_EXTENT_M: f64 = 1.0;
-/// Extents are found to half of this relative error.
-const TOLERANCE: f64 = 1e-3;
+/// The last trial for an extent is nearer to it than this share. Choice: rounding is far smaller, and a coarser one would let
+/// what rests on a patch rock, as the search starts from the ends of the last step.
+const TOLERANCE: f64 = 1e-6;
+/// A slope of the region's edge is small below this.
+const SQUARE: f64 = 1e-3;
 /// The search for the true end of the region continues from the middle of a strip at this share of the way to the end
 /// found so far.
 const NEAR_END: f64 = 0.9;
@@ -51,8 +56,8 @@ const MAX_TRIALS: usize = 60;
 /// Slopes of a surface are at most this large. A normal turns by less than 72° at a time.
 const STEEPEST: f64 = 3.0;
 
-/// Ends and strips of a region, m in the plane. It is the first guess for the next trial.
-#[derive(Clone, Copy, Debug)]
+/// Ends and strips of a region, m in the plane. It is the first guess for the next step.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Outline {
     /// The ends in the directions −x and x.
     ends: [DVec2; 2],
@@ -168,37 +173,37 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// How far the region extends from `from` along `direction`, m, by Newton's method from `guess_m` within a bracket; and
-    /// the last column within.
+    /// the last column within. Functions of concave overlaps are never beyond their tangents, so each trial's root is an
+    /// upper limit, and trials aim a little within the least one.
     fn extent(&self, from: DVec2, direction: DVec2, guess_m: f64) -> (f64, Edge) {
-        let (mut within, mut beyond) = (0.0, MAX_EXTENT_M);
+        let (mut within, mut beyond, mut limit) = (0.0, MAX_EXTENT_M, f64::INFINITY);
         let mut edge = Edge { place: from, ..Edge::default() };
-        let mut is_probed = false;
         let mut distance = guess_m;
         for _ in 0..MAX_TRIALS {
-            let probe = self.columns.probe(from + direction * distance, self.over_m);
-            let excess = probe.excess;
-            let slope = excess.gradient.dot(direction);
-            // Each trial aims a little beyond the root that the slope points to, so that the bracket closes from both sides.
-            let next = if excess.value > 0.0 {
+            let place = from + direction * distance;
+            let probe = self.columns.probe(place, self.over_m);
+            let Slope { value, gradient } = probe.excess;
+            let slope = gradient.dot(direction);
+            let root = if slope < 0.0 { distance - value / slope } else { f64::INFINITY };
+            if root < limit {
+                (limit, edge.slope) = (root, gradient);
+            }
+            if value > 0.0 {
                 within = distance;
-                is_probed = true;
-                (edge.place, edge.surfaces_m) = (from + direction * distance, probe.surfaces_m);
-                let root = if slope < 0.0 { distance - excess.value / slope } else { f64::INFINITY };
-                (root * (1.0 + 0.25 * TOLERANCE)).min(4.0 * distance)
+                (edge.place, edge.surfaces_m) = (place, probe.surfaces_m);
             } else {
                 beyond = distance;
-                edge.slope = excess.gradient;
-                (distance - excess.value / slope) * (1.0 - 0.25 * TOLERANCE)
-            };
-            if beyond - within <= TOLERANCE * beyond {
+            }
+            if beyond.min(limit) - within <= TOLERANCE * within {
                 break;
             }
+            let next = (limit * (1.0 - 0.5 * TOLERANCE)).min(4.0 * distance);
             distance = if within < next && next < beyond { next } else { 0.5 * (within + beyond) };
         }
-        if !is_probed {
+        if within == 0.0 {
             edge.surfaces_m = self.columns.probe(from, self.over_m).surfaces_m;
         }
-        (0.5 * (within + beyond), edge)
+        (beyond.min(limit), edge)
     }
 
     /// The end of the region in the direction `along` of the first tangent. Where the edge of the region is not at right
@@ -212,7 +217,7 @@ impl Search<'_> {
         let mut end = from + along * reach;
         let half = guess.strips[if side == 0 { 0 } else { STRIPS.len() - 1 }].1.max(0.1 * FIRST_EXTENT_M);
         for _ in 0..MAX_TRIALS {
-            if edge.slope.y.abs() <= TOLERANCE * edge.slope.x.abs() {
+            if edge.slope.y.abs() <= SQUARE * edge.slope.x.abs() {
                 break;
             }
             // From the middle of the strip near the end, the region reaches farther.

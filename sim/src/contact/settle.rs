@@ -16,8 +16,8 @@ pub struct Known {
     pub origin_world: DVec3,
     /// Its unit normal, from the second shape into the first, world frame.
     pub normal_world: DVec3,
-    /// The direction of the strips of its region, world frame. `None` in a first search.
-    pub strip_world: Option<DVec3>,
+    /// Where its region ended, and the direction of the strips of the region, world frame. `None` in a first search.
+    pub region: Option<(Outline, DVec3)>,
 }
 
 /// Columns may lie along a direction that differs from the normal by less than this, rad: overlaps along both differ by half
@@ -36,13 +36,12 @@ pub fn settle(
     mut over_m: impl FnMut(&Plane, f64) -> f64,
     nodes: &mut Vec<Node>,
 ) -> Option<(Plane, Known)> {
-    let mut plane = match known.strip_world {
-        None => pair.plane(known.origin_world, known.normal_world),
-        Some(strip_world) => pair.plane_along(known.origin_world, known.normal_world, strip_world),
+    let (mut plane, mut outline) = match known.region {
+        None => (pair.plane(known.origin_world, known.normal_world), Outline::default()),
+        Some((outline, strip_world)) => {
+            (pair.plane_along(known.origin_world, known.normal_world, strip_world), outline)
+        }
     };
-    // The ends of the last step are no good guess: found ends lie anywhere within the tolerance of the first ones, and a box
-    // at rest would rock.
-    let mut outline = Outline::default();
     let larger = pair.larger();
     // The last region, its plane and its normal.
     let mut last: Option<(Region, Plane, DVec3)> = None;
@@ -91,7 +90,7 @@ pub fn settle(
     let next = Known {
         origin_world: plane.origin_world + in_plane(&plane.tangents_world, center.x, center.y),
         normal_world: (plane.normal_world + 0.5 * turn).normalize(),
-        strip_world: Some(plane.tangents_world[1]),
+        region: Some((region.outline.seen_from(center), plane.tangents_world[1])),
     };
     let is_settled = turn.length() < ALONG_NORMAL_RAD;
     Some((if is_settled { plane.turned_to(found_world) } else { plane }, next))

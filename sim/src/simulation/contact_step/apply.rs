@@ -49,9 +49,11 @@ impl ContactStep {
             let to_body = |vector| candidate.body_poses[1].inverse_transform_vector(vector);
             let solved = scratch.solver.solved(patch);
             let deflection = if solved.normal_impulse[0] > 0.0 { solved.deflection_m } else { Vector3::zeros() };
+            let (outline, strip_world) = candidate.next.region.unwrap_or_default();
             let patch = KeptPatch {
                 origin: candidate.body_poses[1].inverse_transform_point(candidate.next.origin_world),
-                strip: to_body(candidate.plane.tangents_world[1]),
+                outline,
+                strip: to_body(strip_world),
                 deflection: to_body(in_plane(&candidate.plane.tangents_world, deflection[0], deflection[1])),
                 deflection_about_normal: deflection[2],
             };

@@ -126,7 +126,7 @@ impl ContactStep {
                 let known = Known {
                     origin_world: body_pose.transform_point(patch.origin),
                     normal_world,
-                    strip_world: Some(body_pose.transform_vector(patch.strip)),
+                    region: Some((patch.outline, body_pose.transform_vector(patch.strip))),
                 };
                 let first_node = nodes.len();
                 if let Some(candidate) = meeting.candidate(&known, Some(patch), nodes, faces) {
@@ -152,7 +152,7 @@ impl ContactStep {
         let patch = kept.and_then(|kept| kept.patch.as_ref());
         let first_node = nodes.len();
         for normal_world in flipped.into_iter().chain([nearest.normal_world]) {
-            let known = Known { origin_world, normal_world, strip_world: None };
+            let known = Known { origin_world, normal_world, region: None };
             if let Some(candidate) = meeting.candidate(&known, patch, nodes, faces) {
                 let deepest_m = nodes[first_node..].iter().map(|node| node.overlap_m).fold(0.0, f64::max);
                 if flipped != Some(normal_world) || deepest_m < MAX_KEPT_OVERLAP_M {

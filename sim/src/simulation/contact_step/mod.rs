@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::placed::{NEAR_M, PlacedLink, Scene};
 use crate::contact::chord::Faces;
+use crate::contact::outline::Outline;
 use crate::contact::patch::Node;
 use crate::contact::plane::Plane;
 use crate::contact::solver::{Convergence, Solver};
@@ -64,7 +65,8 @@ struct Kept {
 struct KeptPatch {
     /// A place of the patch, m.
     origin: DVec3,
-    /// The direction of the strips of its region.
+    /// Where its region ended, and the direction of its strips.
+    outline: Outline,
     strip: DVec3,
     /// Elastic displacement of the contact along its surface, m.
     deflection: DVec3,
