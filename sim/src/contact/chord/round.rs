@@ -98,39 +98,45 @@ impl Cylinder {
         let offset = place.extend(0.0) - self.center;
         let axis = self.axis;
         let round = self.endless.line(offset);
-        if round.inside.value <= 0.0 {
-            return Chord::outside(round.inside);
-        }
         let along = offset.dot(axis);
         let caps = if axis.z.abs() > PARALLEL {
             let half = self.half_height_m.copysign(axis.z);
-            Some([(-half - along) / axis.z, (half - along) / axis.z])
+            [(-half - along) / axis.z, (half - along) / axis.z]
         } else if along.abs() >= self.half_height_m {
             return Chord::outside(Slope {
                 value: self.half_height_m - along.abs(),
                 gradient: axis.truncate() * -along.signum(),
             });
         } else {
-            None
+            [f64::NEG_INFINITY, f64::INFINITY]
         };
-        // Which of the ends are at a cap, and the positions of both.
-        let (at_cap, ends_m) = match (round.ends(), caps) {
-            (Some(sides), Some(caps)) => {
-                let at_cap = [caps[0] > sides[0], caps[1] < sides[1]];
-                let end_m = |end: usize| if at_cap[end] { caps[end] } else { sides[end] };
-                (at_cap, [end_m(0), end_m(1)])
+        // Where the part of the line between the caps is nearest to the axis. Its distance there is a convex function of the
+        // place, and it is exact for lines that are nearly parallel to the axis, unlike the ends of the chord.
+        let nearest = round.middle.clamp(caps[0], caps[1]);
+        let inside = if nearest == round.middle {
+            round.inside
+        } else {
+            let point = offset + DVec3::Z * nearest;
+            let away = point - axis * point.dot(axis);
+            Slope {
+                value: self.endless.limit - away.length_squared(),
+                gradient: -2.0 * (away.truncate() + self.cap_gradient * away.z),
             }
-            (Some(sides), None) => ([false; 2], sides),
-            (None, Some(caps)) => ([true; 2], caps),
-            (None, None) => return Chord::outside(round.inside),
         };
-        Chord::between(ends_m, end, |end| {
-            if at_cap[end] {
-                return Slope { value: ends_m[end], gradient: self.cap_gradient };
-            }
-            let point = offset + DVec3::Z * ends_m[end];
-            surface(ends_m[end], point - axis * point.dot(axis))
-        })
+        if inside.value <= 0.0 {
+            return Chord::outside(inside);
+        }
+        let sides = round.ends().unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+        let is_cap = match end {
+            End::Enters => caps[0] > sides[0],
+            End::Leaves => caps[1] < sides[1],
+        };
+        let end = end as usize;
+        if is_cap {
+            return Chord { inside, end_m: Slope { value: caps[end], gradient: self.cap_gradient } };
+        }
+        let point = offset + DVec3::Z * sides[end];
+        Chord { inside, end_m: surface(sides[end], point - axis * point.dot(axis)) }
     }
 }
 
@@ -143,7 +149,8 @@ struct Endless {
     limit: f64,
     /// Square of the sine of the angle between lines and axis.
     square: f64,
-    /// Unit vector in the plane, at right angles to the axis. Not used for lines along the axis.
+    /// Unit vectors in the plane, along the axis and at right angles to it. Not used for lines along the axis.
+    flat: DVec2,
     across: DVec2,
 }
 
@@ -159,14 +166,14 @@ struct Round {
 
 impl Endless {
     fn new(axis: DVec3, radius_m: f64) -> Self {
-        let flat = axis.truncate();
-        let square = flat.length_squared();
-        Endless { axis, limit: radius_m * radius_m, square, across: flat.perp() / square.sqrt() }
+        let square = axis.truncate().length_squared();
+        let flat = axis.truncate() / square.sqrt();
+        Endless { axis, limit: radius_m * radius_m, square, flat, across: flat.perp() }
     }
 
     /// The line at `offset` from a point of the axis.
     fn line(&self, offset: DVec3) -> Round {
-        let Endless { axis, limit, square, across } = *self;
+        let Endless { axis, limit, square, flat, across } = *self;
         if square <= PARALLEL * PARALLEL {
             let away = offset.truncate();
             return Round {
@@ -179,7 +186,7 @@ impl Endless {
         Round {
             inside: Slope { value: limit - distance * distance, gradient: across * (-2.0 * distance) },
             square,
-            middle: (axis.z * offset.dot(axis) - offset.z) / square,
+            middle: axis.z * offset.truncate().dot(flat) / square.sqrt() - offset.z,
         }
     }
 }
