@@ -143,7 +143,9 @@ mod tests {
 
     proptest! {
         /// Tests volume and support points against parry's own hull, for random corners and for corners on a grid, many of
-        /// which lie in common planes.
+        /// which lie in common planes. Parry makes one face of triangles that are less than φ = 1.8e-4 rad apart. Two
+        /// triangles on a common edge, within a cube of diagonal D, and the other two triangles on the same four corners have
+        /// at most D³ φ / 6 between them.
         #[test]
         fn hulls_are_those_of_parry(
             corners in prop::collection::vec(prop::array::uniform3(-1.0..1.0f64), 4..25),
@@ -155,7 +157,11 @@ mod tests {
             let Some(expected) = SharedShape::convex_hull(&corners) else { return Ok(()) };
             prop_assume!(volume(&expected) > 1e-3);
             let hull = convex_hull(&corners).ok_or_else(|| TestCaseError::fail("no hull"))?;
-            prop_assert!((volume(&hull) - volume(&expected)).abs() < 1e-9);
+            let faces = hull.as_convex_polyhedron().unwrap().faces();
+            // Four random corners do not lie in a plane.
+            let merged = faces.iter().filter(|face| steps == 0.0 && face.num_vertices_or_edges > 3).count() as f64;
+            let tolerance = 1e-9 + merged * 4.0 * 3f64.sqrt() * 1.8e-4;
+            prop_assert!((volume(&hull) - volume(&expected)).abs() < tolerance);
             let direction = DVec3::from(direction);
             let reach = |shape: &SharedShape| shape.as_support_map().unwrap().local_support_point(direction).dot(direction);
             prop_assert!((reach(&hull) - corners.iter().map(|corner| corner.dot(direction)).fold(f64::MIN, f64::max)).abs() < 1e-12);
