@@ -7,6 +7,7 @@ use underbrush_recording::{BodyPart, BodyShape, Pose};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::object::Object;
+use underbrush_sim::object::blade::SHEET_TORSION_OVER_BENDING;
 use underbrush_sim::object::leaf::{Leaf, root_stiffness_nm_per_rad};
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::scene::PhysicsSection;
@@ -18,8 +19,10 @@ fn leaf(segments: u32) -> Leaf {
         height_m: 0.325,
         width_m: 0.035,
         flexural_rigidity_n_m2: 0.0275,
+        torsion_over_bending: SHEET_TORSION_OVER_BENDING,
         mass_per_area_kg_per_m2: 0.75,
         loss_factor: 0.15,
+        yield_moment_nm: None,
         root_stiffness_nm_per_rad: Some(root_stiffness_nm_per_rad(5.5e4, 0.04)),
         segments,
     }

@@ -12,6 +12,7 @@ use underbrush_recording::Pose as WorldPose;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::dynamics::{Coordinate, Tree};
 use underbrush_sim::object::Object;
+use underbrush_sim::object::blade::SHEET_TORSION_OVER_BENDING;
 use underbrush_sim::object::foam_block::FoamBlock;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::water_bottle::WaterBottle;
@@ -59,8 +60,10 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         height_m: 0.3,
         width_m: 0.03,
         flexural_rigidity_n_m2: 0.02,
+        torsion_over_bending: SHEET_TORSION_OVER_BENDING,
         mass_per_area_kg_per_m2: 0.8,
         loss_factor: 0.2,
+        yield_moment_nm: None,
         root_stiffness_nm_per_rad: Some(2.0),
         segments: 4,
     };
@@ -77,6 +80,8 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         for body in &mut structure.bodies {
             body.inertia.mass_kg *= mass_ratio;
             body.inertia.principal_kg_m2 *= mass_ratio;
+            // Multibodies know no drag.
+            body.drag = None;
         }
         subjects.push((name, Tree::of_structure(&structure, WorldPose::IDENTITY), rig));
     }
@@ -93,13 +98,13 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     for (name, tree, rig) in &subjects {
         let trees = rig.describe().trees;
         let described = trees.iter().find(|links| links.len() == tree.links().len());
-        let links = described.ok_or_else(|| CheckError::Case(format!("no {name} on the rig")))?;
+        let links = stacked(described.ok_or_else(|| CheckError::Case(format!("no {name} on the rig")))?);
         found.push(
             Comparison::of(
                 format!("accelerations of the {name} over the largest"),
                 "",
                 0.0,
-                accelerations_apart(tree, links, gravity_m_per_s2),
+                accelerations_apart(tree, &links, gravity_m_per_s2),
             )
             .absolute(1e-9, "1e-9: rounding of both"),
         );
@@ -110,7 +115,7 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
                     format!("free motion of the {name}, largest difference"),
                     "rad or m",
                     0.0,
-                    motions_apart(tree, links, gravity_m_per_s2),
+                    motions_apart(tree, &links, gravity_m_per_s2),
                 )
                 .absolute(
                     1e-6,
@@ -186,6 +191,27 @@ fn prepared(tree: &Tree, displacement: &[f64], velocity: &[f64], step_s: f64, gr
     tree.begin(step_s, Theta::EULER);
     tree.prepare(gravity_m_per_s2);
     tree
+}
+
+/// The same links with a massless one between two rotations of a joint: multibodies have joints with one or three.
+fn stacked(links: &[LinkDescription]) -> Vec<LinkDescription> {
+    let mut stacked: Vec<LinkDescription> = Vec::new();
+    let mut place = Vec::new();
+    for link in links {
+        let mut own = link.clone();
+        own.parent = link.parent.map(|parent| place[parent]);
+        if let [first, second] = own.axes[..]
+            && first.axis >= 3
+        {
+            let mut between = own.clone();
+            (between.mass_kg, between.inertia_body, between.axes) = (0.0, DMat3::ZERO, vec![first]);
+            (own.parent, own.joint_frames[0], own.axes) = (Some(stacked.len()), own.joint_frames[1], vec![second]);
+            stacked.push(between);
+        }
+        place.push(stacked.len());
+        stacked.push(own);
+    }
+    stacked
 }
 
 /// The same bodies and joints as a multibody of Rapier.

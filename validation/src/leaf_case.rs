@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use underbrush_oracles::beam;
+use underbrush_sim::object::blade::SHEET_TORSION_OVER_BENDING;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::test_rig::{BodyId, Rig};
@@ -12,6 +13,7 @@ use crate::{Breaks, CheckError, Falsification};
 pub const LENGTH_M: f64 = 0.3;
 pub const RIGIDITY_N_M2: f64 = 0.02;
 pub const MASS_PER_LENGTH_KG_PER_M: f64 = 0.024;
+pub const WIDTH_M: f64 = 0.03;
 
 /// The blade is stiffer than its scene says.
 pub const STIFF_BLADE: Falsification =
@@ -19,13 +21,14 @@ pub const STIFF_BLADE: Falsification =
 
 /// A blade of this size, clamped at its root.
 pub fn blade(segments: u32, flexural_rigidity_n_m2: f64, loss_factor: f64) -> Leaf {
-    let width_m = 0.03;
     Leaf {
         height_m: LENGTH_M,
-        width_m,
+        width_m: WIDTH_M,
         flexural_rigidity_n_m2,
-        mass_per_area_kg_per_m2: MASS_PER_LENGTH_KG_PER_M / width_m,
+        torsion_over_bending: SHEET_TORSION_OVER_BENDING,
+        mass_per_area_kg_per_m2: MASS_PER_LENGTH_KG_PER_M / WIDTH_M,
         loss_factor,
+        yield_moment_nm: None,
         root_stiffness_nm_per_rad: None,
         segments,
     }
@@ -118,10 +121,9 @@ impl ClampedLeaf {
     }
 
     /// Plucks the leaf in the shape of a clamped beam's first mode, with a force in proportion to mass and mode during
-    /// one step, and returns the tip's displacement across the blade after each later step.
-    pub fn pluck(&mut self, seconds: f64) -> Vec<f64> {
+    /// one step that gives the tip a speed, and returns the tip's displacement across the blade after each later step.
+    pub fn pluck(&mut self, push_m_per_s: f64, seconds: f64) -> Vec<f64> {
         let step_s = self.rig.physics().step_s;
-        let push_m_per_s = 0.02;
         // The engine knows masses and centres of mass only after its first step.
         self.rig.step();
         for body in &self.bodies {

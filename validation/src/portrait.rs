@@ -5,6 +5,7 @@ use glam::DVec3;
 use underbrush_recording::Grid;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::object::Object;
+use underbrush_sim::object::blade::SHEET_TORSION_OVER_BENDING;
 use underbrush_sim::object::foam_roll::FoamRoll;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::trunk::Trunk;
@@ -52,8 +53,10 @@ fn leaf() -> Box<dyn Object> {
         height_m: 0.35,
         width_m: 0.04,
         flexural_rigidity_n_m2: 0.04,
+        torsion_over_bending: SHEET_TORSION_OVER_BENDING,
         mass_per_area_kg_per_m2: 0.8,
         loss_factor: 0.1,
+        yield_moment_nm: None,
         root_stiffness_nm_per_rad: None,
         segments: 5,
     })

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 use underbrush_recording::{FRAME_PERIOD_S, Pose, TaxelReading};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::clutter::{Clutter, PlacedObject};
+use underbrush_sim::object::blade::SHEET_TORSION_OVER_BENDING;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::{FRICTION, Object};
 use underbrush_sim::physics::PhysicsOptions;
@@ -21,8 +22,10 @@ pub const LEAF: Leaf = Leaf {
     height_m: 0.4,
     width_m: 0.03,
     flexural_rigidity_n_m2: 0.02,
+    torsion_over_bending: SHEET_TORSION_OVER_BENDING,
     mass_per_area_kg_per_m2: 0.8,
     loss_factor: 0.2,
+    yield_moment_nm: None,
     root_stiffness_nm_per_rad: Some(2.0),
     segments: 5,
 };

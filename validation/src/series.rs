@@ -4,6 +4,7 @@ use glam::DVec3;
 use nalgebra::Vector3;
 use underbrush_oracles::{beam, foam, statics};
 use underbrush_sim::arm::Arm;
+use underbrush_sim::object::blade::SHEET_TORSION_OVER_BENDING;
 use underbrush_sim::object::foam_roll::FoamRoll;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::trunk::Trunk;
@@ -65,8 +66,10 @@ fn leaf(name: &str, drop_m: f64, simulated: Simulated) -> Result<Vec<Comparison>
         // Narrow, so that it is touched at its midline and not twisted.
         width_m: 0.01,
         flexural_rigidity_n_m2: LEAF_RIGIDITY_N_M2 * simulated.with(STIFF_BLADE, 1.0, 1.1),
+        torsion_over_bending: SHEET_TORSION_OVER_BENDING,
         mass_per_area_kg_per_m2: 0.8,
         loss_factor: 0.3,
+        yield_moment_nm: None,
         root_stiffness_nm_per_rad: None,
         // Many, so that the beam's closed form applies.
         segments: 20,

@@ -50,10 +50,11 @@ impl Tree {
             mass_kg: 0.0,
             center_of_mass_link: DVec3::ZERO,
             inertia_link: DMat3::ZERO,
+            drag: None,
             pose_world: ground_world,
             coordinates: (0, 0),
             last: None,
-            several_turns: false,
+            is_ball: false,
             turn: DQuat::IDENTITY,
         };
         Tree {
@@ -66,8 +67,8 @@ impl Tree {
         }
     }
 
-    /// Adds a link on a joint with these axes, of which one or three may be rotations, and returns its index. All
-    /// translations come before the rotations.
+    /// Adds a link on a joint with these axes, and returns its index. All translations come before the rotations. Of two
+    /// rotations, the first turns the axis of the second; three are those of a ball joint.
     pub fn add(&mut self, link: LinkOptions, axes: impl IntoIterator<Item = Axis>) -> usize {
         let (index, first) = (self.links.len(), self.coordinates.len());
         let mut last = self.links[link.parent].last;
@@ -77,7 +78,6 @@ impl Tree {
                 turns,
                 axis_joint,
                 spring,
-                rest: 0.0,
                 stop,
                 position: 0.0,
                 velocity: 0.0,
@@ -94,14 +94,15 @@ impl Tree {
             mass_kg,
             center_of_mass_link,
             inertia_link,
+            drag: None,
             pose_world: Pose::IDENTITY,
             coordinates: (first, self.coordinates.len()),
             last,
-            several_turns: false,
+            is_ball: false,
             turn: DQuat::IDENTITY,
         });
         let link = &mut self.links[index];
-        link.several_turns = self.coordinates[first..].iter().filter(|own| own.turns).count() > 1;
+        link.is_ball = self.coordinates[first..].iter().filter(|own| own.turns).count() == 3;
         self.pushes.resize(self.coordinates.len(), 0.0);
         self.place();
         index
@@ -116,13 +117,15 @@ impl Tree {
             let joint = body.joint.as_ref();
             let link = LinkOptions {
                 parent: joint.map_or(0, |joint| joint.parent),
-                joint_parent: Pose::from_position(joint.map_or(DVec3::ZERO, |joint| joint.origin_parent)),
+                joint_parent: joint
+                    .map_or(Pose::IDENTITY, |joint| Pose::new(joint.origin_parent, joint.orientation_parent)),
                 mass_kg: inertia.mass_kg,
                 center_of_mass_link: inertia.center_of_mass_body,
                 inertia_link: DMat3::from_diagonal(inertia.principal_kg_m2),
             };
             let axes = joint.into_iter().flat_map(|joint| &joint.free_axes);
-            tree.add(link, axes.map(|(axis, spring)| Axis::of_structure(*axis, *spring)));
+            let link = tree.add(link, axes.map(|(axis, spring)| Axis::of_structure(*axis, *spring)));
+            tree.links[link].drag = body.drag;
         }
         tree
     }
@@ -140,7 +143,7 @@ impl Tree {
                     stiffness: joint.stiffness_nm_per_rad,
                     damping: joint.damping_nm_s_per_rad,
                     armature: joint.armature_kg_m2,
-                    maxwell: None,
+                    ..Spring::default()
                 },
                 stop: is_limited.then_some(EndStop {
                     limits_rad: joint.limits_rad,
@@ -158,7 +161,7 @@ impl Tree {
             tree.add(link, [axis]);
         }
         for (coordinate, angle) in tree.coordinates.iter_mut().zip(posture_rad) {
-            (coordinate.position, coordinate.rest) = (*angle, *angle);
+            (coordinate.position, coordinate.spring.rest) = (*angle, *angle);
         }
         tree.place();
         tree

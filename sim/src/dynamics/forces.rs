@@ -4,18 +4,27 @@ use glam::{DMat3, DVec3};
 use underbrush_recording::math;
 
 use super::spatial::{Inertia, Spatial};
-use super::{Coordinate, Scratch, Tree};
+use super::{Coordinate, Link, Scratch, Tree};
+use crate::object::structure::Drag;
 use crate::physics::Theta;
 
 impl Coordinate {
     /// Stiffness of the spring with its relaxing branch, and the force of both, N/m and N or Nm/rad and Nm.
     pub(super) fn spring(&self) -> (f64, f64) {
-        let own = self.spring.stiffness * (self.rest - self.position);
+        let own = self.spring.stiffness * (self.spring.rest - self.position);
         match self.spring.maxwell {
             None => (self.spring.stiffness, own),
             Some(branch) => {
                 (self.spring.stiffness + branch.stiffness, own + branch.stiffness * (self.dashpot - self.position))
             }
+        }
+    }
+
+    /// Moves the rest position of a spring that is loaded beyond its yield moment, so that it holds just that.
+    pub(super) fn yield_if_overloaded(&mut self) {
+        if let Some(limit) = self.spring.yield_moment {
+            let give = limit / self.spring.stiffness;
+            self.spring.rest = self.spring.rest.clamp(self.position - give, self.position + give);
         }
     }
 
@@ -76,13 +85,14 @@ impl Tree {
                 (velocities[link.parent], accelerations[link.parent])
             };
             let carried = velocity;
+            let is_ball = link.is_ball;
             let point = link.pose_world.position - about;
             // The velocity of the joint's point, which prismatic coordinates move.
             let mut at_point = carried.linear + carried.angular.cross(point);
             for coordinate in &self.coordinates[link.coordinates.0..link.coordinates.1] {
                 let Coordinate { axis_world: axis, velocity: speed, turns, .. } = *coordinate;
-                // The axis turns with the parent.
-                let turned = carried.angular.cross(axis);
+                // The axis turns with the parent, and with the rotations before it.
+                let turned = if is_ball { carried.angular } else { velocity.angular }.cross(axis);
                 let (unit, change) = if turns {
                     let unit = Spatial { angular: axis, linear: point.cross(axis) };
                     (unit, Spatial { angular: turned, linear: at_point.cross(axis) + point.cross(turned) })
@@ -98,11 +108,12 @@ impl Tree {
             let rotation = DMat3::from_quat(link.pose_world.orientation);
             let inertia = rotation * link.inertia_link * rotation.transpose();
             let Spatial { angular, linear } = velocity;
-            let of_center = acceleration.linear
-                + acceleration.angular.cross(center)
-                + angular.cross(linear + angular.cross(center));
+            let at_center = linear + angular.cross(center);
+            let of_center = acceleration.linear + acceleration.angular.cross(center) + angular.cross(at_center);
             let force = (of_center + DVec3::Z * gravity_m_per_s2) * link.mass_kg;
             let spin = inertia * acceleration.angular + angular.cross(inertia * angular);
+            // Forces are those that the motion asks for, so the air's count negative.
+            let force = force - link.drag.map_or(DVec3::ZERO, |drag| drag_world(&drag, link, at_center));
             forces.push(Spatial { angular: center.cross(force) + spin, linear: force });
             inertias.push(Inertia::new(link.mass_kg, center, inertia));
             velocities.push(velocity);
@@ -140,4 +151,16 @@ impl Tree {
             inertias[link.parent].add(&inertia);
         }
     }
+}
+
+/// Half the density of air, kg/m³, times the coefficient of drag of a plate of finite length that meets the air
+/// flat (1.2; Hoerner, *Fluid-Dynamic Drag*, 1965, chapter 3).
+const HALF_DENSITY_TIMES_DRAG_KG_PER_M3: f64 = 0.5 * 1.2 * 1.2;
+
+/// The air's force on a plate whose centre moves with this velocity, N, world frame. Only the velocity along its normal
+/// counts.
+fn drag_world(drag: &Drag, link: &Link, velocity_world: DVec3) -> DVec3 {
+    let normal_world = link.pose_world.transform_vector(drag.normal_body);
+    let speed = velocity_world.dot(normal_world);
+    normal_world * (-HALF_DENSITY_TIMES_DRAG_KG_PER_M3 * drag.area_m2 * speed * speed.abs())
 }

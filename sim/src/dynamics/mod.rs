@@ -22,7 +22,7 @@ use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use underbrush_recording::Pose;
 
-use crate::object::structure::Spring;
+use crate::object::structure::{Drag, Spring};
 use crate::physics::Theta;
 use spatial::Spatial;
 
@@ -59,8 +59,6 @@ pub struct Coordinate {
     pub axis_joint: DVec3,
     /// Its spring, damper and armature.
     pub spring: Spring,
-    /// Where the spring is at rest, m or rad.
-    pub rest: f64,
     /// Its end stop.
     pub stop: Option<EndStop>,
     /// Displacement, m or rad. Of a joint with three rotations it is the integral of the velocity.
@@ -88,6 +86,8 @@ pub struct Link {
     pub center_of_mass_link: DVec3,
     /// Inertia about the centre of mass, kg m², axes of the link's frame.
     pub inertia_link: DMat3,
+    /// What the air's drag acts on.
+    pub drag: Option<Drag>,
     /// Pose in the world frame.
     pub pose_world: Pose,
     /// Its first coordinate, and the one after its last.
@@ -95,7 +95,7 @@ pub struct Link {
     /// The last coordinate that moves it: its own, or one of a link nearer to the root.
     last: Option<usize>,
     /// Whether its joint has three rotations, and the rotation of such a joint.
-    several_turns: bool,
+    is_ball: bool,
     turn: DQuat,
 }
 

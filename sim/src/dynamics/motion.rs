@@ -13,11 +13,14 @@ impl Tree {
             let joint = self.links[link.parent].pose_world * link.joint_parent;
             let (mut slide, mut turn) = (DVec3::ZERO, link.turn);
             for coordinate in &mut self.coordinates[link.coordinates.0..link.coordinates.1] {
-                coordinate.axis_world = joint.orientation * coordinate.axis_joint;
+                let axis_joint = coordinate.axis_joint;
+                // Each of two rotations turns the axis of the next one.
+                let turned = if link.is_ball { axis_joint } else { turn * axis_joint };
+                coordinate.axis_world = joint.orientation * turned;
                 if !coordinate.turns {
                     slide += coordinate.axis_world * coordinate.position;
-                } else if !link.several_turns {
-                    turn = DQuat::from_axis_angle(coordinate.axis_joint, coordinate.position);
+                } else if !link.is_ball {
+                    turn *= DQuat::from_axis_angle(axis_joint, coordinate.position);
                 }
             }
             self.links[index].pose_world = Pose::new(joint.position + slide, joint.orientation * turn);
@@ -31,6 +34,7 @@ impl Tree {
         self.displace(|coordinate, at| step_s * next[at] - ahead_s * coordinate.velocity);
         for (coordinate, next) in self.coordinates.iter_mut().zip(&next) {
             coordinate.velocity += (next - coordinate.velocity) / theta;
+            coordinate.yield_if_overloaded();
         }
         self.scratch.next = next;
         self.pushes.fill(0.0);
@@ -38,7 +42,7 @@ impl Tree {
 
     /// Moves the coordinates by what `change` returns for each and its index, m or rad, and places the links.
     pub fn displace(&mut self, change: impl Fn(&Coordinate, usize) -> f64) {
-        for link in self.links.iter_mut().filter(|link| link.several_turns) {
+        for link in self.links.iter_mut().filter(|link| link.is_ball) {
             let (first, end) = link.coordinates;
             let turning = self.coordinates[first..end].iter().zip(first..).filter(|(own, _)| own.turns);
             let turned: DVec3 = turning.map(|(own, at)| own.axis_joint * change(own, at)).sum();

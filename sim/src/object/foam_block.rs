@@ -9,7 +9,7 @@ use underbrush_recording::{BodyShape, Category};
 
 use super::FRICTION;
 use super::group::{Declared, Group, Kind};
-use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Maxwell, Spring, Structure, part};
+use super::structure::{Axis, Body, Inertia, Joint, Maxwell, Spring, Structure, part};
 use super::{Footing, Object, StandsOn};
 use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
@@ -121,8 +121,8 @@ impl FoamBlock {
         Spring {
             stiffness: stiffness * (1.0 - share),
             damping: 2.0 * DAMPING_RATIO.of(self) * (stiffness * self.moving_mass_kg()).sqrt(),
-            armature: 0.0,
             maxwell: Some(Maxwell { stiffness: stiffness * share, relaxation_time_s: RELAXATION_TIME_S.of(self) }),
+            ..Spring::default()
         }
     }
 }
@@ -170,14 +170,10 @@ impl Object for FoamBlock {
         let size_m = DVec3::new(LENGTH_M, WIDTH_M, self.height_m);
         let center = DVec3::Z * (self.height_m / 2.0);
         let top = Body {
-            joint: Some(Joint {
-                parent: 0,
-                origin_parent: DVec3::ZERO,
-                free_axes: vec![(Axis::TranslationZ, self.spring())],
-            }),
+            joint: Some(Joint::parallel(0, DVec3::ZERO, vec![(Axis::TranslationZ, self.spring())])),
             inertia: Inertia::of_box(self.moving_mass_kg(), center, size_m),
             parts: vec![part(BodyShape::Box { size_m }, center)],
-            collision_group: CollisionGroup::Fixed,
+            ..Body::foot()
         };
         Structure { bodies: vec![Body::foot(), top], axisymmetric: false, surface: Surface::hard(FRICTION) }
     }

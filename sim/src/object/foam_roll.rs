@@ -115,11 +115,11 @@ impl FoamRoll {
         Spring {
             stiffness: stiffness * (1.0 - self.relaxing_share),
             damping: 2.0 * DAMPING_RATIO * (stiffness * inertia).sqrt(),
-            armature: 0.0,
             maxwell: Some(Maxwell {
                 stiffness: stiffness * self.relaxing_share,
                 relaxation_time_s: self.relaxation_time_s,
             }),
+            ..Spring::default()
         }
     }
 }
@@ -160,21 +160,20 @@ impl Object for FoamRoll {
         let slice_mass_kg = self.density_kg_per_m3 * PI * radius_m * radius_m * slice_height_m;
         let lean_inertia = slice_mass_kg * SLICES as f64 * self.height_m.powi(2) / 3.0;
         let lean = self.standard_linear_solid(self.lean_stiffness_nm_per_rad(), lean_inertia);
-        let base_hinge = |parent, axis| {
-            Body::between_hinges(Joint { parent, origin_parent: DVec3::ZERO, free_axes: vec![(axis, lean)] })
-        };
+        let base_hinge = |parent, axis| Body::between_hinges(Joint::parallel(parent, DVec3::ZERO, vec![(axis, lean)]));
         let mut bodies = vec![Body::foot(), base_hinge(0, Axis::RotationX), base_hinge(1, Axis::RotationY)];
         let core = bodies.len() - 1;
         let slide = self.standard_linear_solid(self.slice_stiffness_n_per_m(), slice_mass_kg);
         bodies.extend((0..SLICES).map(|slice| Body {
-            joint: Some(Joint {
-                parent: core,
-                origin_parent: DVec3::Z * (slice as f64 + 0.5) * slice_height_m,
-                free_axes: vec![(Axis::TranslationX, slide), (Axis::TranslationY, slide)],
-            }),
+            joint: Some(Joint::parallel(
+                core,
+                DVec3::Z * (slice as f64 + 0.5) * slice_height_m,
+                vec![(Axis::TranslationX, slide), (Axis::TranslationY, slide)],
+            )),
             inertia: Inertia::of_cylinder(slice_mass_kg, radius_m, slice_height_m),
             parts: vec![part(BodyShape::Cylinder { radius_m, length_m: slice_height_m }, DVec3::ZERO)],
             collision_group: if slice == 0 { CollisionGroup::Rooted } else { CollisionGroup::Bendable },
+            ..Body::foot()
         }));
         Structure { bodies, axisymmetric: true, surface: self.surface() }
     }

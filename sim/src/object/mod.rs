@@ -11,10 +11,12 @@ use underbrush_recording::Category;
 
 use crate::geometry::Footprint;
 
+pub mod blade;
 pub mod foam_block;
 pub mod foam_roll;
 pub mod group;
 pub mod leaf;
+pub mod plant;
 pub mod structure;
 pub mod trunk;
 #[cfg(test)]
@@ -39,6 +41,8 @@ macro_rules! for_each_object_kind {
             foam_block: $crate::object::foam_block::FoamBlock,
             /// Bendable leaves that stand in foam.
             leaf: $crate::object::leaf::Leaf,
+            /// Stems with blades around them, which stand in foam.
+            plant: $crate::object::plant::Plant,
             /// A made-up object of the tests.
             #[cfg(test)]
             wand: $crate::object::wand::Wand,

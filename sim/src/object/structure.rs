@@ -18,6 +18,57 @@ pub struct Structure {
     pub surface: Surface,
 }
 
+impl Structure {
+    /// Poses of the bodies at rest, in the frame in which the foot has this pose.
+    pub fn rest_poses(&self, foot: Pose) -> Vec<Pose> {
+        let mut poses: Vec<Pose> = Vec::with_capacity(self.bodies.len());
+        for body in &self.bodies {
+            poses.push(match &body.joint {
+                None => foot,
+                Some(joint) => poses[joint.parent] * Pose::new(joint.origin_parent, joint.orientation_parent),
+            });
+        }
+        poses
+    }
+
+    /// The same object with springs that carry its weight in the shape as it is: each is loaded by all that it carries,
+    /// and its rest position is away from zero by that load over its stiffness.
+    #[must_use]
+    pub fn balanced(mut self, gravity_m_per_s2: f64) -> Self {
+        let poses = self.rest_poses(Pose::IDENTITY);
+        // Mass, and mass times centre, of each body with all that it carries.
+        let own = |(body, pose): (&Body, &Pose)| {
+            let mass_kg = body.inertia.mass_kg;
+            (mass_kg, pose.transform_point(body.inertia.center_of_mass_body) * mass_kg)
+        };
+        let mut carried: Vec<(f64, DVec3)> = self.bodies.iter().zip(&poses).map(own).collect();
+        for at in (0..carried.len()).rev() {
+            if let Some(joint) = &self.bodies[at].joint {
+                let (mass_kg, moment) = carried[at];
+                carried[joint.parent].0 += mass_kg;
+                carried[joint.parent].1 += moment;
+            }
+        }
+        let joints = self.bodies.iter_mut().map(|body| body.joint.as_mut());
+        for ((joint, pose), (mass_kg, moment)) in joints.zip(&poses).zip(carried) {
+            let weight = -DVec3::Z * gravity_m_per_s2;
+            for (axis, spring) in joint.into_iter().flat_map(|joint| &mut joint.free_axes) {
+                let (direction, turns) = axis.direction();
+                let direction = pose.transform_vector(direction);
+                let load = if turns {
+                    direction.dot((moment - pose.position * mass_kg).cross(weight))
+                } else {
+                    direction.dot(weight) * mass_kg
+                };
+                if spring.stiffness > 0.0 {
+                    spring.rest -= load / spring.stiffness;
+                }
+            }
+        }
+        self
+    }
+}
+
 /// One rigid body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
@@ -27,6 +78,8 @@ pub struct Body {
     pub inertia: Inertia,
     /// Collision shapes, which have no mass of their own.
     pub parts: Vec<BodyPart>,
+    /// What the air's drag acts on, at the centre of mass.
+    pub drag: Option<Drag>,
     /// What these shapes collide with.
     pub collision_group: CollisionGroup,
 }
@@ -36,14 +89,21 @@ pub struct Body {
 pub struct Joint {
     /// Index of the parent in [`Structure::bodies`].
     pub parent: usize,
-    /// Origin of the joint frame and of the child's frame at rest, m, in the parent's frame. All have parallel axes.
+    /// Origin of the joint frame and of the child's frame at rest, m, in the parent's frame.
     pub origin_parent: DVec3,
-    /// The free axes, translations first; all others are locked. Of the rotations, one or all three may be free: stack two
-    /// joints for two.
+    /// Their orientation in the parent's frame.
+    pub orientation_parent: DQuat,
+    /// The free axes, translations first; all others are locked. Of two rotations, the first turns the axis of the second;
+    /// three are those of a ball joint.
     pub free_axes: Vec<(Axis, Spring)>,
 }
 
 impl Joint {
+    /// A joint whose axes are parallel to those of the parent's frame.
+    pub fn parallel(parent: usize, origin_parent: DVec3, free_axes: Vec<(Axis, Spring)>) -> Self {
+        Joint { parent, origin_parent, orientation_parent: DQuat::IDENTITY, free_axes }
+    }
+
     /// A joint that holds nothing: all six axes are free and have no spring. Contacts act only on bodies with joints.
     pub fn free(parent: usize, origin_parent: DVec3) -> Self {
         let axes = [
@@ -54,7 +114,7 @@ impl Joint {
             Axis::RotationY,
             Axis::RotationZ,
         ];
-        Joint { parent, origin_parent, free_axes: axes.map(|axis| (axis, Spring::elastic(0.0, 0.0))).to_vec() }
+        Joint::parallel(parent, origin_parent, axes.map(|axis| (axis, Spring::elastic(0.0, 0.0))).to_vec())
     }
 }
 
@@ -89,8 +149,8 @@ impl Axis {
     }
 }
 
-/// Spring and damper on one degree of freedom, unloaded at rest.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// Spring and damper on one degree of freedom.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Spring {
     /// Stiffness that never relaxes: Nm/rad of a rotation, N/m of a translation.
     pub stiffness: f64,
@@ -100,12 +160,16 @@ pub struct Spring {
     pub armature: f64,
     /// The relaxing branch of a standard linear solid, if the material has one.
     pub maxwell: Option<Maxwell>,
+    /// The displacement at which it is not loaded, rad or m. It moves when the spring yields.
+    pub rest: f64,
+    /// The moment, Nm, or force, N, at which it yields. `None` for one that never does.
+    pub yield_moment: Option<f64>,
 }
 
 impl Spring {
     /// An elastic spring with damping.
     pub fn elastic(stiffness: f64, damping: f64) -> Self {
-        Spring { stiffness, damping, armature: 0.0, maxwell: None }
+        Spring { stiffness, damping, ..Spring::default() }
     }
 }
 
@@ -117,6 +181,15 @@ pub struct Maxwell {
     pub stiffness: f64,
     /// Relaxation time, s.
     pub relaxation_time_s: f64,
+}
+
+/// A thin plate in air.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Drag {
+    /// Area of one side, m².
+    pub area_m2: f64,
+    /// Its unit normal, body frame.
+    pub normal_body: DVec3,
 }
 
 /// Mass and inertia of a body.
@@ -172,7 +245,13 @@ pub enum CollisionGroup {
 impl Body {
     /// The foot that carries everything else: fixed to the ground, without shapes.
     pub fn foot() -> Self {
-        Body { joint: None, inertia: Inertia::MASSLESS, parts: Vec::new(), collision_group: CollisionGroup::Fixed }
+        Body {
+            joint: None,
+            inertia: Inertia::MASSLESS,
+            parts: Vec::new(),
+            drag: None,
+            collision_group: CollisionGroup::Fixed,
+        }
     }
 
     /// A massless body without shapes, the link between two stacked hinges.

@@ -68,11 +68,7 @@ impl Object for Wand {
     }
 
     fn structure(&self) -> Structure {
-        let hinge = |parent, axis| Joint {
-            parent,
-            origin_parent: DVec3::ZERO,
-            free_axes: vec![(axis, Spring::elastic(2.0, 0.05))],
-        };
+        let hinge = |parent, axis| Joint::parallel(parent, DVec3::ZERO, vec![(axis, Spring::elastic(2.0, 0.05))]);
         let center = DVec3::Z * (self.height_m / 2.0);
         let size_m = DVec3::new(2.0 * RADIUS_M, 2.0 * RADIUS_M, self.height_m);
         let rod = Body {
@@ -83,6 +79,7 @@ impl Object for Wand {
                 center,
             )],
             collision_group: CollisionGroup::Rooted,
+            ..Body::foot()
         };
         Structure {
             bodies: vec![Body::foot(), Body::between_hinges(hinge(0, Axis::RotationX)), rod],

@@ -162,6 +162,7 @@ impl Object for WaterBottle {
             inertia: self.inertia(),
             parts: vec![part(cylinder, DVec3::Z * (self.height_m / 2.0) - center_of_mass)],
             collision_group: CollisionGroup::Standing,
+            ..Body::foot()
         };
         Structure { bodies: vec![Body::foot(), bottle], axisymmetric: true, surface: self.surface() }
     }

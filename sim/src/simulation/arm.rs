@@ -57,7 +57,7 @@ impl ArmBodies {
         for ((own, joint), target) in coordinates.zip(&arm.joints).zip(equilibrium_angle_rad) {
             let reach = joint.torque_limit_nm / joint.stiffness_nm_per_rad;
             // `clamp` would panic if the engine has diverged and the angle is not a number; this passes NaN on.
-            own.rest =
+            own.spring.rest =
                 if target.is_nan() { *target } else { target.max(own.position - reach).min(own.position + reach) };
         }
     }
@@ -76,8 +76,8 @@ impl ArmBodies {
         states.extend(engine.tree(self.slot).coordinates().iter().map(|own| JointState {
             angle_rad: own.position,
             velocity_rad_per_s: own.velocity,
-            rest_angle_rad: own.rest,
-            torque_nm: own.spring.stiffness * (own.rest - own.position) - own.spring.damping * own.velocity,
+            rest_angle_rad: own.spring.rest,
+            torque_nm: own.spring.stiffness * (own.spring.rest - own.position) - own.spring.damping * own.velocity,
         }));
     }
 

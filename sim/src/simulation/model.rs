@@ -54,12 +54,5 @@ impl Model {
 fn rest_pose_world(placed: &PlacedObject, structure: &Structure) -> Vec<Pose> {
     let yaw_rad = if structure.axisymmetric { 0.0 } else { placed.yaw_rad };
     let foot = Pose::new(placed.foot_world, DQuat::from_scaled_axis(DVec3::Z * yaw_rad));
-    let mut poses: Vec<Pose> = Vec::with_capacity(structure.bodies.len());
-    for body in &structure.bodies {
-        poses.push(match &body.joint {
-            None => foot,
-            Some(joint) => poses[joint.parent] * Pose::from_position(joint.origin_parent),
-        });
-    }
-    poses
+    structure.rest_poses(foot)
 }

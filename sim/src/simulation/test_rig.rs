@@ -168,17 +168,17 @@ impl Rig {
     pub fn step_driven(&mut self, body: BodyId, axis: Axis, ratio: f64, goal: f64) -> Option<f64> {
         let (slot, at) = self.find(body, axis)?;
         let own = &mut self.engine.tree_mut(slot).coordinates_mut()[at];
-        let (spring, rest) = (own.spring, own.rest);
+        let spring = own.spring;
         // Of the joint's own spring and its relaxing branch.
         let drive = ratio * (spring.stiffness + spring.maxwell.map_or(0.0, |branch| branch.stiffness));
         own.spring.stiffness += drive;
-        own.rest = (spring.stiffness * rest + drive * goal) / (spring.stiffness + drive);
+        own.spring.rest = (spring.stiffness * spring.rest + drive * goal) / (spring.stiffness + drive);
         let before = own.position;
         self.step();
         let tree = self.engine.tree_mut(slot);
         let theta = tree.theta().value();
         let own = &mut tree.coordinates_mut()[at];
-        (own.spring, own.rest) = (spring, rest);
+        own.spring = spring;
         Some(drive * (goal - before - theta * (own.position - before)))
     }
 

@@ -114,8 +114,10 @@ fn a_leaf_pushes_back_less_than_a_trunk() {
         height_m: 0.4,
         width_m: 0.03,
         flexural_rigidity_n_m2: 0.02,
+        torsion_over_bending: SHEET_TORSION_OVER_BENDING,
         mass_per_area_kg_per_m2: 0.8,
         loss_factor: 0.1,
+        yield_moment_nm: None,
         root_stiffness_nm_per_rad: Some(2.0),
         segments: 8,
     };

@@ -95,7 +95,7 @@ fn describe(placed: &Placed, engine: &Engine) -> Vec<LinkDescription> {
                 axis: along + if own.turns { 3 } else { 0 },
                 coordinate: own.position,
                 stiffness: own.spring.stiffness + own.spring.maxwell.map_or(0.0, |branch| branch.stiffness),
-                rest: own.rest,
+                rest: own.spring.rest,
                 damping: own.spring.damping,
                 armature: own.spring.armature,
                 limits: own.stop.map(|stop| stop.limits_rad),

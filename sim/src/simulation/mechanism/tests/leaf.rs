@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::{build, pose, step_pushed};
+use crate::object::blade::SHEET_TORSION_OVER_BENDING;
 use crate::object::leaf::Leaf;
 use crate::physics::PhysicsOptions;
 use crate::simulation::engine::Engine;
@@ -13,7 +14,7 @@ fn tip_deflection(leaf: &Leaf, force: DVec3) -> DVec3 {
     let mut engine = Engine::new(options);
     let mechanism = build(leaf, &mut engine);
     let last = engine.tree(mechanism.slot).links().len() - 1;
-    let tip_local = DVec3::Z * (leaf.height_m - leaf.blade_hinges()[leaf.segments as usize - 1].0);
+    let tip_local = DVec3::Z * (leaf.height_m - leaf.hinges()[leaf.segments as usize - 1].place_m);
     for _ in 0..4000 {
         step_pushed(&mut engine, mechanism, last, force, tip_local);
     }
@@ -25,9 +26,11 @@ fn example(segments: u32, root_stiffness_nm_per_rad: Option<f64>) -> Leaf {
         height_m: 0.3,
         width_m: 0.03,
         flexural_rigidity_n_m2: 0.02,
+        torsion_over_bending: SHEET_TORSION_OVER_BENDING,
         mass_per_area_kg_per_m2: 0.8,
         // Heavily damped, so that the static state is reached soon.
         loss_factor: 1.0,
+        yield_moment_nm: None,
         root_stiffness_nm_per_rad,
         segments,
     }

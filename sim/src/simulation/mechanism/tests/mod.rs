@@ -1,5 +1,6 @@
 //! Objects alone in the engine, against closed forms.
 
+mod blade;
 mod foam_block;
 mod foam_roll;
 mod leaf;
