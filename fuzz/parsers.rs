@@ -152,7 +152,7 @@ macro_rules! files {
 }
 
 /// A data set of one reach of the seeds, without its checksums.
-const SET: [(&str, &[u8]); 15] = files![
+const SET: [(&str, &[u8]); 16] = files![
     "README.md",
     "data/chunk-000/file-000.parquet",
     "meta/episodes/chunk-000/file-000.parquet",
@@ -162,6 +162,7 @@ const SET: [(&str, &[u8]); 15] = files![
     "meta/tasks.parquet",
     "meta/taxels.parquet",
     "truth/bodies/chunk-000/file-000.parquet",
+    "truth/contact_points/chunk-000/file-000.parquet",
     "truth/contacts/chunk-000/file-000.parquet",
     "truth/goals/chunk-000/file-000.parquet",
     "truth/objects/chunk-000/file-000.parquet",

@@ -80,6 +80,7 @@ fn frame(reach: u64, index: usize) -> Frame {
         patch_pose_world: vec![pose; 2],
         contact_force_world: vec![DVec3::new(-press_n, 0.0, 0.0), DVec3::ZERO],
         taxels: taxels.collect(),
+        contact_points: Vec::new(),
     }
 }
 

@@ -5,6 +5,8 @@ use std::ops::Mul;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
+use crate::ContactPoint;
+
 /// Period of the skin's readings and of frames, s (100 Hz).
 pub const FRAME_PERIOD_S: f64 = 0.01;
 
@@ -142,6 +144,8 @@ pub struct Frame {
     pub contact_force_world: Vec<DVec3>,
     /// Taxels with a true or a sensed force, sorted by patch, then taxel.
     pub taxels: Vec<TaxelReading>,
+    /// Ground truth: the contacts of the frame's steps, bare links included.
+    pub contact_points: Vec<ContactPoint>,
 }
 
 impl Frame {
@@ -168,6 +172,7 @@ impl Frame {
             patch_pose_world: vec![Pose::IDENTITY; patches],
             contact_force_world: vec![DVec3::ZERO; patches],
             taxels: Vec::new(),
+            contact_points: Vec::new(),
         }
     }
 }

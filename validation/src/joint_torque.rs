@@ -1,5 +1,6 @@
 //! Check 6: at rest, the springs balance the contact forces.
 
+use glam::DVec3;
 use nalgebra::DVector;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::object::Object;
@@ -41,7 +42,16 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         let springs = pressed.arm.joints.iter().zip(equilibrium.iter().zip(pressed.report().joint_angle_rad()));
         let springs = springs.map(|(joint, (rest, angle))| joint.stiffness_nm_per_rad * (rest - angle));
         let springs = DVector::from_vec(springs.collect());
-        let contacts = DVector::from_vec(pressed.report().contact_torque_nm(&pressed.arm));
+        // Of the contacts as a recording has them.
+        let poses = &pressed.report().link_pose_world;
+        let mut contacts = DVector::zeros(pressed.arm.joints.len());
+        for point in pressed.simulation.frame(0, DVec3::ZERO).contact_points {
+            for (joint, torque) in contacts.iter_mut().enumerate().take(point.link.into()) {
+                let axis = poses[joint + 1].transform_vector(pressed.arm.joints[joint].axis_child);
+                let arm = point.position_world.as_dvec3() - poses[joint + 1].position;
+                *torque += axis.dot(arm.cross(point.force_world.as_dvec3()) + point.moment_world.as_dvec3());
+            }
+        }
         comparisons.push(Comparison {
             residual: (&springs + &contacts).norm() / contacts.norm(),
             ..Comparison::of(format!("joint torques, {name} (norm)"), "Nm", contacts.norm(), springs.norm()).relative(

@@ -64,6 +64,7 @@ pub fn reach(reach_index: u64, frames: usize) -> Recording {
             7 => vec![reading(1, 2.0, Some(0)), reading(2, 0.5, None)],
             _ => vec![reading(1, 2.0, Some(0))],
         },
+        contact_points: Vec::new(),
     };
     let mut link = Body {
         owner: BodyOwner::Link("forearm".into()),

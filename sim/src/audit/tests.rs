@@ -99,6 +99,7 @@ fn jumps_are_changes_of_a_links_force() {
         moment_world: DVec3::ZERO,
         penetration_m: 0.0,
         radius_m: 0.0,
+        area_m2: 1e-5,
         slip_world: DVec3::ZERO,
     };
     let mut jump = Jump::new(3);

@@ -16,6 +16,7 @@ pub(super) struct ReachLog {
     contacts: ContactLog,
     bodies: BodyLog,
     auditor: Auditor,
+    has_contact_points: bool,
 }
 
 impl ReachLog {
@@ -42,11 +43,15 @@ impl ReachLog {
             contacts: ContactLog::default(),
             bodies: BodyLog::new(simulation),
             auditor: Auditor::new(simulation),
+            has_contact_points: plan.scene.file.recording.contact_points,
         }
     }
 
     /// Records the present frame.
-    pub(super) fn record(&mut self, simulation: &Simulation, frame: Frame) -> &Frame {
+    pub(super) fn record(&mut self, simulation: &Simulation, mut frame: Frame) -> &Frame {
+        if !self.has_contact_points {
+            frame.contact_points = Vec::new();
+        }
         let (arm, report) = (simulation.arm(), simulation.report());
         self.contacts.observe(report.frame, &report.tactile.pairs);
         self.bodies.observe(report);

@@ -42,6 +42,9 @@ pub struct SceneFile {
     /// Time step and other options of the physics engine.
     #[serde(default)]
     pub physics: PhysicsSection,
+    /// What is recorded.
+    #[serde(default)]
+    pub recording: RecordingSection,
     /// Properties of the tactile sensors.
     #[serde(default)]
     pub sensor: SensorOptions,
@@ -170,6 +173,20 @@ impl PhysicsSection {
     /// The engine's options.
     pub fn options(&self) -> PhysicsOptions {
         PhysicsOptions { step_s: self.step_s, gravity_m_per_s2: self.gravity_m_per_s2 }
+    }
+}
+
+/// What is recorded of a reach beside what a robot would know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct RecordingSection {
+    /// Whether the forces at all contacts are recorded. They take about as much space as the frames.
+    pub contact_points: bool,
+}
+
+impl Default for RecordingSection {
+    fn default() -> Self {
+        RecordingSection { contact_points: true }
     }
 }
 

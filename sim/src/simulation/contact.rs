@@ -31,6 +31,8 @@ pub struct Contact {
     pub penetration_m: f64,
     /// How far from the position the surfaces touch, m.
     pub radius_m: f64,
+    /// Area on which the undeformed shapes overlap at the end of the step, m².
+    pub area_m2: f64,
     /// Velocity of the link's surface against the object's in the step, in the tangent plane, m/s, world
     /// frame.
     pub slip_world: DVec3,

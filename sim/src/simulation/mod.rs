@@ -15,6 +15,7 @@ use crate::clutter::Clutter;
 use crate::object::structure::Structure;
 use crate::physics::PhysicsOptions;
 use crate::sensor::Sensor;
+use contact_points::contact_points;
 use model::Model;
 use sense::SenseBuffers;
 use world::World;
@@ -22,6 +23,7 @@ use world::World;
 mod arm;
 mod bounds;
 mod contact;
+mod contact_points;
 mod contact_step;
 mod dormancy;
 mod engine;
@@ -154,6 +156,7 @@ impl Simulation {
             patch_pose_world: surfaces.map(|surface| report.link_pose_world[surface.link]).collect(),
             contact_force_world: report.tactile.contact_force_world.clone(),
             taxels: report.tactile.taxels.clone(),
+            contact_points: contact_points(report, |contact| self.model.recorded_bodies[contact.object][contact.body]),
         }
     }
 

@@ -9,7 +9,7 @@ use underbrush_recording::Pose;
 use crate::arm::Arm;
 use crate::clutter::{Clutter, PlacedObject};
 use crate::geometry::parry_pose;
-use crate::object::structure::Structure;
+use crate::object::structure::{Body, Structure};
 use crate::skin::SkinPatch;
 
 /// The constant part of a simulation, shared between its copies.
@@ -19,6 +19,8 @@ pub(super) struct Model {
     pub(super) dormancy: bool,
     /// Bodies and joints of each object.
     pub(super) structures: Vec<Structure>,
+    /// The index of each object's bodies in a recording, which has the links first and only bodies with shapes.
+    pub(super) recorded_bodies: Vec<Vec<u16>>,
     /// Poses at rest of each object's bodies, world frame.
     pub(super) rest_pose_world: Vec<Vec<Pose>>,
     /// Each object at rest as a box.
@@ -39,6 +41,7 @@ impl Model {
             objects().zip(&structures).map(|(placed, structure)| rest_pose_world(placed, structure)).collect();
         Model {
             dormancy,
+            recorded_bodies: recorded_bodies(arm.links.len(), &structures),
             rest_pose_world,
             outline_tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
             outlines,
@@ -48,6 +51,18 @@ impl Model {
             clutter,
         }
     }
+}
+
+/// Indices of bodies in a recording of an arm with this many links. A body without a shape can be neither touched nor
+/// drawn, so it has none; it shares the index of the next body here.
+fn recorded_bodies(links: usize, structures: &[Structure]) -> Vec<Vec<u16>> {
+    let mut next = links as u16;
+    let mut of_body = |body: &Body| {
+        let own = next;
+        next += u16::from(!body.parts.is_empty());
+        own
+    };
+    structures.iter().map(|structure| structure.bodies.iter().map(&mut of_body).collect()).collect()
 }
 
 /// Poses of an object's bodies at rest, world frame.

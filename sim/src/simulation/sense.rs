@@ -89,6 +89,7 @@ pub(super) fn sense(
     let patches = &model.patches;
     let SenseBuffers { touches, points, spread, loads, wrenches } = buffers;
     tactile.pairs.clear();
+    tactile.contact_patch.clear();
     tactile.contact_force_world.clear();
     tactile.contact_force_world.resize(patches.len(), DVec3::ZERO);
     wrenches.clear();
@@ -98,11 +99,9 @@ pub(super) fn sense(
         let pose = world.link_pose(contact.link);
         let point = contact.in_link_frame(&pose);
         let patch = patches.iter().position(|patch| patch.link == contact.link && patch.covers(&point));
-        let pair = ContactPair {
-            patch: patch.map(|patch| patch as u16),
-            link: contact.link as u16,
-            object: contact.object as u16,
-        };
+        let number_of_patch = patch.map(|patch| patch as u16);
+        tactile.contact_patch.push(number_of_patch);
+        let pair = ContactPair { patch: number_of_patch, link: contact.link as u16, object: contact.object as u16 };
         *entry(&mut tactile.pairs, pair) += contact.force_world;
         if let Some(patch) = patch {
             tactile.contact_force_world[patch] += contact.force_world;

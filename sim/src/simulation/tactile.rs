@@ -35,6 +35,8 @@ pub struct TactileFrame {
     pub taxels: Vec<TaxelReading>,
     /// Sum of the solver's contact forces on each patch, N, world frame.
     pub contact_force_world: Vec<DVec3>,
+    /// The patch of each of the frame's contacts, in their order; `None` for the bare part of a link.
+    pub contact_patch: Vec<Option<u16>>,
     /// Force between each pair in contact, N, world frame; sorted by pair.
     pub pairs: Vec<(ContactPair, DVec3)>,
     /// Largest relative difference, over the patches, between the vector sum of the taxel forces and the solver's

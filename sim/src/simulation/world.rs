@@ -141,6 +141,7 @@ impl World {
                 moment_world: contact.moment_world * (sign / FRAME_PERIOD_S),
                 penetration_m: contact.overlap_m,
                 radius_m: contact.radius_m,
+                area_m2: contact.area_m2,
                 slip_world: contact.slip_world * sign,
             });
             self.contact_colliders.push(other);

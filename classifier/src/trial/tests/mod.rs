@@ -69,6 +69,7 @@ pub(crate) fn recording(frames: &[Drawn]) -> Recording {
                         object,
                     })
                     .collect(),
+                contact_points: Vec::new(),
             }
         })
         .collect();

@@ -1,7 +1,7 @@
 //! Rules for a single frame: one number per joint, one pose per patch, taxels that exist and are sorted.
 
 use super::violation::{Violation, finite, require};
-use crate::{Frame, Pose, Recording};
+use crate::{BodyOwner, Frame, Pose, Recording};
 
 /// Checks the lengths, indices and numbers of a frame.
 pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) -> Result<(), Violation> {
@@ -49,6 +49,17 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
         finite(forces, field)?;
         let something = reading.object.is_some() || forces.iter().any(|&force| force != 0.0);
         require(something, field, || "all zeros".into(), "only taxels with a force or an object")?;
+    }
+    for (position, point) in frame.contact_points.iter().enumerate() {
+        let field = || field(&format!("contact_points[{position}]"));
+        let owner = |body: u16| recording.bodies.get(usize::from(body)).map(|body| &body.owner);
+        let is_link = matches!(owner(point.link), Some(BodyOwner::Link(_)));
+        require(is_link, field, || format!("link {}", point.link), "the index of a link's body")?;
+        let of_object = owner(point.body) == Some(&BodyOwner::Object(point.object));
+        require(of_object, field, || format!("body {}", point.body), "the index of a body of the object")?;
+        let known = point.patch.is_none_or(|patch| usize::from(patch) < patches);
+        require(known, field, || format!("patch {:?}", point.patch), "a patch of the layout")?;
+        finite(point.numbers().map(f64::from), field)?;
     }
     Ok(())
 }

@@ -1,4 +1,7 @@
-//! Physical rules for a recording: time advances at the frame rate, orientations are rotations, and normal forces push.
+//! Physical rules for a recording: time advances at the frame rate, orientations are rotations, and normal forces push. The contacts on a patch
+//! add up to its force.
+
+use glam::DVec3;
 
 use super::violation::{Violation, require};
 use crate::{Frame, Pose, Recording};
@@ -10,6 +13,9 @@ const QUATERNION_TOLERANCE: f64 = 1e-6;
 /// Relative tolerance for the frame rate. Choice: ten times the error of a computer's clock, and far less than the
 /// error of a wrong rate.
 const RATE_TOLERANCE: f64 = 1e-3;
+
+/// Relative tolerance for a sum of forces: rounding of some ten of them to single precision.
+const SUM_TOLERANCE: f64 = 1e-6;
 
 /// Checks times, orientations and forces of a recording. Its numbers must be finite.
 pub(super) fn check_physics(recording: &Recording) -> Result<(), Violation> {
@@ -65,6 +71,28 @@ fn check_frame(index: usize, frame: &Frame) -> Result<(), Violation> {
             let field = || field(&format!("taxels[{position}].{name}"));
             require(force >= 0.0, field, || force.to_string(), "0 or more")?;
         }
+    }
+    check_contact_points(frame, field)
+}
+
+/// The contacts of a patch add up to the patch's force. A recording may come without contacts, as one of a robot does.
+fn check_contact_points(frame: &Frame, field: impl Fn(&str) -> String) -> Result<(), Violation> {
+    if frame.contact_points.is_empty() {
+        return Ok(());
+    }
+    for (patch, force) in frame.contact_force_world.iter().enumerate() {
+        let on_patch = || frame.contact_points.iter().filter(|point| point.patch.map(usize::from) == Some(patch));
+        let sum: DVec3 = on_patch().map(|point| point.force_world.as_dvec3()).sum();
+        let largest_n = on_patch().map(|point| point.force_world.as_dvec3().length()).fold(0.0, f64::max);
+        let apart_n = (sum - *force).length();
+        let found = || format!("{apart_n} N away from the sum of the patch's contact points");
+        let allowed = "the sum of the contact points on the patch";
+        require(
+            apart_n <= SUM_TOLERANCE * largest_n,
+            || field(&format!("contact_force_world[{patch}]")),
+            found,
+            allowed,
+        )?;
     }
     Ok(())
 }

@@ -187,6 +187,36 @@ row! {
     }
 }
 
+row! {
+    /// A row of [`TRUTH_CONTACT_POINTS`].
+    TruthContactPoint {
+        episode_index: i64, "", EPISODE;
+        frame_index: i64, "", FRAME;
+        link: Text, "", "name of the link";
+        patch: Option<Text>, "", "name of the patch; null for a part of the link without skin";
+        object_index: i32, "", "the object, a row of `truth/objects`";
+        body_index: i32, "", "the body of the object, as in `truth/bodies`";
+        position_world: [f32; 3] = "position_world_{xyz}_m", "m", "centre of the force, world frame";
+        normal_world: [f32; 3] = "normal_world_{xyz}", "1", "direction of the normal forces on the link, world frame";
+        force_world: [f32; 3] = "force_world_{xyz}_n", "N", "mean force on the link over the frame, world frame; \
+            joint torques are Σ Jᵀ f";
+        moment_world: [f32; 3] = "moment_world_{xyz}_nm", "N m", "mean moment on the link about the position, \
+            world frame: friction of a patch that turns";
+        slip_world: [f32; 3] = "slip_world_{xyz}_m_per_s", "m/s", "mean velocity of the link's surface against the object's, world \
+            frame";
+        depth_m: f32, "m", "largest overlap of the undeformed shapes: how far skin and object together give way";
+        area_m2: f32, "m²", "largest area that presses";
+    }
+}
+
+/// Contacts as the solver found them.
+pub(in crate::disk) const TRUTH_CONTACT_POINTS: Table = table::<TruthContactPoint>(
+    "truth_contact_points",
+    "truth/contact_points",
+    "a contact of a patch or a bare link with a body of an object, in one frame; no rows if the scene says \
+     `recording.contact_points = false`",
+);
+
 /// Contacts.
 pub(in crate::disk) const TRUTH_CONTACTS: Table = table::<TruthContact>(
     "truth_contacts",
@@ -213,12 +243,13 @@ row! {
 pub(in crate::disk) const TAXELS: Table = table::<SkinTaxel>("taxels", "meta/taxels.parquet", "a taxel");
 
 /// All tables that are described here. LeRobot's own tables in `meta/` are not among them.
-pub(in crate::disk) const TABLES: [&Table; 9] = [
+pub(in crate::disk) const TABLES: [&Table; 10] = [
     &FRAMES,
     &TRUTH_TAXELS,
     &TRUTH_PATCHES,
     &TRUTH_OBJECTS,
     &TRUTH_CONTACTS,
+    &TRUTH_CONTACT_POINTS,
     &TRUTH_GOALS,
     &TRUTH_BODIES,
     &TRUTH_POSES,

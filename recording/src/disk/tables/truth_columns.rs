@@ -7,7 +7,7 @@ use crate::disk::table::row::Width;
 use crate::disk::tables::frames::{
     Fault, FrameColumn, Place, ReachRows, frame_columns, is_nothing, reading_of, readings_of, set,
 };
-use crate::{Recording, TaxelReading, TrackPoint};
+use crate::{ContactPoint, Recording, TaxelReading, TrackPoint};
 
 /// "No object" and "no category".
 pub(in crate::disk) const NONE: i8 = -1;
@@ -80,6 +80,13 @@ pub(in crate::disk) static TRUTH_COLUMNS: &[FrameColumn] = frame_columns! {
         take |recording, place, from| {
             set(&mut recording.frames[place.frame].contact_force_world[place.patch], DVec3::from_slice(from))
         };
+    "truth.contact_points": Width::List, f32, "N, m, m/s", "the contacts of the frame, 21 numbers each: \
+            link, patch (−1 for none), object and body of the object (indices of the bodies and objects of the file), then \
+            position, normal, force, moment and slip (x y z each, world frame), depth and area";
+        give_lists give |rows, place, to| {
+            to.extend(rows.frame(place).contact_points.iter().flat_map(ContactPoint::numbers));
+        };
+        take add_contact_points;
     "truth.moved_body": Width::List, i32, "", "indices of the bodies whose pose differs from the previous frame";
         give_lists give |rows, place, to| to.extend(moves_in(rows, place).iter().map(|(body, _)| *body as i32));
         take add_moved_bodies;
@@ -93,6 +100,16 @@ pub(in crate::disk) static TRUTH_COLUMNS: &[FrameColumn] = frame_columns! {
         };
         take add_poses;
 };
+
+/// Adds the contacts of a frame.
+fn add_contact_points(recording: &mut Recording, place: Place, from: &[f32]) -> Result<(), Fault> {
+    let (points, rest) = from.as_chunks();
+    let points: Option<Vec<ContactPoint>> = points.iter().map(ContactPoint::from_numbers).collect();
+    match points {
+        Some(points) if rest.is_empty() => set(&mut recording.frames[place.frame].contact_points, points),
+        _ => Err((format!("{} numbers", from.len()), "21 for each contact, the first four whole".into())),
+    }
+}
 
 /// The points of all tracks with their bodies, frame by frame.
 pub(in crate::disk) fn moves(recording: &Recording) -> Vec<(usize, TrackPoint)> {

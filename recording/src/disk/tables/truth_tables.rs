@@ -94,13 +94,18 @@ pub(in crate::disk) fn some_missing(batch: &Batch) -> DiskError {
 }
 
 /// The name of a patch; null for a part of the arm without skin.
-fn patch_name(layout: &SkinLayout, patch: Option<u16>) -> Option<Text> {
+pub(in crate::disk) fn patch_name(layout: &SkinLayout, patch: Option<u16>) -> Option<Text> {
     let patch = layout.patches.get(usize::from(patch?))?;
     Some(patch.name.as_str().into())
 }
 
 /// The index of a patch; `None` for a part of the arm without skin.
-fn patch_index(batch: &Batch, column: &str, name: Option<&str>, layout: &SkinLayout) -> Result<Option<u16>, DiskError> {
+pub(in crate::disk) fn patch_index(
+    batch: &Batch,
+    column: &str,
+    name: Option<&str>,
+    layout: &SkinLayout,
+) -> Result<Option<u16>, DiskError> {
     let Some(name) = name else { return Ok(None) };
     let index = layout.patch_index(name).and_then(|index| u16::try_from(index).ok());
     match index {

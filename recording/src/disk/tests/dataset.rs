@@ -21,7 +21,10 @@ pub(in crate::disk) fn recordings() -> Vec<Recording> {
     quiet.frames.iter_mut().for_each(|frame| frame.taxels.clear());
     quiet.objects.clear();
     quiet.bodies.truncate(1);
-    quiet.frames.iter_mut().for_each(|frame| frame.contact_force_world.fill(glam::DVec3::ZERO));
+    for frame in &mut quiet.frames {
+        frame.contact_force_world.fill(glam::DVec3::ZERO);
+        frame.contact_points.clear();
+    }
     quiet.goals.clear();
     quiet.contacts.clear();
     recordings[1].scene = "trunks".into();

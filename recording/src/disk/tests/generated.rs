@@ -104,6 +104,7 @@ fn frame(joints: usize, layout: SkinLayout, objects: usize) -> impl Strategy<Val
                 patch_pose_world: poses,
                 contact_force_world: forces,
                 taxels: readings_of(&layout, &raw, objects),
+                contact_points: Vec::new(),
             },
         )
 }

@@ -17,11 +17,11 @@ mod whole_file;
 
 use std::collections::BTreeMap;
 
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec3, Vec3};
 
 use crate::{
-    Audit, Body, BodyOwner, BodyPart, BodyShape, Category, Contact, Frame, GoalRecord, Grid, ObjectRecord, Outcome,
-    Patch, Pose, Recording, SkinLayout, Taxel, TaxelReading,
+    Audit, Body, BodyOwner, BodyPart, BodyShape, Category, Contact, ContactPoint, Frame, GoalRecord, Grid,
+    ObjectRecord, Outcome, Patch, Pose, Recording, SkinLayout, Taxel, TaxelReading,
 };
 
 /// The name of a field in an error, and a change that makes it invalid.
@@ -82,6 +82,19 @@ pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
             sensed_force_n: f64::from((force * 100.0).round() as f32 / 100.0),
             object: Some(object),
         };
+        let point = |patch, object: u16| ContactPoint {
+            link: 0,
+            patch,
+            object,
+            body: 1 + object,
+            position_world: DVec3::new(0.4, time_s, offset).as_vec3(),
+            normal_world: Vec3::NEG_X,
+            force_world: (DVec3::NEG_X * force).as_vec3(),
+            moment_world: Vec3::X * 1e-4,
+            slip_world: Vec3::Y * 0.02,
+            depth_m: 1e-4 * force as f32,
+            area_m2: 2e-5,
+        };
         let pose = Pose { position: DVec3::new(time_s, offset, 0.3), orientation: DQuat::from_rotation_z(time_s) };
         Frame {
             time_s,
@@ -95,6 +108,7 @@ pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
             patch_pose_world: vec![pose; 2],
             contact_force_world: vec![DVec3::new(-force, 0.0, 0.0), DVec3::ZERO],
             taxels: if force > 0.0 { vec![reading(0, 5, 1), reading(0, 6, 1), reading(1, 0, 0)] } else { Vec::new() },
+            contact_points: if force > 0.0 { vec![point(Some(0), 1), point(None, 0)] } else { Vec::new() },
         }
     };
     Recording {

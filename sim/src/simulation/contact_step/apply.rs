@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::{ContactStep, Kept, KeptPatch, PatchContact, Scene, key};
 use crate::contact::law::{center_of_pressure, in_plane};
+use crate::contact::patch::Node;
 
 impl ContactStep {
     /// Writes the velocities into the trees, and the contacts of the step into [`ContactStep::contacts`].
@@ -26,7 +27,7 @@ impl ContactStep {
             let position_world = plane.origin_world + in_plane(&plane.tangents_world, at.x, at.y);
             let tangential = |parts: &Vector3<f64>| in_plane(&plane.tangents_world, parts[0], parts[1]);
             let nodes = &scratch.nodes[candidate.nodes.0..candidate.nodes.1];
-            let overlaps = nodes.iter().map(|node| node.overlap_m - step_s * node.parting(&solved.normal_speeds));
+            let overlap_m = |node: &Node| node.overlap_m - step_s * node.parting(&solved.normal_speeds);
             self.contacts.push(PatchContact {
                 colliders: candidate.colliders,
                 position_body: candidate.body_poses.map(|pose| pose.inverse_transform_point(position_world)),
@@ -34,7 +35,8 @@ impl ContactStep {
                 normal_impulse,
                 impulse_world: plane.normal_world * normal_impulse + tangential(&solved.friction_impulse),
                 moment_world: plane.normal_world * (candidate.radius_m * solved.friction_impulse[2]),
-                overlap_m: overlaps.fold(f64::NEG_INFINITY, f64::max),
+                overlap_m: nodes.iter().map(overlap_m).fold(f64::NEG_INFINITY, f64::max),
+                area_m2: nodes.iter().filter(|node| overlap_m(node) > 0.0).map(|node| node.area_m2).sum(),
                 radius_m: nodes.iter().map(|node| node.place.distance(at)).fold(0.0, f64::max),
                 slip_world: tangential(&solved.slip_speeds),
             });

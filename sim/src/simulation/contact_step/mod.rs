@@ -42,6 +42,8 @@ pub(super) struct PatchContact {
     pub(super) overlap_m: f64,
     /// Distance of the farthest part of the patch from its centre of pressure, m.
     pub(super) radius_m: f64,
+    /// Area on which the undeformed shapes overlap at the end of the step, m².
+    pub(super) area_m2: f64,
     /// Velocity of the first surface against the second in the step, in the tangent plane, m/s, world frame.
     pub(super) slip_world: DVec3,
 }

@@ -132,6 +132,7 @@ fn an_object_that_was_touched_is_not_taken_out() {
         moment_world: DVec3::ZERO,
         penetration_m: 0.0,
         radius_m: 0.0,
+        area_m2: 1e-5,
         slip_world: DVec3::ZERO,
     };
     world.contacts.push(touch);

@@ -14,13 +14,15 @@ use crate::disk::table::read::{ParquetTable, Want};
 use crate::disk::table::row_groups::Footers;
 use crate::disk::table::write::EPISODE_COLUMN;
 use crate::disk::tables::dictionary::{
-    FRAMES, TRUTH_BODIES, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES, TRUTH_TAXELS, Table,
+    FRAMES, TRUTH_BODIES, TRUTH_CONTACT_POINTS, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES,
+    TRUTH_TAXELS, Table,
 };
 use crate::disk::tables::episode::Episode;
 use crate::disk::tables::episode_table::read_episodes;
 use crate::disk::tables::frames::{FRAME_COLUMNS, Feature, append_frames, features, wanted};
 use crate::disk::tables::taxel_table::read_taxels;
 use crate::disk::tables::truth_bodies::read_bodies;
+use crate::disk::tables::truth_contact_points::add_contact_points;
 use crate::disk::tables::truth_frames::{add_patches, add_taxels};
 use crate::disk::tables::truth_poses::add_poses;
 use crate::disk::tables::truth_tables::{read_contacts, read_goals, read_objects};
@@ -301,6 +303,7 @@ impl Dataset {
         }
         add_taxels(&rows(&TRUTH_TAXELS)?, &mut recording)?;
         add_patches(&rows(&TRUTH_PATCHES)?, &mut recording)?;
+        add_contact_points(&rows(&TRUTH_CONTACT_POINTS)?, &mut recording)?;
         add_poses(&rows(&TRUTH_POSES)?, &mut recording.bodies)?;
         check_recording(&recording).map_err(|violation| violation.misread(&path))?;
         Ok(recording)

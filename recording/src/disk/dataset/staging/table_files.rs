@@ -14,9 +14,11 @@ use crate::disk::table::row::Row;
 use crate::disk::table::write::ParquetFile;
 use crate::disk::tables::description::about_entry;
 use crate::disk::tables::dictionary::{
-    FRAMES, TRUTH_BODIES, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES, TRUTH_TAXELS, Table,
+    FRAMES, TRUTH_BODIES, TRUTH_CONTACT_POINTS, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES,
+    TRUTH_TAXELS, Table,
 };
 use crate::disk::tables::truth_bodies::body_rows;
+use crate::disk::tables::truth_contact_points::contact_point_rows;
 use crate::disk::tables::truth_frames::{patch_rows, taxel_rows};
 use crate::disk::tables::truth_poses::pose_rows;
 use crate::disk::tables::truth_tables::{contact_rows, goal_rows, object_rows};
@@ -32,11 +34,12 @@ pub(in crate::disk) const ROWS_PER_GROUP: usize = 4096;
 type ColumnsOf = fn(usize, &Recording) -> Vec<Column>;
 
 /// The tables of ground truth.
-const TRUTH: [(&Table, ColumnsOf); 7] = [
+const TRUTH: [(&Table, ColumnsOf); 8] = [
     (&TRUTH_TAXELS, |episode, recording| Row::write(&taxel_rows(episode, recording))),
     (&TRUTH_PATCHES, |episode, recording| Row::write(&patch_rows(episode, recording))),
     (&TRUTH_OBJECTS, |episode, recording| Row::write(&object_rows(episode, recording))),
     (&TRUTH_CONTACTS, |episode, recording| Row::write(&contact_rows(episode, recording))),
+    (&TRUTH_CONTACT_POINTS, |episode, recording| Row::write(&contact_point_rows(episode, recording))),
     (&TRUTH_GOALS, |episode, recording| Row::write(&goal_rows(episode, recording))),
     (&TRUTH_BODIES, |episode, recording| Row::write(&body_rows(episode, recording))),
     (&TRUTH_POSES, |episode, recording| Row::write(&pose_rows(episode, recording))),
