@@ -15,6 +15,9 @@ use crate::disk::table::read::Want;
 use crate::disk::table::row::{Described, Width};
 use crate::{Frame, Pose, Recording, SkinLayout, TaxelReading, TrackPoint};
 
+/// The column of contacts, which files of early builds do not have.
+const CONTACT_POINTS: &str = "truth.contact_points";
+
 /// Names of the numbers in a pose column.
 const POSE: Width = Width::Named(&["x_m", "y_m", "z_m", "qx", "qy", "qz", "qw"]);
 const POSITION: Width = Width::Named(&["x_m", "y_m", "z_m"]);
@@ -334,7 +337,8 @@ pub(in crate::disk) fn append_frames(
     let patches = recording.layout.patches.len();
     let first = recording.frames.len();
     recording.frames.resize(first + batch.rows, Frame::blank(patches));
-    features.iter().try_for_each(|feature| feature.take(batch, recording, first))
+    let mut there = features.iter().filter(|feature| feature.name != CONTACT_POINTS || batch.has(CONTACT_POINTS));
+    there.try_for_each(|feature| feature.take(batch, recording, first))
 }
 
 /// The readings of the taxels of a patch in a frame.

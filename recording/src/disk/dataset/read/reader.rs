@@ -303,7 +303,11 @@ impl Dataset {
         }
         add_taxels(&rows(&TRUTH_TAXELS)?, &mut recording)?;
         add_patches(&rows(&TRUTH_PATCHES)?, &mut recording)?;
-        add_contact_points(&rows(&TRUTH_CONTACT_POINTS)?, &mut recording)?;
+        // Sets of early builds have no such table.
+        let points = names::table(&TRUTH_CONTACT_POINTS, episode.chunk_index, episode.file_index);
+        if self.checksums.names().any(|name| name == points) {
+            add_contact_points(&rows(&TRUTH_CONTACT_POINTS)?, &mut recording)?;
+        }
         add_poses(&rows(&TRUTH_POSES)?, &mut recording.bodies)?;
         check_recording(&recording).map_err(|violation| violation.misread(&path))?;
         Ok(recording)
