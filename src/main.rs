@@ -22,14 +22,14 @@ use failure::Failure;
 /// Shown after the list of commands: what to try first, and what a script has to know.
 const FIRST_STEPS: &str = "\
 First steps:
-  underbrush reach scenes/mixed.toml --picture reach.svg    Simulate one reach and draw it
+  underbrush reach mixed --picture reach.svg                Simulate one reach and draw it
   underbrush reproduce --quick                              The paper's experiments, small
 
 From data to a classifier:
-  underbrush generate scenes/leaf.toml scenes/trunk.toml --reaches 10 --out my-set
+  underbrush generate leaf trunk --reaches 10 --out my-set
   underbrush evaluate my-set                                Cross-validated accuracy
   underbrush train my-set --out model.json
-  underbrush reach scenes/mixed.toml --out reach.parquet
+  underbrush reach mixed --out reach.parquet
   underbrush classify model.json reach.parquet --online     Verdicts after every frame
 
 `underbrush COMMAND --help` explains a command. Results go to standard output, progress and errors to standard error. \

@@ -13,7 +13,7 @@ use underbrush_recording::disk::{
 use underbrush_sim::arm::ArmAtStart;
 use underbrush_sim::clutter::Clutter;
 use underbrush_sim::reach::ReachPlan;
-use underbrush_sim::scene::Scene;
+use underbrush_sim::scene::{Scene, shipped_by_name};
 
 use crate::audit;
 use crate::error::ExperimentError;
@@ -37,7 +37,10 @@ use crate::reach_ends::Ends;
 /// ```
 pub fn inspect(path: &Path, seed: u64) -> Result<Value, ExperimentError> {
     if !is_there(path)? {
-        let allowed = "a scene, data set (folder), recording, model or table of trials";
+        if shipped_by_name().any(|(name, _)| Path::new(name) == path) {
+            return scene(path, seed);
+        }
+        let allowed = "a scene or its name, data set (folder), recording, model or table of trials";
         return Err(InputError::new(path, "input", "no such file or folder", allowed, "check the path").into());
     }
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
@@ -55,7 +58,7 @@ pub fn inspect(path: &Path, seed: u64) -> Result<Value, ExperimentError> {
 }
 
 fn scene(path: &Path, seed: u64) -> Result<Value, ExperimentError> {
-    let plan = ReachPlan::new(Scene::load(path)?, None, seed)?;
+    let plan = ReachPlan::new(Scene::open(path)?, None, seed)?;
     let clutter = Clutter::draw(&plan.scene, &ArmAtStart::of(&plan.arm), seed, 0)?;
     let mut objects: BTreeMap<&str, usize> = BTreeMap::new();
     for placed in &clutter.objects {

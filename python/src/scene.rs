@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use underbrush_sim::reach::ReachPlan;
-use underbrush_sim::scene::{SHIPPED, Scene};
+use underbrush_sim::scene::{Scene, shipped_by_name};
 use underbrush_sim::snapshot::Snapshot;
 
 use crate::array;
@@ -13,14 +13,6 @@ use crate::failure::Failure;
 use crate::given;
 use crate::json;
 use crate::pool::{alone, guarded};
-
-/// The scenes that ship, by name, with their text.
-fn shipped() -> impl Iterator<Item = (&'static str, &'static str)> {
-    SHIPPED.iter().map(|(path, text)| {
-        let file = path.rsplit('/').next().unwrap_or(path);
-        (file.trim_end_matches(".toml"), *text)
-    })
-}
 
 /// A scene: the ranges from which the clutter of every reach is drawn.
 #[pyclass(frozen, name = "Scene", module = "underbrush._core")]
@@ -36,7 +28,7 @@ pub fn picture(py: Python<'_>, svg: String) -> PyResult<Bound<'_, PyAny>> {
 /// A scene from a `Scene`, the name of one that ships, or the path of a file.
 ///
 /// # Errors
-/// As [`Scene::load`].
+/// As [`Scene::open`].
 pub fn scene(value: &Bound<'_, PyAny>) -> Result<Scene, Failure> {
     if let Ok(scene) = value.cast::<PyScene>() {
         return Ok(scene.get().scene.clone());
@@ -46,16 +38,7 @@ pub fn scene(value: &Bound<'_, PyAny>) -> Result<Scene, Failure> {
         let allowed = "a Scene, the name of a scene that ships, or the path of a scene file";
         Failure::argument("scene", found, allowed, "give one of them")
     })?;
-    let name = path.to_string_lossy();
-    match shipped().find(|(shipped, _)| *shipped == name) {
-        Some((shipped, text)) => Ok(Scene::parse(format!("{shipped}.toml"), text.to_owned())?),
-        None if path.extension().is_none() && !path.exists() => {
-            let names: Vec<&str> = shipped().map(|(name, _)| name).collect();
-            let allowed = format!("{}, or the path of a scene file", names.join(", "));
-            Err(Failure::argument("scene", name, allowed, "choose one of them"))
-        }
-        None => Ok(Scene::load(path)?),
-    }
+    Ok(Scene::open(path)?)
 }
 
 /// A drawing (SVG) of a simulation in its present state.
@@ -101,7 +84,7 @@ impl PyScene {
     /// Names of the scenes that ship.
     #[staticmethod]
     fn names() -> Vec<&'static str> {
-        shipped().map(|(name, _)| name).collect()
+        shipped_by_name().map(|(name, _)| name).collect()
     }
 
     /// Name of the scene: the name of its file without the extension.

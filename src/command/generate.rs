@@ -21,7 +21,7 @@ use crate::{input, interrupt, output};
 /// GenerateOptions of `underbrush generate`.
 #[derive(Args)]
 pub struct GenerateOptions {
-    /// Scene files, such as scenes/leaf.toml scenes/trunk.toml
+    /// Scenes: names of those that ship, such as leaf trunk, or scene files
     #[arg(required_unless_present = "from", value_name = "SCENE")]
     scenes: Vec<PathBuf>,
     /// Number of reaches per scene
@@ -70,7 +70,7 @@ fn shard(text: &str) -> Result<Shard, String> {
 
 /// The campaign that the options describe.
 fn described(options: &GenerateOptions) -> Result<Campaign, Failure> {
-    let scenes: Result<Vec<Scene>, _> = options.scenes.iter().map(Scene::load).collect();
+    let scenes: Result<Vec<Scene>, _> = options.scenes.iter().map(Scene::open).collect();
     Ok(Campaign {
         controller: options.controller,
         verdicts: verdicts(options)?,

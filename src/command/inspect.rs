@@ -12,7 +12,7 @@ use crate::output;
 /// InspectOptions of `underbrush inspect`.
 #[derive(Args)]
 pub struct InspectOptions {
-    /// Scene (.toml), data set (folder), recording or trials (.parquet), trials (.csv) or model (.json)
+    /// Scene (.toml) or its name, data set (folder), recording or trials (.parquet), trials (.csv) or model (.json)
     path: PathBuf,
     /// For a scene: seed of the draw that is tried
     #[arg(long, default_value_t = 0, value_name = "N")]

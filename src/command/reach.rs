@@ -30,7 +30,7 @@ use crate::progress::Shown;
 /// ReachOptions of `underbrush reach`.
 #[derive(Args)]
 pub struct ReachOptions {
-    /// Scene file, such as scenes/mixed.toml
+    /// Scene: the name of one that ships, such as mixed, or a scene file
     scene: PathBuf,
     /// Seed of the random numbers
     #[arg(long, default_value_t = 0, value_name = "N")]
@@ -105,7 +105,7 @@ struct Goal {
 
 /// Runs the reach.
 pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
-    let mut plan = ReachPlan::new(Scene::load(&options.scene)?, options.controller, options.seed)?;
+    let mut plan = ReachPlan::new(Scene::open(&options.scene)?, options.controller, options.seed)?;
     if let Some(model) = &options.verdicts {
         plan = VerdictControl::load(model)?.applied_to(plan)?;
     }

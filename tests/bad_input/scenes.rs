@@ -162,7 +162,7 @@ fn missing_scene() {
     fault.check(&underbrush!["reach", file]);
     fault.check(&underbrush!["generate", file, "--reaches", "1", "--out", set]);
     let name = file.display().to_string();
-    underbrush!["inspect", file].refused(&[&name, "no such file", "a scene, data set", "check the path"]);
+    underbrush!["inspect", file].refused(&[&name, "no such file", "a scene or its name, data set", "check the path"]);
     assert_empty(outputs.path());
 }
 

@@ -147,3 +147,17 @@ fn the_first_patch_is_the_default_everywhere() {
         assert!(both[0] == both[1] && both[0].lines().count() > 1, "{command}");
     }
 }
+
+/// Tests that a scene that ships is found by its name, and gives the same reach as its file; another name is refused with
+/// the names that there are.
+#[test]
+fn a_scene_has_a_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let [by_name, by_file] = ["name.parquet", "file.parquet"].map(|name| folder.path().join(name));
+    underbrush!["reach", "trunk-post", "--out", by_name].success();
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/engineered/trunk-post.toml");
+    underbrush!["reach", file, "--out", by_file].success();
+    assert_eq!(std::fs::read(by_name).unwrap(), std::fs::read(by_file).unwrap());
+    underbrush!["inspect", "trunk-post"].success();
+    underbrush!["reach", "trunk-pots"].refused(&["trunk-pots", "trunk-post", "or the path of a scene file"]);
+}

@@ -19,7 +19,7 @@ pub mod limits;
 mod shipped;
 
 pub use file::{Goals, Objects, PhysicsSection, RobotSection, SceneFile, Workspace};
-pub use shipped::{SHIPPED, shipped};
+pub use shipped::{shipped, shipped_by_name};
 
 /// One scene: the ranges from which the clutter of each reach is drawn.
 ///
@@ -56,9 +56,36 @@ impl Scene {
     /// When the file cannot be read, is not TOML, has unknown keys, or has a value outside its limits.
     pub fn load(path: impl AsRef<Path>) -> Result<Scene, InputError> {
         let path = path.as_ref();
-        let remedy = "check the path; `scenes/` holds examples";
+        let remedy = "check the path, or give the name of a scene that ships, such as mixed";
         let text = read_text(path, &TEXT_BYTES, "a readable scene file", remedy)?;
         Scene::of_text(path, text)
+    }
+
+    /// A scene that ships, by its name, or one from a file.
+    ///
+    /// ```
+    /// use underbrush_sim::scene::Scene;
+    ///
+    /// assert_eq!(Scene::open("mixed")?.name, "mixed");
+    /// # Ok::<(), underbrush_recording::InputError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When no scene of this name ships and there is no such file, and as [`Scene::load`].
+    pub fn open(name_or_path: impl AsRef<Path>) -> Result<Scene, InputError> {
+        let path = name_or_path.as_ref();
+        let name = path.to_string_lossy();
+        if path.extension().is_some() || path.exists() {
+            return Scene::load(path);
+        }
+        match shipped_by_name().find(|(shipped, _)| *shipped == name) {
+            Some((shipped, text)) => Scene::of_text(Path::new(&format!("{shipped}.toml")), text.to_owned()),
+            None => {
+                let names: Vec<&str> = shipped_by_name().map(|(name, _)| name).collect();
+                let allowed = format!("{}, or the path of a scene file", names.join(", "));
+                Err(InputError::new(path, "scene", name, allowed, "choose one of them"))
+            }
+        }
     }
 
     /// Parses and checks the text of a scene file. `path` appears in error messages and gives the scene its name.

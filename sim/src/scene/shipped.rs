@@ -4,7 +4,7 @@
 macro_rules! shipped {
     ($($path:literal),* $(,)?) => {
         /// The scenes that ship: path below the folder `scenes`, and text.
-        pub const SHIPPED: &[(&str, &str)] = &[$(($path, include_str!(concat!("../../scenes/", $path)))),*];
+        const SHIPPED: &[(&str, &str)] = &[$(($path, include_str!(concat!("../../scenes/", $path)))),*];
     };
 }
 
@@ -14,6 +14,8 @@ shipped![
     "mixed.toml",
     "outlier.toml",
     "bottle.toml",
+    "shrub.toml",
+    "pot.toml",
     "engineered/leaf-clump.toml",
     "engineered/leaf-right.toml",
     "engineered/leaf-row.toml",
@@ -25,6 +27,14 @@ shipped![
     "engineered/trunk-row.toml",
     "engineered/trunk-thick.toml",
 ];
+
+/// The scenes that ship: name and text.
+pub fn shipped_by_name() -> impl Iterator<Item = (&'static str, &'static str)> {
+    SHIPPED.iter().map(|(path, text)| {
+        let file = path.rsplit('/').next().unwrap_or(path);
+        (file.trim_end_matches(".toml"), *text)
+    })
+}
 
 /// The text of a scene, by its path in the folder `scenes`; `None` if no such scene ships.
 pub fn shipped(path: &str) -> Option<&'static str> {
