@@ -85,7 +85,7 @@ impl Survey {
     fn observe_friction_and_depth(&mut self, simulation: &Simulation) {
         let objects = &simulation.clutter().objects;
         for contact in &simulation.report().contacts {
-            let placed = &objects[contact.object].object;
+            let placed = &objects[contact.object];
             let normal = contact.force_world.dot(contact.inward_world);
             let rubbing = contact.force_world - contact.inward_world * normal;
             let slip = contact.slip_world;
@@ -96,7 +96,7 @@ impl Survey {
                 self.work_j -= rubbing.dot(slip);
                 self.coulomb_j += friction * normal * slip.length();
             }
-            let deepest = self.deepest_m.entry(placed.category().name().to_owned()).or_default();
+            let deepest = self.deepest_m.entry(placed.category.name().to_owned()).or_default();
             *deepest = deepest.max(contact.penetration_m);
             if contact.radius_m > BROAD_M {
                 self.deepest_broad_m = self.deepest_broad_m.max(contact.penetration_m);
@@ -262,7 +262,7 @@ fn survey(plan: &ReachPlan, reach: u64) -> Survey {
         survey.observe_friction_and_depth(&simulation);
     }
     let objects = &simulation.clutter().objects;
-    survey.observe_course(&trace, &steps_rad, |object| objects[object].object.category() == Category::TRUNK);
+    survey.observe_course(&trace, &steps_rad, |object| objects[object].category == Category::TRUNK);
     for jump in &mut survey.jumps {
         jump.at[0] = reach as usize;
     }

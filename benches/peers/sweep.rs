@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
-use underbrush_recording::FRAME_PERIOD_S;
+use underbrush_recording::{Category, FRAME_PERIOD_S};
 use underbrush_sim::arm::{Arm, ArmAtStart};
 use underbrush_sim::clutter::{Clutter, PlacedObject};
 use underbrush_sim::object::{Footing, Specification};
@@ -75,6 +75,7 @@ impl Sweep {
             }
             let placed = PlacedObject {
                 object: leaf.draw(&mut random, &footing).expect("the leaf stands"),
+                category: Category::LEAF,
                 foot_world: foot.extend(FOAM_TOP_M),
                 yaw_rad: yaw_deg.draw(&mut random, (-180.0, 180.0)).expect("an angle").to_radians(),
             };

@@ -73,7 +73,7 @@ fn main() {
 /// Runs a reach with each controller and prints its rows.
 fn reach(plan: &ReachPlan, verdicts: &VerdictControl, allowed: &AllowedForces, index: u64) {
     let objects = plan.draw(index).unwrap().objects;
-    let categories: Arc<Vec<Category>> = Arc::new(objects.iter().map(|placed| placed.object.category()).collect());
+    let categories: Arc<Vec<Category>> = Arc::new(objects.iter().map(|placed| placed.category).collect());
     let told = verdicts.clone().with_allowed(allowed.clone());
     let with_truth = {
         let allowed = allowed.clone();

@@ -238,13 +238,23 @@ impl Campaign {
                 other.controller_name()
             )));
         }
+        let further = further_categories(plans);
+        if let Some([one, other]) = further.array_windows().find(|[one, other]| one.code() == other.code()) {
+            return Err(ExperimentError::Request(format!(
+                "the categories {} and {} of these scenes have the same code, {}, so a data set cannot hold both; give one \
+                 of them another name in its scene file",
+                one.name(),
+                other.name(),
+                one.code()
+            )));
+        }
         Ok(DatasetPlan {
             provenance: self.provenance(plans, &first.controller_name()),
             robot: first.arm.name.clone(),
             rate_hz: 1.0 / underbrush_recording::FRAME_PERIOD_S,
             joint_names: first.arm.joints.iter().map(|joint| joint.name.clone()).collect(),
             layout: first.arm.skin.layout.clone(),
-            categories: further_categories(plans),
+            categories: further,
             episodes: jobs
                 .iter()
                 .map(|job| PlannedEpisode {

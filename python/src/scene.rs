@@ -45,7 +45,7 @@ pub fn scene(value: &Bound<'_, PyAny>) -> Result<Scene, Failure> {
 pub fn drawn(plan: &ReachPlan, simulation: &underbrush_sim::simulation::Simulation, caption: &str) -> String {
     let goal = simulation.clutter().goals.first().copied().unwrap_or_default();
     let frame = simulation.frame(0, goal);
-    let categories: Vec<_> = simulation.clutter().objects.iter().map(|placed| placed.object.category()).collect();
+    let categories: Vec<_> = simulation.clutter().objects.iter().map(|placed| placed.category).collect();
     underbrush_report::picture::draw(
         &Snapshot::take(simulation, &frame),
         &plan.arm.skin.layout,

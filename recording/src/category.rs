@@ -73,6 +73,16 @@ impl Category {
         Some(Category { code, name })
     }
 
+    /// The category with this name: a built-in one, or one whose code, from 5 to 126, follows from the name, so that it
+    /// is the same in every file. `None` unless the name is built in or allowed in [`Category::new`]. Two names can have
+    /// the same code; a data set cannot hold both.
+    pub fn named(name: &str) -> Option<Category> {
+        // FNV-1a (Fowler, Noll, Vo). The codes 4 and 127 are those of the bottle and of a made-up object of the tests.
+        let hash = name.bytes().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
+        let code = (5 + hash % 122) as i8;
+        Category::from_name(name).or_else(|| Category::from_file(name, code))
+    }
+
     /// What is allowed instead, if a trial of someone else's table cannot have a category of this name.
     pub fn name_fault(name: &str) -> Option<&'static str> {
         // The verdict `outlier` is also the category of outliers.
@@ -200,6 +210,20 @@ mod tests {
             let text = serde_json::to_string(&category).unwrap();
             assert_eq!(text, format!("\"{}\"", category.name()));
             assert_eq!(serde_json::from_str::<Category>(&text).unwrap(), category);
+        }
+    }
+
+    /// Tests that a name that is not built in has the same code each time, that a built-in name is that category, and
+    /// that verdicts and other words that are no names are refused.
+    #[test]
+    fn names_have_one_code() {
+        let stalk = Category::named("stalk").unwrap();
+        assert_eq!(Some(stalk), Category::from_file("stalk", stalk.code()));
+        // FNV-1a of "a" is 0xe40c292c.
+        assert_eq!(Category::named("a").unwrap().code(), (5 + 0xe40c_292c_u32 % 122) as i8);
+        assert_eq!(Category::named("leaf"), Some(Category::LEAF));
+        for name in ["unknown", "none", "", "A stalk"] {
+            assert_eq!(Category::named(name), None, "{name}");
         }
     }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{DQuat, DVec3};
 use parry3d::shape::Cuboid;
-use underbrush_recording::{InputError, ObjectRecord, Pose, math};
+use underbrush_recording::{Category, InputError, ObjectRecord, Pose, math};
 
 use crate::arm::ArmAtStart;
 use crate::geometry::{Capsule, Footprint, LaidFootprint};
@@ -43,6 +43,8 @@ pub struct Clutter {
 pub struct PlacedObject {
     /// The object.
     pub object: Box<dyn Object>,
+    /// Its ground-truth category.
+    pub category: Category,
     /// Its foot, m, world frame.
     pub foot_world: DVec3,
     /// Its rotation about the vertical, rad.
@@ -56,7 +58,7 @@ impl PlacedObject {
         parameters.insert("yaw_rad".into(), self.yaw_rad);
         ObjectRecord {
             kind: self.object.kind().into(),
-            category: self.object.category(),
+            category: self.category,
             position_world: self.foot_world,
             parameters,
         }

@@ -60,7 +60,7 @@ impl Snapshot {
             .map(|(index, (placed, state))| {
                 let poses = if state.active { &state.body_pose_world } else { simulation.rest_pose_world(index) };
                 let bodies = simulation.structure(index).bodies.iter().zip(poses);
-                shapes(placed.object.category(), bodies.map(|(body, pose)| (body.parts.as_slice(), pose)))
+                shapes(placed.category, bodies.map(|(body, pose)| (body.parts.as_slice(), pose)))
             })
             .collect();
         Snapshot { arm, objects, frame: frame.clone() }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
-use underbrush_recording::{FRAME_PERIOD_S, Pose, TaxelReading};
+use underbrush_recording::{Category, FRAME_PERIOD_S, Pose, TaxelReading};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::clutter::{Clutter, PlacedObject};
 use underbrush_sim::object::blade::SHEET_TORSION_OVER_BENDING;
@@ -90,6 +90,8 @@ impl PressedArm {
         let across_world = DVec3::Z.cross(along).normalize();
         let placed = PlacedObject {
             object: beside.object,
+            // The physics does not depend on it.
+            category: Category::TRUNK,
             foot_world: place + across_world * (FOREARM_RADIUS_M + beside.gap_m) - DVec3::Z * beside.drop_m,
             yaw_rad: across_world.y.atan2(across_world.x) + beside.rotation_rad,
         };

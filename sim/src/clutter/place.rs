@@ -39,7 +39,8 @@ pub(super) fn place_all(
                 let object = group.draw(random, &footing).map_err(|error| {
                     scene.fault(&field, error, "a range most of whose values are physically possible")
                 })?;
-                let placed = PlacedObject { object, foot_world: center.extend(footing.height_m), yaw_rad };
+                let foot_world = center.extend(footing.height_m);
+                let placed = PlacedObject { object, category: group.category(), foot_world, yaw_rad };
                 if rejected.allows(&placed, &objects, arm) {
                     found = Some(placed);
                     break;

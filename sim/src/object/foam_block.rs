@@ -132,10 +132,6 @@ impl Object for FoamBlock {
         "foam_block"
     }
 
-    fn category(&self) -> Category {
-        Self::CATEGORY
-    }
-
     /// No: goals lie above it.
     fn is_obstacle(&self) -> bool {
         false

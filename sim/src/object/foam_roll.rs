@@ -129,10 +129,6 @@ impl Object for FoamRoll {
         "foam_roll"
     }
 
-    fn category(&self) -> Category {
-        Self::CATEGORY
-    }
-
     /// The arm presses its surface in, but cannot pass it.
     fn is_obstacle(&self) -> bool {
         true

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use underbrush_recording::Category;
 
-use super::{Footing, Object, StandsOn};
+use super::{CATEGORIES, Footing, Object, StandsOn};
 use crate::range::{Draw, DrawError, Limited, Placement, Quantity, schema_within};
 
 /// A quantity of a kind of objects. The key of the scene file, its schema, default and limits follow from it.
@@ -29,7 +29,7 @@ pub trait Kind: Object + Clone + Sized + 'static {
     const GROUP: (&'static str, &'static str);
     /// Its quantities.
     const QUANTITIES: &'static [Declared];
-    /// Its ground-truth category.
+    /// Its ground-truth category, unless a group names another.
     const CATEGORY: Category;
     /// What it must stand on.
     const STANDS_ON: StandsOn;
@@ -61,7 +61,7 @@ pub trait Specification {
     /// What the objects must stand on.
     fn stands_on(&self) -> StandsOn;
 
-    /// Their ground-truth category.
+    /// Their ground-truth category: that of the kind, unless the group names another.
     fn category(&self) -> Category;
 }
 
@@ -70,6 +70,7 @@ pub trait Specification {
 pub struct Group<K> {
     count: u32,
     place: Option<Placement>,
+    category: Category,
     /// The ranges of the kind's quantities, in the order of their declarations.
     ranges: Vec<Quantity>,
     kind: PhantomData<K>,
@@ -124,7 +125,7 @@ impl<K: Kind> Specification for Group<K> {
     }
 
     fn category(&self) -> Category {
-        K::CATEGORY
+        self.category
     }
 }
 
@@ -132,6 +133,7 @@ impl<K: Kind> Specification for Group<K> {
 enum Key<K> {
     Count,
     Place,
+    Category,
     Quantity(usize, PhantomData<K>),
 }
 
@@ -142,10 +144,13 @@ impl<'de, K: Kind> Deserialize<'de> for Key<K> {
         match (key.as_str(), K::QUANTITIES.iter().position(|declared| declared.name == key)) {
             ("count", _) => Ok(Key::Count),
             ("place", _) => Ok(Key::Place),
+            ("category", _) => Ok(Key::Category),
             (_, Some(number)) => Ok(Key::Quantity(number, PhantomData)),
             (_, None) => {
                 let names: String = K::QUANTITIES.iter().map(|declared| format!(", `{}`", declared.name)).collect();
-                Err(D::Error::custom(format!("unknown field `{key}`, expected one of `count`, `place`{names}")))
+                Err(D::Error::custom(format!(
+                    "unknown field `{key}`, expected one of `count`, `place`, `category`{names}"
+                )))
             }
         }
     }
@@ -162,21 +167,41 @@ impl<'de, K: Kind> Deserialize<'de> for Group<K> {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Group<K>, A::Error> {
-                let (mut count, mut place) = (None, None);
+                let (mut count, mut place, mut category) = (None, None, K::CATEGORY);
                 let defaults = K::QUANTITIES.iter().map(|declared| Quantity { draw: declared.default, span: 0..0 });
                 let mut ranges: Vec<Quantity> = defaults.collect();
                 while let Some(key) = map.next_key::<Key<K>>()? {
                     match key {
                         Key::Count => count = Some(map.next_value()?),
                         Key::Place => place = Some(map.next_value()?),
+                        Key::Category => category = map.next_value::<Named>()?.0,
                         Key::Quantity(number, _) => ranges[number] = map.next_value()?,
                     }
                 }
                 let count = count.ok_or_else(|| A::Error::missing_field("count"))?;
-                Ok(Group { count, place, ranges, kind: PhantomData })
+                Ok(Group { count, place, category, ranges, kind: PhantomData })
             }
         }
         deserializer.deserialize_map(GroupVisitor(PhantomData))
+    }
+}
+
+/// The category that a scene file names: that of a kind, or a new one.
+struct Named(Category);
+
+impl<'de> Deserialize<'de> for Named {
+    /// A name that is not allowed is refused here, so that the error is about its line.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        let of_kind = CATEGORIES.iter().copied().find(|category| category.name() == name);
+        of_kind.or_else(|| Category::named(&name)).map(Named).ok_or_else(|| {
+            D::Error::custom(format!(
+                "category \"{name}\"; allowed are up to {} lower-case letters, digits and underscores that begin with a \
+                 letter and are not \"none\" and no verdict ({})",
+                Category::MAX_NAME_BYTES,
+                Category::VERDICTS.join(", ")
+            ))
+        })
     }
 }
 
@@ -190,9 +215,15 @@ impl<K: Kind> JsonSchema for Group<K> {
         count.insert("description".into(), "How many.".into());
         let mut place = generator.subschema_for::<Option<Placement>>();
         place.insert("description".into(), "Where they may stand; the scene's workspace if not given.".into());
+        let category = json_schema!({
+            "type": "string",
+            "description": format!("Their category in ground truth; {} if not given.", K::CATEGORY.name()),
+            "pattern": format!("^[a-z][a-z0-9_]{{0,{}}}$", Category::MAX_NAME_BYTES - 1),
+        });
         let mut properties = Schema::default();
         properties.insert("count".into(), count.into());
         properties.insert("place".into(), place.into());
+        properties.insert("category".into(), category.into());
         for declared in K::QUANTITIES {
             let mut own = schema_within(declared.limits);
             own.insert("description".into(), declared.text.trim().into());

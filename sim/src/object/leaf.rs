@@ -203,10 +203,6 @@ impl Object for Leaf {
         "leaf"
     }
 
-    fn category(&self) -> Category {
-        Self::CATEGORY
-    }
-
     fn is_obstacle(&self) -> bool {
         false
     }

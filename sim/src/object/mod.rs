@@ -51,6 +51,15 @@ macro_rules! for_each_object_kind {
 }
 pub(crate) use for_each_object_kind;
 
+macro_rules! categories {
+    ($($(#[$attribute:meta])* $key:ident: $kind:ty,)*) => {
+        /// The category of each kind.
+        #[allow(unused_doc_comments, reason = "the entries' documentation is that of the fields of a scene file")]
+        const CATEGORIES: &[Category] = &[$($(#[$attribute])* <$kind as group::Kind>::CATEGORY,)*];
+    };
+}
+for_each_object_kind!(categories);
+
 /// What an object must stand on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StandsOn {
@@ -73,8 +82,6 @@ pub struct Footing {
 pub trait Object: std::fmt::Debug + Send + Sync {
     /// Its key in the scene file.
     fn kind(&self) -> &'static str;
-    /// Its ground-truth category.
-    fn category(&self) -> Category;
     /// Whether it holds the arm back instead of letting it through. Goals keep clear of it.
     fn is_obstacle(&self) -> bool;
     /// Whether it may share ground with a foam block: it stands in the foam, or passes through it to the table.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use underbrush_recording::{Body, BodyOwner, Category};
+use underbrush_recording::{Body, BodyOwner};
 
 use super::trunk::Trunk;
 use super::{Footing, Group, Specification, wand};
@@ -64,15 +64,14 @@ fn an_added_object_goes_through_a_reach() {
     assert!(felt > 0 && moved > 0, "{felt} taxels felt a wand, {moved} wands moved");
 }
 
-/// Tests that a drawn object has the kind and the category of its group.
+/// Tests that a drawn object has the kind of its group.
 #[test]
 fn drawn_objects_are_what_their_group_says() {
     let mut random = crate::seed::stream(0, "objects", 0, "clutter");
     let footing = super::Footing { height_m: 0.0, foam_modulus_pa: Some(5.0e4) };
     for (kind, _, group) in one_of_each().groups() {
         let object = group.draw(&mut random, &footing).unwrap();
-        let found: (&str, Category) = (object.kind(), object.category());
-        assert_eq!(found, (kind, group.category()));
+        assert_eq!(object.kind(), kind);
         assert_eq!(object.structure().bodies[0].joint, None, "{kind} begins with what is fixed to the ground");
     }
 }

@@ -46,10 +46,6 @@ impl Object for Trunk {
         "trunk"
     }
 
-    fn category(&self) -> Category {
-        Self::CATEGORY
-    }
-
     fn is_obstacle(&self) -> bool {
         true
     }

@@ -43,10 +43,6 @@ impl Object for Wand {
         "wand"
     }
 
-    fn category(&self) -> Category {
-        CATEGORY
-    }
-
     fn is_obstacle(&self) -> bool {
         false
     }

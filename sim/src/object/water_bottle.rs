@@ -129,10 +129,6 @@ impl Object for WaterBottle {
         "water_bottle"
     }
 
-    fn category(&self) -> Category {
-        CATEGORY
-    }
-
     /// The arm can push it away, but not pass through it.
     fn is_obstacle(&self) -> bool {
         true

@@ -3,8 +3,8 @@
 use blake3::Hasher;
 use toml::{Table, Value};
 
-/// Hexadecimal BLAKE3 of the key `objects`, without comments, the order of keys and the way in which numbers are
-/// written. A key that a later version adds does not change it.
+/// Hexadecimal BLAKE3 of the key `objects`, without comments, the order of keys, the way in which numbers are written and
+/// the names of categories. A key that a later version adds does not change it.
 pub(super) fn objects_hash(text: &str) -> String {
     let table: Table = toml::from_str(text).unwrap_or_default();
     let mut hasher = Hasher::new();
@@ -39,8 +39,9 @@ fn add(value: &Value, hasher: &mut Hasher) {
             values.iter().for_each(|value| add(value, hasher));
         }
         Value::Table(table) => {
-            begin(hasher, b'o', table.len());
-            let mut keys: Vec<&String> = table.keys().collect();
+            begin(hasher, b'o', table.len() - usize::from(table.contains_key("category")));
+            // What a group is called does not change how it is drawn.
+            let mut keys: Vec<&String> = table.keys().filter(|key| *key != "category").collect();
             keys.sort();
             for key in keys {
                 text(hasher, key);
@@ -56,11 +57,11 @@ mod tests {
 
     const LEAF: &str = "summary = \"a\"\n[[objects.leaf]]\ncount = 2\nheight_m = 0.50\n";
 
-    /// Tests that only what the file says of the objects changes the hash.
+    /// Tests that only what the file says of the objects changes the hash, without the names of their categories.
     #[test]
     fn only_objects_count() {
-        let same =
-            "# A comment\nsummary = \"b\"\nsensor = { noise_n = 0.0 }\n[[objects.leaf]]\nheight_m = 5e-1\ncount = 2\n";
+        let same = "# A comment\nsummary = \"b\"\nsensor = { noise_n = 0.0 }\n[[objects.leaf]]\ncategory = \"stalk\"\nheight_m = 5e-1\n\
+             count = 2\n";
         assert_eq!(objects_hash(LEAF), objects_hash(same));
         for other in [("count = 2", "count = 3"), ("0.50", "0.51"), ("leaf", "trunk"), ("height_m", "width_m")] {
             assert_ne!(objects_hash(LEAF), objects_hash(&LEAF.replace(other.0, other.1)), "{other:?}");

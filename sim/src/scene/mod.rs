@@ -1,6 +1,7 @@
 //! Scenes: the ranges from which the clutter of a reach is drawn. This module reads and checks scene files; their keys
 //! are in `file.rs`. See `scenes/` for examples and `underbrush schema` for the JSON Schema.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -183,12 +184,19 @@ impl Scene {
 
     fn check_objects(&self, anywhere: (f64, f64)) -> Result<(), InputError> {
         let mut objects = 0.0;
+        let mut names: BTreeMap<i8, &str> = BTreeMap::new();
         for (kind, number, group) in self.file.objects.groups() {
             let place = format!("objects.{kind}[{number}]");
             objects += f64::from(group.count());
             if !limits::OBJECTS.hold(objects) {
                 let allowed = format!("{} in all groups together", limits::OBJECTS);
                 return Err(self.fault(&format!("{place}.count"), group.count(), allowed));
+            }
+            let (code, name) = (group.category().code(), group.category().name());
+            if let Some(other) = names.insert(code, name).filter(|other| *other != name) {
+                let allowed =
+                    format!("another name, because in data sets this one has the same code, {code}, as {other}");
+                return Err(self.fault(&format!("{place}.category"), name, allowed));
             }
             for limited in group.quantities() {
                 self.check_quantity(&place, &limited)?;

@@ -26,6 +26,16 @@ shipped![
     "engineered/trunk-right.toml",
     "engineered/trunk-row.toml",
     "engineered/trunk-thick.toml",
+    "auxiliary/soft-rolls.toml",
+    "auxiliary/stiff-poles.toml",
+    "auxiliary/free-cylinders.toml",
+    "auxiliary/stalks.toml",
+    "unknown/soft-roll.toml",
+    "unknown/hard-roll.toml",
+    "unknown/full-bottle.toml",
+    "unknown/springy-branch.toml",
+    "unknown/cloth-leaf.toml",
+    "unknown/thick-post.toml",
 ];
 
 /// The scenes that ship: name and text.
