@@ -70,10 +70,12 @@ fn judge(model: &Arc<TouchModel>, recording: &Recording, groups: &mut BTreeMap<S
     let trunks = parts(recording, |object| category(object) == Category::TRUNK);
     for (index, frame) in recording.frames.iter().enumerate() {
         classifier.update(frame).unwrap();
-        let image = classifier.tracker().image();
+        let tracker = &classifier.patches()[0];
+        let image = tracker.image();
+        let taxels = || classifier.taxels().iter().filter(|touch| touch.patch == image.patch_index());
         let truth = |taxel: usize| image.object(taxel).filter(|_| image.is_touched(taxel));
         let mut force_n: BTreeMap<u16, f64> = BTreeMap::new();
-        for touch in classifier.taxels() {
+        for touch in taxels() {
             if let Some(object) = truth(touch.taxel) {
                 *force_n.entry(object).or_default() += image.sensed_force_n(touch.taxel);
             }
@@ -82,11 +84,10 @@ fn judge(model: &Arc<TouchModel>, recording: &Recording, groups: &mut BTreeMap<S
             .filter(|object| category(*object) == Category::LEAF)
             .filter(|object| touch(&parts(recording, |other| other == *object), &trunks, index))
             .collect();
-        for touch in classifier.taxels() {
+        for touch in taxels() {
             let Some(object) = truth(touch.taxel) else { continue };
-            let region = &classifier.tracker().regions()[touch.region];
-            let pressing: BTreeSet<u16> =
-                classifier.tracker().taxels(region).iter().filter_map(|taxel| truth(*taxel)).collect();
+            let region = &tracker.regions()[touch.region];
+            let pressing: BTreeSet<u16> = tracker.taxels(region).iter().filter_map(|taxel| truth(*taxel)).collect();
             let company = if pressing.len() > 1 { ", others in its region" } else { ", alone in its region" };
             let wedge = if wedged.contains(&object) { ", wedged" } else { "" };
             let group = groups.entry(format!("{}{wedge}{company}", category(object).name())).or_default();

@@ -59,7 +59,7 @@ fn judged(examples: &TouchExamples, reaches: &[Recording], training: usize, limi
     let mut order: Vec<usize> = (0..reaches.len()).collect();
     order.shuffle(&mut rand_chacha::ChaCha8Rng::seed_from_u64(seed));
     let fitted: BTreeSet<usize> = order.drain(..training).collect();
-    let limits = RiskLimits { wrong: Some(limit), false_alarms: Some(limit) };
+    let limits = RiskLimits { wrong: Some(limit) };
     let model = examples.some(|index| fitted.contains(&index)).fit_within(&limits).unwrap();
     let model = Arc::new(model);
     let mut evaluation = TouchEvaluation::default();

@@ -20,7 +20,7 @@ const ORDER: [&str; 16] = [
     "training",
     "touched",
     "category",
-    "usual",
+    "unknown",
     seal::KEY,
 ];
 

@@ -149,14 +149,12 @@ impl VerdictControl {
         }
         let layout = &plan.arm.skin.layout;
         let classifier = TouchClassifier::new(self.model.clone(), layout)?;
-        let patch = layout.chosen_patch(self.model.options().patch.as_deref());
         let allowed = Arc::new(self.allowed.clone());
         Ok(plan.with_controller_within(move |inner| {
             Box::new(VerdictController {
                 name: format!("{}{WITH_VERDICTS}", inner.name()),
                 inner,
                 classifier: classifier.clone(),
-                patch,
                 allowed: allowed.clone(),
                 is_judged: false,
             })
@@ -191,8 +189,6 @@ struct VerdictController {
     name: String,
     inner: Box<dyn Controller>,
     classifier: TouchClassifier,
-    /// Index of the model's patch.
-    patch: Option<usize>,
     allowed: Arc<AllowedForces>,
     /// Whether the last frame could be judged. A frame with numbers that are not finite cannot be judged.
     is_judged: bool,
@@ -200,12 +196,10 @@ struct VerdictController {
 
 impl VerdictController {
     fn allowance(&self, contact: &TaxelContact) -> Allowance {
-        if !self.is_judged || self.patch != Some(contact.patch) {
-            return Allowance::Usual;
-        }
-        let mut taxels = self.classifier.taxels().iter();
-        // A taxel under the model's threshold has no verdict.
-        let Some(verdict) = taxels.find(|verdict| verdict.taxel == contact.taxel) else {
+        let mut taxels = self.classifier.taxels().iter().filter(|_| self.is_judged);
+        // A taxel under the model's threshold, or on a patch that it does not judge, has no verdict.
+        let found = taxels.find(|verdict| (verdict.patch, verdict.taxel) == (contact.patch, contact.taxel));
+        let Some(verdict) = found else {
             return Allowance::Usual;
         };
         self.allowed.of(verdict.touch, self.classifier.model().categories())

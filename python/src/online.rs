@@ -22,8 +22,8 @@ pub struct Online {
     state: Mutex<State>,
     categories: Vec<String>,
     layout: Arc<SkinLayout>,
-    /// The patch whose pose the classifier needs, because it uses motion.
-    needs_pose_of: Option<usize>,
+    /// The patches whose poses the classifier needs, because it uses motion.
+    needs_poses_of: Vec<usize>,
     /// What a Python classifier raised.
     raised: Option<Arc<Stop>>,
 }
@@ -47,19 +47,19 @@ impl Online {
         skin: &Skin,
         needs_pose_of: Option<usize>,
     ) -> Self {
-        Online::new(Kind::Contacts(Box::new(classifier)), categories, skin, needs_pose_of)
+        Online::new(Kind::Contacts(Box::new(classifier)), categories, skin, needs_pose_of.into_iter().collect())
     }
 
     /// Verdicts of a touch model.
     pub fn of_touch(classifier: TouchClassifier, skin: &Skin) -> Self {
-        let patch = skin.layout.chosen_patch(classifier.model().options().patch.as_deref());
+        let patches = classifier.model().options().judged_patches(&skin.layout);
         let categories = classifier.model().categories().to_vec();
-        Online::new(Kind::Touch(Box::new(classifier)), categories, skin, patch)
+        Online::new(Kind::Touch(Box::new(classifier)), categories, skin, patches)
     }
 
-    fn new(kind: Kind, categories: Vec<String>, skin: &Skin, needs_pose_of: Option<usize>) -> Self {
+    fn new(kind: Kind, categories: Vec<String>, skin: &Skin, needs_poses_of: Vec<usize>) -> Self {
         let (state, layout) = (Mutex::new(State { kind, last_s: None }), Arc::clone(&skin.layout));
-        Online { state, categories, layout, needs_pose_of, raised: None }
+        Online { state, categories, layout, needs_poses_of, raised: None }
     }
 
     fn lock(&self) -> Result<MutexGuard<'_, State>, Failure> {
@@ -84,14 +84,14 @@ impl Online {
     }
 
     /// Take in the next frame. Returns a dictionary for each taxel in contact, with the keys taxel, samples, verdict
-    /// and scores, or for a touch model taxel, samples, contact, nothing (a probability), verdict and probabilities.
+    /// and scores, or for a touch model patch, taxel, samples, contact, nothing (a probability), verdict and probabilities.
     /// Each frame must be later than the one before; another reach needs a new classifier.
     fn update<'py>(&self, py: Python<'py>, frame: &PyFrame) -> Result<Bound<'py, PyList>, Failure> {
         if !Arc::ptr_eq(&frame.layout, &self.layout) && frame.layout != self.layout {
             let allowed = "a frame of the skin that this classifier was made for";
             return Err(Failure::argument("frame", "a frame of another skin", allowed, "make a classifier for it"));
         }
-        if let Some(patch) = self.needs_pose_of.filter(|patch| !frame.has_pose(*patch)) {
+        if let Some(patch) = self.needs_poses_of.iter().copied().find(|patch| !frame.has_pose(*patch)) {
             let name = &self.layout.patches[patch].name;
             let (found, remedy) =
                 (format!("no pose of the patch {name}"), format!("make it with patch_poses={{{name:?}: …}}"));
@@ -121,6 +121,7 @@ impl Online {
                 classifier.update(&frame.frame)?;
                 for taxel in classifier.taxels() {
                     let verdict = PyDict::new(py);
+                    verdict.set_item("patch", &self.layout.patches[taxel.patch].name)?;
                     verdict.set_item("taxel", taxel.taxel)?;
                     verdict.set_item("samples", taxel.samples)?;
                     verdict.set_item("contact", classifier.regions()[taxel.region].contact)?;

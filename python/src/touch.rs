@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use underbrush_classifier::FORMAT;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::evaluate::touch_folds::{
-    ReadReaches, check_folds, cross_validate_touch, judge_touch, touch_examples,
+    ReadReaches, add_auxiliary, check_folds, cross_validate_touch, judge_touch, touch_examples,
 };
 use underbrush_classifier::touch::{
     RiskLimits, TOUCH_FORMAT, TouchClassifier, TouchExamples, TouchModel, TouchOptions,
@@ -44,26 +44,29 @@ impl PyTouchModel {
 impl PyTouchModel {
     /// Fit a model to reaches with ground truth. The order of the reaches affects the result, through rounding and
     /// folds. ``limit_wrong`` is the largest share of the taxel frames of a new reach that may be called another
-    /// category, on average over reaches, and ``limit_false_alarms`` the largest share that may be called unknown. The
-    /// decision is chosen to keep these limits.
+    /// category, on average over reaches; the decision is chosen to keep this limit. Objects of ``auxiliary`` reaches
+    /// whose categories the others lack are unknown objects to train on; without them nothing is called unknown.
     #[staticmethod]
     #[pyo3(signature = (
-        reaches, patch = None, *, threshold_n = None, limit_wrong = None, limit_false_alarms = None, jobs = None
+        reaches, patch = None, *, auxiliary = Vec::new(), threshold_n = None, limit_wrong = None, jobs = None
     ))]
     fn fit(
         py: Python<'_>,
         reaches: Vec<Py<Reach>>,
         patch: Option<String>,
+        auxiliary: Vec<Py<Reach>>,
         threshold_n: Option<f64>,
         limit_wrong: Option<f64>,
-        limit_false_alarms: Option<f64>,
         jobs: Option<usize>,
     ) -> Result<Self, Failure> {
-        let (options, limits) = options(patch, threshold_n, limit_wrong, limit_false_alarms);
+        let (options, limits) = options(patch, threshold_n, limit_wrong);
         let reaches = Given(reaches.iter().map(Py::get).collect());
+        let auxiliary = Given(auxiliary.iter().map(Py::get).collect());
         let fit = || {
-            let mut model = touch_examples(&reaches, options)?.fit_within(&limits)?;
-            let sources = Reach::sources(&reaches.0);
+            let mut examples = touch_examples(&reaches, options)?;
+            add_auxiliary(&mut examples, &auxiliary)?;
+            let mut model = examples.fit_within(&limits)?;
+            let sources = Reach::sources(&[reaches.0.as_slice(), &auxiliary.0].concat());
             model.provenance = model_data::provenance(json::value(&limits)?, sources);
             Ok(model)
         };
@@ -76,7 +79,7 @@ impl PyTouchModel {
     /// ``fit``.
     #[staticmethod]
     #[pyo3(signature = (
-        reaches, patch = None, *, folds = 2, threshold_n = None, limit_wrong = None, limit_false_alarms = None, jobs = None
+        reaches, patch = None, *, folds = 2, threshold_n = None, limit_wrong = None, jobs = None
     ))]
     fn cross_validate<'py>(
         py: Python<'py>,
@@ -85,10 +88,9 @@ impl PyTouchModel {
         folds: usize,
         threshold_n: Option<f64>,
         limit_wrong: Option<f64>,
-        limit_false_alarms: Option<f64>,
         jobs: Option<usize>,
     ) -> Result<Bound<'py, PyAny>, Failure> {
-        let (options, limits) = options(patch, threshold_n, limit_wrong, limit_false_alarms);
+        let (options, limits) = options(patch, threshold_n, limit_wrong);
         let reaches = Given(reaches.iter().map(Py::get).collect());
         let fit = |examples: &TouchExamples| Ok(examples.fit_within(&limits)?);
         let judge = || {
@@ -162,14 +164,9 @@ impl PyTouchModel {
 }
 
 /// How readings become contacts, and how many bad verdicts a model may give.
-fn options(
-    patch: Option<String>,
-    threshold_n: Option<f64>,
-    wrong: Option<f64>,
-    false_alarms: Option<f64>,
-) -> (TouchOptions, RiskLimits) {
+fn options(patch: Option<String>, threshold_n: Option<f64>, wrong: Option<f64>) -> (TouchOptions, RiskLimits) {
     let threshold_n = threshold_n.unwrap_or(TouchOptions::default().threshold_n);
-    (TouchOptions { patch, threshold_n }, RiskLimits { wrong, false_alarms })
+    (TouchOptions::of(patch, threshold_n), RiskLimits { wrong })
 }
 
 /// Reaches that a caller gave.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use underbrush_classifier::touch::{REGION_FEATURE_COUNT, TaxelTouch, TouchClassifier};
+use underbrush_classifier::touch::{REGION_FEATURE_COUNT, SkinTracker, TaxelTouch, TouchClassifier};
 
 use crate::container::Sections;
 
@@ -42,7 +42,9 @@ impl TouchRegions {
     /// `code` gives the number of a verdict by its name.
     pub fn push(&mut self, judged: &TouchClassifier, taxels: &[&TaxelTouch], code: impl Fn(&str) -> u8) {
         self.of_taxel.extend(taxels.iter().map(|own| own.region as u16));
-        for (own, region) in judged.regions().iter().zip(judged.tracker().regions()) {
+        // The page shows one patch, the first that is judged.
+        let shown = judged.patches().first().map_or(&[][..], SkinTracker::regions);
+        for (own, region) in judged.regions().iter().zip(shown) {
             self.contacts.push(own.contact as u32);
             self.samples.push(own.samples as u32);
             self.taxels.push(own.taxels[0] as u16);

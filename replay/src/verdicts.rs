@@ -139,7 +139,7 @@ impl Verdicts {
     pub(crate) fn push_of_touch(&mut self, judged: &TouchClassifier) {
         let categories = judged.model().categories();
         // The classifier lists the taxels region by region.
-        let mut frame: Vec<&TaxelTouch> = judged.taxels().iter().collect();
+        let mut frame: Vec<&TaxelTouch> = judged.taxels().iter().filter(|own| own.patch == self.header.patch).collect();
         frame.sort_unstable_by_key(|own| own.taxel);
         for own in &frame {
             self.push(own.taxel, own.samples, self.header.code(own.touch.name(categories)));

@@ -30,6 +30,11 @@ pub struct TrainOptions {
     /// --classifier touch: one or more data sets and recordings
     #[arg(required = true)]
     trials: Vec<PathBuf>,
+    /// With --classifier touch: data sets and recordings of unknown objects to train on, such as those of
+    /// scenes/auxiliary. Their objects of categories that TRIALS lack are unknown, a family for each category; without
+    /// them nothing is called unknown
+    #[arg(long, value_name = "DATASET", num_args = 1..)]
+    auxiliary: Vec<PathBuf>,
     /// Model file to write (JSON)
     #[arg(long, value_name = "MODEL")]
     out: PathBuf,
@@ -98,7 +103,7 @@ struct Count {
 /// Fits the classifier and writes the model file.
 pub fn run(options: TrainOptions, json: bool) -> Result<(), Failure> {
     // The models of --start may be replaced by what they are trained to.
-    options.overwrite.file(&options.out, &options.trials)?;
+    options.overwrite.file(&options.out, options.trials.iter().chain(&options.auxiliary))?;
     if options.estimator.is_touch()? {
         if options.false_positive_rate.is_some() {
             return Err(Failure::usage(
@@ -107,7 +112,11 @@ pub fn run(options: TrainOptions, json: bool) -> Result<(), Failure> {
             ));
         }
         let limits = options.risk.limits();
-        return touch::train(&options.trials, &options.cut.touch()?, &limits, &options.out, json);
+        let cut = options.cut.touch()?;
+        return touch::train(&options.trials, &options.auxiliary, &cut, &limits, &options.out, json);
+    }
+    if !options.auxiliary.is_empty() {
+        return Err(Failure::usage("--auxiliary applies to --classifier touch only; leave it out"));
     }
     options.risk.refuse("applies to --classifier touch only")?;
     let estimator = options.estimator.estimator()?;

@@ -19,6 +19,7 @@ pub mod touch;
 mod touch_contact;
 mod touch_figures;
 pub mod touch_folds;
+mod touch_object;
 
 pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples, accuracy_by_samples_of_all};
 pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix, Rates};
@@ -36,10 +37,8 @@ pub use stream::{
     NOTHING, Stream, StreamContact, StreamFrame, StreamTruth, Tally, classify_stream, classify_touch_stream,
 };
 pub use threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds};
-pub use touch_figures::{
-    FALSE_ALARMS, OutlierFigures, ReachFigures, RightWithin, TouchFigures, TruthFigures, found_at_false_alarms,
-    outlier_curve,
-};
+pub use touch_figures::{ReachFigures, RightWithin, TouchFigures, TruthFigures};
+pub use touch_object::{GroupingFigures, JudgedObject, ObjectVerdicts, UnknownFigures};
 
 #[cfg(test)]
 mod tests;

@@ -1,5 +1,6 @@
 //! Verdicts on what touches the skin, compared with ground truth taxel by taxel and frame by frame.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use serde::Serialize;
@@ -8,7 +9,8 @@ use underbrush_recording::{Category, Recording};
 use super::confusion::{Accuracy, ConfusionMatrix};
 use super::record::Record;
 use super::touch_contact::{JudgedContact, OpenContact};
-use crate::touch::{RegionTouch, TaxelTouch, Touch, TouchClassifier, TouchModel};
+use super::touch_object::{JudgedObject, ObjectJudge};
+use crate::touch::{TaxelTouch, Touch, TouchClassifier, TouchModel};
 use crate::trial::TrialError;
 
 /// Number of bins of the probability of the likeliest class.
@@ -73,19 +75,6 @@ pub struct CalibrationBin {
     pub true_count: usize,
 }
 
-/// Distance of a touched region from the usual contacts, in one frame.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct TouchDistance {
-    /// The distance.
-    pub distance: f64,
-    /// Number of its taxels that something presses on.
-    pub taxels: usize,
-    /// Category code of what touches it.
-    pub category: i8,
-    /// Whether the model knows this category.
-    pub is_known: bool,
-}
-
 /// All verdicts on some recordings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct TouchEvaluation {
@@ -97,8 +86,8 @@ pub struct TouchEvaluation {
     pub calibration: [CalibrationBin; CALIBRATION_BINS],
     /// Sum of the squared errors of all probabilities over those taxel frames (Brier 1950).
     pub squared_error: f64,
-    /// One for each touched region and frame.
-    pub distances: Vec<TouchDistance>,
+    /// The objects that were felt well enough to be judged.
+    pub objects: Vec<JudgedObject>,
     /// Taxel frames of known categories, for each reach.
     pub reaches: Vec<TouchTally>,
 }
@@ -114,24 +103,23 @@ impl TouchEvaluation {
             tallies: vec![TouchTally::default(); model.categories().len() + 2],
             ..TouchEvaluation::default()
         };
-        let taxels = classifier.tracker().image().patch().taxels.len();
-        let mut open: Vec<Option<OpenContact>> = vec![None; taxels];
+        // By patch and taxel.
+        let mut open: BTreeMap<(usize, usize), OpenContact> = BTreeMap::new();
+        let mut objects = ObjectJudge::default();
         for frame in &recording.frames {
             classifier.update(frame)?;
-            for (taxel, contact) in open.iter_mut().enumerate() {
-                if !classifier.tracker().image().is_in_contact(taxel) {
-                    evaluation.contacts.extend(contact.take().and_then(|contact| contact.close()));
-                }
-            }
-            for (index, region) in classifier.regions().iter().enumerate() {
-                evaluation.measure(&classifier, index, region, recording);
+            for tracker in classifier.patches() {
+                let (patch, image) = (tracker.image().patch_index(), tracker.image());
+                let over = open.extract_if((patch, 0)..(patch + 1, 0), |(_, taxel), _| !image.is_in_contact(*taxel));
+                evaluation.contacts.extend(over.filter_map(|(_, contact)| contact.close()));
             }
             for taxel in classifier.taxels() {
-                evaluation.judge(&classifier, taxel, &mut open[taxel.taxel], recording);
+                evaluation.judge(&classifier, taxel, &mut open, recording);
             }
+            objects.update(&classifier, frame.time_s, recording);
         }
-        let rest = open.into_iter().flatten().filter_map(OpenContact::close);
-        evaluation.contacts.extend(rest);
+        evaluation.contacts.extend(open.into_values().filter_map(OpenContact::close));
+        evaluation.objects = objects.finish(recording);
         evaluation.reaches.push(evaluation.known());
         Ok(evaluation)
     }
@@ -155,11 +143,12 @@ impl TouchEvaluation {
         &mut self,
         classifier: &TouchClassifier,
         taxel: &TaxelTouch,
-        open: &mut Option<OpenContact>,
+        open: &mut BTreeMap<(usize, usize), OpenContact>,
         recording: &Recording,
     ) {
         let categories = classifier.model().categories();
-        let touching = classifier.tracker().image().pressing(taxel.taxel, recording);
+        let tracker = classifier.patches().iter().find(|tracker| tracker.image().patch_index() == taxel.patch);
+        let touching = tracker.and_then(|tracker| tracker.image().pressing(taxel.taxel, recording));
         let truth = match touching {
             None => Touch::Nothing,
             Some(category) => known(categories, category).map_or(Touch::Unknown, Touch::Category),
@@ -172,7 +161,8 @@ impl TouchEvaluation {
         self.tallies[row].count(taxel.touch, truth);
         let probabilities = classifier.probabilities(taxel.region);
         self.calibrate(taxel.nothing, probabilities, truth);
-        let contact = open.get_or_insert_with(|| OpenContact::new(categories.len()));
+        let place = (taxel.patch, taxel.taxel);
+        let contact = open.entry(place).or_insert_with(|| OpenContact::new(categories.len()));
         contact.push(taxel, probabilities, truth);
     }
 
@@ -198,27 +188,6 @@ impl TouchEvaluation {
         bin.true_count += usize::from(likeliest == class);
     }
 
-    /// Keeps the distance of a region that something touches.
-    fn measure(&mut self, classifier: &TouchClassifier, index: usize, region: &RegionTouch, recording: &Recording) {
-        let tracker = classifier.tracker();
-        let own = &tracker.regions()[index];
-        let forces = tracker.taxels(own).iter().filter_map(|&taxel| {
-            let category = tracker.image().pressing(taxel, recording)?;
-            Some((tracker.image().sensed_force_n(taxel), category))
-        });
-        let touched = forces.clone().count();
-        let strongest = forces.reduce(|most, other| if other.0 > most.0 { other } else { most });
-        if let Some((_, category)) = strongest {
-            debug_assert_eq!(own.contact, region.contact);
-            self.distances.push(TouchDistance {
-                distance: classifier.model().distance(&own.course),
-                taxels: touched,
-                category: category.code(),
-                is_known: known(classifier.model().categories(), category).is_some(),
-            });
-        }
-    }
-
     /// Adds the verdicts on other recordings by a model with the same categories.
     pub fn add(&mut self, other: TouchEvaluation) {
         if self.tallies.is_empty() {
@@ -234,7 +203,8 @@ impl TouchEvaluation {
             own.true_count += other.true_count;
         }
         self.squared_error += other.squared_error;
-        self.distances.extend(other.distances);
+        let before = self.reaches.len();
+        self.objects.extend(other.objects.into_iter().map(|own| JudgedObject { reach: before + own.reach, ..own }));
         self.reaches.extend(other.reaches);
     }
 

@@ -1,19 +1,23 @@
 //! Figures of verdicts on what touches the skin.
 
 use serde::Serialize;
-use underbrush_recording::Category;
 
 use super::by_samples::SAMPLE_COUNTS;
 use super::confusion::Accuracy;
-use super::roc::RocCurve;
-use super::touch::{CalibrationBin, TouchDistance, TouchEvaluation, TouchTally};
-
-/// The rate of false alarms at which the share of outliers found is given.
-pub const FALSE_ALARMS: f64 = 0.05;
+use super::touch::{CalibrationBin, TouchEvaluation, TouchTally};
+use super::touch_object::{GroupingFigures, JudgedObject, ObjectVerdicts, UnknownFigures};
 
 /// The figures of a [`TouchEvaluation`]. All shares are from 0 to 1, and `None` if there is nothing to count.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TouchFigures {
+    /// How well unknown objects are found.
+    pub unknown: UnknownFigures,
+    /// Verdicts on known objects at some moments; empty if none was touched.
+    pub object_verdicts: Vec<ObjectVerdicts>,
+    /// How well contacts are joined to objects; `None` if none was touched.
+    pub grouping: Option<GroupingFigures>,
+    /// The objects that were felt well enough to be judged: at 0.2 N or more for 0.15 s.
+    pub objects: Vec<JudgedObject>,
     /// Verdicts on taxel frames by truth: nothing, the model's categories, then everything else.
     pub truths: Vec<TruthFigures>,
     /// Bad verdicts in a reach, on average over reaches.
@@ -37,8 +41,6 @@ pub struct TouchFigures {
     pub brier_score: Option<f64>,
     /// The bins of the calibration error, by probability.
     pub calibration: Vec<CalibrationBin>,
-    /// How well unknown objects are found; `None` if none touched the patch.
-    pub outliers: Option<OutlierFigures>,
 }
 
 /// Verdicts on the taxel frames of one truth.
@@ -93,18 +95,6 @@ pub struct RightWithin {
     pub share: f64,
 }
 
-/// Contacts with objects of no known category against those with known ones, by the distance from the usual contacts,
-/// over taxel frames. Foam blocks are left out: they belong to the environment.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct OutlierFigures {
-    /// Taxel frames that an unknown object presses on.
-    pub taxel_frames: usize,
-    /// Area under the ROC curve.
-    pub roc_area: f64,
-    /// Share found if 5 % of the taxel frames with known categories may be called unknown.
-    pub found_at_5_percent: f64,
-}
-
 impl TouchFigures {
     /// The figures of verdicts by a model with these categories.
     pub fn of(evaluation: &TouchEvaluation, categories: &[String]) -> Self {
@@ -115,6 +105,10 @@ impl TouchFigures {
         let mut until_right: Vec<usize> = contacts.iter().filter_map(|own| own.samples_until_right).collect();
         until_right.sort_unstable();
         TouchFigures {
+            unknown: UnknownFigures::of(&evaluation.objects, categories),
+            object_verdicts: ObjectVerdicts::of(&evaluation.objects, categories),
+            grouping: GroupingFigures::of(&evaluation.objects),
+            objects: evaluation.objects.clone(),
             truths: truths
                 .zip(&evaluation.tallies)
                 .map(|(truth, tally)| TruthFigures {
@@ -136,7 +130,6 @@ impl TouchFigures {
             expected_calibration_error: evaluation.expected_calibration_error(),
             brier_score: evaluation.brier_score(),
             calibration: evaluation.calibration.to_vec(),
-            outliers: outliers(&evaluation.distances),
         }
     }
 }
@@ -159,35 +152,6 @@ fn first_right(until_right: &[usize], contacts: usize) -> Vec<RightWithin> {
     counts.filter_map(within).collect()
 }
 
-/// The curve of contacts with unknown objects against those with known ones, by taxel frames and without foam blocks;
-/// `None` unless there are both.
-pub fn outlier_curve<'a>(distances: impl Iterator<Item = &'a TouchDistance> + Clone) -> Option<RocCurve> {
-    let by_taxel = |is_known: bool| -> Vec<f64> {
-        let own = distances.clone().filter(|own| own.is_known == is_known);
-        let own = own.filter(|own| own.category != Category::BLOCK.code());
-        own.flat_map(|own| std::iter::repeat_n(own.distance, own.taxels)).collect()
-    };
-    RocCurve::of(&by_taxel(false), &by_taxel(true))
-}
-
-/// The share of positives that a curve finds at [`FALSE_ALARMS`].
-pub fn found_at_false_alarms(curve: &RocCurve) -> f64 {
-    let points = curve.points.iter();
-    let allowed = points.filter(|point| point.false_positive_rate <= FALSE_ALARMS);
-    allowed.map(|point| point.true_positive_rate).fold(0.0, f64::max)
-}
-
-fn outliers(distances: &[TouchDistance]) -> Option<OutlierFigures> {
-    let curve = outlier_curve(distances.iter())?;
-    let unknown = distances.iter().filter(|own| !own.is_known);
-    let unknown = unknown.filter(|own| own.category != Category::BLOCK.code());
-    Some(OutlierFigures {
-        taxel_frames: unknown.map(|own| own.taxels).sum(),
-        roc_area: curve.area,
-        found_at_5_percent: found_at_false_alarms(&curve),
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::touch::TouchTally;
@@ -196,15 +160,6 @@ mod tests {
 
     fn contact(category: usize, ends: [usize; 2], samples_until_right: Option<usize>) -> JudgedContact {
         JudgedContact { category, samples: 30, at_end: ends[1], after_tenth_second: ends[0], samples_until_right }
-    }
-
-    fn distance(distance: f64, taxels: usize, category: Category) -> TouchDistance {
-        TouchDistance {
-            distance,
-            taxels,
-            category: category.code(),
-            is_known: [Category::LEAF, Category::TRUNK].contains(&category),
-        }
     }
 
     /// Tests every figure of a small evaluation against values counted by hand.
@@ -219,13 +174,6 @@ mod tests {
                 contact(1, [1, 1], Some(1)),
                 contact(1, [0, 0], None),
                 contact(1, [1, 1], Some(3)),
-            ],
-            distances: vec![
-                distance(5.0, 2, Category::OUTLIER),
-                distance(0.5, 1, Category::OUTLIER),
-                distance(9.0, 1, Category::BLOCK),
-                distance(1.0, 30, Category::LEAF),
-                distance(6.0, 1, Category::TRUNK),
             ],
             // The first reach has 3 of 20 called another category and 1 unknown, the second 1 of 10, the third no
             // contact.
@@ -261,19 +209,13 @@ mod tests {
         };
         assert_eq!([Some(1), Some(2), Some(3), Some(12), None].map(within), [0.25, 0.25, 0.5, 0.75, 0.75]);
         assert_eq!(figures.median_samples_until_right, Some(3));
-        // Of 31 known taxel frames one is farther away than the two outlier frames at 5, and all are farther than the
-        // one at 0.5.
-        let outliers = figures.outliers.unwrap();
-        assert_eq!(outliers.taxel_frames, 3);
-        assert!((outliers.roc_area - 2.0 / 3.0 * 30.0 / 31.0).abs() < 1e-12, "{outliers:?}");
-        assert!((outliers.found_at_5_percent - 2.0 / 3.0).abs() < 1e-12, "{outliers:?}");
     }
 
     /// Tests that an empty evaluation has no figures, rather than zeros.
     #[test]
     fn nothing_has_no_figures() {
         let figures = TouchFigures::of(&TouchEvaluation::default(), &["leaf".to_owned()]);
-        assert_eq!((figures.contacts_at_end, figures.outliers), (None, None));
+        assert_eq!((figures.contacts_at_end, figures.unknown), (None, UnknownFigures::default()));
         assert_eq!((figures.spurious_called_nothing, figures.brier_score), (None, None));
         assert!(figures.first_right_verdict.is_empty());
         assert_eq!(figures.by_reach.wrong_category, None);

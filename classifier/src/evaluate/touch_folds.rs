@@ -63,6 +63,17 @@ pub fn touch_examples<R: ReadReaches>(reaches: &R, options: TouchOptions) -> Res
     Ok(examples)
 }
 
+/// Adds the objects of all reaches of auxiliary sets.
+///
+/// # Errors
+/// As [`touch_examples`].
+pub fn add_auxiliary<R: ReadReaches>(examples: &mut TouchExamples, reaches: &R) -> Result<(), R::Error> {
+    reaches.read(&|_| true, &mut |recording| {
+        require_truth(recording)?;
+        Ok(examples.add_auxiliary(recording)?)
+    })
+}
+
 /// All verdicts so far.
 struct Judged {
     verdicts: TouchEvaluation,

@@ -25,10 +25,9 @@ pub struct Measure {
     pub center_link: DVec3,
     /// Centre of the forces, world frame, m.
     pub center_world: DVec3,
+    /// Mean outward normal of the skin, world frame.
+    pub normal_world: DVec3,
 }
-
-/// Number of features that describe a contact: see [`Course::description`].
-pub const DESCRIPTION_COUNT: usize = 5;
 
 /// Values well below a knee are only multiplied by a factor; values above it are compressed logarithmically. Choices: a
 /// contact force near the threshold, the motion of the arm in a frame, and the stiffness of the softest leaves.
@@ -40,8 +39,6 @@ const SPEED_KNEE_M_PER_S: f64 = 0.01;
 const WORK_KNEE_J: f64 = 1e-4;
 /// Time constant of averages of the recent past, s. A verdict is wanted within a tenth of a second.
 const RECENT_S: f64 = 0.1;
-/// Time constant of the means that describe a contact, s. Choice: from 0.3 to 5 s outliers are found equally well.
-const DESCRIBED_S: f64 = 1.0;
 /// How many samples count as the beginning.
 const FIRST_SAMPLES: f64 = 5.0;
 
@@ -122,10 +119,6 @@ pub struct Course {
     time_squares: f64,
     force_press: f64,
     force_time: f64,
-    /// Means of force, taxel force, taxels and extent in the last second, compressed like features and weighted by
-    /// force; and the sum of the weights.
-    described: [f64; 4],
-    described_weight_n: f64,
     /// Sums of squared steps of press, and of products of steps of press and force, in the recent past.
     recent_press_squares: f64,
     recent_force_press: f64,
@@ -135,6 +128,11 @@ impl Course {
     /// Number of samples since the contact began.
     pub fn samples(&self) -> usize {
         self.count as usize
+    }
+
+    /// The largest force so far, N.
+    pub(super) fn largest_force_n(&self) -> f64 {
+        self.largest_force_n
     }
 
     /// The last sample.
@@ -200,28 +198,6 @@ impl Course {
         self.force_press += deviations[1] * (values[0] - self.mean[0]);
         self.force_time += deviations[2] * (values[0] - self.mean[0]);
         self.now = *measure;
-        self.describe(math::exp(-since_last_s / DESCRIBED_S));
-    }
-
-    fn describe(&mut self, kept: f64) {
-        let Measure { force_n, largest_force_n, taxels, extent_m, .. } = self.now;
-        let now = compress(
-            [force_n, largest_force_n, taxels, extent_m],
-            &[FORCE_KNEE_N, FORCE_KNEE_N, COUNT_KNEE, MOTION_KNEE_M],
-        );
-        self.described_weight_n = kept * self.described_weight_n + force_n;
-        let share = force_n / self.described_weight_n.max(f64::MIN_POSITIVE);
-        for (mean, now) in self.described.iter_mut().zip(now) {
-            *mean += share * (now - *mean);
-        }
-    }
-
-    /// Features that describe the contact regardless of how it came about: its force, the force of its strongest taxel,
-    /// its number of taxels and its extent, all in the last second; and how far the object has given way so far.
-    pub fn description(&self) -> [f64; DESCRIPTION_COUNT] {
-        let [force, taxel_force, taxels, extent] = self.described;
-        let [press] = compress([self.largest_press_m], &[MOTION_KNEE_M]);
-        [force, taxel_force, taxels, extent, press]
     }
 
     /// The features of the contact so far, in the order of [`REGION_FEATURES`].

@@ -15,8 +15,8 @@ use crate::error::{Fault, check_limits};
 /// // A wrong category is five times as bad as none, so a category needs a probability above 0.8.
 /// assert_eq!(decision.of_region(&[0.1, 0.9], 0.5), Touch::Category(1));
 /// assert_eq!(decision.of_region(&[0.3, 0.7], 0.5), Touch::Uncertain);
-/// // Fewer than one known contact in a hundred is as unusual.
-/// assert_eq!(decision.of_region(&[0.1, 0.9], 0.005), Touch::Unknown);
+/// // Fewer than one known object in twenty is as unlike what is known.
+/// assert_eq!(decision.of_region(&[0.1, 0.9], 0.03), Touch::Unknown);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -24,8 +24,8 @@ pub struct TouchDecision {
     /// A reading is called nothing if the probability that nothing presses on the taxel is above this.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub nothing_above: f64,
-    /// A contact is called unknown if at most this share of contacts with known categories is as unusual. This is
-    /// therefore also the share of false alarms.
+    /// An object is called unknown if at most this share of the objects of each known category is as unlike what is known.
+    /// This is therefore also the share of false alarms. Without auxiliary sets in training nothing is called unknown.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub unknown_share: f64,
     /// The cost of an uncertain verdict, relative to the cost of a wrong category. A category is named if its
@@ -38,11 +38,11 @@ pub struct TouchDecision {
 const SHARE: Limits = Limits::new(0.0, 1.0, "");
 
 impl Default for TouchDecision {
-    /// Choices: one false alarm in a hundred, and a wrong category is five times as bad as none. On the development
+    /// Choices: one false alarm in twenty objects, and a wrong category is five times as bad as none. On the development
     /// seeds 3000 to 3400 fewer than 2 % of verdicts on single objects are then wrong, and half as many verdicts are
     /// uncertain as with a wrong category that is ten times as bad. `nothing_above` is chosen in training.
     fn default() -> Self {
-        TouchDecision { nothing_above: 0.5, unknown_share: 0.01, cost_of_uncertain: 0.2 }
+        TouchDecision { nothing_above: 0.5, unknown_share: 0.05, cost_of_uncertain: 0.2 }
     }
 }
 
@@ -83,16 +83,19 @@ impl Touch {
 
 impl TouchDecision {
     /// The verdict on a region that something touches: `probabilities` of the known categories, and the share of known
-    /// contacts that are as unusual.
+    /// objects that are as unlike what is known.
     pub fn of_region(&self, probabilities: &[f64], share_beyond: f64) -> Touch {
-        if share_beyond <= self.unknown_share {
-            return Touch::Unknown;
-        }
         let best = probabilities.iter().copied().enumerate();
         let best = best.reduce(|best, other| if other.1 > best.1 { other } else { best });
-        match best {
-            Some((index, probability)) if probability > 1.0 - self.cost_of_uncertain => Touch::Category(index),
-            _ => Touch::Uncertain,
+        best.map_or(Touch::Uncertain, |(index, probability)| self.of(index, probability, share_beyond))
+    }
+
+    /// The verdict, from the likeliest known category and its probability.
+    pub(super) fn of(&self, likeliest: usize, probability: f64, share_beyond: f64) -> Touch {
+        match share_beyond <= self.unknown_share {
+            true => Touch::Unknown,
+            false if probability > 1.0 - self.cost_of_uncertain => Touch::Category(likeliest),
+            false => Touch::Uncertain,
         }
     }
 

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use underbrush_recording::Recording;
 
-use super::contact_history::{DESCRIPTION_COUNT, REGION_FEATURE_COUNT};
+use super::contact_history::REGION_FEATURE_COUNT;
 use super::frame::SkinTracker;
 use super::network::Row;
+use super::object::{ObjectExample, ObjectExamples, ObjectTracker};
 use super::options::TouchOptions;
 use super::region::Region;
 use super::taxel::TAXEL_FEATURE_COUNT;
@@ -33,7 +34,6 @@ pub(super) struct TaxelExample {
 #[derive(Clone, Debug)]
 pub(super) struct RegionExample {
     pub(super) features: [f64; REGION_FEATURE_COUNT],
-    pub(super) description: [f64; DESCRIPTION_COUNT],
     pub(super) category: String,
     /// Number of its taxels that an object presses on.
     pub(super) touched: usize,
@@ -60,46 +60,63 @@ impl RegionExample {
 pub(super) struct Examples {
     pub(super) taxels: Vec<TaxelExample>,
     pub(super) regions: Vec<RegionExample>,
+    pub(super) objects: Vec<ObjectExample>,
 }
 
 impl Examples {
     /// The rows of a recording. Contacts with categories that are not trained count as touched, and have no region
     /// rows.
     pub(super) fn of(recording: &Recording, options: &TouchOptions) -> Result<Self, TrialError> {
-        let mut tracker = SkinTracker::new(&recording.layout, options.patch.as_deref(), options.threshold_n)?;
+        let mut patches = SkinTracker::of_patches(&recording.layout, options)?;
+        let (mut tracker, mut objects) = (ObjectTracker::default(), ObjectExamples::default());
         let mut examples = Examples::default();
         for (index, frame) in recording.frames.iter().enumerate() {
-            tracker.update(frame)?;
-            for region in tracker.regions() {
-                let is_regular = index % EVERY == 0;
-                let samples = region.course.samples();
-                if (is_regular || EARLY_SAMPLES.contains(&samples))
-                    && let Some(category) = truth(&tracker, region, recording)
-                    && is_trained(&category)
+            for patch in &mut patches {
+                patch.update(frame)?;
+                examples.add(patch, index, recording);
+            }
+            tracker.update(&patches, frame.time_s);
+            objects.update(&patches, &tracker, recording);
+        }
+        examples.objects = objects.finish(recording);
+        Ok(examples)
+    }
+
+    /// The rows of the objects only, for auxiliary sets.
+    pub(super) fn of_objects(recording: &Recording, options: &TouchOptions) -> Result<Self, TrialError> {
+        let examples = Examples::of(recording, options)?;
+        Ok(Examples { objects: examples.objects, ..Examples::default() })
+    }
+
+    /// Adds the rows of a patch in the frame that its tracker has followed last.
+    fn add(&mut self, tracker: &SkinTracker, index: usize, recording: &Recording) {
+        for region in tracker.regions() {
+            let is_regular = index.is_multiple_of(EVERY);
+            let samples = region.course.samples();
+            if (is_regular || EARLY_SAMPLES.contains(&samples))
+                && let Some(category) = truth(tracker, region, recording)
+                && is_trained(&category)
+            {
+                let taxels = tracker.taxels(region).iter();
+                self.regions.push(RegionExample {
+                    features: region.course.features(),
+                    category,
+                    touched: taxels.filter(|taxel| tracker.image().is_touched(**taxel)).count(),
+                    is_regular,
+                });
+            }
+            for &taxel in tracker.taxels(region) {
+                if (is_regular || EARLY_SAMPLES.contains(&tracker.samples(taxel)))
+                    && let Some(features) = tracker.taxel_features(taxel, region)
                 {
-                    let taxels = tracker.taxels(region).iter();
-                    examples.regions.push(RegionExample {
-                        features: region.course.features(),
-                        description: region.course.description(),
-                        category,
-                        touched: taxels.filter(|taxel| tracker.image().is_touched(**taxel)).count(),
+                    self.taxels.push(TaxelExample {
+                        features,
+                        is_touched: tracker.image().is_touched(taxel),
                         is_regular,
                     });
                 }
-                for &taxel in tracker.taxels(region) {
-                    if (is_regular || EARLY_SAMPLES.contains(&tracker.samples(taxel)))
-                        && let Some(features) = tracker.taxel_features(taxel, region)
-                    {
-                        examples.taxels.push(TaxelExample {
-                            features,
-                            is_touched: tracker.image().is_touched(taxel),
-                            is_regular,
-                        });
-                    }
-                }
             }
         }
-        Ok(examples)
     }
 }
 

@@ -9,6 +9,7 @@ use super::example::Examples;
 use super::held_out::{HeldOut, HeldOutRegion, Judged, lapses, nothing_above, sharpness, wrong_above};
 use super::model::{Calibrated, TOUCH_FORMAT, TouchModel};
 use super::networks::{category_network, touched_network};
+use super::object::{ObjectExample, fit_unknown};
 use super::risk::RiskLimits;
 use super::training_rows::{FOLDS, TouchExamples};
 use crate::error::ModelError;
@@ -66,19 +67,12 @@ impl TouchExamples {
         }
         let judged: Vec<&Judged> = regions.iter().map(|region| &region.judged).collect();
         let all: Vec<&Examples> = self.reaches.iter().map(Arc::as_ref).collect();
-        let (touched, (category, mut usual)) =
-            rayon::join(|| touched_network(&all), || category_network(&all, &categories));
-        let distances = regions.iter().flat_map(|region| std::iter::repeat_n(region.distance, region.touched));
-        usual.keep_distances(distances.collect());
+        let (touched, category) = rayon::join(|| touched_network(&all), || category_network(&all, &categories));
         let touched = Calibrated { sharpness: sharpness(&taxels), network: touched };
         let category = Calibrated { sharpness: sharpness(&judged), network: category };
         let decision =
             TouchDecision { nothing_above: nothing_above(&taxels, touched.sharpness), ..TouchDecision::default() };
-        let false_alarm = |region: &HeldOutRegion| {
-            // The verdict is unknown even if the limit equals the share, so the limit above which it is bad is just
-            // below.
-            Some(usual.share_beyond(region.distance).next_down())
-        };
+        let unknown = fit_unknown(&objects(&self.reaches), &objects(&self.auxiliary), &categories)?;
         Ok(TouchModel {
             format: TOUCH_FORMAT.into(),
             options: self.options.clone(),
@@ -86,13 +80,17 @@ impl TouchExamples {
                 decision,
                 self.reaches.len(),
                 lapses(&regions, |region| wrong_above(&region.judged, category.sharpness)),
-                lapses(&regions, false_alarm),
             ),
             category,
             categories,
             touched,
-            usual,
+            unknown,
             provenance: Provenance::default(),
         })
     }
+}
+
+/// The objects of each reach.
+fn objects(reaches: &[Arc<Examples>]) -> Vec<&[ObjectExample]> {
+    reaches.iter().map(|reach| reach.objects.as_slice()).collect()
 }

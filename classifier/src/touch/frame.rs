@@ -4,6 +4,7 @@ use underbrush_recording::{Frame, Pose, SkinLayout};
 
 use super::compress::compress;
 use super::motion::Motion;
+use super::options::TouchOptions;
 use super::region::{Region, RegionTracker};
 use super::taxel::{TAXEL_FEATURE_COUNT, TAXEL_KNEES, TaxelCourse};
 use crate::trial::{PatchImage, TrialError};
@@ -23,16 +24,30 @@ impl SkinTracker {
     /// Follows the named patch, or the skin's first. A taxel is in contact while it senses more than `threshold_n`.
     ///
     /// # Errors
-    /// [`TrialError`] if the patch is unknown or has no grid, or the threshold is out of range.
+    /// [`TrialError`] if the patch is unknown, or the threshold is out of range.
     pub fn new(layout: &SkinLayout, patch: Option<&str>, threshold_n: f64) -> Result<Self, TrialError> {
         let image = PatchImage::new(layout, patch, threshold_n)?;
         Ok(SkinTracker {
-            regions: RegionTracker::new(&image)?,
+            regions: RegionTracker::new(&image),
             courses: vec![None; image.patch().taxels.len()],
             image,
             pose_before: None,
             frames: 0,
         })
+    }
+
+    /// One for each patch that the options name.
+    ///
+    /// # Errors
+    /// As [`SkinTracker::new`].
+    pub fn of_patches(layout: &SkinLayout, options: &TouchOptions) -> Result<Vec<Self>, TrialError> {
+        let new = |patch: Option<&str>| SkinTracker::new(layout, patch, options.threshold_n);
+        match options.patch.as_deref() {
+            None if options.all_patches && !layout.patches.is_empty() => {
+                layout.patches.iter().map(|patch| new(Some(&patch.name))).collect()
+            }
+            patch => Ok(vec![new(patch)?]),
+        }
     }
 
     /// Takes in the next frame.

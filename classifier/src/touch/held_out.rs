@@ -25,7 +25,7 @@ impl HeldOut {
     pub(super) fn of(examples: &TouchExamples, folds: &[usize], fold: usize, categories: &[String]) -> Self {
         let others = examples.of_fold(folds, fold, false);
         let touched = touched_network(&others);
-        let (category, usual) = category_network(&others, categories);
+        let category = category_network(&others, categories);
         let mut held_out = HeldOut::default();
         let own = examples.reaches.iter().enumerate().filter(|(index, _)| folds[*index] == fold);
         for (index, reach) in own {
@@ -35,7 +35,6 @@ impl HeldOut {
             for region in reach.regions.iter().filter(|region| region.is_regular) {
                 held_out.regions.push(HeldOutRegion {
                     judged: Judged::by(&category, &region.row(categories), categories.len()),
-                    distance: usual.distance(&region.description),
                     touched: region.touched,
                     reach: index,
                 });
@@ -48,8 +47,6 @@ impl HeldOut {
 /// A region of a held-out reach.
 pub(super) struct HeldOutRegion {
     pub(super) judged: Judged,
-    /// Distance from the usual contacts of the nearest category.
-    pub(super) distance: f64,
     /// Number of its taxels that an object presses on.
     pub(super) touched: usize,
     /// Index of its reach.

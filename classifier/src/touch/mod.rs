@@ -13,6 +13,7 @@
 //! |---|---|
 //! | taxels in contact form regions, followed from frame to frame | [`Region`], [`SkinTracker`] |
 //! | the course of a contact becomes features | [`REGION_FEATURES`], [`TAXEL_FEATURES`] |
+//! | contacts of one place are one object; unlike what is known, it is unknown | [`ObjectTracker`], [`UnknownObjects`] |
 //! | networks are fitted to recordings with ground truth, and calibrated | [`TouchExamples`] |
 //! | frames become verdicts | [`TouchClassifier`] |
 
@@ -28,7 +29,7 @@ mod model;
 mod motion;
 mod network;
 mod networks;
-mod novelty;
+mod object;
 mod online;
 mod options;
 mod permutation_importance;
@@ -37,11 +38,13 @@ mod risk;
 mod taxel;
 mod training_rows;
 
-pub use contact_history::{Course, DESCRIPTION_COUNT, Measure, REGION_FEATURE_COUNT, REGION_FEATURES};
+pub use contact_history::{Course, Measure, REGION_FEATURE_COUNT, REGION_FEATURES};
 pub use decision::{Touch, TouchDecision};
 pub use frame::SkinTracker;
 pub use model::{TOUCH_FORMAT, TouchModel};
-pub use online::{RegionTouch, TaxelTouch, TouchClassifier};
+pub use object::{OBJECT_FEATURE_COUNT, ObjectCourse, ObjectTracker, TouchObject, UnknownObjects};
+pub(crate) use object::{Votes, category_of, count_votes};
+pub use online::{ObjectTouch, RegionTouch, TaxelTouch, TouchClassifier};
 pub use options::TouchOptions;
 pub use permutation_importance::FeatureWorth;
 pub use region::Region;

@@ -9,10 +9,10 @@ use underbrush_recording::InputError;
 use underbrush_recording::limits::{self, Limits};
 
 use super::batch_scores::FeatureRows;
-use super::contact_history::{Course, REGION_FEATURE_COUNT};
+use super::contact_history::REGION_FEATURE_COUNT;
 use super::decision::TouchDecision;
 use super::network::{FITTED, Network, softmax};
-use super::novelty::Usual;
+use super::object::UnknownObjects;
 use super::options::TouchOptions;
 use super::taxel::TAXEL_FEATURE_COUNT;
 use crate::document::{Document, Head};
@@ -27,7 +27,7 @@ const THRESHOLD_N: Limits = Limits::new(0.0, limits::FORCE_N.max, "N");
 /// The format of the file.
 pub const TOUCH_FORMAT: &str = "underbrush-touch/1";
 
-/// The parts of a touch model: two networks, the usual contacts, and a decision. Other keys of a file are skipped.
+/// The parts of a touch model: two networks, what finds unknown objects, and a decision. Other keys of a file are skipped.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(transform = seal::describe)]
 pub struct TouchModel {
@@ -48,8 +48,9 @@ pub struct TouchModel {
     pub(super) touched: Calibrated,
     /// From the features of a touched region to the probabilities of the categories.
     pub(super) category: Calibrated,
-    /// What contacts of known categories look like.
-    pub(super) usual: Usual,
+    /// What finds unknown objects; left out if the model was trained without auxiliary sets.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) unknown: Option<UnknownObjects>,
 }
 
 /// A network, and the factor that its scores are multiplied by so that its probabilities are right on held-out reaches.
@@ -93,14 +94,9 @@ impl TouchModel {
         &self.options
     }
 
-    /// The share of contacts with known categories that are as unusual as a region with this course.
-    pub fn share_beyond(&self, course: &Course) -> f64 {
-        self.usual.share_beyond(self.distance(course))
-    }
-
-    /// How far a region is from the usual contacts of the nearest category.
-    pub fn distance(&self, course: &Course) -> f64 {
-        self.usual.distance(&course.description())
+    /// The families of auxiliary unknown objects that it was trained on. Without any it calls nothing unknown.
+    pub fn families(&self) -> Vec<&str> {
+        self.unknown.iter().flat_map(UnknownObjects::families).collect()
     }
 
     /// The model as the text of its file. It is read back here, to make sure that it gives the same model bit for bit.
@@ -145,7 +141,7 @@ impl TouchModel {
         let parts = [
             ("touched", model.touched.is_sound(TAXEL_FEATURE_COUNT, 2)),
             ("category", model.category.is_sound(REGION_FEATURE_COUNT, classes)),
-            ("usual", model.usual.is_sound(classes)),
+            ("unknown", model.unknown.as_ref().is_none_or(|unknown| unknown.is_sound(classes))),
         ];
         for (part, is_sound) in parts {
             if !is_sound {
@@ -153,10 +149,6 @@ impl TouchModel {
                     format!("numbers from {FITTED}, as many as {classes} categories and this program's features need");
                 return Err(document.error(part, "other sizes, or a number out of range", allowed));
             }
-        }
-        if !model.usual.is_sorted() {
-            let found = "a distance below the one before it";
-            return Err(document.error("usual.distances", found, "distances in ascending order"));
         }
         document.check_seal()?;
         Ok(model)

@@ -2,7 +2,6 @@
 
 use super::example::{Examples, TaxelExample};
 use super::network::Network;
-use super::novelty::Usual;
 
 pub(super) fn touched_network(reaches: &[&Examples]) -> Network {
     let rows: Vec<_> = reaches.iter().flat_map(|reach| &reach.taxels).map(TaxelExample::row).collect();
@@ -10,13 +9,8 @@ pub(super) fn touched_network(reaches: &[&Examples]) -> Network {
 }
 
 /// A region counts as often as it has touched taxels, because each of them gets its verdict.
-pub(super) fn category_network(reaches: &[&Examples], categories: &[String]) -> (Network, Usual) {
-    let regions = || reaches.iter().flat_map(|reach| &reach.regions);
-    let rows: Vec<_> = regions().map(|region| region.row(categories)).collect();
-    let of = |category: &String| {
-        let own = regions().filter(|region| region.category == *category);
-        own.map(|region| region.description).collect()
-    };
-    let usual = Usual::fit(&categories.iter().map(of).collect::<Vec<_>>());
-    (Network::fit(&rows, categories.len()), usual)
+pub(super) fn category_network(reaches: &[&Examples], categories: &[String]) -> Network {
+    let regions = reaches.iter().flat_map(|reach| &reach.regions);
+    let rows: Vec<_> = regions.map(|region| region.row(categories)).collect();
+    Network::fit(&rows, categories.len())
 }

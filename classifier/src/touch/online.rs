@@ -2,19 +2,23 @@
 
 use std::sync::Arc;
 
-use underbrush_recording::{Frame, SkinLayout};
+use underbrush_recording::{Frame, SkinLayout, math};
 
 use super::batch_scores::FeatureRows;
 use super::contact_history::{REGION_FEATURE_COUNT, REGION_KNEES};
 use super::decision::Touch;
 use super::frame::SkinTracker;
 use super::model::TouchModel;
+use super::network::softmax;
+use super::object::ObjectTracker;
 use super::taxel::{TAXEL_FEATURE_COUNT, TAXEL_KNEES};
 use crate::trial::TrialError;
 
 /// What touches a taxel in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TaxelTouch {
+    /// Index of its patch in the skin.
+    pub patch: usize,
     /// Index of the taxel in its patch.
     pub taxel: usize,
     /// Samples since its contact began, at least 1.
@@ -30,26 +34,50 @@ pub struct TaxelTouch {
 /// What touches a region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RegionTouch {
-    /// Number of the contact. A contact keeps its number while it slides over the skin.
+    /// Index of its patch in the skin.
+    pub patch: usize,
+    /// Number of the contact on this patch. A contact keeps its number while it slides over the skin.
     pub contact: u64,
+    /// Number of the object that it belongs to; `None` while it is as weak as a spurious reading.
+    pub object: Option<u64>,
     /// Samples since the contact began, at least 1.
     pub samples: usize,
     /// Number of its taxels, and number of its taxels that are not called nothing.
     pub taxels: [usize; 2],
-    /// The share of contacts with known categories that are as unusual.
+    /// [`ObjectTouch::share_beyond`] of its object; 1 without one.
     pub share_beyond: f64,
-    /// The verdict; nothing if all its taxels are called nothing.
+    /// The verdict: nothing if all its taxels are called nothing, or else that on its object.
     pub touch: Touch,
 }
 
-/// Tells what touches each taxel and each region of a patch, in every frame. Nothing is allocated after the first
+/// What an object is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ObjectTouch {
+    /// Number of the object in its reach, from 1.
+    pub object: u64,
+    /// Number of samples in which it was felt well enough to be judged, see [`ObjectTracker`].
+    pub samples: usize,
+    /// The share of known objects that are as unlike all known categories, see [`super::UnknownObjects`]; 1 before it is
+    /// judged, or if the model was trained without auxiliary sets.
+    pub share_beyond: f64,
+    /// The verdict.
+    pub touch: Touch,
+}
+
+/// Tells what touches each taxel, each region and each object, in every frame. Nothing is allocated after the first
 /// frames.
 #[derive(Clone, Debug)]
 pub struct TouchClassifier {
     model: Arc<TouchModel>,
-    tracker: SkinTracker,
+    patches: Vec<SkinTracker>,
+    tracker: ObjectTracker,
     taxels: Vec<TaxelTouch>,
     regions: Vec<RegionTouch>,
+    /// In the order of the tracker's objects.
+    objects: Vec<ObjectTouch>,
+    /// For each object in turn, the sums of the log-probabilities of the categories, weighted by force; and these weights.
+    evidence: Vec<f64>,
+    weights_n: Vec<f64>,
     /// The features of this frame's regions, and of the taxels of one region after the other.
     region_features: FeatureRows<REGION_FEATURE_COUNT>,
     taxel_features: FeatureRows<TAXEL_FEATURE_COUNT>,
@@ -58,23 +86,31 @@ pub struct TouchClassifier {
     touched: Vec<f64>,
 }
 
+/// An object's share is computed anew after each of this many samples: it changes little in between.
+const JUDGED_EVERY: usize = 5;
+/// The smallest probability whose logarithm counts.
+const LEAST_PROBABILITY: f64 = 1e-6;
+
 impl TouchClassifier {
     /// A classifier for a stream of frames of this skin, without contacts so far.
     ///
     /// # Errors
-    /// [`TrialError`] if the skin lacks the model's patch, or the patch has no grid.
+    /// [`TrialError`] if the skin lacks the model's patch.
     pub fn new(model: Arc<TouchModel>, layout: &SkinLayout) -> Result<Self, TrialError> {
-        let options = model.options();
-        let tracker = SkinTracker::new(layout, options.patch.as_deref(), options.threshold_n)?;
-        let count = tracker.image().patch().taxels.len();
+        let patches = SkinTracker::of_patches(layout, model.options())?;
+        let count = patches.iter().map(|tracker| tracker.image().patch().taxels.len()).sum();
         Ok(TouchClassifier {
             taxels: Vec::with_capacity(count),
             regions: Vec::with_capacity(count),
+            objects: Vec::with_capacity(count),
+            evidence: Vec::with_capacity(count * model.categories().len()),
+            weights_n: Vec::with_capacity(count),
             region_features: FeatureRows::with_capacity(count),
             taxel_features: FeatureRows::with_capacity(count),
             probabilities: Vec::with_capacity(count * model.categories().len()),
             touched: Vec::with_capacity(count * 2),
-            tracker,
+            tracker: ObjectTracker::default(),
+            patches,
             model,
         })
     }
@@ -84,54 +120,142 @@ impl TouchClassifier {
     /// # Errors
     /// [`TrialError::BadFrame`] if the frame does not fit the skin or holds NaN or infinity.
     pub fn update(&mut self, frame: &Frame) -> Result<(), TrialError> {
-        self.tracker.update(frame)?;
         self.region_features.clear();
         self.taxel_features.clear();
-        for region in self.tracker.regions() {
-            self.region_features.push(&region.course.values());
-            for &taxel in self.tracker.taxels(region) {
-                if let Some(values) = self.tracker.taxel_values(taxel, region) {
-                    self.taxel_features.push(&values);
+        for tracker in &mut self.patches {
+            tracker.update(frame)?;
+            for region in tracker.regions() {
+                self.region_features.push(&region.course.values());
+                for &taxel in tracker.taxels(region) {
+                    if let Some(values) = tracker.taxel_values(taxel, region) {
+                        self.taxel_features.push(&values);
+                    }
                 }
             }
         }
+        self.tracker.update(&self.patches, frame.time_s);
         self.region_features.compress(&REGION_KNEES);
         self.taxel_features.compress(&TAXEL_KNEES);
         self.model.category.probabilities(&self.region_features, &mut self.probabilities);
         self.model.touched.probabilities(&self.taxel_features, &mut self.touched);
+        self.judge_objects();
         self.decide();
         Ok(())
+    }
+
+    /// The verdicts on the objects of this frame.
+    fn judge_objects(&mut self) {
+        let count = self.model.categories().len();
+        self.keep_objects(count);
+        let regions = self.patches.iter().flat_map(SkinTracker::regions);
+        for ((region, object), probabilities) in
+            regions.zip(self.tracker.of_region()).zip(self.probabilities.chunks_exact(count))
+        {
+            let Some(object) = *object else { continue };
+            let force_n = region.course.now().force_n;
+            self.weights_n[object] += force_n;
+            for (sum, probability) in self.evidence[object * count..][..count].iter_mut().zip(probabilities) {
+                *sum += force_n * math::ln(probability.max(LEAST_PROBABILITY));
+            }
+        }
+        for (index, (own, object)) in self.objects.iter_mut().zip(self.tracker.objects()).enumerate() {
+            let samples = object.course.samples();
+            if let Some(unknown) = &self.model.unknown
+                && object.is_judged()
+                && samples != own.samples
+                && samples % JUDGED_EVERY == 0
+            {
+                own.share_beyond = unknown.share_beyond(&object.course.features());
+            }
+            own.samples = samples;
+            let mut best = (0, f64::NEG_INFINITY);
+            let evidence = &self.evidence[index * count..][..count];
+            for (category, sum) in evidence.iter().enumerate() {
+                if *sum > best.1 {
+                    best = (category, *sum);
+                }
+            }
+            let weight_n = self.weights_n[index].max(f64::MIN_POSITIVE);
+            let others = evidence.iter().map(|sum| math::exp((sum - best.1) / weight_n)).sum::<f64>();
+            own.touch = self.model.decision.of(best.0, 1.0 / others, own.share_beyond);
+        }
+        self.probabilities_of_objects(count);
+    }
+
+    /// Gives each region the probabilities of its object.
+    fn probabilities_of_objects(&mut self, count: usize) {
+        for (object, probabilities) in self.tracker.of_region().iter().zip(self.probabilities.chunks_exact_mut(count)) {
+            let Some(object) = *object else { continue };
+            let weight_n = self.weights_n[object].max(f64::MIN_POSITIVE);
+            let evidence = &self.evidence[object * count..][..count];
+            for (probability, sum) in probabilities.iter_mut().zip(evidence) {
+                *probability = sum / weight_n;
+            }
+            softmax(probabilities);
+        }
+    }
+
+    /// Makes the lists of objects those of the tracker, which forgets some and appends new ones.
+    fn keep_objects(&mut self, count: usize) {
+        let mut kept = 0;
+        for index in 0..self.objects.len() {
+            let is_kept = self.tracker.objects().get(kept).is_some_and(|own| own.number == self.objects[index].object);
+            if is_kept {
+                self.objects[kept] = self.objects[index];
+                self.weights_n[kept] = self.weights_n[index];
+                self.evidence.copy_within(index * count..(index + 1) * count, kept * count);
+                kept += 1;
+            }
+        }
+        self.objects.truncate(kept);
+        for object in &self.tracker.objects()[kept..] {
+            let (object, touch) = (object.number, Touch::Uncertain);
+            self.objects.push(ObjectTouch { object, samples: 0, share_beyond: 1.0, touch });
+        }
+        self.weights_n.truncate(kept);
+        self.weights_n.resize(self.objects.len(), 0.0);
+        self.evidence.truncate(kept * count);
+        self.evidence.resize(self.objects.len() * count, 0.0);
     }
 
     /// From the probabilities of this frame to its verdicts.
     fn decide(&mut self) {
         self.taxels.clear();
         self.regions.clear();
-        let model = &self.model;
+        let decision = &self.model.decision;
         let mut touched = self.touched.chunks_exact(2);
-        for (index, region) in self.tracker.regions().iter().enumerate() {
-            let share_beyond = model.share_beyond(&region.course);
-            let of_region = model.decision.of_region(self.probabilities(index), share_beyond);
-            let mut touched_taxels = 0;
-            for (&taxel, touched) in self.tracker.taxels(region).iter().zip(&mut touched) {
-                let nothing = touched[0];
-                let is_nothing = nothing > model.decision.nothing_above;
-                touched_taxels += usize::from(!is_nothing);
-                self.taxels.push(TaxelTouch {
-                    taxel,
-                    samples: self.tracker.samples(taxel),
-                    region: index,
-                    nothing,
-                    touch: if is_nothing { Touch::Nothing } else { of_region },
+        let mut of_region = self.tracker.of_region().iter();
+        for tracker in &self.patches {
+            let patch = tracker.image().patch_index();
+            for region in tracker.regions() {
+                let index = self.regions.len();
+                let object = of_region.next().copied().flatten().map(|object| self.objects[object]);
+                let own = || decision.of_region(self.probabilities(index), 1.0);
+                let verdict = object.map_or_else(own, |object| object.touch);
+                let mut touched_taxels = 0;
+                for (&taxel, touched) in tracker.taxels(region).iter().zip(&mut touched) {
+                    let nothing = touched[0];
+                    let is_nothing = nothing > decision.nothing_above;
+                    touched_taxels += usize::from(!is_nothing);
+                    self.taxels.push(TaxelTouch {
+                        patch,
+                        taxel,
+                        samples: tracker.samples(taxel),
+                        region: index,
+                        nothing,
+                        touch: if is_nothing { Touch::Nothing } else { verdict },
+                    });
+                }
+                self.regions.push(RegionTouch {
+                    patch,
+                    contact: region.contact,
+                    object: object.map(|object| object.object),
+                    samples: region.course.samples(),
+                    taxels: [tracker.taxels(region).len(), touched_taxels],
+                    share_beyond: object.map_or(1.0, |object| object.share_beyond),
+                    touch: if touched_taxels == 0 { Touch::Nothing } else { verdict },
                 });
             }
-            self.regions.push(RegionTouch {
-                contact: region.contact,
-                samples: region.course.samples(),
-                taxels: [self.tracker.taxels(region).len(), touched_taxels],
-                share_beyond,
-                touch: if touched_taxels == 0 { Touch::Nothing } else { of_region },
-            });
         }
     }
 
@@ -140,23 +264,34 @@ impl TouchClassifier {
         &self.model
     }
 
-    /// Regions and taxels as the classifier sees them in the last frame.
-    pub fn tracker(&self) -> &SkinTracker {
+    /// Regions and taxels of each patch that the model judges, as the classifier sees them in the last frame.
+    pub fn patches(&self) -> &[SkinTracker] {
+        &self.patches
+    }
+
+    /// Objects as the classifier sees them in the last frame.
+    pub fn object_tracker(&self) -> &ObjectTracker {
         &self.tracker
     }
 
-    /// The taxels in contact in the last frame, region by region.
+    /// The taxels in contact in the last frame, patch by patch and region by region.
     pub fn taxels(&self) -> &[TaxelTouch] {
         &self.taxels
     }
 
-    /// The regions of the last frame.
+    /// The regions of the last frame, patch by patch.
     pub fn regions(&self) -> &[RegionTouch] {
         &self.regions
     }
 
-    /// Probabilities of the known categories for a region, if something touches it, in the order of
-    /// [`TouchModel::categories`].
+    /// The objects that touch the skin, or did so in the last three seconds, in the order of
+    /// [`ObjectTracker::objects`]. The verdict on one that no longer touches the skin stands.
+    pub fn objects(&self) -> &[ObjectTouch] {
+        &self.objects
+    }
+
+    /// Probabilities of the known categories for a region, if something known touches it, in the order of
+    /// [`TouchModel::categories`]: those of its object, if it belongs to one.
     pub fn probabilities(&self, region: usize) -> &[f64] {
         let count = self.model.categories().len();
         &self.probabilities[region * count..][..count]

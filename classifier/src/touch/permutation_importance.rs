@@ -45,7 +45,7 @@ impl TouchExamples {
             taxels.add(&touched_network(&others), &rows.collect::<Vec<_>>());
             let rows = own.iter().flat_map(|reach| &reach.regions).filter(|row| row.is_regular);
             let rows = rows.map(|row| row.row(&categories));
-            regions.add(&category_network(&others, &categories).0, &rows.collect::<Vec<_>>());
+            regions.add(&category_network(&others, &categories), &rows.collect::<Vec<_>>());
         }
         let mut worth = taxels.worth("touched");
         worth.extend(regions.worth("category"));

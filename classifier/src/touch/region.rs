@@ -5,7 +5,7 @@ use underbrush_recording::Pose;
 
 use super::contact_history::{Course, Measure};
 use super::motion::Motion;
-use crate::trial::{PatchImage, TrialError, neighbours_of_patch};
+use crate::trial::{PatchImage, neighbours_of_patch};
 
 /// A region continues the region of the last frame that gets the most votes. Each taxel votes with its force for the
 /// region that it belonged to, and with this share of its force for the region of each neighbour.
@@ -25,7 +25,7 @@ pub struct Region {
 /// The contact regions of a patch. Nothing is allocated after the first frames.
 #[derive(Clone, Debug)]
 pub(super) struct RegionTracker {
-    neighbours: Vec<[Option<usize>; 4]>,
+    neighbours: Vec<Vec<usize>>,
     /// Region of each taxel, now and in the last frame.
     region_of: Vec<Option<usize>>,
     region_before: Vec<Option<usize>>,
@@ -42,13 +42,10 @@ pub(super) struct RegionTracker {
 
 impl RegionTracker {
     /// Regions of the patch of an image, none so far.
-    ///
-    /// # Errors
-    /// [`TrialError::NoGrid`] if the patch has no grid.
-    pub fn new(image: &PatchImage) -> Result<Self, TrialError> {
-        let neighbours = neighbours_of_patch(image)?;
+    pub fn new(image: &PatchImage) -> Self {
+        let neighbours = neighbours(image);
         let count = neighbours.len();
-        Ok(RegionTracker {
+        RegionTracker {
             neighbours,
             region_of: vec![None; count],
             region_before: vec![None; count],
@@ -58,7 +55,7 @@ impl RegionTracker {
             votes: Vec::with_capacity(count),
             heirs: Vec::with_capacity(count),
             contacts: 0,
-        })
+        }
     }
 
     /// Finds the regions of the frame that the image holds, which was sensed at `time_s`. `motion` is the motion of the
@@ -87,7 +84,7 @@ impl RegionTracker {
 
     /// The neighbours of a taxel.
     pub fn neighbours(&self, taxel: usize) -> impl Iterator<Item = usize> + '_ {
-        self.neighbours[taxel].into_iter().flatten()
+        self.neighbours[taxel].iter().copied()
     }
 
     fn find(&mut self, image: &PatchImage) {
@@ -105,7 +102,7 @@ impl RegionTracker {
             let mut next = start;
             while let Some(taxel) = self.taxels.get(next).copied() {
                 next += 1;
-                for neighbour in self.neighbours[taxel].into_iter().flatten() {
+                for &neighbour in &self.neighbours[taxel] {
                     if self.region_of[neighbour].is_none() && image.is_in_contact(neighbour) {
                         self.region_of[neighbour] = Some(region);
                         self.taxels.push(neighbour);
@@ -129,7 +126,7 @@ impl RegionTracker {
                 if let Some(before) = self.region_before[taxel] {
                     self.votes[before] += force_n;
                 }
-                for neighbour in self.neighbours[taxel].into_iter().flatten() {
+                for &neighbour in &self.neighbours[taxel] {
                     if let Some(before) = self.region_before[neighbour] {
                         self.votes[before] += NEIGHBOUR_WEIGHT * force_n;
                     }
@@ -162,10 +159,37 @@ impl RegionTracker {
     }
 }
 
+/// The neighbours of each taxel of a patch: those of its grid or, without a grid, taxels that face the same side and are
+/// nearly as close as the nearest one.
+fn neighbours(image: &PatchImage) -> Vec<Vec<usize>> {
+    if let Ok(of_grid) = neighbours_of_patch(image) {
+        return of_grid.into_iter().map(|own| own.into_iter().flatten().collect()).collect();
+    }
+    let taxels = &image.patch().taxels;
+    let distance = |one: usize, other: usize| {
+        let faces = taxels[one].normal_link.dot(taxels[other].normal_link) > 0.0;
+        if faces && one != other {
+            taxels[one].position_link.distance(taxels[other].position_link)
+        } else {
+            f64::INFINITY
+        }
+    };
+    let nearest: Vec<f64> = (0..taxels.len())
+        .map(|one| (0..taxels.len()).map(|other| distance(one, other)).fold(f64::INFINITY, f64::min))
+        .collect();
+    let near =
+        |one: usize, other: usize| distance(one, other) <= NEARLY * nearest[one].max(nearest[other]).min(f64::MAX);
+    (0..taxels.len()).map(|one| (0..taxels.len()).filter(|other| near(one, *other)).collect()).collect()
+}
+
+/// How much farther than the nearest taxel a neighbour may be, on a patch without a grid. Choice: the diagonal of a square
+/// counts, twice the distance does not.
+const NEARLY: f64 = 1.5;
+
 /// Forces and motion of a region in one frame.
 fn measure(image: &PatchImage, taxels: &[usize], motion: &Motion, now: &Pose) -> Measure {
     let mut measure = Measure { taxels: taxels.len() as f64, ..Measure::default() };
-    let (mut step, mut center) = (DVec3::ZERO, DVec3::ZERO);
+    let (mut step, mut center, mut normal) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
     for &taxel in taxels {
         let force_n = image.sensed_force_n(taxel);
         let place = &image.patch().taxels[taxel];
@@ -176,6 +200,7 @@ fn measure(image: &PatchImage, taxels: &[usize], motion: &Motion, now: &Pose) ->
         measure.press_m += force_n * pressed_m;
         step += force_n * (moved - place.normal_link * pressed_m);
         center += force_n * place.position_link;
+        normal += force_n * place.normal_link;
     }
     let center_link = center / measure.force_n;
     let square = |taxel: &usize| {
@@ -187,5 +212,6 @@ fn measure(image: &PatchImage, taxels: &[usize], motion: &Motion, now: &Pose) ->
     measure.slide_m = step.length() / measure.force_n;
     measure.center_link = center_link;
     measure.center_world = now.transform_point(center_link);
+    measure.normal_world = now.transform_vector(normal / measure.force_n);
     measure
 }

@@ -26,10 +26,6 @@ pub struct RiskLimits {
     /// limit is chosen, so that as few verdicts as possible are uncertain.
     #[serde(rename = "limit_wrong")]
     pub wrong: Option<f64>,
-    /// The share whose region is called unknown. The largest share of false alarms within this limit is chosen, so that
-    /// as many unknown objects as possible are found.
-    #[serde(rename = "limit_false_alarms")]
-    pub false_alarms: Option<f64>,
 }
 
 /// A region of a held-out reach and the limit above which its verdict is bad.
@@ -48,11 +44,10 @@ impl RiskLimits {
     /// [`ModelError::BadOption`] for a share that is not between 0 and 1, and [`ModelError::FewReaches`] for too few
     /// reaches.
     pub(super) fn check(&self, reaches: usize) -> Result<(), ModelError> {
-        for (option, share) in [("wrong", self.wrong), ("false_alarms", self.false_alarms)] {
-            let Some(share) = share else { continue };
+        if let Some(share) = self.wrong {
             if !(share > 0.0 && share < 1.0) {
                 return Err(ModelError::BadOption {
-                    option: format!("risk limit {option}"),
+                    option: "risk limit wrong".into(),
                     found: share.to_string(),
                     allowed: "a share above 0 and below 1".into(),
                 });
@@ -65,22 +60,11 @@ impl RiskLimits {
         Ok(())
     }
 
-    /// The decision with the limits that keep to the allowed shares. `wrong` and `false_alarms` hold regions of the
-    /// `reaches` held-out reaches: the first with limits on the cost of an uncertain verdict, the second with limits on
-    /// the share of false alarms.
-    pub(super) fn over(
-        &self,
-        decision: TouchDecision,
-        reaches: usize,
-        wrong: Vec<Lapse>,
-        false_alarms: Vec<Lapse>,
-    ) -> TouchDecision {
-        let limit = |allowed: Option<f64>, lapses, own| allowed.map_or(own, |share| largest(share, reaches, lapses));
-        TouchDecision {
-            cost_of_uncertain: limit(self.wrong, wrong, decision.cost_of_uncertain),
-            unknown_share: limit(self.false_alarms, false_alarms, decision.unknown_share),
-            ..decision
-        }
+    /// The decision with the limit that keeps to the allowed share. `wrong` holds regions of the `reaches` held-out reaches,
+    /// with limits on the cost of an uncertain verdict.
+    pub(super) fn over(&self, decision: TouchDecision, reaches: usize, wrong: Vec<Lapse>) -> TouchDecision {
+        let cost = self.wrong.map(|share| largest(share, reaches, wrong));
+        TouchDecision { cost_of_uncertain: cost.unwrap_or(decision.cost_of_uncertain), ..decision }
     }
 }
 
@@ -151,12 +135,12 @@ mod tests {
     /// Tests that shares out of range, and shares that need more reaches, are refused with what is needed.
     #[test]
     fn shares_need_reaches() {
-        let limits = RiskLimits { wrong: Some(0.05), false_alarms: None };
+        let limits = RiskLimits { wrong: Some(0.05) };
         assert_eq!(limits.check(19), Ok(()));
         let few = ModelError::FewReaches { reaches: 18, needed: 19, share: 0.05 };
         assert_eq!(limits.check(18), Err(few));
         for share in [0.0, 1.0, -0.1, f64::NAN] {
-            let limits = RiskLimits { wrong: None, false_alarms: Some(share) };
+            let limits = RiskLimits { wrong: Some(share) };
             assert!(matches!(limits.check(1000), Err(ModelError::BadOption { .. })), "{share}");
         }
     }

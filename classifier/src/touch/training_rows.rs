@@ -18,6 +18,8 @@ pub(super) const FOLDS: usize = 2;
 pub struct TouchExamples {
     pub(super) options: TouchOptions,
     pub(super) reaches: Vec<Arc<Examples>>,
+    /// Reaches of auxiliary sets. Only their objects are used.
+    pub(super) auxiliary: Vec<Arc<Examples>>,
 }
 
 /// How many rows a model is fitted to.
@@ -31,6 +33,10 @@ pub struct TouchRows {
     pub untouched_taxels: usize,
     /// Rows of touched regions, by category.
     pub regions: BTreeMap<String, usize>,
+    /// Recordings of auxiliary sets.
+    pub auxiliary_reaches: usize,
+    /// Objects that were felt well enough to be judged, by category, in all recordings.
+    pub objects: BTreeMap<&'static str, usize>,
     /// Number of parts into which the recordings are divided. Each is held out once, to calibrate probabilities.
     pub held_out_parts: usize,
 }
@@ -38,24 +44,35 @@ pub struct TouchRows {
 impl TouchExamples {
     /// No rows so far.
     pub fn new(options: TouchOptions) -> Self {
-        TouchExamples { options, reaches: Vec::new() }
+        TouchExamples { options, reaches: Vec::new(), auxiliary: Vec::new() }
     }
 
     /// Adds a recording with ground truth. The order of the recordings changes the fit, because folds and rounding
     /// depend on it.
     ///
     /// # Errors
-    /// [`TrialError`] if the patch is unknown or has no grid, or a frame does not fit.
+    /// [`TrialError`] if the patch is unknown, or a frame does not fit.
     pub fn add(&mut self, recording: &Recording) -> Result<(), TrialError> {
         self.reaches.push(Arc::new(Examples::of(recording, &self.options)?));
         Ok(())
     }
 
-    /// The rows of those recordings for whose position `keeps` returns true, in the order in which they were added.
+    /// Adds a recording of an auxiliary set with ground truth. Its objects of categories that the other recordings lack, but
+    /// not foam blocks, are unknown objects to train on, a family for each category. Its other objects count as known.
+    ///
+    /// # Errors
+    /// As [`TouchExamples::add`].
+    pub fn add_auxiliary(&mut self, recording: &Recording) -> Result<(), TrialError> {
+        self.auxiliary.push(Arc::new(Examples::of_objects(recording, &self.options)?));
+        Ok(())
+    }
+
+    /// The rows of those recordings for whose position `keeps` returns true, in the order in which they were added, and those
+    /// of all auxiliary sets.
     pub fn some(&self, keeps: impl Fn(usize) -> bool) -> TouchExamples {
         let reaches = self.reaches.iter().enumerate();
         let kept = reaches.filter(|(index, _)| keeps(*index)).map(|(_, reach)| Arc::clone(reach));
-        TouchExamples { options: self.options.clone(), reaches: kept.collect() }
+        TouchExamples { options: self.options.clone(), reaches: kept.collect(), auxiliary: self.auxiliary.clone() }
     }
 
     /// The categories that a model of these rows knows, in alphabetical order.
@@ -72,6 +89,10 @@ impl TouchExamples {
         for region in self.regions() {
             *regions.entry(region.category.clone()).or_default() += 1;
         }
+        let mut objects = BTreeMap::new();
+        for object in self.reaches.iter().chain(&self.auxiliary).flat_map(|reach| &reach.objects) {
+            *objects.entry(object.category).or_default() += 1;
+        }
         let taxels = self.reaches.iter().flat_map(|reach| &reach.taxels);
         let touched_taxels = taxels.clone().filter(|taxel| taxel.is_touched).count();
         TouchRows {
@@ -79,6 +100,8 @@ impl TouchExamples {
             touched_taxels,
             untouched_taxels: taxels.count() - touched_taxels,
             regions,
+            auxiliary_reaches: self.auxiliary.len(),
+            objects,
             held_out_parts: FOLDS,
         }
     }

@@ -87,6 +87,11 @@ impl PatchImage {
         Ok(())
     }
 
+    /// Index of the patch in the skin.
+    pub fn patch_index(&self) -> usize {
+        self.patch_index
+    }
+
     /// The patch.
     pub fn patch(&self) -> &Patch {
         &self.patch

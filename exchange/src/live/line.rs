@@ -47,16 +47,16 @@ const QUATERNION_ROUNDING: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub struct LineParser {
     layout: SkinLayout,
-    /// The patch whose pose is needed; `None` for models that do not use motion.
-    pose_of: Option<usize>,
+    /// The patches whose poses are needed; none for models that do not use motion.
+    poses_of: Vec<usize>,
     /// Time and number of the last good line.
     last: Option<(f64, usize)>,
 }
 
 impl LineParser {
-    /// A parser for streams of this skin; `pose_of` is the patch whose pose the models need.
-    pub fn new(layout: SkinLayout, pose_of: Option<usize>) -> Self {
-        LineParser { layout, pose_of, last: None }
+    /// A parser for streams of this skin; `poses_of` are the patches whose poses the models need.
+    pub fn new(layout: SkinLayout, poses_of: impl IntoIterator<Item = usize>) -> Self {
+        LineParser { layout, poses_of: poses_of.into_iter().collect(), last: None }
     }
 
     /// Maximum length of a line, bytes. Choice: a reading with its ground truth takes about 200 bytes.
@@ -142,13 +142,19 @@ impl LineParser {
         index.filter(|index| *index < patches.len()).ok_or_else(|| spot.error(allowed))
     }
 
-    /// A pose for each patch. Only the one that the models need is read; the others are at the origin.
+    /// A pose for each patch. Only those that the models need are read; the others are at the origin.
     fn poses(&self, line: &Object<'_>) -> Result<Vec<Pose>, LineError> {
         let patches = &self.layout.patches;
         let mut poses = vec![Pose::IDENTITY; patches.len()];
-        let Some(needed) = self.pose_of else {
-            return Ok(poses);
-        };
+        for &needed in &self.poses_of {
+            poses[needed] = self.pose(line, needed)?;
+        }
+        Ok(poses)
+    }
+
+    /// The pose of a patch.
+    fn pose(&self, line: &Object<'_>, needed: usize) -> Result<Pose, LineError> {
+        let patches = &self.layout.patches;
         let name = &patches[needed].name;
         let allowed = format!(
             "the pose of patch {name}, as this model uses motion: {{{name:?}: pose}}, or a list of {} poses in the \
@@ -170,8 +176,7 @@ impl LineParser {
             }
             list[needed].clone()
         };
-        poses[needed] = read_pose(&pose)?;
-        Ok(poses)
+        read_pose(&pose)
     }
 }
 

@@ -103,14 +103,22 @@ impl JudgedModel {
 
 /// A model that follows a reach.
 enum Answering {
-    Touch(Box<TouchClassifier>),
-    OfTrials { online: Box<OnlineClassifier>, judge: Judge, classes: Vec<Class> },
+    /// With the index of the patch that is judged.
+    Touch(Box<TouchClassifier>, usize),
+    OfTrials {
+        online: Box<OnlineClassifier>,
+        judge: Judge,
+        classes: Vec<Class>,
+    },
 }
 
 impl Answering {
     fn new(model: &Followed, layout: &SkinLayout) -> Result<Self, ExperimentError> {
         Ok(match model {
-            Followed::Touch(model) => Answering::Touch(Box::new(TouchClassifier::new(Arc::clone(model), layout)?)),
+            Followed::Touch(model) => {
+                let patch = layout.patch_index(PATCH).unwrap_or_default();
+                Answering::Touch(Box::new(TouchClassifier::new(Arc::clone(model), layout)?), patch)
+            }
             Followed::OfTrials(model) => {
                 let (classifier, decision) = (model.classifier.as_ref(), Decision::argmax());
                 let options = OnlineOptions {
@@ -131,18 +139,18 @@ impl Answering {
     /// Processes the next frame and writes the answer for each taxel that the model judges.
     fn answer(&mut self, frame: &Frame, answers: &mut [Answer]) -> Result<(), ExperimentError> {
         match self {
-            Answering::Touch(classifier) => {
+            Answering::Touch(classifier, patch) => {
                 classifier.update(frame)?;
-                let (model, tracker) = (classifier.model(), classifier.tracker());
+                let model = classifier.model();
                 let classes: Vec<Class> = model.categories().iter().map(|name| class_of(name)).collect();
-                for taxel in classifier.taxels() {
+                for taxel in classifier.taxels().iter().filter(|taxel| taxel.patch == *patch) {
                     let probabilities = classifier.probabilities(taxel.region);
                     let likeliest = likeliest(&classes, probabilities);
                     let is_touch = (1.0 - taxel.nothing) * largest(probabilities) >= taxel.nothing;
                     answers[taxel.taxel] = Answer {
                         likeliest: if is_touch { likeliest } else { Class::Nothing },
                         trunk: is_trunk(&classes, probabilities),
-                        unlike: model.distance(&tracker.regions()[taxel.region].course),
+                        unlike: -classifier.regions()[taxel.region].share_beyond,
                     };
                 }
             }

@@ -168,6 +168,10 @@ pub struct VerdictSection {
     /// A scene in which the arm touches every category, relative to this file. Its reaches differ from those of
     /// `general`.
     pub scene: String,
+    /// Scenes of unknown objects to train on, with as many reaches each. Left out of quick runs: without them nothing is
+    /// called unknown.
+    #[serde(default)]
+    pub auxiliary: Vec<String>,
     /// Number of reaches.
     pub reaches: u64,
     /// Number of reaches with `--quick`; a third, rounded up, if not given.

@@ -142,7 +142,7 @@ impl Experiment {
 
     /// The options for verdicts on each taxel: patch and threshold as for trials.
     pub fn touch_options(&self) -> TouchOptions {
-        TouchOptions { patch: self.file.trials.patch.clone(), threshold_n: self.file.trials.threshold_n }
+        TouchOptions::of(self.file.trials.patch.clone(), self.file.trials.threshold_n)
     }
 
     /// The options for extracting trials of any length; otherwise as [`Experiment::trial_options`].
@@ -176,7 +176,10 @@ fn scene_names(file: &ExperimentFile) -> Vec<(&str, &'static str)> {
     let second_outlier = file.second_outlier.iter();
     let second_outlier = second_outlier.map(|own| (own.scene.as_str(), "second_outlier.scene"));
     let verdicts = file.verdicts.iter().map(|own| (own.scene.as_str(), "verdicts.scene"));
-    training.chain(engineered).chain(general).chain(outlier).chain(second_outlier).chain(verdicts).collect()
+    let auxiliary = file.verdicts.iter().flat_map(|own| &own.auxiliary);
+    let auxiliary = auxiliary.map(|scene| (scene.as_str(), "verdicts.auxiliary"));
+    let tests = engineered.chain(general).chain(outlier).chain(second_outlier);
+    training.chain(tests).chain(verdicts).chain(auxiliary).collect()
 }
 
 /// The arms that scenes name by file, each once.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_classifier::evaluate::touch::{TouchEvaluation, TouchTally};
-use underbrush_classifier::evaluate::{Accuracy, RocCurve, TouchFigures, found_at_false_alarms, outlier_curve};
+use underbrush_classifier::evaluate::{Accuracy, TouchFigures, UnknownFigures};
 use underbrush_classifier::touch::{FeatureWorth, TouchExamples};
 use underbrush_recording::Recording;
 use underbrush_recording::disk::DiskError;
@@ -55,9 +55,11 @@ pub struct Verdicts {
     pub expected_calibration_error: Option<f64>,
     /// Mean squared error of the probabilities.
     pub brier_score: Option<f64>,
-    /// The outlier against known categories, by taxel frames that something presses on.
-    #[serde(flatten)]
-    pub outlier: UnknownObjects,
+    /// How well the outlier is found, by the model's own decision, and how often known objects of the test scenes are taken
+    /// for unknown ones.
+    pub outlier: Option<UnknownFigures>,
+    /// As `outlier`, for the second outlier.
+    pub second_outlier: Option<UnknownFigures>,
     /// Verdicts on taxel frames of known categories, by test scene.
     pub scenes: Vec<SceneFigures>,
     /// What each feature is worth to the networks, on held-out reaches.
@@ -67,25 +69,9 @@ pub struct Verdicts {
     /// All verdicts on the held-out reaches.
     #[serde(skip)]
     pub held_out: TouchEvaluation,
-    /// ROC curves of the outlier and of the second outlier.
-    #[serde(skip)]
-    pub curves: [Option<RocCurve>; 2],
     /// The known categories.
     #[serde(skip)]
     pub categories: Vec<String>,
-}
-
-/// How well contacts with unknown objects are found.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-pub struct UnknownObjects {
-    /// Area under the ROC curve of the outlier.
-    pub outlier_roc_area: Option<f64>,
-    /// Share of the outlier's taxel frames found at one false alarm in twenty.
-    pub outliers_found: Option<f64>,
-    /// Area under the ROC curve of the second outlier, on which nothing was chosen.
-    pub second_outlier_roc_area: Option<f64>,
-    /// Share of the second outlier's taxel frames found at one false alarm in twenty.
-    pub second_outliers_found: Option<f64>,
 }
 
 /// Verdicts on the taxel frames of known categories in the test reaches of one scene.
@@ -122,24 +108,23 @@ pub fn run(session: &Session) -> Result<VerdictFigures, ExperimentError> {
         for fold in held_out {
             all.add(fold?);
         }
+        for recording in &auxiliary(session, section)? {
+            examples.add_auxiliary(recording)?;
+        }
         let model = Arc::new(examples.fit()?);
         let judge = |found: &Found| -> Result<_, ExperimentError> {
             Ok((found.scene.clone(), TouchEvaluation::of_all(&model, &found.reaches)?))
         };
         let known = tests.engineered.iter().map(|(_, found)| found).chain(&tests.general);
         let known: Vec<(String, TouchEvaluation)> = known.map(judge).collect::<Result<_, _>>()?;
-        let unknown = |found: &Option<Found>| found.as_ref().map(judge).transpose();
-        let curve = |(_, own): (String, TouchEvaluation)| {
-            let others = known.iter().flat_map(|(_, known)| &known.distances);
-            let others = others.filter(|other| other.is_known);
-            outlier_curve(own.distances.iter().chain(others))
-        };
-        let curves = [unknown(&tests.outlier)?, unknown(&tests.second_outlier)?].map(|own| own.and_then(curve));
         let categories = model.categories().to_vec();
+        let unknown = |found: &Option<Found>| -> Result<_, ExperimentError> {
+            let Some((_, mut own)) = found.as_ref().map(judge).transpose()? else { return Ok(None) };
+            known.iter().for_each(|(_, known)| own.add(known.clone()));
+            Ok(Some(UnknownFigures::of(&own.objects, &categories)))
+        };
         let figures = TouchFigures::of(&all, &categories);
         let balanced = |accuracy: Option<Accuracy>| accuracy.and_then(|own| own.balanced_accuracy);
-        let area = |curve: &Option<RocCurve>| curve.as_ref().map(|curve| curve.area);
-        let found = |curve: &Option<RocCurve>| curve.as_ref().map(found_at_false_alarms);
         let verdicts = Verdicts {
             touched_balanced_accuracy: balanced(figures.contacts_at_end),
             first_tenth_second_balanced_accuracy: balanced(figures.contacts_after_tenth_second),
@@ -151,17 +136,12 @@ pub fn run(session: &Session) -> Result<VerdictFigures, ExperimentError> {
             touches_lost: figures.touches_lost,
             expected_calibration_error: figures.expected_calibration_error,
             brier_score: figures.brier_score,
-            outlier: UnknownObjects {
-                outlier_roc_area: area(&curves[0]),
-                outliers_found: found(&curves[0]),
-                second_outlier_roc_area: area(&curves[1]),
-                second_outliers_found: found(&curves[1]),
-            },
+            outlier: unknown(&tests.outlier)?,
+            second_outlier: unknown(&tests.second_outlier)?,
             scenes: known.iter().filter_map(|(scene, own)| SceneFigures::of(scene, &own.known())).collect(),
             feature_worth: examples.feature_worth(),
             training_reaches: recordings.len(),
             held_out: all,
-            curves,
             categories,
         };
         Ok(VerdictFigures { verdicts: Some(verdicts) })
@@ -175,12 +155,26 @@ fn recordings(session: &Session, section: &VerdictSection) -> Result<Vec<Recordi
     let mut recordings: Vec<Recording> =
         (0..dataset.episodes().len()).map(|index| dataset.read_reach(index)).collect::<Result<_, _>>()?;
     session.stage("Mixed training reaches", || {
-        let plan = reaches::plan(session.experiment, &section.scene, session.seed)?;
-        let jobs = (0..section.reaches(session.quick)).map(|index| Job { plan: 0, reach_index: FIRST_INDEX + index });
-        let jobs: Vec<Job> = jobs.collect();
-        recordings.extend(each_reach(&[plan], &jobs, session.progress, |_, own| Ok::<_, DiskError>(own))?);
+        recordings.extend(drawn(session, section, &section.scene)?);
         Ok(recordings)
     })
+}
+
+/// The reaches of the auxiliary scenes.
+fn auxiliary(session: &Session, section: &VerdictSection) -> Result<Vec<Recording>, ExperimentError> {
+    let mut recordings = Vec::new();
+    for scene in section.auxiliary.iter().filter(|_| !session.quick) {
+        recordings.extend(drawn(session, section, scene)?);
+    }
+    Ok(recordings)
+}
+
+/// Reaches of a scene, as many as the section asks for.
+fn drawn(session: &Session, section: &VerdictSection, scene: &str) -> Result<Vec<Recording>, ExperimentError> {
+    let plan = reaches::plan(session.experiment, scene, session.seed)?;
+    let jobs = (0..section.reaches(session.quick)).map(|index| Job { plan: 0, reach_index: FIRST_INDEX + index });
+    let jobs: Vec<Job> = jobs.collect();
+    each_reach(&[plan], &jobs, session.progress, |_, own| Ok::<_, DiskError>(own))
 }
 
 /// Judges every `FOLDS`-th recording by networks fitted to the others.

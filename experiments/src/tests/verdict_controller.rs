@@ -2,7 +2,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use serde_json::{Value, json};
-use underbrush_classifier::touch::{DESCRIPTION_COUNT, REGION_FEATURE_COUNT, TAXEL_FEATURE_COUNT, TOUCH_FORMAT, Touch};
+use underbrush_classifier::touch::{REGION_FEATURE_COUNT, TAXEL_FEATURE_COUNT, TOUCH_FORMAT, Touch};
 use underbrush_recording::{Frame, Recording};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::controller::{Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact};
@@ -33,20 +33,15 @@ fn always(touch: Touch) -> VerdictControl {
         Touch::Category(_) => [0.0, 9.0],
         _ => [0.0, 0.0],
     };
-    // Either no contact is farther than this, or every contact is.
-    let distance = if touch == Touch::Unknown { 0.0 } else { 1e9 };
-    let normal = json!({
-        "mean": vec![0.0; DESCRIPTION_COUNT],
-        "factor": vec![[1.0; DESCRIPTION_COUNT]; DESCRIPTION_COUNT],
-    });
+    // Everything is at least as unlike what is known as this share of the known objects, or nothing is.
+    let unknown_share = if touch == Touch::Unknown { 1.0 } else { 0.0 };
     let model = json!({
         "format": TOUCH_FORMAT,
         "options": { "threshold_n": 0.03 },
         "categories": ["leaf", "trunk"],
-        "decision": { "nothing_above": 0.5, "unknown_share": 0.01, "cost_of_uncertain": 0.1 },
+        "decision": { "nothing_above": 0.5, "unknown_share": unknown_share, "cost_of_uncertain": 0.1 },
         "touched": constant(TAXEL_FEATURE_COUNT, touched),
         "category": constant(REGION_FEATURE_COUNT, category),
-        "usual": { "normals": [normal, normal], "distances": vec![distance; 31] },
     });
     VerdictControl::from_json(Path::new("touch.json"), &model.to_string()).unwrap()
 }

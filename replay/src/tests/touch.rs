@@ -83,7 +83,7 @@ fn verdicts_of_touch_models_are_packed() {
             let region = region_starts[index] as usize + region_of[row] as usize;
             assert_eq!(contacts[region], online.regions()[own.region].contact as f64);
             assert_eq!(beyond[region], f64::from(online.regions()[own.region].share_beyond as f32));
-            let expected = online.tracker().regions()[own.region].course.features();
+            let expected = online.patches()[0].regions()[own.region].course.features();
             let found = &of_region[features * region..][..features];
             assert_eq!(found, expected.map(|value| f64::from(value as f32)));
         }

@@ -1,16 +1,13 @@
 //! What touches each taxel, frame by frame: accuracy, calibration, and outliers found.
 
 use underbrush_classifier::evaluate::touch::CalibrationBin;
-use underbrush_classifier::evaluate::{FALSE_ALARMS, RocCurve, RocPoint};
+use underbrush_classifier::evaluate::UnknownFigures;
 use underbrush_experiments::experiment::verdicts::{VerdictFigures, Verdicts};
 
-use crate::drawing::{Cell, Dash, Layer, Rows, Shape, Style, Table};
+use crate::drawing::{Cell, Layer, Rows, Shape, Table};
 use crate::report::Report;
 use crate::roc;
-use crate::style::{FIRST, OUTLIER};
-
-/// A point of a curve is drawn if it is at least this far from the previous one, as a share of either axis.
-const APART: f64 = 0.005;
+use crate::style::FIRST;
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &VerdictFigures) {
@@ -30,19 +27,15 @@ pub fn add(report: &mut Report, outcome: &VerdictFigures) {
     if !verdicts.scenes.is_empty() {
         report.printed(scenes(verdicts), usize::MAX);
     }
-    let mut charts = vec![calibration_chart(&verdicts.held_out.calibration)];
-    charts.extend(roc_chart(verdicts));
-    let caption = "First chart: how often the likeliest class was true, against its probability; on the dotted line \
-                   probabilities mean what they say. Second chart: contacts with unknown objects found against contacts with \
-                   known ones mistaken for them, by taxel frames.";
-    report.page.figure(caption, &charts);
+    let caption = "How often the likeliest class was true, against its probability; on the dotted line probabilities mean what \
+                   they say.";
+    report.page.figure(caption, &[calibration_chart(&verdicts.held_out.calibration)]);
     report.page.paragraph(
         "What a feature is worth is how much worse the probabilities are if its values are shuffled among the rows of held-out \
          reaches. A feature that others can stand in for is worth little by this measure.",
     );
     report.table(feature_worth(verdicts));
     report.numbers(calibration_table(&verdicts.held_out.calibration));
-    report.numbers(roc_table(verdicts));
 }
 
 fn accuracy(verdicts: &Verdicts) -> String {
@@ -59,14 +52,18 @@ fn accuracy(verdicts: &Verdicts) -> String {
 
 /// One figure per row, with what it counts.
 fn figures(verdicts: &Verdicts) -> Table {
-    let outlier = &verdicts.outlier;
     let contacts = "contacts of taxels that a known category touched";
     let spurious = "taxel frames that nothing presses on";
     let touched = "taxel frames that a known category touches";
     let both = "taxel frames of nothing and known categories";
-    let frames = "taxel frames of test reaches";
-    let found = format!("outlier, found at {:.0} % false alarms / %", 100.0 * FALSE_ALARMS);
-    let second_found = format!("second {found}");
+    let (unknown, known) = ("objects of no known category, test reaches", "objects of known categories, test reaches");
+    let area = |own: Option<UnknownFigures>| own.and_then(|own| own.roc_area);
+    let found = |own: Option<UnknownFigures>| {
+        own.filter(|own| own.unknown_objects > 0).map(|own| own.found_objects as f64 / own.unknown_objects as f64)
+    };
+    let (outlier, second) = (verdicts.outlier, verdicts.second_outlier);
+    let false_alarms = outlier.filter(|own| own.known_objects > 0);
+    let false_alarms = false_alarms.map(|own| own.false_alarm_objects as f64 / own.known_objects as f64);
     let percent = |share: Option<f64>| share.map(|share| 100.0 * share);
     let samples = verdicts.median_samples_until_right.map(|samples| samples as f64);
     let rows = [
@@ -78,10 +75,11 @@ fn figures(verdicts: &Verdicts) -> Table {
         ("called nothing by mistake / %", percent(verdicts.touches_lost), 1, touched),
         ("expected calibration error", verdicts.expected_calibration_error, 3, both),
         ("Brier score", verdicts.brier_score, 3, both),
-        ("outlier, ROC area", outlier.outlier_roc_area, 3, frames),
-        (&found, percent(outlier.outliers_found), 1, frames),
-        ("second outlier, ROC area", outlier.second_outlier_roc_area, 3, frames),
-        (&second_found, percent(outlier.second_outliers_found), 1, frames),
+        ("outlier, called unknown / %", percent(found(outlier)), 1, unknown),
+        ("outlier, ROC area", area(outlier), 3, unknown),
+        ("second outlier, called unknown / %", percent(found(second)), 1, unknown),
+        ("second outlier, ROC area", area(second), 3, unknown),
+        ("known ones called unknown / %", percent(false_alarms), 1, known),
     ];
     Rows::of(rows)
         .column("figure", |(name, ..)| name)
@@ -132,48 +130,4 @@ fn calibration_table(bins: &[CalibrationBin]) -> Table {
         .number("true_percent", 2, |((_, found), _)| found)
         .column("taxel_frames", |(_, count)| count)
         .table("verdict_calibration", "Calibration of the verdicts")
-}
-
-/// The curves of both outliers, by name.
-fn curves(verdicts: &Verdicts) -> impl Iterator<Item = (&'static str, &RocCurve)> {
-    let named = ["outlier", "second outlier"].into_iter().zip(&verdicts.curves);
-    named.filter_map(|(name, curve)| Some((name, curve.as_ref()?)))
-}
-
-/// The points of a curve that are at least `APART` from each other, and its ends.
-fn drawn(curve: &RocCurve) -> Vec<RocPoint> {
-    let mut drawn: Vec<RocPoint> = Vec::new();
-    let last = curve.points.len().saturating_sub(1);
-    for (index, point) in curve.points.iter().enumerate() {
-        let is_apart = drawn.last().is_none_or(|before| {
-            point.false_positive_rate - before.false_positive_rate >= APART
-                || point.true_positive_rate - before.true_positive_rate >= APART
-        });
-        if is_apart || index == last {
-            drawn.push(*point);
-        }
-    }
-    drawn
-}
-
-fn roc_chart(verdicts: &Verdicts) -> Option<String> {
-    let (mut layers, mut told) = (Vec::new(), Vec::new());
-    for ((name, curve), dash) in curves(verdicts).zip([Dash::Solid, Dash::Dashed]) {
-        told.push(format!("{name}: area under the curve {:.3}", curve.area));
-        let points = drawn(curve).iter().map(roc::percents).collect();
-        layers.push(Layer::new(
-            format!("{name}, area {:.3}", curve.area),
-            Style::line(OUTLIER, dash),
-            Shape::Line(points),
-        ));
-    }
-    let names = ("verdict-roc", "Unknown objects against known categories");
-    let axes = ("known ones taken for unknown / %", "unknown ones found / %");
-    let description = format!("{}; 0.5 is chance.", told.join("; "));
-    (!layers.is_empty()).then(|| roc::square_chart(names, description, axes, "chance", layers))
-}
-
-fn roc_table(verdicts: &Verdicts) -> Table {
-    let points = curves(verdicts).flat_map(|(name, curve)| drawn(curve).into_iter().map(move |point| (name, point)));
-    roc::table(("verdict_roc", "Unknown objects against known categories"), ("distance", 3), points)
 }

@@ -222,8 +222,6 @@ fn a_report_is_whole() {
     for key in [
         "touched_balanced_accuracy",
         "first_tenth_second_balanced_accuracy",
-        "outlier_roc_area",
-        "second_outlier_roc_area",
         "spurious_called_nothing",
         "expected_calibration_error",
     ] {

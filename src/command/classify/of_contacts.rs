@@ -38,8 +38,8 @@ impl Answers for OfContacts {
         }))
     }
 
-    fn needs_pose_of(&self, layout: &SkinLayout) -> Option<usize> {
-        self.settings.needs_pose_of(self.model.classifier.as_ref(), layout)
+    fn needs_poses_of(&self, layout: &SkinLayout) -> Vec<usize> {
+        self.settings.needs_pose_of(self.model.classifier.as_ref(), layout).into_iter().collect()
     }
 }
 

@@ -25,16 +25,19 @@ impl OfFrames {
 
 impl Answers for OfFrames {
     fn start(&self, layout: &SkinLayout) -> Result<Box<dyn Reach>, Failure> {
-        Ok(Box::new(Frames { classifier: TouchClassifier::new(Arc::clone(&self.model), layout)? }))
+        let patches = layout.patches.iter().map(|patch| patch.name.clone()).collect();
+        Ok(Box::new(Frames { classifier: TouchClassifier::new(Arc::clone(&self.model), layout)?, patches }))
     }
 
-    fn needs_pose_of(&self, layout: &SkinLayout) -> Option<usize> {
-        layout.chosen_patch(self.model.options().patch.as_deref())
+    fn needs_poses_of(&self, layout: &SkinLayout) -> Vec<usize> {
+        self.model.options().judged_patches(layout)
     }
 }
 
 struct Frames {
     classifier: TouchClassifier,
+    /// The names of the skin's patches.
+    patches: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -42,10 +45,12 @@ struct FrameLine<'a> {
     time_s: f64,
     taxels: Vec<TaxelLine<'a>>,
     regions: Vec<RegionLine<'a>>,
+    objects: Vec<ObjectLine<'a>>,
 }
 
 #[derive(Serialize)]
 struct TaxelLine<'a> {
+    patch: &'a str,
     taxel: usize,
     samples: usize,
     /// Number of the region's contact.
@@ -58,7 +63,11 @@ struct TaxelLine<'a> {
 
 #[derive(Serialize)]
 struct RegionLine<'a> {
+    patch: &'a str,
     contact: u64,
+    /// Number of its object; left out while the contact is as weak as a spurious reading.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    object: Option<u64>,
     samples: usize,
     taxels: usize,
     /// Number of taxels that are not called nothing.
@@ -66,6 +75,15 @@ struct RegionLine<'a> {
     verdict: &'a str,
     /// Probability of each category if something of a known category touches the region; they sum to 1.
     probabilities: BTreeMap<&'a str, f64>,
+    share_beyond: f64,
+}
+
+#[derive(Serialize)]
+struct ObjectLine<'a> {
+    object: u64,
+    /// Samples in which it was felt well enough to be judged.
+    samples: usize,
+    verdict: &'a str,
     share_beyond: f64,
 }
 
@@ -78,7 +96,9 @@ impl Reach for Frames {
             let own = classifier.probabilities(region).iter().map(|own| factor * own);
             categories.iter().map(String::as_str).zip(own).collect()
         };
+        let patches = &self.patches;
         let taxels = classifier.taxels().iter().map(|own| TaxelLine {
+            patch: &patches[own.patch],
             taxel: own.taxel,
             samples: own.samples,
             contact: classifier.regions()[own.region].contact,
@@ -87,7 +107,9 @@ impl Reach for Frames {
             probabilities: probabilities(own.region, 1.0 - own.nothing),
         });
         let regions = classifier.regions().iter().enumerate().map(|(index, own)| RegionLine {
+            patch: &patches[own.patch],
             contact: own.contact,
+            object: own.object,
             samples: own.samples,
             taxels: own.taxels[0],
             touched_taxels: own.taxels[1],
@@ -95,6 +117,17 @@ impl Reach for Frames {
             probabilities: probabilities(index, 1.0),
             share_beyond: own.share_beyond,
         });
-        json_line(&FrameLine { time_s: frame.time_s, taxels: taxels.collect(), regions: regions.collect() })
+        let objects = classifier.objects().iter().map(|own| ObjectLine {
+            object: own.object,
+            samples: own.samples,
+            verdict: own.touch.name(categories),
+            share_beyond: own.share_beyond,
+        });
+        json_line(&FrameLine {
+            time_s: frame.time_s,
+            taxels: taxels.collect(),
+            regions: regions.collect(),
+            objects: objects.collect(),
+        })
     }
 }

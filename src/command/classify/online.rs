@@ -21,8 +21,8 @@ pub(super) trait Answers {
     /// Begins a reach with this skin.
     fn start(&self, layout: &SkinLayout) -> Result<Box<dyn Reach>, Failure>;
 
-    /// The patch whose pose is needed; `None` if poses are not used.
-    fn needs_pose_of(&self, layout: &SkinLayout) -> Option<usize>;
+    /// The patches whose poses are needed.
+    fn needs_poses_of(&self, layout: &SkinLayout) -> Vec<usize>;
 }
 
 /// A reach that is being classified.
@@ -107,7 +107,7 @@ impl Online<'_> {
     /// `strict` it ends the stream.
     fn stream(&mut self, reader: impl BufRead, layout: &SkinLayout, strict: bool) -> Result<(), Failure> {
         let mut reach = self.classifier.start(layout)?;
-        let mut parser = LineParser::new(layout.clone(), self.classifier.needs_pose_of(layout));
+        let mut parser = LineParser::new(layout.clone(), self.classifier.needs_poses_of(layout));
         let mut lines = Lines::new(reader, parser.max_bytes());
         let mut bad_lines = 0_usize;
         loop {

@@ -14,8 +14,9 @@ pub struct TouchDecisionArguments {
     /// training, so that few true contacts are lost]
     #[arg(long, value_name = "P", value_parser = share)]
     nothing_above: Option<f64>,
-    /// Call a contact unknown if at most this share of the contacts with known categories is as unusual; this is the
-    /// share of false alarms. Shares below 0.001 are not distinguished [default: as in the model, 0.01 after training]
+    /// Call an object unknown if at most this share of the objects of each known category is as unlike what is known; this
+    /// is the share of false alarms. Shares below 0.001 are not distinguished. A model that was trained without --auxiliary
+    /// calls nothing unknown [default: as in the model, 0.05 after training]
     #[arg(long, value_name = "P", value_parser = share)]
     unknown_share: Option<f64>,
     /// Cost of an uncertain verdict relative to that of a wrong category: a category is named if its probability is
@@ -41,14 +42,9 @@ impl TouchDecisionArguments {
 
     /// Refuses options that set a value which a limit of risk is to choose.
     pub fn refuse_beside(&self, limits: &RiskLimits) -> Result<(), Failure> {
-        let pairs = [
-            (limits.wrong, "--limit-wrong", self.cost_of_uncertain, "--cost-of-uncertain"),
-            (limits.false_alarms, "--limit-false-alarms", self.unknown_share, "--unknown-share"),
-        ];
-        for (limit, choosing, own, chosen) in pairs {
-            if limit.is_some() && own.is_some() {
-                return Err(Failure::usage(format!("{choosing} chooses what {chosen} gives; leave one of them out")));
-            }
+        if limits.wrong.is_some() && self.cost_of_uncertain.is_some() {
+            let text = "--limit-wrong chooses what --cost-of-uncertain gives; leave one of them out";
+            return Err(Failure::usage(text));
         }
         Ok(())
     }

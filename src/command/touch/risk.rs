@@ -14,10 +14,6 @@ pub struct RiskArguments {
     /// another category, on average over reaches. A share of 0.05 needs 19 reaches or more, 0.01 needs 99
     #[arg(long, value_name = "SHARE", value_parser = share)]
     limit_wrong: Option<f64>,
-    /// Choose the share of known contacts that may be called unknown so that this holds in new reaches, on average over
-    /// reaches
-    #[arg(long, value_name = "SHARE", value_parser = share)]
-    limit_false_alarms: Option<f64>,
 }
 
 fn share(text: &str) -> Result<f64, String> {
@@ -35,6 +31,6 @@ impl RiskArguments {
 
     /// The limits that are given.
     pub fn limits(&self) -> RiskLimits {
-        RiskLimits { wrong: self.limit_wrong, false_alarms: self.limit_false_alarms }
+        RiskLimits { wrong: self.limit_wrong }
     }
 }

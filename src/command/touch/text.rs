@@ -1,6 +1,6 @@
 //! Results of touch models as text.
 
-use underbrush_classifier::evaluate::{OutlierFigures, ReachFigures, TouchFigures};
+use underbrush_classifier::evaluate::{Interval, ReachFigures, TouchFigures, UnknownFigures};
 use underbrush_classifier::touch::{FeatureWorth, TouchDecision, TouchRows};
 use underbrush_report::drawing::Rows;
 
@@ -27,8 +27,8 @@ pub(super) fn rows(rows: &TouchRows) -> String {
 pub(super) fn decision(decision: &TouchDecision) -> String {
     let TouchDecision { nothing_above, unknown_share, cost_of_uncertain } = decision;
     format!(
-        "A reading is called nothing above a probability of {nothing_above:.3}, a contact unknown if at most {:.2} % of known \
-         contacts are as unusual, and a category is named above a probability of {:.3}\n",
+        "A reading is called nothing above a probability of {nothing_above:.3}, an object unknown if at most {:.2} % of the \
+         known objects are as unlike, and a category is named above a probability of {:.3}\n",
         100.0 * unknown_share,
         1.0 - cost_of_uncertain
     )
@@ -45,12 +45,13 @@ fn number(value: Option<f64>) -> String {
 /// The figures of an evaluation.
 pub(super) fn evaluation(figures: &TouchFigures) -> String {
     let parts = [
+        objects(figures) + &unknown(&figures.unknown),
         verdicts(figures) + &by_reach(&figures.by_reach),
         contacts(figures),
         first_right(figures),
         probabilities(figures),
     ];
-    parts.join("\n") + &outliers(figures.outliers)
+    parts.join("\n")
 }
 
 /// What was judged by one model, and how.
@@ -80,17 +81,52 @@ pub(super) fn folds(reaches: usize, folds: usize) -> String {
     format!("{reaches} reaches in {folds} folds; each fold is judged by a model fitted to the others\n")
 }
 
-fn outliers(outliers: Option<OutlierFigures>) -> String {
-    match outliers {
-        None => {
-            "Nothing of an unknown category touched the patch, so how well outliers are found is not measured\n".into()
-        }
-        Some(own) => format!(
-            "Outliers: ROC area {:.3}; {:.1} % of {} taxel frames found at 5 % false alarms\n",
-            own.roc_area,
-            100.0 * own.found_at_5_percent,
-            own.taxel_frames
-        ),
+/// How well unknown objects are found, by the model's own decision.
+fn unknown(own: &UnknownFigures) -> String {
+    let objects = |part: usize, all: usize, interval: Option<Interval>| {
+        let share = if all > 0 { format!("{:.1} %", 100.0 * part as f64 / all as f64) } else { "-".into() };
+        let interval = interval.map(|own| format!(", 95 %: {:.1} to {:.1}", 100.0 * own.low, 100.0 * own.high));
+        format!("{share} ({part} of {all}{})", interval.unwrap_or_default())
+    };
+    format!(
+        "Unknown objects: {} found at the end, {} at the peak of force; by contact {}\n\
+         Known objects: {} called unknown; by contact {}. ROC area of unknown against known objects {}\n",
+        objects(own.found_objects, own.unknown_objects, own.found_interval),
+        objects(own.found_objects_at_peak, own.unknown_objects, None),
+        objects(own.found_contacts, own.unknown_contacts, None),
+        objects(own.false_alarm_objects, own.known_objects, own.false_alarm_interval),
+        objects(own.false_alarm_contacts, own.known_contacts, None),
+        number(own.roc_area)
+    )
+}
+
+/// Verdicts on known objects at some moments.
+fn objects(figures: &TouchFigures) -> String {
+    let rows = Rows::of(&figures.object_verdicts)
+        .column("known objects at", |own| own.at)
+        .column("objects", |own| own.objects)
+        .percent("right %, balanced", 1, |own| own.balanced_right)
+        .percent("right %", 1, |own| own.right)
+        .percent("wrong %", 1, |own| own.wrong)
+        .percent("called unknown %", 1, |own| own.called_unknown);
+    let grouping = figures.grouping.map_or(String::new(), |own| {
+        format!(
+            "{} of contacts for {} true objects; {:.1} % of the force comes from the object that each group stands for\n",
+            output::counted(own.groups, "group", "groups"),
+            own.true_objects,
+            100.0 * own.purity
+        )
+    });
+    if figures.object_verdicts.is_empty() { grouping } else { rows.text() + &grouping }
+}
+
+/// The families of unknown objects that a model was trained on.
+pub(super) fn families(families: &[&str]) -> String {
+    match families {
+        [] => "Trained without --auxiliary, so nothing is called unknown: objects of other categories are taken for known \
+               ones\n"
+            .into(),
+        _ => format!("Finds unknown objects like those of {}\n", families.join(", ")),
     }
 }
 

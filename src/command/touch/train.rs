@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use serde_json::json;
-use underbrush_classifier::evaluate::touch_folds::touch_examples;
+use underbrush_classifier::evaluate::touch_folds::{add_auxiliary, touch_examples};
 use underbrush_classifier::touch::{RiskLimits, TouchDecision, TouchOptions, TouchRows};
 use underbrush_experiments::model_data;
 
@@ -20,22 +20,30 @@ struct Trained<'a> {
     classifier: &'static str,
     categories: &'a [String],
     rows: TouchRows,
+    /// The families of auxiliary unknown objects.
+    families: Vec<&'a str>,
     decision: TouchDecision,
 }
 
 /// Fits a model to the reaches of these data sets and recordings and writes its file.
 pub fn train(
     paths: &[PathBuf],
+    auxiliary: &[PathBuf],
     options: &TouchOptions,
     limits: &RiskLimits,
     out: &Path,
     json: bool,
 ) -> Result<(), Failure> {
-    let reaches = Reaches::open(paths)?;
-    let examples = touch_examples(&reaches, options.clone())?;
+    let all: Vec<PathBuf> = paths.iter().chain(auxiliary).cloned().collect();
+    // The same set cannot be both, so all are opened together first.
+    Reaches::open(&all)?;
+    let mut examples = touch_examples(&Reaches::open(paths)?, options.clone())?;
+    if !auxiliary.is_empty() {
+        add_auxiliary(&mut examples, &Reaches::open(auxiliary)?)?;
+    }
     let mut model = fit::fit(&examples, options, limits).map_err(|failure| fit::about(failure, paths))?;
     model.warn_of_little_data();
-    let sources: Result<Vec<_>, _> = paths.iter().map(|path| model_data::of_path(path)).collect();
+    let sources: Result<Vec<_>, _> = all.iter().map(|path| model_data::of_path(path)).collect();
     model.provenance = model_data::provenance(json!(limits), sources?);
     output::write_file(out, model.save_string()?.as_bytes())?;
     let trained = Trained {
@@ -43,9 +51,13 @@ pub fn train(
         classifier: "touch",
         categories: model.categories(),
         rows: examples.rows(),
+        families: model.families(),
         decision: model.decision,
     };
     output::result(json, &trained, || {
-        text::rows(&trained.rows) + &text::decision(&trained.decision) + &format!("Model written to {}", out.display())
+        text::rows(&trained.rows)
+            + &text::families(&trained.families)
+            + &text::decision(&trained.decision)
+            + &format!("Model written to {}", out.display())
     })
 }

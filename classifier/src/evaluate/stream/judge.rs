@@ -68,7 +68,9 @@ pub fn classify_touch_stream(model: &Arc<TouchModel>, recording: &Recording) -> 
     let stream = Stream::new(categories, &[NOTHING], recording, StreamTruth::Object);
     stream.judged_by(recording, model.options().patch.as_deref(), StreamTruth::Object, |frame, judged| {
         classifier.update(frame)?;
-        judged.extend(classifier.taxels().iter().map(|taxel| Judged {
+        let patch = classifier.patches().first().map(|tracker| tracker.image().patch_index());
+        let own = classifier.taxels().iter().filter(|taxel| Some(taxel.patch) == patch);
+        judged.extend(own.map(|taxel| Judged {
             taxel: taxel.taxel,
             samples: taxel.samples,
             verdict: match taxel.touch {

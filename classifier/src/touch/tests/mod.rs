@@ -2,7 +2,6 @@
 
 mod network;
 mod regions;
-mod usual;
 mod verdicts;
 
 use underbrush_recording::Recording;

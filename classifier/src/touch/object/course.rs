@@ -1,0 +1,241 @@
+//! What the skin has sensed of an object.
+
+use glam::DVec3;
+
+use super::fit::Fit;
+use crate::touch::compress::{COUNT_KNEE, PLAIN, compress, knees};
+use crate::touch::contact_history::{Course, Measure, REGION_FEATURE_COUNT};
+
+/// Lower ends of the levels of force at which the shape of the contact is described, N.
+const LEVELS_N: [f64; 4] = [0.1, 0.3, 0.8, 2.0];
+/// What is described at each level, and its knee: taxels, the share of the strongest one, extent, press.
+const OF_LEVEL: [f64; 4] = [COUNT_KNEE, PLAIN, MOTION_KNEE_M, MOTION_KNEE_M];
+/// Stands for a level that was not reached; all that is described is positive or small.
+const NOT_REACHED: f64 = -1.0;
+/// Knees as for regions.
+const MOTION_KNEE_M: f64 = 5e-4;
+const STIFFNESS_KNEE_N_PER_M: f64 = 10.0;
+const WORK_KNEE_J: f64 = 1e-4;
+const COMPLIANCE_KNEE_M_PER_N: f64 = 1e-3;
+/// A force is steady while it changes by less than this in a frame: this share of it, and this much, N.
+const STEADY: (f64, f64) = (0.02, 0.005);
+
+/// The features of an object beside those of its contacts, and their knees.
+const FEATURES: [(&str, f64); 20] = [
+    ("slope of force over press while loading", STIFFNESS_KNEE_N_PER_M),
+    ("slope of force over press while unloading", STIFFNESS_KNEE_N_PER_M),
+    ("compliance", COMPLIANCE_KNEE_M_PER_N),
+    ("standard error of the compliance", COMPLIANCE_KNEE_M_PER_N),
+    ("work of the skin", WORK_KNEE_J),
+    ("work given back", WORK_KNEE_J),
+    ("share of the work given back", PLAIN),
+    ("press at steady force", MOTION_KNEE_M),
+    ("share of the time at steady force", PLAIN),
+    ("press since the largest force", MOTION_KNEE_M),
+    ("contacts so far", COUNT_KNEE),
+    ("most contacts at once", COUNT_KNEE),
+    ("largest distance between contacts", MOTION_KNEE_M),
+    ("largest distance in the world", MOTION_KNEE_M),
+    ("impulse", 0.1),
+    ("radius", MOTION_KNEE_M),
+    ("compliance of the circle", COMPLIANCE_KNEE_M_PER_N),
+    ("residual of the circle", MOTION_KNEE_M),
+    ("turn of the normal", PLAIN),
+    ("path of the contact", MOTION_KNEE_M),
+];
+const KNEES: [f64; FEATURES.len()] = knees(&FEATURES);
+
+/// Number of features of an object: those of all its contacts together, those of its strongest contact, the shape of the
+/// contact at each level of force, and some of its own.
+pub const OBJECT_FEATURE_COUNT: usize = 2 * REGION_FEATURE_COUNT + LEVELS_N.len() * OF_LEVEL.len() + FEATURES.len();
+
+/// What the skin senses of an object in one frame: its contacts together, and the strongest one.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ObjectMeasure {
+    /// The contacts together; sums that are weighted by force until [`ObjectMeasure::total`] divides them.
+    sum: Measure,
+    squares_m2: f64,
+    contacts: f64,
+    span_m: f64,
+    strongest: Course,
+}
+
+impl ObjectMeasure {
+    pub(super) fn add(&mut self, contact: &Course) {
+        let now = contact.now();
+        if self.contacts > 0.0 {
+            self.span_m = self.span_m.max(now.center_world.distance(self.sum.center_world / self.sum.force_n));
+        }
+        self.contacts += 1.0;
+        self.sum.taxels += now.taxels;
+        self.sum.largest_force_n = self.sum.largest_force_n.max(now.largest_force_n);
+        self.sum.force_n += now.force_n;
+        self.sum.press_m += now.force_n * now.press_m;
+        self.sum.slide_m += now.force_n * now.slide_m;
+        self.sum.center_world += now.force_n * now.center_world;
+        self.sum.normal_world += now.force_n * now.normal_world;
+        self.squares_m2 += now.force_n * (now.extent_m * now.extent_m + now.center_world.length_squared());
+        if now.force_n > self.strongest.now().force_n {
+            self.strongest = *contact;
+        }
+    }
+
+    pub(super) fn has_contacts(&self) -> bool {
+        self.contacts > 0.0
+    }
+
+    fn total(&self) -> Measure {
+        let force_n = self.sum.force_n;
+        let center_world = self.sum.center_world / force_n;
+        Measure {
+            press_m: self.sum.press_m / force_n,
+            slide_m: self.sum.slide_m / force_n,
+            extent_m: (self.squares_m2 / force_n - center_world.length_squared()).max(0.0).sqrt(),
+            center_link: DVec3::ZERO,
+            center_world,
+            normal_world: self.sum.normal_world / force_n,
+            ..self.sum
+        }
+    }
+}
+
+/// Running statistics of an object.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ObjectCourse {
+    all: Course,
+    strongest: Course,
+    samples: usize,
+    /// Sums over the samples of each level, and their number.
+    levels: [([f64; OF_LEVEL.len()], f64); LEVELS_N.len()],
+    /// Squared steps of press, and products of steps of press and force, while loading and while unloading.
+    slopes: [[f64; 2]; 2],
+    /// Sums of force, press, their squares and their product.
+    moments: [f64; 5],
+    count: f64,
+    press_m: f64,
+    press_at_largest_m: f64,
+    work_j: [f64; 2],
+    steady_press_m: f64,
+    steady: f64,
+    contacts: f64,
+    most_contacts: f64,
+    span_m: f64,
+    first_world: DVec3,
+    farthest_m: f64,
+    impulse_ns: f64,
+    last_s: f64,
+    circle: Fit,
+}
+
+impl ObjectCourse {
+    /// Number of samples in which it was felt well enough to be judged.
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// Sensed force in the last frame in which it touched the skin, N.
+    pub fn force_n(&self) -> f64 {
+        self.all.now().force_n
+    }
+
+    /// The largest of these forces so far, N.
+    pub fn largest_force_n(&self) -> f64 {
+        self.all.largest_force_n()
+    }
+
+    pub(super) fn count_contact(&mut self) {
+        self.contacts += 1.0;
+    }
+
+    pub(super) fn push(&mut self, frame: &ObjectMeasure, time_s: f64, judged_n: f64) {
+        let (before, now) = (*self.all.now(), frame.total());
+        let force_n = now.force_n;
+        if self.count == 0.0 {
+            self.first_world = now.center_world;
+        } else {
+            let step_n = force_n - before.force_n;
+            self.press_m += now.press_m;
+            let [squares, products] = &mut self.slopes[usize::from(step_n < 0.0)];
+            *squares += now.press_m * now.press_m;
+            *products += now.press_m * step_n;
+            self.work_j[usize::from(now.press_m < 0.0)] += 0.5 * (force_n + before.force_n) * now.press_m.abs();
+            if step_n.abs() < STEADY.0 * force_n + STEADY.1 {
+                self.steady_press_m += now.press_m;
+                self.steady += 1.0;
+            }
+            self.impulse_ns += 0.5 * (force_n + before.force_n) * (time_s - self.last_s).clamp(0.0, 0.1);
+        }
+        self.last_s = time_s;
+        self.count += 1.0;
+        let press_m = self.press_m;
+        for (sum, value) in
+            self.moments.iter_mut().zip([force_n, press_m, force_n * force_n, press_m * press_m, force_n * press_m])
+        {
+            *sum += value;
+        }
+        if force_n > self.all.largest_force_n() {
+            self.press_at_largest_m = press_m;
+        }
+        if let Some(level) = LEVELS_N.iter().rposition(|level| force_n >= *level) {
+            let (sums, count) = &mut self.levels[level];
+            for (sum, value) in sums.iter_mut().zip([now.taxels, now.largest_force_n / force_n, now.extent_m, press_m])
+            {
+                *sum += value;
+            }
+            *count += 1.0;
+        }
+        self.samples += usize::from(force_n >= judged_n);
+        self.most_contacts = self.most_contacts.max(frame.contacts);
+        self.span_m = self.span_m.max(frame.span_m);
+        self.farthest_m = self.farthest_m.max(now.center_world.distance(self.first_world));
+        self.circle.push(now.center_world.truncate(), now.normal_world.truncate(), force_n, force_n);
+        self.all.push(&now, time_s);
+        self.strongest = frame.strongest;
+    }
+
+    /// The features of the object so far.
+    pub fn features(&self) -> [f32; OBJECT_FEATURE_COUNT] {
+        let of_levels = self.levels.map(|(sums, count)| {
+            let means = sums.map(|sum| if count > 0.0 { sum / count } else { NOT_REACHED });
+            compress(means, &OF_LEVEL)
+        });
+        let [all, strongest] = [self.all.features(), self.strongest.features()];
+        let own = compress(self.values(), &KNEES);
+        let mut values = all.iter().chain(&strongest).chain(of_levels.iter().flatten()).chain(&own);
+        std::array::from_fn(|_| values.next().copied().unwrap_or_default() as f32)
+    }
+
+    /// Its own features, before they are compressed.
+    fn values(&self) -> [f64; FEATURES.len()] {
+        let square = MOTION_KNEE_M * MOTION_KNEE_M;
+        let slope = |[squares, products]: [f64; 2]| products / (squares + square);
+        let count = self.count.max(1.0);
+        let [force, press, force_squares, press_squares, product] = self.moments.map(|sum| sum / count);
+        let force_variance = (force_squares - force * force).max(1e-4);
+        let compliance = (product - force * press) / force_variance;
+        let left = press_squares - press * press - compliance * compliance * force_variance;
+        let circle = self.circle.found();
+        [
+            slope(self.slopes[0]),
+            slope(self.slopes[1]),
+            compliance,
+            (left.max(0.0) / (force_variance * count)).sqrt(),
+            self.work_j[0],
+            self.work_j[1],
+            self.work_j[1] / (self.work_j[0] + WORK_KNEE_J),
+            self.steady_press_m,
+            self.steady / count,
+            self.press_m - self.press_at_largest_m,
+            self.contacts,
+            self.most_contacts,
+            self.span_m,
+            self.farthest_m,
+            self.impulse_ns,
+            circle.radius_m,
+            circle.compliance_m_per_n,
+            circle.residual_m,
+            circle.turn,
+            circle.path_m,
+        ]
+    }
+}

@@ -1,0 +1,106 @@
+//! A circle fitted to the path of a contact.
+
+use glam::DVec2;
+
+/// Sums for a fit of centre, radius and compliance of an upright round object to the path of its contact, horizontally.
+///
+/// A surface of radius r that the skin touches at c with outward normal n has its axis at c + r n. Under a force F it has
+/// given way by C F n, so at rest its axis is at o = c + r n − C F n. The fit minimizes Σ F |c − o + r n − C F n|² over o, r
+/// and C.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Fit {
+    weight: f64,
+    /// Weighted sums of n, F n and c.
+    sums: [DVec2; 3],
+    /// Weighted sums of the products of n, F n and c with each other: nn, n·Fn, FnFn, cn, c·Fn, cc.
+    products: [f64; 6],
+}
+
+/// What the fit found.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Found {
+    /// m.
+    pub(super) radius_m: f64,
+    /// m/N.
+    pub(super) compliance_m_per_n: f64,
+    /// Root mean square distance from the path, m.
+    pub(super) residual_m: f64,
+    /// Standard deviation of the normals.
+    pub(super) turn: f64,
+    /// Standard deviation of the place of the contact, m.
+    pub(super) path_m: f64,
+}
+
+/// Added to the variances of n and of F n, so that a path that hardly turns gives a small radius. Choice: half a hundredth
+/// of a full turn, and 0.1 N.
+const RIDGE: [f64; 2] = [0.03 * 0.03, 0.1 * 0.1];
+
+impl Fit {
+    pub(super) fn push(&mut self, place: DVec2, normal: DVec2, force_n: f64, weight: f64) {
+        let pushed = force_n * normal;
+        self.weight += weight;
+        for (sum, value) in self.sums.iter_mut().zip([normal, pushed, place]) {
+            *sum += weight * value;
+        }
+        let products = [
+            normal.dot(normal),
+            normal.dot(pushed),
+            pushed.dot(pushed),
+            place.dot(normal),
+            place.dot(pushed),
+            place.dot(place),
+        ];
+        for (sum, value) in self.products.iter_mut().zip(products) {
+            *sum += weight * value;
+        }
+    }
+
+    pub(super) fn found(&self) -> Found {
+        if self.weight <= 0.0 {
+            return Found::default();
+        }
+        let [n, p, c] = self.sums.map(|sum| sum / self.weight);
+        let means = [n.dot(n), n.dot(p), p.dot(p), c.dot(n), c.dot(p), c.dot(c)];
+        let moment = |index: usize| self.products[index] / self.weight - means[index];
+        let [nn, np, pp, cn, cp, cc] = [0, 1, 2, 3, 4, 5].map(moment);
+        let (nn_ridged, pp_ridged) = (nn + RIDGE[0], pp + RIDGE[1]);
+        // The normal equations of r and C; their determinant is positive because of the ridge.
+        let determinant = nn_ridged * pp_ridged - np * np;
+        let radius_m = (-cn * pp_ridged + np * cp) / determinant;
+        let compliance_m_per_n = (cp * nn_ridged - np * cn) / determinant;
+        let residual = cc
+            + radius_m * radius_m * nn
+            + compliance_m_per_n * compliance_m_per_n * pp
+            + 2.0 * (radius_m * cn - compliance_m_per_n * cp - radius_m * compliance_m_per_n * np);
+        Found {
+            radius_m,
+            compliance_m_per_n,
+            residual_m: residual.max(0.0).sqrt(),
+            turn: nn.max(0.0).sqrt(),
+            path_m: cc.max(0.0).sqrt(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tests that the path around a springy post gives its radius and compliance, up to the pull of the ridge.
+    #[test]
+    fn a_round_post_is_found() {
+        let (center, radius_m, compliance) = (DVec2::new(0.4, -0.2), 0.05, 2e-3);
+        let mut fit = Fit::default();
+        for step in 0..400 {
+            let angle = 0.005 * f64::from(step);
+            let force_n = 3.0 + 2.0 * (0.1 * f64::from(step)).sin();
+            let normal = DVec2::new(angle.cos(), angle.sin());
+            let place = center - radius_m * normal + compliance * force_n * normal;
+            fit.push(place, normal, force_n, 1.0);
+        }
+        let found = fit.found();
+        assert!((found.radius_m / radius_m - 1.0).abs() < 0.03, "{found:?}");
+        assert!((found.compliance_m_per_n / compliance - 1.0).abs() < 0.1, "{found:?}");
+        assert!(found.residual_m < 1e-3 && found.path_m > 0.02, "{found:?}");
+    }
+}

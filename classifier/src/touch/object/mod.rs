@@ -1,0 +1,22 @@
+//! Objects: contacts of one place, on any patch, belong to one object, which is the unit of the verdict `unknown`.
+//!
+//! | step | where |
+//! |---|---|
+//! | contacts that begin near each other are one object | [`ObjectTracker`] |
+//! | the course of an object becomes features | [`ObjectCourse`], [`Fit`](fit::Fit) |
+//! | one forest for each family of auxiliary unknown objects | [`Forest`] |
+//! | scores become the share of known objects that are as unlike | [`UnknownObjects`] |
+
+mod course;
+mod fit;
+mod forest;
+mod share;
+mod tracker;
+mod training;
+mod unknown;
+
+pub use course::{OBJECT_FEATURE_COUNT, ObjectCourse};
+pub use tracker::{ObjectTracker, TouchObject};
+pub(super) use training::{ObjectExample, ObjectExamples, fit_unknown};
+pub(crate) use training::{Votes, category_of, count_votes};
+pub use unknown::UnknownObjects;

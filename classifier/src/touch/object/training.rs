@@ -1,0 +1,221 @@
+//! Objects of recordings with ground truth, and what is fitted to them.
+
+use std::collections::BTreeMap;
+
+use underbrush_recording::{Category, Recording};
+
+use super::course::OBJECT_FEATURE_COUNT;
+use super::forest::{Forest, ForestRow};
+use super::share::Shares;
+use super::tracker::{ObjectTracker, TouchObject};
+use super::unknown::{CATEGORIES, Calibration, Family, UnknownObjects};
+use crate::error::ModelError;
+use crate::touch::frame::SkinTracker;
+
+/// An object gives a row after each of these numbers of samples, and at its end.
+const SAMPLES: [usize; 7] = [15, 30, 60, 120, 240, 480, 960];
+/// Parts into which reaches are divided. Each part is judged by forests that are fitted to the others.
+const FOLDS: usize = 5;
+/// A family needs this many objects: fewer in each part would say little.
+const FEWEST: usize = 10;
+
+/// An object that touched the skin in a recording.
+#[derive(Clone, Debug)]
+pub(in crate::touch) struct ObjectExample {
+    /// Its category in ground truth.
+    pub(in crate::touch) category: &'static str,
+    /// Numbers of samples and features at some times.
+    rows: Vec<(usize, [f32; OBJECT_FEATURE_COUNT])>,
+}
+
+/// Collects the objects of a recording.
+#[derive(Default)]
+pub(in crate::touch) struct ObjectExamples {
+    /// Of each object that has not ended, by number: how much force of what true object the skin sensed, N, and its rows.
+    open: BTreeMap<u64, (Votes, ObjectExample)>,
+    closed: Vec<ObjectExample>,
+}
+
+/// The sensed force of each true object, summed over frames, N.
+pub(crate) type Votes = BTreeMap<u16, f64>;
+
+impl ObjectExamples {
+    /// Takes in the frame that the trackers have followed last.
+    pub(in crate::touch) fn update(&mut self, patches: &[SkinTracker], objects: &ObjectTracker, recording: &Recording) {
+        for object in objects.ended() {
+            self.close(object.number, recording);
+        }
+        for object in objects.objects().iter().filter(|object| object.is_touching) {
+            let (_, example) = self.open.entry(object.number).or_insert_with(ObjectExample::open);
+            if object.is_judged() {
+                // The last row stands for the object as it is now, until it has its own row.
+                let samples = object.course.samples();
+                if example.rows.last().is_some_and(|(own, _)| !SAMPLES.contains(own)) {
+                    example.rows.pop();
+                }
+                if example.rows.last().is_none_or(|(own, _)| *own != samples) {
+                    example.rows.push((samples, object.course.features()));
+                }
+            }
+        }
+        count_votes(patches, objects, |object, truth, force_n| {
+            if let Some((votes, _)) = self.open.get_mut(&object.number) {
+                *votes.entry(truth).or_default() += force_n;
+            }
+        });
+    }
+
+    /// All objects that were felt well enough, once the recording is over.
+    pub(in crate::touch) fn finish(mut self, recording: &Recording) -> Vec<ObjectExample> {
+        for number in self.open.keys().copied().collect::<Vec<_>>() {
+            self.close(number, recording);
+        }
+        self.closed
+    }
+
+    fn close(&mut self, number: u64, recording: &Recording) {
+        let Some((votes, mut example)) = self.open.remove(&number) else { return };
+        if let Some(category) = category_of(&votes, recording).filter(|_| !example.rows.is_empty()) {
+            example.category = category.name();
+            self.closed.push(example);
+        }
+    }
+}
+
+impl ObjectExample {
+    fn open() -> (Votes, Self) {
+        (Votes::new(), ObjectExample { category: "", rows: Vec::new() })
+    }
+
+    fn forest_rows(&self, class: usize, weight: f64) -> impl Iterator<Item = ForestRow<'_>> {
+        let weight = weight / self.rows.len() as f64;
+        self.rows.iter().map(move |(_, features)| ForestRow { features, class, weight })
+    }
+}
+
+/// The category of the true object that most of the force comes from.
+pub(crate) fn category_of(votes: &Votes, recording: &Recording) -> Option<Category> {
+    let (object, _) = votes.iter().reduce(|most, other| if other.1 > most.1 { other } else { most })?;
+    Some(recording.objects.get(usize::from(*object))?.category)
+}
+
+/// Calls `vote` with the object, the true object and the sensed force of each taxel that something presses on.
+pub(crate) fn count_votes(
+    patches: &[SkinTracker],
+    objects: &ObjectTracker,
+    mut vote: impl FnMut(&TouchObject, u16, f64),
+) {
+    let regions = patches.iter().flat_map(|tracker| tracker.regions().iter().map(move |region| (tracker, region)));
+    for ((tracker, region), object) in regions.zip(objects.of_region()) {
+        let Some(object) = object.and_then(|index| objects.objects().get(index)) else { continue };
+        for &taxel in tracker.taxels(region) {
+            let image = tracker.image();
+            if let Some(truth) = image.object(taxel).filter(|_| image.is_touched(taxel)) {
+                vote(object, truth, image.sensed_force_n(taxel));
+            }
+        }
+    }
+}
+
+/// Fits what finds unknown objects to the objects of reaches of data sets and of auxiliary sets, for a model with these
+/// categories; `None` if the auxiliary sets are empty.
+pub(in crate::touch) fn fit_unknown(
+    known: &[&[ObjectExample]],
+    auxiliary: &[&[ObjectExample]],
+    categories: &[String],
+) -> Result<Option<UnknownObjects>, ModelError> {
+    if auxiliary.is_empty() {
+        return Ok(None);
+    }
+    let objects = Objects::of(known, auxiliary, categories);
+    let counts: BTreeMap<&str, usize> = objects.families.iter().fold(BTreeMap::new(), |mut counts, (_, own)| {
+        *counts.entry(own.category).or_default() += 1;
+        counts
+    });
+    let few = counts.iter().find(|(_, count)| **count < FEWEST);
+    if let Some((found, allowed)) = match few {
+        _ if counts.is_empty() => Some((
+            "no unknown objects in the auxiliary sets that touch the skin".to_owned(),
+            "reaches in which an object of a category that the data sets lack touches the skin".to_owned(),
+        )),
+        Some((name, count)) => Some((
+            format!("{count} objects of the auxiliary category {name} that touch the skin"),
+            format!("{FEWEST} or more; generate more reaches of its scene, or leave it out"),
+        )),
+        _ if categories.len() > CATEGORIES => {
+            Some((format!("{} categories", categories.len()), format!("at most {CATEGORIES} with auxiliary sets")))
+        }
+        _ => None,
+    } {
+        return Err(ModelError::Mismatch { found, allowed });
+    }
+    let families: Vec<&str> = counts.keys().copied().collect();
+    let fit = |fold: Option<usize>| objects.fit(&families, categories, fold);
+    // One part after the other, because the trees of each forest are fitted side by side.
+    let held_out: Vec<Vec<Family>> = (0..FOLDS).map(|fold| fit(Some(fold))).collect();
+    let calibration = |category| objects.calibration(category, &held_out, categories.len());
+    let calibrated = (0..categories.len()).map(calibration).collect();
+    Ok(Some(UnknownObjects { categories: calibrated, families: fit(None) }))
+}
+
+/// The objects that are fitted to, with the part that their reach is in.
+struct Objects<'a> {
+    /// With the index of the category.
+    known: Vec<(usize, usize, &'a ObjectExample)>,
+    families: Vec<(usize, &'a ObjectExample)>,
+}
+
+impl<'a> Objects<'a> {
+    fn of(known: &[&'a [ObjectExample]], auxiliary: &[&'a [ObjectExample]], categories: &[String]) -> Self {
+        let mut objects = Objects { known: Vec::new(), families: Vec::new() };
+        let reaches = known.iter().map(|own| (false, own)).chain(auxiliary.iter().map(|own| (true, own)));
+        for (reach, (is_auxiliary, own)) in reaches.enumerate() {
+            for object in own.iter() {
+                match categories.iter().position(|name| name == object.category) {
+                    Some(category) => objects.known.push((category, reach % FOLDS, object)),
+                    // Foam blocks are part of the environment.
+                    None if is_auxiliary && object.category != Category::BLOCK.name() => {
+                        objects.families.push((reach % FOLDS, object));
+                    }
+                    None => {}
+                }
+            }
+        }
+        objects
+    }
+
+    /// One forest for each family, fitted to all parts but this one.
+    fn fit(&self, families: &[&str], categories: &[String], without: Option<usize>) -> Vec<Family> {
+        let known: Vec<_> = self.known.iter().filter(|(_, fold, _)| Some(*fold) != without).collect();
+        let family = |(index, name): (usize, &&str)| {
+            let own = self.families.iter().filter(|(fold, own)| own.category == *name && Some(*fold) != without);
+            let class_of_family = categories.len();
+            let mut classes: Vec<(usize, &ObjectExample)> =
+                known.iter().map(|(class, _, own)| (*class, *own)).collect();
+            classes.extend(own.map(|(_, own)| (class_of_family, *own)));
+            let mut count = vec![0.0; class_of_family + 1];
+            classes.iter().for_each(|(class, _)| count[*class] += 1.0);
+            // Each object counts the same within its class, and each class the same.
+            let rows = classes.iter().flat_map(|(class, own)| own.forest_rows(*class, 1.0 / count[*class]));
+            let rows: Vec<ForestRow<'_>> = rows.collect();
+            let forest = Forest::fit(&rows, class_of_family + 1, index as u64);
+            Family { name: (*name).to_owned(), objects: count[class_of_family] as usize, forest }
+        };
+        families.iter().enumerate().map(family).collect()
+    }
+
+    /// The scores of the known objects of a category at their end, each by forests that were fitted to other reaches.
+    fn calibration(&self, category: usize, held_out: &[Vec<Family>], categories: usize) -> Calibration {
+        let scores = |(_, fold, object): &(usize, usize, &ObjectExample)| -> Option<Vec<f64>> {
+            let (_, features) = object.rows.last()?;
+            held_out[*fold].iter().map(|own| own.scores(features, categories).nth(category)).collect()
+        };
+        let known = self.known.iter().filter(|(own, ..)| *own == category);
+        let scored: Vec<Vec<f64>> = known.filter_map(scores).collect();
+        let families = held_out.first().map_or(0, Vec::len);
+        let of_family = |family: usize| Shares::of(scored.iter().map(|scores| scores[family]).collect());
+        let mut own = Calibration { families: (0..families).map(of_family).collect(), all: Shares::of(Vec::new()) };
+        own.all = Shares::of(scored.iter().map(|scores| own.unlike(scores.iter().copied())).collect());
+        own
+    }
+}
