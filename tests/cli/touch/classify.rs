@@ -25,12 +25,9 @@ fn verdicts_follow_from_the_probabilities() {
     let limit = |key: &str| decision[key].as_f64().unwrap();
     let mut seen = 0;
     for answer in &answers {
-        let regions: BTreeMap<u64, &Value> = answer["regions"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|region| (region["contact"].as_u64().unwrap(), region))
-            .collect();
+        let place = |own: &Value| (own["patch"].as_str().unwrap().to_owned(), own["contact"].as_u64().unwrap());
+        let regions: BTreeMap<(String, u64), &Value> =
+            answer["regions"].as_array().unwrap().iter().map(|region| (place(region), region)).collect();
         let of_region = |region: &Value| {
             let own = region["probabilities"].as_object().unwrap();
             let (best, probability) =
@@ -44,9 +41,9 @@ fn verdicts_follow_from_the_probabilities() {
             }
             .to_owned()
         };
-        let mut taxels: BTreeMap<u64, [u64; 2]> = BTreeMap::new();
+        let mut taxels: BTreeMap<(String, u64), [u64; 2]> = BTreeMap::new();
         for taxel in answer["taxels"].as_array().unwrap() {
-            let contact = taxel["contact"].as_u64().unwrap();
+            let contact = place(taxel);
             let region = regions[&contact];
             let nothing = taxel["nothing"].as_f64().unwrap();
             assert!((nothing + sum(&taxel["probabilities"]) - 1.0).abs() < 1e-9, "{taxel}");
@@ -79,13 +76,15 @@ fn frames_on_standard_input_are_answered_alike() {
     assert_eq!(from_file, underbrush!["classify", model(), recording, "--online", "--jobs", "2"].success());
     let frames = read_recording(&recording).unwrap().frames;
     let line = |pose: bool, frame: &underbrush_recording::Frame| {
-        let forearm = frame.taxels.iter().filter(|taxel| taxel.patch == 0);
-        let taxels: Vec<Value> = forearm
-            .map(|taxel| json!({ "patch": "forearm", "taxel": taxel.taxel, "sensed_force_n": taxel.sensed_force_n }))
+        let names = ["forearm", "flipper"];
+        let taxels = frame.taxels.iter();
+        let taxels: Vec<Value> = taxels
+            .map(|taxel| json!({ "patch": names[usize::from(taxel.patch)], "taxel": taxel.taxel, "sensed_force_n": taxel.sensed_force_n }))
             .collect();
         let mut line = json!({ "time_s": frame.time_s, "taxels": taxels });
         if pose {
-            line["patch_pose_world"] = json!({ "forearm": frame.patch_pose_world[0] });
+            line["patch_pose_world"] =
+                json!({ "forearm": frame.patch_pose_world[0], "flipper": frame.patch_pose_world[1] });
         }
         line.to_string() + "\n"
     };

@@ -1,4 +1,4 @@
-//! `--limit-wrong` and `--limit-false-alarms` with the classifier `touch`.
+//! `--limit-wrong` with the classifier `touch`.
 
 use super::{TRAINED, read};
 use crate::support::fixture::fixture;
@@ -22,7 +22,7 @@ fn limits_of_risk_choose_the_decision() {
     assert_eq!(decision["unknown_share"], usual["unknown_share"]);
     let refused = [
         underbrush!["train", data, "--limit-wrong", "0.2", "--out", model, "--force"],
-        underbrush!["evaluate", data, "--limit-false-alarms", "0.2"],
+        underbrush!["evaluate", data, "--limit-wrong", "0.2"],
         underbrush!["evaluate", data, "--model", model, "--limit-wrong", "0.2"],
         underbrush!["evaluate", data, "--classifier", "touch", "--limit-wrong", "0.2", "--cost-of-uncertain", "0.1"],
     ];
