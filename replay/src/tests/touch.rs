@@ -120,13 +120,13 @@ fn what_follows_has_the_regions_of_a_touch_model() {
     );
 }
 
-/// Tests that a patch other than the one that the touch model was trained for is refused, and so is a patch without a
-/// grid.
+/// Tests that a patch other than the one that the touch model was trained for is refused, and that a patch without a
+/// grid is judged.
 #[test]
 fn another_patch_is_refused() {
     let error = JudgingModel::of_touch(model(), Some("hand")).unwrap_err();
     assert!(matches!(&error, ReplayError::PatchOfTouchModel { patch, .. } if patch == "hand"), "{error}");
     let mut bare = reach(0, 20);
     bare.layout.patches[0].grid = None;
-    assert!(matches!(pack(&bare, &KNOWN, Some(&judging())), Err(ReplayError::Verdicts { .. })));
+    assert!(pack(&bare, &KNOWN, Some(&judging())).is_ok());
 }
