@@ -240,7 +240,7 @@ impl Campaign {
         }
         let further = further_categories(plans);
         if let Some([one, other]) = further.array_windows().find(|[one, other]| one.code() == other.code()) {
-            return Err(ExperimentError::Request(format!(
+            return Err(ExperimentError::Usage(format!(
                 "the categories {} and {} of these scenes have the same code, {}, so a data set cannot hold both; give one \
                  of them another name in its scene file",
                 one.name(),
