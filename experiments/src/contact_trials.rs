@@ -2,10 +2,10 @@
 
 use underbrush_classifier::trial::{TrialError, TrialOptions, Unit, component_trials, taxel_trials};
 use underbrush_recording::disk::Dataset;
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{Recording, Trial};
 use underbrush_sim::reach::ReachError;
 
-use crate::error::ExperimentError;
 use crate::progress::Progress;
 
 /// The trials of one recording, numbered from `first`.
@@ -26,11 +26,7 @@ pub fn of_recording(recording: &Recording, options: &TrialOptions, first: u64) -
 ///
 /// # Errors
 /// If the set cannot be read or a reach cannot be cut; [`ReachError::Stopped`] if the user ends the run.
-pub fn of_dataset(
-    dataset: &Dataset,
-    options: &TrialOptions,
-    progress: &dyn Progress,
-) -> Result<Vec<Trial>, ExperimentError> {
+pub fn of_dataset(dataset: &Dataset, options: &TrialOptions, progress: &dyn Progress) -> Result<Vec<Trial>, Fault> {
     let mut trials = Vec::new();
     each_episode(dataset, progress, |episode, recording| {
         let mut found = of_recording(recording, options, trials.len() as u64)?;
@@ -49,7 +45,7 @@ pub fn each_episode(
     dataset: &Dataset,
     progress: &dyn Progress,
     mut each: impl FnMut(usize, &Recording) -> Result<(), TrialError>,
-) -> Result<(), ExperimentError> {
+) -> Result<(), Fault> {
     let count = progress.count("reaches read", dataset.episodes().len() as u64, 0);
     for episode in 0..dataset.episodes().len() {
         if progress.is_stopped() {

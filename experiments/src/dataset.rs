@@ -7,6 +7,7 @@ use serde_json::json;
 use underbrush_recording::disk::{
     ArmText, Dataset, DatasetPlan, DiskError, FileText, PlannedEpisode, Provenance, SceneText, Shard,
 };
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{Category, InputError, Recording};
 use underbrush_sim::arm::{Arm, ArmSource};
 use underbrush_sim::campaign::{self, Job};
@@ -15,7 +16,6 @@ use underbrush_sim::reach::{MakeController, ReachPlan};
 use underbrush_sim::scene::Scene;
 
 use crate::controller_parameters::ControllerParameters;
-use crate::error::ExperimentError;
 use crate::progress::Progress;
 use crate::verdict_controller::{VerdictControl, WITH_VERDICTS, check_model};
 
@@ -65,7 +65,7 @@ pub fn say_doubts<'a>(arms: impl IntoIterator<Item = &'a Arm>, progress: &dyn Pr
 ///
 /// # Errors
 /// If a reach differs although the same version made both, or if a set cannot be read.
-pub fn require_same_reaches(made: &Dataset, source: &Dataset) -> Result<(), ExperimentError> {
+pub fn require_same_reaches(made: &Dataset, source: &Dataset) -> Result<(), Fault> {
     let Some(index) = made.first_difference(source)? else {
         return Ok(());
     };
@@ -74,7 +74,7 @@ pub fn require_same_reaches(made: &Dataset, source: &Dataset) -> Result<(), Expe
     let [own, other] = [made, source].map(|set| set.provenance().program_version.as_str());
     if own == other {
         let text = "although the same version made both; the new data set is kept, please report it";
-        return Err(ExperimentError::Run(format!("{difference}, {text}")));
+        return Err(Fault::Run(format!("{difference}, {text}")));
     }
     log::warn!("{difference}, which version {other} made; this is {own}");
     Ok(())
@@ -84,21 +84,21 @@ impl Campaign {
     /// This many reaches of each of these scenes, with the scenes' own arms and controllers.
     ///
     /// # Errors
-    /// [`ExperimentError::Usage`] if two scenes have the same name.
-    pub fn new(scenes: Vec<Scene>, reaches: u64, seed: u64) -> Result<Self, ExperimentError> {
+    /// [`Fault::Usage`] if two scenes have the same name.
+    pub fn new(scenes: Vec<Scene>, reaches: u64, seed: u64) -> Result<Self, Fault> {
         let mut names = BTreeSet::new();
         if let Some(second) = scenes.iter().find(|scene| !names.insert(&scene.name)) {
             let text = "give scenes with names of their own, or rename one file";
-            return Err(ExperimentError::Usage(format!("two scenes are called {}; {text}", second.name)));
+            return Err(Fault::Usage(format!("two scenes are called {}; {text}", second.name)));
         }
         Ok(Campaign { scenes: scenes.into_iter().map(|scene| (scene, reaches)).collect(), seed, ..Campaign::default() })
     }
 
     /// The campaign that made a data set, reconstructed from the set alone. If its controller had verdicts, the touch
     /// model is needed too, because a set stores only the hash of the model's file.
-    pub fn of(dataset: &Dataset, verdicts: Option<VerdictControl>) -> Result<Self, ExperimentError> {
+    pub fn of(dataset: &Dataset, verdicts: Option<VerdictControl>) -> Result<Self, Fault> {
         let provenance = dataset.provenance();
-        let fault = |field: &str, found: String, allowed: &str| -> ExperimentError {
+        let fault = |field: &str, found: String, allowed: &str| -> Fault {
             let path = dataset.dir().join("meta/provenance.json");
             let remedy = "give a data set that `underbrush generate` made";
             InputError::new(path, field, found, allowed, remedy).into()
@@ -144,29 +144,29 @@ impl Campaign {
         &self,
         progress: &dyn Progress,
         make: impl Fn(Recording) -> Result<T, E> + Sync,
-    ) -> Result<Vec<T>, ExperimentError>
+    ) -> Result<Vec<T>, Fault>
     where
-        ExperimentError: From<E>,
+        Fault: From<E>,
     {
         each_reach(&self.plans()?, &self.jobs(), progress, |_, recording| make(recording))
     }
 
     /// Runs the campaign and returns its recordings in their order. They need about 10 MB per minute of simulated time.
-    pub fn recordings(&self, progress: &dyn Progress) -> Result<Vec<Recording>, ExperimentError> {
+    pub fn recordings(&self, progress: &dyn Progress) -> Result<Vec<Recording>, Fault> {
         self.each(progress, Ok::<Recording, DiskError>)
     }
 
     /// Whether a finished data set is what this campaign would make.
-    pub fn has_made(&self, dataset: &Dataset) -> Result<bool, ExperimentError> {
+    pub fn has_made(&self, dataset: &Dataset) -> Result<bool, Fault> {
         Ok(self.plan(&self.plans()?, &self.jobs())?.provenance == *dataset.provenance())
     }
 
     /// Name of the first scene's controller.
-    pub fn controller_name(&self) -> Result<String, ExperimentError> {
+    pub fn controller_name(&self) -> Result<String, Fault> {
         Ok(self.plans()?.first().map_or_else(String::new, ReachPlan::controller_name))
     }
 
-    fn plans(&self) -> Result<Vec<ReachPlan>, ExperimentError> {
+    fn plans(&self) -> Result<Vec<ReachPlan>, Fault> {
         let controller = self.controller;
         let plan = |(scene, _): &(Scene, u64)| {
             let plan = reach_plan(scene.clone(), self.arms.get(&scene.name), controller, self.seed)?;
@@ -194,7 +194,7 @@ impl Campaign {
     }
 
     /// Refuses more parts than reaches. A part without a reach could not be made, so the others could not be merged.
-    fn check_parts(&self) -> Result<(), ExperimentError> {
+    fn check_parts(&self) -> Result<(), Fault> {
         let Some(Shard { count, .. }) = self.shard else {
             return Ok(());
         };
@@ -202,34 +202,34 @@ impl Campaign {
         if count <= reaches {
             return Ok(());
         }
-        Err(ExperimentError::Usage(format!(
+        Err(Fault::Usage(format!(
             "{count} parts, and the number of reaches is {reaches}; allowed: at most as many parts as reaches, because a part \
              without a reach could not be merged; ask for fewer parts, or for more reaches"
         )))
     }
 
-    fn plan(&self, plans: &[ReachPlan], jobs: &[Job]) -> Result<DatasetPlan, ExperimentError> {
+    fn plan(&self, plans: &[ReachPlan], jobs: &[Job]) -> Result<DatasetPlan, Fault> {
         let Some(first) = plans.first() else {
-            return Err(ExperimentError::Usage("no scene given; name at least one".into()));
+            return Err(Fault::Usage("no scene given; name at least one".into()));
         };
         self.check_parts()?;
         if jobs.is_empty() {
-            return Err(ExperimentError::Usage("no reach to run; ask for at least one reach".into()));
+            return Err(Fault::Usage("no reach to run; ask for at least one reach".into()));
         }
         if let Some(other) = plans.iter().find(|plan| plan.arm.skin.layout != first.arm.skin.layout) {
-            return Err(ExperimentError::Usage(format!(
+            return Err(Fault::Usage(format!(
                 "scenes {} and {} have arms with different skin; generate a data set for each",
                 first.scene.name, other.scene.name
             )));
         }
         if self.own_controller.is_some() && ControllerKind::from_name(&first.controller_name()).is_ok() {
-            return Err(ExperimentError::Usage(format!(
+            return Err(Fault::Usage(format!(
                 "the controller is called {}, which is the name of a controller that ships; give it a name of its own",
                 first.controller_name()
             )));
         }
         if let Some(other) = plans.iter().find(|plan| plan.controller_name() != first.controller_name()) {
-            return Err(ExperimentError::Usage(format!(
+            return Err(Fault::Usage(format!(
                 "scenes {} and {} name different controllers, {} and {}; choose one with --controller, or generate a \
                  data set for each",
                 first.scene.name,
@@ -240,7 +240,7 @@ impl Campaign {
         }
         let further = further_categories(plans);
         if let Some([one, other]) = further.array_windows().find(|[one, other]| one.code() == other.code()) {
-            return Err(ExperimentError::Usage(format!(
+            return Err(Fault::Usage(format!(
                 "the categories {} and {} of these scenes have the same code, {}, so a data set cannot hold both; give one \
                  of them another name in its scene file",
                 one.name(),
@@ -327,9 +327,9 @@ pub fn each_reach<T: Send, E: std::error::Error + Send + 'static>(
     jobs: &[Job],
     progress: &dyn Progress,
     make: impl Fn(Job, Recording) -> Result<T, E> + Sync,
-) -> Result<Vec<T>, ExperimentError>
+) -> Result<Vec<T>, Fault>
 where
-    ExperimentError: From<E>,
+    Fault: From<E>,
 {
     let made: Mutex<BTreeMap<usize, T>> = Mutex::default();
     let count = progress.count("reaches", jobs.len() as u64, 0);

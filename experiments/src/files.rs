@@ -4,16 +4,17 @@ use std::path::Path;
 
 use serde::Serialize;
 use underbrush_recording::disk;
+use underbrush_recording::fault::Fault;
 
-use crate::error::{self, ExperimentError, storage};
+use crate::error::{self, storage};
 
 /// Creates a folder with its parents.
-pub fn create_folder(folder: &Path) -> Result<(), ExperimentError> {
+pub fn create_folder(folder: &Path) -> Result<(), Fault> {
     std::fs::create_dir_all(folder).map_err(storage(folder, "made"))
 }
 
 /// Writes a file completely or not at all, and creates its parent folders.
-pub fn write(path: &Path, contents: &[u8]) -> Result<(), ExperimentError> {
+pub fn write(path: &Path, contents: &[u8]) -> Result<(), Fault> {
     if let Some(folder) = path.parent() {
         create_folder(folder)?;
     }
@@ -31,6 +32,6 @@ pub fn write(path: &Path, contents: &[u8]) -> Result<(), ExperimentError> {
 /// assert_eq!(serde_json::from_slice::<Vec<u8>>(&std::fs::read(&path)?)?, [1, 2]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), ExperimentError> {
+pub fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), Fault> {
     write(path, &serde_json::to_vec_pretty(value).map_err(error::json(path))?)
 }

@@ -5,10 +5,10 @@ use serde::Serialize;
 use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_classifier::evaluate::{Stream, StreamTruth, Tally, classify_stream};
 use underbrush_classifier::online::OnlineOptions;
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{Category, Recording};
 
 use crate::definition::Experiment;
-use crate::error::ExperimentError;
 use crate::reaches::{self, Found};
 use crate::session::Session;
 use crate::{online_models, thresholds};
@@ -114,7 +114,7 @@ pub fn options(experiment: &Experiment, rule: Rule) -> OnlineOptions {
 }
 
 /// Classifies all test reaches online.
-pub fn run(session: &Session) -> Result<Online, ExperimentError> {
+pub fn run(session: &Session) -> Result<Online, Fault> {
     let reaches = session.once(reaches::run)?;
     let (models, thresholds) = (session.once(online_models::run)?, session.once(thresholds::run)?);
     let (experiment, models) = (session.experiment, &models.0);
@@ -129,7 +129,7 @@ pub fn run(session: &Session) -> Result<Online, ExperimentError> {
                 stream: classify_stream(models, recording, &options, truth)?,
             })
         };
-        found.reaches.iter().map(one).collect::<Result<Vec<_>, ExperimentError>>()
+        found.reaches.iter().map(one).collect::<Result<Vec<_>, Fault>>()
     };
     let classify_some = |found: &Option<Found>, rule: Rule| match found {
         Some(found) => classify(found, rule, StreamTruth::Object),
@@ -149,8 +149,7 @@ pub fn run(session: &Session) -> Result<Online, ExperimentError> {
                 by_object: classify(found, uncertain, StreamTruth::Object)?.pop(),
             })
         };
-        let engineered: Vec<Result<Engineered, ExperimentError>> =
-            reaches.engineered.par_iter().map(engineered).collect();
+        let engineered: Vec<Result<Engineered, Fault>> = reaches.engineered.par_iter().map(engineered).collect();
         let outlier = classify_some(&reaches.outlier, Decision::paper().rule)?;
         let outlier_by_chosen = match &thresholds.chosen {
             Ok(chosen) if reaches.outlier.is_some() => {

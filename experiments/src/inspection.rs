@@ -10,13 +10,13 @@ use underbrush_recording::InputError;
 use underbrush_recording::disk::{
     ArmText, Dataset, FileText, is_folder, is_recording, is_there, read_recording, read_trials,
 };
+use underbrush_recording::fault::Fault;
 use underbrush_sim::arm::ArmAtStart;
 use underbrush_sim::clutter::Clutter;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::{Scene, shipped_by_name};
 
 use crate::audit;
-use crate::error::ExperimentError;
 use crate::reach_ends::Ends;
 
 /// Checks a file or folder and says what it holds, as nested keys and values. A scene is drawn once, with this seed.
@@ -35,7 +35,7 @@ use crate::reach_ends::Ends;
 /// assert!(absent.contains("no such file or folder"), "{absent}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn inspect(path: &Path, seed: u64) -> Result<Value, ExperimentError> {
+pub fn inspect(path: &Path, seed: u64) -> Result<Value, Fault> {
     if !is_there(path)? {
         if shipped_by_name().any(|(name, _)| Path::new(name) == path) {
             return scene(path, seed);
@@ -50,14 +50,14 @@ pub fn inspect(path: &Path, seed: u64) -> Result<Value, ExperimentError> {
         "json" => model(path),
         "parquet" if is_recording(path)? => recording(path),
         "parquet" | "csv" => trials(path),
-        _ => Err(ExperimentError::Usage(format!(
+        _ => Err(Fault::Usage(format!(
             "{}: neither a folder nor a .toml, .json, .parquet or .csv file; give one of these",
             path.display()
         ))),
     }
 }
 
-fn scene(path: &Path, seed: u64) -> Result<Value, ExperimentError> {
+fn scene(path: &Path, seed: u64) -> Result<Value, Fault> {
     let plan = ReachPlan::new(Scene::open(path)?, None, seed)?;
     let clutter = Clutter::draw(&plan.scene, &ArmAtStart::of(&plan.arm), seed, 0)?;
     let mut objects: BTreeMap<&str, usize> = BTreeMap::new();
@@ -81,7 +81,7 @@ fn scene(path: &Path, seed: u64) -> Result<Value, ExperimentError> {
     }))
 }
 
-fn dataset(path: &Path) -> Result<Value, ExperimentError> {
+fn dataset(path: &Path) -> Result<Value, Fault> {
     let dataset = Dataset::open(path)?;
     dataset.verify()?;
     let episodes = dataset.episodes();
@@ -124,7 +124,7 @@ fn dataset(path: &Path) -> Result<Value, ExperimentError> {
     }))
 }
 
-fn recording(path: &Path) -> Result<Value, ExperimentError> {
+fn recording(path: &Path) -> Result<Value, Fault> {
     let recording = read_recording(path)?;
     let goals: Vec<&str> = recording.goals.iter().map(|goal| goal.outcome.name()).collect();
     Ok(json!({
@@ -146,7 +146,7 @@ fn recording(path: &Path) -> Result<Value, ExperimentError> {
     }))
 }
 
-fn trials(path: &Path) -> Result<Value, ExperimentError> {
+fn trials(path: &Path) -> Result<Value, Fault> {
     let trials = read_trials(path)?;
     let mut categories: BTreeMap<&str, usize> = BTreeMap::new();
     for trial in &trials {
@@ -165,7 +165,7 @@ fn trials(path: &Path) -> Result<Value, ExperimentError> {
     }))
 }
 
-fn model(path: &Path) -> Result<Value, ExperimentError> {
+fn model(path: &Path) -> Result<Value, Fault> {
     match any_model::load(path)? {
         AnyModel::OfTrials(model) => Ok(model_of_trials(path, &model)),
         AnyModel::Touch(model) => Ok(json!({

@@ -38,7 +38,6 @@ pub mod verdict_controller;
 pub mod verdict_transfer;
 mod warnings;
 
-pub use error::ExperimentError;
 pub use progress::{Counter, Progress, Silent};
 pub use warnings::show_warnings;
 

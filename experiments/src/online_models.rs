@@ -2,8 +2,8 @@
 
 use serde_json::json;
 use underbrush_classifier::{HmmClassifier, Model};
+use underbrush_recording::fault::Fault;
 
-use crate::error::ExperimentError;
 use crate::session::Session;
 use crate::{estimators, model_data, training};
 
@@ -15,7 +15,7 @@ impl Models {
     ///
     /// # Errors
     /// Those of the training data, if they were not made yet.
-    pub fn model(&self, session: &Session) -> Result<Model, ExperimentError> {
+    pub fn model(&self, session: &Session) -> Result<Model, Fault> {
         let dataset = &session.once(training::run)?.dataset;
         let options = json!({
             "experiment": session.experiment.name,
@@ -29,7 +29,7 @@ impl Models {
 }
 
 /// Fits the models.
-pub fn run(session: &Session) -> Result<Models, ExperimentError> {
+pub fn run(session: &Session) -> Result<Models, Fault> {
     let data = session.once(training::run)?;
     let recipe = estimators::main_recipe(session.experiment);
     session.stage("Models", || Ok(Models(HmmClassifier::train(&data.trials.taxel, &recipe)?.0)))

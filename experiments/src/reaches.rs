@@ -7,12 +7,12 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::trial::{ContactTrial, TrialOptions, taxel_trials};
 use underbrush_recording::disk::{DiskError, read_recording, write_recording};
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{Category, Recording};
 use underbrush_sim::reach::ReachPlan;
 
 use crate::dataset::reach_plan;
 use crate::definition::Experiment;
-use crate::error::ExperimentError;
 use crate::files;
 use crate::progress::Progress;
 use crate::result_cache::{self, Run};
@@ -73,7 +73,7 @@ struct Index {
 }
 
 impl Wanted {
-    fn is(&self, recording: &Recording, options: &TrialOptions) -> Result<bool, ExperimentError> {
+    fn is(&self, recording: &Recording, options: &TrialOptions) -> Result<bool, Fault> {
         let patch = recording.layout.chosen_patch(options.patch.as_deref());
         // Contacts are sorted by their first frame.
         let touched: Vec<Category> = recording
@@ -103,7 +103,7 @@ impl Wanted {
 
 impl Search<'_> {
     /// Draws the reaches, or reads those that an earlier run has cached in `folder`.
-    fn run(&self, folder: &Path, run: &Run, progress: &dyn Progress) -> Result<Found, ExperimentError> {
+    fn run(&self, folder: &Path, run: &Run, progress: &dyn Progress) -> Result<Found, Fault> {
         let scene = self.plan.scene.name.clone();
         let file = |index: u64| -> PathBuf { folder.join(format!("{scene}-{index}.parquet")) };
         let index_file = folder.join(format!("{scene}.json"));
@@ -129,7 +129,7 @@ impl Search<'_> {
     }
 
     /// The cached reach of an index. If its file is missing or damaged, the reach is drawn again.
-    fn cached(&self, file: &Path, index: u64, progress: &dyn Progress) -> Result<Recording, ExperimentError> {
+    fn cached(&self, file: &Path, index: u64, progress: &dyn Progress) -> Result<Recording, Fault> {
         match read_recording(file) {
             Err(DiskError::Input(error)) if !error.storage => {
                 let (file, found) = (file.display(), &error.found);
@@ -144,20 +144,20 @@ impl Search<'_> {
 }
 
 /// The plan of the reaches of a scene, by its path in the experiment file.
-pub fn plan(experiment: &Experiment, source: &str, seed: u64) -> Result<ReachPlan, ExperimentError> {
+pub fn plan(experiment: &Experiment, source: &str, seed: u64) -> Result<ReachPlan, Fault> {
     let Some(scene) = experiment.scene(source).cloned() else {
-        return Err(ExperimentError::Usage(format!("{source}: the experiment has no such scene")));
+        return Err(Fault::Usage(format!("{source}: the experiment has no such scene")));
     };
     Ok(reach_plan(scene, experiment.arm.as_ref(), experiment.file.controller, seed)?)
 }
 
 /// Draws all test reaches, scenes in parallel.
-pub fn run(session: &Session) -> Result<TestReaches, ExperimentError> {
+pub fn run(session: &Session) -> Result<TestReaches, Fault> {
     let (experiment, progress) = (session.experiment, session.progress);
     let file = &experiment.file;
     let known: Vec<Category> = experiment.labels().into_iter().filter_map(|label| experiment.category(label)).collect();
     let search = |source, wanted, enough, max_draws| {
-        Ok::<_, ExperimentError>(Search {
+        Ok::<_, Fault>(Search {
             source,
             plan: plan(experiment, source, session.seed)?,
             options: experiment.trial_options(),
@@ -195,7 +195,7 @@ pub fn run(session: &Session) -> Result<TestReaches, ExperimentError> {
         files::create_folder(&folder)?;
         let count = progress.count("experiments", searches.len() as u64, 0);
         let run = session.run_of(session.seed);
-        let found: Vec<Result<Found, ExperimentError>> = searches
+        let found: Vec<Result<Found, Fault>> = searches
             .par_iter()
             .with_max_len(1)
             .map(|search| {

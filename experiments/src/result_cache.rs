@@ -6,9 +6,10 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use underbrush_recording::fault::Fault;
 
 use crate::dataset::PROGRAM_VERSION;
-use crate::error::{self, ExperimentError};
+use crate::error;
 use crate::files;
 use crate::progress::Progress;
 
@@ -64,7 +65,7 @@ pub fn load<T: DeserializeOwned>(path: &Path, run: &Run, progress: &dyn Progress
 }
 
 /// Writes a result to the cache.
-pub fn store<T: Serialize>(path: &Path, run: &Run, result: &T) -> Result<(), ExperimentError> {
+pub fn store<T: Serialize>(path: &Path, run: &Run, result: &T) -> Result<(), Fault> {
     let made_by = MadeBy::this_run(path, run);
     write(path, &Kept { made_by, result })
 }
@@ -74,8 +75,8 @@ pub fn result<T: Serialize + DeserializeOwned>(
     path: &Path,
     run: &Run,
     progress: &dyn Progress,
-    make: impl FnOnce() -> Result<T, ExperimentError>,
-) -> Result<T, ExperimentError> {
+    make: impl FnOnce() -> Result<T, Fault>,
+) -> Result<T, Fault> {
     if let Some(kept) = load(path, run, progress) {
         return Ok(kept);
     }
@@ -97,7 +98,7 @@ fn hash(content: &Value) -> String {
 }
 
 /// Writes the content with its hash.
-pub(crate) fn write<T: Serialize>(path: &Path, content: &T) -> Result<(), ExperimentError> {
+pub(crate) fn write<T: Serialize>(path: &Path, content: &T) -> Result<(), Fault> {
     let content = serde_json::to_value(content).map_err(error::json(path))?;
     let sealed = Sealed { blake3: hash(&content), content };
     files::write(path, &serde_json::to_vec_pretty(&sealed).map_err(error::json(path))?)

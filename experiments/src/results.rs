@@ -1,10 +1,10 @@
 //! All results of a run: `summary.json`, and the input of the report.
 
 use serde::Serialize;
+use underbrush_recording::fault::Fault;
 
 use crate::dataset::PROGRAM_VERSION;
 use crate::definition::Experiment;
-use crate::error::ExperimentError;
 use crate::experiment::Outcomes;
 use crate::session::Session;
 
@@ -56,7 +56,7 @@ impl Results {
     ///
     /// # Errors
     /// The error of the first experiment that fails.
-    pub fn of(session: &Session) -> Result<Self, ExperimentError> {
+    pub fn of(session: &Session) -> Result<Self, Fault> {
         let outcomes = Outcomes::of(session)?;
         let processor = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
             let line = text.lines().find(|line| line.starts_with("model name"))?;

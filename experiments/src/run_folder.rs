@@ -4,10 +4,11 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use underbrush_recording::fault::Fault;
 
 use crate::dataset::PROGRAM_VERSION;
 use crate::definition::Experiment;
-use crate::error::{ExperimentError, storage};
+use crate::error::storage;
 use crate::files;
 
 /// Everything that decides the reaches of a run.
@@ -55,13 +56,13 @@ impl Plan {
     /// # Errors
     /// When the folder holds the results of another plan, or files under the names of results but no plan, or cannot be
     /// written.
-    pub fn settle(&self, out: &Path, force: bool) -> Result<(), ExperimentError> {
+    pub fn settle(&self, out: &Path, force: bool) -> Result<(), Fault> {
         if FOLDERS.iter().chain(&FILES).any(|name| out.join(name).exists()) {
             let stored = Plan::stored(out)?;
             if !force {
                 return match self.difference(&stored) {
                     None => Ok(()),
-                    Some(difference) => Err(ExperimentError::Usage(format!(
+                    Some(difference) => Err(Fault::Usage(format!(
                         "{}: holds the results of another run: {difference}; choose another folder with --out, or replace \
                          them with --force",
                         out.display()
@@ -74,10 +75,10 @@ impl Plan {
     }
 
     /// The plan of the run whose results a folder holds.
-    fn stored(out: &Path) -> Result<Self, ExperimentError> {
+    fn stored(out: &Path) -> Result<Self, Fault> {
         let path = out.join(FILE);
         let no_plan = |found: String| {
-            ExperimentError::Usage(format!(
+            Fault::Usage(format!(
                 "{}: holds files under the names of results, but {found}, so they may not come from reproduce, which leaves \
                  them alone; choose another folder with --out",
                 out.display()
@@ -104,7 +105,7 @@ impl Plan {
     }
 }
 
-fn clear(out: &Path) -> Result<(), ExperimentError> {
+fn clear(out: &Path) -> Result<(), Fault> {
     let remove = |path: &Path| match path {
         _ if !path.exists() => Ok(()),
         _ if path.is_dir() => std::fs::remove_dir_all(path),

@@ -9,10 +9,10 @@ use std::time::Instant;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use underbrush_recording::fault::Fault;
 use underbrush_sim::reach::ReachError;
 
 use crate::definition::Experiment;
-use crate::error::ExperimentError;
 use crate::progress::Progress;
 use crate::result_cache::{self, Run};
 
@@ -81,10 +81,7 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// Those of the function.
-    pub fn once<T: 'static>(
-        &self,
-        make: impl FnOnce(&Session<'a>) -> Result<T, ExperimentError>,
-    ) -> Result<Rc<T>, ExperimentError> {
+    pub fn once<T: 'static>(&self, make: impl FnOnce(&Session<'a>) -> Result<T, Fault>) -> Result<Rc<T>, Fault> {
         let found = self.done.borrow().get(&TypeId::of::<T>()).cloned();
         if let Some(known) = found.and_then(|found| found.downcast::<T>().ok()) {
             return Ok(known);
@@ -99,11 +96,7 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// Those of the work; [`ReachError::Stopped`] if the user ends the run.
-    pub fn stage<T>(
-        &self,
-        name: &'static str,
-        work: impl FnOnce() -> Result<T, ExperimentError>,
-    ) -> Result<T, ExperimentError> {
+    pub fn stage<T>(&self, name: &'static str, work: impl FnOnce() -> Result<T, Fault>) -> Result<T, Fault> {
         if self.progress.is_stopped() {
             return Err(ReachError::Stopped.into());
         }
@@ -141,8 +134,8 @@ impl<'a> Session<'a> {
         &self,
         name: &str,
         seed: u64,
-        make: impl FnOnce() -> Result<T, ExperimentError>,
-    ) -> Result<T, ExperimentError> {
+        make: impl FnOnce() -> Result<T, Fault>,
+    ) -> Result<T, Fault> {
         let path: PathBuf = self.folder.join("campaigns").join(format!("{name}-{seed}.json"));
         result_cache::result(&path, &self.run_of(seed), self.progress, make)
     }

@@ -7,8 +7,8 @@ use underbrush_classifier::evaluate::{
     ChosenThresholds, FoldBy, Folds, RocCurve, ThresholdTargets, category_roc, choose_thresholds, cross_validate,
     evaluate, outlier_roc,
 };
+use underbrush_recording::fault::Fault;
 
-use crate::error::ExperimentError;
 use crate::session::Session;
 use crate::training::{self, Trials};
 use crate::{estimators, online_models, reaches};
@@ -24,7 +24,7 @@ pub struct Thresholds {
 }
 
 /// Chooses thresholds on taxel trials that are held out by whole reaches. The outlier reaches only show their effect.
-pub fn run(session: &Session) -> Result<Thresholds, ExperimentError> {
+pub fn run(session: &Session) -> Result<Thresholds, Fault> {
     let (data, models) = (session.once(training::run)?, session.once(online_models::run)?);
     let tested = session.once(reaches::run)?;
     session.stage("Thresholds", || {

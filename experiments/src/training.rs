@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use underbrush_classifier::trial::{ContactTrial, Labels, TrialError, TrialOptions, component_trials, taxel_trials};
 use underbrush_recording::disk::Dataset;
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{Recording, Trial};
 use underbrush_sim::scene::SceneFile;
 
 use crate::contact_trials;
 use crate::dataset::Campaign;
 use crate::definition::Experiment;
-use crate::error::ExperimentError;
 use crate::progress::Progress;
 use crate::session::Session;
 
@@ -52,7 +52,7 @@ pub struct TrainingData {
 }
 
 /// Simulates the training reaches, except those already finished in the run's folder, and extracts trials from them.
-pub fn run(session: &Session) -> Result<TrainingData, ExperimentError> {
+pub fn run(session: &Session) -> Result<TrainingData, Fault> {
     let (experiment, progress) = (session.experiment, session.progress);
     let dataset = session.stage("Training reaches", || {
         let (campaign, _) = campaign(experiment, session.seed, &reaches(experiment, session.quick), |_| {})?;
@@ -84,7 +84,7 @@ pub fn campaign(
     seed: u64,
     reaches: &[u64],
     change: impl Fn(&mut SceneFile),
-) -> Result<(Campaign, Labelled), ExperimentError> {
+) -> Result<(Campaign, Labelled), Fault> {
     let (mut scenes, mut labels, mut arms) = (Vec::new(), Vec::new(), BTreeMap::new());
     for (training, reaches) in experiment.file.training.iter().zip(reaches) {
         let Some(scene) = experiment.scene(&training.scene) else {
@@ -129,7 +129,7 @@ impl Trials {
     }
 
     /// The trials of the run's training reaches, extracted with these options.
-    pub fn of_dataset(session: &Session, dataset: &Dataset, options: &TrialOptions) -> Result<Self, ExperimentError> {
+    pub fn of_dataset(session: &Session, dataset: &Dataset, options: &TrialOptions) -> Result<Self, Fault> {
         let (_, labelled) =
             campaign(session.experiment, session.seed, &reaches(session.experiment, session.quick), |_| {})?;
         let mut parts = Vec::new();
@@ -145,7 +145,7 @@ impl Trials {
         experiment: &Experiment,
         labelled: &Labelled,
         recordings: &[Recording],
-    ) -> Result<Self, ExperimentError> {
+    ) -> Result<Self, Fault> {
         let options = experiment.trial_options();
         let parts = recordings.iter().map(|recording| Trials::cut(recording, &options));
         Ok(Trials::joined(&options, labelled, parts.collect::<Result<_, _>>()?))
@@ -156,7 +156,7 @@ impl Trials {
         experiment: &Experiment,
         (campaign, labelled): &(Campaign, Labelled),
         progress: &dyn Progress,
-    ) -> Result<Self, ExperimentError> {
+    ) -> Result<Self, Fault> {
         let options = experiment.trial_options();
         let parts = campaign.each(progress, |recording| Trials::cut(&recording, &options))?;
         Ok(Trials::joined(&options, labelled, parts))

@@ -11,12 +11,11 @@ use std::sync::Arc;
 use serde::Serialize;
 use underbrush_classifier::touch::{Touch, TouchClassifier, TouchModel};
 use underbrush_recording::disk::Dataset;
+use underbrush_recording::fault::Fault;
 use underbrush_recording::limits::JSON_BYTES;
 use underbrush_recording::{Frame, InputError, read_text};
 use underbrush_sim::controller::{Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact};
 use underbrush_sim::reach::{PlannedController, ReachPlan};
-
-use crate::error::ExperimentError;
 
 /// The suffix of the name of a controller with verdicts.
 pub const WITH_VERDICTS: &str = "+verdicts";
@@ -141,11 +140,11 @@ impl VerdictControl {
     /// The plan with verdicts for its controller.
     ///
     /// # Errors
-    /// [`ExperimentError`] if the controller uses no contacts, or the arm's skin lacks the model's patch.
-    pub fn applied_to(&self, plan: ReachPlan) -> Result<ReachPlan, ExperimentError> {
+    /// [`Fault`] if the controller uses no contacts, or the arm's skin lacks the model's patch.
+    pub fn applied_to(&self, plan: ReachPlan) -> Result<ReachPlan, Fault> {
         if let PlannedController::Shipped(ControllerKind::Blind, _) = plan.controller {
             let text = "the controller blind ignores all contacts and so all verdicts; choose another controller";
-            return Err(ExperimentError::Usage(text.into()));
+            return Err(Fault::Usage(text.into()));
         }
         let layout = &plan.arm.skin.layout;
         let classifier = TouchClassifier::new(self.model.clone(), layout)?;
@@ -164,7 +163,7 @@ impl VerdictControl {
 
 /// Checks that the given touch model is the one that gave the verdicts of a data set, or that none is given if the set
 /// has no verdicts.
-pub(crate) fn check_model(dataset: &Dataset, verdicts: Option<&VerdictControl>) -> Result<(), ExperimentError> {
+pub(crate) fn check_model(dataset: &Dataset, verdicts: Option<&VerdictControl>) -> Result<(), Fault> {
     let mut parameters = dataset.provenance().controller_parameters.values();
     let stored = parameters.find_map(|scene| scene.get("verdicts")?.get("touch_model_blake3")?.as_str());
     let given = verdicts.map(VerdictControl::model_blake3);

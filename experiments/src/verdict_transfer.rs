@@ -7,8 +7,7 @@ use underbrush_classifier::ModelError;
 use underbrush_classifier::evaluate::touch::TouchEvaluation;
 use underbrush_classifier::touch::{TouchExamples, TouchOptions};
 use underbrush_recording::Recording;
-
-use crate::error::ExperimentError;
+use underbrush_recording::fault::Fault;
 
 /// Reaches at one setting, each with its fold, 0 or 1. Reaches with the same clutter are in the same fold at every
 /// setting.
@@ -39,7 +38,7 @@ impl VerdictTransfer {
         options: &TouchOptions,
         here: &FoldedReaches,
         nominal: &FoldedReaches,
-    ) -> Result<Self, ExperimentError> {
+    ) -> Result<Self, Fault> {
         let fitted_here = judged(options, here, here)?;
         let fitted_nominally = judged(options, nominal, here)?;
         Ok(VerdictTransfer {
@@ -65,11 +64,7 @@ impl Judged {
 
 /// Verdicts on each fold of `tested` by networks fitted to the other fold of `fitted`; `None` if there is nothing to
 /// fit to.
-fn judged(
-    options: &TouchOptions,
-    fitted: &FoldedReaches,
-    tested: &FoldedReaches,
-) -> Result<Option<Judged>, ExperimentError> {
+fn judged(options: &TouchOptions, fitted: &FoldedReaches, tested: &FoldedReaches) -> Result<Option<Judged>, Fault> {
     let (mut evaluation, mut categories) = (TouchEvaluation::default(), Vec::new());
     for fold in 0..2 {
         let mut examples = TouchExamples::new(options.clone());

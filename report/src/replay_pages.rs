@@ -6,15 +6,16 @@ use underbrush_classifier::Model;
 use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_experiments::experiment::example_trials;
 use underbrush_experiments::session::Session;
-use underbrush_experiments::{ExperimentError, files, frame_verdicts, online_models, reaches, training};
+use underbrush_experiments::{files, frame_verdicts, online_models, reaches, training};
 use underbrush_recording::Recording;
+use underbrush_recording::fault::Fault;
 use underbrush_replay::{Held, Judging, JudgingModel, ReplayError, Source, single_file};
 
 use crate::replay_links::{ENGINEERED_FILE, TEST_FILE, TRAINING_FILE};
 use crate::replayed::{MAX_PAGE_BYTES, known};
 
 /// Writes each page that has reaches, with the verdicts that the figures are about.
-pub fn write(session: &Session, folder: &Path) -> Result<(), ExperimentError> {
+pub fn write(session: &Session, folder: &Path) -> Result<(), Fault> {
     let (tested, online) = (session.once(reaches::run)?, session.once(frame_verdicts::run)?);
     let uncertain = frame_verdicts::uncertain_rule(session.experiment);
     let judged = |recording: &Recording, rule: Rule| held(session, recording.clone(), rule);
@@ -39,7 +40,7 @@ pub fn write(session: &Session, folder: &Path) -> Result<(), ExperimentError> {
 }
 
 /// A reach with the verdicts of the experiment's models by this rule.
-fn held(session: &Session, recording: Recording, rule: Rule) -> Result<Held, ExperimentError> {
+fn held(session: &Session, recording: Recording, rule: Rule) -> Result<Held, Fault> {
     let models = session.once(online_models::run)?;
     let judging = Judging {
         name: "model.json".into(),
@@ -52,11 +53,7 @@ fn held(session: &Session, recording: Recording, rule: Rule) -> Result<Held, Exp
 }
 
 /// Writes a page with these reaches. Reaches that do not fit are left out with a remark.
-fn page(
-    session: &Session,
-    reaches: impl Iterator<Item = Result<Held, ExperimentError>>,
-    path: &Path,
-) -> Result<(), ExperimentError> {
+fn page(session: &Session, reaches: impl Iterator<Item = Result<Held, Fault>>, path: &Path) -> Result<(), Fault> {
     let source = Source::of(reaches.collect::<Result<_, _>>()?, known())?;
     let numbers: Vec<usize> = (0..source.reaches().len()).collect();
     if numbers.is_empty() {

@@ -8,8 +8,9 @@ use underbrush_experiments::files::{write, write_json};
 use underbrush_experiments::results::Results;
 use underbrush_experiments::run_folder::Plan;
 use underbrush_experiments::session::Session;
-use underbrush_experiments::{ExperimentError, Progress, audit, online_models, training};
+use underbrush_experiments::{Progress, audit, online_models, training};
 use underbrush_recording::disk::write_trials;
+use underbrush_recording::fault::Fault;
 
 use crate::{Written, replay_pages};
 
@@ -34,7 +35,7 @@ impl Reproduction<'_> {
     ///
     /// # Errors
     /// If the folder holds the results of another run, a stage fails, or a file cannot be written.
-    pub fn run(&self, out: &Path, progress: &dyn Progress) -> Result<(Results, Written), ExperimentError> {
+    pub fn run(&self, out: &Path, progress: &dyn Progress) -> Result<(Results, Written), Fault> {
         Plan::new(self.experiment, self.seed, self.quick).settle(out, self.force)?;
         let session = Session::new(self.experiment, (self.seed, self.quick, self.campaigns), out, progress);
         let data = session.once(training::run)?;
@@ -66,7 +67,7 @@ impl Reproduction<'_> {
     ///
     /// # Errors
     /// If the folder holds the results of another run, a stage fails, or a file cannot be written.
-    pub fn run_campaign(&self, seed: u64, out: &Path, progress: &dyn Progress) -> Result<(), ExperimentError> {
+    pub fn run_campaign(&self, seed: u64, out: &Path, progress: &dyn Progress) -> Result<(), Fault> {
         Plan::new(self.experiment, self.seed, self.quick).settle(out, false)?;
         let session = Session::new(self.experiment, (self.seed, self.quick, self.campaigns), out, progress);
         campaigns::run_one(&session, seed)

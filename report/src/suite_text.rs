@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use underbrush_experiments::files;
 use underbrush_experiments::suite::Checked;
 use underbrush_experiments::suite::result::{BoundResult, BoundVerdict, SceneResult, SuiteResult};
-use underbrush_experiments::{ExperimentError, files};
+use underbrush_recording::fault::Fault;
 use underbrush_recording::math;
 
 use crate::drawing::Rows;
@@ -18,7 +19,7 @@ pub const FILES: [&str; 2] = ["results.json", "junit.xml"];
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn write(folder: &Path, checked: &Checked) -> Result<(), ExperimentError> {
+pub fn write(folder: &Path, checked: &Checked) -> Result<(), Fault> {
     let [results, junit] = FILES.map(|name| folder.join(name));
     files::write_json(&results, checked)?;
     let xml = junit::document(&checked.suites, why);

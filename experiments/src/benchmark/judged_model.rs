@@ -14,11 +14,11 @@ use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_classifier::touch::{TouchClassifier, TouchModel};
 use underbrush_classifier::trial::PatchImage;
 use underbrush_recording::disk::file_blake3;
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{Category, Frame, InputError, Recording, SkinLayout};
 
 use super::contacts::{Answer, Class, Contact, OpenContact, SILENCE};
 use super::frozen::{PATCH, THRESHOLD_N};
-use crate::error::ExperimentError;
 
 /// A model that is judged.
 pub struct JudgedModel {
@@ -42,7 +42,7 @@ impl JudgedModel {
     ///
     /// # Errors
     /// If it cannot be read, does not know both leaf and trunk, or judges another patch.
-    pub fn load(path: &Path) -> Result<Self, ExperimentError> {
+    pub fn load(path: &Path) -> Result<Self, Fault> {
         let model = any_model::load(path)?;
         let blake3 = file_blake3(path)?;
         let (classifier, categories, model) = match model {
@@ -77,7 +77,7 @@ impl JudgedModel {
     ///
     /// # Errors
     /// If the model cannot judge this skin.
-    pub(super) fn contacts(&self, recording: &Recording) -> Result<Vec<Contact>, ExperimentError> {
+    pub(super) fn contacts(&self, recording: &Recording) -> Result<Vec<Contact>, Fault> {
         let mut answering = Answering::new(&self.model, &recording.layout)?;
         let mut image = PatchImage::new(&recording.layout, Some(PATCH), THRESHOLD_N)?;
         let taxels = image.patch().taxels.len();
@@ -113,7 +113,7 @@ enum Answering {
 }
 
 impl Answering {
-    fn new(model: &Followed, layout: &SkinLayout) -> Result<Self, ExperimentError> {
+    fn new(model: &Followed, layout: &SkinLayout) -> Result<Self, Fault> {
         Ok(match model {
             Followed::Touch(model) => {
                 let patch = layout.patch_index(PATCH).unwrap_or_default();
@@ -137,7 +137,7 @@ impl Answering {
     }
 
     /// Processes the next frame and writes the answer for each taxel that the model judges.
-    fn answer(&mut self, frame: &Frame, answers: &mut [Answer]) -> Result<(), ExperimentError> {
+    fn answer(&mut self, frame: &Frame, answers: &mut [Answer]) -> Result<(), Fault> {
         match self {
             Answering::Touch(classifier, patch) => {
                 classifier.update(frame)?;

@@ -20,13 +20,13 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use underbrush_recording::disk::Dataset;
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{InputError, Recording};
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::MakeController;
 use underbrush_sim::scene::Scene;
 
 use crate::dataset::{Campaign, PROGRAM_VERSION};
-use crate::error::ExperimentError;
 use crate::files;
 use crate::progress::Progress;
 use crate::verdict_controller::VerdictControl;
@@ -76,11 +76,7 @@ impl Entry {
     ///
     /// # Errors
     /// If the track is unknown or judges something else, or the model cannot be read or judged.
-    pub fn new(
-        track: &str,
-        model: Option<&Path>,
-        controller: Option<EnteredController>,
-    ) -> Result<Self, ExperimentError> {
+    pub fn new(track: &str, model: Option<&Path>, controller: Option<EnteredController>) -> Result<Self, Fault> {
         match (track, model, controller) {
             ("verdicts", Some(model), None) => Ok(Entry::Verdicts(Box::new(JudgedModel::load(model)?))),
             ("transfer", Some(model), None) => Ok(Entry::Transfer(Box::new(JudgedModel::load(model)?))),
@@ -109,12 +105,12 @@ impl Entry {
     ///
     /// # Errors
     /// If a controller's verdicts do not suit the arm, or the frozen files are broken.
-    pub fn sets(&self, quick: bool) -> Result<Vec<TestSet>, ExperimentError> {
+    pub fn sets(&self, quick: bool) -> Result<Vec<TestSet>, Fault> {
         let set = |name: String, paths: &[&str], reaches: u64, seed: u64| {
             let reaches = if quick { frozen::QUICK_REACHES } else { reaches };
             let scenes: Vec<Scene> = paths.iter().map(|path| frozen::scene(path)).collect::<Result<_, _>>()?;
             let campaign = Campaign { arms: frozen::arms(&scenes)?, ..Campaign::new(scenes, reaches, seed)? };
-            Ok::<TestSet, ExperimentError>(TestSet { name, campaign })
+            Ok::<TestSet, Fault>(TestSet { name, campaign })
         };
         let judged = frozen::JUDGED_REACHES;
         match self {
@@ -146,7 +142,7 @@ impl Entry {
     /// # Errors
     /// If a reach fails, a file cannot be read or written, the model does not suit the skin, or the row of another
     /// model is in the row's place.
-    pub fn run(&self, folder: &Path, quick: bool, progress: &dyn Progress) -> Result<Row, ExperimentError> {
+    pub fn run(&self, folder: &Path, quick: bool, progress: &dyn Progress) -> Result<Row, Fault> {
         let planned = self.sets(quick)?;
         let entry = self.record(&planned)?;
         let kind = if quick { "quick-rows" } else { "rows" };
@@ -175,7 +171,7 @@ impl Entry {
         Ok(row)
     }
 
-    fn record(&self, sets: &[TestSet]) -> Result<EntryRecord, ExperimentError> {
+    fn record(&self, sets: &[TestSet]) -> Result<EntryRecord, Fault> {
         Ok(match self {
             Entry::Verdicts(model) | Entry::Transfer(model) => EntryRecord {
                 name: model.name.clone(),
@@ -193,7 +189,7 @@ impl Entry {
         })
     }
 
-    fn figures(&self, sets: &[(String, Dataset)], progress: &dyn Progress) -> Result<Figures, ExperimentError> {
+    fn figures(&self, sets: &[(String, Dataset)], progress: &dyn Progress) -> Result<Figures, Fault> {
         let contacts = |set: &Dataset, model: &JudgedModel| {
             each_reach(set, progress, |recording| Ok((recording.scene.clone(), model.contacts(recording)?)))
         };
@@ -207,7 +203,7 @@ impl Entry {
                     let found = contacts(set, model)?;
                     Ok(found.into_iter().map(|(_, contacts)| contacts).collect())
                 };
-                let settings = sets.iter().map(of_set).collect::<Result<Vec<_>, ExperimentError>>()?;
+                let settings = sets.iter().map(of_set).collect::<Result<Vec<_>, Fault>>()?;
                 Figures::Transfer(transfer::figures(&settings))
             }
             Entry::Reaching(_) => {
@@ -233,8 +229,8 @@ pub fn set_folder(folder: &Path, name: &str, quick: bool) -> PathBuf {
 fn each_reach<T: Send>(
     set: &Dataset,
     progress: &dyn Progress,
-    of: impl Fn(&Recording) -> Result<T, ExperimentError> + Sync,
-) -> Result<Vec<T>, ExperimentError> {
+    of: impl Fn(&Recording) -> Result<T, Fault> + Sync,
+) -> Result<Vec<T>, Fault> {
     let reaches = set.episodes().len();
     let count = progress.count("reaches", reaches as u64, 0);
     (0..reaches)

@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use underbrush_recording::InputError;
 use underbrush_recording::disk::Dataset;
+use underbrush_recording::fault::Fault;
 
 use super::reaching::Reaching;
 use super::transfer::Transfer;
 use super::verdicts::Verdicts;
-use crate::error::ExperimentError;
 
 /// A row. It holds no times and no paths, so the same entry gives the same bytes on every machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -107,7 +107,7 @@ impl EntryRecord {
 
 impl SetRecord {
     /// The record of a set. All of its files are checked.
-    pub(super) fn of(name: &str, dataset: &Dataset) -> Result<Self, ExperimentError> {
+    pub(super) fn of(name: &str, dataset: &Dataset) -> Result<Self, Fault> {
         dataset.verify()?;
         let provenance = dataset.provenance();
         let scene = |own: &underbrush_recording::disk::SceneText| SceneRecord {

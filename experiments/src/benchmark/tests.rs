@@ -105,7 +105,7 @@ fn the_row_of_another_model_stays() {
     files::write(&file, br#"{ "entry": { "name": "blind", "model_blake3": "0123" } }"#).unwrap();
     let entry =
         Entry::Reaching(EnteredController { kind: Some(ControllerKind::Blind), ..EnteredController::default() });
-    let Err(ExperimentError::Input(error)) = entry.run(folder.path(), true, &crate::progress::Silent) else {
+    let Err(Fault::Input(error)) = entry.run(folder.path(), true, &crate::progress::Silent) else {
         panic!("the row is not refused");
     };
     assert!(error.file == file && error.found.contains("0123"), "{error}");

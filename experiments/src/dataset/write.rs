@@ -6,11 +6,11 @@ use std::time::Duration;
 use rayon::prelude::*;
 use underbrush_recording::Recording;
 use underbrush_recording::disk::{Dataset, DatasetWriter, DiskError, Shard};
+use underbrush_recording::fault::Fault;
 use underbrush_sim::campaign::{self, CampaignError, Job};
 use underbrush_sim::reach::{ReachError, ReachPlan};
 
 use super::{Campaign, say_doubts};
-use crate::error::ExperimentError;
 use crate::progress::Progress;
 
 /// The result of a request for a data set.
@@ -37,7 +37,7 @@ const WAIT: Duration = Duration::from_secs(1);
 impl Campaign {
     /// Runs the campaign and writes it to the folder `out`; with `resume`, runs only the reaches that are missing
     /// there.
-    pub fn write(&self, out: &Path, resume: bool, progress: &dyn Progress) -> Result<Written, ExperimentError> {
+    pub fn write(&self, out: &Path, resume: bool, progress: &dyn Progress) -> Result<Written, Fault> {
         let plans = self.plans()?;
         let jobs = self.jobs();
         prepare(&plans, &jobs, progress)?;
@@ -53,19 +53,14 @@ impl Campaign {
     /// Runs the missing reaches of one part of the campaign, in a folder that all parts share. The part that finishes
     /// last makes the data set of the whole campaign there; `None` means that other parts have not finished yet.
     /// [`Campaign::shard`] must not be given.
-    pub fn write_shared(
-        &self,
-        out: &Path,
-        part: Shard,
-        progress: &dyn Progress,
-    ) -> Result<Option<Written>, ExperimentError> {
+    pub fn write_shared(&self, out: &Path, part: Shard, progress: &dyn Progress) -> Result<Option<Written>, Fault> {
         let plans = self.plans()?;
         let jobs = self.jobs();
         let own = jobs.iter().enumerate().filter(|(position, _)| part.holds(*position as u64));
         let own: Vec<Job> = own.map(|(_, job)| *job).collect();
         if own.is_empty() {
             let text = format!("part {part} has no reach; ask for at least one reach in each part");
-            return Err(ExperimentError::Usage(text));
+            return Err(Fault::Usage(text));
         }
         prepare(&plans, &own, progress)?;
         let plan = self.plan(&plans, &jobs)?;
@@ -95,7 +90,7 @@ impl Campaign {
 /// Warns about doubtful skins, and draws all reaches once to refuse an impossible draw before anything is written. A
 /// set that failed halfway could not be resumed, because correcting the scene changes the plan. A draw takes a
 /// thousandth of the time of its reach.
-fn prepare(plans: &[ReachPlan], jobs: &[Job], progress: &dyn Progress) -> Result<(), ExperimentError> {
+fn prepare(plans: &[ReachPlan], jobs: &[Job], progress: &dyn Progress) -> Result<(), Fault> {
     say_doubts(plans.iter().map(|plan| &plan.arm), progress);
     jobs.par_iter().try_for_each(|job| plans[job.plan].draw(job.reach_index).map(drop))?;
     Ok(())
@@ -109,7 +104,7 @@ fn stage(
     missing: &[usize],
     total: usize,
     progress: &dyn Progress,
-) -> Result<(), ExperimentError> {
+) -> Result<(), Fault> {
     let count = progress.count("reaches", total as u64, (total - missing.len()) as u64);
     let to_run: Vec<Job> = missing.iter().map(|position| jobs[*position]).collect();
     let stage = |index: usize, recording: Recording| {

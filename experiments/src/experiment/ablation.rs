@@ -2,13 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::trial::{Labels, TrialOptions};
+use underbrush_recording::fault::Fault;
 use underbrush_sim::scene::SceneFile;
 
 use super::table_one;
 use super::training_data::{self, TrialsPerReach};
 use crate::accuracy::{Accuracy, Figures};
 use crate::definition::{AblationName, Experiment, TableOneUnit};
-use crate::error::ExperimentError;
 use crate::estimators;
 use crate::session::Session;
 use crate::table_cell::Cell;
@@ -124,7 +124,7 @@ impl Ablated {
 }
 
 /// The table without a change, and with each of the experiment's changes. A quick run has too few reaches for it.
-pub fn run(session: &Session) -> Result<AblationResults, ExperimentError> {
+pub fn run(session: &Session) -> Result<AblationResults, Fault> {
     let experiment = session.experiment;
     if session.quick || experiment.file.ablation.is_empty() {
         return Ok(AblationResults { ablation: Vec::new() });

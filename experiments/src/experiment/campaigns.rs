@@ -4,13 +4,13 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
+use underbrush_recording::fault::Fault;
 
 use super::classifiers::{self, Compared};
 use super::table_one;
 use super::training_data::{self, TrialsPerReach};
 use crate::accuracy::{Accuracy, Figures, Part, Spread};
 use crate::definition::{Experiment, TableOneUnit};
-use crate::error::ExperimentError;
 use crate::session::Session;
 use crate::table_cell::{self, Cell, CellKey, Ordering, unit_name};
 use crate::training::{self, Trials};
@@ -101,7 +101,7 @@ pub struct OneOfMany {
 }
 
 /// Runs the further campaigns. Each campaign's result is cached.
-pub fn run(session: &Session) -> Result<ComparedCampaigns, ExperimentError> {
+pub fn run(session: &Session) -> Result<ComparedCampaigns, Fault> {
     if session.campaigns < 2 {
         return Ok(ComparedCampaigns { campaigns: None });
     }
@@ -127,12 +127,12 @@ pub fn run(session: &Session) -> Result<ComparedCampaigns, ExperimentError> {
 ///
 /// # Errors
 /// Those of its stages, or a file that cannot be written.
-pub fn run_one(session: &Session, seed: u64) -> Result<(), ExperimentError> {
+pub fn run_one(session: &Session, seed: u64) -> Result<(), Fault> {
     session.kept("seed", seed, || measure(session, seed)).map(drop)
 }
 
 /// The campaign of a seed.
-fn measure(session: &Session, seed: u64) -> Result<OneOfMany, ExperimentError> {
+fn measure(session: &Session, seed: u64) -> Result<OneOfMany, Fault> {
     let experiment = session.experiment;
     let reaches = training::reaches(experiment, session.quick);
     let campaign = training::campaign(experiment, seed, &reaches, |_| {})?;
@@ -147,7 +147,7 @@ fn measure(session: &Session, seed: u64) -> Result<OneOfMany, ExperimentError> {
 
 impl Campaigns {
     /// Means and spreads over campaigns, each with its seed; `None` without campaigns. Figures are matched by name.
-    pub fn of(experiment: &Experiment, campaigns: &[(u64, OneOfMany)]) -> Result<Option<Self>, ExperimentError> {
+    pub fn of(experiment: &Experiment, campaigns: &[(u64, OneOfMany)]) -> Result<Option<Self>, Fault> {
         let Some((_, first)) = campaigns.first() else {
             return Ok(None);
         };
@@ -201,14 +201,14 @@ fn matched<'a, T, I: Iterator<Item = &'a T>>(
     campaigns: &'a [(u64, OneOfMany)],
     name: &str,
     figures: impl Fn(&'a OneOfMany) -> I,
-) -> Result<Vec<&'a T>, ExperimentError> {
+) -> Result<Vec<&'a T>, Fault> {
     let one = |(seed, campaign): &'a (u64, OneOfMany)| {
         let mut found = figures(campaign);
         match (found.next(), found.next()) {
             (Some(figure), None) => Ok(figure),
             (first, _) => {
                 let found = if first.is_some() { "several results" } else { "nothing" };
-                Err(ExperimentError::Run(format!(
+                Err(Fault::Run(format!(
                     "the campaign of seed {seed} has {found} under the name {name:?} where one is needed; start again with \
                      --force"
                 )))

@@ -8,10 +8,10 @@ use underbrush_classifier::evaluate::{
     AccuracyBySamples, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
 };
 use underbrush_recording::Trial;
+use underbrush_recording::fault::Fault;
 
 use crate::accuracy::Accuracy;
 use crate::definition::{ClassifierEntry, Experiment};
-use crate::error::ExperimentError;
 use crate::session::Session;
 use crate::{estimators, training};
 
@@ -51,7 +51,7 @@ pub struct Speed {
 const FOLDS: Folds = Folds { count: 2, by: FoldBy::Reach };
 
 /// Compares all classifiers.
-pub fn run(session: &Session) -> Result<ComparedClassifiers, ExperimentError> {
+pub fn run(session: &Session) -> Result<ComparedClassifiers, Fault> {
     let data = session.once(training::run)?;
     let experiment = session.experiment;
     if experiment.file.classifiers.is_empty() {
@@ -76,7 +76,7 @@ pub fn run(session: &Session) -> Result<ComparedClassifiers, ExperimentError> {
 }
 
 /// Cross-validates all classifiers on whole trials.
-pub fn compare(experiment: &Experiment, taxel_trials: &[Trial]) -> Result<Vec<Compared>, ExperimentError> {
+pub fn compare(experiment: &Experiment, taxel_trials: &[Trial]) -> Result<Vec<Compared>, Fault> {
     each(experiment, |entry, estimator| {
         let evaluation = cross_validate(taxel_trials, estimator, FOLDS, &Decision::argmax())?;
         Ok(Compared { classifier: entry.name.clone(), accuracy: Accuracy::of(&evaluation) })
@@ -86,10 +86,10 @@ pub fn compare(experiment: &Experiment, taxel_trials: &[Trial]) -> Result<Vec<Co
 /// Applies a function to each classifier, in parallel.
 fn each<T: Send>(
     experiment: &Experiment,
-    work: impl Fn(&ClassifierEntry, &dyn Estimator) -> Result<T, ExperimentError> + Sync,
-) -> Result<Vec<T>, ExperimentError> {
+    work: impl Fn(&ClassifierEntry, &dyn Estimator) -> Result<T, Fault> + Sync,
+) -> Result<Vec<T>, Fault> {
     let recipe = estimators::main_recipe(experiment);
     let one = |entry: &ClassifierEntry| work(entry, estimators::estimator(entry, &recipe).as_ref());
-    let found: Vec<Result<T, ExperimentError>> = experiment.file.classifiers.par_iter().map(one).collect();
+    let found: Vec<Result<T, Fault>> = experiment.file.classifiers.par_iter().map(one).collect();
     found.into_iter().collect()
 }

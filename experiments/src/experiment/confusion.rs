@@ -5,9 +5,9 @@ use crate::definition::TableOneUnit;
 use serde::Serialize;
 use underbrush_classifier::evaluate::ConfusionMatrix;
 use underbrush_classifier::feature::FeatureSet;
+use underbrush_recording::fault::Fault;
 
 use super::table_one;
-use crate::error::ExperimentError;
 use crate::estimators;
 use crate::session::Session;
 
@@ -24,7 +24,7 @@ pub struct ConfusionMatrices {
 }
 
 /// Reads both matrices from the cross-validation table.
-pub fn run(session: &Session) -> Result<ConfusionMatrices, ExperimentError> {
+pub fn run(session: &Session) -> Result<ConfusionMatrices, Fault> {
     let table = session.once(table_one::run)?;
     let recipe = estimators::main_recipe_name(session.experiment).name();
     let states = session.experiment.file.states.iter().copied().max().unwrap_or_default();

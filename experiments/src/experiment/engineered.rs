@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 use underbrush_classifier::evaluate::Tally;
+use underbrush_recording::fault::Fault;
 
-use crate::error::ExperimentError;
 use crate::frame_verdicts::{self, Shares};
 use crate::session::Session;
 
@@ -36,7 +36,7 @@ pub struct Engineered {
 }
 
 /// Summarizes the verdicts of each reach.
-pub fn run(session: &Session) -> Result<EngineeredReaches, ExperimentError> {
+pub fn run(session: &Session) -> Result<EngineeredReaches, Fault> {
     let online = session.once(frame_verdicts::run)?;
     let one = |reach: &frame_verdicts::Engineered| {
         let own = reach.by_scene.as_ref();

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 use underbrush_recording::Trial;
+use underbrush_recording::fault::Fault;
 
-use crate::error::ExperimentError;
 use crate::session::Session;
 use crate::training;
 
@@ -17,7 +17,7 @@ pub struct ExampleTrials {
 }
 
 /// Chooses the examples from the taxel trials, and computes the medians.
-pub fn run(session: &Session) -> Result<ExampleTrials, ExperimentError> {
+pub fn run(session: &Session) -> Result<ExampleTrials, Fault> {
     let data = session.once(training::run)?;
     let labels = session.experiment.labels();
     Ok(ExampleTrials {

@@ -4,8 +4,8 @@
 use std::rc::Rc;
 
 use serde::{Serialize, Serializer};
+use underbrush_recording::fault::Fault;
 
-use crate::error::ExperimentError;
 use crate::session::Session;
 
 /// The one list of experiments, in the order in which they run and in which the report shows them.
@@ -54,7 +54,7 @@ macro_rules! declare {
             ///
             /// # Errors
             /// The error of the first experiment that fails.
-            pub fn of(session: &Session) -> Result<Self, ExperimentError> {
+            pub fn of(session: &Session) -> Result<Self, Fault> {
                 Ok(Outcomes {
                     $($name: session.once($name::run)?,)*
                 })

@@ -6,11 +6,11 @@ use serde::Serialize;
 use underbrush_classifier::HmmClassifier;
 use underbrush_classifier::decision::{Decision, Rule, Verdict};
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{Frame, Recording, SkinLayout};
 use underbrush_sim::simulation::Simulation;
 use underbrush_sim::snapshot::Snapshot;
 
-use crate::error::ExperimentError;
 use crate::frame_verdicts::{self, Classified};
 use crate::session::Session;
 use crate::{online_models, reaches};
@@ -34,7 +34,7 @@ impl ReachMoments {
 }
 
 /// Takes both snapshots.
-pub fn run(session: &Session) -> Result<ReachMoments, ExperimentError> {
+pub fn run(session: &Session) -> Result<ReachMoments, Fault> {
     let (online, models) = (session.once(frame_verdicts::run)?, session.once(online_models::run)?);
     session.stage("Moments of a general and of an outlier reach", || {
         Ok(ReachMoments {
@@ -74,7 +74,7 @@ fn take(
     models: &HmmClassifier,
     shown: Option<&Classified>,
     rule: Rule,
-) -> Result<Option<Moment>, ExperimentError> {
+) -> Result<Option<Moment>, Fault> {
     let Some(shown) = shown else { return Ok(None) };
     let best = shown
         .stream

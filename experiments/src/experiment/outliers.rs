@@ -8,8 +8,8 @@ use serde::Serialize;
 use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_classifier::evaluate::ChosenThresholds;
 use underbrush_recording::Category;
+use underbrush_recording::fault::Fault;
 
-use crate::error::ExperimentError;
 use crate::frame_verdicts::{self, Classified, Online};
 use crate::session::Session;
 use crate::thresholds::{self, Thresholds};
@@ -79,7 +79,7 @@ impl Detection {
 pub const CHOSEN: &str = "chosen";
 
 /// Counts verdicts by both rules.
-pub fn run(session: &Session) -> Result<OutlierThresholds, ExperimentError> {
+pub fn run(session: &Session) -> Result<OutlierThresholds, Fault> {
     let (online, curves) = (session.once(frame_verdicts::run)?, session.once(thresholds::run)?);
     let mut found = detection(&rule_name("the paper's", &Decision::paper()), &online.outlier);
     if let Some((decision, reaches)) = &online.outlier_by_chosen {

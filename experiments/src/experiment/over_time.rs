@@ -4,8 +4,8 @@ use std::rc::Rc;
 
 use serde::Serialize;
 use underbrush_classifier::feature::FeatureSet;
+use underbrush_recording::fault::Fault;
 
-use crate::error::ExperimentError;
 use crate::estimators;
 use crate::frame_verdicts::{self, Classified, Online, Shares};
 use crate::session::Session;
@@ -49,7 +49,7 @@ pub struct SamplesUsed {
 }
 
 /// Summarizes the verdicts.
-pub fn run(session: &Session) -> Result<AccuracyOverTime, ExperimentError> {
+pub fn run(session: &Session) -> Result<AccuracyOverTime, Fault> {
     let online = session.once(frame_verdicts::run)?;
     let by_scene = online.engineered.iter().filter_map(|reach| reach.by_scene.as_ref());
     let used = by_scene.chain(&online.general).filter_map(|reach| reach.stream.mean_samples_used());

@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 use underbrush_classifier::decision::Decision;
 use underbrush_classifier::estimator::{Estimator, is_trained};
 use underbrush_classifier::evaluate::{Evaluation, evaluate};
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{Recording, Trial};
 
 use crate::accuracy::Accuracy;
 use crate::definition::Experiment;
-use crate::error::ExperimentError;
 use crate::estimators;
 use crate::session::Session;
 use crate::training::{self, Trials};
@@ -97,7 +97,7 @@ fn folded(recordings: Vec<(u64, Recording)>, reaches: &[u64], counts: &[u64]) ->
 
 /// Runs the training scenes at the other settings, and tests the classifiers of each setting at every setting. A quick run
 /// has too few reaches for it.
-pub fn run(session: &Session) -> Result<ComparedSettings, ExperimentError> {
+pub fn run(session: &Session) -> Result<ComparedSettings, Fault> {
     let data = session.once(training::run)?;
     let experiment = session.experiment;
     let none = experiment.file.settings.is_empty() || experiment.file.setting_classifiers.is_empty();
@@ -111,7 +111,7 @@ pub fn run(session: &Session) -> Result<ComparedSettings, ExperimentError> {
             let nominal = (0..).zip(0..data.dataset.episodes().len());
             let nominal = nominal.filter(|(reach, _)| fold_of(*reach, &reaches, &counts).is_some());
             let nominal = nominal.map(|(reach, index)| Ok((reach, data.dataset.read_reach(index)?)));
-            let nominal = folded(nominal.collect::<Result<_, ExperimentError>>()?, &reaches, &counts);
+            let nominal = folded(nominal.collect::<Result<_, Fault>>()?, &reaches, &counts);
             let mut verdict_transfer = Vec::new();
             let mut settings = vec![Folded::new(NOMINAL, &data.trials.taxel, &reaches, &counts)];
             for setting in &experiment.file.settings {
@@ -134,13 +134,13 @@ pub fn run(session: &Session) -> Result<ComparedSettings, ExperimentError> {
 
 /// Checks that each half of the reaches of each setting has trials of all categories. Otherwise a classifier would be
 /// tested on a category that it was not fitted to.
-fn check_categories(settings: &[Folded]) -> Result<(), ExperimentError> {
+fn check_categories(settings: &[Folded]) -> Result<(), Fault> {
     let halves = || settings.iter().flat_map(|setting| setting.folds.iter().map(move |fold| (setting, fold)));
     let all: BTreeSet<&str> = halves().flat_map(|(_, fold)| categories(fold)).collect();
     for (setting, fold) in halves() {
         let own = categories(fold);
         if let Some(missing) = all.iter().find(|category| !own.contains(*category)) {
-            return Err(ExperimentError::Usage(format!(
+            return Err(Fault::Usage(format!(
                 "setting {}: one half of its reaches has no trial of {missing} that is long enough, so a classifier fitted \
                  to it would not know {missing}; give the training scenes more setting_reaches",
                 setting.name
@@ -161,7 +161,7 @@ fn categories(trials: &[Trial]) -> BTreeSet<&str> {
 ///
 /// # Errors
 /// If one half of a setting's reaches has no trial of some category, or fitting or scoring fails.
-pub fn splits(experiment: &Experiment, settings: &[Folded]) -> Result<Vec<Split>, ExperimentError> {
+pub fn splits(experiment: &Experiment, settings: &[Folded]) -> Result<Vec<Split>, Fault> {
     check_categories(settings)?;
     let recipe = estimators::main_recipe(experiment);
     let entries = experiment.file.setting_classifiers.iter();
@@ -189,6 +189,6 @@ pub fn splits(experiment: &Experiment, settings: &[Folded]) -> Result<Vec<Split>
         };
         settings.iter().zip(predictions).map(split).collect()
     };
-    let rows: Vec<Result<Vec<Split>, ExperimentError>> = cases.par_iter().map(row).collect();
+    let rows: Vec<Result<Vec<Split>, Fault>> = cases.par_iter().map(row).collect();
     Ok(rows.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
 }

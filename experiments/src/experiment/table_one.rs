@@ -10,10 +10,10 @@ use underbrush_classifier::evaluate::{Evaluation, Folds, cross_validate};
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::recipe::Recipe;
 use underbrush_recording::Trial;
+use underbrush_recording::fault::Fault;
 
 use crate::accuracy::Accuracy;
 use crate::definition::{Experiment, RecipeName, TableOneUnit};
-use crate::error::ExperimentError;
 use crate::estimators;
 use crate::session::Session;
 use crate::table_cell::{self, Cell, CellKey, Ordering};
@@ -34,7 +34,7 @@ pub struct TableOne {
 }
 
 /// Cross-validates all cells in all recipes.
-pub fn run(session: &Session) -> Result<TableOne, ExperimentError> {
+pub fn run(session: &Session) -> Result<TableOne, Fault> {
     let data = session.once(training::run)?;
     let experiment = session.experiment;
     session.stage("Cross-validation", || {
@@ -55,7 +55,7 @@ pub fn evaluate(
     experiment: &Experiment,
     trials: &Trials,
     recipes: &[RecipeName],
-) -> Result<Vec<(Cell, Evaluation)>, ExperimentError> {
+) -> Result<Vec<(Cell, Evaluation)>, Fault> {
     let units = [(TableOneUnit::Component, &trials.component), (TableOneUnit::Taxel, &trials.taxel)];
     let mut cases = Vec::new();
     for name in recipes {
@@ -77,7 +77,7 @@ pub fn evaluate(
         };
         Ok((cell, evaluation))
     };
-    let found: Vec<Result<(Cell, Evaluation), ExperimentError>> = cases.into_par_iter().map(case).collect();
+    let found: Vec<Result<(Cell, Evaluation), Fault>> = cases.into_par_iter().map(case).collect();
     found.into_iter().collect()
 }
 

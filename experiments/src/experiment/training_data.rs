@@ -1,11 +1,11 @@
 //! The training reaches and the contact trials cut from them.
 
 use serde::{Deserialize, Serialize};
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{FRAME_PERIOD_S, Trial};
 
 use crate::audit::{self, Worst};
 use crate::definition::{Experiment, TableOneUnit};
-use crate::error::ExperimentError;
 use crate::reach_ends::Ends;
 use crate::session::Session;
 use crate::training::{self, Trials};
@@ -54,7 +54,7 @@ pub struct TrialsPerReach {
 }
 
 /// Generates the data and counts it.
-pub fn run(session: &Session) -> Result<TrainingSummary, ExperimentError> {
+pub fn run(session: &Session) -> Result<TrainingSummary, Fault> {
     let data = session.once(training::run)?;
     let (episodes, layout) = (data.dataset.episodes(), data.dataset.layout());
     let frames: usize = episodes.iter().map(|episode| episode.frames).sum();

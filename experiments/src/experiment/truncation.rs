@@ -5,9 +5,9 @@ use serde::Serialize;
 use underbrush_classifier::decision::Decision;
 use underbrush_classifier::evaluate::{Folds, cross_validate};
 use underbrush_classifier::recipe::Recipe;
+use underbrush_recording::fault::Fault;
 
 use crate::accuracy::Accuracy;
-use crate::error::ExperimentError;
 use crate::session::Session;
 use crate::{estimators, training};
 
@@ -31,7 +31,7 @@ pub struct Truncated {
 }
 
 /// Cross-validates taxel trials by force, with all numbers of states of the cross-validation table except the smallest.
-pub fn run(session: &Session) -> Result<TruncatedAccuracy, ExperimentError> {
+pub fn run(session: &Session) -> Result<TruncatedAccuracy, Fault> {
     let data = session.once(training::run)?;
     let file = &session.experiment.file;
     if file.truncations.is_empty() {
@@ -51,7 +51,7 @@ pub fn run(session: &Session) -> Result<TruncatedAccuracy, ExperimentError> {
         Ok(Truncated { states, max_samples, accuracy: Accuracy::of(&evaluation) })
     };
     session.stage("Truncated trials", || {
-        let found: Vec<Result<Truncated, ExperimentError>> = cases.into_par_iter().map(case).collect();
+        let found: Vec<Result<Truncated, Fault>> = cases.into_par_iter().map(case).collect();
         Ok(TruncatedAccuracy { figure_13: found.into_iter().collect::<Result<_, _>>()? })
     })
 }

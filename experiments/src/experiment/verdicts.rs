@@ -9,11 +9,11 @@ use underbrush_classifier::evaluate::{Accuracy, TouchFigures, UnknownFigures};
 use underbrush_classifier::touch::{FeatureWorth, TouchExamples};
 use underbrush_recording::Recording;
 use underbrush_recording::disk::DiskError;
+use underbrush_recording::fault::Fault;
 use underbrush_sim::campaign::Job;
 
 use crate::dataset::each_reach;
 use crate::definition::VerdictSection;
-use crate::error::ExperimentError;
 use crate::reaches::{self, Found};
 use crate::session::Session;
 use crate::training;
@@ -90,7 +90,7 @@ pub struct SceneFigures {
 }
 
 /// Fits the networks and judges reaches that were held out.
-pub fn run(session: &Session) -> Result<VerdictFigures, ExperimentError> {
+pub fn run(session: &Session) -> Result<VerdictFigures, Fault> {
     let Some(section) = &session.experiment.file.verdicts else {
         return Ok(VerdictFigures { verdicts: None });
     };
@@ -102,7 +102,7 @@ pub fn run(session: &Session) -> Result<VerdictFigures, ExperimentError> {
             examples.add(recording)?;
         }
         let folds = 0..FOLDS;
-        let held_out: Vec<Result<TouchEvaluation, ExperimentError>> =
+        let held_out: Vec<Result<TouchEvaluation, Fault>> =
             folds.into_par_iter().map(|fold| held_out(&examples, &recordings, fold)).collect();
         let mut all = TouchEvaluation::default();
         for fold in held_out {
@@ -112,13 +112,13 @@ pub fn run(session: &Session) -> Result<VerdictFigures, ExperimentError> {
             examples.add_auxiliary(recording)?;
         }
         let model = Arc::new(examples.fit()?);
-        let judge = |found: &Found| -> Result<_, ExperimentError> {
+        let judge = |found: &Found| -> Result<_, Fault> {
             Ok((found.scene.clone(), TouchEvaluation::of_all(&model, &found.reaches)?))
         };
         let known = tests.engineered.iter().map(|(_, found)| found).chain(&tests.general);
         let known: Vec<(String, TouchEvaluation)> = known.map(judge).collect::<Result<_, _>>()?;
         let categories = model.categories().to_vec();
-        let unknown = |found: &Option<Found>| -> Result<_, ExperimentError> {
+        let unknown = |found: &Option<Found>| -> Result<_, Fault> {
             let Some((_, mut own)) = found.as_ref().map(judge).transpose()? else { return Ok(None) };
             known.iter().for_each(|(_, known)| own.add(known.clone()));
             Ok(Some(UnknownFigures::of(&own.objects, &categories)))
@@ -149,7 +149,7 @@ pub fn run(session: &Session) -> Result<VerdictFigures, ExperimentError> {
 }
 
 /// The reaches of the training scenes, and those of the mixed scene.
-fn recordings(session: &Session, section: &VerdictSection) -> Result<Vec<Recording>, ExperimentError> {
+fn recordings(session: &Session, section: &VerdictSection) -> Result<Vec<Recording>, Fault> {
     let data = session.once(training::run)?;
     let dataset = &data.dataset;
     let mut recordings: Vec<Recording> =
@@ -161,7 +161,7 @@ fn recordings(session: &Session, section: &VerdictSection) -> Result<Vec<Recordi
 }
 
 /// The reaches of the auxiliary scenes.
-fn auxiliary(session: &Session, section: &VerdictSection) -> Result<Vec<Recording>, ExperimentError> {
+fn auxiliary(session: &Session, section: &VerdictSection) -> Result<Vec<Recording>, Fault> {
     let mut recordings = Vec::new();
     for scene in section.auxiliary.iter().filter(|_| !session.quick) {
         recordings.extend(drawn(session, section, scene)?);
@@ -170,7 +170,7 @@ fn auxiliary(session: &Session, section: &VerdictSection) -> Result<Vec<Recordin
 }
 
 /// Reaches of a scene, as many as the section asks for.
-fn drawn(session: &Session, section: &VerdictSection, scene: &str) -> Result<Vec<Recording>, ExperimentError> {
+fn drawn(session: &Session, section: &VerdictSection, scene: &str) -> Result<Vec<Recording>, Fault> {
     let plan = reaches::plan(session.experiment, scene, session.seed)?;
     let jobs = (0..section.reaches(session.quick)).map(|index| Job { plan: 0, reach_index: FIRST_INDEX + index });
     let jobs: Vec<Job> = jobs.collect();
@@ -178,11 +178,7 @@ fn drawn(session: &Session, section: &VerdictSection, scene: &str) -> Result<Vec
 }
 
 /// Judges every `FOLDS`-th recording by networks fitted to the others.
-fn held_out(
-    examples: &TouchExamples,
-    recordings: &[Recording],
-    fold: usize,
-) -> Result<TouchEvaluation, ExperimentError> {
+fn held_out(examples: &TouchExamples, recordings: &[Recording], fold: usize) -> Result<TouchEvaluation, Fault> {
     let model = Arc::new(examples.some(|index| index % FOLDS != fold).fit()?);
     Ok(TouchEvaluation::of_all(&model, recordings.iter().skip(fold).step_by(FOLDS))?)
 }

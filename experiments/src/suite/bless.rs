@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{InputError, math};
 
 use super::metric::{Sides, Statistic};
 use super::result::{BoundResult, SuiteResult};
 use super::statistics::{margin, margin_with_one_more};
 use super::{Bound, SceneBound, Suite};
-use crate::error::ExperimentError;
 use crate::source::Source;
 
 /// Checks that every bound of the suite in the file at `path` can be replaced in its text: it must be written in
@@ -39,7 +39,7 @@ pub fn check_places(suite: &Suite, path: &Path) -> Result<(), InputError> {
 ///
 /// # Errors
 /// When a metric was measured in fewer than two reaches and therefore cannot be bounded.
-pub fn text(suite: &Suite, result: &SuiteResult) -> Result<String, ExperimentError> {
+pub fn text(suite: &Suite, result: &SuiteResult) -> Result<String, Fault> {
     let all = || {
         let scenes = suite.scenes.iter().zip(&result.scenes);
         scenes.flat_map(|(scene, found)| scene.bounds.iter().zip(&found.bounds).map(move |pair| (scene, pair)))
@@ -52,7 +52,7 @@ pub fn text(suite: &Suite, result: &SuiteResult) -> Result<String, ExperimentErr
     let mut changes = Vec::new();
     for (scene, (own, found)) in all() {
         let bound = new_bound(suite, own, found, probability).ok_or_else(|| {
-            ExperimentError::Usage(format!(
+            Fault::Usage(format!(
                 "{}: {} was measured in {} of {} reaches, and a bound takes two; nothing was written. Add reaches, change the \
                  scene, or remove the bound",
                 scene.plan.scene.path.display(),

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use underbrush_recording::disk;
+use underbrush_recording::fault::Fault;
 
 use super::result::SuiteResult;
 use super::{Suite, bless};
-use crate::error::ExperimentError;
 use crate::progress::Progress;
 
 /// The results of some suites.
@@ -26,12 +26,7 @@ impl Checked {
     /// # Errors
     /// As [`Suite::load`] and [`Suite::run`]; with `bless` also if a bound is not written in braces, a metric cannot be
     /// bounded, or a file cannot be written.
-    pub fn of(
-        paths: &[PathBuf],
-        seed: Option<u64>,
-        bless: bool,
-        progress: &dyn Progress,
-    ) -> Result<Self, ExperimentError> {
+    pub fn of(paths: &[PathBuf], seed: Option<u64>, bless: bool, progress: &dyn Progress) -> Result<Self, Fault> {
         // All files are read before anything is run, so that a mistake in the last one costs no time.
         let mut suites = paths.iter().map(|path| Suite::load(path)).collect::<Result<Vec<_>, _>>()?;
         if bless {
@@ -66,10 +61,10 @@ pub(super) fn blessed(
     result: SuiteResult,
     path: &Path,
     progress: &dyn Progress,
-) -> Result<SuiteResult, ExperimentError> {
+) -> Result<SuiteResult, Fault> {
     let text = bless::text(suite, &result)?;
     let new = Suite::parse(path, text.clone()).map_err(|error| {
-        ExperimentError::Usage(format!(
+        Fault::Usage(format!(
             "the file would not be a suite with the new bounds, so nothing was written ({error}). Write each bound in \
              braces, on one line"
         ))

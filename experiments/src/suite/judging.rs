@@ -10,10 +10,10 @@ use underbrush_classifier::evaluate::{Stream, StreamTruth, classify_stream, clas
 use underbrush_classifier::online::{OnlineClassifier, OnlineError, OnlineOptions};
 use underbrush_classifier::touch::{TouchClassifier, TouchModel};
 use underbrush_classifier::trial::TrialOptions;
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{InputError, Recording, SkinLayout};
 
 use super::file::ModelSection;
-use crate::error::ExperimentError;
 use crate::source::Source;
 
 /// A model and how it judges.
@@ -27,7 +27,7 @@ pub(super) enum Judging {
 
 impl Judging {
     /// Reads the model; `folder` is the folder of the suite file.
-    pub fn load(section: &ModelSection, folder: &Path, source: &Source) -> Result<Self, ExperimentError> {
+    pub fn load(section: &ModelSection, folder: &Path, source: &Source) -> Result<Self, Fault> {
         match any_model::load(&folder.join(&section.file))? {
             AnyModel::Touch(model) => {
                 refuse_for_touch(section, source)?;

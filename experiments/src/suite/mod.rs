@@ -8,11 +8,11 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{Category, InputError};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
-use crate::error::ExperimentError;
 use crate::source::{self, Source};
 
 pub mod bless;
@@ -98,12 +98,12 @@ impl Suite {
     ///
     /// # Errors
     /// When a file cannot be read, is not TOML, has unknown keys or a value that is not allowed.
-    pub fn load(path: &Path) -> Result<Self, ExperimentError> {
+    pub fn load(path: &Path) -> Result<Self, Fault> {
         Self::parse(path, source::read(path, "suite")?)
     }
 
     /// Checks the text of a suite file, and reads its scenes and its model.
-    fn parse(path: &Path, text: String) -> Result<Self, ExperimentError> {
+    fn parse(path: &Path, text: String) -> Result<Self, Fault> {
         let source = Source { path, text: &text };
         let file: SuiteFile = source.parse("suite")?;
         check::numbers(&file, &source)?;

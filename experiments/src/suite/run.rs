@@ -1,6 +1,7 @@
 //! Runs the reaches of a suite and checks the results against its bounds.
 
 use underbrush_classifier::online::OnlineError;
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{GoalOutcomes, Recording};
 use underbrush_sim::campaign::Job;
 use underbrush_sim::reach::ReachPlan;
@@ -10,7 +11,6 @@ use super::result::{BoundResult, BoundVerdict, ReachValue, SceneResult, SuiteRes
 use super::{SceneBound, Suite, SuiteScene};
 use crate::accuracy::Spread;
 use crate::dataset::{PROGRAM_VERSION, each_reach, say_doubts};
-use crate::error::ExperimentError;
 use crate::progress::Progress;
 
 /// What a suite needs of a reach: the values of all bounded metrics, in the order of the bounds, and its goals and
@@ -27,7 +27,7 @@ impl Suite {
     ///
     /// # Errors
     /// When a reach cannot be run or judged, or the user ends the run. A broken bound is a result, not an error.
-    pub fn run(&self, progress: &dyn Progress) -> Result<SuiteResult, ExperimentError> {
+    pub fn run(&self, progress: &dyn Progress) -> Result<SuiteResult, Fault> {
         let plans: Vec<ReachPlan> = self.scenes.iter().map(|scene| scene.plan.clone()).collect();
         say_doubts(plans.iter().map(|plan| &plan.arm), progress);
         let jobs: Vec<Job> = (self.scenes.iter().enumerate())

@@ -11,7 +11,7 @@ use crate::table_cell::{self, Cell, CellKey};
 const ORDERINGS: [OrderingName; 3] =
     [OrderingName::TaxelsOverComponents, OrderingName::ForceOverForceAndMotion, OrderingName::MoreStates];
 
-fn of(campaigns: &[(u64, OneOfMany)]) -> Result<Option<Campaigns>, crate::ExperimentError> {
+fn of(campaigns: &[(u64, OneOfMany)]) -> Result<Option<Campaigns>, underbrush_recording::fault::Fault> {
     Campaigns::of(&Experiment::paper().unwrap(), campaigns)
 }
 

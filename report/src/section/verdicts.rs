@@ -1,7 +1,7 @@
 //! What touches each taxel, frame by frame: accuracy, calibration, and outliers found.
 
-use underbrush_classifier::evaluate::touch::CalibrationBin;
 use underbrush_classifier::evaluate::UnknownFigures;
+use underbrush_classifier::evaluate::touch::CalibrationBin;
 use underbrush_experiments::experiment::verdicts::{VerdictFigures, Verdicts};
 
 use crate::drawing::{Cell, Layer, Rows, Shape, Table};

@@ -158,7 +158,7 @@ fn bounds_without_braces_are_not_blessed() {
         assert_ne!(text, SUITE);
         let (_folder, file) = written(&text);
         Suite::load(&file).unwrap();
-        let Err(ExperimentError::Input(error)) = Checked::of(std::slice::from_ref(&file), None, true, &Silent) else {
+        let Err(Fault::Input(error)) = Checked::of(std::slice::from_ref(&file), None, true, &Silent) else {
             panic!("{name} is not refused");
         };
         assert_eq!((error.line, error.field.as_str()), (Some(line), name), "{error}");
