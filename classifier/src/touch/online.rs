@@ -165,7 +165,7 @@ impl TouchClassifier {
                 && samples != own.samples
                 && samples % JUDGED_EVERY == 0
             {
-                own.share_beyond = unknown.share_beyond(&object.course.features());
+                own.share_beyond = unknown.share_beyond(&object.course);
             }
             own.samples = samples;
             let mut best = (0, f64::NEG_INFINITY);
@@ -284,7 +284,7 @@ impl TouchClassifier {
         &self.regions
     }
 
-    /// The objects that touch the skin, or did so in the last three seconds, in the order of
+    /// The objects that touch the skin, or did so in the last thirty seconds, in the order of
     /// [`ObjectTracker::objects`]. The verdict on one that no longer touches the skin stands.
     pub fn objects(&self) -> &[ObjectTouch] {
         &self.objects

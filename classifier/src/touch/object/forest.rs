@@ -1,8 +1,8 @@
-//! Extremely randomized trees (Geurts, Ernst, Wehenkel 2006).
+//! Extremely randomized trees (Geurts, Ernst, Wehenkel 2006) that tell a family of unknown objects from known ones.
 //!
 //! Every tree is fitted to all rows. At each node some features are drawn, and for each a cut, uniform between its smallest
-//! and largest value there; the cut with the largest decrease of Gini's impurity divides the node. The probabilities of the
-//! classes are the means of their shares in the leaves.
+//! and largest value there; the cut with the largest decrease of Gini's impurity divides the node. The probability of the
+//! family is the mean of its shares in the leaves.
 
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
@@ -11,103 +11,93 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Number of trees. Choice: with more, probabilities change little.
+use super::packed::Packed;
+
+/// Number of trees. Choice: twice as many find no more on development seeds.
 const TREES: usize = 100;
-/// Leaves have at least this many rows, and are at most this deep. Choices: a model file of four families then has some
-/// megabytes.
-const LEAF_ROWS: usize = 12;
-const DEPTH: usize = 8;
-/// Stands for no feature: the node is a leaf.
-const LEAF: u8 = u8::MAX;
-/// Cuts are rounded to this, which is far below the error of any feature, so that files are short.
-const CUT: f32 = 1e-3;
-/// Shares are in parts of this.
+/// Leaves have at least this many rows, and are at most this deep. Choices, on development seeds: larger leaves find a
+/// quarter less, smaller ones no more.
+const LEAF_ROWS: usize = 4;
+const DEPTH: usize = 14;
+/// Shares in leaves are whole parts of this.
 const WHOLE: f64 = 255.0;
 
 /// A row to fit to.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ForestRow<'a> {
     pub(super) features: &'a [f32],
-    pub(super) class: usize,
+    pub(super) is_family: bool,
     pub(super) weight: f64,
 }
 
-/// One tree, its nodes in depth-first order: the left child of a node comes right after it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct Tree {
-    /// The feature that is compared with the cut; 255 for a leaf.
-    feature: Vec<u8>,
-    /// Rows with at most this go to the left; 0 for a leaf.
-    cut: Vec<f32>,
-    /// The right child; for a leaf, the number of its shares.
-    right: Vec<u16>,
-    /// Shares of the classes in each leaf in turn, in parts of 255.
-    shares: Vec<u8>,
+/// A node of a tree. The left child of a cut comes right after it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Node {
+    /// Rows go to the left if the feature is at most this part of its range.
+    Cut { feature: u8, cut: u16, right: u32 },
+    /// The share of the family.
+    Leaf(u8),
 }
 
-/// Trees that together give probabilities of classes.
+/// The smallest and the largest value of a feature, divided into 65,535 steps for cuts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub(super) struct Span(pub(super) f32, pub(super) f32);
+
+impl Span {
+    fn at(self, cut: u16) -> f32 {
+        self.0 + (self.1 - self.0) * (f32::from(cut) / f32::from(u16::MAX))
+    }
+
+    fn nearest(self, value: f32) -> u16 {
+        ((value - self.0) / (self.1 - self.0) * f32::from(u16::MAX)).round() as u16
+    }
+}
+
+/// Trees that together give the probability of a family.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(try_from = "Packed", into = "Packed")]
 pub(super) struct Forest {
-    trees: Vec<Tree>,
+    /// One for each feature.
+    pub(super) spans: Vec<Span>,
+    pub(super) trees: Vec<Vec<Node>>,
 }
 
 impl Forest {
-    /// Fits trees that tell this many classes apart. The result is the same for any number of threads.
-    pub(super) fn fit(rows: &[ForestRow<'_>], classes: usize, seed: u64) -> Self {
+    /// Fits trees to rows with this many features. The result is the same for any number of threads.
+    pub(super) fn fit(rows: &[ForestRow<'_>], features: usize, seed: u64) -> Self {
         // Column by column, because a node looks at one feature of its rows at a time.
-        let count = rows.first().map_or(0, |row| row.features.len());
         let columns: Vec<Vec<f32>> =
-            (0..count).map(|column| rows.iter().map(|row| row.features[column]).collect()).collect();
+            (0..features).map(|column| rows.iter().map(|row| row.features[column]).collect()).collect();
+        let all: Vec<usize> = (0..rows.len()).collect();
+        let spans: Vec<Span> = columns.iter().map(|column| span(column, &all)).collect();
         let tree = |index: usize| {
             let mut random = ChaCha8Rng::seed_from_u64(seed);
             random.set_stream(index as u64);
-            let mut growing = Growing { rows, columns: &columns, classes, random, tree: Tree::default() };
-            growing.grow(&mut (0..rows.len()).collect::<Vec<_>>(), 0);
+            let mut growing = Growing { rows, columns: &columns, spans: &spans, random, tree: Vec::new() };
+            growing.grow(&mut all.clone(), 0);
             growing.tree
         };
-        Forest { trees: (0..TREES).into_par_iter().map(tree).collect() }
+        Forest { trees: (0..TREES).into_par_iter().map(tree).collect(), spans }
     }
 
-    /// Writes the probabilities of the classes.
-    pub(super) fn probabilities(&self, features: &[f32], classes: &mut [f64]) {
-        classes.fill(0.0);
-        let each = 1.0 / (WHOLE * self.trees.len() as f64);
-        for tree in &self.trees {
-            let leaf = tree.leaf_of(features) * classes.len();
-            for (class, share) in classes.iter_mut().zip(&tree.shares[leaf..]) {
-                *class += f64::from(*share) * each;
-            }
-        }
+    /// The probability of the family.
+    pub(super) fn probability(&self, features: &[f32]) -> f64 {
+        let shares: f64 = self.trees.iter().map(|tree| f64::from(self.share(tree, features))).sum();
+        shares / (WHOLE * self.trees.len() as f64)
     }
 
-    /// Whether rows of this many features can be judged, and this many classes told apart.
-    pub(super) fn is_sound(&self, features: usize, classes: usize) -> bool {
-        !self.trees.is_empty() && self.trees.iter().all(|tree| tree.is_sound(features, classes))
-    }
-}
-
-impl Tree {
-    fn leaf_of(&self, features: &[f32]) -> usize {
+    fn share(&self, tree: &[Node], features: &[f32]) -> u8 {
         let mut node = 0;
-        while self.feature[node] != LEAF {
-            let is_left = features[usize::from(self.feature[node])] <= self.cut[node];
-            node = if is_left { node + 1 } else { usize::from(self.right[node]) };
-        }
-        usize::from(self.right[node])
-    }
-
-    fn is_sound(&self, features: usize, classes: usize) -> bool {
-        let (nodes, leaves) = (self.feature.len(), self.shares.len() / classes);
-        let node = |index: usize| {
-            let right = usize::from(self.right[index]);
-            match self.feature[index] {
-                LEAF => right < leaves,
-                feature => usize::from(feature) < features && index + 1 < nodes && index < right && right < nodes,
+        loop {
+            match tree[node] {
+                Node::Leaf(share) => return share,
+                Node::Cut { feature, cut, right } => {
+                    let feature = usize::from(feature);
+                    let is_left = features[feature] <= self.spans[feature].at(cut);
+                    node = if is_left { node + 1 } else { right as usize };
+                }
             }
-        };
-        nodes > 0 && self.cut.len() == nodes && self.right.len() == nodes && (0..nodes).all(node)
+        }
     }
 }
 
@@ -115,65 +105,52 @@ impl Tree {
 struct Growing<'a> {
     rows: &'a [ForestRow<'a>],
     columns: &'a [Vec<f32>],
-    classes: usize,
+    spans: &'a [Span],
     random: ChaCha8Rng,
-    tree: Tree,
+    tree: Vec<Node>,
 }
 
 impl Growing<'_> {
     fn grow(&mut self, rows: &mut [usize], depth: usize) {
-        let node = self.tree.feature.len();
-        self.tree.feature.push(LEAF);
-        self.tree.cut.push(0.0);
-        self.tree.right.push(0);
-        match self.cut(rows).filter(|_| depth < DEPTH) {
-            Some((feature, cut)) => {
-                let column = &self.columns[feature];
-                let left = divide(rows, |row| column[row] <= cut);
-                let (low, high) = rows.split_at_mut(left);
-                (self.tree.feature[node], self.tree.cut[node]) = (feature as u8, cut);
-                self.grow(low, depth + 1);
-                self.tree.right[node] = self.tree.feature.len() as u16;
-                self.grow(high, depth + 1);
-            }
-            None => {
-                self.tree.right[node] = (self.tree.shares.len() / self.classes) as u16;
-                let weights = self.weights(rows);
-                let sum: f64 = weights.iter().sum();
-                self.tree.shares.extend(weights.iter().map(|weight| (WHOLE * weight / sum).round() as u8));
-            }
+        let node = self.tree.len();
+        let weights = self.weights(rows);
+        let share = weights[1] / (weights[0] + weights[1]);
+        self.tree.push(Node::Leaf((WHOLE * share).round() as u8));
+        if let Some((feature, cut)) = self.cut(rows, weights).filter(|_| depth < DEPTH) {
+            let (column, at) = (&self.columns[feature], self.spans[feature].at(cut));
+            let left = divide(rows, |row| column[row] <= at);
+            let (low, high) = rows.split_at_mut(left);
+            self.grow(low, depth + 1);
+            self.tree[node] = Node::Cut { feature: feature as u8, cut, right: self.tree.len() as u32 };
+            self.grow(high, depth + 1);
         }
     }
 
     /// The best of the cuts that are drawn; `None` if no cut leaves enough rows on both sides.
-    fn cut(&mut self, rows: &[usize]) -> Option<(usize, f32)> {
-        let all = self.weights(rows);
-        if rows.len() < 2 * LEAF_ROWS || all.iter().filter(|weight| **weight > 0.0).count() < 2 {
+    fn cut(&mut self, rows: &[usize], all: [f64; 2]) -> Option<(usize, u16)> {
+        if rows.len() < 2 * LEAF_ROWS || all.contains(&0.0) {
             return None;
         }
         let count = self.columns.len();
         let mut features: Vec<usize> = (0..count).collect();
         features.shuffle(&mut self.random);
         let mut left_to_try = count.isqrt();
-        let mut best: Option<(f64, usize, f32)> = None;
+        let mut best: Option<(f64, usize, u16)> = None;
         for feature in features {
-            let column = &self.columns[feature];
-            let values = rows.iter().map(|row| column[*row]);
-            let ends = (f32::INFINITY, f32::NEG_INFINITY);
-            let (low, high) = values.fold(ends, |(low, high), value| (low.min(value), high.max(value)));
-            if high - low < 2.0 * CUT {
+            let (column, Span(low, high)) = (&self.columns[feature], span(&self.columns[feature], rows));
+            if low >= high {
                 continue;
             }
             let drawn = low + (high - low) * self.random.random::<f32>();
-            let cut = (drawn / CUT).round() * CUT;
-            let (mut left, mut left_rows) = (vec![0.0; self.classes], 0);
-            for row in rows.iter().filter(|row| column[**row] <= cut) {
-                left[self.rows[*row].class] += self.rows[*row].weight;
+            let cut = self.spans[feature].nearest(drawn);
+            let at = self.spans[feature].at(cut);
+            let (mut left, mut left_rows) = ([0.0; 2], 0);
+            for row in rows.iter().filter(|row| column[**row] <= at) {
+                left[usize::from(self.rows[*row].is_family)] += self.rows[*row].weight;
                 left_rows += 1;
             }
             if left_rows.min(rows.len() - left_rows) >= LEAF_ROWS {
-                let right: Vec<f64> = all.iter().zip(&left).map(|(all, left)| all - left).collect();
-                let purity = purity(&left) + purity(&right);
+                let purity = purity(left) + purity([all[0] - left[0], all[1] - left[1]]);
                 if best.is_none_or(|(most, _, _)| purity > most) {
                     best = Some((purity, feature, cut));
                 }
@@ -186,20 +163,24 @@ impl Growing<'_> {
         best.map(|(_, feature, cut)| (feature, cut))
     }
 
-    /// The weights of the classes in these rows.
-    fn weights(&self, rows: &[usize]) -> Vec<f64> {
-        let mut weights = vec![0.0; self.classes];
-        for &row in rows {
-            weights[self.rows[row].class] += self.rows[row].weight;
-        }
+    /// The weights of the known objects and of the family in these rows.
+    fn weights(&self, rows: &[usize]) -> [f64; 2] {
+        let mut weights = [0.0; 2];
+        rows.iter().for_each(|row| weights[usize::from(self.rows[*row].is_family)] += self.rows[*row].weight);
         weights
     }
 }
 
+/// The range of a feature in some rows.
+fn span(column: &[f32], rows: &[usize]) -> Span {
+    let ends = Span(f32::INFINITY, f32::NEG_INFINITY);
+    rows.iter().fold(ends, |Span(low, high), row| Span(low.min(column[*row]), high.max(column[*row])))
+}
+
 /// Σ w² / Σ w, which is larger the less mixed the classes are; Gini's impurity times the weight is Σ w minus this.
-fn purity(weights: &[f64]) -> f64 {
-    let sum: f64 = weights.iter().sum();
-    weights.iter().map(|weight| weight * weight).sum::<f64>() / sum.max(f64::MIN_POSITIVE)
+fn purity(weights: [f64; 2]) -> f64 {
+    let [one, other] = weights;
+    (one * one + other * other) / (one + other).max(f64::MIN_POSITIVE)
 }
 
 /// Puts the rows that go to the left first, and returns how many there are.

@@ -10,6 +10,7 @@
 mod course;
 mod fit;
 mod forest;
+mod packed;
 mod share;
 mod tracker;
 mod training;

@@ -6,10 +6,12 @@ use super::course::{ObjectCourse, ObjectMeasure};
 use crate::touch::contact_history::Measure;
 use crate::touch::frame::SkinTracker;
 
-/// A contact that begins within this distance of another one, horizontally in the world, belongs to its object, m.
-const PLACE_M: f64 = 0.025;
-/// The other contact lasts, or ended at most this long ago, s.
-const PLACE_S: f64 = 3.0;
+/// A contact that begins within this distance of where another one began, is, or ended, horizontally in the world, belongs
+/// to its object, m. Choice, on development seeds: nearly the radius of a trunk or roll, and less than most leaves are apart.
+const PLACE_M: f64 = 0.03;
+/// The other contact lasts, or ended at most this long ago, s. Choice: objects stand on the table, so the arm finds them
+/// where it left them, goals later.
+const PLACE_S: f64 = 30.0;
 /// A contact joins an object once it has sensed this force, N: the strongest spurious readings of the sensor.
 const JOINING_N: f64 = 0.1;
 /// An object is judged once it has sensed [`JUDGED_N`] in this many samples.
@@ -19,7 +21,7 @@ const JUDGED_N: f64 = 0.2;
 /// Room for this many objects and contacts, so that nothing is allocated with fewer.
 const ROOM: usize = 256;
 
-/// Something that touches the skin, or did so in the last three seconds.
+/// Something that touches the skin, or did so in the last thirty seconds.
 #[derive(Clone, Copy, Debug)]
 pub struct TouchObject {
     /// Number of the object, from 1.
@@ -39,13 +41,14 @@ impl TouchObject {
     }
 }
 
-/// A contact of an object: where it began, and when it was felt last.
+/// A contact of an object.
 #[derive(Clone, Copy, Debug)]
 struct Member {
     patch: usize,
     contact: u64,
     object: u64,
-    place_world: DVec2,
+    /// Where it began, and where it was felt last. A contact walks along a round object, and an object gives way.
+    places_world: [DVec2; 2],
     last_s: f64,
 }
 
@@ -107,15 +110,16 @@ impl ObjectTracker {
         let own = self.members.iter_mut().find(|member| member.patch == patch && member.contact == contact);
         let number = match own {
             Some(member) => {
-                member.last_s = time_s;
+                (member.places_world[1], member.last_s) = (place_world, time_s);
                 member.object
             }
             None => {
-                let near = self.members.iter().map(|member| (member.place_world.distance(place_world), member.object));
+                let places = self.members.iter().flat_map(|own| own.places_world.map(|place| (place, own.object)));
+                let near = places.map(|(place, object)| (place.distance(place_world), object));
                 let near = near.filter(|(distance, _)| *distance <= PLACE_M);
                 let nearest = near.reduce(|best, other| if other.0 < best.0 { other } else { best });
                 let object = nearest.map_or_else(|| self.begin(time_s), |(_, object)| object);
-                self.members.push(Member { patch, contact, object, place_world, last_s: time_s });
+                self.members.push(Member { patch, contact, object, places_world: [place_world; 2], last_s: time_s });
                 if let Some(index) = self.index_of(object) {
                     self.objects[index].course.count_contact();
                 }
@@ -151,7 +155,7 @@ impl ObjectTracker {
         });
     }
 
-    /// The objects that touch the skin, or did so in the last three seconds, in the order in which they were first touched.
+    /// The objects that touch the skin, or did so in the last thirty seconds, in the order in which they were first touched.
     pub fn objects(&self) -> &[TouchObject] {
         &self.objects
     }

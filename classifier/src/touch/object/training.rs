@@ -6,9 +6,8 @@ use underbrush_recording::{Category, Recording};
 
 use super::course::OBJECT_FEATURE_COUNT;
 use super::forest::{Forest, ForestRow};
-use super::share::Shares;
 use super::tracker::{ObjectTracker, TouchObject};
-use super::unknown::{CATEGORIES, Calibration, Family, UnknownObjects};
+use super::unknown::{self, Calibration, FAMILIES, Family, UnknownObjects};
 use crate::error::ModelError;
 use crate::touch::frame::SkinTracker;
 
@@ -87,9 +86,9 @@ impl ObjectExample {
         (Votes::new(), ObjectExample { category: "", rows: Vec::new() })
     }
 
-    fn forest_rows(&self, class: usize, weight: f64) -> impl Iterator<Item = ForestRow<'_>> {
+    fn forest_rows(&self, is_family: bool, weight: f64) -> impl Iterator<Item = ForestRow<'_>> {
         let weight = weight / self.rows.len() as f64;
-        self.rows.iter().map(move |(_, features)| ForestRow { features, class, weight })
+        self.rows.iter().map(move |(_, features)| ForestRow { features, is_family, weight })
     }
 }
 
@@ -142,8 +141,8 @@ pub(in crate::touch) fn fit_unknown(
             format!("{count} objects of the auxiliary category {name} that touch the skin"),
             format!("{FEWEST} or more; generate more reaches of its scene, or leave it out"),
         )),
-        _ if categories.len() > CATEGORIES => {
-            Some((format!("{} categories", categories.len()), format!("at most {CATEGORIES} with auxiliary sets")))
+        _ if counts.len() > FAMILIES => {
+            Some((format!("{} auxiliary categories", counts.len()), format!("at most {FAMILIES}")))
         }
         _ => None,
     } {
@@ -153,9 +152,11 @@ pub(in crate::touch) fn fit_unknown(
     let fit = |fold: Option<usize>| objects.fit(&families, categories, fold);
     // One part after the other, because the trees of each forest are fitted side by side.
     let held_out: Vec<Vec<Family>> = (0..FOLDS).map(|fold| fit(Some(fold))).collect();
-    let calibration = |category| objects.calibration(category, &held_out, categories.len());
-    let calibrated = (0..categories.len()).map(calibration).collect();
-    Ok(Some(UnknownObjects { categories: calibrated, families: fit(None) }))
+    let calibrations = |stage: usize| {
+        let scores = |category| objects.scores(category, stage, &held_out);
+        Calibration::of(&(0..categories.len()).map(scores).collect::<Vec<_>>(), families.len())
+    };
+    Ok(Some(UnknownObjects { stages: std::array::from_fn(calibrations), families: fit(None) }))
 }
 
 /// The objects that are fitted to, with the part that their reach is in.
@@ -189,33 +190,28 @@ impl<'a> Objects<'a> {
         let known: Vec<_> = self.known.iter().filter(|(_, fold, _)| Some(*fold) != without).collect();
         let family = |(index, name): (usize, &&str)| {
             let own = self.families.iter().filter(|(fold, own)| own.category == *name && Some(*fold) != without);
-            let class_of_family = categories.len();
-            let mut classes: Vec<(usize, &ObjectExample)> =
-                known.iter().map(|(class, _, own)| (*class, *own)).collect();
-            classes.extend(own.map(|(_, own)| (class_of_family, *own)));
-            let mut count = vec![0.0; class_of_family + 1];
-            classes.iter().for_each(|(class, _)| count[*class] += 1.0);
-            // Each object counts the same within its class, and each class the same.
-            let rows = classes.iter().flat_map(|(class, own)| own.forest_rows(*class, 1.0 / count[*class]));
-            let rows: Vec<ForestRow<'_>> = rows.collect();
-            let forest = Forest::fit(&rows, class_of_family + 1, index as u64);
-            Family { name: (*name).to_owned(), objects: count[class_of_family] as usize, forest }
+            let family: Vec<&ObjectExample> = own.map(|(_, own)| *own).collect();
+            let mut count = vec![0.0; categories.len()];
+            known.iter().for_each(|(category, ..)| count[*category] += 1.0);
+            let categories = count.iter().filter(|count| **count > 0.0).count() as f64;
+            // The known objects together count as much as the family, each category the same, each of its objects too.
+            let rows = known
+                .iter()
+                .flat_map(|(category, _, own)| own.forest_rows(false, 1.0 / (categories * count[*category])));
+            let own_rows = family.iter().flat_map(|own| own.forest_rows(true, 1.0 / family.len() as f64));
+            let rows: Vec<ForestRow<'_>> = rows.chain(own_rows).collect();
+            let forest = Forest::fit(&rows, OBJECT_FEATURE_COUNT, index as u64);
+            Family { name: (*name).to_owned(), objects: family.len(), forest }
         };
         families.iter().enumerate().map(family).collect()
     }
 
-    /// The scores of the known objects of a category at their end, each by forests that were fitted to other reaches.
-    fn calibration(&self, category: usize, held_out: &[Vec<Family>], categories: usize) -> Calibration {
+    /// The scores of the known objects of a category at the end of a stage, each by forests that were fitted to other reaches.
+    fn scores(&self, category: usize, stage: usize, held_out: &[Vec<Family>]) -> Vec<Vec<f64>> {
         let scores = |(_, fold, object): &(usize, usize, &ObjectExample)| -> Option<Vec<f64>> {
-            let (_, features) = object.rows.last()?;
-            held_out[*fold].iter().map(|own| own.scores(features, categories).nth(category)).collect()
+            let (_, features) = object.rows.iter().rfind(|(samples, _)| unknown::stage(*samples) == stage)?;
+            Some(held_out[*fold].iter().map(|own| own.score(features)).collect())
         };
-        let known = self.known.iter().filter(|(own, ..)| *own == category);
-        let scored: Vec<Vec<f64>> = known.filter_map(scores).collect();
-        let families = held_out.first().map_or(0, Vec::len);
-        let of_family = |family: usize| Shares::of(scored.iter().map(|scores| scores[family]).collect());
-        let mut own = Calibration { families: (0..families).map(of_family).collect(), all: Shares::of(Vec::new()) };
-        own.all = Shares::of(scored.iter().map(|scores| own.unlike(scores.iter().copied())).collect());
-        own
+        self.known.iter().filter(|(own, ..)| *own == category).filter_map(scores).collect()
     }
 }

@@ -2,23 +2,23 @@
 //!
 //! Novelty alone finds few unknown objects, so auxiliary unknown objects of several families, such as soft rolls or free
 //! cylinders, surround the known categories in stiffness, size and mobility. For each family one forest tells the known
-//! categories from it; the score against a category is the logarithm of the odds of the family. Among the known objects of
-//! held-out reaches, a score has a rank. Each family gets the same budget of false alarms: the least rank over the families
-//! counts, and its rank among the held-out objects, once more, is the share of objects of that category that are as unlike
-//! (a conformal p-value). The largest share over the categories is the answer.
+//! categories from it; the logarithm of the odds of the family is the score. Among the known objects of held-out reaches, in
+//! which each category counts the same, a score has a rank. Each family gets the same budget of false alarms: the least rank
+//! over the families counts. Its rank among the held-out objects of a category is the share of them that are as unlike (a
+//! conformal p-value). The largest share over the categories is the answer, so the limit holds for each of them.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::math;
 
-use super::course::OBJECT_FEATURE_COUNT;
+use super::course::ObjectCourse;
 use super::forest::Forest;
 use super::share::Shares;
 
 /// Added to probabilities before their odds are taken, so that none is infinite.
 const PROBABILITY: f64 = 2e-3;
 /// The largest number of families. Choice.
-const FAMILIES: usize = 32;
+pub(super) const FAMILIES: usize = 32;
 
 /// Auxiliary unknown objects of one kind, and what tells them from known ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -28,26 +28,52 @@ pub(super) struct Family {
     pub(super) name: String,
     /// Number of these objects.
     pub(super) objects: usize,
-    /// Gives the probabilities of the known categories, then of the family.
     pub(super) forest: Forest,
 }
 
-/// Scores of held-out objects of one category, each at its end.
+/// An object is compared with held-out ones that were felt for as long: for fewer than the first of these numbers of samples,
+/// for fewer than the second, or for more. Choice.
+const STAGES: [usize; 2] = [60, 240];
+
+/// The stage of an object with this many samples.
+pub(super) fn stage(samples: usize) -> usize {
+    STAGES.iter().filter(|from| samples >= **from).count()
+}
+
+/// Scores of held-out objects of one category at the end of one stage.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Calibration {
-    /// The score against each family.
+    /// The score for each family.
     pub(super) families: Vec<Shares>,
-    /// Minus the logarithm of the least share over the families.
+    /// How unlike they are: minus the logarithm of the least share over the families.
     pub(super) all: Shares,
 }
 
 impl Calibration {
-    /// Minus the logarithm of the least share over the families.
-    pub(super) fn unlike(&self, scores: impl Iterator<Item = f64>) -> f64 {
-        let shares = self.families.iter().zip(scores).map(|(family, score)| family.beyond(score));
-        -math::ln(shares.fold(1.0, f64::min))
+    /// From the scores of the held-out objects, by category, object and family.
+    pub(super) fn of(scores: &[Vec<Vec<f64>>], families: usize) -> Vec<Self> {
+        let of_family = |own: &[Vec<f64>], family: usize| Shares::of(own.iter().map(|scores| scores[family]).collect());
+        let of_category = |own: &Vec<Vec<f64>>| Calibration {
+            families: (0..families).map(|family| of_family(own, family)).collect(),
+            all: Shares::of(Vec::new()),
+        };
+        let mut calibrations: Vec<Calibration> = scores.iter().map(of_category).collect();
+        for (category, own) in scores.iter().enumerate() {
+            let all = own.iter().map(|scores| unlike(&calibrations, scores)).collect();
+            calibrations[category].all = Shares::of(all);
+        }
+        calibrations
     }
+}
+
+/// Minus the logarithm of the least share over the families.
+fn unlike(calibrations: &[Calibration], scores: &[f64]) -> f64 {
+    let share = |(family, score): (usize, &f64)| {
+        let shares = calibrations.iter().map(|own| own.families[family].beyond(*score));
+        shares.sum::<f64>() / calibrations.len() as f64
+    };
+    -math::ln(scores.iter().enumerate().map(share).fold(1.0, f64::min))
 }
 
 /// What finds unknown objects.
@@ -56,8 +82,8 @@ impl Calibration {
 pub struct UnknownObjects {
     /// The families, in alphabetical order.
     pub(super) families: Vec<Family>,
-    /// One for each category.
-    pub(super) categories: Vec<Calibration>,
+    /// For each stage, one for each category.
+    pub(super) stages: [Vec<Calibration>; STAGES.len() + 1],
 }
 
 impl UnknownObjects {
@@ -66,18 +92,16 @@ impl UnknownObjects {
         self.families.iter().map(|family| family.name.as_str())
     }
 
-    /// The share of known objects that are at least as unlike all known categories as the object with these features.
-    /// Nothing is allocated.
-    pub fn share_beyond(&self, features: &[f32; OBJECT_FEATURE_COUNT]) -> f64 {
-        let mut scores = [[0.0; FAMILIES]; CATEGORIES];
-        for (index, family) in self.families.iter().enumerate() {
-            for (category, score) in scores.iter_mut().zip(family.scores(features, self.categories.len())) {
-                category[index] = score;
-            }
+    /// The share of known objects that are at least as unlike all known categories as the object with this course. Nothing is
+    /// allocated.
+    pub fn share_beyond(&self, course: &ObjectCourse) -> f64 {
+        let (features, calibrations) = (course.features(), &self.stages[stage(course.samples())]);
+        let mut scores = [0.0; FAMILIES];
+        for (score, family) in scores.iter_mut().zip(&self.families) {
+            *score = family.score(&features);
         }
-        let categories = self.categories.iter().zip(&scores);
-        let shares = categories.map(|(own, scores)| own.all.beyond(own.unlike(scores.iter().copied())));
-        shares.fold(0.0, f64::max)
+        let unlike = unlike(calibrations, &scores[..self.families.len()]);
+        calibrations.iter().map(|own| own.all.beyond(unlike)).fold(0.0, f64::max)
     }
 
     pub(in crate::touch) fn is_sound(&self, categories: usize) -> bool {
@@ -85,24 +109,14 @@ impl UnknownObjects {
             own.families.len() == self.families.len() && own.families.iter().chain([&own.all]).all(Shares::is_sound)
         };
         (1..=FAMILIES).contains(&self.families.len())
-            && categories <= CATEGORIES
-            && self.families.iter().all(|own| own.forest.is_sound(OBJECT_FEATURE_COUNT, categories + 1))
-            && self.categories.len() == categories
-            && self.categories.iter().all(calibration)
+            && self.stages.iter().all(|own| own.len() == categories && own.iter().all(calibration))
     }
 }
 
-/// The largest number of categories of a model that finds unknown objects. Choice.
-pub(super) const CATEGORIES: usize = 32;
-
 impl Family {
-    /// For each category, the logarithm of the odds of the family against it.
-    pub(super) fn scores(&self, features: &[f32], categories: usize) -> impl Iterator<Item = f64> + use<> {
-        let mut probabilities = [0.0; CATEGORIES + 1];
-        let classes = (categories + 1).min(probabilities.len());
-        self.forest.probabilities(features, &mut probabilities[..classes]);
-        let of_family = probabilities[classes - 1];
-        let odds = move |own: f64| math::ln((of_family + PROBABILITY) / (own + PROBABILITY));
-        probabilities.into_iter().take(classes - 1).map(odds)
+    /// The logarithm of the odds of the family.
+    pub(super) fn score(&self, features: &[f32]) -> f64 {
+        let family = self.forest.probability(features);
+        math::ln((family + PROBABILITY) / (1.0 - family + PROBABILITY))
     }
 }

@@ -1,0 +1,80 @@
+//! Forests in model files: as text of a few megabytes.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::course::OBJECT_FEATURE_COUNT;
+use super::forest::{Forest, Node, Span};
+
+/// Stands for no feature: the node is a leaf.
+const LEAF: u8 = u8::MAX;
+
+/// The trees of a forest.
+#[derive(Clone, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Packed {
+    /// The smallest and the largest value of each feature.
+    spans: Vec<Span>,
+    /// The nodes of each tree in depth-first order, in Base64. A cut has three bytes: the number of its feature, and in two
+    /// bytes, the lower one first, which part of 65,535 of the feature's range goes to the left. A leaf has two: 255, and
+    /// which part of 255 is the share of the family.
+    trees: Vec<String>,
+}
+
+impl From<Forest> for Packed {
+    fn from(forest: Forest) -> Self {
+        let bytes = |node: &Node| match *node {
+            Node::Leaf(share) => vec![LEAF, share],
+            Node::Cut { feature, cut, .. } => {
+                let [low, high] = cut.to_le_bytes();
+                vec![feature, low, high]
+            }
+        };
+        let text = |tree: &Vec<Node>| STANDARD.encode(tree.iter().flat_map(bytes).collect::<Vec<u8>>());
+        Packed { trees: forest.trees.iter().map(text).collect(), spans: forest.spans }
+    }
+}
+
+impl TryFrom<Packed> for Forest {
+    type Error = &'static str;
+
+    fn try_from(packed: Packed) -> Result<Self, Self::Error> {
+        let is_sound = |Span(low, high): &Span| low.is_finite() && high.is_finite() && low <= high;
+        if packed.spans.len() != OBJECT_FEATURE_COUNT || !packed.spans.iter().all(is_sound) {
+            return Err("the ranges of features do not fit");
+        }
+        let tree = |text: &String| tree(&STANDARD.decode(text).ok()?);
+        match packed.trees.iter().map(tree).collect::<Option<Vec<_>>>() {
+            Some(trees) if !trees.is_empty() => Ok(Forest { spans: packed.spans, trees }),
+            _ => Err("a tree is damaged"),
+        }
+    }
+}
+
+/// The nodes of a tree; `None` if the bytes are not one whole tree.
+fn tree(bytes: &[u8]) -> Option<Vec<Node>> {
+    let (mut nodes, mut bytes) = (Vec::new(), bytes.iter().copied());
+    // Cuts whose right child has not come yet.
+    let mut open: Vec<usize> = Vec::new();
+    loop {
+        match bytes.next()? {
+            LEAF => {
+                nodes.push(Node::Leaf(bytes.next()?));
+                let Some(parent) = open.pop() else { break };
+                let next = u32::try_from(nodes.len()).ok()?;
+                if let Node::Cut { right, .. } = &mut nodes[parent] {
+                    *right = next;
+                }
+            }
+            feature if usize::from(feature) < OBJECT_FEATURE_COUNT => {
+                open.push(nodes.len());
+                let cut = u16::from_le_bytes([bytes.next()?, bytes.next()?]);
+                nodes.push(Node::Cut { feature, cut, right: 0 });
+            }
+            _ => return None,
+        }
+    }
+    bytes.next().is_none().then_some(nodes)
+}
