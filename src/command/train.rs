@@ -18,7 +18,7 @@ use underbrush_recording::disk::file_blake3;
 
 use super::estimator_arguments::EstimatorArguments;
 use super::overwrite::Overwrite;
-use super::touch::{self, RiskArguments};
+use super::touch::{self, RiskArguments, SimulatedArguments};
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::output::{self, cells};
@@ -27,11 +27,11 @@ use crate::output::{self, cells};
 #[derive(Args)]
 pub struct TrainOptions {
     /// Data set (folder), recording, or table of trials (`trial`, `category`, `time_s`, `force_n` are required). With
-    /// --classifier touch: one or more data sets and recordings
+    /// --classifier touch: one or more data sets, recordings and scene files (.toml), which are simulated
     #[arg(required = true)]
     trials: Vec<PathBuf>,
-    /// With --classifier touch: data sets and recordings of unknown objects to train on, such as those of
-    /// scenes/auxiliary. Their objects of categories that TRIALS lack are unknown, a family for each category; without
+    /// With --classifier touch: data sets, recordings and scene files of unknown objects to train on, such as
+    /// scenes/auxiliary/*.toml. Their objects of categories that TRIALS lack are unknown, a family for each category; without
     /// them nothing is called unknown
     #[arg(long, value_name = "DATASET", num_args = 1..)]
     auxiliary: Vec<PathBuf>,
@@ -40,6 +40,8 @@ pub struct TrainOptions {
     out: PathBuf,
     #[command(flatten)]
     overwrite: Overwrite,
+    #[command(flatten)]
+    simulated: SimulatedArguments,
     /// Continue training the hidden Markov models in this file; their states, features and other options stay the same
     #[arg(
         long,
@@ -113,11 +115,13 @@ pub fn run(options: TrainOptions, json: bool) -> Result<(), Failure> {
         }
         let limits = options.risk.limits();
         let cut = options.cut.touch()?;
-        return touch::train(&options.trials, &options.auxiliary, &cut, &limits, &options.out, json);
+        let (known, auxiliary) = (&options.trials, &options.auxiliary);
+        return touch::train(known, auxiliary, &cut, &options.simulated, &limits, &options.out, json);
     }
     if !options.auxiliary.is_empty() {
         return Err(Failure::usage("--auxiliary applies to --classifier touch only; leave it out"));
     }
+    options.simulated.refuse("applies to --classifier touch only")?;
     options.risk.refuse("applies to --classifier touch only")?;
     let estimator = options.estimator.estimator()?;
     let path = input::only(&options.trials)?;

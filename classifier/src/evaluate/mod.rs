@@ -10,6 +10,7 @@ mod evaluation_report;
 mod fold;
 mod held_out;
 mod interval;
+mod object_figures;
 mod prediction;
 mod record;
 mod roc;
@@ -30,6 +31,7 @@ pub use evaluation_report::EvaluationReport;
 pub use fold::{FoldBy, Folds};
 pub use held_out::HeldOut;
 pub use interval::{Interval, bootstrap_by_reach, wilson};
+pub use object_figures::{GroupingFigures, ObjectVerdicts, UnknownFigures};
 pub use prediction::Prediction;
 pub use record::Record;
 pub use roc::{RocCurve, RocPoint, category_roc, outlier_roc};
@@ -38,7 +40,7 @@ pub use stream::{
 };
 pub use threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds};
 pub use touch_figures::{ReachFigures, RightWithin, TouchFigures, TruthFigures};
-pub use touch_object::{GroupingFigures, JudgedObject, ObjectVerdicts, UnknownFigures};
+pub use touch_object::JudgedObject;
 
 #[cfg(test)]
 mod tests;

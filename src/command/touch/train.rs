@@ -8,6 +8,7 @@ use underbrush_classifier::evaluate::touch_folds::{add_auxiliary, touch_examples
 use underbrush_classifier::touch::{RiskLimits, TouchDecision, TouchOptions, TouchRows};
 use underbrush_experiments::model_data;
 
+use super::simulated::SimulatedArguments;
 use super::{fit, text};
 use crate::failure::Failure;
 use crate::output;
@@ -30,10 +31,18 @@ pub fn train(
     paths: &[PathBuf],
     auxiliary: &[PathBuf],
     options: &TouchOptions,
+    simulated: &SimulatedArguments,
     limits: &RiskLimits,
     out: &Path,
     json: bool,
 ) -> Result<(), Failure> {
+    let all: Vec<PathBuf> = paths.iter().chain(auxiliary).cloned().collect();
+    let folder = simulated.folder(&all, out)?;
+    let sets = |paths: &[PathBuf], name| match &folder {
+        Some(folder) => simulated.sets(paths, &folder.path().join(name)),
+        None => Ok(paths.to_vec()),
+    };
+    let (paths, auxiliary) = (&sets(paths, "known")?, &sets(auxiliary, "auxiliary")?);
     let all: Vec<PathBuf> = paths.iter().chain(auxiliary).cloned().collect();
     // The same set cannot be both, so all are opened together first.
     Reaches::open(&all)?;

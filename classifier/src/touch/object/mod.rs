@@ -4,7 +4,7 @@
 //! |---|---|
 //! | contacts that begin near each other are one object | [`ObjectTracker`] |
 //! | the course of an object becomes features | [`ObjectCourse`], [`Fit`](fit::Fit) |
-//! | one forest for each family of auxiliary unknown objects | [`Forest`] |
+//! | one forest for each family of auxiliary unknown objects | [`Forest`](forest::Forest) |
 //! | scores become the share of known objects that are as unlike | [`UnknownObjects`] |
 
 mod course;
@@ -12,6 +12,8 @@ mod fit;
 mod forest;
 mod packed;
 mod share;
+#[cfg(test)]
+mod tests;
 mod tracker;
 mod training;
 mod unknown;

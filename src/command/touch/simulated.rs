@@ -1,0 +1,63 @@
+//! Data sets of scene files, made for one training and then thrown away.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use tempfile::TempDir;
+use underbrush_experiments::dataset::Campaign;
+use underbrush_sim::scene::Scene;
+
+use crate::failure::Failure;
+use crate::progress::Shown;
+
+/// Options on scene files that are given in place of data sets.
+#[derive(Args)]
+pub struct SimulatedArguments {
+    /// With --classifier touch and scene files in place of data sets: simulate this many reaches of each scene
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    reaches: Option<u64>,
+    /// Seed of these reaches, as for `underbrush generate`
+    #[arg(long, default_value_t = 0, value_name = "N", requires = "reaches")]
+    seed: u64,
+}
+
+impl SimulatedArguments {
+    /// Refuses these options, for a reason.
+    pub fn refuse(&self, reason: &str) -> Result<(), Failure> {
+        match self.reaches {
+            Some(_) => Err(Failure::usage(format!("--reaches {reason}; leave it out"))),
+            None => Ok(()),
+        }
+    }
+
+    /// The paths with one data set, which is made in the folder, in place of all scene files.
+    pub(super) fn sets(&self, paths: &[PathBuf], folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+        let (scenes, mut sets): (Vec<PathBuf>, Vec<PathBuf>) = paths.iter().cloned().partition(is_scene);
+        if let Some(scene) = scenes.first() {
+            let reaches = self.reaches.ok_or_else(|| {
+                let text = "is a scene file; say with --reaches how many of its reaches to simulate and train on";
+                Failure::usage(format!("{} {text}", scene.display()))
+            })?;
+            let scenes: Result<Vec<Scene>, _> = scenes.iter().map(Scene::load).collect();
+            Campaign::new(scenes?, reaches, self.seed)?.write(folder, false, &Shown)?;
+            sets.push(folder.to_owned());
+        }
+        Ok(sets)
+    }
+
+    /// A folder for the sets beside the model file; `None` if no path is a scene file.
+    pub(super) fn folder(&self, paths: &[PathBuf], out: &Path) -> Result<Option<TempDir>, Failure> {
+        if !paths.iter().any(is_scene) {
+            self.refuse("applies to scene files in place of data sets")?;
+            return Ok(None);
+        }
+        let beside = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = TempDir::with_prefix_in("underbrush-", beside);
+        let cannot = |error| Failure::run(format!("{}: no folder can be made in it: {error}", beside.display()));
+        folder.map(Some).map_err(cannot)
+    }
+}
+
+fn is_scene(path: &PathBuf) -> bool {
+    path.extension().is_some_and(|ending| ending == "toml")
+}
