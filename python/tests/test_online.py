@@ -11,6 +11,19 @@ import underbrush as ub
 from underbrush.sklearn import FixedWindow
 
 
+POSTS = """summary = "Posts in the way of the arm"
+[goals]
+count = 1
+retries = 0
+x_m = { uniform = [0.60, 0.72] }
+[[objects.trunk]]
+count = 6
+category = "post"
+diameter_m = 0.06
+place = { x_m = { uniform = [0.25, 0.50] }, y_m = { uniform = [-0.50, -0.15] } }
+"""
+
+
 def stream(online: ub.Online, reach: ub.Reach) -> list[list[dict]]:
     return [online.update(reach.frame(index)) for index in range(len(reach))]
 
@@ -105,6 +118,22 @@ def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:
     assert {own["verdict"] for own in taxels} <= {"nothing", "leaf", "trunk", "uncertain", "unknown"}
     with pytest.raises(ub.InputError, match="2 reaches"):
         ub.TouchModel.fit([reach])
+
+
+def test_auxiliary_reaches_are_unknown_objects(data: ub.Dataset, tmp_path, command) -> None:
+    """Tests that a model fitted with auxiliary reaches equals the command line's, but for the names of its sources, that
+    they are among its sources, and that auxiliary reaches without unknown objects are refused."""
+    scene = tmp_path / "posts.toml"
+    scene.write_text(POSTS)
+    posts = ub.generate([scene], 8, tmp_path / "posts", seed=2, progress=False)
+    model = ub.TouchModel.fit(list(data), auxiliary=list(posts))
+    file = tmp_path / "touch.json"
+    command("train", data.path, "--classifier", "touch", "--auxiliary", posts.path, "--out", file)
+    own, other = json.loads(model.to_json()), json.loads(file.read_text())
+    assert own["unknown"] == other["unknown"] and own["unknown"]["families"][0]["name"] == "post"
+    assert "posts" in json.dumps(own["provenance"])
+    with pytest.raises(ub.InputError, match="no unknown objects"):
+        ub.TouchModel.fit(list(data), auxiliary=list(data))
 
 
 def test_model_files_of_the_other_kind_are_named(data: ub.Dataset, tmp_path) -> None:

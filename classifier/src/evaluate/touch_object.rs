@@ -111,7 +111,7 @@ impl ObjectJudge {
 
 impl JudgedObject {
     /// An object without verdicts.
-    pub(super) fn new(object: u64) -> Self {
+    pub fn new(object: u64) -> Self {
         let none = || Touch::Uncertain.name(&[]).to_owned();
         JudgedObject {
             reach: 0,

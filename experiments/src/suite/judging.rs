@@ -6,7 +6,8 @@ use std::sync::Arc;
 use underbrush_classifier::Model;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::decision::Decision;
-use underbrush_classifier::evaluate::{Stream, StreamTruth, classify_stream, classify_touch_stream};
+use underbrush_classifier::evaluate::touch::TouchEvaluation;
+use underbrush_classifier::evaluate::{JudgedObject, Stream, StreamTruth, classify_stream, classify_touch_stream};
 use underbrush_classifier::online::{OnlineClassifier, OnlineError, OnlineOptions};
 use underbrush_classifier::touch::{TouchClassifier, TouchModel};
 use underbrush_classifier::trial::TrialOptions;
@@ -63,6 +64,14 @@ impl Judging {
                 classify_stream(model.classifier.as_ref(), recording, options, StreamTruth::Object)
             }
             Judging::Touch(model) => Ok(classify_touch_stream(model, recording)?),
+        }
+    }
+
+    /// The objects that it tells apart in a reach; none for a classifier of trials.
+    pub fn objects(&self, recording: &Recording) -> Result<Vec<JudgedObject>, OnlineError> {
+        match self {
+            Judging::OfTrials(..) => Ok(Vec::new()),
+            Judging::Touch(model) => Ok(TouchEvaluation::of(model, recording)?.objects),
         }
     }
 }

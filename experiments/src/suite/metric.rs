@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 use underbrush_classifier::decision::Verdict;
-use underbrush_classifier::evaluate::{NOTHING, Stream, Tally};
+use underbrush_classifier::evaluate::{JudgedObject, NOTHING, Stream, Tally};
+use underbrush_classifier::touch::Touch;
 use underbrush_recording::{Category, Recording};
 use underbrush_sim::audit;
 
@@ -37,6 +38,8 @@ pub struct Measured<'a> {
     pub goals: u32,
     /// The verdicts, if the suite has a model.
     pub stream: Option<&'a Stream>,
+    /// The objects that it touches, if the suite has a touch model.
+    pub objects: &'a [JudgedObject],
 }
 
 /// A metric.
@@ -85,7 +88,7 @@ const VERDICT: Metric =
 /// assert!(shares.clone().count() > 0);
 /// assert!(METRICS.iter().all(|metric| !metric.summary.is_empty()));
 /// ```
-pub const METRICS: [Metric; 17] = [
+pub const METRICS: [Metric; 18] = [
     Metric {
         name: "audit",
         summary: "Largest error of the physics, each relative to the simulator's own bound for it",
@@ -175,6 +178,12 @@ pub const METRICS: [Metric; 17] = [
         ..VERDICT
     },
     Metric {
+        name: "objects_called_unknown",
+        summary: "Share of such objects whose last verdict is unknown, by a touch model; contacts of one place are one object",
+        of_reach: objects_called_unknown,
+        ..VERDICT
+    },
+    Metric {
         name: "called_nothing",
         summary: "Share of those taxels that are called nothing, which only a touch model does",
         of_reach: |reach, category| share_called(reach, category?, NOTHING),
@@ -261,6 +270,13 @@ fn share_called(reach: &Measured, category: Category, verdict: &str) -> Option<f
     let stream = reach.stream?;
     let row = stream.truths.iter().position(|truth| *truth == category)?;
     share_of_row(stream, row, verdict)
+}
+
+fn objects_called_unknown(reach: &Measured, category: Option<Category>) -> Option<f64> {
+    let category = category?;
+    let own: Vec<&JudgedObject> = reach.objects.iter().filter(|own| own.truth == category.name()).collect();
+    let called = own.iter().filter(|own| own.at_end == Touch::Unknown.name(&[])).count();
+    (!own.is_empty()).then(|| called as f64 / own.len() as f64)
 }
 
 /// The share of a row of [`Stream::taxel_frames`] that has this verdict; `None` if the row is empty or the model has no

@@ -67,7 +67,9 @@ impl Suite {
 
     fn measure(&self, scene: &SuiteScene, recording: &Recording) -> Result<OneReach, OnlineError> {
         let stream = self.model.as_ref().map(|judging| judging.stream(recording)).transpose()?;
-        let measured = Measured { recording, goals: scene.plan.scene.file.goals.count, stream: stream.as_ref() };
+        let objects = self.model.as_ref().map(|judging| judging.objects(recording)).transpose()?.unwrap_or_default();
+        let goals = scene.plan.scene.file.goals.count;
+        let measured = Measured { recording, goals, stream: stream.as_ref(), objects: &objects };
         let values = scene.bounds.iter();
         Ok(OneReach {
             goals: recording.goal_outcomes(),

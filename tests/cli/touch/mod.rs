@@ -1,5 +1,6 @@
 //! The commands with the classifier `touch`. The tests of `train`, `inspect` and `schema` are in this file.
 
+mod auxiliary;
 mod classify;
 mod evaluate;
 mod limits_of_risk;

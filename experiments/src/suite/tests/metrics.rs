@@ -1,4 +1,4 @@
-use underbrush_classifier::evaluate::{Stream, StreamContact, StreamFrame};
+use underbrush_classifier::evaluate::{JudgedObject, Stream, StreamContact, StreamFrame};
 use underbrush_recording::{
     Audit, Category, Contact, Frame, GoalRecord, ObjectRecord, Outcome, Pose, Recording, SkinLayout, TaxelReading,
 };
@@ -95,7 +95,9 @@ fn stream() -> Stream {
 #[test]
 fn metrics_are_what_they_say() {
     let (recording, stream) = (reach(), stream());
-    let measured = Measured { recording: &recording, goals: 4, stream: Some(&stream) };
+    let object = |at_end: &str| JudgedObject { truth: "leaf".into(), at_end: at_end.into(), ..JudgedObject::new(1) };
+    let objects = ["unknown", "leaf", "uncertain", "leaf"].map(object);
+    let measured = Measured { recording: &recording, goals: 4, stream: Some(&stream), objects: &objects };
     let expected = [
         // The contact residual is half of its bound of 1e-5, and the energy residual is a quarter of its bound of 0.02.
         ("audit", Some(0.5), Some(0.5)),
@@ -111,6 +113,7 @@ fn metrics_are_what_they_say() {
         ("wrong", Some(0.2), None),
         ("uncertain", Some(0.2), None),
         ("called_outlier", Some(0.1), None),
+        ("objects_called_unknown", Some(0.25), None),
         ("called_nothing", Some(0.1), None),
         ("spurious_called_nothing", Some(0.25), Some(0.25)),
         ("samples_to_right", Some(6.5), None),
@@ -129,7 +132,7 @@ fn metrics_are_what_they_say() {
         let other = found(Category::OUTLIER);
         assert!(close(other, of_outlier), "{name} of an outlier: {other:?}");
     }
-    let without_model = Measured { stream: None, ..measured };
+    let without_model = Measured { stream: None, objects: &[], ..measured };
     for metric in &METRICS {
         let value = metric.of_reach(&without_model, Some(Category::LEAF));
         assert_eq!(value.is_none(), metric.needs_model, "{}", metric.name);

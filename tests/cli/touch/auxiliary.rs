@@ -1,0 +1,112 @@
+//! `train` with auxiliary sets of unknown objects, and with scene files in place of data sets.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::{lines, read};
+use crate::support::fixture::fixture;
+use crate::support::{scenes, underbrush};
+
+/// A scene of posts, which are trunks of another category.
+pub fn posts(folder: &Path) -> PathBuf {
+    let text = scenes::TRUNKS_AT_FOREARM.replace("count = 6", "count = 6\ncategory = \"post\"\ndiameter_m = 0.06");
+    scenes::write(folder, "posts.toml", &text)
+}
+
+/// Tests that a model fitted to simulated reaches and auxiliary ones equals that of data sets of the same scenes but for the
+/// names of the sets, says where it comes from, leaves no reaches behind, and judges objects, whose counts `evaluate` sums.
+#[test]
+fn auxiliary_objects_are_a_family() {
+    let folder = tempfile::tempdir().unwrap();
+    let [out, set, aux, again] = ["model.json", "set", "aux", "again.json"].map(|name| folder.path().join(name));
+    let (leaf, trunk, posts) = (fixture().leaf_scene(), fixture().trunk_scene(), posts(folder.path()));
+    let touch = ["--classifier", "touch"];
+    let [classifier, kind] = touch;
+    let trained = underbrush![
+        "train",
+        leaf,
+        trunk,
+        classifier,
+        kind,
+        "--auxiliary",
+        posts,
+        "--reaches",
+        "8",
+        "--seed",
+        "2",
+        "--out",
+        out,
+        "--json"
+    ]
+    .json();
+    assert_eq!((&trained["families"], &trained["rows"]["auxiliary_reaches"]), (&json!(["post"]), &json!(8)));
+    let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(left.len(), 2, "{left:?}");
+
+    underbrush!["generate", leaf, trunk, "--reaches", "8", "--seed", "2", "--out", set].success();
+    underbrush!["generate", posts, "--reaches", "8", "--seed", "2", "--out", aux].success();
+    underbrush!["train", set, classifier, kind, "--auxiliary", aux, "--out", again].success();
+    let [mut one, mut other] = [&out, &again].map(|path| read(path));
+    let sources = one["provenance"]["data"].as_array().unwrap().clone();
+    assert_eq!(sources[0]["reaches"], json!({ "leaf": 8, "trunk": 8 }));
+    assert_eq!((&sources[1]["reaches"], &sources[1]["seed"]), (&json!({ "posts": 8 }), &json!(2)));
+    for (own, other) in sources.iter().zip(other["provenance"]["data"].as_array().unwrap()) {
+        assert_eq!(own["blake3"], other["blake3"]);
+    }
+    for model in [&mut one, &mut other] {
+        for key in ["provenance", "seal"] {
+            model.as_object_mut().unwrap().remove(key);
+        }
+    }
+    assert_eq!(one["unknown"], other["unknown"]);
+    assert_eq!(one["category"], other["category"]);
+
+    let found = underbrush!["evaluate", aux, "--model", out, "--json"].json();
+    let objects = found["objects"].as_array().unwrap();
+    let count = |holds: &dyn Fn(&Value) -> bool| json!(objects.iter().filter(|own| holds(own)).count());
+    let unknown = &found["unknown"];
+    assert_eq!(unknown["unknown_objects"], count(&|own| own["truth"] == "post"));
+    assert_eq!(unknown["found_objects"], count(&|own| own["truth"] == "post" && own["at_end"] == "unknown"));
+    let called = &["leaf", "trunk", "uncertain", "unknown"];
+    for own in objects {
+        assert!(called.contains(&own["at_end"].as_str().unwrap()), "{own}");
+    }
+    assert!(objects.len() >= 8, "{}", objects.len());
+    let reach = folder.path().join("reach.parquet");
+    underbrush!["reach", posts, "--seed", "2", "--index", "1", "--out", reach].success();
+    let answers = lines(&underbrush!["classify", out, reach].success());
+    let judged = answers.iter().flat_map(|line| line["objects"].as_array().unwrap());
+    assert!(judged.count() > 0);
+}
+
+/// Tests that auxiliary sets without unknown objects, or with too few, one that is also a data set, scene files without
+/// `--reaches`, and options without their classifier are refused by name, and leave nothing behind.
+#[test]
+fn bad_auxiliary_sets_are_refused() {
+    let (inputs, outputs) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let out = outputs.path().join("model.json");
+    let (set, leaf, posts) = (fixture().dataset(), fixture().leaf_scene(), posts(inputs.path()));
+    let train = |auxiliary: &Path, options: &[&str]| {
+        let words = ["train".into(), set.clone().into(), "--classifier".into(), "touch".into(), "--out".into()];
+        let mut words: Vec<std::ffi::OsString> = words.into();
+        words.extend([out.clone().into(), "--auxiliary".into(), auxiliary.into()]);
+        words.extend(options.iter().map(Into::into));
+        crate::support::call(words, "")
+    };
+    train(&leaf, &["--reaches", "2"])
+        .refused(&["no unknown objects in the auxiliary sets", "a category that the data sets lack"]);
+    train(&posts, &["--reaches", "1"]).refused(&["objects of the auxiliary category post", "10 or more"]);
+    train(&posts, &[]).refused(&["posts.toml", "is a scene file", "--reaches"]);
+    train(&set, &[]).refused(&["the same input twice"]);
+    train(&inputs.path().join("none"), &[]).refused(&["none"]);
+    train(&set.join("meta"), &["--reaches", "1"]).refused(&["--reaches", "applies to scene files", "leave it out"]);
+    for options in [&["--auxiliary", "x"][..], &["--reaches", "3"]] {
+        let mut words: Vec<std::ffi::OsString> = vec!["train".into(), fixture().table_csv().into(), "--out".into()];
+        words.push(out.clone().into());
+        words.extend(options.iter().map(Into::into));
+        crate::support::call(words, "").refused(&[options[0], "applies to --classifier touch only", "leave it out"]);
+    }
+    let left: Vec<_> = std::fs::read_dir(outputs.path()).unwrap().collect();
+    assert!(left.is_empty(), "{left:?}");
+}
