@@ -32,7 +32,7 @@ impl SimulatedArguments {
 
     /// The paths with one data set, which is made in the folder, in place of all scene files.
     pub(super) fn sets(&self, paths: &[PathBuf], folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-        let (scenes, mut sets): (Vec<PathBuf>, Vec<PathBuf>) = paths.iter().cloned().partition(is_scene);
+        let (scenes, mut sets): (Vec<PathBuf>, Vec<PathBuf>) = paths.iter().cloned().partition(|path| is_scene(path));
         if let Some(scene) = scenes.first() {
             let reaches = self.reaches.ok_or_else(|| {
                 let text = "is a scene file; say with --reaches how many of its reaches to simulate and train on";
@@ -47,7 +47,7 @@ impl SimulatedArguments {
 
     /// A folder for the sets beside the model file; `None` if no path is a scene file.
     pub(super) fn folder(&self, paths: &[PathBuf], out: &Path) -> Result<Option<TempDir>, Failure> {
-        if !paths.iter().any(is_scene) {
+        if !paths.iter().any(|path| is_scene(path)) {
             self.refuse("applies to scene files in place of data sets")?;
             return Ok(None);
         }
@@ -58,6 +58,6 @@ impl SimulatedArguments {
     }
 }
 
-fn is_scene(path: &PathBuf) -> bool {
+fn is_scene(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending == "toml")
 }

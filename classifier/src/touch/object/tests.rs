@@ -7,7 +7,7 @@ use super::course::OBJECT_FEATURE_COUNT;
 use super::forest::{Forest, ForestRow};
 use super::tracker::ObjectTracker;
 use crate::touch::frame::SkinTracker;
-use crate::trial::tests::recording;
+use crate::trial::tests::{Drawn, recording};
 
 /// Fits a forest to rows of features that are known objects (false) or the family (true), each class with half the weight.
 fn fit(rows: &[(Vec<f32>, bool)]) -> Forest {
@@ -129,7 +129,7 @@ fn damaged_trees_are_refused() {
 /// patch has been shifted to, m, moves on to another place, and is followed by a pause, s.
 fn objects(contacts: &[([f64; 2], f64)]) -> Vec<u64> {
     let touch = [(7, 1.0, Some(0))];
-    let mut frames: Vec<(f64, &[(u16, f64, Option<u16>)])> = Vec::new();
+    let mut frames: Vec<Drawn<'_>> = Vec::new();
     for ([from, to], pause_s) in contacts {
         frames.extend((0..20).map(|step| (from + (to - from) * f64::from(step) / 19.0, &touch[..])));
         frames.extend((0..(pause_s / 0.01) as usize).map(|_| (*to, &[][..])));
