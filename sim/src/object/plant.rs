@@ -281,10 +281,6 @@ impl Object for Plant {
         "plant"
     }
 
-    fn category(&self) -> Category {
-        Self::CATEGORY
-    }
-
     fn is_obstacle(&self) -> bool {
         false
     }
