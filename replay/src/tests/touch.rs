@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use underbrush_classifier::touch::{TouchClassifier, TouchExamples, TouchModel, TouchOptions};
-use underbrush_recording::{Category, Recording};
+use underbrush_recording::{Category, Recording, TaxelReading};
 
 use super::pack::Packed;
 use super::{KNOWN, reach};
@@ -118,6 +118,29 @@ fn what_follows_has_the_regions_of_a_touch_model() {
         rest.section("touch_feature"),
         whole.section("touch_feature")[whole.section("touch_feature").len() - features..]
     );
+}
+
+/// Tests that objects that touch another patch, without a grid and far away, leave the verdicts on the patch that the page
+/// shows as they are.
+#[test]
+fn the_page_shows_the_first_patch() {
+    let alone = pressed_by(Category::TRUNK, 1.1, 40);
+    let mut both = alone.clone();
+    let mut flipper = both.layout.patches[0].clone();
+    (flipper.name, flipper.grid) = ("flipper".into(), None);
+    both.layout.patches.push(flipper);
+    for frame in &mut both.frames {
+        let mut pose = frame.patch_pose_world[0];
+        pose.position.x += 10.0;
+        frame.patch_pose_world.push(pose);
+        let felt = frame.taxels.iter().map(|reading| TaxelReading { patch: 1, ..*reading });
+        frame.taxels.extend(felt.collect::<Vec<_>>());
+    }
+    let [one, two] = [alone, both].map(|reach| Packed::read(&pack(&reach, &KNOWN, Some(&judging())).unwrap()));
+    for name in ["verdict_start", "verdict_taxel", "verdict_code", "verdict_region"] {
+        assert_eq!(one.section(name), two.section(name), "{name}");
+    }
+    assert!(!one.section("verdict_code").is_empty());
 }
 
 /// Tests that a patch other than the one that the touch model was trained for is refused, and that a patch without a

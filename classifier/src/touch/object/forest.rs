@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::packed::Packed;
+use super::packed::{Node, Packed, Span};
 
 /// Number of trees. Choice: twice as many find no more on development seeds.
 const TREES: usize = 100;
@@ -30,36 +30,13 @@ pub(super) struct ForestRow<'a> {
     pub(super) weight: f64,
 }
 
-/// A node of a tree. The left child of a cut comes right after it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Node {
-    /// Rows go to the left if the feature is at most this part of its range.
-    Cut { feature: u8, cut: u16, right: u32 },
-    /// The share of the family.
-    Leaf(u8),
-}
-
-/// The smallest and the largest value of a feature, divided into 65,535 steps for cuts.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub(super) struct Span(pub(super) f32, pub(super) f32);
-
-impl Span {
-    fn at(self, cut: u16) -> f32 {
-        self.0 + (self.1 - self.0) * (f32::from(cut) / f32::from(u16::MAX))
-    }
-
-    fn nearest(self, value: f32) -> u16 {
-        ((value - self.0) / (self.1 - self.0) * f32::from(u16::MAX)).round() as u16
-    }
-}
-
 /// Trees that together give the probability of a family.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "Packed", into = "Packed")]
 pub(super) struct Forest {
     /// One for each feature.
-    pub(super) spans: Vec<Span>,
-    pub(super) trees: Vec<Vec<Node>>,
+    spans: Vec<Span>,
+    trees: Vec<Vec<Node>>,
 }
 
 impl Forest {
@@ -98,6 +75,20 @@ impl Forest {
                 }
             }
         }
+    }
+}
+
+impl From<Forest> for Packed {
+    fn from(forest: Forest) -> Self {
+        Packed::of(forest.spans, &forest.trees)
+    }
+}
+
+impl TryFrom<Packed> for Forest {
+    type Error = &'static str;
+
+    fn try_from(packed: Packed) -> Result<Self, Self::Error> {
+        Ok(Forest { trees: packed.trees()?, spans: packed.spans })
     }
 }
 

@@ -6,25 +6,47 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::course::OBJECT_FEATURE_COUNT;
-use super::forest::{Forest, Node, Span};
 
 /// Stands for no feature: the node is a leaf.
 const LEAF: u8 = u8::MAX;
+
+/// A node of a tree. The left child of a cut comes right after it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Node {
+    /// Rows go to the left if the feature is at most this part of its range.
+    Cut { feature: u8, cut: u16, right: u32 },
+    /// The share of the family.
+    Leaf(u8),
+}
+
+/// The smallest and the largest value of a feature, divided into 65,535 steps for cuts.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub(super) struct Span(pub(super) f32, pub(super) f32);
+
+impl Span {
+    pub(super) fn at(self, cut: u16) -> f32 {
+        self.0 + (self.1 - self.0) * (f32::from(cut) / f32::from(u16::MAX))
+    }
+
+    pub(super) fn nearest(self, value: f32) -> u16 {
+        ((value - self.0) / (self.1 - self.0) * f32::from(u16::MAX)).round() as u16
+    }
+}
 
 /// The trees of a forest.
 #[derive(Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Packed {
     /// The smallest and the largest value of each feature.
-    spans: Vec<Span>,
+    pub(super) spans: Vec<Span>,
     /// The nodes of each tree in depth-first order, in Base64. A cut has three bytes: the number of its feature, and in two
     /// bytes, the lower one first, which part of 65,535 of the feature's range goes to the left. A leaf has two: 255, and
     /// which part of 255 is the share of the family.
     trees: Vec<String>,
 }
 
-impl From<Forest> for Packed {
-    fn from(forest: Forest) -> Self {
+impl Packed {
+    pub(super) fn of(spans: Vec<Span>, trees: &[Vec<Node>]) -> Self {
         let bytes = |node: &Node| match *node {
             Node::Leaf(share) => vec![LEAF, share],
             Node::Cut { feature, cut, .. } => {
@@ -33,21 +55,18 @@ impl From<Forest> for Packed {
             }
         };
         let text = |tree: &Vec<Node>| STANDARD.encode(tree.iter().flat_map(bytes).collect::<Vec<u8>>());
-        Packed { trees: forest.trees.iter().map(text).collect(), spans: forest.spans }
+        Packed { trees: trees.iter().map(text).collect(), spans }
     }
-}
 
-impl TryFrom<Packed> for Forest {
-    type Error = &'static str;
-
-    fn try_from(packed: Packed) -> Result<Self, Self::Error> {
+    /// The trees, or what is wrong.
+    pub(super) fn trees(&self) -> Result<Vec<Vec<Node>>, &'static str> {
         let is_sound = |Span(low, high): &Span| low.is_finite() && high.is_finite() && low <= high;
-        if packed.spans.len() != OBJECT_FEATURE_COUNT || !packed.spans.iter().all(is_sound) {
+        if self.spans.len() != OBJECT_FEATURE_COUNT || !self.spans.iter().all(is_sound) {
             return Err("the ranges of features do not fit");
         }
         let tree = |text: &String| tree(&STANDARD.decode(text).ok()?);
-        match packed.trees.iter().map(tree).collect::<Option<Vec<_>>>() {
-            Some(trees) if !trees.is_empty() => Ok(Forest { spans: packed.spans, trees }),
+        match self.trees.iter().map(tree).collect::<Option<Vec<_>>>() {
+            Some(trees) if !trees.is_empty() => Ok(trees),
             _ => Err("a tree is damaged"),
         }
     }
