@@ -22,10 +22,10 @@ pub struct Snapshot {
 pub struct ObjectShapes {
     /// Its category.
     pub category: Category,
-    /// Its shapes, except those of the blade.
+    /// Its shapes, except those of blades.
     pub capsules: Vec<Capsule>,
-    /// The blade of a leaf.
-    pub blade: Option<Blade>,
+    /// The blades of a leaf or plant.
+    pub blades: Vec<Blade>,
 }
 
 /// A thin blade that bends at hinges: rigid pieces, each of which begins at the end of the one before it.
@@ -35,6 +35,14 @@ pub struct Blade {
     pub width_m: f64,
     /// The pieces, from the foot to the tip.
     pub pieces: Vec<BladePiece>,
+}
+
+impl Blade {
+    /// Whether its last piece ends at this place, m, world frame, but for rounding.
+    fn ends_at(&self, place_world: DVec3) -> bool {
+        let end = self.pieces.last().map(|piece| piece.pose_world.transform_point(DVec3::Z * piece.length_m));
+        end.is_some_and(|end| end.abs_diff_eq(place_world, 1e-6))
+    }
 }
 
 /// A piece of a blade.
@@ -69,17 +77,20 @@ impl Snapshot {
 
 /// The shapes of an object whose bodies have these parts and poses.
 fn shapes<'a>(category: Category, bodies: impl Iterator<Item = (&'a [BodyPart], &'a Pose)>) -> ObjectShapes {
-    let (mut capsules, mut pieces, mut width_m) = (Vec::new(), Vec::new(), 0.0);
+    let (mut capsules, mut blades) = (Vec::new(), Vec::<Blade>::new());
     for (parts, pose) in bodies {
         if let Some(size_m) = blade_piece(parts) {
-            width_m = size_m.y;
-            pieces.push(BladePiece { pose_world: *pose, length_m: size_m.z });
+            let piece = BladePiece { pose_world: *pose, length_m: size_m.z };
+            match blades.last_mut().filter(|blade| blade.ends_at(pose.position)) {
+                Some(blade) => blade.pieces.push(piece),
+                None => blades.push(Blade { width_m: size_m.y, pieces: vec![piece] }),
+            }
         } else {
             let shapes = parts.iter();
             capsules.extend(shapes.filter_map(|part| capsule(&part.shape, &(*pose * part.pose_body))));
         }
     }
-    ObjectShapes { category, capsules, blade: (!pieces.is_empty()).then_some(Blade { width_m, pieces }) }
+    ObjectShapes { category, capsules, blades }
 }
 
 /// The size of a piece of a blade: one thin box that begins at its hinge and stands along z.

@@ -112,7 +112,7 @@ fn extent(snapshot: &Snapshot) -> Vec<(DVec3, f64)> {
     let objects = snapshot.objects.iter();
     let capsules = snapshot.arm.iter().chain(objects.flat_map(|object| &object.capsules));
     let ends = capsules.flat_map(|capsule| [(capsule.start, capsule.radius_m), (capsule.end, capsule.radius_m)]);
-    let blades = snapshot.objects.iter().filter_map(|object| object.blade.as_ref());
+    let blades = snapshot.objects.iter().flat_map(|object| &object.blades);
     let pieces = blades.flat_map(|blade| {
         let radius_m = blade.width_m / 2.0;
         blade.pieces.iter().flat_map(move |piece| {

@@ -164,7 +164,7 @@ impl Panel {
                 let opacity = if block { 0.45 } else { 0.9 };
                 outlines.push(self.line(view, capsule, fill, opacity, depth));
             }
-            if let Some(blade) = &object.blade {
+            for blade in &object.blades {
                 let middle = blade.pieces.iter().map(|piece| self.depth(piece.pose_world.position));
                 outlines.push(Outline {
                     depth: middle.sum::<f64>() / blade.pieces.len() as f64,

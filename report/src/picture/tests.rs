@@ -48,12 +48,12 @@ fn moment(hand: [f64; 3], goal: [f64; 3]) -> (Snapshot, SkinLayout) {
             ObjectShapes {
                 category: Category::TRUNK,
                 capsules: vec![capsule([0.5, 0.1, -0.58], [0.5, 0.1, 0.0])],
-                blade: None,
+                blades: Vec::new(),
             },
             ObjectShapes {
                 category: Category::LEAF,
                 capsules: Vec::new(),
-                blade: Some(blade([0.4, -0.2, -0.5].into(), 0.3)),
+                blades: vec![blade([0.4, -0.2, -0.5].into(), 0.3)],
             },
         ],
         frame,
