@@ -13,7 +13,7 @@ import underbrush as ub
 def test_shipped_scenes_are_those_of_the_repository() -> None:
     """Tests that every scene that ships loads by its name, with the text of its file."""
     folder = Path(__file__).parents[2] / "scenes"
-    files = {path.stem: path for path in [*folder.glob("*.toml"), *folder.glob("engineered/*.toml")]}
+    files = {path.stem: path for path in folder.rglob("*.toml")}
     assert sorted(ub.Scene.names()) == sorted(files)
     for name, path in files.items():
         assert ub.Scene(name).text == path.read_text()
