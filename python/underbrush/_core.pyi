@@ -491,9 +491,9 @@ class TouchModel:
         reaches: Sequence[Reach],
         patch: str | None = None,
         *,
+        auxiliary: Sequence[Reach] = ...,
         threshold_n: float | None = None,
         limit_wrong: float | None = None,
-        limit_false_alarms: float | None = None,
         jobs: int | None = None,
     ) -> TouchModel: ...
     @staticmethod
@@ -518,7 +518,6 @@ class TouchModel:
         folds: int = 2,
         threshold_n: float | None = None,
         limit_wrong: float | None = None,
-        limit_false_alarms: float | None = None,
         jobs: int | None = None,
     ) -> _Json: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
