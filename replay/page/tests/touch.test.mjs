@@ -43,11 +43,12 @@ test("the page has the verdicts of the command line", async () => {
     assert.equal(found.length, lines.length);
     let count = 0;
     for (const [frame, { taxels, regions }] of lines.entries()) {
-      const expected = taxels.toSorted((a, b) => a.taxel - b.taxel);
+      // The page shows the first patch; a model may judge several.
+      const expected = taxels.filter(({ patch }) => patch === "forearm").toSorted((a, b) => a.taxel - b.taxel);
       assert.deepEqual(found[frame].map(({ taxel, verdict }) => [taxel, verdict]), expected.map(({ taxel, verdict }) => [taxel, verdict]), `frame ${frame}`);
       for (const [row, { contact, nothing, probabilities }] of expected.entries()) {
         const own = found[frame][row];
-        const region = regions.find((region) => region.contact === contact);
+        const region = regions.find((region) => region.patch === "forearm" && region.contact === contact);
         for (const [name, share] of Object.entries({ nothing, ...probabilities })) assert.ok(Math.abs(own.probabilities[name] - share) < 1e-6);
         assert.deepEqual([own.region.contact, own.region.verdict, own.region.touchedTaxels], [contact, region.verdict, region.touched_taxels]);
         assert.ok(Math.abs(own.region.shareBeyond - region.share_beyond) < 1e-6);
@@ -66,7 +67,7 @@ test("a chosen taxel shows probabilities and its region", async () => {
   const frame = fullestFrame(recording, rows);
   const [strongest] = felt(recording, rows[frame]).filter(({ patch }) => patch === "forearm");
   const page = await start(`#reach=${SCENES.indexOf("mixed")}&t=${rows[frame].time_s.toFixed(2)}&taxel=forearm.${strongest.index}&colour=verdict`);
-  const own = told[SCENES.indexOf("mixed")][frame].taxels.find(({ taxel }) => taxel === strongest.taxel);
+  const own = told[SCENES.indexOf("mixed")][frame].taxels.find(({ patch, taxel }) => patch === "forearm" && taxel === strongest.taxel);
   const details = await page.locator("#details").textContent();
   assert.match(await page.locator("#facts").textContent(), /model touch\.json \(touch\)/);
   for (const [name, share] of Object.entries({ nothing: own.nothing, ...own.probabilities })) {
