@@ -55,6 +55,8 @@ pub enum Draw {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{draw} gives no value from {low} to {high}")]
 pub struct DrawError {
+    /// The key of the range in its group of objects; empty outside of groups.
+    pub name: &'static str,
     /// The range.
     pub draw: Draw,
     /// Smallest physical value.
@@ -133,7 +135,7 @@ impl Quantity {
     /// # Errors
     /// When a fixed or uniform value lies outside the limits, or a normal one does so a thousand times in a row.
     pub fn draw(&self, random: &mut ChaCha8Rng, limits: (f64, f64)) -> Result<f64, DrawError> {
-        let error = DrawError { draw: self.draw, low: limits.0, high: limits.1 };
+        let error = DrawError { name: "", draw: self.draw, low: limits.0, high: limits.1 };
         let physical = |value: &f64| (limits.0..=limits.1).contains(value);
         match self.draw {
             Draw::Fixed(value) => Some(value).filter(physical).ok_or(error),

@@ -105,6 +105,18 @@ fn no_goals() {
     refuses(&text, Some(9), &["goals.count: found 0", "1 to 1000 goals", "change"]);
 }
 
+/// Tests that plants that could not stand, and plants whose blades would be in the foam, are refused at the line of what is
+/// to be changed.
+#[test]
+fn plants_that_fall_over() {
+    let plant = format!("{HEAD}[[objects.foam_block]]\ncount = 3\n\n[[objects.plant]]\ncount = 1\n");
+    let parts = ["objects.plant[0].stem_rigidity_n_m2: found 0.001 gives no value from", "change the value"];
+    refuses(&format!("{plant}stem_rigidity_n_m2 = 0.001\n"), Some(8), &parts);
+    let parts = ["objects.plant[0].droop_deg: found 170 gives no value from -90 to 0", "change the value"];
+    let text = format!("{plant}elevation_deg = 0\nblade_length_m = 0.5\ndroop_deg = 170\n");
+    refuses(&text, Some(10), &parts);
+}
+
 /// Tests that two trunks in one place are refused with the reason, at the line of the second.
 #[test]
 fn overlapping_trunks() {

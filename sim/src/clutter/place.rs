@@ -37,6 +37,7 @@ pub(super) fn place_all(
                     continue;
                 };
                 let object = group.draw(random, &footing).map_err(|error| {
+                    let field = format!("{field}.{}", error.name);
                     scene.fault(&field, error, "a range most of whose values are physically possible")
                 })?;
                 let foot_world = center.extend(footing.height_m);

@@ -77,12 +77,12 @@ pub struct Group<K> {
 }
 
 impl<K: Kind> Group<K> {
-    /// The range of the quantity with this name, and its physical limits.
-    fn range(&self, name: &str) -> (&Quantity, (f64, f64)) {
+    /// The key of the quantity with this name, its range, and its physical limits.
+    fn range(&self, name: &str) -> (&'static str, &Quantity, (f64, f64)) {
         let mut declared = K::QUANTITIES.iter().zip(&self.ranges);
         let found = declared.find(|(declared, _)| declared.name == name);
         let (declared, range) = found.expect("a kind asks only for quantities that it declares");
-        (range, declared.limits)
+        (declared.name, range, declared.limits)
     }
 
     /// Draws the quantity with this name.
@@ -90,15 +90,15 @@ impl<K: Kind> Group<K> {
     /// # Errors
     /// If its range holds (almost) no physical values.
     pub fn draw_quantity(&self, name: &str, random: &mut ChaCha8Rng) -> Result<f64, DrawError> {
-        let (range, limits) = self.range(name);
-        range.draw(random, limits)
+        let (name, range, limits) = self.range(name);
+        range.draw(random, limits).map_err(|error| DrawError { name, ..error })
     }
 
     /// The error for a group of which (almost) no object is possible: this quantity has to be within these limits. A limit
     /// that is not given is that of its declaration.
     pub fn refusal(&self, name: &str, low: Option<f64>, high: Option<f64>) -> DrawError {
-        let (range, limits) = self.range(name);
-        DrawError { draw: range.draw, low: low.unwrap_or(limits.0), high: high.unwrap_or(limits.1) }
+        let (name, range, limits) = self.range(name);
+        DrawError { name, draw: range.draw, low: low.unwrap_or(limits.0), high: high.unwrap_or(limits.1) }
     }
 }
 
