@@ -43,8 +43,8 @@ pub fn settle(
         }
     };
     let larger = pair.larger();
-    // The last region, its plane and its normal.
-    let mut last: Option<(Region, Plane, DVec3)> = None;
+    // The last region, its plane, its normal and its center.
+    let mut last: Option<(Region, Plane, DVec3, DVec2)> = None;
     for _ in 0..MAX_TRIALS {
         let columns = Columns::new(pair, &plane, faces)?;
         let over_m = over_m(&plane, columns.overlap_m(DVec2::ZERO).unwrap_or(f64::NEG_INFINITY));
@@ -58,9 +58,10 @@ pub fn settle(
         };
         let found_world = region.normal_world(&plane, larger);
         let turn = found_world - plane.normal_world;
-        // Anderson's method with one former trial: where both turns, as linear functions of the normal, vanish.
+        // Anderson's method: the turn is taken to be linear between this trial and the one before, and the next normal is where
+        // it vanishes.
         let normal_world = match &last {
-            Some((_, former, former_found_world)) => {
+            Some((_, former, former_found_world, _)) => {
                 let former_turn = *former_found_world - former.normal_world;
                 let change = turn - former_turn;
                 let share = (turn.dot(change) / change.length_squared()).clamp(-1.0, 1.0);
@@ -73,20 +74,18 @@ pub fn settle(
         let origin_world = plane.origin_world + in_plane(&plane.tangents_world, center.x, center.y);
         let is_settled = turn.length() < ALONG_NORMAL_RAD;
         let next = normal_world.try_normalize().map(|normal_world| plane.turned_to(normal_world));
-        last = Some((region, plane, found_world));
+        last = Some((region, plane, found_world, center));
         match next {
             Some(next) if !is_settled => plane = Plane { origin_world, ..next },
             _ => break,
         }
     }
-    let (region, mut plane, found_world) = last?;
+    let (region, mut plane, found_world, center) = last?;
     // Forces act between the surfaces.
     plane.origin_world += plane.normal_world * region.height_m();
     nodes.extend(region.nodes());
-    let center = region.center();
     let turn = found_world - plane.normal_world;
-    // Half the turn: where the normal of the region depends on the direction of its columns, it may be beyond the one that
-    // both agree on.
+    // Only half the turn: where the normal of the region depends on the direction of its columns, the whole turn may overshoot.
     let next = Known {
         origin_world: plane.origin_world + in_plane(&plane.tangents_world, center.x, center.y),
         normal_world: (plane.normal_world + 0.5 * turn).normalize(),

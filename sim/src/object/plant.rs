@@ -70,6 +70,16 @@ pub struct Plant {
     drawn: DrawnPlant,
     /// Rotational stiffness of the root in the foam, Nm/rad; `None` for a clamped root.
     root_stiffness_nm_per_rad: Option<f64>,
+    /// How far its blades reach at rest. Placing asks for it many times.
+    extent: Extent,
+}
+
+/// The extent of all blades at rest, m, in the frame of the foot.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Extent {
+    radius_m: f64,
+    lowest_m: f64,
+    highest_m: f64,
 }
 
 /// Hinges of the stem. Choice: with two, the first frequency is within 1.1 % of the beam's.
@@ -100,7 +110,8 @@ impl Kind for Plant {
             let mut drawn = DrawnPlant::draw_all(group, random)?;
             (drawn.blades, drawn.segments) = (drawn.blades.round(), drawn.segments.round());
             let root = footing.foam_modulus_pa.map(|modulus| root_stiffness_nm_per_rad(modulus, drawn.root_depth_m));
-            Ok(Plant { drawn, root_stiffness_nm_per_rad: root })
+            let plant = Plant { drawn, root_stiffness_nm_per_rad: root, extent: Extent::default() };
+            Ok(Plant { extent: plant.find_extent(), ..plant })
         };
         // If nearly all plants of these ranges would lie down, the error asks for a stiffer stem; if their tips would be in
         // the foam, for less droop.
@@ -179,7 +190,7 @@ impl Plant {
 
     /// Whether all blades are over the foam.
     fn is_over_the_foam(&self) -> bool {
-        self.corners().all(|corner| corner.z > COLLISION_THICKNESS_M)
+        self.extent.lowest_m > COLLISION_THICKNESS_M
     }
 
     /// Heights over the foam, m, and compliances, rad/Nm, of the stem's hinges, the lowest one together with the root.
@@ -291,11 +302,11 @@ impl Object for Plant {
 
     /// A disc under all blades, so that those of two plants do not start within each other.
     fn footprint(&self) -> Footprint {
-        Footprint::Disc(self.corners().map(|corner| corner.truncate().length()).fold(0.0, f64::max))
+        Footprint::Disc(self.extent.radius_m)
     }
 
     fn height_m(&self) -> f64 {
-        self.corners().map(|corner| corner.z).fold(self.drawn.height_m, f64::max)
+        self.drawn.height_m.max(self.extent.highest_m)
     }
 
     fn parameters(&self) -> BTreeMap<String, f64> {
@@ -320,17 +331,22 @@ impl Object for Plant {
 }
 
 impl Plant {
-    /// The ends of the blades' pieces at rest, at both edges, m, in the frame of the foot.
-    fn corners(&self) -> impl Iterator<Item = DVec3> {
+    /// Of the ends of the blades' pieces, at both edges.
+    fn find_extent(&self) -> Extent {
         let structure = self.structure();
         let poses = structure.rest_poses(Pose::IDENTITY);
         let half_m = 0.5 * self.drawn.blade_width_m;
-        let plates = structure.bodies.into_iter().zip(poses).filter(|(body, _)| body.drag.is_some());
-        let ends = plates.flat_map(move |(body, pose)| {
+        let mut extent = Extent { lowest_m: f64::INFINITY, ..Extent::default() };
+        for (body, pose) in structure.bodies.iter().zip(poses).filter(|(body, _)| body.drag.is_some()) {
             let end_m = 2.0 * body.inertia.center_of_mass_body.z;
-            [-half_m, half_m].map(|side| pose.transform_point(DVec3::new(0.0, side, end_m)))
-        });
-        ends.collect::<Vec<_>>().into_iter()
+            for side in [-half_m, half_m] {
+                let corner = pose.transform_point(DVec3::new(0.0, side, end_m));
+                extent.radius_m = extent.radius_m.max(corner.truncate().length());
+                extent.lowest_m = extent.lowest_m.min(corner.z);
+                extent.highest_m = extent.highest_m.max(corner.z);
+            }
+        }
+        extent
     }
 }
 
