@@ -82,6 +82,8 @@ enum Command {
     Reproduce(command::reproduce::ReproduceOptions),
     /// Simulate one reach through a scene
     Reach(command::reach::ReachOptions),
+    /// Write one draw of a scene as a scene file, object by object, to be changed by hand
+    Arrange(command::arrange::ArrangeOptions),
     /// Simulate many reaches and write them as a data set
     Generate(command::generate::GenerateOptions),
     /// Join the parts that `generate --shard` made on several machines into one data set
@@ -145,6 +147,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
         Command::Reproduce(options) => command::reproduce::run(options, shared.json),
         Command::Reach(options) => command::reach::run(options, shared.json),
+        Command::Arrange(options) => command::arrange::run(options, shared.json),
         Command::Generate(options) => command::generate::run(options, shared.json),
         Command::Merge(options) => command::merge::run(options, shared.json),
         Command::Train(options) => command::train::run(options, shared.json),

@@ -61,7 +61,7 @@ impl Sweep {
         let links = ArmAtStart::of(&arm).links;
         let scene = Scene::parse("sweep.toml", SCENE.into()).expect("the scene is sound");
         let mut random = stream(layout, "sweep", 0, "clutter");
-        let block = scene.file.objects.foam_block[0]
+        let (block, _) = scene.file.objects.foam_block[0]
             .draw(&mut random, &Footing { height_m: 0.0, foam_modulus_pa: None })
             .expect("the block is sound");
         let footing =
@@ -73,8 +73,10 @@ impl Sweep {
             if objects.len() == leaves {
                 break;
             }
+            let (object, drawn) = leaf.draw(&mut random, &footing).expect("the leaf stands");
             let placed = PlacedObject {
-                object: leaf.draw(&mut random, &footing).expect("the leaf stands"),
+                object,
+                drawn,
                 category: Category::LEAF,
                 foot_world: foot.extend(FOAM_TOP_M),
                 yaw_rad: yaw_deg.draw(&mut random, (-180.0, 180.0)).expect("an angle").to_radians(),

@@ -8,10 +8,11 @@ use underbrush_recording::{Category, InputError, ObjectRecord, Pose, math};
 
 use crate::arm::ArmAtStart;
 use crate::geometry::{Capsule, Footprint, LaidFootprint};
-use crate::object::Object;
+use crate::object::{DrawnQuantities, Object};
 use crate::scene::Scene;
 use crate::seed::stream;
 
+mod arranged;
 mod goals;
 mod place;
 #[cfg(test)]
@@ -49,6 +50,8 @@ pub struct PlacedObject {
     pub foot_world: DVec3,
     /// Its rotation about the vertical, rad.
     pub yaw_rad: f64,
+    /// What was drawn for it, in the order of its kind's declarations.
+    pub drawn: DrawnQuantities,
 }
 
 impl PlacedObject {

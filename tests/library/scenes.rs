@@ -55,7 +55,7 @@ fn every_scene_draws_and_stands_free() {
     draws.par_iter().for_each(|(path, seed)| {
         let plan = plan(path, *seed);
         let clutter = plan.draw(0).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
-        assert_eq!(clutter.goals.len(), plan.scene.file.goals.count as usize);
+        assert_eq!(clutter.goals.len(), plan.scene.file.goals.number() as usize);
         for (index, a) in clutter.objects.iter().enumerate() {
             for b in &clutter.objects[..index] {
                 assert!(apart(a, b), "{}, seed {seed}: {a:?} overlaps {b:?}", path.display());

@@ -25,7 +25,7 @@ const STARTS_WITHIN_REACH: usize = 6;
 /// Clearance between the arm at a goal and trunks, rolls and bottles, m. Choice: a finger's breadth.
 const GOAL_MARGIN_M: f64 = 0.02;
 
-/// Draws the goals one by one. The arm passes through a plant on its way from each goal to the next, and has a posture
+/// The goals that the scene lists, or else draws them one by one. The arm passes through a plant on its way from each goal to the next, and has a posture
 /// at each goal that is within its joints' limits and clear of table, foam and obstacles. `for_postures` gives the
 /// postures from which such a one is sought.
 pub(super) fn draw_goals(
@@ -36,6 +36,9 @@ pub(super) fn draw_goals(
     for_postures: &mut ChaCha8Rng,
 ) -> Result<Vec<DVec3>, InputError> {
     let settings = &scene.file.goals;
+    if let Some(goals) = &settings.positions_m {
+        return Ok(goals.iter().copied().map(DVec3::from_array).collect());
+    }
     let plants = objects.iter().filter(|placed| placed.object.foam_top().is_none());
     let plants: Vec<Capsule> = plants.map(PlacedObject::bounding_capsule).collect();
     let surroundings = Surroundings::new(&arm.arm, scene.file.workspace.table_height_m, objects);

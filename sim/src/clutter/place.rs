@@ -36,12 +36,12 @@ pub(super) fn place_all(
                     rejected.no_foam += 1;
                     continue;
                 };
-                let object = group.draw(random, &footing).map_err(|error| {
+                let (object, drawn) = group.draw(random, &footing).map_err(|error| {
                     let field = format!("{field}.{}", error.name);
                     scene.fault(&field, error, "a range most of whose values are physically possible")
                 })?;
                 let foot_world = center.extend(footing.height_m);
-                let placed = PlacedObject { object, category: group.category(), foot_world, yaw_rad };
+                let placed = PlacedObject { object, category: group.category(), foot_world, yaw_rad, drawn };
                 if rejected.allows(&placed, &objects, arm) {
                     found = Some(placed);
                     break;

@@ -6,10 +6,11 @@ use glam::DVec3;
 use parry3d::shape::SharedShape;
 use underbrush_recording::{InputError, Pose};
 
-use super::Clutter;
 use super::goals::passes_through;
+use super::{Clutter, PlacedObject};
 use crate::arm::{Arm, ArmAtStart, SkinAlongArm};
 use crate::geometry::{Capsule, PlacedShape};
+use crate::reach::ReachPlan;
 use crate::scene::Scene;
 
 /// Cody's arm without the shapes that would keep objects away from its start, and with skin 5 to 20 cm behind the end
@@ -245,5 +246,22 @@ fn normal_places_are_within_the_limits() {
         for placed in &clutter.objects {
             assert!(placed.foot_world.x.abs() <= 5.0, "{}", placed.foot_world);
         }
+    }
+}
+
+/// Tests that a draw written as a scene file gives the same objects and goals, for each scene that ships.
+#[test]
+fn an_arranged_scene_is_the_draw() {
+    for (name, text) in crate::scene::shipped_by_name() {
+        let plan = ReachPlan::new(Scene::parse(format!("{name}.toml"), text.into()).unwrap(), None, 5).unwrap();
+        let drawn = plan.draw(2).unwrap();
+        let arranged = Scene::parse("arranged.toml", drawn.arranged(&plan.scene, "".as_ref())).unwrap();
+        let again = ReachPlan::new(arranged, None, 6).unwrap().draw(0).unwrap();
+        let all = |clutter: &Clutter| -> Vec<_> {
+            let one = |placed: &PlacedObject| (placed.record(), placed.yaw_rad, placed.object.structure());
+            clutter.objects.iter().map(one).collect()
+        };
+        assert_eq!(all(&again), all(&drawn), "{name}");
+        assert_eq!(again.goals, drawn.goals, "{name}");
     }
 }

@@ -84,7 +84,7 @@ impl Environment {
     /// If an option is outside its limits, or the scene has fewer goals than an episode.
     pub fn new(plan: ReachPlan, options: EnvironmentOptions) -> Result<Self, InputError> {
         options.check()?;
-        let available = plan.scene.file.goals.count;
+        let available = plan.scene.file.goals.number();
         if options.goals > available {
             let found = format!("{} goals", options.goals);
             let allowed = format!("1 to {available}, the goals of scene {}", plan.scene.name);

@@ -3,12 +3,10 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use rand::Rng;
-use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{BodyShape, Category};
 
 use super::FRICTION;
-use super::group::{Declared, Group, Kind};
+use super::group::{Declared, Drawing, Kind};
 use super::structure::{Axis, Body, Inertia, Joint, Maxwell, Spring, Structure, part};
 use super::{Footing, Object, StandsOn};
 use crate::contact::surface::Surface;
@@ -53,11 +51,11 @@ impl Kind for FoamBlock {
     const CATEGORY: Category = Category::BLOCK;
     const STANDS_ON: StandsOn = StandsOn::Table;
 
-    fn draw(group: &Group<Self>, random: &mut ChaCha8Rng, _: &Footing) -> Result<Self, DrawError> {
-        let height_m = group.draw_quantity("height_m", random)?;
-        let wet = random.next_u32() as f64 / 2f64.powi(32) < group.draw_quantity("wet_share", random)?;
+    fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {
+        let height_m = drawing.quantity("height_m")?;
+        let wet = drawing.happens("wet_share")?;
         let modulus = if wet { "wet_modulus_pa" } else { "dry_modulus_pa" };
-        Ok(FoamBlock { height_m, wet, modulus_pa: group.draw_quantity(modulus, random)? })
+        Ok(FoamBlock { height_m, wet, modulus_pa: drawing.quantity(modulus)? })
     }
 }
 

@@ -4,10 +4,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{BodyShape, Category};
 
-use super::group::{Declared, Group, Kind, quantities};
+use super::group::{Declared, Drawing, Kind, quantities};
 use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Maxwell, Spring, Structure, part};
 use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Object, StandsOn};
 use crate::contact::surface::Surface;
@@ -50,11 +49,12 @@ impl Kind for FoamRoll {
     const CATEGORY: Category = Category::OUTLIER;
     const STANDS_ON: StandsOn = StandsOn::Table;
 
-    fn draw(group: &Group<Self>, random: &mut ChaCha8Rng, _: &Footing) -> Result<Self, DrawError> {
+    fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {
+        let group = drawing.group;
         // If nearly all rolls of these ranges would topple, the error asks for a higher modulus.
         let enough = |roll: &FoamRoll| roll.modulus_pa * roll.load_share() / LARGEST_LOAD_SHARE;
         let refusal = |roll: &FoamRoll| group.refusal("modulus_pa", Some(enough(roll)), None);
-        draw_possible(|| Self::draw_all(group, random), FoamRoll::stands_by_itself, refusal)
+        draw_possible(|| Self::draw_all(drawing), FoamRoll::stands_by_itself, refusal)
     }
 }
 

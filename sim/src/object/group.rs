@@ -2,6 +2,7 @@
 
 use std::marker::PhantomData;
 
+use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
@@ -38,8 +39,11 @@ pub trait Kind: Object + Clone + Sized + 'static {
     ///
     /// # Errors
     /// If a range holds (almost) no physical values.
-    fn draw(group: &Group<Self>, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Self, DrawError>;
+    fn draw(drawing: &mut Drawing<'_, Self>, footing: &Footing) -> Result<Self, DrawError>;
 }
+
+/// Names of quantities, and the values that were drawn for one object.
+pub type DrawnQuantities = Vec<(&'static str, f64)>;
 
 /// What a scene file says about a group of objects of one kind.
 pub trait Specification {
@@ -52,11 +56,12 @@ pub trait Specification {
     /// Every range with its name and the physical limits of its values, for validation and error messages.
     fn quantities(&self) -> Vec<Limited<'_>>;
 
-    /// Draws one object. `footing` is what it stands on.
+    /// Draws one object. `footing` is what it stands on. Also returns what it has drawn: names and values of quantities.
     ///
     /// # Errors
     /// If a range holds (almost) no physical values.
-    fn draw(&self, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Box<dyn Object>, DrawError>;
+    fn draw(&self, random: &mut ChaCha8Rng, footing: &Footing)
+    -> Result<(Box<dyn Object>, DrawnQuantities), DrawError>;
 
     /// What the objects must stand on.
     fn stands_on(&self) -> StandsOn;
@@ -77,28 +82,51 @@ pub struct Group<K> {
 }
 
 impl<K: Kind> Group<K> {
-    /// The key of the quantity with this name, its range, and its physical limits.
-    fn range(&self, name: &str) -> (&'static str, &Quantity, (f64, f64)) {
-        let mut declared = K::QUANTITIES.iter().zip(&self.ranges);
-        let found = declared.find(|(declared, _)| declared.name == name);
-        let (declared, range) = found.expect("a kind asks only for quantities that it declares");
-        (declared.name, range, declared.limits)
-    }
-
-    /// Draws the quantity with this name.
-    ///
-    /// # Errors
-    /// If its range holds (almost) no physical values.
-    pub fn draw_quantity(&self, name: &str, random: &mut ChaCha8Rng) -> Result<f64, DrawError> {
-        let (name, range, limits) = self.range(name);
-        range.draw(random, limits).map_err(|error| DrawError { name, ..error })
+    /// The number and the declaration of the quantity with this name.
+    fn declared(&self, name: &str) -> (usize, &'static Declared) {
+        let found = K::QUANTITIES.iter().enumerate().find(|(_, declared)| declared.name == name);
+        found.expect("a kind asks only for quantities that it declares")
     }
 
     /// The error for a group of which (almost) no object is possible: this quantity has to be within these limits. A limit
     /// that is not given is that of its declaration.
     pub fn refusal(&self, name: &str, low: Option<f64>, high: Option<f64>) -> DrawError {
-        let (name, range, limits) = self.range(name);
-        DrawError { name, draw: range.draw, low: low.unwrap_or(limits.0), high: high.unwrap_or(limits.1) }
+        let (number, Declared { name, limits, .. }) = self.declared(name);
+        let draw = self.ranges[number].draw;
+        DrawError { name, draw, low: low.unwrap_or(limits.0), high: high.unwrap_or(limits.1) }
+    }
+}
+
+/// The draw of one object of a group.
+pub struct Drawing<'a, K> {
+    /// The group.
+    pub group: &'a Group<K>,
+    random: &'a mut ChaCha8Rng,
+    /// What was drawn last for each quantity, in the order of the declarations; `None` for one that was not asked for.
+    drawn: Vec<Option<f64>>,
+}
+
+impl<K: Kind> Drawing<'_, K> {
+    /// Draws the quantity with this name.
+    ///
+    /// # Errors
+    /// If its range holds (almost) no physical values.
+    pub fn quantity(&mut self, name: &str) -> Result<f64, DrawError> {
+        let (number, declared) = self.group.declared(name);
+        let value = self.group.ranges[number].draw(self.random, declared.limits);
+        let value = value.map_err(|error| DrawError { name: declared.name, ..error })?;
+        self.drawn[number] = Some(value);
+        Ok(value)
+    }
+
+    /// Whether something happens whose probability is the quantity with this name. It counts as drawn with 0 or 1.
+    ///
+    /// # Errors
+    /// If its range holds (almost) no physical values.
+    pub fn happens(&mut self, name: &str) -> Result<bool, DrawError> {
+        let happens = self.random.next_u32() as f64 / 2f64.powi(32) < self.quantity(name)?;
+        self.drawn[self.group.declared(name).0] = Some(f64::from(u8::from(happens)));
+        Ok(happens)
     }
 }
 
@@ -116,8 +144,15 @@ impl<K: Kind> Specification for Group<K> {
         ranges.map(|(declared, range)| Limited::new(declared.name, range, declared.limits)).collect()
     }
 
-    fn draw(&self, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Box<dyn Object>, DrawError> {
-        Ok(Box::new(K::draw(self, random, footing)?))
+    fn draw(
+        &self,
+        random: &mut ChaCha8Rng,
+        footing: &Footing,
+    ) -> Result<(Box<dyn Object>, DrawnQuantities), DrawError> {
+        let mut drawing = Drawing { group: self, random, drawn: vec![None; K::QUANTITIES.len()] };
+        let object = Box::new(K::draw(&mut drawing, footing)?);
+        let drawn = K::QUANTITIES.iter().zip(drawing.drawn);
+        Ok((object, drawn.filter_map(|(declared, value)| Some((declared.name, value?))).collect()))
     }
 
     fn stands_on(&self) -> StandsOn {
@@ -260,10 +295,9 @@ macro_rules! quantities {
             },)+];
 
             fn draw_all<K: $crate::object::group::Kind>(
-                group: &$crate::object::group::Group<K>,
-                random: &mut rand_chacha::ChaCha8Rng,
+                drawing: &mut $crate::object::group::Drawing<'_, K>,
             ) -> Result<Self, $crate::range::DrawError> {
-                Ok($drawn { $($name: group.draw_quantity(stringify!($name), random)?),+ })
+                Ok($drawn { $($name: drawing.quantity(stringify!($name))?),+ })
             }
 
             /// The values by name.

@@ -3,11 +3,10 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use rand_chacha::ChaCha8Rng;
 use underbrush_recording::Category;
 
 use super::blade::{Blade, COLLISION_THICKNESS_M, Hinge, NEVER_YIELDS_NM, SHEET_TORSION_OVER_BENDING, yields};
-use super::group::{Declared, Group, Kind, quantities};
+use super::group::{Declared, Drawing, Kind, quantities};
 use super::structure::{Axis, Body, CollisionGroup, Joint, Structure};
 use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Object, StandsOn};
 use crate::contact::surface::Surface;
@@ -64,9 +63,10 @@ impl Kind for Leaf {
     const CATEGORY: Category = Category::LEAF;
     const STANDS_ON: StandsOn = StandsOn::Foam;
 
-    fn draw(group: &Group<Self>, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Self, DrawError> {
+    fn draw(drawing: &mut Drawing<'_, Self>, footing: &Footing) -> Result<Self, DrawError> {
+        let group = drawing.group;
         let draw = || {
-            let drawn = DrawnLeaf::draw_all(group, random)?;
+            let drawn = DrawnLeaf::draw_all(drawing)?;
             Ok(Leaf {
                 height_m: drawn.height_m,
                 width_m: drawn.width_m,

@@ -23,7 +23,7 @@ pub mod trunk;
 pub mod wand;
 pub mod water_bottle;
 
-pub use group::{Group, Specification};
+pub use group::{DrawnQuantities, Group, Specification};
 pub use structure::Structure;
 
 /// The list of object kinds, as `key in the scene file: type of the object`. Objects are placed in this order, so

@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
-use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{BodyShape, Category, Pose};
 
 use super::blade::{Blade, COLLISION_THICKNESS_M, Hinge, SHEET_TORSION_OVER_BENDING, yields};
-use super::group::{Declared, Group, Kind, quantities};
+use super::group::{Declared, Drawing, Kind, quantities};
 use super::leaf::root_stiffness_nm_per_rad;
 use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Spring, Structure, part};
 use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Object, StandsOn};
@@ -105,9 +104,10 @@ impl Kind for Plant {
     const CATEGORY: Category = Category::LEAF;
     const STANDS_ON: StandsOn = StandsOn::Foam;
 
-    fn draw(group: &Group<Self>, random: &mut ChaCha8Rng, footing: &Footing) -> Result<Self, DrawError> {
+    fn draw(drawing: &mut Drawing<'_, Self>, footing: &Footing) -> Result<Self, DrawError> {
+        let group = drawing.group;
         let draw = || {
-            let mut drawn = DrawnPlant::draw_all(group, random)?;
+            let mut drawn = DrawnPlant::draw_all(drawing)?;
             (drawn.blades, drawn.segments) = (drawn.blades.round(), drawn.segments.round());
             let root = footing.foam_modulus_pa.map(|modulus| root_stiffness_nm_per_rad(modulus, drawn.root_depth_m));
             let plant = Plant { drawn, root_stiffness_nm_per_rad: root, extent: Extent::default() };

@@ -70,7 +70,7 @@ fn drawn_objects_are_what_their_group_says() {
     let mut random = crate::seed::stream(0, "objects", 0, "clutter");
     let footing = super::Footing { height_m: 0.0, foam_modulus_pa: Some(5.0e4) };
     for (kind, _, group) in one_of_each().groups() {
-        let object = group.draw(&mut random, &footing).unwrap();
+        let (object, _) = group.draw(&mut random, &footing).unwrap();
         assert_eq!(object.kind(), kind);
         assert_eq!(object.structure().bodies[0].joint, None, "{kind} begins with what is fixed to the ground");
     }
@@ -85,7 +85,7 @@ fn trunks_are_not_lower_than_their_radius() {
     let mut draw = |diameter_m: &str| {
         let text = format!("count = 1\ndiameter_m = {diameter_m}\nheight_m = {{ uniform = [0.05, 0.1] }}\n");
         let group: Group<Trunk> = toml::from_str(&text).unwrap();
-        group.draw(&mut random, &footing).map(|trunk| trunk.parameters())
+        group.draw(&mut random, &footing).map(|(trunk, _)| trunk.parameters())
     };
     for _ in 0..30 {
         let own = draw("{ uniform = [0.05, 0.3] }").unwrap();

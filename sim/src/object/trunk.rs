@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{BodyShape, Category};
 
-use super::group::{Declared, Group, Kind, quantities};
+use super::group::{Declared, Drawing, Kind, quantities};
 use super::structure::{Body, Structure, part};
 use super::{FRICTION, Footing, Object, StandsOn};
 use crate::contact::surface::Surface;
@@ -33,11 +32,12 @@ impl Kind for Trunk {
     const CATEGORY: Category = Category::TRUNK;
     const STANDS_ON: StandsOn = StandsOn::Table;
 
-    fn draw(group: &Group<Self>, random: &mut ChaCha8Rng, _: &Footing) -> Result<Self, DrawError> {
+    fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {
+        let group = drawing.group;
         // The top is half a ball, which must be above the table.
         let is_possible = |trunk: &Trunk| trunk.height_m >= trunk.diameter_m / 2.0;
         let refusal = |trunk: &Trunk| group.refusal("height_m", Some(trunk.diameter_m / 2.0), None);
-        draw_possible(|| Self::draw_all(group, random), is_possible, refusal)
+        draw_possible(|| Self::draw_all(drawing), is_possible, refusal)
     }
 }
 

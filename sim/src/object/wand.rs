@@ -5,10 +5,9 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{BodyShape, Category};
 
-use super::group::{Declared, Group, Kind, quantities};
+use super::group::{Declared, Drawing, Kind, quantities};
 use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Spring, Structure, part};
 use super::{Footing, Object, StandsOn};
 use crate::contact::surface::Surface;
@@ -33,8 +32,8 @@ impl Kind for Wand {
     const CATEGORY: Category = CATEGORY;
     const STANDS_ON: StandsOn = StandsOn::Table;
 
-    fn draw(group: &Group<Self>, random: &mut ChaCha8Rng, _: &Footing) -> Result<Self, DrawError> {
-        Self::draw_all(group, random)
+    fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {
+        Self::draw_all(drawing)
     }
 }
 

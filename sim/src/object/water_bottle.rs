@@ -4,10 +4,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{BodyShape, Category};
 
-use super::group::{Declared, Group, Kind, quantities};
+use super::group::{Declared, Drawing, Kind, quantities};
 use super::structure::{Body, CollisionGroup, Inertia, Joint, Structure, part};
 use super::{Footing, Object, StandsOn, TABLE_FRICTION};
 use crate::contact::surface::Surface;
@@ -58,11 +57,12 @@ impl Kind for WaterBottle {
     const CATEGORY: Category = CATEGORY;
     const STANDS_ON: StandsOn = StandsOn::Table;
 
-    fn draw(group: &Group<Self>, random: &mut ChaCha8Rng, _: &Footing) -> Result<Self, DrawError> {
+    fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {
+        let group = drawing.group;
         let is_possible = |bottle: &WaterBottle| bottle.water_mass_kg <= bottle.capacity_kg();
         // If nearly all bottles of these ranges would overflow, the error asks for less water.
         let refusal = |bottle: &WaterBottle| group.refusal("water_mass_kg", None, Some(bottle.capacity_kg()));
-        draw_possible(|| Self::draw_all(group, random), is_possible, refusal)
+        draw_possible(|| Self::draw_all(drawing), is_possible, refusal)
     }
 }
 

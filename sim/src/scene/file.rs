@@ -121,6 +121,9 @@ pub struct Goals {
     /// stuck.
     #[schemars(range(min = limits::PATIENCE_S.min, max = limits::PATIENCE_S.max))]
     pub patience_s: Option<f64>,
+    /// The goals, m, world frame, in this order. If they are given, none are drawn, and `count` and the ranges below have
+    /// no effect.
+    pub positions_m: Option<Vec<[f64; 3]>>,
     /// Coordinate x of a goal (forward), m, world frame.
     #[schemars(transform = Within((PLACE_M.min, PLACE_M.max)))]
     pub x_m: Quantity,
@@ -132,6 +135,13 @@ pub struct Goals {
     pub z_m: Quantity,
 }
 
+impl Goals {
+    /// How many goals a reach has.
+    pub fn number(&self) -> u32 {
+        self.positions_m.as_ref().map_or(self.count, |positions| positions.len() as u32)
+    }
+}
+
 impl Default for Goals {
     /// Choice: what Cody's arm can reach in front of its right shoulder, at the height of the foliage but clear of the
     /// foam.
@@ -140,6 +150,7 @@ impl Default for Goals {
             count: 4,
             retries: 1,
             patience_s: None,
+            positions_m: None,
             x_m: Quantity::uniform(0.45, 0.75),
             y_m: Quantity::uniform(-0.55, 0.20),
             z_m: Quantity::uniform(-0.38, -0.16),

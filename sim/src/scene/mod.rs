@@ -147,7 +147,21 @@ impl Scene {
         for (name, quantity) in [("x_m", &file.goals.x_m), ("y_m", &file.goals.y_m), ("z_m", &file.goals.z_m)] {
             self.check_quantity("goals", &Limited { name, quantity, limits: anywhere })?;
         }
+        self.check_positions()?;
         self.check_objects(anywhere)
+    }
+
+    /// Checks the goals that the scene lists.
+    fn check_positions(&self) -> Result<(), InputError> {
+        let Some(positions) = &self.file.goals.positions_m else { return Ok(()) };
+        let place = "goals.positions_m";
+        if !limits::GOALS.hold(positions.len() as f64) {
+            return Err(self.fault(place, positions.len(), format!("{} goals", limits::GOALS)));
+        }
+        match positions.iter().flatten().find(|coordinate| !PLACE_M.hold(**coordinate)) {
+            Some(coordinate) => Err(self.fault(place, short(*coordinate), format!("coordinates from {PLACE_M}"))),
+            None => Ok(()),
+        }
     }
 
     /// Checks the numbers that depend on no others.

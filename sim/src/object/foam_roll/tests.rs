@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
 use super::*;
-use crate::object::Specification;
+use crate::object::{Group, Specification};
 
 /// Tests that a group whose rolls would all topple is refused with the modulus that is needed, that only rolls that
 /// stand are drawn from a mixed group, and that all rolls of the default ranges stand.
@@ -14,7 +14,7 @@ fn only_rolls_that_stand_are_drawn() {
     assert!(error.low > 5e3 && error.low < 1e5, "{error:?}");
     let mixed = group("modulus_pa = { uniform = [5e3, 2e5] }\nrelaxing_share = 0.6");
     for _ in 0..200 {
-        let standing = mixed.draw(&mut random, &footing).unwrap();
+        let (standing, _) = mixed.draw(&mut random, &footing).unwrap();
         let of = |name: &str| standing.parameters()[name];
         let standing = FoamRoll {
             diameter_m: of("diameter_m"),

@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
 use super::*;
-use crate::object::Specification;
+use crate::object::{Group, Specification};
 
 const FOOTING: Footing = Footing { height_m: 0.0, foam_modulus_pa: None };
 
@@ -18,7 +18,7 @@ fn no_bottle_overflows() {
     assert!((high - 9.4248).abs() < 1e-4, "{high}");
     let mixed = group(&format!("{full}water_mass_kg = {{ uniform = [5, 15] }}"));
     for _ in 0..200 {
-        let drawn = mixed.draw(&mut random, &FOOTING).unwrap();
+        let (drawn, _) = mixed.draw(&mut random, &FOOTING).unwrap();
         assert!(drawn.parameters()["water_mass_kg"] <= high);
     }
 }

@@ -1,0 +1,81 @@
+//! `underbrush arrange`: writes one draw of a scene as a scene file.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::Serialize;
+use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::scene::Scene;
+
+use super::overwrite::Overwrite;
+use crate::failure::Failure;
+use crate::output;
+
+/// Options of `underbrush arrange`.
+///
+/// Every object of the draw becomes a group of its own, with its place, its rotation and its values as numbers, and the
+/// goals are listed. Move, change, add or remove objects in the file by hand; `underbrush reach FILE` simulates it. With
+/// the same --seed and --index the reach through the unchanged file is that through the scene, byte for byte.
+#[derive(Args)]
+pub struct ArrangeOptions {
+    /// Scene: the name of one that ships, such as mixed, or a scene file
+    scene: PathBuf,
+    /// Seed of the random numbers
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    seed: u64,
+    /// Index of the reach: every index is a different draw of the scene
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    index: u64,
+    /// The scene file to write (TOML)
+    #[arg(long, value_name = "FILE.toml")]
+    out: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
+}
+
+#[derive(Serialize)]
+struct Report {
+    scene: String,
+    seed: u64,
+    reach_index: u64,
+    objects: usize,
+    goals: usize,
+    file: PathBuf,
+}
+
+/// Draws the scene and writes the file.
+pub fn run(options: ArrangeOptions, json: bool) -> Result<(), Failure> {
+    let ArrangeOptions { scene, seed, index, out, overwrite } = options;
+    if out.extension().is_none_or(|extension| extension != "toml") {
+        let out = out.display();
+        return Err(Failure::usage(format!(
+            "--out {out}: a scene is a TOML file; give a file name that ends in .toml"
+        )));
+    }
+    overwrite.file(&out, std::slice::from_ref(&scene))?;
+    let plan = ReachPlan::new(Scene::open(&scene)?, None, seed)?;
+    let clutter = plan.draw(index)?;
+    let folder = plan.scene.path.parent().unwrap_or(Path::new("."));
+    let arm =
+        std::path::absolute(folder.join(&plan.scene.file.arm)).unwrap_or_else(|_| plan.scene.file.arm.clone().into());
+    let remark = format!(
+        "# Reach {index} of the scene {} with seed {seed}, object by object. Lengths are in m, angles of `yaw_deg` in degrees.\n",
+        plan.scene.name
+    );
+    output::write_file(&out, (remark + &clutter.arranged(&plan.scene, &arm)).as_bytes())?;
+    let report = Report {
+        scene: plan.scene.name,
+        seed,
+        reach_index: index,
+        objects: clutter.objects.len(),
+        goals: clutter.goals.len(),
+        file: out,
+    };
+    output::result(json, &report, || {
+        let file = report.file.display();
+        format!(
+            "Wrote {file} with {} objects and {} goals. Next: underbrush reach {file}\n",
+            report.objects, report.goals
+        )
+    })
+}
