@@ -77,6 +77,7 @@ impl Sweep {
             let placed = PlacedObject {
                 object,
                 drawn,
+                stands_on: None,
                 category: Category::LEAF,
                 foot_world: foot.extend(FOAM_TOP_M),
                 yaw_rad: yaw_deg.draw(&mut random, (-180.0, 180.0)).expect("an angle").to_radians(),

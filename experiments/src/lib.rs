@@ -33,6 +33,7 @@ mod source;
 pub mod suite;
 pub mod table_cell;
 pub mod thresholds;
+pub mod torque_balance;
 pub mod training;
 pub mod verdict_controller;
 pub mod verdict_transfer;

@@ -50,6 +50,8 @@ pub struct PlacedObject {
     pub foot_world: DVec3,
     /// Its rotation about the vertical, rad.
     pub yaw_rad: f64,
+    /// The object whose foam it stands in, if it does not stand on the table.
+    pub stands_on: Option<usize>,
     /// What was drawn for it, in the order of its kind's declarations.
     pub drawn: DrawnQuantities,
 }

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::Value;
+use serde_json::{Value, json};
 use underbrush_experiments::inspection;
+use underbrush_experiments::torque_balance::torque_balance;
 
 use crate::failure::Failure;
 use crate::output;
@@ -17,11 +18,20 @@ pub struct InspectOptions {
     /// For a scene: seed of the draw that is tried
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
+    /// For a data set: also compare the joint torques with those of the stored contacts, Σ Jᵀ f, where the arm rests
+    #[arg(long)]
+    audit: bool,
 }
 
 /// Checks the file or folder and prints what it contains.
 pub fn run(options: InspectOptions, json: bool) -> Result<(), Failure> {
-    let found = inspection::inspect(&options.path, options.seed)?;
+    let mut found = inspection::inspect(&options.path, options.seed)?;
+    if options.audit {
+        if found.get("dataset").is_none() {
+            return Err(Failure::usage(format!("{}: --audit is for data sets", options.path.display())));
+        }
+        found["torque_balance"] = json!(torque_balance(&options.path)?);
+    }
     output::result(json, &found, || text(&found, 0))
 }
 

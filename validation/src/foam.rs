@@ -42,7 +42,7 @@ const GRAVITY_M_PER_S2: f64 = 9.81;
 const DENSITY_KG_PER_M3: f64 = 25.0;
 const BLOCK_AREA_M2: f64 = 0.25 * 0.10;
 const WET_RELAXING_SHARE: f64 = 0.3;
-const BLOCK: FoamBlock = FoamBlock { height_m: 0.08, wet: true, modulus_pa: 5.0e4 };
+const BLOCK: FoamBlock = FoamBlock { height_m: 0.08, wet: true, modulus_pa: 5.0e4, stands_free: false };
 const ROLL: FoamRoll = FoamRoll {
     diameter_m: 0.12,
     height_m: 0.5,

@@ -46,11 +46,8 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         let poses = &pressed.report().link_pose_world;
         let mut contacts = DVector::zeros(pressed.arm.joints.len());
         for point in pressed.simulation.frame(0, DVec3::ZERO).contact_points {
-            for (joint, torque) in contacts.iter_mut().enumerate().take(point.link.into()) {
-                let axis = poses[joint + 1].transform_vector(pressed.arm.joints[joint].axis_child);
-                let arm = point.position_world.as_dvec3() - poses[joint + 1].position;
-                *torque += axis.dot(arm.cross(point.force_world.as_dvec3()) + point.moment_world.as_dvec3());
-            }
+            let wrench = [point.position_world, point.force_world, point.moment_world].map(|part| part.as_dvec3());
+            pressed.arm.add_torque_nm(poses, point.link.into(), wrench, contacts.as_mut_slice());
         }
         comparisons.push(Comparison {
             residual: (&springs + &contacts).norm() / contacts.norm(),

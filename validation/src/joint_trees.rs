@@ -70,7 +70,7 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let roll = roll();
     let bottle =
         WaterBottle { diameter_m: 0.26, height_m: 0.45, empty_mass_kg: 0.75, water_mass_kg: 0.3, friction: 0.15 };
-    let block = FoamBlock { height_m: 0.08, wet: true, modulus_pa: 5e4 };
+    let block = FoamBlock { height_m: 0.08, wet: true, modulus_pa: 5e4, stands_free: false };
     for (name, object) in
         [("leaf", &leaf as &dyn Object), ("foam roll", &roll), ("bottle", &bottle), ("foam block", &block)]
     {

@@ -95,6 +95,7 @@ impl PressedArm {
             foot_world: place + across_world * (FOREARM_RADIUS_M + beside.gap_m) - DVec3::Z * beside.drop_m,
             yaw_rad: across_world.y.atan2(across_world.x) + beside.rotation_rad,
             drawn: Vec::new(),
+            stands_on: None,
         };
         let clutter = Clutter { objects: vec![placed], goals: Vec::new() };
         let perfect = SensorOptions { perfect: true, ..SensorOptions::default() };

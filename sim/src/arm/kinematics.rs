@@ -1,7 +1,7 @@
 //! Forward kinematics and Jacobians of the chain (Craig, *Introduction to Robotics*, chapters 3 and 5).
 
-use glam::{DQuat, DVec3};
-use nalgebra::Matrix3xX;
+use glam::{DMat3, DQuat, DVec3};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX};
 use underbrush_recording::Pose;
 
 use super::Arm;
@@ -36,6 +36,38 @@ impl Arm {
     /// distal of the link.
     pub fn angular_jacobian(&self, link_poses: &[Pose], link: usize) -> Matrix3xX<f64> {
         self.jacobian(link_poses, link, |axis, _| axis)
+    }
+
+    /// Adds the torques Jᵀ f that a force and a moment on a link exert on the joints, Nm. `torque_nm` has one entry for each
+    /// joint; joints distal of the link get none.
+    pub fn add_torque_nm(
+        &self,
+        link_poses: &[Pose],
+        link: usize,
+        [point_world, force_world, moment_world]: [DVec3; 3],
+        torque_nm: &mut [f64],
+    ) {
+        // Joint j carries link j + 1.
+        for ((joint, pose), torque) in self.joints.iter().zip(&link_poses[1..]).zip(torque_nm).take(link) {
+            let axis = pose.transform_vector(joint.axis_child);
+            *torque += axis.dot((point_world - pose.position).cross(force_world) + moment_world);
+        }
+    }
+
+    /// Mass matrix M of the joints, kg m², with the armatures on its diagonal: ½ q̇ᵀ M q̇ is the kinetic energy.
+    pub fn mass_matrix(&self, link_poses: &[Pose]) -> DMatrix<f64> {
+        let mut sum = DMatrix::from_diagonal(&DVector::from_iterator(
+            self.joints.len(),
+            self.joints.iter().map(|joint| joint.armature_kg_m2),
+        ));
+        for (index, (link, pose)) in self.links.iter().zip(link_poses).enumerate() {
+            let linear = self.position_jacobian(link_poses, index, pose.transform_point(link.center_of_mass_link));
+            let angular = self.angular_jacobian(link_poses, index);
+            let axes = DMat3::from_quat(pose.orientation);
+            let inertia = Matrix3::from_column_slice(&(axes * link.inertia_link * axes.transpose()).to_cols_array());
+            sum += linear.transpose() * &linear * link.mass_kg + angular.transpose() * inertia * angular;
+        }
+        sum
     }
 
     fn jacobian(&self, link_poses: &[Pose], link: usize, column: impl Fn(DVec3, DVec3) -> DVec3) -> Matrix3xX<f64> {

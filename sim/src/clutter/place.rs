@@ -30,7 +30,7 @@ pub(super) fn place_all(
             let mut rejected = Rejections::default();
             let mut found = None;
             for _ in 0..PLACES {
-                let Some((center, yaw_rad, footing)) =
+                let Some(Proposal { center, yaw_rad, footing, stands_on }) =
                     propose(scene, group.place(), group.stands_on(), &objects, random)
                 else {
                     rejected.no_foam += 1;
@@ -41,7 +41,7 @@ pub(super) fn place_all(
                     scene.fault(&field, error, "a range most of whose values are physically possible")
                 })?;
                 let foot_world = center.extend(footing.height_m);
-                let placed = PlacedObject { object, category: group.category(), foot_world, yaw_rad, drawn };
+                let placed = PlacedObject { object, category: group.category(), foot_world, yaw_rad, stands_on, drawn };
                 if rejected.allows(&placed, &objects, arm) {
                     found = Some(placed);
                     break;
@@ -92,12 +92,23 @@ impl std::fmt::Display for Rejections {
     }
 }
 
-/// Whether one of two objects is foam and the other may stand in it.
+/// Whether one of two objects is foam and the other may stand in it. What passes through foam to the table would nail a
+/// free block to the ground, so it stands beside such a block.
 fn may_overlap(a: &PlacedObject, b: &PlacedObject) -> bool {
     let in_foam = |foam: &PlacedObject, other: &PlacedObject| {
-        foam.object.foam_top().is_some() && other.object.may_stand_in_foam()
+        let is_free = foam.object.carrier().is_some();
+        foam.object.foam_top().is_some() && other.object.may_stand_in_foam() && !(is_free && other.stands_on.is_none())
     };
     in_foam(a, b) || in_foam(b, a)
+}
+
+/// A place for an object.
+struct Proposal {
+    center: DVec2,
+    yaw_rad: f64,
+    footing: Footing,
+    /// The object whose foam it is.
+    stands_on: Option<usize>,
 }
 
 /// Draws a place, a rotation and the ground there; `None` if an object that needs foam finds none.
@@ -107,7 +118,7 @@ fn propose(
     stands_on: StandsOn,
     objects: &[PlacedObject],
     random: &mut ChaCha8Rng,
-) -> Option<(DVec2, f64, Footing)> {
+) -> Option<Proposal> {
     let workspace = &scene.file.workspace;
     let mut draw = |given: Option<&Quantity>, [low, high]: [f64; 2], limits: Limits| {
         let quantity = given.cloned().unwrap_or_else(|| Quantity::uniform(low, high));
@@ -121,13 +132,13 @@ fn propose(
     match stands_on {
         StandsOn::Table => {
             let footing = Footing { height_m: workspace.table_height_m, foam_modulus_pa: None };
-            Some((center, yaw_rad, footing))
+            Some(Proposal { center, yaw_rad, footing, stands_on: None })
         }
-        StandsOn::Foam => objects.iter().find_map(|block| {
+        StandsOn::Foam => objects.iter().enumerate().find_map(|(index, block)| {
             let (modulus, height) = block.object.foam_top()?;
             let inside = block.laid().contains(center, BLOCK_MARGIN_M);
             let footing = Footing { height_m: block.foot_world.z + height, foam_modulus_pa: Some(modulus) };
-            inside.then_some((center, yaw_rad, footing))
+            inside.then_some(Proposal { center, yaw_rad, footing, stands_on: Some(index) })
         }),
     }
 }

@@ -111,12 +111,32 @@ impl Tree {
     /// An object with its foot at this pose.
     pub fn of_structure(structure: &Structure, foot_world: Pose) -> Self {
         let mut tree = Tree::new(foot_world, true);
-        // The links of a tree have the order of the bodies. A body without a joint is one more link that cannot move.
+        tree.add_bodies(structure, 0);
+        tree
+    }
+
+    /// Adds an object whose foot is fixed to a link, at this pose in the link's frame. Returns the link that is its foot.
+    pub fn carry(&mut self, structure: &Structure, carrier: usize, foot_carrier: Pose) -> usize {
+        let foot = LinkOptions {
+            parent: carrier,
+            joint_parent: foot_carrier,
+            mass_kg: 0.0,
+            center_of_mass_link: DVec3::ZERO,
+            inertia_link: DMat3::ZERO,
+        };
+        let foot = self.add(foot, []);
+        self.add_bodies(structure, foot);
+        foot
+    }
+
+    /// Adds the bodies of an object, whose foot is this link, as links in the order of the bodies. A body without a joint is
+    /// one more link that is fixed to the foot.
+    fn add_bodies(&mut self, structure: &Structure, foot: usize) {
         for body in structure.bodies.iter().skip(1) {
             let inertia = body.inertia;
             let joint = body.joint.as_ref();
             let link = LinkOptions {
-                parent: joint.map_or(0, |joint| joint.parent),
+                parent: foot + joint.map_or(0, |joint| joint.parent),
                 joint_parent: joint
                     .map_or(Pose::IDENTITY, |joint| Pose::new(joint.origin_parent, joint.orientation_parent)),
                 mass_kg: inertia.mass_kg,
@@ -124,10 +144,9 @@ impl Tree {
                 inertia_link: DMat3::from_diagonal(inertia.principal_kg_m2),
             };
             let axes = joint.into_iter().flat_map(|joint| &joint.free_axes);
-            let link = tree.add(link, axes.map(|(axis, spring)| Axis::of_structure(*axis, *spring)));
-            tree.links[link].drag = body.drag;
+            let link = self.add(link, axes.map(|(axis, spring)| Axis::of_structure(*axis, *spring)));
+            self.links[link].drag = body.drag;
         }
-        tree
     }
 
     /// An arm at rest in a posture, rad, with its equilibrium angles there. Its base frame is the world frame. Gravity does

@@ -1,14 +1,15 @@
 //! Foam block: leaves stand in it, and the arm can hit it (paper, section IV-A: 25 cm × 10 cm, wet or dry).
 
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 use glam::DVec3;
 use underbrush_recording::{BodyShape, Category};
 
 use super::FRICTION;
 use super::group::{Declared, Drawing, Kind};
-use super::structure::{Axis, Body, Inertia, Joint, Maxwell, Spring, Structure, part};
-use super::{Footing, Object, StandsOn};
+use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Maxwell, Spring, Structure, part};
+use super::{EARTH_GRAVITY_M_PER_S2, Footing, Object, StandsOn};
 use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
 use crate::range::{Draw, DrawError};
@@ -47,6 +48,14 @@ impl Kind for FoamBlock {
             default: Draw::Uniform(3.0e4, 8.0e4),
             limits: MODULUS_LIMITS_PA,
         },
+        // Choice: no. In the paper's Fig. 2 blocks cover the ground and hold each other. A dry block of 50 g that stands alone
+        // slides at 0.2 N, less than the force of one leaf, and the arm would sweep the clutter away.
+        Declared {
+            name: "stands_free",
+            text: "Whether a block stands free and carries its leaves: 1 yes, 0 no; the nearest whole number of what is drawn.",
+            default: Draw::Fixed(0.0),
+            limits: (0.0, 1.0),
+        },
     ];
     const CATEGORY: Category = Category::BLOCK;
     const STANDS_ON: StandsOn = StandsOn::Table;
@@ -55,13 +64,17 @@ impl Kind for FoamBlock {
         let height_m = drawing.quantity("height_m")?;
         let wet = drawing.happens("wet_share")?;
         let modulus = if wet { "wet_modulus_pa" } else { "dry_modulus_pa" };
-        Ok(FoamBlock { height_m, wet, modulus_pa: drawing.quantity(modulus)? })
+        let modulus_pa = drawing.quantity(modulus)?;
+        Ok(FoamBlock { height_m, wet, modulus_pa, stands_free: drawing.quantity("stands_free")?.round() == 1.0 })
     }
 }
 
 /// Density of the foam without water, kg/m³: a dry brick of two litres weighs about 50 g. Choice: in wet foam, too,
 /// only this mass moves with the top, and the water flows through the cells.
 const DENSITY_KG_PER_M3: f64 = 25.0;
+/// Water in a soaked block, kg/m³. Choice: floral foam is nearly all pores, and makers state that a brick of two litres takes
+/// up nearly two litres. It counts only for a block that stands free, which carries its water along.
+const WATER_KG_PER_M3: f64 = 900.0;
 /// Share of the stiffness that relaxes, and the relaxation time, s. Choices: dry phenolic foam is a brittle solid and
 /// creeps little; in soaked foam water must flow, which takes some seconds over a hand's breadth.
 const RELAXING_SHARE: Kinds = Kinds { dry: 0.05, wet: 0.3 };
@@ -86,11 +99,16 @@ impl Kinds {
 ///
 /// A dry block has about 600 kN/m and a wet one 15 kN/m, two to four orders of magnitude above the arm's 0.1–0.4 kN/m.
 ///
+/// One that stands free is a rigid box on the table, which slides, tips, and carries its leaves along. Its foam gives way
+/// where something presses on it, as columns of height H do: by the pressure times H / E.
+///
 /// ```
 /// use underbrush_sim::object::foam_block::FoamBlock;
 ///
-/// let wet = FoamBlock { height_m: 0.08, wet: true, modulus_pa: 5e4 };
+/// let wet = FoamBlock { height_m: 0.08, wet: true, modulus_pa: 5e4, stands_free: true };
 /// assert!((wet.stiffness_n_per_m() - 15_625.0).abs() < 1e-6);
+/// // Two litres of foam and the water in them.
+/// assert!((wet.mass_kg() - 1.85).abs() < 1e-9);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoamBlock {
@@ -100,6 +118,8 @@ pub struct FoamBlock {
     pub wet: bool,
     /// Modulus, Pa.
     pub modulus_pa: f64,
+    /// Whether it can slide and tip.
+    pub stands_free: bool,
 }
 
 impl FoamBlock {
@@ -112,6 +132,27 @@ impl FoamBlock {
     /// weight of a uniform bar does.
     pub fn moving_mass_kg(&self) -> f64 {
         0.5 * DENSITY_KG_PER_M3 * LENGTH_M * WIDTH_M * self.height_m
+    }
+
+    /// Mass with the water in it, kg.
+    pub fn mass_kg(&self) -> f64 {
+        let water = if self.wet { WATER_KG_PER_M3 } else { 0.0 };
+        (DENSITY_KG_PER_M3 + water) * LENGTH_M * WIDTH_M * self.height_m
+    }
+
+    /// How far one that stands free sinks into its own foam, m: m g / (E A / H).
+    fn sag_m(&self) -> f64 {
+        self.mass_kg() * EARTH_GRAVITY_M_PER_S2 / self.stiffness_n_per_m()
+    }
+
+    /// The surface of one that stands free. Choice: its loss time is that of the foam's loss factor, twice the damping
+    /// ratio, at the 10 Hz of a touch.
+    fn soft_surface(&self) -> Surface {
+        Surface {
+            compliance_m3_per_n: self.height_m / self.modulus_pa,
+            loss_time_s: 2.0 * DAMPING_RATIO.of(self) / (2.0 * PI * 10.0),
+            friction: FRICTION,
+        }
     }
 
     fn spring(&self) -> Spring {
@@ -148,7 +189,8 @@ impl Object for FoamBlock {
     }
 
     fn parameters(&self) -> BTreeMap<String, f64> {
-        BTreeMap::from([
+        let free = [("mass_kg".into(), self.mass_kg())].into_iter().filter(|_| self.stands_free);
+        let always = BTreeMap::from([
             ("length_m".into(), LENGTH_M),
             ("width_m".into(), WIDTH_M),
             ("height_m".into(), self.height_m),
@@ -157,12 +199,23 @@ impl Object for FoamBlock {
             ("density_kg_per_m3".into(), DENSITY_KG_PER_M3),
             ("relaxing_share".into(), RELAXING_SHARE.of(self)),
             ("relaxation_time_s".into(), RELAXATION_TIME_S.of(self)),
-        ])
+        ]);
+        always.into_iter().chain(free).collect()
     }
 
     fn structure(&self) -> Structure {
         let size_m = DVec3::new(LENGTH_M, WIDTH_M, self.height_m);
         let center = DVec3::Z * (self.height_m / 2.0);
+        if self.stands_free {
+            let block = Body {
+                joint: Some(Joint::free(0, center - DVec3::Z * self.sag_m())),
+                inertia: Inertia::of_box(self.mass_kg(), DVec3::ZERO, size_m),
+                parts: vec![part(BodyShape::Box { size_m }, DVec3::ZERO)],
+                collision_group: CollisionGroup::Standing,
+                ..Body::foot()
+            };
+            return Structure { bodies: vec![Body::foot(), block], axisymmetric: false, surface: self.soft_surface() };
+        }
         let top = Body {
             joint: Some(Joint::parallel(0, DVec3::ZERO, vec![(Axis::TranslationZ, self.spring())])),
             inertia: Inertia::of_box(self.moving_mass_kg(), center, size_m),
@@ -170,6 +223,10 @@ impl Object for FoamBlock {
             ..Body::foot()
         };
         Structure { bodies: vec![Body::foot(), top], axisymmetric: false, surface: Surface::hard(FRICTION) }
+    }
+
+    fn carrier(&self) -> Option<usize> {
+        self.stands_free.then_some(1)
     }
 
     fn foam_top(&self) -> Option<(f64, f64)> {

@@ -101,6 +101,10 @@ pub trait Object: std::fmt::Debug + Send + Sync {
     fn parameters(&self) -> BTreeMap<String, f64>;
     /// Its bodies, joints and springs at rest.
     fn structure(&self) -> Structure;
+    /// The body of its structure that carries what stands on it, if it can move away with it.
+    fn carrier(&self) -> Option<usize> {
+        None
+    }
     /// For foam that others may stand in: its modulus, Pa, and its height, m.
     fn foam_top(&self) -> Option<(f64, f64)> {
         None

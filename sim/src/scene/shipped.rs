@@ -16,6 +16,7 @@ shipped![
     "bottle.toml",
     "shrub.toml",
     "pot.toml",
+    "loose.toml",
     "engineered/leaf-clump.toml",
     "engineered/leaf-right.toml",
     "engineered/leaf-row.toml",

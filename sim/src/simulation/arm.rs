@@ -33,7 +33,7 @@ impl ArmBodies {
                     continue;
                 };
                 let shape = ColliderBuilder::new(shape).position(parry_pose(&(part.pose_link * shape_pose)));
-                solids.push(Solid { link, shape, groups: groups::arm(), surface: arm.surface(link) });
+                solids.push(Solid { link, shape, groups: groups::arm(), surface: arm.surface(link), part: 0 });
             }
         }
         let slot = engine.insert(Tree::of_arm(arm, posture_rad), solids);

@@ -56,11 +56,7 @@ pub fn contact_torque_nm(arm: &Arm, link_pose_world: &[Pose], contacts: &[Contac
     torque_nm.fill(0.0);
     for contact in contacts {
         let point = link_pose_world[contact.link].transform_point(contact.position_link);
-        // Joint j carries link j + 1, and moves no link nearer to the base.
-        for (joint, torque) in torque_nm.iter_mut().enumerate().take(contact.link) {
-            let pose = &link_pose_world[joint + 1];
-            let axis = pose.transform_vector(arm.joints[joint].axis_child);
-            *torque += axis.dot((point - pose.position).cross(contact.force_world) + contact.moment_world);
-        }
+        let wrench = [point, contact.force_world, contact.moment_world];
+        arm.add_torque_nm(link_pose_world, contact.link, wrench, torque_nm);
     }
 }

@@ -32,14 +32,15 @@ impl World {
         near.clear();
         for mover in movers {
             for index in model.outline_tree.intersect_aabb(&mover.bounds) {
-                let index = index as usize;
-                let dormant = self.mechanisms[index].is_none();
-                if dormant && !near.contains(&index) && self.is_near(model, mover, index, 0.0) {
-                    near.push(index);
+                let object = index as usize;
+                let (assembly, _) = model.place_in_assembly[object];
+                let dormant = self.mechanisms[assembly].is_none();
+                if dormant && !near.contains(&assembly) && self.is_near(model, mover, object, 0.0) {
+                    near.push(assembly);
                 }
             }
         }
-        // Objects are inserted in the order of the clutter, whatever the order of the tree.
+        // They are inserted in the order of the clutter, whatever the order of the tree.
         near.sort_unstable();
         for index in near.iter() {
             self.insert(model, *index);
@@ -51,9 +52,11 @@ impl World {
             let resting = self.mechanisms[index]
                 .is_some_and(|mechanism| mechanism.is_movable(&self.engine) && mechanism.is_at_rest(&self.engine));
             // The skin still spreads the contacts of this frame, which need the object's collision shapes.
+            let objects = &model.assemblies[index].objects;
+            let is_near = |mover| objects.iter().any(|object| self.is_near(model, mover, *object, SLEEP_MARGIN_M));
             if resting
-                && !self.contacts().iter().any(|contact| contact.object == index)
-                && !movers.iter().any(|mover| self.is_near(model, mover, index, SLEEP_MARGIN_M))
+                && !self.contacts().iter().any(|contact| objects.contains(&contact.object))
+                && !movers.iter().any(is_near)
                 && let Some(mechanism) = self.mechanisms[index].take()
             {
                 self.engine.remove(mechanism.slot);

@@ -56,6 +56,7 @@ impl Engine {
             shape: ColliderBuilder::new(top),
             groups: groups::table(),
             surface: Surface::hard(TABLE_FRICTION),
+            part: 0,
         };
         self.insert(Tree::new(WorldPose::from_position(center), false), vec![top]);
     }
@@ -125,7 +126,7 @@ pub mod groups {
     const ARM: Group = Group::GROUP_1;
     const FIXED: Group = Group::GROUP_2;
     const BENDABLE: Group = Group::GROUP_3;
-    const ROOTED: Group = Group::GROUP_4;
+    pub const ROOTED: Group = Group::GROUP_4;
     const TABLE: Group = Group::GROUP_5;
 
     /// Links of the arm: they collide with everything but each other.

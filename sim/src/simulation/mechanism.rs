@@ -1,5 +1,7 @@
 //! One object in the scene: its [`Structure`] as a tree with shapes.
 
+use std::ops::Range;
+
 use glam::{DQuat, DVec3};
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -11,7 +13,7 @@ use crate::dynamics::Tree;
 use crate::geometry::{engine_shape, parry_pose};
 use crate::object::structure::{CollisionGroup, Structure};
 
-/// One object in an [`Engine`].
+/// Objects in an [`Engine`] that move as one tree: one on the ground, and those that it carries.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Mechanism {
     /// Where its tree is.
@@ -27,18 +29,28 @@ const REST_SPEED: f64 = 2e-2;
 impl Mechanism {
     /// Builds an object with its foot at `foot_world`, rotated by `yaw_rad` about the vertical.
     pub(super) fn build(structure: &Structure, engine: &mut Engine, foot_world: DVec3, yaw_rad: f64) -> Self {
-        let yaw_rad = if structure.axisymmetric { 0.0 } else { yaw_rad };
-        let foot = WorldPose::new(foot_world, DQuat::from_scaled_axis(DVec3::Z * yaw_rad));
-        let mut solids = Vec::new();
-        for (link, body) in structure.bodies.iter().enumerate() {
-            if body.collision_group == CollisionGroup::Standing {
-                engine.lay_table(foot_world.z);
-            }
-            let groups = engine_groups(body.collision_group);
-            let shapes = body.parts.iter().filter_map(collider);
-            solids.extend(shapes.map(|shape| Solid { link, shape, groups, surface: structure.surface }));
+        Mechanism::build_with(structure, engine, foot_pose(structure, foot_world, yaw_rad), 0, &[])
+    }
+
+    /// Builds an object with its foot at this pose, and others whose feet are fixed to its body `carrier`.
+    pub(super) fn build_with(
+        base: &Structure,
+        engine: &mut Engine,
+        foot_world: WorldPose,
+        carrier: usize,
+        carried: &[(&Structure, WorldPose)],
+    ) -> Self {
+        if base.bodies.iter().any(|body| body.collision_group == CollisionGroup::Standing) {
+            engine.lay_table(foot_world.position.z);
         }
-        Mechanism { slot: engine.insert(Tree::of_structure(structure, foot), solids) }
+        let mut tree = Tree::of_structure(base, foot_world);
+        let mut solids: Vec<Solid> = solids(base, 0, 0).collect();
+        let carrier_world = tree.links()[carrier].pose_world;
+        for (number, (structure, foot_world)) in carried.iter().enumerate() {
+            let foot = tree.carry(structure, carrier, carrier_world.inverse() * *foot_world);
+            solids.extend(self::solids(structure, foot, number as u16 + 1));
+        }
+        Mechanism { slot: engine.insert(tree, solids) }
     }
 
     /// The colliders of all bodies, in the order of the bodies.
@@ -47,10 +59,10 @@ impl Mechanism {
         bodies.flat_map(|body| engine.scene.colliders_of(*body).iter().copied())
     }
 
-    /// Writes the poses of the bodies in the world frame into `poses`.
-    pub(super) fn read_body_poses(self, engine: &Engine, poses: &mut Vec<WorldPose>) {
+    /// Writes the poses of these links in the world frame into `poses`.
+    pub(super) fn read_body_poses(self, engine: &Engine, links: Range<usize>, poses: &mut Vec<WorldPose>) {
         poses.clear();
-        poses.extend(engine.tree(self.slot).links().iter().map(|link| link.pose_world));
+        poses.extend(engine.tree(self.slot).links()[links].iter().map(|link| link.pose_world));
     }
 
     /// Whether anything in it can move.
@@ -66,6 +78,21 @@ impl Mechanism {
                 && own.velocity.abs() < REST_SPEED
         })
     }
+}
+
+/// The pose of an object's foot, rotated by `yaw_rad` about the vertical.
+pub(super) fn foot_pose(structure: &Structure, foot_world: DVec3, yaw_rad: f64) -> WorldPose {
+    let yaw_rad = if structure.axisymmetric { 0.0 } else { yaw_rad };
+    WorldPose::new(foot_world, DQuat::from_scaled_axis(DVec3::Z * yaw_rad))
+}
+
+/// The shapes of an object whose bodies are the links from `first` on.
+fn solids(structure: &Structure, first: usize, part: u16) -> impl Iterator<Item = Solid> + '_ {
+    structure.bodies.iter().enumerate().flat_map(move |(index, body)| {
+        let groups = engine_groups(body.collision_group);
+        let shapes = body.parts.iter().filter_map(collider);
+        shapes.map(move |shape| Solid { link: first + index, shape, groups, surface: structure.surface, part })
+    })
 }
 
 fn engine_groups(group: CollisionGroup) -> InteractionGroups {

@@ -236,11 +236,14 @@ impl State {
         world.arm.read_link_poses(&world.engine, &mut report.link_pose_world);
         report.end_effector_pose_world = model.arm.end_effector_pose(&report.link_pose_world);
         report.objects.resize_with(model.structures.len(), ObjectState::default);
-        let objects = world.mechanisms.iter().zip(&model.rest_pose_world);
-        for (object, (mechanism, rest)) in report.objects.iter_mut().zip(objects) {
+        let objects = model.place_in_assembly.iter().zip(&model.rest_pose_world);
+        for (object, ((assembly, links), rest)) in report.objects.iter_mut().zip(objects) {
+            let mechanism = &world.mechanisms[*assembly];
             let was_active = std::mem::replace(&mut object.active, mechanism.is_some());
             match mechanism {
-                Some(mechanism) => mechanism.read_body_poses(&world.engine, &mut object.body_pose_world),
+                Some(mechanism) => {
+                    mechanism.read_body_poses(&world.engine, links.clone(), &mut object.body_pose_world);
+                }
                 // An object that is left out of the engine stands as it was built.
                 None if was_active || report.frame == 0 => object.body_pose_world.clone_from(rest),
                 None => {}

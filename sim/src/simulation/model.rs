@@ -1,11 +1,13 @@
 //! What stays the same while a simulation runs: the arm, the clutter, and what is derived from them.
 
-use glam::{DQuat, DVec3};
+use std::ops::Range;
+
 use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
 use rapier3d::prelude::{Cuboid, Pose as EnginePose, Shape};
 use underbrush_recording::Pose;
 
+use super::mechanism::foot_pose;
 use crate::arm::Arm;
 use crate::clutter::{Clutter, PlacedObject};
 use crate::geometry::parry_pose;
@@ -19,6 +21,9 @@ pub(super) struct Model {
     pub(super) dormancy: bool,
     /// Bodies and joints of each object.
     pub(super) structures: Vec<Structure>,
+    /// Objects that move as one tree, and of each object its assembly and its links there.
+    pub(super) assemblies: Vec<Assembly>,
+    pub(super) place_in_assembly: Vec<(usize, Range<usize>)>,
     /// The index of each object's bodies in a recording, which has the links first and only bodies with shapes.
     pub(super) recorded_bodies: Vec<Vec<u16>>,
     /// Poses at rest of each object's bodies, world frame.
@@ -39,7 +44,10 @@ impl Model {
         let structures: Vec<Structure> = objects().map(|placed| placed.object.structure()).collect();
         let rest_pose_world =
             objects().zip(&structures).map(|(placed, structure)| rest_pose_world(placed, structure)).collect();
+        let (assemblies, place_in_assembly) = assemblies(&clutter.objects, &structures);
         Model {
+            assemblies,
+            place_in_assembly,
             dormancy,
             recorded_bodies: recorded_bodies(arm.links.len(), &structures),
             rest_pose_world,
@@ -50,6 +58,16 @@ impl Model {
             arm,
             clutter,
         }
+    }
+}
+
+impl Model {
+    /// The object of an assembly that a link belongs to, and the index of its body.
+    pub(super) fn object_of(&self, assembly: usize, link: usize) -> (usize, usize) {
+        let objects = &self.assemblies[assembly].objects;
+        let first = |object: usize| self.place_in_assembly[object].1.start;
+        let object = objects[objects.partition_point(|object| first(*object) <= link) - 1];
+        (object, link - first(object))
     }
 }
 
@@ -65,9 +83,39 @@ fn recorded_bodies(links: usize, structures: &[Structure]) -> Vec<Vec<u16>> {
     structures.iter().map(|structure| structure.bodies.iter().map(&mut of_body).collect()).collect()
 }
 
+/// Objects that move as one tree: one that stands on the ground, and those that stand on it if it can move away.
+pub(super) struct Assembly {
+    /// The objects, the one on the ground first.
+    pub(super) objects: Vec<usize>,
+    /// The body of that one which carries the others.
+    pub(super) carrier: usize,
+}
+
+/// The assemblies of a clutter, and of each object its assembly and its links there.
+fn assemblies(objects: &[PlacedObject], structures: &[Structure]) -> (Vec<Assembly>, Vec<(usize, Range<usize>)>) {
+    let mut assemblies: Vec<Assembly> = Vec::new();
+    let mut places: Vec<(usize, Range<usize>)> = Vec::new();
+    for (index, placed) in objects.iter().enumerate() {
+        let bodies = structures[index].bodies.len();
+        let carrier = placed.stands_on.and_then(|base| Some((base, objects[base].object.carrier()?)));
+        places.push(match carrier {
+            Some((base, carrier)) => {
+                let (assembly, _) = places[base];
+                let last = assemblies[assembly].objects.last().map_or(0, |last| places[*last].1.end);
+                assemblies[assembly].objects.push(index);
+                assemblies[assembly].carrier = carrier;
+                (assembly, last..last + bodies)
+            }
+            None => {
+                assemblies.push(Assembly { objects: vec![index], carrier: 0 });
+                (assemblies.len() - 1, 0..bodies)
+            }
+        });
+    }
+    (assemblies, places)
+}
+
 /// Poses of an object's bodies at rest, world frame.
 fn rest_pose_world(placed: &PlacedObject, structure: &Structure) -> Vec<Pose> {
-    let yaw_rad = if structure.axisymmetric { 0.0 } else { placed.yaw_rad };
-    let foot = Pose::new(placed.foot_world, DQuat::from_scaled_axis(DVec3::Z * yaw_rad));
-    structure.rest_poses(foot)
+    structure.rest_poses(foot_pose(structure, placed.foot_world, placed.yaw_rad))
 }

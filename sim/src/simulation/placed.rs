@@ -49,6 +49,9 @@ pub struct Solid {
     pub groups: InteractionGroups,
     /// Its surface.
     pub surface: Surface,
+    /// The part of the tree that it belongs to. Shapes of one part do not meet, and those in the group of roots do not meet
+    /// part 0, which carries the others.
+    pub part: u16,
 }
 
 /// A tree, and the bodies of its links.
@@ -65,6 +68,8 @@ pub struct Placed {
 pub(super) struct Mount {
     pub(super) at: PlacedLink,
     pub(super) surface: Surface,
+    part: u16,
+    is_root: bool,
     /// Whether its link can move.
     pub(super) moves: bool,
     pub(super) pose_link: WorldPose,
@@ -96,6 +101,12 @@ impl Mount {
         let [x, y, z] =
             [0, 1, 2].map(|axis| self.axes_world.col(axis).distance(self.found_axes.col(axis)) * half[axis]);
         self.center().distance(self.found_center) + x + y + z > ROOM_M
+    }
+
+    /// Whether both belong to one part of a tree, or one is a root in the part that carries it.
+    fn belongs_to(&self, other: &Mount) -> bool {
+        let is_root_in = |root: &Mount, carrier: &Mount| root.is_root && carrier.part == 0;
+        self.at.slot == other.at.slot && (self.part == other.part || is_root_in(self, other) || is_root_in(other, self))
     }
 
     /// A lower bound on the distance to another shape, m.
@@ -149,7 +160,7 @@ impl Scene {
             self.bodies.insert(body.pose(parry_pose(&own.pose_world)).can_sleep(false))
         });
         let bodies: Vec<RigidBodyHandle> = bodies.collect();
-        for Solid { link, shape, groups, surface } in solids {
+        for Solid { link, shape, groups, surface, part } in solids {
             let shape = shape
                 .density(0.0)
                 .collision_groups(groups)
@@ -162,6 +173,8 @@ impl Scene {
             let mut mount = Mount {
                 at: PlacedLink { slot, link },
                 surface,
+                part,
+                is_root: groups.memberships == super::engine::groups::ROOTED,
                 moves: tree.moves(link),
                 pose_link: inserted.position_wrt_parent().map_or(WorldPose::IDENTITY, from_parry),
                 bounds: Bounds::of(inserted.shape()),
@@ -337,12 +350,12 @@ impl Scene {
         self.is_changed = false;
     }
 
-    /// Whether a pair of shapes belongs to different trees and may come near each other before one of them has left its
-    /// room. The broad phase has compared their groups; its own boxes may be larger.
+    /// Whether a pair of shapes belongs to different parts or trees and may come near each other before one of them has
+    /// left its room. The broad phase has compared their groups; its own boxes may be larger.
     fn may_meet(&self, pair: &[ColliderHandle; 2]) -> bool {
         let [first, second] = pair.map(|collider| self.mount(collider));
         let ([low, high], [other_low, other_high]) = (first.found_extent, second.found_extent);
         let apart = (low - other_high).max(other_low - high);
-        first.at.slot != second.at.slot && apart.max_element() <= 2.0 * ROOM_M + NEAR_M
+        !first.belongs_to(second) && apart.max_element() <= 2.0 * ROOM_M + NEAR_M
     }
 }

@@ -106,7 +106,7 @@ impl Rig {
 
     /// Adds a body that cannot move. `None` if its shape has no volume.
     pub fn add_fixed(&mut self, part: &BodyPart, surface: Surface, pose_world: &WorldPose) -> Option<BodyId> {
-        let solid = Solid { link: 0, shape: collider(part)?, groups: InteractionGroups::all(), surface };
+        let solid = Solid { link: 0, shape: collider(part)?, groups: InteractionGroups::all(), surface, part: 0 };
         let slot = self.engine.insert(Tree::new(*pose_world, false), vec![solid]);
         self.name(slot).pop()
     }
@@ -131,7 +131,7 @@ impl Rig {
         for (own, value) in tree.coordinates_mut().iter_mut().zip(velocity.to_array()) {
             own.velocity = value;
         }
-        let solid = Solid { link: 1, shape, groups: InteractionGroups::all(), surface: free.surface };
+        let solid = Solid { link: 1, shape, groups: InteractionGroups::all(), surface: free.surface, part: 0 };
         let slot = self.engine.insert(tree, vec![solid]);
         self.name(slot).pop()
     }

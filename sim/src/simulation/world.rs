@@ -8,7 +8,7 @@ use super::arm::ArmBodies;
 use super::contact::Contact;
 use super::engine::Engine;
 use super::mechanism::Mechanism;
-use super::model::Model;
+use super::model::{Assembly, Model};
 use super::moving_shapes::DormancyBuffers;
 use super::placed::PlacedLink;
 use super::report::{JointState, StepObserver, StepReport};
@@ -22,7 +22,7 @@ pub(super) struct World {
     /// The contacts of the last frame, and the collision shape of the object in each.
     contacts: Vec<Contact>,
     contact_colliders: Vec<ColliderHandle>,
-    /// The objects; `None` for a dormant one.
+    /// The assemblies of objects; `None` for a dormant one.
     pub(super) mechanisms: Vec<Option<Mechanism>>,
     /// The state of the arm for observers of the steps.
     #[serde(skip)]
@@ -43,12 +43,12 @@ impl World {
             arm,
             contacts: Vec::new(),
             contact_colliders: Vec::new(),
-            mechanisms: model.structures.iter().map(|_| None).collect(),
+            mechanisms: model.assemblies.iter().map(|_| None).collect(),
             joints: Vec::new(),
             link_pose_world: Vec::new(),
             dormancy: DormancyBuffers::default(),
         };
-        for index in 0..model.structures.len() {
+        for index in 0..model.assemblies.len() {
             world.insert(model, index);
         }
         if model.dormancy {
@@ -71,7 +71,7 @@ impl World {
             self.arm.set_equilibrium(&model.arm, equilibrium_angle_rad, &mut self.engine);
             self.engine.step();
             let earlier = self.contacts.len();
-            self.gather_contacts();
+            self.gather_contacts(model);
             if let Some(observer) = observer.as_deref_mut() {
                 self.arm.read_joints(&self.engine, &mut self.joints);
                 self.arm.read_link_poses(&self.engine, &mut self.link_pose_world);
@@ -107,16 +107,17 @@ impl World {
         self.arm.link_pose(&self.engine, link)
     }
 
-    /// Puts an object into the engine, at rest.
+    /// Puts an assembly into the engine, at rest.
     pub(super) fn insert(&mut self, model: &Model, index: usize) {
-        let placed = &model.clutter.objects[index];
-        let structure = &model.structures[index];
-        let mechanism = Mechanism::build(structure, &mut self.engine, placed.foot_world, placed.yaw_rad);
-        self.mechanisms[index] = Some(mechanism);
+        let Assembly { objects, carrier } = &model.assemblies[index];
+        let part = |object: &usize| (&model.structures[*object], model.rest_pose_world[*object][0]);
+        let carried: Vec<_> = objects[1..].iter().map(part).collect();
+        let (base, foot_world) = part(&objects[0]);
+        self.mechanisms[index] = Some(Mechanism::build_with(base, &mut self.engine, foot_world, *carrier, &carried));
     }
 
     /// Adds the contacts of the last step between arm and objects.
-    fn gather_contacts(&mut self) {
+    fn gather_contacts(&mut self, model: &Model) {
         for contact in &self.engine.contact_step.contacts {
             let links = contact.colliders.map(|collider| self.arm.link_of(&self.engine, collider));
             let (side, link) = match links {
@@ -125,11 +126,12 @@ impl World {
                 _ => continue,
             };
             let other = contact.colliders[1 - side];
-            let PlacedLink { slot, link: body } = self.engine.link_of(other);
+            let PlacedLink { slot, link: other_link } = self.engine.link_of(other);
             let is_of = |mechanism: &Option<Mechanism>| mechanism.is_some_and(|mechanism| mechanism.slot == slot);
-            let Some(object) = self.mechanisms.iter().position(is_of) else {
+            let Some(assembly) = self.mechanisms.iter().position(is_of) else {
                 continue;
             };
+            let (object, body) = model.object_of(assembly, other_link);
             let sign = if side == 0 { 1.0 } else { -1.0 };
             self.contacts.push(Contact {
                 link,

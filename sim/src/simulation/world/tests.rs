@@ -53,7 +53,7 @@ fn advance(simulation: &mut Simulation, equilibrium_angle_rad: &[f64]) -> Alloca
         });
         count(&mut found.steps, || {
             world.engine.step();
-            world.gather_contacts();
+            world.gather_contacts(model);
         });
     }
     count(&mut found.dormancy, || state.world.rest_and_wake(model));
