@@ -9,7 +9,7 @@ use underbrush_sim::object::blade::SHEET_TORSION_OVER_BENDING;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::{FRICTION, Object};
 use underbrush_sim::physics::PhysicsOptions;
-use underbrush_sim::sensor::{Sensor, SensorOptions};
+use underbrush_sim::sensor::{Sensor, SensorModel, SensorOptions};
 use underbrush_sim::simulation::{FrameReport, Setup, Simulation};
 
 use crate::CheckError;
@@ -98,7 +98,7 @@ impl PressedArm {
             stands_on: None,
         };
         let clutter = Clutter { objects: vec![placed], goals: Vec::new() };
-        let perfect = SensorOptions { perfect: true, ..SensorOptions::default() };
+        let perfect = SensorOptions { model: SensorModel::Ideal, ..SensorOptions::default() };
         let simulation = Simulation::new(Setup {
             sensor: Sensor::new(&perfect, &simulated.skin, 0, "validate", 0),
             arm: simulated,

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_classifier::trial::{Labels, TrialOptions};
 use underbrush_recording::fault::Fault;
 use underbrush_sim::scene::SceneFile;
+use underbrush_sim::sensor::SensorModel;
 
 use super::table_one;
 use super::training_data::{self, TrialsPerReach};
@@ -83,7 +84,7 @@ fn change(name: AblationName) -> Change {
         AblationName::TrialsOfAnyLength => Change::Cut(|options| TrialOptions { min_samples: 1, ..options }),
         AblationName::NoSpuriousReadings => Change::Scene(|scene| scene.sensor.spurious_share = 0.0),
         AblationName::NoCreep => Change::Scene(|scene| scene.sensor.creep_share_per_decade = 0.0),
-        AblationName::PerfectSensor => Change::Scene(|scene| scene.sensor.perfect = true),
+        AblationName::PerfectSensor => Change::Scene(|scene| scene.sensor.model = SensorModel::Ideal),
         AblationName::NoPatience => Change::Scene(|scene| {
             scene.goals.patience_s = None;
             scene.goals.retries = 1;

@@ -17,6 +17,15 @@ pub const SATURATION_N: Limits = Limits::new(0.1, 1e4, "N").or_off_at(f64::INFIN
 /// Floor of the readings; it must also be below the saturation.
 pub const FLOOR_N: Limits = Limits::new(1e-6, 1e3, "N").or_off_at(0.0);
 
+/// Spread of gains: at 1 half of all taxels read twice as much or half as much as they should.
+pub const GAIN_SPREAD: Limits = Limits::new(0.0, 1.0, "");
+
+/// Time of the drift: from a frame to some hours.
+pub const DRIFT_TIME_S: Limits = Limits::new(0.01, 1e4, "s");
+
+/// Bandwidth: below 0.01 Hz a taxel would need half a minute to feel a touch; above 10 kHz a frame does not see it.
+pub const BANDWIDTH_HZ: Limits = Limits::new(0.01, 1e4, "Hz").or_off_at(f64::INFINITY);
+
 /// A share.
 pub const SHARE: Limits = Limits::new(0.0, 1.0, "");
 

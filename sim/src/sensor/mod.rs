@@ -4,7 +4,7 @@
 //! |---|---|
 //! | capacitive | crosstalk → creep → spurious readings → noise → gate and floor → quantum → saturation |
 //! | fabric | hysteresis → saturating response → noise → gate → counts |
-//! | both | → dead taxels → delay |
+//! | both | before: bandwidth → gain → drift; after: dead taxels → delay |
 
 use std::ops::Range;
 
@@ -21,18 +21,19 @@ mod options;
 mod spurious;
 #[cfg(test)]
 mod tests;
+mod transducer;
 
 use crate::arm::Skin;
 use crate::arm::skin::Technology;
 use crate::seed::stream;
 use capacitive::Capacitive;
 use fabric::Fabric;
-pub use options::{FabricOptions, Fault, SensorOptions};
+pub use options::{FabricOptions, Fault, SensorModel, SensorOptions};
+use transducer::Transducers;
 
 /// The electronics of one patch.
 #[derive(Clone, Serialize, Deserialize)]
 enum Electronics {
-    Perfect,
     Capacitive(Capacitive),
     Fabric(Fabric),
 }
@@ -60,6 +61,7 @@ enum Electronics {
 pub struct Sensor {
     /// Electronics of each patch, in the layout's order, and the indices of its taxels in the vectors below.
     patches: Vec<(Electronics, Range<usize>)>,
+    transducers: Transducers,
     dead: Vec<bool>,
     true_force_n: Vec<f64>,
     /// Ring buffer of the last frames of readings, one more than the delay.
@@ -71,13 +73,14 @@ pub struct Sensor {
 }
 
 impl Sensor {
-    /// The sensors of reach number `reach_index`; they draw from the streams `sensor`, `strays` and `dead taxels`.
+    /// The sensors of reach number `reach_index`; they draw from the streams `sensor`, `strays`, `dead taxels` and
+    /// `transducers`.
     pub fn new(options: &SensorOptions, skin: &Skin, seed: u64, scene: &str, reach_index: u64) -> Self {
+        let options = &options.effective();
         let mut taxels = 0;
         let mut patches = Vec::with_capacity(skin.layout.patches.len());
         for (patch, surface) in skin.layout.patches.iter().zip(&skin.surfaces) {
             let electronics = match surface.technology {
-                _ if options.perfect => Electronics::Perfect,
                 Technology::Capacitive => Electronics::Capacitive(Capacitive::new(options, patch)),
                 Technology::Fabric => Electronics::Fabric(Fabric::new(&options.fabric, patch.taxels.len())),
             };
@@ -85,10 +88,11 @@ impl Sensor {
             taxels += patch.taxels.len();
             patches.push((electronics, first..taxels));
         }
-        let frames = if options.perfect { 1 } else { 1 + options.delay_frames as usize };
+        let frames = 1 + options.delay_frames as usize;
         let mut drawn = stream(seed, scene, reach_index, "dead taxels");
         Sensor {
             patches,
+            transducers: Transducers::new(options, taxels, stream(seed, scene, reach_index, "transducers")),
             dead: dead_taxels(options, &skin.layout, &mut drawn),
             true_force_n: vec![0.0; taxels],
             readings_n: vec![vec![0.0; taxels]; frames],
@@ -108,10 +112,10 @@ impl Sensor {
     pub fn sample(&mut self) {
         self.newest = (self.newest + 1) % self.readings_n.len();
         let newest = &mut self.readings_n[self.newest];
+        self.transducers.apply(&mut self.true_force_n);
         for (electronics, span) in &mut self.patches {
             let (force, reading) = (&self.true_force_n[span.clone()], &mut newest[span.clone()]);
             match electronics {
-                Electronics::Perfect => reading.copy_from_slice(force),
                 Electronics::Capacitive(taxels) => {
                     taxels.read(force, reading, &mut self.random, &mut self.random_spurious);
                 }
@@ -141,5 +145,5 @@ fn dead_taxels(options: &SensorOptions, layout: &SkinLayout, drawn: &mut ChaCha8
         (0..patch.taxels.len())
             .map(move |taxel| listed.is_some_and(|listed| listed.iter().any(|dead| usize::from(*dead) == taxel)))
     });
-    of_patch.map(|listed| (drawn.random_bool(options.dead_share) || listed) && !options.perfect).collect()
+    of_patch.map(|listed| drawn.random_bool(options.dead_share) || listed).collect()
 }

@@ -12,13 +12,27 @@ use super::limits;
 /// Properties of the tactile sensors.
 ///
 /// `delay_frames` and the dead taxels apply to all skin, `fabric` to the patches that the arm's skin file calls fabric,
-/// and all other keys to those that it calls capacitive. `perfect = true` switches every effect off. A single effect is
-/// switched off by the value 0 or, for the two saturations, `inf`.
+/// and `gain_spread_share`, `drift_n` and `bandwidth_hz` apply to all skin, too. All other keys apply to patches that it
+/// calls capacitive. `model` switches many effects at once. A single effect is switched off by the value 0 or, for the two
+/// saturations and the bandwidth, `inf`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorOptions {
-    /// The sensed force is the true force.
-    pub perfect: bool,
+    /// Which effects there are.
+    pub model: SensorModel,
+    /// Standard deviation of the logarithm of a taxel's gain, drawn for every reach: 0.1 means that most taxels read up to a
+    /// tenth too much or too little.
+    #[schemars(range(min = limits::GAIN_SPREAD.min, max = limits::GAIN_SPREAD.max))]
+    pub gain_spread_share: f64,
+    /// Standard deviation of a taxel's slow drift, as by temperature, N.
+    #[schemars(range(min = 0.0, max = limits::NOISE_N.max))]
+    pub drift_n: f64,
+    /// Time in which the drift forgets where it was, s.
+    #[schemars(range(min = limits::DRIFT_TIME_S.min, max = limits::DRIFT_TIME_S.max))]
+    pub drift_time_s: f64,
+    /// Bandwidth of a taxel with its electronics, Hz: a low-pass filter of first order.
+    #[schemars(range(min = limits::BANDWIDTH_HZ.min))]
+    pub bandwidth_hz: f64,
     /// Standard deviation of a taxel's noise, N.
     #[schemars(range(min = 0.0, max = limits::NOISE_N.max))]
     pub noise_n: f64,
@@ -64,6 +78,21 @@ pub struct SensorOptions {
     pub fabric: FabricOptions,
 }
 
+/// How real the sensors are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SensorModel {
+    /// The sensed force is the true force. All other keys have no effect.
+    Ideal,
+    /// The sensors of the paper's robot: every effect as its key says.
+    #[default]
+    Paper,
+    /// Each taxel was calibrated against a load cell, as on robots of today: no spread of gains, drift, creep, hysteresis,
+    /// spurious readings, or saturating response of fabric. What remains are noise, gate, resolution, range, crosstalk,
+    /// bandwidth, delay and dead taxels.
+    Calibrated,
+}
+
 /// Two of the forearm's 384 taxels.
 const SPURIOUS_SHARE: f64 = 2.0 / 384.0;
 
@@ -81,10 +110,14 @@ impl Default for SensorOptions {
     ///   logarithm of time, by 2 to 10 % per decade. With 5 %, a taxel that a trunk has pressed with 3 N for a second
     ///   still reads 49 mN one second after the contact has moved on, and 17 mN after three;
     /// * delay: one frame, which the electronics fill before they send it;
-    /// * no dead taxels.
+    /// * no dead taxels, spread of gains, drift or limit of the bandwidth: nothing is published about them.
     fn default() -> Self {
         SensorOptions {
-            perfect: false,
+            model: SensorModel::Paper,
+            gain_spread_share: 0.0,
+            drift_n: 0.0,
+            drift_time_s: 60.0,
+            bandwidth_hz: f64::INFINITY,
             noise_n: 0.002,
             gate_sigmas: 6.0,
             quantum_n: 0.001,
@@ -146,7 +179,11 @@ impl SensorOptions {
     /// Every effect switched off by its own key, as the baseline for testing single effects.
     pub fn off() -> Self {
         SensorOptions {
-            perfect: false,
+            model: SensorModel::Paper,
+            gain_spread_share: 0.0,
+            drift_n: 0.0,
+            drift_time_s: 60.0,
+            bandwidth_hz: f64::INFINITY,
             noise_n: 0.0,
             gate_sigmas: 0.0,
             quantum_n: 0.0,
@@ -170,11 +207,31 @@ impl SensorOptions {
         }
     }
 
+    /// The options with those effects off that `model` leaves out.
+    pub(super) fn effective(&self) -> SensorOptions {
+        match self.model {
+            SensorModel::Paper => self.clone(),
+            SensorModel::Ideal => SensorOptions::off(),
+            SensorModel::Calibrated => SensorOptions {
+                gain_spread_share: 0.0,
+                drift_n: 0.0,
+                creep_share_per_decade: 0.0,
+                spurious_share: 0.0,
+                fabric: FabricOptions { full_scale_n: f64::INFINITY, hysteresis_share: 0.0, ..self.fabric.clone() },
+                ..self.clone()
+            },
+        }
+    }
+
     /// What is wrong with these options, if anything.
     pub fn fault(&self) -> Option<Fault> {
         let fabric = &self.fabric;
         let [min_spurious_n, max_spurious_n] = self.spurious_force_n;
         let numbers = [
+            ("gain_spread_share", self.gain_spread_share, limits::GAIN_SPREAD),
+            ("drift_n", self.drift_n, limits::NOISE_N),
+            ("drift_time_s", self.drift_time_s, limits::DRIFT_TIME_S),
+            ("bandwidth_hz", self.bandwidth_hz, limits::BANDWIDTH_HZ),
             ("noise_n", self.noise_n, limits::NOISE_N),
             ("gate_sigmas", self.gate_sigmas, limits::GATE_SIGMAS),
             ("quantum_n", self.quantum_n, limits::QUANTUM_N),

@@ -5,13 +5,14 @@ mod capacitive;
 mod fabric;
 mod noise;
 mod spurious;
+mod transducer;
 
 use std::collections::BTreeMap;
 
 use proptest::prelude::*;
 use underbrush_recording::FRAME_PERIOD_S;
 
-use super::{FabricOptions, Sensor, SensorOptions};
+use super::{FabricOptions, Sensor, SensorModel, SensorOptions};
 use crate::arm::Arm;
 
 /// Patches of Cody's skin.
@@ -39,12 +40,12 @@ fn press(sensor: &mut Sensor, (patch, taxel): (usize, usize), force_n: f64) -> f
 }
 
 proptest! {
-    /// Tests that readings are the true forces in single precision with `perfect` and with each effect switched off by
+    /// Tests that readings are the true forces in single precision with the ideal model and with each effect switched off by
     /// itself.
     #[test]
     fn what_is_off_changes_nothing(force in 0.0..100.0f64, taxel in 0usize..69) {
-        let perfect = SensorOptions { perfect: true, ..SensorOptions::default() };
-        for options in [perfect, SensorOptions::off()] {
+        let ideal = SensorOptions { model: SensorModel::Ideal, ..SensorOptions::default() };
+        for options in [ideal, SensorOptions::off()] {
             let mut sensor = sensor(&options);
             prop_assert_eq!(press(&mut sensor, (FOREARM, taxel), force), single(force));
             prop_assert_eq!(press(&mut sensor, (FLIPPER, taxel), force), single(force));
