@@ -87,7 +87,7 @@ impl Sweep {
                 objects.push(placed);
             }
         }
-        Sweep { arm, clutter: Clutter { objects, goals: Vec::new() } }
+        Sweep { arm, clutter: Clutter { objects, ..Clutter::default() } }
     }
 
     /// The simulation at the start of the sweep.

@@ -8,6 +8,7 @@ use underbrush_recording::{Category, InputError, ObjectRecord, Pose, math};
 
 use crate::arm::ArmAtStart;
 use crate::geometry::{Capsule, Footprint, LaidFootprint};
+use crate::materials::Materials;
 use crate::object::{DrawnQuantities, Object};
 use crate::scene::Scene;
 use crate::seed::stream;
@@ -31,12 +32,14 @@ mod tests;
 /// assert_eq!((clutter.objects.len(), clutter.goals.len()), (3, 4));
 /// # Ok::<(), underbrush_recording::InputError>(())
 /// ```
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Clutter {
     /// The objects in the order in which they were placed.
     pub objects: Vec<PlacedObject>,
     /// Goals for the end effector, m, world frame.
     pub goals: Vec<DVec3>,
+    /// Constants that replace those of arm and objects.
+    pub materials: Materials,
 }
 
 /// An object in its place.
@@ -57,9 +60,10 @@ pub struct PlacedObject {
 }
 
 impl PlacedObject {
-    /// The object as ground truth in a recording.
-    pub fn record(&self) -> ObjectRecord {
+    /// The object as ground truth in a recording, with the constants of its contacts that the scene sets or draws.
+    pub fn record(&self, materials: &Materials) -> ObjectRecord {
         let mut parameters: BTreeMap<String, f64> = self.object.parameters();
+        parameters.extend(materials.values().map(|(name, value)| (name.to_owned(), value)));
         parameters.insert("yaw_rad".into(), self.yaw_rad);
         ObjectRecord {
             kind: self.object.kind().into(),
@@ -107,10 +111,14 @@ impl Clutter {
         let stream = |purpose: &str| stream(seed, &scene.stream, reach_index, purpose);
         let (mut for_objects, mut for_goals) = (stream("clutter"), stream("goals"));
         let mut for_postures = stream("postures");
+        let materials = scene.file.materials.draw(&mut stream("materials")).map_err(|error| {
+            let field = format!("materials.{}", error.name);
+            scene.fault(&field, error, "a range most of whose values are physically possible")
+        })?;
         let mut attempt = || {
             let objects = place::place_all(scene, arm, &mut for_objects)?;
             let goals = goals::draw_goals(scene, arm, &objects, &mut for_goals, &mut for_postures)?;
-            Ok(Clutter { objects, goals })
+            Ok(Clutter { objects, goals, materials })
         };
         // Objects that are placed one by one can block each other although all would fit, and a few objects that all
         // stand to one side leave no goals beyond them. Then everything is drawn again.

@@ -27,6 +27,7 @@ pub mod environment;
 mod fault;
 mod friction_cone;
 pub mod geometry;
+pub mod materials;
 mod newton;
 pub mod object;
 pub mod physics;

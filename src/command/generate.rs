@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde_json::json;
 use underbrush_experiments::audit;
 use underbrush_experiments::dataset::{Campaign, Written, require_same_reaches};
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_recording::disk::{Dataset, Shard};
 use underbrush_sim::controller::ControllerKind;
+use underbrush_sim::materials::MaterialFile;
 use underbrush_sim::scene::Scene;
 
 use super::dataset_summary::Summary;
@@ -36,7 +37,7 @@ pub struct GenerateOptions {
     out: PathBuf,
     /// Regenerate this data set from what it contains: scenes, arms, seed, controller, reaches and shard. If its
     /// controller had verdicts, give the touch model, too
-    #[arg(long, value_name = "DATASET", conflicts_with_all = ["scenes", "reaches", "seed", "controller", "shard", "shared"])]
+    #[arg(long, value_name = "DATASET", conflicts_with_all = ["scenes", "reaches", "seed", "controller", "shard", "shared", "randomize", "materials"])]
     from: Option<PathBuf>,
     /// Controller to use instead of each scene's
     #[arg(long, value_name = "NAME", value_parser = input::controller())]
@@ -44,6 +45,13 @@ pub struct GenerateOptions {
     /// Tell the controller what the skin touches, by this touch model, so that it presses less on trunks than on leaves
     #[arg(long, value_name = "MODEL")]
     verdicts: Option<PathBuf>,
+    /// Draw constants of the contact for every reach, from the ranges of the file of materials, and store them with the
+    /// objects. Objects and goals stay the same
+    #[arg(long, value_enum, value_name = "WHAT")]
+    randomize: Option<Randomized>,
+    /// File of materials, as sim/materials.toml: its values replace those of arm and objects, or with --randomize its ranges
+    #[arg(long, value_name = "FILE")]
+    materials: Option<PathBuf>,
     /// Continue an interrupted data set
     #[arg(long, conflicts_with = "force")]
     resume: bool,
@@ -59,6 +67,13 @@ pub struct GenerateOptions {
     shared: bool,
 }
 
+/// What can be drawn for every reach beside the objects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Randomized {
+    /// The constants of the file of materials
+    Materials,
+}
+
 fn shard(text: &str) -> Result<Shard, String> {
     let parse = || {
         let (index, count) = text.split_once('/')?;
@@ -71,6 +86,14 @@ fn shard(text: &str) -> Result<Shard, String> {
 /// The campaign that the options describe.
 fn described(options: &GenerateOptions) -> Result<Campaign, Failure> {
     let scenes: Result<Vec<Scene>, _> = options.scenes.iter().map(Scene::open).collect();
+    let materials = options.materials.as_deref().map(MaterialFile::load).transpose()?;
+    let scenes = match (materials, options.randomize) {
+        (None, None) => scenes,
+        (file, randomize) => {
+            let file = file.map_or_else(MaterialFile::shipped, Ok)?;
+            scenes?.iter().map(|scene| scene.with_materials(&file, randomize.is_some())).collect()
+        }
+    };
     Ok(Campaign {
         controller: options.controller,
         verdicts: verdicts(options)?,

@@ -117,7 +117,7 @@ fn energies_j(mut arm: Arm, step_s: f64) -> Result<Vec<f64>, CheckError> {
 
 /// An arm with nothing around it.
 pub fn alone(arm: Arm, physics: PhysicsOptions) -> Simulation {
-    let clutter = Clutter { objects: Vec::new(), goals: Vec::new() };
+    let clutter = Clutter::default();
     Simulation::new(Setup {
         sensor: Sensor::new(&SensorOptions::off(), &arm.skin, 0, "validate", 0),
         arm,

@@ -97,7 +97,7 @@ impl PressedArm {
             drawn: Vec::new(),
             stands_on: None,
         };
-        let clutter = Clutter { objects: vec![placed], goals: Vec::new() };
+        let clutter = Clutter { objects: vec![placed], ..Clutter::default() };
         let perfect = SensorOptions { model: SensorModel::Ideal, ..SensorOptions::default() };
         let simulation = Simulation::new(Setup {
             sensor: Sensor::new(&perfect, &simulated.skin, 0, "validate", 0),

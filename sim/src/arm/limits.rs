@@ -3,7 +3,7 @@
 use underbrush_recording::Limits;
 
 /// Coefficient of friction: rubber on a rough surface reaches 1 to 1.5.
-pub(super) const FRICTION: Limits = Limits::new(0.0, 2.0, "");
+pub(crate) const FRICTION: Limits = Limits::new(0.0, 2.0, "");
 
 /// Stiffness of a joint: from a finger's tendon to a drive with stiff position control.
 pub(super) const STIFFNESS_NM_PER_RAD: Limits = Limits::new(1e-3, 1e5, "Nm/rad");
@@ -36,7 +36,7 @@ pub(super) const INERTIA_KG_M2: Limits = Limits::new(1e-10, 1e6, "kg m²");
 pub(super) const INERTIA_ENTRY_KG_M2: Limits = Limits::new(-INERTIA_KG_M2.max, INERTIA_KG_M2.max, "kg m²");
 
 /// Loss time of a skin: from none to that of a very slow foam.
-pub(super) const LOSS_TIME_S: Limits = Limits::new(0.0, 1.0, "s");
+pub(crate) const LOSS_TIME_S: Limits = Limits::new(0.0, 1.0, "s");
 
 /// Coordinates on an arm: the longest arms reach 3 to 4 m.
 pub(super) const PLACE_M: Limits = Limits::new(-5.0, 5.0, "m");
@@ -55,7 +55,7 @@ pub(super) const DIRECTION_ENTRY: Limits = Limits::new(-DIRECTION.max, DIRECTION
 
 /// Stiffness of the skin per volume, modulus over thickness: from 5 cm of the softest foam (5 kPa) to 0.1 mm of steel
 /// (200 GPa).
-pub(super) const SKIN_N_PER_M3: Limits = Limits::new(1e5, 2e15, "N/m³");
+pub(crate) const SKIN_N_PER_M3: Limits = Limits::new(1e5, 2e15, "N/m³");
 
 /// Radius of a sleeve of skin: from a wire's to a barrel's.
 pub(super) const RADIUS_M: Limits = Limits::new(1e-3, 1.0, "m");

@@ -16,7 +16,7 @@ mod at_start;
 mod file;
 mod inverse;
 pub mod kinematics;
-mod limits;
+pub(crate) mod limits;
 mod schema;
 pub mod skin;
 mod skin_file;

@@ -41,6 +41,8 @@ impl Clutter {
             }
         }
         table.insert("objects".into(), objects.into());
+        let materials = self.materials.values().map(|(name, value)| (name.to_owned(), value.into()));
+        table.insert("materials".into(), materials.collect::<Table>().into());
         let old = match table.remove("goals") {
             Some(Value::Table(goals)) => goals,
             _ => Table::new(),

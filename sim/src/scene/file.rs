@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::limits;
 use crate::controller::ControllerKind;
+use crate::materials::MaterialsSection;
 use crate::object::{Group, Specification, for_each_object_kind};
 use crate::physics::PhysicsOptions;
 use crate::range::{PLACE_M, Quantity, Within};
@@ -39,6 +40,9 @@ pub struct SceneFile {
     /// The objects, in groups: `[[objects.leaf]]`, `[[objects.trunk]]`, `[[objects.foam_block]]` and others.
     #[serde(default)]
     pub objects: Objects,
+    /// Constants of the contact between arm and objects, to be set or drawn for each reach.
+    #[serde(default)]
+    pub materials: MaterialsSection,
     /// Time step and other options of the physics engine.
     #[serde(default)]
     pub physics: PhysicsSection,

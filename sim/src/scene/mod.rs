@@ -9,6 +9,7 @@ use underbrush_recording::limits::{TEXT_BYTES, short};
 use underbrush_recording::plain_text::{PLAIN, is_plain};
 use underbrush_recording::{FRAME_PERIOD_S, InputError, read_text};
 
+use crate::materials::{MaterialFile, MaterialsSection};
 use crate::range::{Limited, PLACE_M, YAW_DEG};
 use crate::sensor::Fault;
 use crate::toml_text::{key_at, line_of, sets_key};
@@ -119,6 +120,19 @@ impl Scene {
         Ok(scene)
     }
 
+    /// The scene with the constants of a file of materials, drawn from their ranges in each reach or else with their values.
+    ///
+    /// # Errors
+    /// When the scene has a section `[materials]` already.
+    pub fn with_materials(&self, file: &MaterialFile, draws: bool) -> Result<Scene, InputError> {
+        if self.file.materials != MaterialsSection::default() {
+            let allowed = "a scene without this section, or no file of materials and nothing to randomize";
+            let remedy = "remove one of the two";
+            return Err(InputError::new(&self.path, "materials", "a section of its own", allowed, remedy));
+        }
+        Scene::parse(&self.path, format!("{}\n{}", self.text, file.section(draws)))
+    }
+
     /// Hash of the file's text, hexadecimal BLAKE3.
     pub fn hash(&self) -> String {
         blake3::hash(self.text.as_bytes()).to_hex().to_string()
@@ -148,6 +162,9 @@ impl Scene {
             self.check_quantity("goals", &Limited { name, quantity, limits: anywhere })?;
         }
         self.check_positions()?;
+        for limited in file.materials.quantities() {
+            self.check_quantity("materials", &limited)?;
+        }
         self.check_objects(anywhere)
     }
 

@@ -24,12 +24,20 @@ pub struct Engine {
     pub(super) contact_step: ContactStep,
     /// The heights of the tables, m.
     tables_m: Vec<f64>,
+    /// Their coefficient of friction.
+    pub(super) table_friction: f64,
 }
 
 impl Engine {
     /// An empty world.
     pub fn new(options: PhysicsOptions) -> Self {
-        Engine { options, scene: Scene::default(), contact_step: ContactStep::default(), tables_m: Vec::new() }
+        Engine {
+            options,
+            scene: Scene::default(),
+            contact_step: ContactStep::default(),
+            tables_m: Vec::new(),
+            table_friction: TABLE_FRICTION,
+        }
     }
 
     /// Adds a tree with its shapes, and returns its slot.
@@ -55,7 +63,7 @@ impl Engine {
             link: 0,
             shape: ColliderBuilder::new(top),
             groups: groups::table(),
-            surface: Surface::hard(TABLE_FRICTION),
+            surface: Surface::hard(self.table_friction),
             part: 0,
         };
         self.insert(Tree::new(WorldPose::from_position(center), false), vec![top]);

@@ -41,7 +41,9 @@ impl Model {
         let outlines: Vec<(Cuboid, EnginePose)> =
             objects().map(PlacedObject::outline).map(|(outline, pose)| (outline, parry_pose(&pose))).collect();
         let boxes: Vec<Aabb> = outlines.iter().map(|(outline, pose)| outline.compute_aabb(pose)).collect();
-        let structures: Vec<Structure> = objects().map(|placed| placed.object.structure()).collect();
+        let mut arm = arm;
+        clutter.materials.apply_to(&mut arm);
+        let structures: Vec<Structure> = objects().map(|placed| structure(placed, &clutter)).collect();
         let rest_pose_world =
             objects().zip(&structures).map(|(placed, structure)| rest_pose_world(placed, structure)).collect();
         let (assemblies, place_in_assembly) = assemblies(&clutter.objects, &structures);
@@ -113,6 +115,16 @@ fn assemblies(objects: &[PlacedObject], structures: &[Structure]) -> (Vec<Assemb
         });
     }
     (assemblies, places)
+}
+
+/// Bodies and joints of an object, with the friction that its clutter sets. A kind that draws its own keeps it.
+fn structure(placed: &PlacedObject, clutter: &Clutter) -> Structure {
+    let mut structure = placed.object.structure();
+    let own = placed.drawn.iter().any(|(name, _)| *name == "friction");
+    if let Some(friction) = clutter.materials.object_friction.filter(|_| !own) {
+        structure.surface.friction = friction;
+    }
+    structure
 }
 
 /// Poses of an object's bodies at rest, world frame.

@@ -68,12 +68,13 @@ impl State {
 fn fingerprint(model: &Model, physics: PhysicsOptions) -> [u8; HASH] {
     // `Debug` prints a float with as many digits as tell it from every other.
     let text = format!(
-        "{} {FORMAT} {ENGINE} {:?} {} {:?} {:?}",
+        "{} {FORMAT} {ENGINE} {:?} {} {:?} {:?} {:?}",
         env!("CARGO_PKG_VERSION"),
         physics,
         model.dormancy,
         model.arm,
-        model.clutter.objects
+        model.clutter.objects,
+        model.clutter.materials
     );
     *blake3::hash(text.as_bytes()).as_bytes()
 }

@@ -37,6 +37,7 @@ impl World {
     /// The arm in its start posture, its equilibrium angles there, and the clutter at rest.
     pub(super) fn new(model: &Model, physics: PhysicsOptions) -> Self {
         let mut engine = Engine::new(physics);
+        engine.table_friction = model.clutter.materials.table_friction.unwrap_or(engine.table_friction);
         let arm = ArmBodies::insert(&model.arm, &model.arm.start_posture_rad(), &mut engine);
         let mut world = World {
             engine,
