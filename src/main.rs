@@ -112,6 +112,8 @@ enum Command {
     Export(command::export::ExportOptions),
     /// Cut contact trials from a CSV or MCAP file of a real robot
     Import(command::import::ImportOptions),
+    /// Fit stiffness, hardening and loss of a skin to a press test
+    FitSkin(command::fit_skin::FitSkinOptions),
     /// Print the JSON Schema of scene, arm, skin, experiment, suite or model files, for use in an editor
     Schema(command::schema::SchemaOptions),
 }
@@ -162,6 +164,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Replay(options) => command::replay::run(options, shared.json),
         Command::Export(options) => command::export::run(options),
         Command::Import(options) => command::import::run(options, shared.json),
+        Command::FitSkin(options) => command::fit_skin::run(options, shared.json),
         Command::Schema(options) => command::schema::run(&options),
     }
 }

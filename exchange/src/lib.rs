@@ -2,8 +2,10 @@
 //!
 //! * [`import`] cuts trials from a CSV or MCAP file, as a mapping file describes.
 //! * [`live`] reads the lines of a live stream of frames.
+//! * [`press`] fits the law of a skin to a press test.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 pub mod import;
 pub mod live;
+pub mod press;

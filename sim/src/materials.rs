@@ -134,6 +134,12 @@ impl MaterialFile {
         MaterialFile::parse(path, &read_text(path, &TEXT_BYTES, "a readable file of materials", remedy)?)
     }
 
+    /// The text of the file.
+    pub fn text(&self) -> String {
+        // Numbers and plain texts serialize.
+        toml::to_string(&self.constants).unwrap_or_default()
+    }
+
     fn parse(path: &Path, text: &str) -> Result<MaterialFile, InputError> {
         let constants: BTreeMap<String, Constant> = toml::from_str(text).map_err(|error| {
             let allowed = "tables [NAME] with value, range, source and affects";

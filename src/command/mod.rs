@@ -9,6 +9,7 @@ mod decision_arguments;
 mod estimator_arguments;
 pub mod evaluate;
 pub mod export;
+pub mod fit_skin;
 pub mod generate;
 pub mod import;
 pub mod inspect;

@@ -1,0 +1,98 @@
+//! `underbrush fit-skin`: fits the law of a skin to a press test.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+use underbrush_exchange::press::{Estimate, PressFit, Punch, fit_press, read_press};
+use underbrush_sim::materials::{Constant, MaterialFile};
+
+use super::overwrite::Overwrite;
+use crate::failure::Failure;
+use crate::output;
+
+/// Options of `underbrush fit-skin`.
+///
+/// Press one pad of the skin on a hard ground with a flat punch or a ball, to several depths and at two speeds or more, and
+/// write time_s, depth_m and force_n as CSV. The fit is p = C d (1 + β d) + C τ ḋ: the pressure p at the depth d. C and τ are
+/// written as a file of materials, for `underbrush generate --materials FILE`.
+#[derive(Args)]
+pub struct FitSkinOptions {
+    /// The press test: CSV with the columns time_s, depth_m and force_n
+    press: PathBuf,
+    /// Area of a flat punch, or of the pad if the punch is larger, cm²
+    #[arg(long, value_name = "CM2", required_unless_present = "ball_radius_mm", value_parser = positive)]
+    punch_area_cm2: Option<f64>,
+    /// Radius of a ball, mm
+    #[arg(long, value_name = "MM", conflicts_with = "punch_area_cm2", value_parser = positive)]
+    ball_radius_mm: Option<f64>,
+    /// Write C and τ to this file of materials (TOML)
+    #[arg(long, value_name = "FILE.toml")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|value: &f64| value.is_finite() && *value > 0.0).ok_or_else(|| "must be above 0".into())
+}
+
+#[derive(Serialize)]
+struct Report {
+    #[serde(flatten)]
+    fit: PressFit,
+    file: Option<PathBuf>,
+}
+
+/// Fits, prints and writes.
+pub fn run(options: FitSkinOptions, json: bool) -> Result<(), Failure> {
+    if let Some(out) = &options.out {
+        options.overwrite.file(out, std::slice::from_ref(&options.press))?;
+    }
+    let punch = match (options.punch_area_cm2, options.ball_radius_mm) {
+        (_, Some(radius_mm)) => Punch::Ball(radius_mm * 1e-3),
+        (area_cm2, None) => Punch::Flat(area_cm2.unwrap_or_default() * 1e-4),
+    };
+    let samples = read_press(&options.press)?;
+    let fit =
+        fit_press(&samples, punch).map_err(|error| Failure::usage(format!("{}: {error}", options.press.display())))?;
+    if let Some(out) = &options.out {
+        // Noise can make a small loss time negative, which no skin has.
+        let constant = |name: &str, estimate: &Estimate, affects: &str| {
+            let [value, low, high] =
+                [estimate.value, estimate.interval[0], estimate.interval[1]].map(|own| own.max(0.0));
+            let source = format!("fit-skin of {}; the range is that of 95 %", options.press.display());
+            (
+                name.to_owned(),
+                Constant { value, range: [low.min(value), high.max(value)], source, affects: affects.into() },
+            )
+        };
+        let constants = BTreeMap::from([
+            constant("skin_modulus_n_per_m3", &fit.modulus_n_per_m3, "Peak force and onset of hard touches"),
+            constant("skin_loss_time_s", &fit.loss_time_s, "Peak force of impacts"),
+        ]);
+        output::write_file(out, MaterialFile { constants }.text().as_bytes())?;
+    }
+    output::result(json, &Report { fit: fit.clone(), file: options.out }, || text(&fit))
+}
+
+fn text(fit: &PressFit) -> String {
+    let line = |name: &str, Estimate { value, interval: [low, high] }: Estimate, scale: f64, unit: &str| {
+        let [value, low, high] = [value, low, high].map(|number| number * scale);
+        format!("{name}: {value:.4} {unit} (95 %: {low:.4} to {high:.4})\n")
+    };
+    let hold = fit.relaxation_share_per_decade.map_or_else(
+        || "no hold of 2 s at one depth, so creep is not known\n".into(),
+        |share| format!("a hold loses {:.1} % of its force per decade of time\n", 100.0 * share),
+    );
+    format!(
+        "{}{}{}{hold}{} samples down to {:.2} mm; {:.1} % of the largest force is left unexplained\n",
+        line("foundation modulus C", fit.modulus_n_per_m3, 1e-6, "N/cm³"),
+        line("loss time τ", fit.loss_time_s, 1e3, "ms"),
+        line("hardening β", fit.hardening_per_m, 1e-3, "1/mm"),
+        fit.samples,
+        1e3 * fit.largest_depth_m,
+        100.0 * fit.residual_share,
+    )
+}
