@@ -24,6 +24,7 @@ mod so_far;
 mod steering;
 #[cfg(test)]
 mod tests;
+mod ways;
 
 /// Watches a reach: called once in each frame.
 pub type Observer<'a> = dyn FnMut(&Simulation, &Frame) + 'a;

@@ -6,6 +6,7 @@ use underbrush_recording::{Frame, Pose};
 
 pub mod blind;
 mod kind;
+pub mod mapped;
 pub mod model_predictive;
 pub mod preset;
 pub mod quadratic_program;
@@ -13,6 +14,7 @@ mod verdict;
 
 pub use blind::Blind;
 pub use kind::{ControllerKind, UnknownController};
+pub use mapped::Mapped;
 pub use model_predictive::ModelPredictive;
 pub use preset::Preset;
 pub use verdict::{Allowance, AllowedForces, Touched, Verdict};

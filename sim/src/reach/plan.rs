@@ -130,6 +130,7 @@ impl ReachPlan {
         let kind = controller.unwrap_or(scene.file.controller);
         let robot = scene.file.robot;
         let preset = kind.preset().at_hand_speed(robot.hand_speed_scale).with_force_limit(robot.force_limit_scale);
+        let preset = preset.above(scene.floor_height_m());
         let mut rules = ReachRules::published_with(kind);
         rules.progress = scene.file.goals.progress.unwrap_or(rules.progress);
         let controller = PlannedController::Shipped(kind, preset);

@@ -156,6 +156,11 @@ pub enum ProgressRule {
 }
 
 impl ProgressRule {
+    /// Whether it is the rule of the path.
+    pub fn is_path(&self) -> bool {
+        *self == ProgressRule::Path
+    }
+
     /// Whether it is the published rule.
     pub(crate) fn is_published(&self) -> bool {
         *self == ProgressRule::MeanPosition

@@ -124,6 +124,14 @@ impl Scene {
         blake3::hash(self.text.as_bytes()).to_hex().to_string()
     }
 
+    /// The height above which the arm is free of the table and of what covers it, m, world frame.
+    pub fn floor_height_m(&self) -> f64 {
+        let groups = self.file.objects.groups();
+        let foam = groups.iter().filter(|(kind, _, group)| *kind == "foam_block" && group.count() > 0);
+        let heights = foam.flat_map(|(_, _, group)| group.quantities()).filter(|own| own.name == "height_m");
+        self.file.workspace.table_height_m + heights.map(|own| own.quantity.largest()).fold(0.0, f64::max)
+    }
+
     fn check(&self) -> Result<(), InputError> {
         let file = &self.file;
         if !is_plain(&file.summary) {
