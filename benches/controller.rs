@@ -39,6 +39,8 @@ impl Situation {
                 TaxelContact {
                     patch,
                     taxel: index,
+                    link,
+                    position_world: poses[link].transform_point(taxel.position_link),
                     position_jacobian: arm.position_jacobian(
                         &poses,
                         link,
@@ -47,6 +49,7 @@ impl Situation {
                     inward_normal_world: -poses[link].transform_vector(taxel.normal_link),
                     force_n: 1.2 + 0.3 * number as f64,
                     allowed_force_n: None,
+                    verdict: None,
                 }
             })
             .collect();

@@ -11,15 +11,12 @@
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 #![allow(clippy::print_stdout, reason = "the table is what it is run for")]
 
-use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::Arc;
 
 use rayon::prelude::*;
-use underbrush_classifier::touch::Touch;
-use underbrush_experiments::verdict_controller::{AllowedForces, VerdictControl};
-use underbrush_recording::{Category, Frame, Outcome, Recording};
-use underbrush_sim::controller::{Controller, ControllerInput, ControllerOutput, TaxelContact};
+use underbrush_experiments::verdict_controller::VerdictControl;
+use underbrush_recording::{Category, Outcome, Recording};
+use underbrush_sim::controller::AllowedForces;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
@@ -72,21 +69,8 @@ fn main() {
 
 /// Runs a reach with each controller and prints its rows.
 fn reach(plan: &ReachPlan, verdicts: &VerdictControl, allowed: &AllowedForces, index: u64) {
-    let objects = plan.draw(index).unwrap().objects;
-    let categories: Arc<Vec<Category>> = Arc::new(objects.iter().map(|placed| placed.category).collect());
-    let told = verdicts.clone().with_allowed(allowed.clone());
-    let with_truth = {
-        let allowed = allowed.clone();
-        plan.clone().with_controller_within(move |inner| {
-            Box::new(Truth {
-                inner,
-                allowed: allowed.clone(),
-                categories: categories.clone(),
-                touched: BTreeMap::new(),
-            })
-        })
-    };
-    let plans = [plan.clone(), told.applied_to(plan.clone()).unwrap(), with_truth];
+    let told = |verdicts: VerdictControl| verdicts.with_allowed(allowed.clone()).applied_to(plan.clone()).unwrap();
+    let plans = [plan.clone(), told(verdicts.clone()), told(VerdictControl::truth())];
     let rows: Vec<String> = (CONTROLLERS.iter().zip(&plans))
         .map(|(name, plan)| {
             let sums = sums(&plan.run(index, &mut |_, _| {}).unwrap());
@@ -95,51 +79,6 @@ fn reach(plan: &ReachPlan, verdicts: &VerdictControl, allowed: &AllowedForces, i
         })
         .collect();
     println!("{}", rows.join("\n"));
-}
-
-/// A controller that is told the true category of the object that presses on each taxel, on all patches. Foam blocks
-/// count as unknown.
-struct Truth {
-    inner: Box<dyn Controller>,
-    allowed: AllowedForces,
-    categories: Arc<Vec<Category>>,
-    /// The category of the object that presses, by patch and taxel, in the present frame.
-    touched: BTreeMap<(usize, usize), Category>,
-}
-
-impl Controller for Truth {
-    fn name(&self) -> &str {
-        "truth"
-    }
-
-    fn rate_hz(&self) -> f64 {
-        self.inner.rate_hz()
-    }
-
-    fn observe(&mut self, frame: &Frame) {
-        self.touched.clear();
-        for reading in frame.taxels.iter().filter(|reading| reading.true_normal_force_n > 0.0) {
-            if let Some(object) = reading.object {
-                let place = (usize::from(reading.patch), usize::from(reading.taxel));
-                self.touched.insert(place, self.categories[usize::from(object)]);
-            }
-        }
-    }
-
-    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
-        let names = [Category::LEAF, Category::TRUNK].map(|category| category.name().to_owned());
-        let allow = |contact: &TaxelContact| {
-            let touch = match self.touched.get(&(contact.patch, contact.taxel)) {
-                None => Touch::Nothing,
-                Some(category) => {
-                    (names.iter().position(|name| name == category.name())).map_or(Touch::Unknown, Touch::Category)
-                }
-            };
-            self.allowed.of(touch, &names).apply(contact)
-        };
-        let contacts: Vec<TaxelContact> = input.contacts.iter().filter_map(allow).collect();
-        self.inner.control(&ControllerInput { contacts: &contacts, ..input.clone() })
-    }
 }
 
 /// The row of a recording, in the order of [`SUMS`]. Forces are true forces. A taxel counts in every frame in which it

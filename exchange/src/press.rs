@@ -167,8 +167,12 @@ impl Row {
 
 /// The samples under load. The speed is that between the neighbours of a sample.
 fn rows(samples: &[PressSample], punch: Punch) -> Vec<Row> {
+    // The force of a hold falls, which the law does not describe.
+    let holds: Vec<&[PressSample]> = holds(samples).collect();
+    let is_held =
+        |time_s: f64| holds.iter().any(|hold| hold[0].time_s < time_s && time_s <= hold[hold.len() - 1].time_s);
     let row = |window: &[PressSample]| {
-        let [before, PressSample { depth_m: d, force_n, .. }, after] = *window else { return None };
+        let [before, PressSample { depth_m: d, force_n, time_s }, after] = *window else { return None };
         let speed = (after.depth_m - before.depth_m) / (after.time_s - before.time_s);
         let terms = match punch {
             Punch::Flat(area) => [area * d, area * d * d, area * speed],
@@ -176,7 +180,7 @@ fn rows(samples: &[PressSample], punch: Punch) -> Vec<Row> {
                 [PI * radius * d * d, 2.0 / 3.0 * PI * radius * d.powi(3), 2.0 * PI * radius * d * speed]
             }
         };
-        (d > 0.0 && force_n > 0.0).then_some(Row { force_n, terms })
+        (d > 0.0 && force_n > 0.0 && !is_held(time_s)).then_some(Row { force_n, terms })
     };
     samples.windows(3).filter_map(row).collect()
 }
@@ -199,17 +203,23 @@ fn solve(rows: &[Row]) -> Option<[f64; 3]> {
     (modulus > 0.0).then(|| [modulus, solution[1] / lengths[1] / modulus, solution[2] / lengths[2] / modulus])
 }
 
-/// The slope of the force over the decades of the longest hold, as a share of its force after a tenth of a second; `None` if no
-/// hold is long enough. A hold is a time in which the depth stays within 2 % of the largest.
-fn relaxation(samples: &[PressSample]) -> Option<f64> {
+/// The times of at least 2 s in which the depth stays within 2 % of the largest.
+fn holds(samples: &[PressSample]) -> impl Iterator<Item = &[PressSample]> {
     let largest_m = samples.iter().map(|sample| sample.depth_m).fold(0.0, f64::max);
-    let is_level = |a: &PressSample, b: &PressSample| (a.depth_m - b.depth_m).abs() < 0.02 * largest_m;
-    let holds = samples.chunk_by(|a, b| is_level(a, b) && a.force_n > 0.0 && b.force_n > 0.0);
-    let length_s =
-        |hold: &[PressSample]| hold.last().zip(hold.first()).map_or(0.0, |(last, first)| last.time_s - first.time_s);
+    let is_level = move |a: &PressSample, b: &PressSample| (a.depth_m - b.depth_m).abs() < 0.02 * largest_m;
+    let level = samples.chunk_by(move |a, b| is_level(a, b) && a.force_n > 0.0 && b.force_n > 0.0);
     // A slow press is level from sample to sample, too.
-    let level = holds.filter(|hold| hold.iter().all(|sample| is_level(sample, &hold[0])));
-    let hold = level.max_by(|a, b| length_s(a).total_cmp(&length_s(b))).filter(|hold| length_s(hold) >= MIN_HOLD_S)?;
+    level.filter(move |hold| length_s(hold) >= MIN_HOLD_S && hold.iter().all(|sample| is_level(sample, &hold[0])))
+}
+
+fn length_s(hold: &[PressSample]) -> f64 {
+    hold[hold.len() - 1].time_s - hold[0].time_s
+}
+
+/// The slope of the force over the decades of the longest hold, as a share of its force after a tenth of a second; `None` if no
+/// hold is long enough.
+fn relaxation(samples: &[PressSample]) -> Option<f64> {
+    let hold = holds(samples).max_by(|a, b| length_s(a).total_cmp(&length_s(b)))?;
     let points = hold.iter().map(|sample| (sample.time_s - hold[0].time_s, sample.force_n));
     let points: Vec<(f64, f64)> = points
         .filter(|(time_s, _)| *time_s >= 0.1)

@@ -22,7 +22,7 @@ impl<'a> ControllerParameters<'a> {
         ControllerParameters {
             preset: plan.controller.preset(),
             rules: &plan.rules,
-            verdicts: verdicts.map(VerdictControl::parameters),
+            verdicts: verdicts.map(|verdicts| verdicts.parameters(&plan.scene)),
         }
     }
 }

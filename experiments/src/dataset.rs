@@ -17,7 +17,7 @@ use underbrush_sim::scene::Scene;
 
 use crate::controller_parameters::ControllerParameters;
 use crate::progress::Progress;
-use crate::verdict_controller::{VerdictControl, WITH_VERDICTS, check_model};
+use crate::verdict_controller::{VerdictControl, WITH_TRUTH, WITH_VERDICTS, check_model};
 
 mod write;
 
@@ -108,7 +108,7 @@ impl Campaign {
             return Err(fault("program", provenance.program.clone(), allowed));
         }
         let name = provenance.controller.as_str();
-        let name = name.strip_suffix(WITH_VERDICTS).unwrap_or(name);
+        let name = [WITH_VERDICTS, WITH_TRUTH].iter().find_map(|suffix| name.strip_suffix(suffix)).unwrap_or(name);
         let controller = ControllerKind::from_name(name).map_err(|_| {
             let allowed = format!("one of {}", ControllerKind::names().join(", "));
             fault("controller", provenance.controller.clone(), &allowed)

@@ -14,89 +14,71 @@ use underbrush_recording::disk::Dataset;
 use underbrush_recording::fault::Fault;
 use underbrush_recording::limits::JSON_BYTES;
 use underbrush_recording::{Frame, InputError, read_text};
-use underbrush_sim::controller::{Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact};
+use underbrush_sim::controller::{
+    Allowance, AllowedForces, Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact, Touched,
+    Verdict,
+};
 use underbrush_sim::reach::{PlannedController, ReachPlan};
+use underbrush_sim::scene::Scene;
 
-/// The suffix of the name of a controller with verdicts.
+/// The suffix of the name of a controller with the verdicts of a touch model.
 pub const WITH_VERDICTS: &str = "+verdicts";
+/// The suffix of the name of a controller that is told the true categories.
+pub const WITH_TRUTH: &str = "+truth";
 
-/// How hard the arm may press on which objects, N. The controller's own limit holds for everything else.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct AllowedForces {
-    /// The limits by the name of a known category, N.
-    pub categories_n: BTreeMap<String, f64>,
-    /// The limit on objects unlike all known categories, N.
-    pub unknown_n: f64,
-}
+/// The value of `--verdicts` that tells the controller the true categories.
+pub const TRUTH: &str = "truth";
+/// The value of `--verdicts` that tells the controller nothing.
+pub const NONE: &str = "none";
+/// The key of the force that is allowed on unknown objects, among those of categories.
+const UNKNOWN: &str = "unknown";
 
-impl Default for AllowedForces {
-    /// 6 N on leaves, twice the 3 N of `cody-2013`. A leaf bends away before a taxel feels as much (5.4 N at most in 14
-    /// mixed reaches), so this limit hardly ever holds the arm back. 1.5 N on trunks and unknown objects, half of the
-    /// limit of `cody-2013`. This limit must be above 1 N, the force at which the controller begins to take a reading
-    /// for a contact, because the force of a contact over its limit may not rise at all.
-    fn default() -> Self {
-        AllowedForces { categories_n: [("leaf".to_owned(), 6.0), ("trunk".to_owned(), 1.5)].into(), unknown_n: 1.5 }
-    }
-}
-
-/// What a verdict means for a contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Allowance {
-    /// The reading is not a contact.
-    Ignored,
-    /// The controller's own limit holds.
-    Usual,
-    /// The contact has this limit, N.
-    AtMost(f64),
-}
-
-impl AllowedForces {
-    /// What a verdict means for a contact; `categories` are the model's categories.
-    pub fn of(&self, touch: Touch, categories: &[String]) -> Allowance {
-        match touch {
-            Touch::Nothing => Allowance::Ignored,
-            Touch::Uncertain => Allowance::Usual,
-            Touch::Unknown => Allowance::AtMost(self.unknown_n),
-            Touch::Category(index) => {
-                let own = categories.get(index).and_then(|name| self.categories_n.get(name));
-                own.map_or(Allowance::Usual, |force_n| Allowance::AtMost(*force_n))
-            }
-        }
-    }
-}
-
-impl Allowance {
-    /// The contact with its limit; `None` if it is to be ignored.
-    pub fn apply(self, contact: &TaxelContact) -> Option<TaxelContact> {
-        let allowed_force_n = match self {
-            Allowance::Ignored => return None,
-            Allowance::Usual => contact.allowed_force_n,
-            Allowance::AtMost(force_n) => Some(force_n),
-        };
-        Some(TaxelContact { allowed_force_n, ..contact.clone() })
-    }
-}
-
-/// A touch model and the forces that its verdicts allow. Together they turn a controller into one with verdicts.
+/// What judges contacts, and the forces that its verdicts allow. Together they turn a controller into one with verdicts.
 #[derive(Clone, Debug)]
 pub struct VerdictControl {
-    model: Arc<TouchModel>,
-    model_blake3: String,
+    judge: Judge,
     allowed: AllowedForces,
+    /// Forces by category that replace those of `allowed` and of the scene, N.
+    asked_n: BTreeMap<String, f64>,
 }
 
+/// What judges contacts.
+#[derive(Clone, Debug)]
+enum Judge {
+    /// Nothing: the simulator tells the true categories.
+    Truth,
+    /// A touch model.
+    Model { model: Arc<TouchModel>, blake3: String },
+}
 /// The parameters of verdict control that data sets store.
 #[derive(Serialize)]
 pub struct VerdictParameters<'a> {
-    /// BLAKE3 hash of the model's file, hexadecimal.
+    /// BLAKE3 hash of the model's file, hexadecimal; `truth` for the true categories.
     pub touch_model_blake3: &'a str,
     /// Version of the sources that compute the verdicts.
     pub sources: &'static str,
     /// How hard the arm may press on which objects.
-    pub allowed_force_n: &'a AllowedForces,
+    pub allowed_force_n: AllowedForces,
 }
 
 impl VerdictControl {
+    /// The verdicts that the value of an option asks for: [`TRUTH`], [`NONE`], or the path of a touch model.
+    ///
+    /// # Errors
+    /// As [`VerdictControl::load`].
+    pub fn named(value: &Path) -> Result<Option<Self>, InputError> {
+        match value.to_str() {
+            Some(NONE) => Ok(None),
+            Some(TRUTH) => Ok(Some(VerdictControl::truth())),
+            _ => VerdictControl::load(value).map(Some),
+        }
+    }
+
+    /// The true categories, which no robot knows. They bound what any model can gain.
+    pub fn truth() -> Self {
+        VerdictControl::of(Judge::Truth)
+    }
+
     /// Reads the file of a touch model. The forces are those of [`AllowedForces::default`].
     ///
     /// # Errors
@@ -111,29 +93,50 @@ impl VerdictControl {
     /// # Errors
     /// As [`VerdictControl::load`].
     pub fn from_json(path: &Path, text: &str) -> Result<Self, InputError> {
-        Ok(VerdictControl {
-            model: Arc::new(TouchModel::from_json(path, text)?),
-            model_blake3: blake3::hash(text.as_bytes()).to_hex().to_string(),
-            allowed: AllowedForces::default(),
-        })
+        let model = Arc::new(TouchModel::from_json(path, text)?);
+        Ok(VerdictControl::of(Judge::Model { model, blake3: blake3::hash(text.as_bytes()).to_hex().to_string() }))
     }
 
-    /// The same model with other allowed forces.
+    fn of(judge: Judge) -> Self {
+        VerdictControl { judge, allowed: AllowedForces::default(), asked_n: BTreeMap::new() }
+    }
+
+    /// The same verdicts with other allowed forces.
     pub fn with_allowed(self, allowed: AllowedForces) -> Self {
         VerdictControl { allowed, ..self }
     }
 
-    /// BLAKE3 hash of the model's file, hexadecimal.
-    pub fn model_blake3(&self) -> &str {
-        &self.model_blake3
+    /// The same verdicts with these forces on categories, N, or on `unknown` objects, instead of the scene's.
+    pub fn with_asked(self, asked_n: impl IntoIterator<Item = (String, f64)>) -> Self {
+        VerdictControl { asked_n: asked_n.into_iter().collect(), ..self }
     }
 
-    /// The parameters of verdict control that data sets store.
-    pub fn parameters(&self) -> VerdictParameters<'_> {
+    /// BLAKE3 hash of the model's file, hexadecimal; [`TRUTH`] for the true categories.
+    pub fn model_blake3(&self) -> &str {
+        match &self.judge {
+            Judge::Truth => TRUTH,
+            Judge::Model { blake3, .. } => blake3,
+        }
+    }
+
+    /// The forces that are allowed in a scene.
+    fn allowed_in(&self, scene: &Scene) -> AllowedForces {
+        let mut allowed = self.allowed.clone();
+        for (name, force_n) in scene.file.allowed_force_n.iter().chain(&self.asked_n) {
+            match name.as_str() {
+                UNKNOWN => allowed.unknown_n = *force_n,
+                _ => _ = allowed.categories_n.insert(name.clone(), *force_n),
+            }
+        }
+        allowed
+    }
+
+    /// The parameters of verdict control in a scene that data sets store.
+    pub fn parameters(&self, scene: &Scene) -> VerdictParameters<'_> {
         VerdictParameters {
-            touch_model_blake3: &self.model_blake3,
+            touch_model_blake3: self.model_blake3(),
             sources: env!("UNDERBRUSH_ANALYSIS_SOURCES"),
-            allowed_force_n: &self.allowed,
+            allowed_force_n: self.allowed_in(scene),
         }
     }
 
@@ -141,17 +144,22 @@ impl VerdictControl {
     ///
     /// # Errors
     /// [`Fault`] if the controller uses no contacts, or the arm's skin lacks the model's patch.
-    pub fn applied_to(&self, plan: ReachPlan) -> Result<ReachPlan, Fault> {
+    pub fn applied_to(&self, mut plan: ReachPlan) -> Result<ReachPlan, Fault> {
         if let PlannedController::Shipped(ControllerKind::Blind, _) = plan.controller {
             let text = "the controller blind ignores all contacts and so all verdicts; choose another controller";
             return Err(Fault::Usage(text.into()));
         }
-        let layout = &plan.arm.skin.layout;
-        let classifier = TouchClassifier::new(self.model.clone(), layout)?;
-        let allowed = Arc::new(self.allowed.clone());
+        let (classifier, suffix) = match &self.judge {
+            Judge::Truth => (None, WITH_TRUTH),
+            Judge::Model { model, .. } => {
+                (Some(TouchClassifier::new(model.clone(), &plan.arm.skin.layout)?), WITH_VERDICTS)
+            }
+        };
+        plan.has_true_verdicts = classifier.is_none();
+        let allowed = Arc::new(self.allowed_in(&plan.scene));
         Ok(plan.with_controller_within(move |inner| {
             Box::new(VerdictController {
-                name: format!("{}{WITH_VERDICTS}", inner.name()),
+                name: format!("{}{suffix}", inner.name()),
                 inner,
                 classifier: classifier.clone(),
                 allowed: allowed.clone(),
@@ -187,21 +195,37 @@ pub(crate) fn check_model(dataset: &Dataset, verdicts: Option<&VerdictControl>) 
 struct VerdictController {
     name: String,
     inner: Box<dyn Controller>,
-    classifier: TouchClassifier,
+    /// `None` if the contacts come with their true categories.
+    classifier: Option<TouchClassifier>,
     allowed: Arc<AllowedForces>,
     /// Whether the last frame could be judged. A frame with numbers that are not finite cannot be judged.
     is_judged: bool,
 }
 
 impl VerdictController {
-    fn allowance(&self, contact: &TaxelContact) -> Allowance {
-        let mut taxels = self.classifier.taxels().iter().filter(|_| self.is_judged);
-        // A taxel under the model's threshold, or on a patch that it does not judge, has no verdict.
-        let found = taxels.find(|verdict| (verdict.patch, verdict.taxel) == (contact.patch, contact.taxel));
-        let Some(verdict) = found else {
-            return Allowance::Usual;
+    /// The verdict on a contact. A taxel under the model's threshold, or on a patch that it does not judge, has none.
+    fn verdict(&self, contact: &TaxelContact) -> Option<Verdict> {
+        let Some(classifier) = &self.classifier else {
+            return contact.verdict.clone();
         };
-        self.allowed.of(verdict.touch, self.classifier.model().categories())
+        let mut taxels = classifier.taxels().iter().filter(|_| self.is_judged);
+        let own = taxels.find(|own| (own.patch, own.taxel) == (contact.patch, contact.taxel))?;
+        let categories = classifier.model().categories();
+        let probabilities = classifier.probabilities(own.region);
+        let (touched, probability) = match own.touch {
+            Touch::Nothing => (Touched::Nothing, own.nothing),
+            Touch::Category(index) => (Touched::Category(categories[index].as_str().into()), probabilities[index]),
+            Touch::Uncertain => (Touched::Uncertain, probabilities.iter().copied().fold(0.0, f64::max)),
+            Touch::Unknown => (Touched::Unknown, 1.0 - classifier.regions()[own.region].share_beyond),
+        };
+        Some(Verdict { touched, probability })
+    }
+
+    /// The contact with its verdict and its limit; `None` if nothing touches the taxel.
+    fn judged(&self, contact: &TaxelContact) -> Option<TaxelContact> {
+        let verdict = self.verdict(contact);
+        let allowance = verdict.as_ref().map_or(Allowance::Usual, |verdict| self.allowed.of(&verdict.touched));
+        Some(TaxelContact { verdict, ..allowance.apply(contact)? })
     }
 }
 
@@ -215,14 +239,12 @@ impl Controller for VerdictController {
     }
 
     fn observe(&mut self, frame: &Frame) {
-        self.is_judged = self.classifier.update(frame).is_ok();
+        self.is_judged = self.classifier.as_mut().is_some_and(|classifier| classifier.update(frame).is_ok());
         self.inner.observe(frame);
     }
 
     fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
-        let contacts = input.contacts.iter();
-        let contacts: Vec<TaxelContact> =
-            contacts.filter_map(|contact| self.allowance(contact).apply(contact)).collect();
+        let contacts: Vec<TaxelContact> = input.contacts.iter().filter_map(|contact| self.judged(contact)).collect();
         self.inner.control(&ControllerInput { contacts: &contacts, ..input.clone() })
     }
 }

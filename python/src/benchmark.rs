@@ -89,6 +89,6 @@ fn entry(
 ) -> Result<Entry, Failure> {
     let (kind, own) = controller::chosen(controller, stop)?;
     let given = controller.is_some() || verdicts.is_some();
-    let verdicts = verdicts.as_deref().map(VerdictControl::load).transpose()?;
+    let verdicts = verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten();
     Ok(Entry::new(track, model.as_deref(), given.then_some(EnteredController { kind, own, verdicts }))?)
 }

@@ -5,7 +5,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use underbrush_sim::arm::Arm;
-use underbrush_sim::controller::{ControlStatus, Controller, ControllerInput, ControllerKind, ControllerOutput};
+use underbrush_sim::controller::{
+    ControlStatus, Controller, ControllerInput, ControllerKind, ControllerOutput, Intent,
+};
 use underbrush_sim::reach::MakeController;
 
 use crate::arm::PyArm;
@@ -80,16 +82,20 @@ impl Controller for PythonController {
 
     fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
         let answer = self.callable.as_ref().map(|callable| {
-            Python::attach(|py| -> Result<Vec<f64>, Failure> {
+            Python::attach(|py| -> Result<(Vec<f64>, Intent), Failure> {
                 let answer = callable.bind(py).call1((PyControllerInput::of(input),))?;
+                let (answer, intent) = match answer.extract::<(Bound<'_, PyAny>, String)>() {
+                    Ok((angles, text)) => (angles, intent(&text)?),
+                    Err(_) => (answer, Intent::Onward),
+                };
                 let joints = input.joint_angle_rad.len();
                 let name = format!("the answer of the controller {}", self.name);
-                Ok(array::finite(&answer, &name, &[Some(joints)])?.0)
+                Ok((array::finite(&answer, &name, &[Some(joints)])?.0, intent))
             })
         });
         match answer {
-            Some(Ok(equilibrium_angle_rad)) => {
-                ControllerOutput { equilibrium_angle_rad, status: ControlStatus::Solved }
+            Some(Ok((equilibrium_angle_rad, intent))) => {
+                ControllerOutput { equilibrium_angle_rad, status: ControlStatus::Solved, intent }
             }
             other => {
                 // The reach ends before the next frame.
@@ -99,8 +105,28 @@ impl Controller for PythonController {
                 ControllerOutput {
                     equilibrium_angle_rad: input.equilibrium_angle_rad.to_vec(),
                     status: ControlStatus::Failed,
+                    intent: Intent::Onward,
                 }
             }
+        }
+    }
+}
+
+/// Before the reason of a controller that gives a goal up.
+const GIVEN_UP: &str = "given up: ";
+
+/// What a controller says that it is about to do: `onward`, `turning round`, or `given up: REASON`.
+///
+/// # Errors
+/// [`Failure::Input`] for any other text.
+fn intent(text: &str) -> Result<Intent, Failure> {
+    match (text, text.strip_prefix(GIVEN_UP)) {
+        ("onward", _) => Ok(Intent::Onward),
+        ("turning round", _) => Ok(Intent::TurningRound),
+        (_, Some(reason)) => Ok(Intent::GivenUp(reason.to_owned())),
+        _ => {
+            let allowed = "onward, turning round, or given up: REASON";
+            Err(Failure::argument("what the controller is about to do", text, allowed, "correct it"))
         }
     }
 }

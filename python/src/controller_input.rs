@@ -47,6 +47,17 @@ impl PyControllerInput {
     }
 }
 
+#[pymethods]
+impl PyControllerInput {
+    /// What touches every taxel that senses a force, with ``verdicts``: nothing, the name of a category, uncertain or
+    /// unknown; None where nothing judges it.
+    #[getter]
+    fn contact_verdict(&self) -> Vec<Option<&str>> {
+        let verdicts = self.contacts.iter().map(|contact| contact.verdict.as_ref());
+        verdicts.map(|verdict| verdict.map(|verdict| verdict.touched.name())).collect()
+    }
+}
+
 /// The rows of a matrix, one after the other.
 fn rows(matrix: &Matrix3xX<f64>) -> Vec<f64> {
     matrix.transpose().iter().copied().collect()
@@ -96,6 +107,14 @@ getters! {
     /// (contacts, 3).
     contact_normal_world: |own| own.contacts.iter().flat_map(|contact| contact.inward_normal_world.to_array()),
         [own.contacts.len(), 3];
+    /// Centre of every taxel that senses a force, m, world frame: (contacts, 3).
+    contact_position_world: |own| own.contacts.iter().flat_map(|contact| contact.position_world.to_array()),
+        [own.contacts.len(), 3];
+    /// Index of the link of every taxel that senses a force: (contacts,).
+    contact_link: |own| own.contacts.iter().map(|contact| contact.link as i64), [own.contacts.len()];
+    /// How probable the verdict on every taxel that senses a force is; NaN where there is none: (contacts,).
+    contact_verdict_probability: |own| (own.contacts.iter())
+        .map(|contact| contact.verdict.as_ref().map_or(f64::NAN, |verdict| verdict.probability)), [own.contacts.len()];
     /// Jacobian of the centre of every taxel that senses a force, m/rad, world frame: (contacts, 3, joints).
     contact_jacobian: |own| own.contacts.iter().flat_map(|contact| rows(&contact.position_jacobian)),
         [own.contacts.len(), 3, own.joint_angle_rad.len()];

@@ -77,7 +77,7 @@ pub fn generate_again(
     progress: Option<Py<PyAny>>,
     jobs: Option<usize>,
 ) -> Result<PyDataset, Failure> {
-    let verdicts = verdicts.as_deref().map(VerdictControl::load).transpose()?;
+    let verdicts = verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten();
     let source = Dataset::open(&dataset)?;
     let campaign = Campaign::of(&source, verdicts)?;
     make_room(&out, &[dataset], resume, force)?;
@@ -112,7 +112,7 @@ fn described(
         Ok(list) => list.iter().map(|own| scene(&own)).collect::<Result<Vec<_>, _>>()?,
         Err(_) => vec![scene(scenes)?],
     };
-    let verdicts = verdicts.as_deref().map(VerdictControl::load).transpose()?;
+    let verdicts = verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten();
     let (controller, own_controller) = controller::chosen(controller, stop)?;
     Ok(Campaign { controller, own_controller, verdicts, ..Campaign::new(listed, reaches, seed)? })
 }

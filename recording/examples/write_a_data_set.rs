@@ -123,6 +123,7 @@ fn recording(reach: u64) -> Recording {
             end_time_s,
             outcome: Outcome::Reached,
             safety_stop: None,
+            given_up: None,
         }],
         contacts: vec![Contact {
             link: layout().patches[0].link.clone(),

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub enum Outcome {
     /// The end effector came within the controller's dead zone of the goal.
     Reached,
-    /// The end effector moved less than the controller's bound over its time window.
+    /// The end effector moved less than the controller's bound over its time window, or the controller gave the goal up.
     Stuck,
     /// The time allowed ran out.
     TimedOut,
@@ -52,7 +52,7 @@ impl Outcome {
 pub struct GoalOutcomes {
     /// Goals that were reached.
     pub reached: usize,
-    /// Goals given up because the end effector made no progress.
+    /// Goals given up because the end effector made no progress, or by the controller.
     pub stuck: usize,
     /// Goals given up because the time allowed ran out.
     pub timed_out: usize,

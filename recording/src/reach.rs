@@ -34,6 +34,10 @@ pub struct GoalRecord {
     /// The contact that ended it. Only with [`Outcome::Aborted`], and even then `None` if it is not known, as on a
     /// robot that an operator stopped.
     pub safety_stop: Option<SafetyStop>,
+    /// Why the controller gave it up, in the controller's words. Only with [`Outcome::Stuck`], and `None` if it was not
+    /// the controller that gave it up.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub given_up: Option<String>,
 }
 
 /// One contact of an object with a patch, or with a part of a link without skin, from its first frame to its last.
@@ -85,6 +89,7 @@ pub struct ContactForces {
 ///     end_time_s: 2.0,
 ///     outcome,
 ///     safety_stop: None,
+///     given_up: None,
 /// };
 /// // Two frames at 6 N on average, then six at 2 N.
 /// let contact = |first_frame, last_frame, mean_force_n| Contact {

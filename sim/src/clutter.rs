@@ -131,4 +131,15 @@ impl Clutter {
         }
         drawn
     }
+
+    /// The fixed obstacles as upright capsules, m, world frame.
+    pub fn obstacles(&self) -> Vec<Capsule> {
+        let obstacles = self.objects.iter().filter(|placed| placed.object.is_obstacle());
+        let upright = |placed: &PlacedObject| {
+            let around = placed.bounding_capsule();
+            // The bounding capsule ends in half a ball above the object.
+            Capsule { end: around.end - DVec3::Z * around.radius_m, ..around }
+        };
+        obstacles.map(upright).collect()
+    }
 }

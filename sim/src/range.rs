@@ -130,6 +130,15 @@ impl Quantity {
         Quantity { draw: Draw::Uniform(low, high), span: 0..0 }
     }
 
+    /// The largest number that it is likely to give: of a normal distribution, two deviations above the mean.
+    pub fn largest(&self) -> f64 {
+        match self.draw {
+            Draw::Fixed(value) => value,
+            Draw::Uniform(_, high) => high,
+            Draw::Normal(mean, deviation) => mean + 2.0 * deviation,
+        }
+    }
+
     /// Draws one value within `limits` (inclusive).
     ///
     /// # Errors

@@ -3,8 +3,9 @@
 use glam::DVec3;
 use underbrush_recording::{Frame, GoalRecord, Outcome, Recording, SafetyStop};
 
+use crate::controller::Intent;
 use crate::simulation::{LinkForce, Simulation};
-use back_off::Way;
+use back_off::{End, Way};
 pub use error::ReachError;
 use log::ReachLog;
 use monitor::Monitor;
@@ -23,6 +24,7 @@ mod so_far;
 mod steering;
 #[cfg(test)]
 mod tests;
+mod ways;
 
 /// Watches a reach: called once in each frame.
 pub type Observer<'a> = dyn FnMut(&Simulation, &Frame) + 'a;
@@ -39,6 +41,8 @@ struct Reach<'a> {
     log: ReachLog,
     /// The contact that aborted the last attempt, if its force exceeded the stop force.
     safety_stop: Option<SafetyStop>,
+    /// Why the controller gave up the last attempt, if it did.
+    given_up: Option<String>,
 }
 
 /// A goal of the scene.
@@ -50,7 +54,7 @@ struct Goal {
 
 impl<'a> Reach<'a> {
     fn new(plan: &'a ReachPlan, simulation: Simulation, reach_index: u64, stop: &'a Stop<'a>) -> Self {
-        let steering = Steering::new(plan.controller.make(&plan.arm), &plan.arm);
+        let steering = Steering::new(plan);
         Reach {
             plan,
             stop,
@@ -58,6 +62,7 @@ impl<'a> Reach<'a> {
             steering,
             simulation,
             safety_stop: None,
+            given_up: None,
         }
     }
 
@@ -72,6 +77,7 @@ impl<'a> Reach<'a> {
                 end_time_s: self.simulation.report().time_s(),
                 outcome,
                 safety_stop: self.safety_stop.take(),
+                given_up: self.given_up.take(),
             });
             if outcome == Outcome::Aborted {
                 break;
@@ -89,14 +95,18 @@ impl<'a> Reach<'a> {
         }
         let backing_off = ReachRules { time_out_s: back_off::TIME_S, ..rules };
         let mut waypoints = [goal.position_world; 2];
-        back_off::pursue(self.plan.scene.file.goals.retries, |way| match way {
-            Way::ToGoal => self.go(goal.position_world, goal, rules, observer),
-            Way::Back => {
-                let end_effector_world = self.simulation.report().end_effector_pose_world.position;
-                waypoints = back_off::waypoints(end_effector_world, goal.position_world);
-                self.go(waypoints[0], goal, backing_off, observer)
-            }
-            Way::Aside => self.go(waypoints[1], goal, backing_off, observer),
+        back_off::pursue(self.plan.scene.file.goals.retries, |way| {
+            let (target_world, rules) = match way {
+                Way::ToGoal => (goal.position_world, rules),
+                Way::Back => {
+                    let end_effector_world = self.simulation.report().end_effector_pose_world.position;
+                    waypoints = back_off::waypoints(end_effector_world, goal.position_world);
+                    (waypoints[0], backing_off)
+                }
+                Way::Aside => (waypoints[1], backing_off),
+            };
+            let outcome = self.go(target_world, goal, rules, observer)?;
+            Ok(End { outcome, is_given_up: self.given_up.is_some() })
         })
     }
 
@@ -109,6 +119,7 @@ impl<'a> Reach<'a> {
         observer: &mut Observer,
     ) -> Result<Outcome, ReachError> {
         let mut monitor = Monitor::new(rules, target_world);
+        self.steering.begin();
         loop {
             if (self.stop)() {
                 return Err(ReachError::Stopped);
@@ -117,10 +128,14 @@ impl<'a> Reach<'a> {
             let report = self.simulation.report();
             let largest = report.tactile.largest_force();
             let force_n = largest.map_or(0.0, |force| force.force_n);
-            let ended = monitor.observe(report.end_effector_pose_world.position, force_n);
+            let intent = self.steering.intent();
+            let ended = monitor.observe(report.end_effector_pose_world.position, force_n, intent);
+            if let (Some(Outcome::Stuck), Intent::GivenUp(reason)) = (ended, intent) {
+                self.given_up = Some(reason.clone());
+            }
             let mut frame = self.simulation.frame(goal.index as u16, goal.position_world);
             self.steering.observe(&frame);
-            self.steering.control(&self.plan.arm, report, target_world)?;
+            self.steering.control(&self.simulation, target_world)?;
             let equilibrium_rad = self.steering.equilibrium_rad();
             // The frame holds the angles that the arm is given now.
             frame.equilibrium_angle_rad.copy_from_slice(equilibrium_rad);

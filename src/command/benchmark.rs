@@ -60,7 +60,7 @@ pub struct BenchmarkOptions {
 
 /// Measures, writes the row and prints it.
 pub fn run(options: BenchmarkOptions, json: bool) -> Result<(), Failure> {
-    let verdicts = options.verdicts.as_deref().map(VerdictControl::load).transpose()?;
+    let verdicts = options.verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten();
     let controller = options.controller.map(|kind| EnteredController { kind: Some(kind), own: None, verdicts });
     let entry = Entry::new(&options.track, options.model.as_deref(), controller)?;
     interrupt::kept("finished reaches are", &options.out, "the same command (without --resume)");

@@ -7,7 +7,6 @@ use clap::{Args, ValueEnum};
 use serde_json::json;
 use underbrush_experiments::audit;
 use underbrush_experiments::dataset::{Campaign, Written, require_same_reaches};
-use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_recording::disk::{Dataset, Shard};
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::materials::MaterialFile;
@@ -15,6 +14,7 @@ use underbrush_sim::scene::Scene;
 
 use super::dataset_summary::Summary;
 use super::overwrite::Overwrite;
+use super::verdict_arguments::VerdictArguments;
 use crate::failure::Failure;
 use crate::progress::Shown;
 use crate::{input, interrupt, output};
@@ -42,9 +42,8 @@ pub struct GenerateOptions {
     /// Controller to use instead of each scene's
     #[arg(long, value_name = "NAME", value_parser = input::controller())]
     controller: Option<ControllerKind>,
-    /// Tell the controller what the skin touches, by this touch model, so that it presses less on trunks than on leaves
-    #[arg(long, value_name = "MODEL")]
-    verdicts: Option<PathBuf>,
+    #[command(flatten)]
+    verdicts: VerdictArguments,
     /// Draw constants of the contact for every reach, from the ranges of the file of materials, and store them with the
     /// objects. Objects and goals stay the same
     #[arg(long, value_enum, value_name = "WHAT")]
@@ -96,14 +95,10 @@ fn described(options: &GenerateOptions) -> Result<Campaign, Failure> {
     };
     Ok(Campaign {
         controller: options.controller,
-        verdicts: verdicts(options)?,
+        verdicts: options.verdicts.control()?,
         shard: options.shard.filter(|_| !options.shared),
         ..Campaign::new(scenes?, options.reaches.unwrap_or_default(), options.seed)?
     })
-}
-
-fn verdicts(options: &GenerateOptions) -> Result<Option<VerdictControl>, Failure> {
-    Ok(options.verdicts.as_deref().map(VerdictControl::load).transpose()?)
 }
 
 /// Runs the campaign.
@@ -111,11 +106,12 @@ pub fn run(options: GenerateOptions, json: bool) -> Result<(), Failure> {
     let start = Instant::now();
     let source = options.from.as_ref().map(Dataset::open).transpose()?;
     let campaign = match &source {
-        Some(source) => Campaign::of(source, verdicts(&options)?)?,
+        Some(source) => Campaign::of(source, options.verdicts.control()?)?,
         None => described(&options)?,
     };
     let out = &options.out;
-    options.overwrite.dataset(out, options.scenes.iter().chain(&options.from).chain(&options.verdicts))?;
+    let model = options.verdicts.model();
+    options.overwrite.dataset(out, options.scenes.iter().chain(&options.from).chain(&model))?;
     let again = if options.shared { "the same command again" } else { "the same command with --resume" };
     interrupt::kept("finished reaches are", out, again);
     let written = match options.shard.filter(|_| options.shared) {

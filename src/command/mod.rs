@@ -25,4 +25,5 @@ mod touch;
 pub mod train;
 pub mod trials;
 pub mod validate;
+mod verdict_arguments;
 mod watched;

@@ -8,7 +8,6 @@ use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::trial::{PatchImage, TrialOptions, Unit};
 use underbrush_experiments::contact_trials;
-use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_experiments::{audit, dataset};
 use underbrush_recording::disk::{remove_leftovers, write_recording};
 use underbrush_recording::{Audit, NamedStop, Recording};
@@ -21,6 +20,7 @@ use super::overwrite::Overwrite;
 use super::pictures::Pictures;
 use super::replay;
 use super::touch::TouchDecisionArguments;
+use super::verdict_arguments::VerdictArguments;
 use super::watched::Watched;
 use crate::failure::Failure;
 use crate::input;
@@ -41,9 +41,8 @@ pub struct ReachOptions {
     /// Controller to use instead of the scene's
     #[arg(long, value_parser = input::controller(), value_name = "NAME")]
     controller: Option<ControllerKind>,
-    /// Tell the controller what the skin touches, by this touch model, so that it presses less on trunks than on leaves
-    #[arg(long, value_name = "MODEL")]
-    verdicts: Option<PathBuf>,
+    #[command(flatten)]
+    verdicts: VerdictArguments,
     /// Write the recording to this file (Parquet)
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -106,8 +105,8 @@ struct Goal {
 /// Runs the reach.
 pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
     let mut plan = ReachPlan::new(Scene::open(&options.scene)?, options.controller, options.seed)?;
-    if let Some(model) = &options.verdicts {
-        plan = VerdictControl::load(model)?.applied_to(plan)?;
+    if let Some(verdicts) = options.verdicts.control()? {
+        plan = verdicts.applied_to(plan)?;
     }
     let options_of_trials = TrialOptions { patch: options.patch.clone(), ..TrialOptions::default() };
     // An unknown patch is refused before anything is computed.
@@ -122,7 +121,7 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
     });
     let judging = judging.transpose()?;
     let mut inputs = vec![options.scene.clone()];
-    inputs.extend(options.verdicts.iter().chain(&options.model).cloned());
+    inputs.extend(options.verdicts.model().iter().chain(&options.model).cloned());
     let mut pictures = Pictures::new(options.picture, options.animation, options.overwrite, &inputs)?;
     if let Some(path) = &options.out {
         if path.extension().is_none_or(|extension| extension != "parquet") {

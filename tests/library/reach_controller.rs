@@ -2,7 +2,7 @@
 
 use underbrush_recording::{Frame, Outcome};
 use underbrush_sim::arm::Arm;
-use underbrush_sim::controller::{ControlStatus, Controller, ControllerInput, ControllerOutput};
+use underbrush_sim::controller::{ControlStatus, Controller, ControllerInput, ControllerOutput, Intent};
 use underbrush_sim::reach::{ReachError, ReachPlan};
 use underbrush_sim::scene::Scene;
 
@@ -58,6 +58,7 @@ impl Controller for Gradient {
                 .map(|(angle, step)| angle + if self.calls == 1 { 0.0 } else { 0.3 * step })
                 .collect(),
             status: ControlStatus::Solved,
+            intent: Intent::Onward,
         }
     }
 }
@@ -97,7 +98,11 @@ impl Controller for Miscounting {
     }
 
     fn control(&mut self, _: &ControllerInput<'_>) -> ControllerOutput {
-        ControllerOutput { equilibrium_angle_rad: vec![0.0; self.0], status: ControlStatus::Solved }
+        ControllerOutput {
+            equilibrium_angle_rad: vec![0.0; self.0],
+            status: ControlStatus::Solved,
+            intent: Intent::Onward,
+        }
     }
 }
 

@@ -84,12 +84,12 @@ fn relaxation_is_that_of_the_hold() {
     assert!((found - 0.06).abs() < 1e-3, "{found}");
 }
 
-/// Tests that presses at one depth are refused, and those that are too short.
+/// Tests that presses at one depth and speed are refused, and those that are too short.
 #[test]
 fn poor_presses_are_refused() {
     let punch = Punch::Flat(4e-4);
     assert_eq!(fit_press(&press(punch, 0.0, 0)[..10], punch), Err(PressError::FewSamples(7)));
-    let level = |at: usize| PressSample { time_s: at as f64, depth_m: 0.001, force_n: 10.0 };
+    let level = |at: usize| PressSample { time_s: 0.01 * at as f64, depth_m: 0.001, force_n: 10.0 };
     let level: Vec<PressSample> = (0..100).map(level).collect();
     assert_eq!(fit_press(&level, punch), Err(PressError::Indistinct));
 }

@@ -29,7 +29,7 @@ use underbrush_sim::scene::Scene;
 use crate::dataset::{Campaign, PROGRAM_VERSION};
 use crate::files;
 use crate::progress::Progress;
-use crate::verdict_controller::VerdictControl;
+use crate::verdict_controller::{TRUTH, VerdictControl};
 
 pub use judged_model::JudgedModel;
 pub use reaching::Reaching;
@@ -130,7 +130,7 @@ impl Entry {
                 set.name = format!("reaching-{}", set.campaign.controller_name()?);
                 if let Some(verdicts) = &controller.verdicts {
                     // Other models give other reaches.
-                    set.name += &format!("-{}", &verdicts.model_blake3()[..8]);
+                    set.name += &format!("-{}", verdicts.model_blake3().get(..8).unwrap_or(TRUTH));
                 }
                 Ok(vec![set])
             }

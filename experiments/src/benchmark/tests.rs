@@ -132,6 +132,7 @@ fn reaching_figures_are_those_worked_out_by_hand() {
         end_time_s: 1.0 + seconds,
         outcome,
         safety_stop: None,
+        given_up: None,
     };
     let touching = |object: u16, frames: u32, peak_force_n: f64, mean_force_n: f64| Touching {
         link: "forearm".into(),

@@ -5,11 +5,13 @@ use serde_json::{Value, json};
 use underbrush_classifier::touch::{REGION_FEATURE_COUNT, TAXEL_FEATURE_COUNT, TOUCH_FORMAT, Touch};
 use underbrush_recording::{Frame, Recording};
 use underbrush_sim::arm::Arm;
-use underbrush_sim::controller::{Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact};
+use underbrush_sim::controller::{
+    Allowance, AllowedForces, Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact, Touched,
+};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
-use crate::verdict_controller::{Allowance, AllowedForces, VerdictControl};
+use crate::verdict_controller::VerdictControl;
 
 /// A network that gives these scores, whatever it sees.
 fn constant(inputs: usize, scores: [f64; 2]) -> Value {
@@ -99,16 +101,15 @@ fn run(verdicts: Option<&VerdictControl>) -> (Recording, Vec<TaxelContact>) {
 fn each_verdict_has_its_limit() {
     let allowed =
         AllowedForces { categories_n: [("leaf".to_owned(), 7.0), ("trunk".to_owned(), 2.0)].into(), unknown_n: 1.25 };
-    let categories = ["grass", "leaf", "trunk"].map(str::to_owned);
-    for (touch, expected) in [
-        (Touch::Nothing, Allowance::Ignored),
-        (Touch::Category(0), Allowance::Usual),
-        (Touch::Category(1), Allowance::AtMost(7.0)),
-        (Touch::Category(2), Allowance::AtMost(2.0)),
-        (Touch::Uncertain, Allowance::Usual),
-        (Touch::Unknown, Allowance::AtMost(1.25)),
+    for (touched, expected) in [
+        (Touched::Nothing, Allowance::Ignored),
+        (Touched::Category("grass".into()), Allowance::Usual),
+        (Touched::Category("leaf".into()), Allowance::AtMost(7.0)),
+        (Touched::Category("trunk".into()), Allowance::AtMost(2.0)),
+        (Touched::Uncertain, Allowance::Usual),
+        (Touched::Unknown, Allowance::AtMost(1.25)),
     ] {
-        assert_eq!(allowed.of(touch, &categories), expected, "{touch:?}");
+        assert_eq!(allowed.of(&touched), expected, "{touched:?}");
     }
 }
 
@@ -125,7 +126,9 @@ fn contacts_get_the_limits_of_their_verdicts() {
     let (mut uncertain, same) = run(Some(&always(Touch::Uncertain)));
     assert_eq!(uncertain.controller, "cody-2013+verdicts");
     uncertain.controller.clone_from(&plain.controller);
-    assert!(uncertain == plain && same == usual);
+    let unjudged: Vec<TaxelContact> =
+        same.into_iter().map(|contact| TaxelContact { verdict: None, ..contact }).collect();
+    assert!(uncertain == plain && unjudged == usual);
 
     for (touch, expected) in [(Touch::Category(0), 6.0), (Touch::Category(1), 1.5), (Touch::Unknown, 1.5)] {
         let (_, contacts) = run(Some(&always(touch)));

@@ -101,6 +101,7 @@ pub fn reach(reach_index: u64, frames: usize) -> Recording {
             end_time_s: frames as f64 * 0.01,
             outcome: Outcome::Stuck,
             safety_stop: None,
+            given_up: None,
         }],
         contacts: vec![Contact {
             link: "forearm".into(),

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
-use super::{Blind, Controller, ModelPredictive, Preset};
+use super::{Blind, Controller, Mapped, ModelPredictive, Preset};
 use crate::arm::Arm;
 
 /// A controller that ships.
@@ -28,13 +28,16 @@ pub enum ControllerKind {
     IjrrFoliage,
     /// `Cody2013` without tactile feedback.
     Blind,
+    /// A map of what was touched and a planned way round, with the speed and force limit of `Cody2013`.
+    Mapped,
 }
 
 /// The list of names.
-const NAMED: [(&str, ControllerKind); 3] = [
+const NAMED: [(&str, ControllerKind); 4] = [
     ("cody-2013", ControllerKind::Cody2013),
     ("ijrr-foliage", ControllerKind::IjrrFoliage),
     ("blind", ControllerKind::Blind),
+    ("mapped", ControllerKind::Mapped),
 ];
 
 /// The error for an unknown name.
@@ -63,11 +66,12 @@ impl ControllerKind {
         named.map(|(_, kind)| *kind).ok_or_else(|| UnknownController(name.to_string()))
     }
 
-    /// Its published parameters.
+    /// Its parameters: those that were published, or those that it shares with a published controller.
     pub fn preset(self) -> Preset {
         match self {
             ControllerKind::Cody2013 | ControllerKind::Blind => Preset::cody_2013(),
             ControllerKind::IjrrFoliage => Preset::ijrr_foliage(),
+            ControllerKind::Mapped => Preset { name: "mapped", ..Preset::cody_2013() },
         }
     }
 
@@ -76,6 +80,7 @@ impl ControllerKind {
         match self {
             ControllerKind::Cody2013 | ControllerKind::IjrrFoliage => Box::new(ModelPredictive::new(preset, arm)),
             ControllerKind::Blind => Box::new(Blind::new(preset, arm)),
+            ControllerKind::Mapped => Box::new(Mapped::new(preset, arm)),
         }
     }
 }

@@ -6,14 +6,18 @@ use underbrush_recording::{Frame, Pose};
 
 pub mod blind;
 mod kind;
+pub mod mapped;
 pub mod model_predictive;
 pub mod preset;
 pub mod quadratic_program;
+mod verdict;
 
 pub use blind::Blind;
 pub use kind::{ControllerKind, UnknownController};
+pub use mapped::Mapped;
 pub use model_predictive::ModelPredictive;
 pub use preset::Preset;
+pub use verdict::{Allowance, AllowedForces, Touched, Verdict};
 
 /// The input of a controller at one instant. There are n joints; Jacobians are 3 × n in the world frame.
 #[derive(Clone, Debug)]
@@ -41,6 +45,10 @@ pub struct TaxelContact {
     pub patch: usize,
     /// Index of the taxel in its patch.
     pub taxel: usize,
+    /// The link that carries it, index in [`crate::arm::Arm::links`].
+    pub link: usize,
+    /// The taxel's centre, m, world frame.
+    pub position_world: DVec3,
     /// Jacobian of the velocity of the taxel's centre, m/rad, 3 × n, world frame; zero for joints distal of its link.
     pub position_jacobian: Matrix3xX<f64>,
     /// The taxel's inward unit normal, world frame: the direction of the force on the arm.
@@ -49,6 +57,8 @@ pub struct TaxelContact {
     pub force_n: f64,
     /// Force that this contact should not exceed, N, if it differs from the controller's own limit for all contacts.
     pub allowed_force_n: Option<f64>,
+    /// What touches the taxel, if something judges it.
+    pub verdict: Option<Verdict>,
 }
 
 /// A controller's answer.
@@ -58,6 +68,20 @@ pub struct ControllerOutput {
     pub equilibrium_angle_rad: Vec<f64>,
     /// How they were obtained.
     pub status: ControlStatus,
+    /// What the controller is about to do.
+    pub intent: Intent,
+}
+
+/// What a controller is about to do. The reach cannot see it from the motion of the end effector.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Intent {
+    /// To go on to the goal. An end effector that makes no progress is stuck.
+    #[default]
+    Onward,
+    /// To turn round, back off or plan: the end effector need not make progress meanwhile.
+    TurningRound,
+    /// To give the goal up, for this reason, which is recorded.
+    GivenUp(String),
 }
 
 /// How a controller obtained its answer.

@@ -20,7 +20,7 @@ use glam::DVec3;
 use nalgebra::{DMatrix, DVector, Matrix3xX, RowDVector, Vector3};
 
 use super::quadratic_program::{Outcome, QuadraticProgram};
-use super::{ControlStatus, Controller, ControllerInput, ControllerOutput, Preset, TaxelContact};
+use super::{ControlStatus, Controller, ControllerInput, ControllerOutput, Intent, Preset, TaxelContact};
 use crate::arm::Arm;
 
 /// The controller with one set of parameters, for one arm.
@@ -163,7 +163,7 @@ impl Controller for ModelPredictive {
             Some(Outcome::Infeasible) => ControlStatus::Infeasible,
             _ => ControlStatus::Failed,
         };
-        ControllerOutput { equilibrium_angle_rad, status }
+        ControllerOutput { equilibrium_angle_rad, status, intent: Intent::Onward }
     }
 }
 

@@ -48,6 +48,9 @@ pub struct Preset {
     pub equilibrium_offset_rad: Option<f64>,
     /// A joint's φ is reset to q when |φ − q| exceeds this, rad.
     pub equilibrium_reset_rad: Option<f64>,
+    /// A planned way stays above this height, m, world frame. It follows from the scene, so data sets do not store it.
+    #[serde(skip)]
+    pub floor_height_m: f64,
 }
 
 impl Preset {
@@ -72,6 +75,7 @@ impl Preset {
             equilibrium_step_rad: Some(0.5_f64.to_radians()),
             equilibrium_offset_rad: Some(20.0_f64.to_radians()),
             equilibrium_reset_rad: Some(25.0_f64.to_radians()),
+            floor_height_m: f64::NEG_INFINITY,
         }
     }
 
@@ -98,6 +102,7 @@ impl Preset {
             equilibrium_step_rad: None,
             equilibrium_offset_rad: None,
             equilibrium_reset_rad: None,
+            floor_height_m: f64::NEG_INFINITY,
         }
     }
 
@@ -109,6 +114,11 @@ impl Preset {
             equilibrium_step_rad: self.equilibrium_step_rad.map(|step| step * scale),
             ..self
         }
+    }
+
+    /// This preset with ways above this height, m, world frame.
+    pub fn above(self, floor_height_m: f64) -> Preset {
+        Preset { floor_height_m, ..self }
     }
 
     /// This preset with `scale` times the force that a contact should not exceed.

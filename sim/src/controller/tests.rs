@@ -51,16 +51,19 @@ impl<'a> Situation<'a> {
         let link = self.arm.skin.surfaces[patch].link;
         let taxel = self.arm.skin.layout.patches[patch].taxels[index];
         let pose = self.links[link];
-        let position_jacobian =
-            self.arm.position_jacobian(&self.links, link, pose.transform_point(taxel.position_link));
+        let position_world = pose.transform_point(taxel.position_link);
+        let position_jacobian = self.arm.position_jacobian(&self.links, link, position_world);
         let inward_normal_world = -(pose.orientation * taxel.normal_link);
         self.contacts.push(TaxelContact {
             patch,
             taxel: index,
+            link,
+            position_world,
             position_jacobian,
             inward_normal_world,
             force_n,
             allowed_force_n: None,
+            verdict: None,
         });
     }
 

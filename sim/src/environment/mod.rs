@@ -133,7 +133,7 @@ impl Environment {
         let equilibrium_rad = self.plan.arm.start_posture_rad();
         let goals = simulation.clutter().goals.len().min(self.options.goals as usize);
         let episode = Episode {
-            steering: Steering::new(self.plan.controller.make(&self.plan.arm), &self.plan.arm),
+            steering: Steering::new(&self.plan),
             simulation,
             equilibrium_rad,
             reach_index,
@@ -211,7 +211,7 @@ impl Episode {
                     let goals = &self.simulation.clutter().goals;
                     let goal_world = goals.get(self.goal).copied().unwrap_or_default();
                     self.steering.observe(&self.simulation.frame(self.goal as u16, goal_world));
-                    self.steering.control(&plan.arm, self.simulation.report(), target)?;
+                    self.steering.control(&self.simulation, target)?;
                     self.equilibrium_rad.copy_from_slice(self.steering.equilibrium_rad());
                 }
             }

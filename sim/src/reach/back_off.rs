@@ -20,22 +20,31 @@ pub(super) enum Way {
     Aside,
 }
 
+/// How a leg ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct End {
+    pub(super) outcome: Outcome,
+    /// Whether the controller gave it up.
+    pub(super) is_given_up: bool,
+}
+
 /// Drives to a goal and backs off and tries again each time the arm gets stuck, at most `retries` times. `drive`
-/// returns how a leg ended. The points behind and beside need not be reached, but an abort ends everything.
-pub(super) fn pursue<E>(retries: u32, mut drive: impl FnMut(Way) -> Result<Outcome, E>) -> Result<Outcome, E> {
-    let mut outcome = drive(Way::ToGoal)?;
+/// returns how a leg ended. The points behind and beside need not be reached, but an abort ends everything. A goal that
+/// the controller gave up is not tried again.
+pub(super) fn pursue<E>(retries: u32, mut drive: impl FnMut(Way) -> Result<End, E>) -> Result<Outcome, E> {
+    let mut end = drive(Way::ToGoal)?;
     for _ in 0..retries {
-        if outcome != Outcome::Stuck {
+        if end.outcome != Outcome::Stuck || end.is_given_up {
             break;
         }
         for way in [Way::Back, Way::Aside] {
-            if drive(way)? == Outcome::Aborted {
+            if drive(way)?.outcome == Outcome::Aborted {
                 return Ok(Outcome::Aborted);
             }
         }
-        outcome = drive(Way::ToGoal)?;
+        end = drive(Way::ToGoal)?;
     }
-    Ok(outcome)
+    Ok(end.outcome)
 }
 
 /// The points behind and beside an end effector that got stuck on its way to a goal, m, world frame, at the same
@@ -60,7 +69,7 @@ mod tests {
         let mut taken = Vec::new();
         let outcome = pursue(retries, |way| {
             taken.push(way);
-            Ok::<_, Infallible>(ends[taken.len() - 1])
+            Ok::<_, Infallible>(End { outcome: ends[taken.len() - 1], is_given_up: false })
         })
         .unwrap();
         assert_eq!(taken.len(), ends.len(), "not all of the ways were taken");
@@ -81,6 +90,17 @@ mod tests {
         let thrice = vec![ToGoal, Back, Aside, ToGoal, Back, Aside, ToGoal];
         let ends = [Stuck, Reached, Reached, Stuck, Reached, Reached, TimedOut];
         assert_eq!(ways(2, &ends), (thrice, TimedOut));
+    }
+
+    /// Tests that a goal that the controller gave up is not tried again.
+    #[test]
+    fn a_goal_that_was_given_up_is_left() {
+        let mut legs = 0;
+        let outcome = pursue(3, |_| {
+            legs += 1;
+            Ok::<_, Infallible>(End { outcome: Stuck, is_given_up: true })
+        });
+        assert_eq!((outcome, legs), (Ok(Stuck), 1));
     }
 
     /// Tests that an abort on the way back or to the side ends the reach.

@@ -35,6 +35,8 @@ pub struct ReachPlan {
     pub arm: Arm,
     /// The controller.
     pub controller: PlannedController,
+    /// Whether the controller is told the true category of what touches each taxel, which no robot knows.
+    pub has_true_verdicts: bool,
     /// What ends an attempt at a goal.
     pub rules: ReachRules,
     /// The campaign's seed.
@@ -128,13 +130,11 @@ impl ReachPlan {
         let kind = controller.unwrap_or(scene.file.controller);
         let robot = scene.file.robot;
         let preset = kind.preset().at_hand_speed(robot.hand_speed_scale).with_force_limit(robot.force_limit_scale);
-        Ok(ReachPlan {
-            scene,
-            arm,
-            controller: PlannedController::Shipped(kind, preset),
-            rules: ReachRules::published_with(kind),
-            seed,
-        })
+        let preset = preset.above(scene.floor_height_m());
+        let mut rules = ReachRules::published_with(kind);
+        rules.progress = scene.file.goals.progress.unwrap_or(rules.progress);
+        let controller = PlannedController::Shipped(kind, preset);
+        Ok(ReachPlan { scene, arm, controller, has_true_verdicts: false, rules, seed })
     }
 
     /// The same plan with a user's own controller, which `make` makes for the plan's arm at the start of every reach.

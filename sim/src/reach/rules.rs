@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::controller::ControllerKind;
+use crate::scene::ProgressRule;
 
 /// When an attempt at a goal ends, and how. These rules belong to the experiment, not to the controller; the published
 /// experiments have different ones.
@@ -12,12 +13,15 @@ pub struct ReachRules {
     pub stop_force_n: f64,
     /// A goal is reached within this distance, m.
     pub reached_distance_m: f64,
-    /// The arm is stuck when the mean position of its end effector moves less than this, m, ...
+    /// The arm is stuck when its end effector makes less progress than this, m, ...
     pub stuck_distance_m: f64,
-    /// ... between the two halves of a window of this length, s.
+    /// ... in a window of this length, s.
     pub stuck_window_s: f64,
     /// An attempt at a goal ends after this time, s.
     pub time_out_s: f64,
+    /// What is progress.
+    #[serde(skip_serializing_if = "ProgressRule::is_published")]
+    pub progress: ProgressRule,
 }
 
 /// What an operator sees as progress, m/s. Choice: from half a metre away the eye sees a centimetre per second as
@@ -34,22 +38,25 @@ impl ReachRules {
             stuck_distance_m: 1e-3,
             stuck_window_s: 10.0,
             time_out_s: 100.0,
+            progress: ProgressRule::MeanPosition,
         };
         match controller {
             // \[2\], and \[1\] where its files say nothing.
             ControllerKind::Cody2013 | ControllerKind::Blind => of_the_robot,
             // The robot of \[1\]. Its simulation stopped at 50 N and called 1.5 cm reached.
+            // It judges its own progress, and says so.
+            ControllerKind::Mapped => ReachRules { progress: ProgressRule::Path, ..of_the_robot },
             ControllerKind::IjrrFoliage => ReachRules { stop_force_n: 15.0, reached_distance_m: 0.04, ..of_the_robot },
         }
     }
 
     /// These rules with an operator who gives up a goal when the arm has made no progress for `patience_s`.
     pub(super) fn watched_for(self, patience_s: f64) -> ReachRules {
-        ReachRules {
-            stuck_window_s: patience_s,
+        let moving_s = match self.progress {
             // The middles of the window's two halves are half a window apart.
-            stuck_distance_m: PROGRESS_M_PER_S * patience_s / 2.0,
-            ..self
-        }
+            ProgressRule::MeanPosition => patience_s / 2.0,
+            ProgressRule::Path => patience_s,
+        };
+        ReachRules { stuck_window_s: patience_s, stuck_distance_m: PROGRESS_M_PER_S * moving_s, ..self }
     }
 }

@@ -1,17 +1,21 @@
 //! The controller within a reach: when it is called, its input, and its answers.
 
 use glam::DVec3;
-use underbrush_recording::{FRAME_PERIOD_S, Frame};
+use underbrush_recording::{FRAME_PERIOD_S, Frame, TaxelReading};
 
 use super::error::ReachError;
-use crate::arm::Arm;
-use crate::controller::{ControlStatus, Controller, ControllerInput, TaxelContact};
-use crate::simulation::FrameReport;
+use super::plan::ReachPlan;
+use crate::clutter::PlacedObject;
+use crate::controller::{ControlStatus, Controller, ControllerInput, Intent, TaxelContact, Touched, Verdict};
+use crate::simulation::Simulation;
 
 /// A controller and the equilibrium angles that it has set.
 pub(crate) struct Steering {
     controller: Box<dyn Controller>,
+    /// Whether the controller is told the true categories.
+    has_true_verdicts: bool,
     equilibrium_rad: Vec<f64>,
+    intent: Intent,
     counts: ControlCounts,
 }
 
@@ -24,9 +28,15 @@ pub(super) struct ControlCounts {
 }
 
 impl Steering {
-    /// A controller at the start of a reach, with the equilibrium angles of the arm's start posture.
-    pub(crate) fn new(controller: Box<dyn Controller>, arm: &Arm) -> Self {
-        Steering { controller, equilibrium_rad: arm.start_posture_rad(), counts: ControlCounts::default() }
+    /// The plan's controller at the start of a reach, with the equilibrium angles of the arm's start posture.
+    pub(crate) fn new(plan: &ReachPlan) -> Self {
+        Steering {
+            controller: plan.controller.make(&plan.arm),
+            has_true_verdicts: plan.has_true_verdicts,
+            equilibrium_rad: plan.arm.start_posture_rad(),
+            intent: Intent::default(),
+            counts: ControlCounts::default(),
+        }
     }
 
     pub(super) fn controller_name(&self) -> &str {
@@ -36,6 +46,16 @@ impl Steering {
     /// Equilibrium angles φ, rad.
     pub(crate) fn equilibrium_rad(&self) -> &[f64] {
         &self.equilibrium_rad
+    }
+
+    /// Begins an attempt at a goal.
+    pub(super) fn begin(&mut self) {
+        self.intent = Intent::default();
+    }
+
+    /// What the controller said that it is about to do.
+    pub(super) fn intent(&self) -> &Intent {
+        &self.intent
     }
 
     pub(super) fn counts(&self) -> ControlCounts {
@@ -51,12 +71,8 @@ impl Steering {
     ///
     /// # Errors
     /// [`ReachError::EquilibriumAngles`].
-    pub(crate) fn control(
-        &mut self,
-        arm: &Arm,
-        report: &FrameReport,
-        goal_position_world: DVec3,
-    ) -> Result<(), ReachError> {
+    pub(crate) fn control(&mut self, simulation: &Simulation, goal_position_world: DVec3) -> Result<(), ReachError> {
+        let (arm, report) = (simulation.arm(), simulation.report());
         if !is_due(report.frame, self.controller.rate_hz()) {
             return Ok(());
         }
@@ -75,10 +91,13 @@ impl Steering {
                 TaxelContact {
                     patch,
                     taxel: index,
+                    link,
+                    position_world,
                     position_jacobian: arm.position_jacobian(&link_poses, link, position_world),
                     inward_normal_world: -link_poses[link].transform_vector(taxel.normal_link),
                     force_n: reading.sensed_force_n,
                     allowed_force_n: None,
+                    verdict: self.has_true_verdicts.then(|| true_verdict(reading, &simulation.clutter().objects)),
                 }
             })
             .collect();
@@ -110,8 +129,17 @@ impl Steering {
             ControlStatus::Failed => self.counts.failed += 1,
         }
         self.equilibrium_rad = output.equilibrium_angle_rad;
+        self.intent = output.intent;
         Ok(())
     }
+}
+
+/// What truly touches a taxel.
+fn true_verdict(reading: &TaxelReading, objects: &[PlacedObject]) -> Verdict {
+    let object = reading.object.filter(|_| reading.true_normal_force_n > 0.0);
+    let object = object.and_then(|object| objects.get(usize::from(object)));
+    let touched = object.map_or(Touched::Nothing, |placed| Touched::Category(placed.category.name().into()));
+    Verdict { touched, probability: 1.0 }
 }
 
 /// Whether a controller of this rate is due in a frame: in the first one, and whenever a new control period has begun

@@ -1,5 +1,7 @@
 //! The keys of a scene file, with their defaults.
 
+use std::collections::BTreeMap;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +33,11 @@ pub struct SceneFile {
     /// Changes to the arm and its controller.
     #[serde(default)]
     pub robot: RobotSection,
+    /// With `--verdicts`: how hard the arm may press on objects of a category, or on `unknown` ones, N. The controller's
+    /// own limit holds for all others, and so do 6 N on leaves and 1.5 N on trunks and unknown objects, if not given.
+    #[serde(default)]
+    #[schemars(inner(range(min = limits::ALLOWED_FORCE_N.min, max = limits::ALLOWED_FORCE_N.max)))]
+    pub allowed_force_n: BTreeMap<String, f64>,
     /// Where objects may stand.
     #[serde(default)]
     pub workspace: Workspace,
@@ -128,6 +135,9 @@ pub struct Goals {
     /// The goals, m, world frame, in this order. If they are given, none are drawn, and `count` and the ranges below have
     /// no effect.
     pub positions_m: Option<Vec<[f64; 3]>>,
+    /// What is progress: `mean-position`, as published, or `path`, by which an arm that turns round makes progress. If not
+    /// given, the rule that belongs to the controller.
+    pub progress: Option<ProgressRule>,
     /// Coordinate x of a goal (forward), m, world frame.
     #[schemars(transform = Within((PLACE_M.min, PLACE_M.max)))]
     pub x_m: Quantity,
@@ -146,6 +156,31 @@ impl Goals {
     }
 }
 
+/// What is progress of an end effector.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ProgressRule {
+    /// The distance between its mean positions in the two halves of the window, as published. An arm that turns round
+    /// makes none.
+    #[default]
+    MeanPosition,
+    /// Its distance from the place where it last made progress. An arm that turns round makes progress, and one that
+    /// shakes in place makes none.
+    Path,
+}
+
+impl ProgressRule {
+    /// Whether it is the rule of the path.
+    pub fn is_path(&self) -> bool {
+        *self == ProgressRule::Path
+    }
+
+    /// Whether it is the published rule.
+    pub(crate) fn is_published(&self) -> bool {
+        *self == ProgressRule::MeanPosition
+    }
+}
+
 impl Default for Goals {
     /// Choice: what Cody's arm can reach in front of its right shoulder, at the height of the foliage but clear of the
     /// foam.
@@ -155,6 +190,7 @@ impl Default for Goals {
             retries: 1,
             patience_s: None,
             positions_m: None,
+            progress: None,
             x_m: Quantity::uniform(0.45, 0.75),
             y_m: Quantity::uniform(-0.55, 0.20),
             z_m: Quantity::uniform(-0.38, -0.16),

@@ -21,6 +21,9 @@ pub const HAND_SPEED_SCALE: Limits = Limits::new(0.1, 10.0, "");
 /// Scale of the allowed force: from a tenth, where the sensor's noise matters, to ten times, where the skin saturates.
 pub const FORCE_LIMIT_SCALE: Limits = Limits::new(0.1, 10.0, "");
 
+/// Allowed force: from a hundredth of a newton, the noise of the skin, to the force that stops the robot.
+pub const ALLOWED_FORCE_N: Limits = Limits::new(0.01, 100.0, "N");
+
 /// Goals of one reach: more than a thousand would take hours and must be a typing error.
 pub const GOALS: Limits = Limits::new(1.0, 1000.0, "goals");
 

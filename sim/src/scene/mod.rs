@@ -20,7 +20,7 @@ mod file;
 pub mod limits;
 mod shipped;
 
-pub use file::{Goals, Objects, PhysicsSection, RobotSection, SceneFile, Workspace};
+pub use file::{Goals, Objects, PhysicsSection, ProgressRule, RobotSection, SceneFile, Workspace};
 pub use shipped::{shipped, shipped_by_name};
 
 /// One scene: the ranges from which the clutter of each reach is drawn.
@@ -138,6 +138,14 @@ impl Scene {
         blake3::hash(self.text.as_bytes()).to_hex().to_string()
     }
 
+    /// The height above which the arm is free of the table and of what covers it, m, world frame.
+    pub fn floor_height_m(&self) -> f64 {
+        let groups = self.file.objects.groups();
+        let foam = groups.iter().filter(|(kind, _, group)| *kind == "foam_block" && group.count() > 0);
+        let heights = foam.flat_map(|(_, _, group)| group.quantities()).filter(|own| own.name == "height_m");
+        self.file.workspace.table_height_m + heights.map(|own| own.quantity.largest()).fold(0.0, f64::max)
+    }
+
     fn check(&self) -> Result<(), InputError> {
         let file = &self.file;
         if !is_plain(&file.summary) {
@@ -196,6 +204,11 @@ impl Scene {
             ("physics.step_s", physics.step_s, limits::STEP_S),
             ("physics.gravity_m_per_s2", physics.gravity_m_per_s2, limits::GRAVITY_M_PER_S2),
         ];
+        let mut forces = file.allowed_force_n.iter();
+        if let Some((name, force_n)) = forces.find(|(_, force_n)| !limits::ALLOWED_FORCE_N.hold(**force_n)) {
+            let allowed = limits::ALLOWED_FORCE_N.to_string();
+            return Err(self.fault(&format!("allowed_force_n.{name}"), short(*force_n), allowed));
+        }
         match numbers.into_iter().find(|(_, value, limits)| !limits.hold(*value)) {
             Some((key, value, limits)) => Err(self.fault(key, short(value), limits.to_string())),
             None => Ok(()),

@@ -27,6 +27,8 @@ shipped![
     "engineered/trunk-right.toml",
     "engineered/trunk-row.toml",
     "engineered/trunk-thick.toml",
+    "passage/hedge.toml",
+    "passage/gate.toml",
     "auxiliary/soft-rolls.toml",
     "auxiliary/stiff-poles.toml",
     "auxiliary/free-cylinders.toml",

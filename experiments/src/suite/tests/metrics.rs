@@ -36,6 +36,7 @@ fn reach() -> Recording {
         end_time_s: 1.0,
         outcome,
         safety_stop: None,
+        given_up: None,
     };
     Recording {
         scene: "plants".into(),

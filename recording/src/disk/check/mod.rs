@@ -47,6 +47,12 @@ fn check_header(recording: &Recording) -> Result<(), Violation> {
     for (index, goal) in recording.goals.iter().enumerate() {
         let times = [goal.start_time_s, goal.end_time_s];
         finite(goal.position_world.to_array().into_iter().chain(times), || format!("goals[{index}]"))?;
+        require(
+            goal.given_up.is_none() || goal.outcome == Outcome::Stuck,
+            || format!("goals[{index}].given_up"),
+            || format!("a reason on a goal with the outcome {}", goal.outcome.name()),
+            "none, unless the outcome is stuck",
+        )?;
         let Some(stop) = &goal.safety_stop else { continue };
         let field = |name: &str| format!("goals[{index}].safety_stop{name}");
         require(

@@ -12,6 +12,9 @@ pub(in crate::disk) const OBJECTS: &str = "0 to 32767";
 /// What a whole number of 32 bits may be.
 pub(in crate::disk) const COUNTS: &str = "0 to 4294967295";
 
+/// Between the outcome of a goal and the controller's reason to give it up.
+const REASON: &str = ": ";
+
 /// An episode's objects, with their parameters as JSON objects.
 pub(in crate::disk) fn object_rows(episode: usize, recording: &Recording) -> Vec<TruthObject> {
     let row = |(index, object): (usize, &ObjectRecord)| TruthObject {
@@ -54,7 +57,10 @@ pub(in crate::disk) fn goal_rows(episode: usize, recording: &Recording) -> Vec<T
             position_world: goal.position_world,
             start_time_s: goal.start_time_s,
             end_time_s: goal.end_time_s,
-            outcome: goal.outcome.name().into(),
+            outcome: match &goal.given_up {
+                Some(reason) => format!("{}{REASON}{reason}", goal.outcome.name()).into(),
+                None => goal.outcome.name().into(),
+            },
             stop_object_index: stop.map(|stop| stop.object.into()),
             stop_link: stop.map(|stop| stop.link.as_str().into()),
             stop_patch: stop.and_then(|stop| patch_name(&recording.layout, stop.patch)),
@@ -77,12 +83,17 @@ pub(in crate::disk) fn read_goals(rows: &EpisodeRows, layout: &SkinLayout) -> Re
             (None, None, None) if row.stop_patch.is_none() => None,
             _ => return Err(some_missing(batch)),
         };
+        let (outcome, reason) = match row.outcome.split_once(REASON) {
+            Some((outcome, reason)) => (outcome, Some(reason.to_owned())),
+            None => (&*row.outcome, None),
+        };
         Ok(GoalRecord {
             position_world: row.position_world,
             start_time_s: row.start_time_s,
             end_time_s: row.end_time_s,
-            outcome: read_outcome(batch, &row.outcome)?,
+            outcome: read_outcome(batch, outcome)?,
             safety_stop,
+            given_up: reason,
         })
     })
 }

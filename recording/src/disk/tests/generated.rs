@@ -57,13 +57,15 @@ fn object() -> impl Strategy<Value = ObjectRecord> {
 }
 
 fn goal() -> impl Strategy<Value = GoalRecord> {
-    (vector(), number(), number(), prop::sample::select(Outcome::ALL.to_vec())).prop_map(
-        |(position_world, start_time_s, end_time_s, outcome)| GoalRecord {
+    let reason = prop::option::of("[a-z: ]{1,9}");
+    (vector(), number(), number(), prop::sample::select(Outcome::ALL.to_vec()), reason).prop_map(
+        |(position_world, start_time_s, end_time_s, outcome, reason)| GoalRecord {
             position_world,
             start_time_s,
             end_time_s,
             outcome,
             safety_stop: None,
+            given_up: reason.filter(|_| outcome == Outcome::Stuck),
         },
     )
 }

@@ -127,6 +127,7 @@ pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
             end_time_s: frames as f64 * 0.01,
             outcome: if reach_index.is_multiple_of(2) { Outcome::Reached } else { Outcome::Stuck },
             safety_stop: None,
+            given_up: None,
         }],
         contacts: vec![Contact {
             link: "forearm_link".into(),

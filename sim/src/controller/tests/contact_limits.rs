@@ -60,10 +60,13 @@ fn one_joint_presses_up_to_the_contacts_limit() {
             contacts: &[TaxelContact {
                 patch: 0,
                 taxel: 0,
+                link: 1,
+                position_world: DVec3::ZERO,
                 position_jacobian: along_x(lever_m),
                 inward_normal_world: -DVec3::X,
                 force_n,
                 allowed_force_n,
+                verdict: None,
             }],
         });
         assert_eq!(output.status, ControlStatus::Solved);

@@ -1,0 +1,199 @@
+//! How much room an arm has in a posture: distances of its collision shapes to upright obstacles and to a floor.
+
+use glam::DVec3;
+use underbrush_recording::{BodyShape, Pose, math};
+
+use crate::arm::{Arm, LinkCollider};
+use crate::geometry::{Capsule, PlacedShape, engine_shape, segment_distance};
+
+/// The collision shapes of an arm's moving links, for many queries.
+#[derive(Clone, Debug)]
+pub struct ArmShapes {
+    parts: Vec<Part>,
+    /// Nothing of the arm may be lower, m, world frame.
+    floor_height_m: f64,
+}
+
+/// One collision shape.
+#[derive(Clone, Debug)]
+struct Part {
+    link: usize,
+    shape: PlacedShape,
+    /// A capsule that contains the shape, link frame.
+    around: Capsule,
+    /// Whether the capsule is the shape.
+    is_capsule: bool,
+    /// Largest distance of a point of the shape from the axis of each joint that moves it, m.
+    lever_m: Vec<f64>,
+    /// Whether the shape is above the floor in the start posture. A shape that is not, as in a base that stands on the
+    /// floor, is never compared with it.
+    above_floor: bool,
+}
+
+impl ArmShapes {
+    /// The shapes of an arm that is to stay above `floor_height_m`, m, world frame.
+    pub fn new(arm: &Arm, floor_height_m: f64) -> Self {
+        let start = arm.forward_kinematics(&arm.start_posture_rad());
+        let links = arm.links.iter().enumerate().skip(1);
+        let colliders = links.flat_map(|(link, own)| own.colliders.iter().map(move |collider| (link, collider)));
+        let parts = colliders.filter_map(|(link, collider)| {
+            let (shape, rotation) = engine_shape(&collider.shape)?;
+            let (around, is_capsule) = around(collider);
+            let shape = PlacedShape { shape, pose: collider.pose_link * rotation };
+            let extent_m = around.start.length().max(around.end.length()) + around.radius_m;
+            let part =
+                Part { link, lever_m: levers_m(arm, link, extent_m), shape, around, is_capsule, above_floor: true };
+            let above_floor = part.above_m(&start[link], floor_height_m) > 0.0;
+            Some(Part { above_floor, ..part })
+        });
+        ArmShapes { parts: parts.collect(), floor_height_m }
+    }
+
+    /// The share of a motion that is certainly free of obstacles, at least 0; `None` if the arm is not free in its
+    /// present posture. `change_rad` is the change of every joint in the whole motion. The arm is free if it is farther
+    /// than `margin_m` from every obstacle, and above the floor.
+    pub fn free_share(
+        &self,
+        link_poses: &[Pose],
+        change_rad: &[f64],
+        obstacles: &[Capsule],
+        margin_m: f64,
+    ) -> Option<f64> {
+        let mut share = f64::INFINITY;
+        for part in &self.parts {
+            let pose = &link_poses[part.link];
+            let mut room_m = f64::INFINITY;
+            let around = part.around_world(pose);
+            for obstacle in obstacles {
+                room_m = room_m.min(part.distance_m(pose, &around, obstacle, margin_m) - margin_m);
+            }
+            if part.above_floor {
+                room_m = room_m.min(part.above_m(pose, self.floor_height_m));
+            }
+            if room_m <= 0.0 {
+                return None;
+            }
+            let moved_m: f64 = part.lever_m.iter().zip(change_rad).map(|(lever, change)| lever * change.abs()).sum();
+            share = share.min(room_m / moved_m.max(f64::MIN_POSITIVE));
+        }
+        Some(share)
+    }
+
+    /// Smallest distance between the arm and an obstacle, m; 0 if they overlap.
+    pub fn distance_m(&self, link_poses: &[Pose], obstacle: &Capsule) -> f64 {
+        let parts = self.parts.iter().map(|part| {
+            let pose = &link_poses[part.link];
+            part.distance_m(pose, &part.around_world(pose), obstacle, f64::INFINITY).max(0.0)
+        });
+        parts.fold(f64::INFINITY, f64::min)
+    }
+
+    /// A capsule around each shape, with its link, in the link's frame.
+    pub(super) fn capsules_link(&self) -> impl Iterator<Item = (usize, Capsule)> + '_ {
+        self.parts.iter().map(|part| (part.link, part.around))
+    }
+
+    /// The largest distance that a point of the arm may move in a motion, m.
+    pub fn moved_m(&self, change_rad: &[f64]) -> f64 {
+        let moved =
+            |part: &Part| part.lever_m.iter().zip(change_rad).map(|(lever, change)| lever * change.abs()).sum::<f64>();
+        self.parts.iter().map(moved).fold(0.0, f64::max)
+    }
+}
+
+impl Part {
+    fn around_world(&self, link_pose: &Pose) -> Capsule {
+        Capsule {
+            start: link_pose.transform_point(self.around.start),
+            end: link_pose.transform_point(self.around.end),
+            radius_m: self.around.radius_m,
+        }
+    }
+
+    /// Distance to an obstacle, m: a bound from below if that is larger than `near_m`, and exact otherwise.
+    fn distance_m(&self, link_pose: &Pose, around_world: &Capsule, obstacle: &Capsule, near_m: f64) -> f64 {
+        let middle_lines = segment_distance(around_world.start, around_world.end, obstacle.start, obstacle.end);
+        let bound_m = middle_lines - around_world.radius_m - obstacle.radius_m;
+        if self.is_capsule || bound_m > near_m {
+            return bound_m;
+        }
+        let placed = PlacedShape { shape: self.shape.shape.clone(), pose: *link_pose * self.shape.pose };
+        placed.distance(obstacle)
+    }
+
+    /// How far the shape is above a height, m: a bound from below if that is positive, and exact otherwise.
+    fn above_m(&self, link_pose: &Pose, height_m: f64) -> f64 {
+        let around = self.around_world(link_pose);
+        let bound_m = around.start.z.min(around.end.z) - around.radius_m - height_m;
+        if self.is_capsule || bound_m > 0.0 {
+            return bound_m;
+        }
+        let placed = PlacedShape { shape: self.shape.shape.clone(), pose: *link_pose * self.shape.pose };
+        -placed.extent_m(DVec3::NEG_Z) - height_m
+    }
+}
+
+/// A capsule that contains a collision shape, link frame, and whether it is the shape.
+fn around(collider: &LinkCollider) -> (Capsule, bool) {
+    let in_link = |start: DVec3, end: DVec3, radius_m: f64| Capsule {
+        start: collider.pose_link.transform_point(start),
+        end: collider.pose_link.transform_point(end),
+        radius_m,
+    };
+    let along_z = |half_m: f64, radius_m: f64| in_link(DVec3::Z * -half_m, DVec3::Z * half_m, radius_m);
+    match &collider.shape {
+        BodyShape::Sphere { radius_m } => (along_z(0.0, *radius_m), true),
+        BodyShape::Capsule { radius_m, length_m } => (along_z(length_m / 2.0, *radius_m), true),
+        BodyShape::Cylinder { radius_m, length_m } => (along_z(length_m / 2.0, *radius_m), false),
+        BodyShape::Box { size_m } => {
+            let corner = *size_m / 2.0;
+            let signs = [-1.0, 1.0];
+            let corners = signs.iter().flat_map(|x| signs.iter().map(move |y| DVec3::new(*x, *y, 1.0)));
+            let corners: Vec<DVec3> = corners.flat_map(|sign| [sign * corner, -sign * corner]).collect();
+            let (start, end, radius_m) = around_points(&corners);
+            (in_link(start, end, radius_m), false)
+        }
+        BodyShape::Hull { points_m } => {
+            let (start, end, radius_m) = around_points(points_m);
+            (in_link(start, end, radius_m), false)
+        }
+    }
+}
+
+/// Ends and radius of a capsule along the axis in which the points extend farthest, which contains them.
+fn around_points(points: &[DVec3]) -> (DVec3, DVec3, f64) {
+    let low = points.iter().copied().reduce(DVec3::min).unwrap_or_default();
+    let high = points.iter().copied().reduce(DVec3::max).unwrap_or_default();
+    let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
+    let longest = DVec3::AXES.into_iter().max_by(|a, b| half.dot(*a).total_cmp(&half.dot(*b))).unwrap_or(DVec3::Z);
+    let across = |point: &DVec3| (*point - middle).reject_from_normalized(longest).length();
+    let along = longest * half.dot(longest);
+    (middle - along, middle + along, points.iter().map(across).fold(0.0, f64::max))
+}
+
+/// For each joint that moves a link, the largest distance of the link's points from the joint, m, if they are at most
+/// `extent_m` from the link's origin: the length of the chain between them.
+fn levers_m(arm: &Arm, link: usize, extent_m: f64) -> Vec<f64> {
+    let offsets: Vec<f64> = arm.joints.iter().map(|joint| joint.origin_parent.position.length()).collect();
+    (0..link).map(|joint| offsets[joint + 1..link].iter().sum::<f64>() + extent_m).collect()
+}
+
+/// Largest difference of two postures in any joint, rad.
+pub fn largest_change_rad(from_rad: &[f64], to_rad: &[f64]) -> f64 {
+    from_rad.iter().zip(to_rad).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max)
+}
+
+/// The posture at this share of the way between two.
+pub fn between(from_rad: &[f64], to_rad: &[f64], share: f64) -> Vec<f64> {
+    from_rad.iter().zip(to_rad).map(|(from, to)| from + (to - from) * share).collect()
+}
+
+/// Euclidean distance of two postures, rad.
+pub fn distance_rad(from_rad: &[f64], to_rad: &[f64]) -> f64 {
+    from_rad.iter().zip(to_rad).map(|(from, to)| (to - from) * (to - from)).sum::<f64>().sqrt()
+}
+
+/// Length of the horizontal part of a vector.
+pub fn horizontal(vector: DVec3) -> f64 {
+    math::hypot(vector.x, vector.y)
+}

@@ -1,0 +1,227 @@
+//! A controller that maps what the arm touches and plans a way round it for the whole arm.
+//!
+//! It plans a way to the goal and follows it with compliant joints. A force holds it up only where the motion goes into
+//! the contact. When it touches something fixed, or when something stops it, it puts that on the map, goes back the way
+//! it came and plans anew. Near the goal the published one-step controller takes over.
+//!
+//! What a contact is, it learns from the verdicts that come with contacts. Objects that are to be pressed less than the
+//! usual limit are obstacles from the first touch; others only if they stop the arm. Without verdicts, whatever stops
+//! the arm is an obstacle.
+
+use std::collections::VecDeque;
+
+use underbrush_recording::Pose;
+
+use self::arm_shapes::{ArmShapes, largest_change_rad};
+use self::bare::BareSurface;
+use self::contacts::{judged, largest_share};
+use self::map::Map;
+use self::pursuit::Pursuit;
+use super::{ControlStatus, Controller, ControllerInput, ControllerOutput, Intent, ModelPredictive, Preset};
+use crate::arm::Arm;
+use crate::geometry::Capsule;
+
+pub mod arm_shapes;
+mod bare;
+mod contacts;
+pub mod map;
+mod path;
+pub mod planner;
+mod pursuit;
+pub mod route;
+#[cfg(test)]
+mod tests;
+mod turning;
+
+/// The planned posture waits for an arm that is this far behind it, rad: with Cody's joints about the torque of 3 N at the
+/// hand.
+const LEAD_RAD: f64 = 0.175;
+/// An arm that is behind by less than this does not go back, rad.
+const BEHIND_RAD: f64 = 0.035;
+/// Largest offset of the equilibrium angles that is added to push on, rad, and how fast it grows, 1/s.
+const PUSH_RAD: f64 = 0.21;
+const PUSH_PER_S: f64 = 1.0;
+/// Bound on |φ − q|, rad: that of `cody-2013`.
+const OFFSET_RAD: f64 = 0.349;
+/// Above this share of the allowed force the arm goes back.
+const TOO_HARD: f64 = 1.5;
+/// A part without skin may be pressed by so many times the usual limit of a taxel: a contact covers several.
+const BARE: f64 = 2.0;
+/// Without progress for so long the arm is stopped, s. Choice: just below the shortest patience of the scenes that ship.
+const STOP_S: f64 = 0.8;
+/// Progress on the path that counts, control steps, and towards the goal, m.
+const PROGRESS_STEPS: f64 = 1.0;
+const PROGRESS_M: f64 = 0.008;
+/// A goal is given up after this time, s. Choice: several times what a way takes.
+const PATIENCE_S: f64 = 30.0;
+/// Within this distance of the goal the published controller takes over at the end of the path, m.
+const NEAR_M: f64 = 0.05;
+/// Postures of the trail are this far apart, rad, and at most so many.
+const TRAIL_RAD: f64 = 0.02;
+const TRAIL: usize = 400;
+/// An arm that leaves whatever presses on it counts this share of the force.
+const LEAVING_SHARE: f64 = 0.2;
+
+/// The controller.
+#[derive(Clone, Debug)]
+pub struct Mapped {
+    arm: Arm,
+    shapes: ArmShapes,
+    bare: BareSurface,
+    /// Obstacles are as high as the first joint if their height is not known, m, world frame. Choice: an arm that
+    /// reached over everything would need no map.
+    top_m: f64,
+    preset: Preset,
+    near_goal: ModelPredictive,
+    /// How far each joint moves in a control step, rad.
+    step_rad: Vec<f64>,
+    map: Map,
+    knows_all: bool,
+    time_s: f64,
+    plans: u64,
+    trail: VecDeque<Vec<f64>>,
+    pursuit: Option<Pursuit>,
+}
+
+impl Mapped {
+    /// The controller of an arm. The parameters give rate, speed, the usual force limit and the floor, and those of the
+    /// controller that takes over near the goal.
+    pub fn new(preset: Preset, arm: &Arm) -> Self {
+        let largest_step_rad = preset.equilibrium_step_rad.unwrap_or(f64::INFINITY);
+        let step_rad =
+            arm.joints.iter().map(|joint| (joint.slew_limit_rad_per_s / preset.rate_hz).min(largest_step_rad));
+        let shapes = ArmShapes::new(arm, preset.floor_height_m);
+        Mapped {
+            bare: BareSurface::new(arm, &shapes),
+            shapes,
+            top_m: arm.joints.first().map_or(0.0, |joint| joint.origin_parent.position.z),
+            near_goal: ModelPredictive::new(preset.clone(), arm),
+            step_rad: step_rad.collect(),
+            arm: arm.clone(),
+            preset,
+            map: Map::default(),
+            knows_all: false,
+            time_s: 0.0,
+            plans: 0,
+            trail: VecDeque::new(),
+            pursuit: None,
+        }
+    }
+
+    /// The controller if it knows all fixed obstacles from the start.
+    pub fn knowing(self, obstacles: impl IntoIterator<Item = Capsule>) -> Self {
+        Mapped { map: Map::knowing(obstacles), knows_all: true, ..self }
+    }
+
+    /// What it has on its map.
+    pub fn map(&self) -> &Map {
+        &self.map
+    }
+
+    /// Equilibrium angles for this instant, and what the controller is about to do.
+    fn go_on(&mut self, input: &ControllerInput<'_>, link_poses: &[Pose]) -> (ControllerOutput, Intent) {
+        let (q, phi) = (input.joint_angle_rad, input.equilibrium_angle_rad);
+        let hold = |angles: &[f64]| answer(angles.to_vec());
+        if self.trail.back().is_none_or(|last| largest_change_rad(last, q) > TRAIL_RAD) {
+            self.trail.push_back(q.to_vec());
+            if self.trail.len() > TRAIL {
+                self.trail.pop_front();
+            }
+        }
+        let contacts = judged(input.contacts, self.preset.force_limit_n, self.knows_all);
+        if self.learn_touches(&contacts) {
+            self.plan(q, 0.0);
+        }
+        let Some(own) = &mut self.pursuit else { return (hold(phi), Intent::Onward) };
+        if own.given_up.is_none() && self.time_s - own.begun_s > PATIENCE_S {
+            own.given_up = Some((format!("not reached in {PATIENCE_S} s"), self.time_s));
+        }
+        if let Some((reason, _)) = &own.given_up {
+            // The arm rests where it is, without pressing.
+            return (hold(q), Intent::GivenUp(reason.clone()));
+        }
+        if own.planning_steps > 0 {
+            own.planning_steps -= 1;
+            return (hold(&own.waiting_rad), Intent::TurningRound);
+        }
+        let end_steps = own.path.length();
+        let ahead: Vec<f64> = difference(&own.path.at(own.at_steps + 6.0), &own.path.at(own.at_steps));
+        let mut share = largest_share(&contacts, &ahead);
+        let bare = self.bare.touch(&self.arm, link_poses, input, self.time_s);
+        if let Some((force_n, _, into)) = &bare
+            && into.iter().zip(&ahead).map(|(into, change)| into * change).sum::<f64>() > 0.0
+        {
+            share = share.max(force_n / (BARE * self.preset.force_limit_n));
+        }
+        if self.time_s < own.leaving_until_s {
+            share *= LEAVING_SHARE;
+        }
+        let planned = own.path.at(own.at_steps);
+        let behind_rad = largest_change_rad(&planned, q);
+        if own.at_steps > own.best_steps + PROGRESS_STEPS && behind_rad < LEAD_RAD {
+            (own.best_steps, own.best_s) = (own.at_steps, self.time_s);
+        }
+        let distance_m = input.end_effector_pose_world.position.distance(own.goal);
+        let is_near = own.at_steps >= end_steps && distance_m < NEAR_M;
+        if is_near && distance_m < own.nearest_m - PROGRESS_M {
+            (own.nearest_m, own.best_s) = (distance_m, self.time_s);
+        }
+        if self.time_s - own.best_s > STOP_S {
+            self.stopped(q, &contacts, bare.map(|(force_n, touch, _)| (force_n, touch)));
+            return (hold(phi), Intent::TurningRound);
+        }
+        if is_near {
+            return (self.near_goal.control(input), Intent::Onward);
+        }
+        if share > TOO_HARD && behind_rad > BEHIND_RAD {
+            own.at_steps = (own.at_steps - 1.0).max(0.0);
+        } else if share < 1.0 && behind_rad < LEAD_RAD {
+            own.at_steps = (own.at_steps + 1.0).min(end_steps);
+        }
+        let planned = own.path.at(own.at_steps);
+        let mut angles = Vec::with_capacity(q.len());
+        for (joint, planned) in planned.iter().enumerate() {
+            let push = &mut own.push_rad[joint];
+            if share < 1.0 {
+                let change = PUSH_PER_S / self.preset.rate_hz * (planned - q[joint]);
+                *push = (*push + change).clamp(-PUSH_RAD, PUSH_RAD);
+            } else {
+                *push *= 0.9;
+            }
+            let wanted = (planned + *push).clamp(q[joint] - OFFSET_RAD, q[joint] + OFFSET_RAD);
+            let largest = 1.5 * self.step_rad[joint];
+            let [low, high] = self.arm.joints[joint].controller_limits_rad;
+            angles.push((phi[joint] + (wanted - phi[joint]).clamp(-largest, largest)).max(low).min(high));
+        }
+        (answer(angles), Intent::TurningRound)
+    }
+}
+
+fn difference(to: &[f64], from: &[f64]) -> Vec<f64> {
+    to.iter().zip(from).map(|(to, from)| to - from).collect()
+}
+
+fn answer(equilibrium_angle_rad: Vec<f64>) -> ControllerOutput {
+    ControllerOutput { equilibrium_angle_rad, status: ControlStatus::Solved, intent: Intent::Onward }
+}
+
+impl Controller for Mapped {
+    fn name(&self) -> &str {
+        self.preset.name
+    }
+
+    fn rate_hz(&self) -> f64 {
+        self.preset.rate_hz
+    }
+
+    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
+        self.time_s += 1.0 / self.preset.rate_hz;
+        let poses = self.arm.forward_kinematics(input.joint_angle_rad);
+        self.map.visit(&self.shapes, &poses, self.top_m, self.time_s);
+        if self.pursuit.as_ref().is_none_or(|own| own.goal != input.goal_position_world) {
+            self.begin(input);
+        }
+        let (output, intent) = self.go_on(input, &poses);
+        ControllerOutput { intent, ..output }
+    }
+}

@@ -1,0 +1,85 @@
+//! The pursuit of one goal: how far the arm is on its path, and what has happened on the way.
+
+use glam::DVec3;
+
+use super::arm_shapes::largest_change_rad;
+use super::difference;
+use super::path::Path;
+use super::planner::ForbiddenPostures;
+
+/// Joint angles that differ by less than this are those of an arm that does not move at all, rad.
+pub(super) const FROZEN_RAD: f64 = 0.03;
+
+/// Radius of the postures that are forbidden after a stop without a touch, rad: this for each such stop, up to the
+/// largest.
+const FORBIDDEN_RAD: f64 = 0.05;
+const LARGEST_FORBIDDEN_RAD: f64 = 0.4;
+/// At most so many are forbidden at once.
+const FORBIDDEN: usize = 6;
+
+/// The pursuit of a goal.
+#[derive(Clone, Debug)]
+pub(super) struct Pursuit {
+    pub(super) goal: DVec3,
+    pub(super) begun_s: f64,
+    pub(super) path: Path,
+    /// Progress on the path, control steps; the largest so far, and when that was, s.
+    pub(super) at_steps: f64,
+    pub(super) best_steps: f64,
+    pub(super) best_s: f64,
+    /// Smallest distance from the goal at the end of the path, m.
+    pub(super) nearest_m: f64,
+    pub(super) push_rad: Vec<f64>,
+    /// Control steps until the plan is ready, and where the arm waits for it without pressing, rad.
+    pub(super) planning_steps: usize,
+    pub(super) waiting_rad: Vec<f64>,
+    pub(super) stops: usize,
+    /// Stops that added nothing to the map, and stops at which the arm had not moved since the one before.
+    pub(super) unexplained: usize,
+    pub(super) frozen: usize,
+    pub(super) stopped_at_rad: Option<Vec<f64>>,
+    pub(super) leaving_until_s: f64,
+    pub(super) touched_s: f64,
+    pub(super) forbidden: Vec<ForbiddenPostures>,
+    pub(super) given_up: Option<(String, f64)>,
+}
+
+impl Pursuit {
+    /// A pursuit that begins in the posture `q`, rad, at a time, s.
+    pub(super) fn new(goal: DVec3, q: &[f64], step_rad: &[f64], time_s: f64) -> Self {
+        Pursuit {
+            goal,
+            begun_s: time_s,
+            path: Path::new(vec![q.to_vec()], step_rad),
+            at_steps: 0.0,
+            best_steps: 0.0,
+            best_s: time_s,
+            nearest_m: f64::INFINITY,
+            push_rad: vec![0.0; q.len()],
+            planning_steps: 0,
+            waiting_rad: q.to_vec(),
+            stops: 0,
+            unexplained: 0,
+            frozen: 0,
+            stopped_at_rad: None,
+            leaving_until_s: 0.0,
+            touched_s: f64::NEG_INFINITY,
+            forbidden: Vec::new(),
+            given_up: None,
+        }
+    }
+
+    /// Forbids the postures on the path just ahead of a posture.
+    pub(super) fn forbid_ahead(&mut self, q: &[f64], step_rad: &[f64]) {
+        let radius_rad = (FORBIDDEN_RAD * (1.0 + self.unexplained as f64)).min(LARGEST_FORBIDDEN_RAD);
+        // A quarter of a radian ahead of the arm.
+        let slowest = step_rad.iter().copied().fold(f64::INFINITY, f64::min);
+        let ahead = difference(&self.path.at(self.at_steps + 0.25 / slowest), q);
+        let scale = (radius_rad + FROZEN_RAD) / largest_change_rad(&ahead, &vec![0.0; q.len()]).max(1e-3);
+        let center_rad = q.iter().zip(&ahead).map(|(angle, change)| angle + change * scale).collect();
+        self.forbidden.push(ForbiddenPostures { center_rad, radius_rad });
+        if self.forbidden.len() > FORBIDDEN {
+            self.forbidden.remove(0);
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! From a posture in contact to a way to the goal: back the way the arm came, then a plan, with less and less caution.
+
+use std::collections::VecDeque;
+
+use glam::DVec3;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use super::arm_shapes::{ArmShapes, largest_change_rad};
+use super::map::{Caution, Map};
+use super::planner::{BUDGET, ForbiddenPostures, NoWay, Planner};
+use crate::arm::Arm;
+
+/// How far the planned way stays from obstacles, m: more than the arm strays from it.
+pub const MARGIN_M: f64 = 0.005;
+/// Caution and margin, m, from one attempt to the next.
+const ATTEMPTS: [(Caution, f64); 5] = [
+    (Caution::NONE, MARGIN_M),
+    (Caution::NONE, 0.0),
+    (Caution { is_thin: true, is_low: false }, 0.0),
+    (Caution { is_thin: false, is_low: true }, 0.0),
+    (Caution { is_thin: true, is_low: true }, 0.0),
+];
+/// Obstacles that are forgotten at most for one plan. Choice: as many as a workspace holds.
+const FORGOTTEN: usize = 8;
+/// How far the arm goes back along the way it came, rad. Choice: half a reach.
+const BACK_RAD: f64 = 0.8;
+/// A wedged arm leaves straight, by at most this, rad, in one of so many directions.
+const OUT_RAD: f64 = 0.5;
+const DIRECTIONS: usize = 100;
+
+/// What a route is planned in.
+pub(super) struct Surroundings<'a> {
+    pub(super) arm: &'a Arm,
+    pub(super) shapes: &'a ArmShapes,
+    pub(super) top_m: f64,
+    pub(super) forbidden: &'a mut Vec<ForbiddenPostures>,
+    /// Postures on the way that the arm came, the latest last.
+    pub(super) trail: &'a VecDeque<Vec<f64>>,
+}
+
+impl Surroundings<'_> {
+    /// A way to the goal from the posture `from_rad`, at first back by at least `back_rad` along the way the arm came.
+    /// Also returns how many postures were evaluated. Without a way, obstacles are seen as thinner and lower, and then
+    /// forgotten one by one.
+    pub(super) fn route(
+        &mut self,
+        map: &mut Map,
+        from_rad: &[f64],
+        goal: DVec3,
+        back_rad: f64,
+        random: &mut ChaCha8Rng,
+    ) -> (Result<Vec<Vec<f64>>, NoWay>, usize) {
+        let limits = self.arm.joints.iter().map(|joint| joint.controller_limits_rad);
+        let within = |posture: &[f64]| -> Vec<f64> {
+            posture.iter().zip(limits.clone()).map(|(angle, [low, high])| angle.max(low).min(high)).collect()
+        };
+        let from_rad = within(from_rad);
+        let back: Vec<Vec<f64>> = self.trail.iter().rev().map(|posture| within(posture)).collect();
+        let (mut evaluations, mut forgotten) = (0, 0);
+        loop {
+            let mut reason = NoWay::NotFound;
+            for (number, (caution, margin_m)) in ATTEMPTS.into_iter().enumerate() {
+                let left = BUDGET.saturating_sub(evaluations);
+                if left == 0 || (number > 1 && map.obstacles.iter().all(|own| own.is_known)) {
+                    break;
+                }
+                let mut planner = Planner {
+                    arm: self.arm,
+                    shapes: self.shapes,
+                    obstacles: &map.capsules(caution, self.top_m),
+                    margin_m,
+                    forbidden: self.forbidden,
+                    budget: left.min(if number == 0 { BUDGET / 2 } else { BUDGET / 5 }),
+                    evaluations: 0,
+                };
+                let found = out_and_on(&mut planner, &from_rad, &back, goal, back_rad, random);
+                evaluations += planner.evaluations;
+                match found {
+                    Ok(path) => return (Ok(path), evaluations),
+                    Err(NoWay::OutOfReach) => return (Err(NoWay::OutOfReach), evaluations),
+                    Err(other) if number == 0 => reason = other,
+                    Err(_) => {}
+                }
+            }
+            if !self.forbidden.is_empty() {
+                self.forbidden.remove(0);
+            } else if forgotten < FORGOTTEN && map.forget_one() {
+                forgotten += 1;
+            } else {
+                return (Err(reason), evaluations);
+            }
+            if evaluations >= BUDGET {
+                return (Err(reason), evaluations);
+            }
+        }
+    }
+}
+
+/// Back along the postures `back` to the first free one, or straight out, and from there to the goal.
+fn out_and_on(
+    planner: &mut Planner,
+    from_rad: &[f64],
+    back: &[Vec<f64>],
+    goal: DVec3,
+    back_rad: f64,
+    random: &mut ChaCha8Rng,
+) -> Result<Vec<Vec<f64>>, NoWay> {
+    if back_rad == 0.0 && planner.is_free(from_rad) {
+        return planner.plan(from_rad, goal, random);
+    }
+    let (mut path, mut moved_rad) = (vec![from_rad.to_vec()], 0.0);
+    for posture in back {
+        moved_rad += path.last().map_or(0.0, |last| largest_change_rad(last, posture));
+        if moved_rad > BACK_RAD {
+            break;
+        }
+        path.push(posture.clone());
+        if moved_rad >= back_rad && planner.is_free(posture) {
+            path.extend(planner.plan(posture, goal, random)?.into_iter().skip(1));
+            return Ok(path);
+        }
+    }
+    let out = straight_out(planner, from_rad, random).ok_or(NoWay::Wedged)?;
+    let mut path = vec![from_rad.to_vec()];
+    path.extend(planner.plan(&out, goal, random)?);
+    Ok(path)
+}
+
+/// The nearest free posture that is found in random directions.
+fn straight_out(planner: &mut Planner, from_rad: &[f64], random: &mut ChaCha8Rng) -> Option<Vec<f64>> {
+    (1..=DIRECTIONS).find_map(|number| {
+        let size_rad = OUT_RAD * number as f64 / DIRECTIONS as f64;
+        let joints = from_rad.iter().zip(&planner.arm.joints);
+        let moved = |(angle, joint): (&f64, &crate::arm::Joint)| {
+            let [low, high] = joint.controller_limits_rad;
+            (angle + size_rad * (2.0 * random.random::<f64>() - 1.0)).max(low).min(high)
+        };
+        let posture: Vec<f64> = joints.map(moved).collect();
+        planner.is_free(&posture).then_some(posture)
+    })
+}

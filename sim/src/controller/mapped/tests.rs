@@ -1,0 +1,350 @@
+//! The map, the planner and the controller, each against something that shares no code with it.
+
+use std::f64::consts::PI;
+
+use glam::{DQuat, DVec3};
+use nalgebra::Matrix3xX;
+use underbrush_recording::Pose;
+
+use super::arm_shapes::largest_change_rad;
+use super::arm_shapes::{ArmShapes, between};
+use super::bare::BareSurface;
+use super::contacts::{judged, largest_share, touches};
+use super::map::{Caution, Map, ObstacleKind, Touch};
+use super::path::Path;
+use super::planner::{BUDGET, ForbiddenPostures, NoWay, Planner};
+use super::*;
+use crate::controller::{TaxelContact, Touched, Verdict};
+use crate::reach::ReachPlan;
+use crate::scene::Scene;
+use crate::seed::stream;
+use underbrush_recording::Outcome;
+
+fn upright(x: f64, y: f64, radius_m: f64) -> Capsule {
+    Capsule { start: DVec3::new(x, y, -1.0), end: DVec3::new(x, y, 0.0), radius_m }
+}
+
+fn planner<'a>(arm: &'a Arm, shapes: &'a ArmShapes, obstacles: &'a [Capsule]) -> Planner<'a> {
+    Planner { arm, shapes, obstacles, margin_m: 0.005, forbidden: &[], budget: BUDGET, evaluations: 0 }
+}
+
+/// Postures of Cody within its limits.
+fn postures(arm: &Arm, count: usize) -> Vec<Vec<f64>> {
+    let mut random = stream(1, "mapped", 0, "test");
+    let draw = |joint: &crate::arm::Joint, share: f64| {
+        let [low, high] = joint.controller_limits_rad;
+        low + (high - low) * share
+    };
+    let posture = |_| arm.joints.iter().map(|joint| draw(joint, rand::RngExt::random::<f64>(&mut random))).collect();
+    (0..count).map(posture).collect()
+}
+
+/// The smallest distance of the arm's true shapes from an obstacle by parry, with no shape left out by its capsule.
+fn distance_by_parry_m(arm: &Arm, posture_rad: &[f64], obstacle: &Capsule) -> f64 {
+    let poses = arm.forward_kinematics(posture_rad);
+    arm.placed_shapes(&poses).map(|shape| shape.distance(obstacle)).fold(f64::INFINITY, f64::min)
+}
+
+/// Tests that the arm counts as free exactly where parry's distances of all its shapes are larger than the margin.
+#[test]
+fn free_postures_are_those_that_parry_finds_free() {
+    let arm = Arm::cody().unwrap();
+    let shapes = ArmShapes::new(&arm, f64::NEG_INFINITY);
+    let obstacles = [upright(0.45, -0.2, 0.02), upright(0.3, 0.0, 0.015)];
+    let mut counts = [0, 0];
+    for posture in postures(&arm, 400) {
+        let poses = arm.forward_kinematics(&posture);
+        let distance_m =
+            obstacles.iter().map(|own| distance_by_parry_m(&arm, &posture, own)).fold(f64::INFINITY, f64::min);
+        let is_free = shapes.free_share(&poses, &[0.0; 7], &obstacles, 0.005).is_some();
+        assert_eq!(is_free, distance_m > 0.005, "{distance_m}");
+        counts[usize::from(is_free)] += 1;
+    }
+    assert!(counts[0] > 20 && counts[1] > 20, "{counts:?}");
+}
+
+/// Tests that within the share of a motion that is said to be free no shape comes closer to an obstacle than the margin.
+#[test]
+fn the_free_share_of_a_motion_is_free() {
+    let arm = Arm::cody().unwrap();
+    let shapes = ArmShapes::new(&arm, f64::NEG_INFINITY);
+    let obstacles = [upright(0.45, -0.2, 0.02)];
+    let postures = postures(&arm, 120);
+    for pair in postures.windows(2) {
+        let change: Vec<f64> = pair[0].iter().zip(&pair[1]).map(|(from, to)| to - from).collect();
+        let poses = arm.forward_kinematics(&pair[0]);
+        let Some(share) = shapes.free_share(&poses, &change, &obstacles, 0.005) else { continue };
+        let posture = between(&pair[0], &pair[1], share.min(1.0));
+        assert!(distance_by_parry_m(&arm, &posture, &obstacles[0]) > 0.005 - 1e-6);
+    }
+}
+
+/// Tests that every planned path starts at the arm, ends with the end effector at the goal, and keeps clear of all
+/// obstacles where it is looked at far more densely than the planner does.
+#[test]
+fn planned_paths_are_free_and_arrive() {
+    let arm = Arm::cody().unwrap();
+    let shapes = ArmShapes::new(&arm, -0.5);
+    let start = arm.start_posture_rad();
+    let mut corners = 0;
+    for (number, (x, y)) in [(0.6, -0.3), (0.55, 0.0), (0.65, -0.15), (0.5, 0.15)].into_iter().enumerate() {
+        let goal = DVec3::new(x, y, -0.25);
+        let obstacles = [upright(0.42, -0.35, 0.02), upright(0.42, -0.05, 0.02), upright(0.5, 0.1, 0.02)];
+        let mut random = stream(2, "mapped", number as u64, "test");
+        let path = planner(&arm, &shapes, &obstacles).plan(&start, goal, &mut random).unwrap();
+        assert_eq!(path[0], start);
+        let end = arm.end_effector_pose(&arm.forward_kinematics(&path[path.len() - 1]));
+        assert!(end.position.distance(goal) < 2e-3);
+        for pair in path.windows(2) {
+            for step in 0..=200 {
+                let posture = between(&pair[0], &pair[1], f64::from(step) / 200.0);
+                for obstacle in &obstacles {
+                    // Between two postures that the planner looks at the arm moves by at most 5 mm.
+                    assert!(distance_by_parry_m(&arm, &posture, obstacle) > 0.002);
+                }
+            }
+        }
+        corners = corners.max(path.len());
+    }
+    assert!(corners > 2, "no way led round anything");
+}
+
+/// Tests that the reason is right where there is no way: beyond the arm's length, inside a trunk, and from inside one.
+#[test]
+fn reasons_are_told_apart() {
+    let arm = Arm::cody().unwrap();
+    let shapes = ArmShapes::new(&arm, f64::NEG_INFINITY);
+    let start = arm.start_posture_rad();
+    let plan = |obstacles: &[Capsule], goal: DVec3| {
+        planner(&arm, &shapes, obstacles).plan(&start, goal, &mut stream(3, "mapped", 0, "test")).unwrap_err()
+    };
+    assert_eq!(plan(&[], DVec3::new(1.5, 0.0, 0.0)), NoWay::OutOfReach);
+    assert_eq!(plan(&[upright(0.6, -0.2, 0.1)], DVec3::new(0.6, -0.2, -0.3)), NoWay::NoFreePosture);
+    let hand = arm.end_effector_pose(&arm.forward_kinematics(&start)).position;
+    assert_eq!(plan(&[upright(hand.x, hand.y, 0.05)], DVec3::new(0.6, -0.2, -0.3)), NoWay::Wedged);
+}
+
+/// Tests that the same plan is found again, and that it stays out of forbidden postures.
+#[test]
+fn plans_repeat_and_avoid_what_is_forbidden() {
+    let arm = Arm::cody().unwrap();
+    let shapes = ArmShapes::new(&arm, f64::NEG_INFINITY);
+    let start = arm.start_posture_rad();
+    let goal = DVec3::new(0.6, -0.2, -0.25);
+    let plan = |forbidden: &[ForbiddenPostures]| {
+        let mut planner = Planner { forbidden, ..planner(&arm, &shapes, &[]) };
+        planner.plan(&start, goal, &mut stream(4, "mapped", 0, "test")).unwrap()
+    };
+    let straight = plan(&[]);
+    assert_eq!((straight.len(), plan(&[])), (2, straight.clone()));
+    let middle = between(&straight[0], &straight[1], 0.5);
+    let ball = ForbiddenPostures { center_rad: middle.clone(), radius_rad: 0.2 };
+    for pair in plan(std::slice::from_ref(&ball)).windows(2) {
+        for step in 0..=100 {
+            let posture = between(&pair[0], &pair[1], f64::from(step) / 100.0);
+            // Postures are looked at a tenth of a radian apart, so a path cuts at most half as deep into the ball.
+            assert!(largest_change_rad(&posture, &middle) > 0.15);
+        }
+    }
+}
+
+fn touch(x: f64, y: f64, normal: DVec3, kind: ObstacleKind, time_s: f64) -> Touch {
+    Touch { position_world: DVec3::new(x, y, -0.3), outward_normal_world: normal, kind, time_s }
+}
+
+/// Tests the estimate against closed forms: one touch puts the axis a radius behind the skin, and touches all around a
+/// trunk give its middle and radius.
+#[test]
+fn touches_give_place_and_radius() {
+    let mut map = Map::default();
+    assert!(map.learn(&touch(0.5, 0.0, DVec3::X, ObstacleKind::Fixed, 0.0), false));
+    assert!((map.obstacles[0].axis_world().x - 0.518).abs() < 1e-4);
+    // A trunk of 25 mm at (0.5, -0.1): the skin's normal points to its axis.
+    let mut map = Map::default();
+    for number in 0..24 {
+        let angle_rad = f64::from(number) * PI / 12.0;
+        let normal = DVec3::new(angle_rad.cos(), angle_rad.sin(), 0.0);
+        let point = DVec3::new(0.5, -0.1, 0.0) - normal * 0.025;
+        map.learn(&touch(point.x, point.y, normal, ObstacleKind::Fixed, f64::from(number)), false);
+    }
+    let [own] = &map.obstacles[..] else { panic!("{} obstacles", map.obstacles.len()) };
+    assert!(own.axis_world().distance(glam::DVec2::new(0.5, -0.1)) < 1e-3, "{:?}", own.mean_m);
+    assert!((own.radius_m() - 0.025).abs() < 2e-3, "{}", own.radius_m());
+    let deviation_m = own.covariance_m2.diagonal().map(f64::sqrt);
+    assert!(deviation_m.max() < 0.006, "{deviation_m}");
+}
+
+/// Tests that what gives way is forgotten first and with the goal, and that the obstacle that was touched last stays.
+#[test]
+fn the_newest_obstacle_is_kept() {
+    let kinds = [ObstacleKind::Fixed, ObstacleKind::Doubtful, ObstacleKind::Yielding, ObstacleKind::Fixed];
+    let mut map = Map::default();
+    for (number, kind) in kinds.into_iter().enumerate() {
+        map.learn(&touch(0.2 * number as f64, 0.0, DVec3::X, kind, number as f64), false);
+    }
+    let of = |map: &Map| map.obstacles.iter().map(|own| own.kind).collect::<Vec<_>>();
+    let mut later = map.clone();
+    later.begin_goal();
+    assert_eq!(of(&later), [ObstacleKind::Fixed, ObstacleKind::Doubtful, ObstacleKind::Fixed]);
+    assert!(map.forget_one());
+    assert_eq!(of(&map), [ObstacleKind::Fixed, ObstacleKind::Doubtful, ObstacleKind::Fixed]);
+    assert!(map.forget_one() && map.forget_one() && !map.forget_one());
+    assert!((map.obstacles[0].axis_world().x - 0.618).abs() < 1e-4);
+}
+
+/// Tests that a later verdict corrects an earlier one, and that a stop without a verdict does not.
+#[test]
+fn later_verdicts_correct_earlier_ones() {
+    let mut map = Map::default();
+    for (kind, time_s, expected) in [
+        (ObstacleKind::Doubtful, 0.0, ObstacleKind::Doubtful),
+        (ObstacleKind::Fixed, 1.0, ObstacleKind::Fixed),
+        (ObstacleKind::Doubtful, 2.0, ObstacleKind::Fixed),
+        (ObstacleKind::Yielding, 3.0, ObstacleKind::Yielding),
+    ] {
+        map.learn(&touch(0.5, 0.0, DVec3::X, kind, time_s), false);
+        assert_eq!((map.obstacles.len(), map.obstacles[0].kind), (1, expected));
+    }
+}
+
+/// Tests that an obstacle that the arm is inside of is forgotten if it is not felt, and is no obstacle for this goal if
+/// it is felt, because the arm has pushed it aside.
+#[test]
+fn the_arm_cannot_be_where_an_obstacle_is() {
+    let arm = Arm::cody().unwrap();
+    let shapes = ArmShapes::new(&arm, f64::NEG_INFINITY);
+    let poses = arm.forward_kinematics(&arm.start_posture_rad());
+    let hand = arm.end_effector_pose(&poses).position;
+    let mut map = Map::default();
+    map.learn(&Touch { position_world: hand, ..touch(hand.x, hand.y, DVec3::Z, ObstacleKind::Fixed, 10.0) }, false);
+    let mut felt = map.clone();
+    felt.visit(&shapes, &poses, 0.0, 10.1);
+    assert_eq!((felt.obstacles.len(), felt.capsules(Caution::NONE, 0.0).len()), (1, 0));
+    map.visit(&shapes, &poses, 0.0, 11.0);
+    assert!(map.obstacles.is_empty());
+}
+
+/// Tests the posture along a path whose joints have different speeds: the slower joint decides.
+#[test]
+fn a_path_takes_the_steps_of_its_slowest_joint() {
+    let path = Path::new(vec![vec![0.0, 0.0], vec![0.4, 0.1], vec![0.4, -0.1]], &[0.1, 0.01]);
+    assert!((path.length() - 30.0).abs() < 1e-9);
+    let close = |found: Vec<f64>, expected: [f64; 2]| {
+        assert!(found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-9), "{found:?}");
+    };
+    close(path.at(5.0), [0.2, 0.05]);
+    close(path.at(20.0), [0.4, 0.0]);
+    close(path.at(99.0), [0.4, -0.1]);
+    close(Path::new(vec![vec![1.0, 2.0]], &[0.1, 0.1]).at(3.0), [1.0, 2.0]);
+}
+
+/// A contact on a lever of one joint: a positive change of the angle moves it along x.
+fn contact(force_n: f64, inward: DVec3, category: Option<(&str, f64)>) -> TaxelContact {
+    let named = |name: &str| Verdict { touched: Touched::Category(name.into()), probability: 0.9 };
+    TaxelContact {
+        patch: 0,
+        taxel: 0,
+        link: 1,
+        position_world: DVec3::ZERO,
+        position_jacobian: Matrix3xX::from_column_slice(&[0.5, 0.0, 0.0]),
+        inward_normal_world: inward,
+        force_n,
+        allowed_force_n: category.map(|(_, allowed_n)| allowed_n),
+        verdict: category.map(|(name, _)| named(name)),
+    }
+}
+
+/// Tests that a category is fixed if it may be pressed less than usual and gives way otherwise, whatever its name, and
+/// that contacts without a category are doubtful, or give way if all obstacles are known.
+#[test]
+fn allowed_forces_decide_what_is_fixed() {
+    let contacts = [
+        contact(1.0, DVec3::NEG_X, Some(("reed", 1.5))),
+        contact(1.0, DVec3::NEG_X, Some(("trunk", 5.0))),
+        contact(1.0, DVec3::NEG_X, None),
+    ];
+    let kinds = |knows_all| judged(&contacts, 3.0, knows_all).iter().map(|own| own.kind).collect::<Vec<_>>();
+    assert_eq!(kinds(false), [ObstacleKind::Fixed, ObstacleKind::Yielding, ObstacleKind::Doubtful]);
+    assert_eq!(kinds(true), [ObstacleKind::Fixed, ObstacleKind::Yielding, ObstacleKind::Yielding]);
+}
+
+/// Tests that a force counts against a motion into its contact, and not against one away from it.
+#[test]
+fn only_motion_into_a_contact_is_limited() {
+    let contacts = [contact(4.5, DVec3::NEG_X, None)];
+    let judged = judged(&contacts, 3.0, false);
+    assert_eq!(largest_share(&judged, &[0.1]), 1.5);
+    assert_eq!(largest_share(&judged, &[-0.1]), 0.0);
+    assert_eq!(largest_share(&judged, &[0.0]), 1.5);
+}
+
+/// Tests that contacts close together are one touch, at their middle by force, and distant ones another.
+#[test]
+fn contacts_close_together_are_one_touch() {
+    let at =
+        |x: f64, force_n: f64| TaxelContact { position_world: DVec3::X * x, ..contact(force_n, DVec3::NEG_Y, None) };
+    let contacts = [at(0.0, 1.0), at(0.02, 3.0), at(0.3, 0.5), at(0.31, 0.2)];
+    let touches = touches(&judged(&contacts, 3.0, false), ObstacleKind::Doubtful, 7.0);
+    let [(strong_n, first), (weak_n, second)] = &touches[..] else { panic!("{touches:?}") };
+    assert_eq!((*strong_n, *weak_n), (3.0, 0.5));
+    assert!((first.position_world.x - 0.015).abs() < 1e-12 && (second.position_world.x - 0.3).abs() < 1e-12);
+    assert!(first.outward_normal_world.distance(DVec3::Y) < 1e-12);
+}
+
+/// A reach with a row of trunks in front of its goals.
+fn plan(seed: u64) -> ReachPlan {
+    let text = "summary = \"A row of trunks\"\ncontroller = \"mapped\"\n\
+                goals = { count = 2, retries = 0, patience_s = 1.0, x_m = { uniform = [0.58, 0.7] } }\n\
+                [[objects.trunk]]\ncount = 4\nplace = { x_m = 0.45, y_m = { uniform = [-0.45, 0.15] } }\n";
+    ReachPlan::new(Scene::parse("row.toml", text.into()).unwrap(), None, seed).unwrap()
+}
+
+/// Tests that the arm gets round a row of trunks that it does not know to at least as many goals as the published
+/// controller, that a reach repeats bit for bit, and that a goal that is given up has a reason.
+#[test]
+fn the_arm_gets_round_trunks() {
+    let reached = |plan: &ReachPlan| {
+        let reaches: Vec<_> = (0..3).map(|index| plan.run(index, &mut |_, _| {}).unwrap()).collect();
+        for goal in reaches.iter().flat_map(|reach| &reach.goals) {
+            assert_eq!(goal.given_up.is_some(), goal.outcome == Outcome::Stuck && plan.rules.progress.is_path());
+        }
+        reaches.iter().map(|reach| reach.goal_outcomes().reached).sum::<usize>()
+    };
+    let own = plan(5);
+    assert!(own.run(0, &mut |_, _| {}).unwrap() == own.run(0, &mut |_, _| {}).unwrap());
+    let published = ReachPlan::new(own.scene.clone(), Some(crate::controller::ControllerKind::Cody2013), 5).unwrap();
+    assert!(reached(&own) > reached(&published));
+}
+
+/// Tests that a force on a part without skin is found where it acts, from the torques of the joints alone.
+#[test]
+fn bare_contacts_are_found_from_torques() {
+    let arm = Arm::cody().unwrap();
+    let bare = BareSurface::new(&arm, &ArmShapes::new(&arm, f64::NEG_INFINITY));
+    let q = arm.start_posture_rad();
+    let poses = arm.forward_kinematics(&q);
+    // 8 N from the right on the wrist's boot.
+    let wrist = arm.link_index("wrist").unwrap();
+    let (point, force) = (poses[wrist].position + DVec3::NEG_Y * 0.0475, DVec3::Y * 8.0);
+    let torque = arm.position_jacobian(&poses, wrist, point).tr_mul(&nalgebra::Vector3::from(force.to_array()));
+    // The springs balance it.
+    let joints = arm.joints.iter().zip(&q).zip(torque.iter());
+    let phi: Vec<f64> = joints.map(|((joint, q), torque)| q - torque / joint.stiffness_nm_per_rad).collect();
+    let jacobian = Matrix3xX::zeros(7);
+    let input = ControllerInput {
+        joint_angle_rad: &q,
+        joint_velocity_rad_per_s: &[0.0; 7],
+        equilibrium_angle_rad: &phi,
+        end_effector_pose_world: Pose::new(DVec3::ZERO, DQuat::IDENTITY),
+        end_effector_jacobian: &jacobian,
+        goal_position_world: DVec3::ZERO,
+        contacts: &[],
+    };
+    let (force_n, touch, _) = bare.touch(&arm, &poses, &input, 0.0).unwrap();
+    assert!((force_n - 8.0).abs() < 1.0, "{force_n} N");
+    assert!(touch.position_world.distance(point) < 0.05, "{}", touch.position_world.distance(point));
+    assert!(touch.outward_normal_world.dot(DVec3::NEG_Y) > 0.8);
+    // Without a contact there is none.
+    let rest = ControllerInput { equilibrium_angle_rad: &q, ..input };
+    assert!(bare.touch(&arm, &poses, &rest, 0.0).is_none());
+}

@@ -1,0 +1,46 @@
+//! The options that choose the verdicts of a controller.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use underbrush_experiments::verdict_controller::VerdictControl;
+use underbrush_sim::scene::limits::ALLOWED_FORCE_N;
+
+use crate::failure::Failure;
+
+/// What tells the controller what the skin touches.
+#[derive(Args)]
+pub struct VerdictArguments {
+    /// Tell the controller what the skin touches: by this touch model, by the true categories (`truth`), which no robot
+    /// knows, or not at all (`none`)
+    #[arg(long, value_name = "MODEL|truth|none")]
+    pub verdicts: Option<PathBuf>,
+    /// With --verdicts: how hard the arm may press on objects of a category, or on `unknown` ones, instead of the scene's
+    /// force, N
+    #[arg(long, value_name = "CATEGORY=N", requires = "verdicts", value_parser = allowed)]
+    pub allow: Vec<(String, f64)>,
+}
+
+fn allowed(text: &str) -> Result<(String, f64), String> {
+    let read = || {
+        let (category, force_n) = text.split_once('=')?;
+        Some((category.to_owned(), force_n.parse().ok().filter(|force_n| ALLOWED_FORCE_N.hold(*force_n))?))
+    };
+    read().ok_or_else(|| format!("must be a category and a force of {ALLOWED_FORCE_N}, such as leaf=6"))
+}
+
+impl VerdictArguments {
+    /// The verdicts that the options ask for.
+    ///
+    /// # Errors
+    /// If the model cannot be read.
+    pub fn control(&self) -> Result<Option<VerdictControl>, Failure> {
+        let control = self.verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten();
+        Ok(control.map(|control| control.with_asked(self.allow.clone())))
+    }
+
+    /// The file of the touch model, if there is one.
+    pub fn model(&self) -> Option<PathBuf> {
+        self.verdicts.clone().filter(|path| !["truth", "none"].map(PathBuf::from).contains(path))
+    }
+}
