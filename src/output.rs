@@ -3,7 +3,6 @@
 
 use std::io::{IsTerminal, Write};
 use std::path::Path;
-use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Serialize, Serializer};
@@ -69,11 +68,11 @@ pub fn error(failure: &Failure, json: bool) {
 }
 
 /// Prints what clap has to say: the help or the version, or an error about the usage. Returns the exit status.
-pub fn usage(answer: &clap::Error) -> ExitCode {
+pub fn usage(answer: &clap::Error) -> u8 {
     let text = answer.render().to_string();
     if !answer.use_stderr() {
         let _ = answer.print();
-        return ExitCode::SUCCESS;
+        return 0;
     }
     let arguments = std::env::args_os().take_while(|argument| argument != "--");
     if arguments.into_iter().any(|argument| argument == "--json") {
@@ -86,7 +85,7 @@ pub fn usage(answer: &clap::Error) -> ExitCode {
     } else {
         say(text.trim_end());
     }
-    ExitCode::from(2)
+    2
 }
 
 /// Writes a file completely or not at all, and creates its parent folders.

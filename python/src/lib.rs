@@ -8,6 +8,7 @@ mod arm;
 mod array;
 mod benchmark;
 mod classifier;
+mod command_line;
 mod controller;
 mod controller_input;
 mod dataset;
@@ -48,6 +49,7 @@ mod _core {
         array::Numbers,
         benchmark::{benchmark, benchmark_part, benchmark_sets},
         classifier::PyModel,
+        command_line::run_command_line,
         controller::ShippedController,
         controller_input::PyControllerInput,
         dataset::PyDataset,

@@ -21,7 +21,7 @@ mod tokens;
 use cycles::cycles;
 use tokens::references;
 
-/// A module's path below the crate's root: `["arm", "skin"]`; empty for `lib.rs` and `main.rs`.
+/// A module's path below the crate's root: `["arm", "skin"]`; empty for `lib.rs`, or for `main.rs` without it.
 type Module = Vec<String>;
 
 /// The sources of one crate, by module: path and text of each file.
@@ -58,7 +58,9 @@ fn read(source_root: &Path) -> Sources {
             } else if path.is_dir() {
                 folders.push((path, below()));
             } else if path.extension().is_some_and(|extension| extension == "rs") {
-                let module = if ["lib", "main", "mod"].contains(&stem.as_str()) { module.clone() } else { below() };
+                let is_root =
+                    stem == "lib" || stem == "mod" || (stem == "main" && !path.with_file_name("lib.rs").exists());
+                let module = if is_root { module.clone() } else { below() };
                 let text = fs::read_to_string(&path).unwrap();
                 sources.insert(module, (path, text));
             }

@@ -1,0 +1,180 @@
+//! The command line of underbrush, as a library: the program and the Python package run it. Each subcommand is one file;
+//! physics and statistics are in the libraries.
+
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
+use std::ffi::OsString;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use clap::{Args, Parser, Subcommand};
+
+mod command;
+mod failure;
+mod input;
+mod interrupt;
+mod options;
+mod output;
+mod progress;
+mod reaches;
+mod trial_arguments;
+
+use failure::Failure;
+
+/// Shown after the list of commands: what to try first, and what a script has to know.
+const FIRST_STEPS: &str = "\
+First steps:
+  underbrush reach mixed --picture reach.svg                Simulate one reach and draw it
+  underbrush reproduce --quick                              The paper's experiments, small
+
+From data to a classifier:
+  underbrush generate leaf trunk --reaches 10 --out my-set
+  underbrush evaluate my-set                                Cross-validated accuracy
+  underbrush train my-set --out model.json
+  underbrush reach mixed --out reach.parquet
+  underbrush classify model.json reach.parquet --online     Verdicts after every frame
+
+`underbrush COMMAND --help` explains a command. Results go to standard output, progress and errors to standard error. \
+With --json a command that fails prints {\"error\": {\"kind\", \"file\", \"line\", \"field\", \"found\", \"allowed\", \"remedy\", \
+\"message\"}} to standard output, too. Exit status: 0 success, 1 the run failed, 2 bad usage or input.";
+
+/// Simulates a compliant robot arm with tactile skin that reaches through foliage, and trains classifiers that tell
+/// from the skin's forces what each taxel touches: leaf or trunk.
+#[derive(Parser)]
+#[command(
+    name = "underbrush",
+    version = underbrush_experiments::dataset::PROGRAM_VERSION,
+    max_term_width = 100,
+    after_help = FIRST_STEPS
+)]
+struct Cli {
+    #[command(flatten)]
+    shared: Shared,
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// Options of all subcommands.
+#[derive(Args, Clone, Copy)]
+struct Shared {
+    /// Print the result as one JSON object
+    #[arg(long, global = true)]
+    json: bool,
+    /// Number of threads, at most 1024 [default: all cores]. Results do not depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = jobs)]
+    jobs: Option<usize>,
+}
+
+/// Largest number of threads. Choice: more than any machine has cores, about 800 today. Threads beyond the number of
+/// cores do not help, and each holds a reach in memory.
+const MAX_JOBS: usize = 1024;
+
+fn jobs(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(jobs) if (1..=MAX_JOBS).contains(&jobs) => Ok(jobs),
+        _ => Err(format!(
+            "must be a number from 1 to {MAX_JOBS}; more threads than cores do not help, and each takes memory"
+        )),
+    }
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Repeat the paper's experiments, and write a report with its tables beside the published ones
+    Reproduce(command::reproduce::ReproduceOptions),
+    /// Simulate one reach through a scene
+    Reach(command::reach::ReachOptions),
+    /// Write one draw of a scene as a scene file, object by object, to be changed by hand
+    Arrange(command::arrange::ArrangeOptions),
+    /// Simulate many reaches and write them as a data set
+    Generate(command::generate::GenerateOptions),
+    /// Join the parts that `generate --shard` made on several machines into one data set
+    Merge(command::merge::MergeOptions),
+    /// Fit a classifier to trials, or to whole frames, and save it as a model file
+    Train(command::train::TrainOptions),
+    /// Classify contact trials or frames: leaf, trunk, uncertain or outlier
+    Classify(command::classify::ClassifyOptions),
+    /// Cross-validate classifiers on trials with ground truth
+    Evaluate(command::evaluate::EvaluateOptions),
+    /// Write the contact trials of a data set as a table with one row per sample
+    Trials(command::trials::TrialsOptions),
+    /// Print the log-likelihood of each trial under each model, as CSV
+    Score(command::score::ScoreOptions),
+    /// Check the simulated physics against closed-form solutions
+    Validate(command::validate::ValidateOptions),
+    /// Run regression suites: check the results of scenes, controller and model against the bounds in a file
+    Check(command::check::CheckOptions),
+    /// Judge a model or a controller on frozen scenes, for a table that others can check
+    Benchmark(command::benchmark::BenchmarkOptions),
+    /// Check a scene, data set, recording, table of trials or model, and show what is in it
+    Inspect(command::inspect::InspectOptions),
+    /// Show reaches in the browser: the arm in 3-D, its skin, plots and verdicts over time
+    Replay(command::replay::ReplayOptions),
+    /// Name the Python call that writes reaches for other tools (MCAP, HDF5)
+    Export(command::export::ExportOptions),
+    /// Cut contact trials from a CSV or MCAP file of a real robot
+    Import(command::import::ImportOptions),
+    /// Fit stiffness, hardening and loss of a skin to a press test
+    FitSkin(command::fit_skin::FitSkinOptions),
+    /// Print the JSON Schema of scene, arm, skin, experiment, suite or model files, for use in an editor
+    Schema(command::schema::SchemaOptions),
+}
+
+/// The exit status of a program that did what it was told.
+const SUCCESS: u8 = 0;
+
+/// Runs the command line with these arguments, the first of which is the program's name. Returns the exit status: 0
+/// success, 1 the run failed, 2 bad usage or input.
+///
+/// ```
+/// assert_eq!(underbrush::run_command_line(["underbrush", "inspect", "mixed"].map(Into::into)), 0);
+/// ```
+pub fn run_command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(answer) => return output::usage(&answer),
+    };
+    let json = cli.shared.json;
+    underbrush_experiments::show_warnings(output::remark);
+    let last_panic = failure::record_panics();
+    interrupt::watch();
+    let result = catch_unwind(AssertUnwindSafe(|| run(cli))).unwrap_or_else(|_| Err(Failure::panic(last_panic)));
+    match result {
+        Ok(()) => SUCCESS,
+        Err(failure) if failure.is_closed_pipe() => SUCCESS,
+        Err(failure) => {
+            output::error(&failure, json);
+            failure.status()
+        }
+    }
+}
+
+fn run(cli: Cli) -> Result<(), Failure> {
+    if let Some(jobs) = cli.shared.jobs {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(jobs)
+            .build_global()
+            .map_err(|error| Failure::run(format!("cannot start {jobs} threads: {error}")))?;
+    }
+    let shared = cli.shared;
+    match cli.command {
+        Command::Reproduce(options) => command::reproduce::run(options, shared.json),
+        Command::Reach(options) => command::reach::run(options, shared.json),
+        Command::Arrange(options) => command::arrange::run(options, shared.json),
+        Command::Generate(options) => command::generate::run(options, shared.json),
+        Command::Merge(options) => command::merge::run(options, shared.json),
+        Command::Train(options) => command::train::run(options, shared.json),
+        Command::Classify(options) => command::classify::run(options, shared.json),
+        Command::Evaluate(options) => command::evaluate::run(options, shared.json),
+        Command::Trials(options) => command::trials::run(options, shared.json),
+        Command::Score(options) => command::score::run(options, shared.json),
+        Command::Validate(options) => command::validate::run(options, shared.json),
+        Command::Check(options) => command::check::run(options, shared.json),
+        Command::Benchmark(options) => command::benchmark::run(options, shared.json),
+        Command::Inspect(options) => command::inspect::run(options, shared.json),
+        Command::Replay(options) => command::replay::run(options, shared.json),
+        Command::Export(options) => command::export::run(options),
+        Command::Import(options) => command::import::run(options, shared.json),
+        Command::FitSkin(options) => command::fit_skin::run(options, shared.json),
+        Command::Schema(options) => command::schema::run(&options),
+    }
+}
