@@ -1,5 +1,6 @@
 //! The commands end to end, with small inputs.
 
+mod arrange;
 mod benchmark;
 mod check;
 mod classifiers;
@@ -15,6 +16,7 @@ mod kept;
 mod live;
 #[cfg(all(target_os = "linux", target_env = "gnu", target_arch = "x86_64"))]
 mod machines;
+mod materials;
 mod merge;
 mod models;
 #[cfg(feature = "onnx")]
