@@ -43,3 +43,14 @@ fn each_kind_of_thing_is_recognized() {
     assert_eq!(found["states_by_category"], serde_json::json!({ "leaf": 3, "trunk": 3 }));
     assert_eq!(found["features"], serde_json::json!(["force_n"]));
 }
+
+/// Tests that the torques of a set balance, and that only data sets are compared.
+#[test]
+fn torques_balance() {
+    let fixture = fixture();
+    let found = underbrush!["inspect", fixture.dataset(), "--audit", "--json"].json();
+    let scene = &found["torque_balance"]["trunk"];
+    assert!(scene["windows"].as_u64().unwrap() > 10, "{scene}");
+    assert!(scene["residual_share"].as_f64().unwrap() < scene["bound"].as_f64().unwrap(), "{scene}");
+    underbrush!["inspect", "mixed", "--audit"].refused(&["mixed", "data sets"]);
+}

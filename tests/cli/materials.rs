@@ -72,14 +72,3 @@ fn a_press_becomes_materials() {
         "skin_loss_time_s",
     ]);
 }
-
-/// Tests that the torques of a set balance, and that only data sets are compared.
-#[test]
-fn torques_balance() {
-    let fixture = crate::support::fixture::fixture();
-    let found = underbrush!["inspect", fixture.dataset(), "--audit", "--json"].json();
-    let scene = &found["torque_balance"]["trunk"];
-    assert!(scene["windows"].as_u64().unwrap() > 10, "{scene}");
-    assert!(scene["residual_share"].as_f64().unwrap() < scene["bound"].as_f64().unwrap(), "{scene}");
-    underbrush!["inspect", "mixed", "--audit"].refused(&["mixed", "data sets"]);
-}
