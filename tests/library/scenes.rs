@@ -119,7 +119,7 @@ fn goals_are_clear_of_trunks_and_rolls() {
         .into_iter()
         .map(|path| {
             let plan = plan(&path, 7);
-            let nearest = (0..1000u64).into_par_iter().map(|reach_index| {
+            let nearest = (0..300u64).into_par_iter().map(|reach_index| {
                 let clutter = plan.draw(reach_index).unwrap_or_else(|error| panic!("reach {reach_index}: {error}"));
                 let goals = clutter.goals.iter();
                 let distances = goals.flat_map(|goal| {

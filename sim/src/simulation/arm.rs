@@ -4,7 +4,8 @@ use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::Pose as WorldPose;
 
-use super::engine::{Engine, groups};
+use super::engine::Engine;
+use super::groups;
 use super::placed::{PlacedLink, Solid};
 use super::report::JointState;
 use crate::arm::Arm;

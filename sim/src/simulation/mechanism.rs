@@ -7,7 +7,8 @@ use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{BodyPart, BodyShape, Pose as WorldPose};
 
-use super::engine::{Engine, groups};
+use super::engine::Engine;
+use super::groups;
 use super::placed::Solid;
 use crate::dynamics::Tree;
 use crate::geometry::{engine_shape, parry_pose};

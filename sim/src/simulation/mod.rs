@@ -27,6 +27,7 @@ mod contact_points;
 mod contact_step;
 mod dormancy;
 mod engine;
+mod groups;
 mod mechanism;
 mod model;
 mod moving_shapes;

@@ -174,7 +174,7 @@ impl Scene {
                 at: PlacedLink { slot, link },
                 surface,
                 part,
-                is_root: groups.memberships == super::engine::groups::ROOTED,
+                is_root: groups.memberships == super::groups::ROOTED,
                 moves: tree.moves(link),
                 pose_link: inserted.position_wrt_parent().map_or(WorldPose::IDENTITY, from_parry),
                 bounds: Bounds::of(inserted.shape()),
