@@ -3,12 +3,15 @@
 //!
 //!     cargo run --release --example mapped -- run touch.json 7000 0 40 scenes/mixed.toml … > reaches.csv
 //!     cargo run --release --example mapped -- table reaches.csv
+//!     cargo run --release --example mapped -- map 7000 40 scenes/mixed.toml …
 //!     cargo run --release --example mapped -- plans 7000 40 scenes/mixed.toml …
+//!     cargo run --release --example mapped -- show none 7000 3 truth scenes/mixed.toml
 //!
 //! `run` takes the touch model (or `none`), the seed, the first reach, their number, and the scenes; controllers can be
-//! chosen with `--only NAME,NAME`. It prints a row of sums for each reach and controller. `table` prints means, and
-//! differences between controllers, with 95 % intervals from resampling whole reaches. `plans` prints how long plans take
-//! that know all obstacles.
+//! chosen with `--only 'NAME;NAME'`. It prints a row of sums for each reach and controller. `table` prints means, and
+//! differences between controllers, with 95 % intervals from resampling whole reaches. `map` compares
+//! the map at the end of each reach with the truth, `plans` prints how long plans take that know all obstacles, and `show`
+//! how the goals of one reach ended.
 #![allow(clippy::unwrap_used, reason = "a test or bench may end in a panic")]
 #![allow(clippy::print_stdout, reason = "the table is what it is run for")]
 
@@ -27,6 +30,7 @@ use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::{ProgressRule, Scene};
 use underbrush_sim::seed::stream;
 
+mod judged_map;
 mod table;
 
 /// The controllers, in the order of the table.
@@ -84,9 +88,10 @@ fn main() {
             show(&plan(scene, number(seed), number(index), name, verdicts.as_ref()).unwrap(), number(index));
         }
         ["table", file] => table::print(&std::fs::read_to_string(file).unwrap()),
+        ["map", seed, count, ref scenes @ ..] => judged_map::print(number(seed), number(count), scenes),
         ["plans", seed, count, ref scenes @ ..] => plans(number(seed), number(count), scenes),
         _ => println!(
-            "usage: mapped run MODEL SEED FIRST COUNT SCENE…, mapped table FILE, or mapped plans SEED COUNT SCENE…"
+            "usage: mapped run MODEL SEED FIRST COUNT SCENE…, mapped table FILE, mapped map|plans SEED COUNT SCENE…, or mapped show MODEL SEED REACH CONTROLLER SCENE"
         ),
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 
+use rayon::prelude::*;
 use serde_json::json;
 use underbrush_recording::disk::{
     ArmText, Dataset, DatasetPlan, DiskError, FileText, PlannedEpisode, Provenance, SceneText, Shard,
@@ -159,6 +160,17 @@ impl Campaign {
     /// Whether a finished data set is what this campaign would make.
     pub fn has_made(&self, dataset: &Dataset) -> Result<bool, Fault> {
         Ok(self.plan(&self.plans()?, &self.jobs())?.provenance == *dataset.provenance())
+    }
+
+    /// How many goals of its reaches have a way at all, and how many goals there are ([`ReachPlan::ways`]). It takes about a
+    /// tenth of the time of the reaches.
+    pub fn goals_with_a_way(&self) -> Result<(usize, usize), Fault> {
+        let plans = self.plans()?;
+        let counts = self.jobs().into_par_iter().map(|job| {
+            let ways = plans[job.plan].ways(job.reach_index)?;
+            Ok((ways.iter().filter(|way| way.is_ok()).count(), ways.len()))
+        });
+        counts.try_reduce(|| (0, 0), |a, b| Ok((a.0 + b.0, a.1 + b.1)))
     }
 
     /// Name of the first scene's controller.

@@ -74,6 +74,7 @@ fn scene(path: &Path, seed: u64) -> Result<Value, Fault> {
         "controller": plan.controller_name(),
         "objects": objects,
         "goals": clutter.goals.len(),
+        "goals_with_a_way": plan.ways(0)?.iter().filter(|way| way.is_ok()).count(),
         "physics": file.physics,
         "sensor": file.sensor,
         "blake3": plan.scene.hash(),

@@ -47,17 +47,6 @@ impl PyControllerInput {
     }
 }
 
-#[pymethods]
-impl PyControllerInput {
-    /// What touches every taxel that senses a force, with ``verdicts``: nothing, the name of a category, uncertain or
-    /// unknown; None where nothing judges it.
-    #[getter]
-    fn contact_verdict(&self) -> Vec<Option<&str>> {
-        let verdicts = self.contacts.iter().map(|contact| contact.verdict.as_ref());
-        verdicts.map(|verdict| verdict.map(|verdict| verdict.touched.name())).collect()
-    }
-}
-
 /// The rows of a matrix, one after the other.
 fn rows(matrix: &Matrix3xX<f64>) -> Vec<f64> {
     matrix.transpose().iter().copied().collect()
@@ -68,6 +57,14 @@ macro_rules! getters {
     ($($(#[$doc:meta])* $name:ident: |$own:ident| $numbers:expr, [$($size:expr),*];)*) => {
         #[pymethods]
         impl PyControllerInput {
+            /// What touches every taxel that senses a force, with ``verdicts``: nothing, the name of a category, uncertain or
+            /// unknown; None where nothing judges it.
+            #[getter]
+            fn contact_verdict(&self) -> Vec<Option<&str>> {
+                let verdicts = self.contacts.iter().map(|contact| contact.verdict.as_ref());
+                verdicts.map(|verdict| verdict.map(|verdict| verdict.touched.name())).collect()
+            }
+
             $(
                 $(#[$doc])*
                 #[getter]

@@ -158,6 +158,9 @@ def test_verdicts_reach_a_controller_in_python(data: ub.Dataset, tmp_path: Path,
             self.own = ub.ShippedController(arm)
 
         def __call__(self, given: ub.ControllerInput) -> np.ndarray:
+            assert given.contact_position_world.shape == given.contact_normal_world.shape
+            assert given.contact_link.shape == given.contact_verdict_probability.shape == given.contact_force_n.shape
+            assert len(given.contact_verdict) == len(given.contact_force_n)
             assert given.contact_allowed_force_n.shape == given.contact_force_n.shape
             allowed_n.extend(given.contact_allowed_force_n)
             return self.own(given)

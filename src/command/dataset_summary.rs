@@ -21,6 +21,8 @@ pub(super) struct Summary {
     simulated_s: f64,
     /// Wall time for making the set, s; `None` if the set was already finished, or was merged.
     wall_s: Option<f64>,
+    /// How many goals have a way at all, and how many goals there are; `None` for a set that was not simulated just now.
+    goals_with_a_way: Option<[usize; 2]>,
     #[serde(flatten)]
     ends: Ends,
     /// The worst residuals of the audit, each with its reach.
@@ -40,10 +42,16 @@ impl Summary {
             frames,
             simulated_s: frames as f64 * underbrush_recording::FRAME_PERIOD_S,
             wall_s,
+            goals_with_a_way: None,
             ends: Ends::of(episodes),
             audit: audit::worst(episodes, dataset.layout()),
             audit_counts: audit::counts(episodes),
         }
+    }
+
+    /// The summary with how many goals have a way at all, and how many goals there are.
+    pub(super) fn with_ways(self, (ways, goals): (usize, usize)) -> Self {
+        Summary { goals_with_a_way: Some([ways, goals]), ..self }
     }
 
     /// Readable text.
@@ -51,10 +59,13 @@ impl Summary {
         let pace = self.wall_s.map_or(String::new(), |wall_s| {
             format!(" in {wall_s:.0} s ({:.0} times real time)", self.simulated_s / wall_s.max(1e-9))
         });
+        let ways = self.goals_with_a_way.map_or(String::new(), |[ways, goals]| {
+            format!("{ways} of {goals} goals have a way round all fixed obstacles\n")
+        });
         format!(
             "{}, {:.0} s of simulated time{pace}\n\
              {}\n\
-             {}\n\
+             {ways}{}\n\
              data set in {}",
             counted(self.reaches, "reach", "reaches"),
             self.simulated_s,

@@ -139,6 +139,9 @@ pub fn run(options: GenerateOptions, json: bool) -> Result<(), Failure> {
         require_same_reaches(&dataset, source)?;
     }
     output::remarks(audit::warnings(dataset.episodes(), dataset.layout()));
-    let summary = Summary::of(&dataset, wall_s);
+    let mut summary = Summary::of(&dataset, wall_s);
+    if wall_s.is_some() {
+        summary = summary.with_ways(campaign.goals_with_a_way()?);
+    }
     output::result(json, &summary, || summary.text())
 }

@@ -155,6 +155,26 @@ fn reaches_with_verdicts_repeat() {
     assert!(first != plain);
 }
 
+/// Tests that contacts come with their true categories if, and only if, these are asked for, and with the forces that are
+/// allowed on them, by default and as asked.
+#[test]
+fn true_categories_are_told_when_asked() {
+    let (_, usual) = run(None);
+    assert!(!usual.is_empty() && usual.iter().all(|contact| contact.verdict.is_none()));
+    let asked = VerdictControl::truth().with_asked([("trunk".to_owned(), 2.0)]);
+    for (verdicts, allowed_n) in [(VerdictControl::truth(), 1.5), (asked, 2.0)] {
+        let (recording, told) = run(Some(&verdicts));
+        assert_eq!(recording.controller, "cody-2013+truth");
+        assert!(told.len() > 100);
+        for contact in &told {
+            // The scene has nothing but trunks.
+            let verdict = contact.verdict.as_ref().unwrap();
+            assert_eq!((verdict.touched.name(), verdict.probability), ("trunk", 1.0));
+            assert_eq!(contact.allowed_force_n, Some(allowed_n));
+        }
+    }
+}
+
 /// Tests that verdicts are refused for a controller that ignores contacts, and for a skin without the model's patch.
 #[test]
 fn verdicts_need_contacts_and_their_patch() {
