@@ -61,7 +61,7 @@ pub struct PlacedObject {
 
 impl PlacedObject {
     /// The object as ground truth in a recording, with the constants of its contacts that the scene sets or draws.
-    pub fn record(&self, materials: &Materials) -> ObjectRecord {
+    fn record(&self, materials: &Materials) -> ObjectRecord {
         let mut parameters: BTreeMap<String, f64> = self.object.parameters();
         parameters.extend(materials.values().map(|(name, value)| (name.to_owned(), value)));
         parameters.insert("yaw_rad".into(), self.yaw_rad);
@@ -102,6 +102,11 @@ impl PlacedObject {
 const ATTEMPTS: usize = 20;
 
 impl Clutter {
+    /// The objects as ground truth in a recording.
+    pub fn records(&self) -> Vec<ObjectRecord> {
+        self.objects.iter().map(|placed| placed.record(&self.materials)).collect()
+    }
+
     /// Draws the clutter of one reach.
     ///
     /// # Errors

@@ -1,7 +1,6 @@
 use std::fmt::Write;
 
 use underbrush_recording::{Category, Contact as Touching, GoalRecord, ObjectRecord, Outcome};
-use underbrush_sim::clutter::PlacedObject;
 use underbrush_sim::reach::ReachPlan;
 
 use super::contacts::{Answer, Class, OpenContact, Pressing};
@@ -16,7 +15,7 @@ fn drawn(path: &str) -> (ReachPlan, String) {
         None => ReachPlan::new(scene, None, 1).unwrap(),
     };
     let (clutter, mut text) = (plan.draw(0).unwrap(), String::new());
-    for record in clutter.objects.iter().map(PlacedObject::record) {
+    for record in clutter.records() {
         // Rounded, so that the last digits of a mathematical library do not matter.
         let foot = record.position_world;
         write!(text, "{} {:.6} {:.6}", record.kind, foot.x, foot.y).unwrap();

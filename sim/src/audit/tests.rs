@@ -12,7 +12,7 @@ fn free_arm(step_s: f64) -> Simulation {
     Simulation::new(Setup {
         sensor: Sensor::new(&SensorOptions::off(), &arm.skin, 0, "test", 0),
         arm,
-        clutter: Clutter { objects: Vec::new(), goals: Vec::new() },
+        clutter: Clutter::default(),
         physics: PhysicsOptions { step_s, gravity_m_per_s2: 9.81 },
         dormancy: false,
     })

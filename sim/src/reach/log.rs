@@ -22,8 +22,6 @@ pub(super) struct ReachLog {
 impl ReachLog {
     /// An empty log, for a simulation at its start.
     pub(super) fn new(plan: &ReachPlan, controller: &str, reach_index: u64, simulation: &Simulation) -> Self {
-        let clutter = simulation.clutter();
-        let objects = clutter.objects.iter();
         let recording = Recording {
             scene: plan.scene.name.clone(),
             controller: controller.into(),
@@ -32,7 +30,7 @@ impl ReachLog {
             rate_hz: 1.0 / FRAME_PERIOD_S,
             joint_names: plan.arm.joints.iter().map(|joint| joint.name.clone()).collect(),
             layout: plan.arm.skin.layout.clone(),
-            objects: objects.map(|placed| placed.record(&clutter.materials)).collect(),
+            objects: simulation.clutter().records(),
             bodies: Vec::new(),
             goals: Vec::new(),
             contacts: Vec::new(),

@@ -5,7 +5,6 @@
 use underbrush_recording::Category;
 
 use super::Scene;
-use crate::clutter::PlacedObject;
 use crate::reach::ReachPlan;
 
 /// Tests that keys under their earlier names mean the same as under the present ones, and that an error about such a
@@ -34,7 +33,7 @@ fn a_named_category_changes_nothing_but_the_truth() {
             "summary = \"A test\"\n[[objects.trunk]]\ncount = 2\n[[objects.trunk]]\ncount = 1\n{category}place = {{ x_m = 0.6 }}\n"
         );
         let plan = ReachPlan::new(Scene::parse("test.toml", text).unwrap(), None, 3).unwrap();
-        plan.draw(0).unwrap().objects.iter().map(PlacedObject::record).collect::<Vec<_>>()
+        plan.draw(0).unwrap().records()
     };
     let (usual, mut named) = (drawn(""), drawn("category = \"post\"\n"));
     assert_eq!(named.iter().map(|own| own.category.name()).collect::<Vec<_>>(), ["trunk", "trunk", "post"]);
