@@ -14,7 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::limits::CSV_BYTES;
-use underbrush_recording::{InputError, read_text};
+use underbrush_recording::{InputError, math, read_text};
 
 /// Fewest samples under load.
 const MIN_SAMPLES: usize = 20;
@@ -223,7 +223,7 @@ fn relaxation(samples: &[PressSample]) -> Option<f64> {
     let points = hold.iter().map(|sample| (sample.time_s - hold[0].time_s, sample.force_n));
     let points: Vec<(f64, f64)> = points
         .filter(|(time_s, _)| *time_s >= 0.1)
-        .map(|(time_s, force_n)| ((time_s / 0.1).log10(), force_n))
+        .map(|(time_s, force_n)| (math::log10(time_s / 0.1), force_n))
         .collect();
     let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
     let (decade, force_n) = (mean(|point| point.0), mean(|point| point.1));

@@ -35,7 +35,7 @@ segments = 2
 fn stays_finite(plan: &ReachPlan, what: &str) -> bool {
     let drawn = plan.draw(0);
     let can_be_drawn = drawn.is_ok();
-    let clutter = drawn.unwrap_or(Clutter::default());
+    let clutter = drawn.unwrap_or_default();
     run(plan, clutter, what);
     can_be_drawn
 }
