@@ -143,7 +143,7 @@ impl PyScene {
     #[pyo3(signature = (seed = 0, index = 0))]
     fn clutter<'py>(&self, py: Python<'py>, seed: u64, index: u64) -> Result<Bound<'py, PyDict>, Failure> {
         let clutter = guarded(|| Ok(ReachPlan::new(self.scene.clone(), None, seed)?.draw(index)?))?;
-        let objects: Vec<_> = clutter.objects.iter().map(|placed| placed.record()).collect();
+        let objects = clutter.records();
         let goals = clutter.goals.iter().flat_map(|goal| goal.to_array()).collect();
         let found = PyDict::new(py);
         found.set_item("objects", json::to_python(py, &objects)?)?;
