@@ -52,6 +52,7 @@ __all__ = [
     "replay_page",
     "reproduce",
     "run_campaign",
+    "run_command_line",
     "seconds_without_python",
     "step_many",
     "validate",
