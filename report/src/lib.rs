@@ -52,8 +52,9 @@ impl Written {
     /// The report of some results.
     pub fn of(results: &Results) -> Self {
         let mut report = Report::new(results);
-        what_was_run(&mut report);
+        in_short(&mut report);
         section::add_all(&mut report);
+        what_was_run(&mut report);
         let terminal = terminal(&report);
         let page = File { path: "index.html".into(), text: report.page.html() };
         let tables =
@@ -62,10 +63,24 @@ impl Written {
     }
 }
 
-fn what_was_run(report: &mut Report) {
+/// What the experiment is, and how near its table is to the published one.
+fn in_short(report: &mut Report) {
     let results = report.results;
-    let timing = &results.timing;
-    report.page.section("What was run");
+    report.page.section("In short");
+    for (recipe, points) in &results.outcomes.table_one.mean_absolute_difference_points {
+        let recipe = report::possessive(recipe);
+        report.page.paragraph(&format!(
+            "Accuracies of the cross-validation table differ from the published ones by {points:.1} percentage points on \
+             average ({recipe} recipe)."
+        ));
+    }
+    if results.quick {
+        let count = results.outcomes.training_data.reaches.count;
+        report.page.paragraph(&format!(
+            "This is a quick run of {count} training reaches. They are too few to tell whether single figures or their \
+             order agree; a run without --quick has the full number."
+        ));
+    }
     let introduction = results.definition.file.introduction.trim();
     if !introduction.is_empty() {
         report.page.paragraph(introduction);
@@ -73,6 +88,13 @@ fn what_was_run(report: &mut Report) {
     if report.published().is_some() {
         report.page.paragraph("Each section gives the paper's result, ours, and the difference.");
     }
+}
+
+/// Program, seed, machine and wall times.
+fn what_was_run(report: &mut Report) {
+    let results = report.results;
+    let timing = &results.timing;
+    report.page.section("What was run");
     let size = if results.quick { ", with fewer reaches (--quick)" } else { "" };
     report.page.list(&[
         format!("program: underbrush {}", results.program),

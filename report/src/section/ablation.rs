@@ -11,14 +11,11 @@ use crate::report::Report;
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &AblationResults) {
     let file = &report.results.definition.file;
-    if file.ablation.is_empty() {
+    // Quick runs leave it out: they have too few reaches.
+    if outcome.ablation.is_empty() {
         return;
     }
     report.section("ablation", "Ablation");
-    if outcome.ablation.is_empty() {
-        report.page.paragraph("Quick runs leave this out: they have too few reaches.");
-        return;
-    }
     report.page.paragraphs(sentence(&outcome.ablation));
     let changes = file.ablation.iter().map(|name| described(*name));
     let changes: Vec<String> = changes.map(|(name, what)| format!("{name}: {what}")).collect();
