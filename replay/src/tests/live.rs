@@ -121,7 +121,8 @@ fn commands_of_others_are_refused() {
         assert_eq!(command(&place, unknown).status, 404, "{unknown}");
     }
     assert_eq!(get(&place, "GET", "/api/reach/1").status, 404);
-    assert_eq!(count.load(Ordering::SeqCst), 1, "a refused command does nothing");
+    // The first frame is simulated without a command; on a busy machine it may still be to come.
+    assert!(count.load(Ordering::SeqCst) <= 1, "a refused command does nothing");
 }
 
 /// Tests that recordings in memory are listed and packed like recordings in files.
