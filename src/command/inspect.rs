@@ -18,7 +18,7 @@ pub struct InspectOptions {
     /// For a scene: seed of the draw that is tried
     #[arg(long, default_value_t = 0, value_name = "N")]
     seed: u64,
-    /// For a data set: also compare the joint torques with those of the stored contacts, Σ Jᵀ f, where the arm rests
+    /// For a data set: also check that the joint torques and the stored contacts explain the motion of the arm
     #[arg(long)]
     audit: bool,
 }
