@@ -104,6 +104,11 @@ pub struct PlacedShape {
 }
 
 impl PlacedShape {
+    /// The shape on a body at `pose`, if its own pose is in the frame of the body.
+    pub fn on(&self, pose: &Pose) -> Self {
+        PlacedShape { shape: self.shape.clone(), pose: *pose * self.pose }
+    }
+
     /// Distance to the surface of a capsule, m; 0 if they overlap.
     pub fn distance(&self, other: &Capsule) -> f64 {
         let capsule = parry3d::shape::Capsule::new(other.start, other.end, other.radius_m);

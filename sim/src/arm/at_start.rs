@@ -4,7 +4,7 @@ use glam::DVec3;
 use underbrush_recording::Pose;
 
 use super::Arm;
-use crate::geometry::{PlacedShape, engine_shape};
+use crate::geometry::PlacedShape;
 
 /// An arm, and where it starts.
 #[derive(Clone, Debug)]
@@ -56,13 +56,10 @@ fn path_length_m(points: &[DVec3]) -> f64 {
 impl Arm {
     /// The collision shapes of all links with their poses in the world, from the poses of the links.
     pub fn placed_shapes<'a>(&'a self, link_poses: &'a [Pose]) -> impl Iterator<Item = PlacedShape> + 'a {
-        self.links.iter().zip(link_poses).flat_map(|(link, link_pose)| {
-            link.colliders.iter().filter_map(move |collider| {
-                let (shape, rotation) = engine_shape(&collider.shape)?;
-                let pose = *link_pose * collider.pose_link * rotation;
-                Some(PlacedShape { shape, pose })
-            })
-        })
+        self.links
+            .iter()
+            .zip(link_poses)
+            .flat_map(|(link, link_pose)| link.colliders.iter().map(move |collider| collider.solid_link.on(link_pose)))
     }
 }
 

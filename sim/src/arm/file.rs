@@ -15,7 +15,7 @@ use super::schema::Within;
 use super::source::{Source, listed};
 use super::urdf::{Chain, ChainJoint, read_chain};
 use super::{Arm, ArmSource, Joint, LinkCollider, skin_file};
-use crate::geometry::{MAX_CORNERS, engine_shape};
+use crate::geometry::MAX_CORNERS;
 
 /// An arm: its URDF, its skin, and the properties that URDF cannot express.
 #[derive(Deserialize, JsonSchema)]
@@ -225,13 +225,13 @@ fn add_hull(source: &Source, table: &Spanned<HullTable>, chain: &mut Chain) -> R
         source.check_each(start, "hull.points_m", point, limits::PLACE_M)?;
     }
     let points_m: Vec<DVec3> = hull.points_m.iter().copied().map(DVec3::from_array).collect();
-    let shape = BodyShape::Hull { points_m };
-    let volume_m3 = engine_shape(&shape).map_or(0.0, |(shape, _)| shape.mass_properties(1.0).mass());
-    if !limits::HULL_VOLUME_M3.hold(volume_m3) {
+    let collider = LinkCollider::new(BodyShape::Hull { points_m }, pose);
+    let volume_m3 = collider.as_ref().map_or(0.0, |collider| collider.solid_link.shape.mass_properties(1.0).mass());
+    let Some(collider) = collider.filter(|_| limits::HULL_VOLUME_M3.hold(volume_m3)) else {
         let found = format!("{} points around {} m³", hull.points_m.len(), short(volume_m3));
         let allowed = format!("at least four points, not all in one plane, around {}", limits::HULL_VOLUME_M3);
         return Err(source.fault_after(start, "hull.points_m", found, allowed));
-    }
-    chain.links[link].colliders.push(LinkCollider { shape, pose_link: pose });
+    };
+    chain.links[link].colliders.push(collider);
     Ok(())
 }

@@ -11,6 +11,7 @@ use glam::{DMat3, DVec3};
 use underbrush_recording::{BodyShape, InputError, Pose, SkinLayout};
 
 use crate::contact::surface::Surface;
+use crate::geometry::{PlacedShape, engine_shape};
 
 mod at_start;
 mod file;
@@ -84,12 +85,28 @@ pub struct Link {
 }
 
 /// One collision shape of a link.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct LinkCollider {
     /// Shape.
     pub shape: BodyShape,
     /// Pose of the shape's frame in the link frame.
     pub pose_link: Pose,
+    /// The same shape for geometric queries, in the link frame. Hulls take long to find, so this is done once.
+    pub solid_link: PlacedShape,
+}
+
+impl LinkCollider {
+    /// `None` for a hull without volume or with too many corners.
+    pub fn new(shape: BodyShape, pose_link: Pose) -> Option<Self> {
+        let (solid, rotation) = engine_shape(&shape)?;
+        Some(LinkCollider { shape, pose_link, solid_link: PlacedShape { shape: solid, pose: pose_link * rotation } })
+    }
+}
+
+impl PartialEq for LinkCollider {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.shape, self.pose_link) == (&other.shape, other.pose_link)
+    }
 }
 
 /// One compliant revolute joint: torque = K (φ − q) − D q̇ about its axis, with the equilibrium angle φ.

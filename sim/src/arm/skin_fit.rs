@@ -8,7 +8,7 @@ use underbrush_recording::{InputError, Patch, Taxel};
 use super::skin::{FACING_COSINE, reach_m};
 use super::source::Source;
 use super::{Arm, Link};
-use crate::geometry::{PlacedShape, engine_shape};
+use crate::geometry::PlacedShape;
 
 /// A link's collision shapes, posed in its frame.
 struct Surface(Vec<PlacedShape>);
@@ -18,11 +18,7 @@ const STEP_M: f64 = 5e-4;
 
 impl Surface {
     fn of(link: &Link) -> Self {
-        let shapes = link.colliders.iter().filter_map(|collider| {
-            let (shape, rotation) = engine_shape(&collider.shape)?;
-            Some(PlacedShape { shape, pose: collider.pose_link * rotation })
-        });
-        Surface(shapes.collect())
+        Surface(link.colliders.iter().map(|collider| collider.solid_link.clone()).collect())
     }
 
     /// Distance of a point from the surface of all shapes together, m; negative inside.

@@ -281,7 +281,8 @@ impl<'a> Reader<'a> {
                 };
                 let origin = child(collision, "origin");
                 let frame = self.pose("link", part, &format!("{place}.origin"), origin)?;
-                colliders.push(LinkCollider { shape: self.shape(part, &place, collision)?, pose_link: *pose * frame });
+                // The shapes of a URDF always have a volume.
+                colliders.extend(LinkCollider::new(self.shape(part, &place, collision)?, *pose * frame));
             }
         }
         let mass_kg: f64 = parts.iter().map(|(mass, ..)| mass).sum();

@@ -207,22 +207,15 @@ impl Tree {
         &self.scratch.acceleration
     }
 
-    /// Changes the velocities u_θ of the step.
-    pub fn next_mut(&mut self) -> &mut [f64] {
-        &mut self.scratch.next
-    }
-
-    /// An entry of the mass matrix of the step: M + θ Δt D + (θ Δt)² K, kg m² or kg.
-    pub fn mass(&self, row: usize, column: usize) -> f64 {
-        let (row, column) = (row.max(column), row.min(column));
-        self.scratch.mass[row * self.coordinates.len() + column]
+    /// The coordinates that move a link, from its own towards the ground.
+    pub fn path(&self, link: usize) -> impl Iterator<Item = usize> + '_ {
+        std::iter::successors(self.links[link].last, |at| self.coordinates[*at].before)
     }
 
     /// The coordinates that move a link, from its own towards the ground, each with the velocity of the point of the link
     /// at `point_world` and the angular velocity per unit of the coordinate's velocity, world frame.
     pub fn motions(&self, link: usize, point_world: DVec3) -> impl Iterator<Item = (usize, [DVec3; 2])> + '_ {
-        let ancestors = std::iter::successors(self.links[link].last, |at| self.coordinates[*at].before);
-        ancestors.map(move |at| {
+        self.path(link).map(move |at| {
             let Coordinate { link, turns, axis_world, .. } = self.coordinates[at];
             let motion = match turns {
                 true => [axis_world.cross(point_world - self.links[link].pose_world.position), axis_world],

@@ -1,6 +1,7 @@
 //! Tests of joint trees against mechanics. The check `joint-trees` of `validate` compares them with Rapier's.
 
 use glam::{DMat3, DVec3};
+use nalgebra::{DMatrix, DVector};
 use underbrush_recording::Pose;
 
 use super::{Axis, LinkOptions, Tree};
@@ -83,13 +84,57 @@ fn the_mass_matrix_gives_the_kinetic_energy() {
     tree.begin(1e-3, Theta::EULER);
     tree.prepare(0.0);
     let speeds: Vec<f64> = tree.coordinates().iter().map(|own| own.velocity).collect();
-    let mut found = 0.0;
-    for row in 0..2 {
-        for column in 0..2 {
-            found += 0.5 * speeds[row] * tree.mass(row, column) * speeds[column];
-        }
-    }
+    let speeds = DVector::from_vec(speeds);
+    let found = 0.5 * speeds.dot(&(mass(&tree, &[0, 1]) * &speeds));
     assert!((found / kinetic_energy_j(&tree) - 1.0).abs() < 1e-13);
+}
+
+/// The symmetric matrix of [`Tree::mass_of`].
+fn mass(tree: &Tree, coordinates: &[usize]) -> DMatrix<f64> {
+    let (size, mut lower) = (coordinates.len(), Vec::new());
+    tree.mass_of(coordinates, &mut lower);
+    DMatrix::from_fn(size, size, |row, column| lower[row.max(column) * size + row.min(column)])
+}
+
+/// A shrub: a stem of two rods, on which two twigs of two rods stand, each on hinges across and along it, with springs.
+fn shrub() -> Tree {
+    let mut tree = Tree::new(Pose::IDENTITY, true);
+    for (link, parent) in [0, 1, 2, 3, 2, 5].into_iter().enumerate() {
+        let rod = LinkOptions {
+            parent,
+            joint_parent: Pose::from_position(DVec3::new(0.01 * link as f64, -0.02, 0.1)),
+            mass_kg: 0.1 + 0.01 * link as f64,
+            center_of_mass_link: DVec3::new(0.005, 0.0, 0.05),
+            inertia_link: DMat3::from_diagonal(DVec3::new(3e-4, 4e-4, 1e-4)),
+        };
+        let axes = [DVec3::X, DVec3::Z].map(|axis| Axis { spring: Spring::elastic(0.3, 0.002), ..hinge(axis) });
+        tree.add(rod, axes);
+    }
+    for (at, own) in tree.coordinates_mut().iter_mut().enumerate() {
+        (own.position, own.velocity) = (0.1 * at as f64 - 0.4, 0.5 - 0.2 * at as f64);
+    }
+    tree.place();
+    tree.begin(5e-3, Theta::MIDPOINT);
+    tree.prepare(GRAVITY_M_PER_S2);
+    tree
+}
+
+/// Tests the mass that some coordinates feel, and how the others follow, against nalgebra's solution of the whole equations
+/// of motion. A generalized force acts on the stem and on the first rod of one twig.
+#[test]
+fn coordinates_that_nothing_acts_on_follow_the_others() {
+    let mut tree = shrub();
+    let (all, unknowns): (Vec<usize>, _) = ((0..12).collect(), [0, 1, 2, 3, 8, 9]);
+    let force = DVector::from_fn(12, |at, _| if unknowns.contains(&at) { 0.2 - 0.03 * at as f64 } else { 0.0 });
+    let whole = mass(&tree, &all).lu().solve(&force).unwrap();
+    let own_force = DVector::from_iterator(6, unknowns.iter().map(|at| force[*at]));
+    let own = mass(&tree, &unknowns).lu().solve(&own_force).unwrap();
+    let free = tree.next().to_vec();
+    tree.set_next(|at| unknowns.iter().position(|own| *own == at).map(|place| free[at] + own[place]));
+    for at in all {
+        let change = tree.next()[at] - free[at];
+        assert!((change - whole[at]).abs() < 1e-10 * whole.amax(), "coordinate {at}: {change}, not {}", whole[at]);
+    }
 }
 
 /// Tests a free body: it falls with g t²/2, to the first order of the step, and keeps its angular momentum while it

@@ -236,6 +236,11 @@ impl Scene {
         self.placed.len()
     }
 
+    /// The tree in a slot; `None` if the slot is empty.
+    pub(super) fn tree(&self, slot: usize) -> Option<&Tree> {
+        self.placed[slot].as_ref().map(|placed| &placed.tree)
+    }
+
     /// All trees with their slots.
     pub(super) fn trees(&self) -> impl Iterator<Item = (usize, &Placed)> {
         self.placed.iter().enumerate().filter_map(|(slot, placed)| Some((slot, placed.as_ref()?)))

@@ -4,7 +4,6 @@ use nalgebra::{Matrix3, Vector3};
 use super::super::Arm;
 use super::super::skin::SurfaceForm;
 use super::kinematics::{matrix, modified_dh_frames};
-use crate::geometry::engine_shape;
 
 /// Mass (kg), centre of mass (m) and inertia Ixx Iyy Izz Ixy Ixz Iyz (kg m²) in the modified-DH frames, as published.
 type Published = (f64, [f64; 3], [f64; 6]);
@@ -93,11 +92,8 @@ fn flipper_skin_has_its_69_taxels_on_the_flipper() {
     for taxel in &patch.taxels {
         assert!((1e-4..=15e-4).contains(&taxel.area_m2));
         let distance = |collider: &super::super::LinkCollider| {
-            let (shape, rotation) = engine_shape(&collider.shape).unwrap();
-            shape.distance_to_local_point(
-                (collider.pose_link * rotation).inverse().transform_point(taxel.position_link),
-                false,
-            )
+            let solid = &collider.solid_link;
+            solid.shape.distance_to_local_point(solid.pose.inverse().transform_point(taxel.position_link), false)
         };
         let nearest =
             link.colliders.iter().map(distance).fold(f64::INFINITY, |a, b| if b.abs() < a.abs() { b } else { a });

@@ -1,33 +1,9 @@
-//! Lines through boxes and convex hulls.
+//! Lines through convex hulls.
 
-use glam::{DVec2, DVec3};
-use parry3d::shape::{ConvexPolyhedron, Cuboid};
+use glam::DVec2;
+use parry3d::shape::ConvexPolyhedron;
 
-use super::{Chord, End, Slope, View};
-
-/// Below this, the sine of the angle between a line and a face counts as zero.
-const PARALLEL: f64 = 1e-9;
-
-/// The faces of a shape, each as an outward unit normal and a point of it, in the shape's frame.
-pub(super) trait FlatShape {
-    fn flat(&self) -> impl Iterator<Item = (DVec3, DVec3)>;
-}
-
-impl FlatShape for Cuboid {
-    fn flat(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
-        let half = self.half_extents;
-        DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]).map(move |normal| (normal, normal * half))
-    }
-}
-
-impl FlatShape for ConvexPolyhedron {
-    fn flat(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
-        self.faces().iter().map(|face| {
-            let vertex = self.vertices_adj_to_face()[face.first_vertex_or_edge as usize];
-            (face.normal, self.points()[vertex as usize])
-        })
-    }
-}
+use super::{Chord, End, PARALLEL, Slope, View};
 
 /// Faces as linear functions of the place.
 #[derive(Clone, Debug, Default)]
@@ -41,14 +17,15 @@ pub struct Faces {
 }
 
 impl Faces {
-    /// Replaces the faces by those of another shape. Values and gradients are those at the view's origin.
-    pub(super) fn read(&mut self, faces: impl Iterator<Item = (DVec3, DVec3)>, view: &View) {
+    /// Replaces the faces by those of another hull. Values and gradients are those at the view's origin.
+    pub(super) fn read(&mut self, hull: &ConvexPolyhedron, view: &View) {
         self.entering.clear();
         self.leaving.clear();
         self.beside.clear();
-        for (normal, point) in faces {
-            let height = normal.dot(point - view.origin);
-            let across = view.components(normal);
+        for face in hull.faces() {
+            let vertex = hull.vertices_adj_to_face()[face.first_vertex_or_edge as usize];
+            let height = face.normal.dot(hull.points()[vertex as usize] - view.origin);
+            let across = view.components(face.normal);
             let inside = Slope { value: height, gradient: -across.truncate() };
             let end = || Slope { value: height / across.z, gradient: across.truncate() / -across.z };
             if across.z.abs() <= PARALLEL {

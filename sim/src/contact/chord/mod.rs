@@ -6,13 +6,17 @@
 use glam::{DVec2, DVec3};
 use parry3d::shape::{Shape, TypedShape};
 
-use flat::FlatShape;
 use round::{Capsule, Cylinder};
+use slabs::Slabs;
 
 mod flat;
 mod round;
+mod slabs;
 
 pub use flat::Faces;
+
+/// Below this, the sine of the angle between a line and a face or an axis counts as zero.
+const PARALLEL: f64 = 1e-9;
 
 /// A plane in the frame of a shape, and the direction of the lines.
 #[derive(Clone, Copy, Debug)]
@@ -101,8 +105,10 @@ pub enum Chords<'a> {
     Capsule(Capsule),
     /// Through a cylinder.
     Cylinder(Cylinder),
-    /// Through a box or a convex hull.
-    Flat(&'a Faces),
+    /// Through a box.
+    Box(Slabs),
+    /// Through a convex hull.
+    Hull(&'a Faces),
 }
 
 impl<'a> Chords<'a> {
@@ -116,13 +122,10 @@ impl<'a> Chords<'a> {
                 Chords::Capsule(Capsule::new(ends, capsule.radius, view))
             }
             TypedShape::Cylinder(cylinder) => Chords::Cylinder(Cylinder::new(cylinder, view)),
-            TypedShape::Cuboid(cuboid) => {
-                faces.read(cuboid.flat(), view);
-                Chords::Flat(faces)
-            }
+            TypedShape::Cuboid(cuboid) => Chords::Box(Slabs::new(cuboid, view)),
             TypedShape::ConvexPolyhedron(hull) => {
-                faces.read(hull.flat(), view);
-                Chords::Flat(faces)
+                faces.read(hull, view);
+                Chords::Hull(faces)
             }
             _ => return None,
         })
@@ -133,7 +136,8 @@ impl<'a> Chords<'a> {
         match self {
             Chords::Capsule(capsule) => capsule.at(place, end),
             Chords::Cylinder(cylinder) => cylinder.at(place, end),
-            Chords::Flat(faces) => faces.at(place, end),
+            Chords::Box(slabs) => slabs.at(place, end),
+            Chords::Hull(faces) => faces.at(place, end),
         }
     }
 }

@@ -3,10 +3,7 @@
 use glam::{DVec2, DVec3};
 use parry3d::shape;
 
-use super::{Chord, End, Slope, View};
-
-/// Below this, the sine of an angle counts as zero.
-const PARALLEL: f64 = 1e-9;
+use super::{Chord, End, PARALLEL, Slope, View};
 
 /// A capsule in the components of a view; a ball is one of length 0.
 #[derive(Clone, Copy, Debug)]

@@ -24,6 +24,7 @@ impl Solver {
         self.impulse.resize(size, 0.0);
         self.step.resize(size, 0.0);
         self.shape_matrix();
+        self.turn_columns();
         self.read_speeds(false);
         for patch in &mut self.patches {
             patch.before = split(&patch.speeds).1;

@@ -98,6 +98,8 @@ pub struct Solver {
     blocks: Vec<Block>,
     mass: Vec<f64>,
     columns: Vec<[f64; ROWS]>,
+    /// The same side by side, row by row, so that sums over columns are vector instructions.
+    rows: Vec<f64>,
     nodes: Vec<Node>,
     patches: Vec<Patch>,
     stops: Vec<Stop>,

@@ -25,6 +25,20 @@ impl Solver {
         self.matrix.reset(columns);
     }
 
+    /// Writes the columns of each side row by row.
+    pub(super) fn turn_columns(&mut self) {
+        self.rows.resize(ROWS * self.columns.len(), 0.0);
+        for side in self.patches.iter().flat_map(|patch| patch.sides.iter().flatten()) {
+            let size = self.blocks[side.block].size;
+            let rows = &mut self.rows[ROWS * side.columns..][..ROWS * size];
+            for (at, column) in self.columns[side.columns..][..size].iter().enumerate() {
+                for (row, entry) in column.iter().enumerate() {
+                    rows[row * size + at] = *entry;
+                }
+            }
+        }
+    }
+
     /// Assembles the matrix M + Σ Jᵀ (−∂λ/∂v) J. With `is_coupled`, friction changes with the normal impulse, which
     /// makes the matrix unsymmetric.
     pub(super) fn assemble(&mut self, is_coupled: bool) {
@@ -54,12 +68,10 @@ impl Solver {
                         }
                         let other_block = self.blocks[other.block];
                         let width = if other.block == own.block { row + 1 } else { other_block.size };
-                        let columns = &self.columns[other.columns..other.columns + width];
+                        let rows = &self.rows[ROWS * other.columns..][..ROWS * other_block.size];
                         let targets = self.matrix.row_and_column_mut(own_block.offset + row, other_block.offset);
                         for (target, pushed) in targets.into_iter().zip(&sides) {
-                            for (entry, column) in target.iter_mut().zip(columns) {
-                                *entry += pushed.iter().zip(column).map(|(a, b)| a * b).sum::<f64>();
-                            }
+                            add_products(&mut target[..width], pushed, rows);
                         }
                     }
                 }
@@ -136,6 +148,20 @@ impl Solver {
             }
         }
         sum
+    }
+}
+
+/// Adds to each entry the product of `pushed` with its column, of which `rows` holds the rows one after the other.
+fn add_products(entries: &mut [f64], pushed: &[f64; ROWS], rows: &[f64]) {
+    let (size, count) = (rows.len() / ROWS, entries.len());
+    let [a, b, c, d, e, f]: [&[f64]; ROWS] = std::array::from_fn(|row| &rows[row * size..][..count]);
+    for at in 0..count {
+        entries[at] += pushed[0] * a[at]
+            + pushed[1] * b[at]
+            + pushed[2] * c[at]
+            + pushed[3] * d[at]
+            + pushed[4] * e[at]
+            + pushed[5] * f[at];
     }
 }
 

@@ -150,6 +150,20 @@ impl Planner<'_> {
     /// # Errors
     /// [`NoWay`].
     pub fn plan(&mut self, start_rad: &[f64], goal: DVec3, random: &mut ChaCha8Rng) -> Result<Vec<Vec<f64>>, NoWay> {
+        let path = self.any_path(start_rad, goal, random)?;
+        Ok(self.shortened(path, random))
+    }
+
+    /// As [`Planner::plan`], but the path may have needless corners. It is found sooner.
+    ///
+    /// # Errors
+    /// [`NoWay`].
+    pub fn any_path(
+        &mut self,
+        start_rad: &[f64],
+        goal: DVec3,
+        random: &mut ChaCha8Rng,
+    ) -> Result<Vec<Vec<f64>>, NoWay> {
         if !self.is_free(start_rad) {
             return Err(NoWay::Wedged);
         }
@@ -161,8 +175,7 @@ impl Planner<'_> {
         if let Some(end) = shortest(straight) {
             return Ok(vec![start_rad.to_vec(), end]);
         }
-        let path = self.connect(start_rad, postures, random).ok_or(NoWay::NotFound)?;
-        Ok(self.shortened(path, random))
+        self.connect(start_rad, postures, random).ok_or(NoWay::NotFound)
     }
 
     /// Free postures at the goal, and those of them to which a straight way is free.

@@ -10,10 +10,11 @@ impl ContactStep {
     /// Writes the velocities into the trees, and the contacts of the step into [`ContactStep::contacts`].
     pub(super) fn apply(&mut self, scene: &mut Scene, step_s: f64) {
         let scratch = &mut self.scratch;
-        for slot in &scratch.order {
-            let block = scratch.block_of_tree[*slot];
+        for (slot, block) in scratch.blocks.trees() {
             if scratch.solver.is_changed(block) {
-                scene.tree_mut(*slot).next_mut().copy_from_slice(scratch.solver.velocity(block));
+                let velocity = scratch.solver.velocity(block);
+                let places = scratch.blocks.places(slot);
+                scene.tree_mut(slot).set_next(|at| places[at].map(|place| velocity[place]));
             }
         }
         for (patch, candidate) in scratch.candidates.iter().enumerate() {

@@ -237,16 +237,24 @@ impl Meeting<'_> {
 }
 
 impl Candidate {
-    /// Writes the six speeds of one side for each generalized velocity. The columns of velocities that do not move the link
-    /// stay as they are.
-    pub(super) fn fill_columns(&self, tree: &Tree, link: usize, sign: f64, columns: &mut [[f64; ROWS]]) {
+    /// Writes the six speeds of one side for each unknown of its tree, whose columns `places` gives. The columns of unknowns
+    /// that do not move the link stay as they are.
+    pub(super) fn fill_columns(
+        &self,
+        tree: &Tree,
+        link: usize,
+        sign: f64,
+        places: &[Option<usize>],
+        columns: &mut [[f64; ROWS]],
+    ) {
         let plane = &self.plane;
         let [first, second] = plane.tangents_world;
         let normal = plane.normal_world;
         let to_center = in_plane(&plane.tangents_world, self.center.x, self.center.y);
         for (at, [linear, angular]) in tree.motions(link, plane.origin_world) {
+            let Some(place) = places[at] else { continue };
             let at_center = linear + angular.cross(to_center);
-            columns[at] = [
+            columns[place] = [
                 sign * linear.dot(normal),
                 sign * angular.dot(first),
                 sign * angular.dot(second),

@@ -14,9 +14,11 @@ use crate::contact::patch::Node;
 use crate::contact::plane::Plane;
 use crate::contact::solver::{Convergence, Solver};
 use crate::physics::{PhysicsOptions, Theta};
+use blocks::Blocks;
 use candidate::{Candidate, Found, Meeting};
 
 mod apply;
+mod blocks;
 mod candidate;
 mod missed;
 mod stops;
@@ -104,11 +106,7 @@ struct Scratch {
     apart: Vec<(PairKey, Kept)>,
     /// By slot: Σ k/m over the contacts, 1/s².
     contact_rate: Vec<f64>,
-    /// By slot: the number of patches and stops, and the block of the solver.
-    patches_of_tree: Vec<usize>,
-    block_of_tree: Vec<usize>,
-    /// The slots of the trees that have a block, in the order of the blocks.
-    order: Vec<usize>,
+    blocks: Blocks,
     kept: Vec<(PairKey, Kept)>,
     solver: Solver,
 }
@@ -121,7 +119,9 @@ impl ContactStep {
         self.convergence = Convergence::default();
         self.find_patches(scene, step_s);
         self.choose_theta(scene, options);
-        if self.choose_blocks(scene, step_s) {
+        let Scratch { candidates, blocks, solver, .. } = &mut self.scratch;
+        solver.start(step_s);
+        if blocks.choose(scene, candidates, solver) {
             self.fill_solver(scene);
             self.convergence = self.scratch.solver.solve();
             self.apply(scene, step_s);
@@ -195,52 +195,26 @@ impl ContactStep {
         }
     }
 
-    /// Gives every tree that something may touch, or that is near an end stop, a block of the solver. The more patches
-    /// and stops a tree has, the later its block. Returns whether there are any blocks.
-    fn choose_blocks(&mut self, scene: &Scene, step_s: f64) -> bool {
-        let Scratch { candidates, patches_of_tree: counts, block_of_tree, order, solver, .. } = &mut self.scratch;
-        solver.start(step_s);
-        counts.clear();
-        counts.resize(scene.slots(), 0);
-        for PlacedLink { slot, .. } in candidates.iter().flat_map(|candidate| candidate.links.iter().flatten()) {
-            counts[*slot] += 1;
-        }
-        for (slot, placed) in scene.trees() {
-            counts[slot] += stops::near(&placed.tree).count();
-        }
-        order.clear();
-        order.extend((0..counts.len()).filter(|slot| counts[*slot] > 0));
-        order.sort_by_key(|slot| counts[*slot]);
-        block_of_tree.clear();
-        block_of_tree.resize(scene.slots(), usize::MAX);
-        for slot in order.iter() {
-            let tree = &scene.placed(*slot).tree;
-            block_of_tree[*slot] = solver.add_block(
-                tree.coordinates().iter().map(|own| own.velocity),
-                tree.next().iter().copied(),
-                |row, column| tree.mass(row, column) / tree.theta().value(),
-            );
-        }
-        !order.is_empty()
-    }
-
     fn fill_solver(&mut self, scene: &Scene) {
-        let Scratch { candidates, nodes, block_of_tree, order, solver, .. } = &mut self.scratch;
+        let Scratch { candidates, nodes, blocks, solver, .. } = &mut self.scratch;
         for candidate in candidates.iter() {
             let nodes = &nodes[candidate.nodes.0..candidate.nodes.1];
             let patch = solver.add_patch(candidate.law, nodes, candidate.deflection);
             for (side, link) in candidate.links.iter().enumerate() {
                 let Some(PlacedLink { slot, link }) = *link else { continue };
                 let sign = if side == 0 { 1.0 } else { -1.0 };
-                let columns = solver.add_side(patch, side, block_of_tree[slot]);
-                candidate.fill_columns(&scene.placed(slot).tree, link, sign, columns);
+                let columns = solver.add_side(patch, side, blocks.block(slot));
+                candidate.fill_columns(&scene.placed(slot).tree, link, sign, blocks.places(slot), columns);
             }
         }
-        for slot in order.iter() {
-            let first = solver.offset(block_of_tree[*slot]);
-            let tree = &scene.placed(*slot).tree;
-            for stop in stops::near(tree).flat_map(|(at, own)| stops::rows(first + at, own, tree)) {
-                solver.add_stop(stop);
+        for (slot, block) in blocks.trees() {
+            let first = solver.offset(block);
+            let (tree, places) = (&scene.placed(slot).tree, blocks.places(slot));
+            for (at, own) in stops::near(tree) {
+                let index = places[at].map(|place| first + place);
+                for stop in index.into_iter().flat_map(|index| stops::rows(index, own, tree)) {
+                    solver.add_stop(stop);
+                }
             }
         }
     }
