@@ -15,6 +15,7 @@ import underbrush.distributed
 import underbrush.gym
 import underbrush.hdf5
 import underbrush.mcap
+import underbrush.ros2
 import underbrush.rerun
 import underbrush.sklearn
 
@@ -65,6 +66,7 @@ def page() -> str:
         ("underbrush.rerun", underbrush.rerun, ["log"]),
         ("underbrush.hdf5", underbrush.hdf5, ["export", "csv_of"]),
         ("underbrush.mcap", underbrush.mcap, ["export"]),
+        ("underbrush.ros2", underbrush.ros2, ["export"]),
         ("underbrush.gym", underbrush.gym, ["ReachEnv", "ReachVectorEnv"]),
     ]
     for title, module, names in modules:

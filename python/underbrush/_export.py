@@ -47,12 +47,13 @@ def reaches_in(places: list[Path], out: Path) -> tuple[int, Iterator[_core.Reach
     return sum(len(one) if isinstance(one, _core.Dataset) else 1 for one in sets), read()
 
 
-def export_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser], help: str, out: str) -> None:
+def export_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser], help: str, out: str) -> argparse.ArgumentParser:
     """Adds the subcommand ``export``."""
     parser = commands.add_parser("export", help=help)
     parser.add_argument("data", nargs="+", type=Path, help="data sets (folders) or recordings (.parquet)")
     parser.add_argument("--out", required=True, type=Path, help=out)
     parser.add_argument("--force", action="store_true", help="overwrite a file that exists")
+    return parser
 
 
 def status(run: Callable[[], object]) -> int:

@@ -228,6 +228,13 @@ def _scene(bodies: Sequence[dict[str, Any]], objects: Sequence[dict[str, Any]]) 
     return {"deletions": [], "entities": entities}
 
 
+def _goal(nanoseconds: int, position: NDArray[np.float64]) -> dict[str, Any]:
+    """The goal of the hand."""
+    entity = _entity("goal", _WORLD, nanoseconds)
+    _add(entity, {"sphere": {"radius_m": _GOAL_RADIUS_M}}, _pose(position.tolist()), _GOAL_COLOR)
+    return entity
+
+
 class _Writer:
     """Writes the messages of a reach."""
 
@@ -290,9 +297,7 @@ class _Writer:
             if frame == 0:
                 self.send("/scene", now, _scene(bodies, objects))
             if frame == 0 or not np.array_equal(goals[frame], goals[frame - 1]):
-                entity = _entity("goal", _WORLD, now)
-                _add(entity, {"sphere": {"radius_m": _GOAL_RADIUS_M}}, _pose(goals[frame]), _GOAL_COLOR)
-                self.send("/goal", now, {"deletions": [], "entities": [entity]})
+                self.send("/goal", now, {"deletions": [], "entities": [_goal(now, goals[frame])]})
             for patch in patches:
                 self.skin(now, patch, sensed_n[patch["name"]][frame])
         self.writer.finish()

@@ -1,0 +1,106 @@
+"""Bags of ROS 2, read back with rosbags and, independently of what wrote them, with the decoder of mcap-ros2-support."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import underbrush as ub
+import underbrush.ros2
+
+rosbag2 = pytest.importorskip("rosbags.rosbag2")
+mcap = pytest.importorskip("mcap.reader")
+ros2 = pytest.importorskip("mcap_ros2.decoder")
+
+URDF = '<robot name="one"><link name="base"/></robot>'
+
+
+@pytest.fixture(scope="module")
+def reach(data: ub.Dataset) -> ub.Reach:
+    return data[0]
+
+
+@pytest.fixture(scope="module")
+def bag(reach: ub.Reach, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("ros2")
+    (folder / "arm.urdf").write_text(URDF)
+    underbrush.ros2.export(reach, folder / "bag", urdf=folder / "arm.urdf")
+    return folder / "bag"
+
+
+@pytest.fixture(scope="module")
+def decoded(bag: Path) -> dict[str, list[tuple[int, Any]]]:
+    """The times, ns, and messages of each topic, by the independent decoder."""
+    topics: dict[str, list[tuple[int, Any]]] = {}
+    with open(bag / "bag.mcap", "rb") as file:
+        reader = mcap.make_reader(file, validate_crcs=True, decoder_factories=[ros2.DecoderFactory()])
+        for found in reader.iter_decoded_messages():
+            topics.setdefault(found.channel.topic, []).append((found.message.log_time, found.decoded_message))
+    return topics
+
+
+def test_the_bag_is_whole(bag: Path, reach: ub.Reach) -> None:
+    """Tests that rosbags finds every topic, with as many messages as the reach has frames, all in CDR."""
+    with rosbag2.Reader(bag) as reader:
+        counts = {connection.topic: connection.msgcount for connection in reader.connections}
+        read = sum(1 for _ in reader.messages())
+    each_frame = ["/joint_states", "/equilibrium", "/tf"]
+    for patch in reach.skin.layout["patches"]:
+        name = patch["name"]
+        each_frame += [f"/skin/{name}", f"/skin/{name}/pressed", f"/truth/contact_force/{name}"]
+    assert {topic: counts.pop(topic) for topic in each_frame} == dict.fromkeys(each_frame, len(reach))
+    assert counts.pop("/goal") == len(reach.goals)
+    assert counts == {"/scene": 1, "/robot_description": 1}
+    assert read == len(reach) * len(each_frame) + len(reach.goals) + 2
+    assert (bag / "robot.urdf").read_text() == URDF
+
+
+def test_joints_forces_and_contacts_come_back(decoded: dict[str, list[tuple[int, Any]]], reach: ub.Reach) -> None:
+    """Tests the numbers of joints, taxels and contact forces, at their times."""
+    times = [round(time_s * 1e9) for time_s in reach.time_s]
+    assert [time for time, _ in decoded["/joint_states"]] == times
+    positions = [message.position for _, message in decoded["/joint_states"]]
+    assert np.array_equal(positions, reach.column("observation.state"))
+    for patch in reach.skin.layout["patches"]:
+        name, places = patch["name"], reach.skin.positions_link(patch["name"])
+        forces_n = reach.sensed_force_n(name)
+        grids = decoded[f"/skin/{name}"]
+        assert np.array_equal([message.data for _, message in grids], forces_n)
+        assert int(np.prod([dimension.size for dimension in grids[0][1].layout.dim])) == len(places)
+        for (_, cloud), own in zip(decoded[f"/skin/{name}/pressed"], forces_n, strict=True):
+            taxels = np.flatnonzero(own > 0)
+            points = np.frombuffer(bytes(cloud.data), "<f4").reshape(-1, 4)
+            assert np.allclose(points, np.column_stack([places[taxels], own[taxels]]), atol=1e-6)
+            assert cloud.header.frame_id == patch["link"] and cloud.width == len(taxels)
+        wrenches = [message.wrench.force for _, message in decoded[f"/truth/contact_force/{name}"]]
+        found = [[force.x, force.y, force.z] for force in wrenches]
+        assert np.array_equal(found, reach.column(f"truth.contact_force.{name}"))
+    assert max(reach.sensed_force_n(patch["name"]).max() for patch in reach.skin.layout["patches"]) > 0.03
+
+
+def test_every_shape_has_a_frame(decoded: dict[str, list[tuple[int, Any]]], reach: ub.Reach) -> None:
+    """Tests that the frame of every marker is in the transforms of the first frame, with the pose of its body."""
+    (_, scene), (_, first) = decoded["/scene"][0], decoded["/tf"][0]
+    frames = {one.child_frame_id: one.transform.translation for one in first.transforms}
+    assert {marker.header.frame_id for marker in scene.markers} <= set(frames)
+    assert len(scene.markers) >= sum(1 for body in reach.bodies if body["parts"])
+    for body, found in zip(reach.bodies, frames.values(), strict=True):
+        moved = len(body["moved_frames"]) > 0 and body["moved_frames"][0] == 0
+        expected = body["poses_world"][0][:3] if moved else body["rest_pose_world"]["position"]
+        assert np.allclose([found.x, found.y, found.z], expected, atol=1e-12)
+
+
+def test_nothing_else_is_overwritten(reach: ub.Reach, tmp_path: Path) -> None:
+    """Tests that a bag is replaced only with ``force``, and that a folder which is no bag is never removed."""
+    underbrush.ros2.export(reach, tmp_path / "bag")
+    with pytest.raises(ub.InputError, match="exists already"):
+        underbrush.ros2.export(reach, tmp_path / "bag")
+    underbrush.ros2.export(reach, tmp_path / "bag", force=True)
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "thesis.txt").write_text("years of work")
+    with pytest.raises(ub.InputError, match="choose another name"):
+        underbrush.ros2.export(reach, tmp_path / "other", force=True)
+    assert (tmp_path / "other" / "thesis.txt").exists()
