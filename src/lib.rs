@@ -109,7 +109,7 @@ enum Command {
     Inspect(command::inspect::InspectOptions),
     /// Show reaches in the browser: the arm in 3-D, its skin, plots and verdicts over time
     Replay(command::replay::ReplayOptions),
-    /// Name the Python call that writes reaches for other tools (MCAP, HDF5)
+    /// Name the Python call that writes reaches for other tools (MCAP, ROS 2, HDF5)
     Export(command::export::ExportOptions),
     /// Cut contact trials from a CSV or MCAP file of a real robot
     Import(command::import::ImportOptions),
@@ -117,6 +117,8 @@ enum Command {
     FitSkin(command::fit_skin::FitSkinOptions),
     /// Print the JSON Schema of scene, arm, skin, experiment, suite or model files, for use in an editor
     Schema(command::schema::SchemaOptions),
+    /// Print a shell's completion script, or write manual pages
+    Completions(command::completions::CompletionsOptions),
 }
 
 /// The exit status of a program that did what it was told.
@@ -176,5 +178,6 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Import(options) => command::import::run(options, shared.json),
         Command::FitSkin(options) => command::fit_skin::run(options, shared.json),
         Command::Schema(options) => command::schema::run(&options),
+        Command::Completions(options) => command::completions::run::<Cli>(&options),
     }
 }

@@ -26,8 +26,10 @@ pub struct ExportOptions {
 /// The formats.
 #[derive(Clone, Copy, ValueEnum)]
 enum Format {
-    /// For Foxglove and tools of ROS 2: python -m underbrush.mcap export
+    /// For Foxglove: python -m underbrush.mcap export
     Mcap,
+    /// Bags of ROS 2: python -m underbrush.ros2 export
+    Ros2,
     /// In the shape of robomimic's data sets: python -m underbrush.hdf5 export
     Hdf5,
 }
@@ -36,6 +38,7 @@ enum Format {
 pub fn run(options: ExportOptions) -> Result<(), Failure> {
     let (name, module) = match options.to {
         Format::Mcap => ("MCAP", "mcap"),
+        Format::Ros2 => ("a bag of ROS 2", "ros2"),
         Format::Hdf5 => ("HDF5", "hdf5"),
     };
     let remedy = format!("write it with `python -m underbrush.{module} export DATA --out PATH`");

@@ -4,6 +4,7 @@ pub mod arrange;
 pub mod benchmark;
 pub mod check;
 pub mod classify;
+pub mod completions;
 mod dataset_summary;
 mod decision_arguments;
 mod estimator_arguments;

@@ -12,7 +12,7 @@ const KEYS: [&str; 8] = ["allowed", "field", "file", "found", "kind", "line", "m
 
 /// For every subcommand but `schema` arguments with which it fails, and the kind of this error. `OUT` is a path that can
 /// be written, and `FILE` a file.
-const FAILING: [(&[&str], &str); 18] = [
+const FAILING: [(&[&str], &str); 19] = [
     (&["reproduce", "--experiment", "absent.toml", "--out", "OUT"], "input"),
     (&["reach", "absent.toml"], "input"),
     (&["arrange", "absent.toml", "--out", "OUT.toml"], "input"),
@@ -30,6 +30,7 @@ const FAILING: [(&[&str], &str); 18] = [
     (&["inspect", "absent"], "input"),
     (&["replay", "absent"], "input"),
     (&["export", "absent", "--to", "mcap", "--out", "OUT"], "usage"),
+    (&["completions", "--manual", "FILE/man"], "run"),
     (&["import", "absent.csv", "--mapping", "absent.toml", "--out", "OUT.csv"], "input"),
 ];
 

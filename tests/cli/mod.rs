@@ -5,6 +5,7 @@ mod benchmark;
 mod check;
 mod classifiers;
 mod classify;
+mod completions;
 mod evaluate;
 mod exchange;
 mod experiment;

@@ -1,0 +1,39 @@
+//! `underbrush completions`: what a shell needs to complete commands, and manual pages.
+
+use std::path::PathBuf;
+
+use clap::{Args, CommandFactory};
+use clap_complete::Shell;
+
+use crate::failure::Failure;
+use crate::output;
+
+/// Options of `underbrush completions`.
+#[derive(Args)]
+#[command(after_help = "\
+bash:  underbrush completions bash > ~/.local/share/bash-completion/completions/underbrush
+zsh:   underbrush completions zsh > ~/.zfunc/_underbrush      (with ~/.zfunc in fpath)
+fish:  underbrush completions fish > ~/.config/fish/completions/underbrush.fish
+man:   underbrush completions --manual ~/.local/share/man/man1")]
+pub struct CompletionsOptions {
+    /// Shell whose script to print
+    #[arg(value_enum, required_unless_present = "manual")]
+    shell: Option<Shell>,
+    /// Folder to write manual pages to, one for each command. Pages of the same names are replaced
+    #[arg(long, value_name = "DIR", conflicts_with = "shell")]
+    manual: Option<PathBuf>,
+}
+
+/// Prints the script, or writes the pages of a program with this command line.
+pub fn run<Cli: CommandFactory>(options: &CompletionsOptions) -> Result<(), Failure> {
+    let mut program = Cli::command();
+    if let Some(shell) = options.shell {
+        let mut script = Vec::new();
+        clap_complete::generate(shell, &mut program, "underbrush", &mut script);
+        return output::lines([String::from_utf8_lossy(&script).trim_end().to_owned()]);
+    }
+    let Some(folder) = &options.manual else { return Ok(()) };
+    std::fs::create_dir_all(folder)
+        .and_then(|()| clap_mangen::generate_to(program.disable_help_subcommand(true), folder))
+        .map_err(|error| Failure::run(format!("{}: {error}", folder.display())))
+}

@@ -1,0 +1,26 @@
+//! `underbrush completions`.
+
+use crate::support::underbrush;
+
+/// Tests that every script knows the commands and options, and that bash takes its script.
+#[test]
+fn shells_get_scripts() {
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = underbrush!["completions", shell].success();
+        assert!(script.contains("fit-skin") && script.contains("punch-area-cm2"), "{shell}");
+    }
+    let script = underbrush!["completions", "bash"].success();
+    let bash = std::process::Command::new("bash").args(["-n", "-c", &script]).output().unwrap();
+    assert!(bash.status.success(), "{}", String::from_utf8_lossy(&bash.stderr));
+}
+
+/// Tests that there is a manual page for the program and each command, with the options of that command.
+#[test]
+fn commands_have_manual_pages() {
+    let folder = tempfile::tempdir().unwrap();
+    let man = folder.path().join("man1");
+    underbrush!["completions", "--manual", man].success();
+    let page = |name: &str| std::fs::read_to_string(man.join(name)).unwrap();
+    assert!(page("underbrush.1").contains("underbrush\\-generate(1)"));
+    assert!(page("underbrush-generate.1").contains("\\-\\-reaches"));
+}
