@@ -17,7 +17,7 @@ trap 'rm -rf "$wheels"' EXIT
 # distribution has fewer crates than the lock file, and cargo must be free to drop the others from it.
 "$venv/bin/maturin" build --release --locked --quiet --interpreter "$python" --out "$wheels"
 "$python" -m pip install --quiet --force-reinstall --no-deps "$wheels"/*.whl
-"$python" -m pip install --quiet "underbrush[test] @ file://$(echo "$wheels"/*.whl)"
+"$python" -m pip install --quiet "underbrush[test,docs] @ file://$(echo "$wheels"/*.whl)"
 
 # The installed package is tested, not the folder beside this file: separate programs and -P keep this folder out of the
 # module path.
@@ -35,3 +35,5 @@ done
 # The notebooks match the scripts, and the page of all calls matches the docstrings.
 "$python" -P notebooks.py --check examples/*.py
 "$python" -P docs.py --check ../docs/python-api.md
+# The documentation is a site without broken links.
+"$venv/bin/mkdocs" build --strict --quiet --config-file ../mkdocs.yml --site-dir "$wheels/site"

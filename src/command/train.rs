@@ -27,11 +27,11 @@ use crate::output::{self, cells};
 #[derive(Args)]
 pub struct TrainOptions {
     /// Data set (folder), recording, or table of trials (`trial`, `category`, `time_s`, `force_n` are required). With
-    /// --classifier touch: one or more data sets, recordings and scene files (.toml), which are simulated
+    /// --classifier touch: one or more data sets, recordings and scenes (names or .toml files), which are simulated
     #[arg(required = true)]
     trials: Vec<PathBuf>,
-    /// With --classifier touch: data sets, recordings and scene files of unknown objects to train on, such as
-    /// scenes/auxiliary/*.toml. Their objects of categories that TRIALS lack are unknown, a family for each category; without
+    /// With --classifier touch: data sets, recordings and scenes of unknown objects to train on, such as
+    /// soft-rolls stiff-poles free-cylinders stalks. Their objects of categories that TRIALS lack are unknown, a family for each category; without
     /// them nothing is called unknown
     #[arg(long, value_name = "DATASET", num_args = 1..)]
     auxiliary: Vec<PathBuf>,

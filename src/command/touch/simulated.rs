@@ -1,19 +1,19 @@
-//! Data sets of scene files, made for one training and then thrown away.
+//! Data sets of scenes, made for one training and then thrown away.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use tempfile::TempDir;
 use underbrush_experiments::dataset::Campaign;
-use underbrush_sim::scene::Scene;
+use underbrush_sim::scene::{Scene, shipped_by_name};
 
 use crate::failure::Failure;
 use crate::progress::Shown;
 
-/// Options on scene files that are given in place of data sets.
+/// Options on scenes that are given in place of data sets.
 #[derive(Args)]
 pub struct SimulatedArguments {
-    /// With --classifier touch and scene files in place of data sets: simulate this many reaches of each scene
+    /// With --classifier touch and scenes in place of data sets: simulate this many reaches of each scene
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     reaches: Option<u64>,
     /// Seed of these reaches, as for `underbrush generate`
@@ -30,25 +30,25 @@ impl SimulatedArguments {
         }
     }
 
-    /// The paths with one data set, which is made in the folder, in place of all scene files.
+    /// The paths with one data set, which is made in the folder, in place of all scenes.
     pub(super) fn sets(&self, paths: &[PathBuf], folder: &Path) -> Result<Vec<PathBuf>, Failure> {
         let (scenes, mut sets): (Vec<PathBuf>, Vec<PathBuf>) = paths.iter().cloned().partition(|path| is_scene(path));
         if let Some(scene) = scenes.first() {
             let reaches = self.reaches.ok_or_else(|| {
-                let text = "is a scene file; say with --reaches how many of its reaches to simulate and train on";
+                let text = "is a scene; say with --reaches how many of its reaches to simulate and train on";
                 Failure::usage(format!("{} {text}", scene.display()))
             })?;
-            let scenes: Result<Vec<Scene>, _> = scenes.iter().map(Scene::load).collect();
+            let scenes: Result<Vec<Scene>, _> = scenes.iter().map(Scene::open).collect();
             Campaign::new(scenes?, reaches, self.seed)?.write(folder, false, &Shown)?;
             sets.push(folder.to_owned());
         }
         Ok(sets)
     }
 
-    /// A folder for the sets beside the model file; `None` if no path is a scene file.
+    /// A folder for the sets beside the model file; `None` if no path is a scene.
     pub(super) fn folder(&self, paths: &[PathBuf], out: &Path) -> Result<Option<TempDir>, Failure> {
         if !paths.iter().any(|path| is_scene(path)) {
-            self.refuse("applies to scene files in place of data sets")?;
+            self.refuse("applies to scenes in place of data sets")?;
             return Ok(None);
         }
         let beside = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -58,6 +58,8 @@ impl SimulatedArguments {
     }
 }
 
+/// Whether this is a scene file or the name of a scene that ships. A data set of that name comes first.
 fn is_scene(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending == "toml")
+    let ships = || shipped_by_name().any(|(name, _)| path == Path::new(name));
+    path.extension().is_some_and(|ending| ending == "toml") || (!path.exists() && ships())
 }

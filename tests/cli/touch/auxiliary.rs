@@ -97,10 +97,11 @@ fn bad_auxiliary_sets_are_refused() {
     train(&leaf, &["--reaches", "2"])
         .refused(&["no unknown objects in the auxiliary sets", "a category that the data sets lack"]);
     train(&posts, &["--reaches", "1"]).refused(&["objects of the auxiliary category post", "10 or more"]);
-    train(&posts, &[]).refused(&["posts.toml", "is a scene file", "--reaches"]);
+    train(Path::new("leaf"), &[]).refused(&["leaf", "is a scene", "--reaches"]);
+    train(&posts, &[]).refused(&["posts.toml", "is a scene", "--reaches"]);
     train(&set, &[]).refused(&["the same input twice"]);
     train(&inputs.path().join("none"), &[]).refused(&["none"]);
-    train(&set.join("meta"), &["--reaches", "1"]).refused(&["--reaches", "applies to scene files", "leave it out"]);
+    train(&set.join("meta"), &["--reaches", "1"]).refused(&["--reaches", "applies to scenes", "leave it out"]);
     for options in [&["--auxiliary", "x"][..], &["--reaches", "3"]] {
         let mut words: Vec<std::ffi::OsString> = vec!["train".into(), fixture().table_csv().into(), "--out".into()];
         words.push(out.clone().into());
