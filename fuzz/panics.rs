@@ -1,6 +1,6 @@
 //! What fuzz targets do about panics.
 
-/// Makes panics silent. The decoders of Parquet and MCAP panic on some damaged files, and the readers turn these
+/// Makes panics silent. The decoder of Parquet panics on some damaged files, and the readers turn these
 /// panics into errors. libFuzzer's hook would end the program at once. A panic that the readers do not catch still ends
 /// the program, because `fuzz_target!` reports it.
 pub fn expect_panics() {

@@ -23,13 +23,12 @@ pub type Parser = fn(&[u8]) -> bool;
 
 /// All parsers, by the name of their fuzz target.
 #[allow(dead_code, reason = "each fuzz target calls one")]
-pub const PARSERS: [(&str, Parser); 15] = [
+pub const PARSERS: [(&str, Parser); 14] = [
     ("arm", arm),
     ("data_set", data_set),
     ("experiment", experiment),
     ("frame_lines", frame_lines),
     ("import_csv", import_csv),
-    ("import_mcap", import_mcap),
     ("mapping", mapping),
     ("model", model),
     ("recording", recording),
@@ -220,10 +219,7 @@ pub fn mapping(bytes: &[u8]) -> bool {
         let Ok(mapping) = Mapping::load(path) else {
             return false;
         };
-        let seeds = [
-            ("log.csv", &include_bytes!("corpus/import_csv/palm.csv")[..]),
-            ("log.mcap", &include_bytes!("corpus/import_mcap/reach.mcap")[..]),
-        ];
+        let seeds = [("log.csv", &include_bytes!("corpus/import_csv/palm.csv")[..])];
         for (name, bytes) in seeds {
             let file = path.with_file_name(name);
             fs::write(&file, bytes).expect("a file to import");
@@ -246,9 +242,4 @@ fn imported(name: &str, bytes: &[u8], mapping: &str) -> bool {
 /// A robot's CSV file.
 pub fn import_csv(bytes: &[u8]) -> bool {
     imported("log.csv", bytes, include_str!("corpus/mapping/csv.toml"))
-}
-
-/// A robot's MCAP file.
-pub fn import_mcap(bytes: &[u8]) -> bool {
-    imported("log.mcap", bytes, include_str!("corpus/mapping/mcap.toml"))
 }

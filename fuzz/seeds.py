@@ -4,7 +4,7 @@
     python3 fuzz/seeds.py [--underbrush target/release/underbrush]
 
 Run it again when a format changes. It replaces what it wrote before and keeps the other files of the corpus, which fuzzing
-has found. Needs the Python package `underbrush[mcap]`.
+has found.
 """
 
 import argparse
@@ -32,13 +32,6 @@ patch = "palm"
 threshold_n = 0.1
 category_from = "label"
 reach_from = "run"
-""",
-    "mcap.toml": """[force]
-topic = "/skin/sleeve"
-from = "sensed_force_n"
-[trial]
-category = "trunk"
-min_samples = 1
 """,
 }
 
@@ -163,9 +156,6 @@ def main():
             path = os.path.join(folder, f"of-reach-{name}")
             run("trials", reach, "--min-samples", "1", "--out", path)
             seed(name.replace(".", "_"), f"reach.{name.split('.')[1]}", read(path))
-        path = os.path.join(folder, "reach.mcap")
-        subprocess.run([sys.executable, "-m", "underbrush.mcap", "export", reach, "--out", path], check=True)
-        seed("import_mcap", "reach.mcap", read(path))
         whole = os.path.join(folder, "set")
         run("generate", thicket, "--reaches", "1", "--seed", "5", "--out", whole)
         files = [os.path.join(place, name) for place, _, names in os.walk(whole) for name in names]

@@ -65,7 +65,7 @@ def page() -> str:
         ("underbrush.distributed", underbrush.distributed, ["generate", "reproduce", "benchmark"]),
         ("underbrush.rerun", underbrush.rerun, ["log"]),
         ("underbrush.hdf5", underbrush.hdf5, ["export", "csv_of"]),
-        ("underbrush.mcap", underbrush.mcap, ["export"]),
+        ("underbrush.mcap", underbrush.mcap, ["export", "csv_of"]),
         ("underbrush.ros2", underbrush.ros2, ["export"]),
         ("underbrush.gym", underbrush.gym, ["ReachEnv", "ReachVectorEnv"]),
     ]

@@ -111,7 +111,7 @@ enum Command {
     Replay(command::replay::ReplayOptions),
     /// Name the Python call that writes reaches for other tools (MCAP, ROS 2, HDF5)
     Export(command::export::ExportOptions),
-    /// Cut contact trials from a CSV or MCAP file of a real robot
+    /// Cut contact trials from a CSV file of a real robot
     Import(command::import::ImportOptions),
     /// Fit stiffness, hardening and loss of a skin to a press test
     FitSkin(command::fit_skin::FitSkinOptions),

@@ -1,6 +1,6 @@
 //! Reads what other robots felt: contact trials from files, and frames from live streams.
 //!
-//! * [`import`] cuts trials from a CSV or MCAP file, as a mapping file describes.
+//! * [`import`] cuts trials from a CSV file, as a mapping file describes.
 //! * [`live`] reads the lines of a live stream of frames.
 //! * [`press`] fits the law of a skin to a press test.
 

@@ -199,10 +199,12 @@ def check(schema: dict[str, Any], value: Any) -> None:
 def test_trials_through_mcap_are_those_of_the_reach(
     reach: ub.Reach, path: Path, command: Callable[..., Any], tmp_path: Path
 ) -> None:
-    """Tests that the command line imports the trials that the reach has."""
-    mapping, table = tmp_path / "map.toml", tmp_path / "trials.parquet"
-    mapping.write_text('[force]\ntopic = "/skin/forearm"\nfrom = "sensed_force_n"\n')
-    assert command("import", path, "--mapping", mapping, "--out", table)["frames"] == len(reach)
+    """Tests that the command line imports the trials that the reach has, from the CSV file of the MCAP file."""
+    log, mapping, table = tmp_path / "log.csv", tmp_path / "map.toml", tmp_path / "trials.parquet"
+    assert underbrush.mcap.main(["csv", str(path), "--topic", "/skin/forearm", "--field", "sensed_force_n", "--out", str(log)]) == 0
+    taxels = len(reach.skin.positions_link("forearm"))
+    mapping.write_text(f'[time]\nfrom = "time"\n[force]\nfrom = "force_{{taxel}}"\ntaxels = {taxels}\n')
+    assert command("import", log, "--mapping", mapping, "--out", table)["frames"] == len(reach)
 
     def known(trials: ub.Trials) -> list[tuple[int | None, list[tuple[float, float]]]]:
         samples = [list(zip(trial.time_s.round(6), trial.force_n, strict=True)) for trial in list(trials)]
@@ -233,3 +235,33 @@ def test_several_reaches_become_a_folder(data: ub.Dataset, tmp_path: Path, capsy
     assert len(list(folder.iterdir())) == 2
     assert main(["export", str(tmp_path / "nowhere"), "--out", str(tmp_path / "new.mcap")]) == 2
     assert "nowhere" in capsys.readouterr().err and not (tmp_path / "new.mcap").exists()
+
+
+def test_logs_become_csv(reach: ub.Reach, path: Path, tmp_path: Path) -> None:
+    """Tests that the forces of a grid in JSON, and numbers of a message of ROS 2, come back at their times."""
+    for topic, field, expected in (
+        ("/skin/forearm", "sensed_force_n", reach.sensed_force_n("forearm", dtype="float64")),
+        ("/joint_states", "effort", reach.column("observation.torque")),
+    ):
+        out = tmp_path / "log.csv"
+        assert underbrush.mcap.csv_of(path, out, topic, field, force=True) == len(reach)
+        table = np.loadtxt(out, delimiter=",", skiprows=1)
+        assert np.array_equal(table[:, 1:], expected)
+        assert np.allclose(table[:, 0], reach.time_s - reach.time_s[0], atol=1e-9)
+        assert out.read_text().startswith("time,force_0,force_1,")
+
+
+def test_logs_without_the_forces_are_refused(path: Path, tmp_path: Path) -> None:
+    """Tests that a wrong topic or field and a file that is cut are errors which say what there is."""
+    out = tmp_path / "log.csv"
+    with pytest.raises(ub.InputError, match=r"'/palm'; allowed: .*/skin/forearm"):
+        underbrush.mcap.csv_of(path, out, "/palm")
+    with pytest.raises(ub.InputError, match="'depth'; allowed: sensed_force_n"):
+        underbrush.mcap.csv_of(path, out, "/skin/forearm", "depth")
+    with pytest.raises(ub.InputError, match="'name', which has no numbers"):
+        underbrush.mcap.csv_of(path, out, "/joint_states", "name")
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(path.read_bytes()[:-1000])
+    with pytest.raises(ub.InputError, match="cut.mcap"):
+        underbrush.mcap.csv_of(cut, out, "/joint_states", "effort")
+    assert not out.exists()

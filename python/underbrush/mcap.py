@@ -1,6 +1,7 @@
-"""MCAP: reaches for `Foxglove <https://foxglove.dev>`_ and for tools of ROS 2, one file for each reach.
+"""MCAP: reaches for `Foxglove <https://foxglove.dev>`_, one file for each reach, and logs of other robots as CSV.
 
     python -m underbrush.mcap export reach.parquet --out reach.mcap
+    python -m underbrush.mcap csv log.mcap --topic /skin --out log.csv
 
 Needs mcap: ``pip install 'underbrush[mcap]'``.
 """
@@ -9,11 +10,12 @@ from __future__ import annotations
 
 import argparse
 import base64
+import csv
 import json
 import re
 import struct
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations
 from os import PathLike
 from pathlib import Path
@@ -23,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, _export
+from ._errors import InputError
 
 # The root frame, which is the parent of all others.
 _WORLD = "world"
@@ -394,15 +397,131 @@ def export(
         _Writer(file, reaches).run()
 
 
+def csv_of(
+    path: str | PathLike[str], out: str | PathLike[str], topic: str, field: str = "data", *, force: bool = False
+) -> int:
+    """Write the forces in an MCAP file as CSV, which ``underbrush import`` reads with a mapping.
+
+    The columns are ``time`` (s since the first message of the topic) and ``force_0``, ``force_1``, … for the taxels.
+
+    Parameters
+    ----------
+    path, out : path
+        The MCAP file, such as that of a bag of ROS 2, and the CSV file to write.
+    topic : str
+        The topic of the forces. Its messages are JSON, or any type of ROS 2 in CDR.
+    field : str
+        Where a message has its numbers: names joined by dots, which lead to a list or a single number, such as ``data`` of
+        the arrays of ``std_msgs`` or ``wrench.force.z``. For ``foxglove.Grid`` the name of a field of its cells.
+    force : bool
+        Overwrite a file that exists.
+
+    Returns
+    -------
+    int
+        The number of messages.
+
+    Raises
+    ------
+    InputError
+        If something is not in the file, or has another shape or type, or if ``out`` exists and ``force`` is not set.
+    """
+    rows = 0
+    with open(path, "rb") as file, _export.whole(Path(out), force) as temporary:
+        with open(temporary, "w", newline="", encoding="utf-8") as text:
+            writer, taxels, start = csv.writer(text), 0, 0
+            for nanoseconds, message in _messages(file, path, topic):
+                forces_n = _numbers(path, message, field)
+                if rows == 0:
+                    taxels, start = len(forces_n), nanoseconds
+                    writer.writerow(["time", *(f"force_{taxel}" for taxel in range(taxels))])
+                if len(forces_n) != taxels:
+                    raise _fault(path, f"{topic}, message {rows + 1}", f"{len(forces_n)} taxels", f"{taxels}, as in the first message")
+                writer.writerow([(nanoseconds - start) / 10**9, *forces_n])
+                rows += 1
+    return rows
+
+
+def _fault(path: object, field: str, found: str, allowed: str) -> InputError:
+    remedy = "`mcap info` lists topics and types"
+    message = f"{path}: {field}: found {found}; allowed: {allowed}; {remedy}"
+    return InputError(message, file=str(path), field=field, found=found, allowed=allowed, remedy=remedy)
+
+
+def _messages(file: Any, path: object, topic: str) -> Iterator[tuple[int, Any]]:
+    """The times, ns, and messages of a topic in their order."""
+    try:
+        from mcap.exceptions import McapError
+        from mcap.reader import make_reader
+        from mcap_ros2.decoder import DecoderFactory
+    except ImportError as error:
+        raise ImportError("underbrush.mcap needs mcap: pip install 'underbrush[mcap]'") from error
+    try:
+        reader: Any = make_reader(file, validate_crcs=True)
+        summary = reader.get_summary()
+        topics = sorted({channel.topic for channel in summary.channels.values()}) if summary else []
+        if topic not in topics:
+            raise _fault(path, "topic", repr(topic), ", ".join(topics) or "a complete file with topics")
+        decoders, decoded = DecoderFactory(), {}
+        for schema, channel, message in reader.iter_messages([topic]):
+            if channel.id not in decoded:
+                decoder = decoders.decoder_for(channel.message_encoding, schema)
+                decoded[channel.id] = json.loads if channel.message_encoding == "json" else decoder
+            decode = decoded[channel.id]
+            if decode is None:
+                raise _fault(path, topic, f"messages of encoding {channel.message_encoding}", "JSON, or ROS 2 in CDR")
+            yield message.log_time, decode(message.data)
+    except (McapError, ValueError, struct.error, EOFError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise _fault(path, "file", str(error) or type(error).__name__, "a complete MCAP file") from error
+
+
+# The types of ``foxglove.PackedElementField``.
+_PACKED_TYPES = {1: "<u1", 2: "<i1", 3: "<u2", 4: "<i2", 5: "<u4", 6: "<i4", 7: "<f4", 8: "<f8"}
+
+
+def _numbers(path: object, message: Any, field: str) -> list[float]:
+    """The numbers in a field of a message."""
+    if isinstance(message, dict) and "cell_stride" in message:
+        own = next((own for own in message["fields"] if own["name"] == field), None)
+        if own is None:
+            raise _fault(path, "field", repr(field), ", ".join(own["name"] for own in message["fields"]))
+        columns, stride = message["column_count"], message["cell_stride"]
+        rows = np.frombuffer(base64.b64decode(message["data"]), np.uint8).reshape(-1, message["row_stride"])
+        cells = rows[:, : columns * stride].reshape(-1, stride)[:, own["offset"] :]
+        kind = np.dtype(_PACKED_TYPES[own["type"]])
+        return [float(number) for number in np.ascontiguousarray(cells[:, : kind.itemsize]).view(kind).ravel()]
+    value = message
+    for name in field.split("."):
+        value = value.get(name) if isinstance(value, dict) else getattr(value, name, None)
+    try:
+        numbers = np.atleast_1d(np.asarray(value, dtype=np.float64))
+    except (TypeError, ValueError):
+        numbers = np.full((1, 1), np.nan)
+    if numbers.ndim != 1 or not np.isfinite(numbers).all():
+        raise _fault(path, "field", f"{field!r}, which has no numbers", "a list of finite numbers, or one")
+    return [float(number) for number in numbers]
+
+
 def main(arguments: list[str] | None = None) -> int:
     """The command line: ``python -m underbrush.mcap --help``."""
     parser = argparse.ArgumentParser(prog="python -m underbrush.mcap", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
     out = "file to write; for several reaches the folder, with one file reach-000000.mcap, ... for each"
-    _export.export_parser(commands, "write reaches for Foxglove and ROS 2", out)
+    _export.export_parser(commands, "write reaches for Foxglove", out)
+    log = commands.add_parser("csv", help="write the forces of a log as CSV, for `underbrush import`")
+    log.add_argument("log", type=Path, help="MCAP file")
+    log.add_argument("--topic", required=True, help="topic of the forces")
+    log.add_argument("--field", default="data", help="where a message has them, such as wrench.force.z [default: data]")
+    log.add_argument("--out", required=True, type=Path, help="CSV file to write")
+    log.add_argument("--force", action="store_true", help="overwrite a file that exists")
     options = parser.parse_args(arguments)
 
     def run() -> None:
+        if options.command == "csv":
+            csv_of(options.log, options.out, options.topic, options.field, force=options.force)
+            return
         count, reaches = _export.reaches_in(options.data, options.out)
         export(next(reaches) if count == 1 else reaches, options.out, force=options.force)
 

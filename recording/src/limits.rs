@@ -202,16 +202,8 @@ pub const EXPANSION: Ceiling = Ceiling {
 /// What a file of any length may declare to hold.
 const EXPANDED_BYTES: u64 = 64 << 20;
 
-/// Chunks of MCAP files.
-pub const MCAP_CHUNK_BYTES: Ceiling = Ceiling {
-    what: "a record or chunk of an MCAP file, before compression",
-    most: 256 << 20,
-    unit: "bytes",
-    why: "chunks have some megabytes",
-};
-
 /// The ceilings that docs/data.md lists.
-pub const CEILINGS: [&Ceiling; 10] = [
+pub const CEILINGS: [&Ceiling; 9] = [
     &TEXT_BYTES,
     &JSON_BYTES,
     &CSV_BYTES,
@@ -221,7 +213,6 @@ pub const CEILINGS: [&Ceiling; 10] = [
     &NAME_BYTES,
     &TEXT_COLUMN_BYTES,
     &EXPANSION,
-    &MCAP_CHUNK_BYTES,
 ];
 
 #[cfg(test)]

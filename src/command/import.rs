@@ -15,7 +15,7 @@ use crate::output;
 /// ImportOptions of `underbrush import`.
 #[derive(Args)]
 pub struct ImportOptions {
-    /// File to read: .csv or .mcap
+    /// CSV file to read
     file: PathBuf,
     /// Mapping (TOML): which numbers are the forces on which taxels, in which unit. docs/exchange.md describes it
     #[arg(long, value_name = "FILE")]

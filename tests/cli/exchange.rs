@@ -103,18 +103,23 @@ fn what_cannot_be_imported_is_refused() {
     assert!(!table.exists());
 }
 
-/// Tests that `export` names the Python call for each format, and `import` the one for HDF5.
+/// Tests that `export` names the Python call for each format, and `import` those for HDF5 and MCAP.
 #[test]
 fn exports_are_left_to_python() {
     let folder = tempfile::tempdir().unwrap();
-    let [out, log] = ["out", "log.h5"].map(|name| folder.path().join(name));
+    let [out, log, bag] = ["out", "log.h5", "log.mcap"].map(|name| folder.path().join(name));
     let export = |format: &str| underbrush!["export", fixture().dataset(), "--to", format, "--out", out];
     export("mcap").refused(&["MCAP", "python -m underbrush.mcap export"]);
     export("hdf5").refused(&["HDF5", "python -m underbrush.hdf5 export"]);
-    export("rosbag").refused(&["rosbag", "mcap, hdf5"]);
-    std::fs::write(&log, "").unwrap();
+    export("rosbag").refused(&["rosbag", "mcap, ros2, hdf5"]);
+    export("ros2").refused(&["ROS 2", "python -m underbrush.ros2 export"]);
+    for file in [&log, &bag] {
+        std::fs::write(file, "").unwrap();
+    }
     let map = mapping(folder.path(), "[time]\nrate_hz = 100\n[force]\nfrom = \"data/force\"\n");
     underbrush!["import", log, "--mapping", map, "--out", folder.path().join("trials.csv")]
         .refused(&["log.h5", "python -m underbrush.hdf5 csv"]);
+    underbrush!["import", bag, "--mapping", map, "--out", folder.path().join("trials.csv")]
+        .refused(&["log.mcap", "python -m underbrush.mcap csv"]);
     assert!(!out.exists());
 }

@@ -69,7 +69,6 @@ impl Columns {
 
 /// Hands all rows of the file to the cutter.
 pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Result<(), InputError> {
-    mapping.refuse("force.topic", mapping.force.topic.is_some(), "CSV")?;
     if mapping.time.from.is_none() && mapping.time.rate_hz.is_none() {
         return Err(mapping.fault("time.from", "nothing".into(), "the column of the times, or `rate_hz`"));
     }

@@ -39,7 +39,7 @@ struct MappingFile {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TimeTable {
-    /// Where the times are: a column of a CSV file. Not for MCAP, whose messages have a time.
+    /// The column of the times.
     pub(super) from: Option<String>,
     /// Unit of these times: `s` (default), `ms`, `us` or `ns`.
     pub(super) unit: Option<String>,
@@ -51,12 +51,9 @@ pub(super) struct TimeTable {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ForceTable {
-    /// Topic of the messages; only for MCAP.
-    pub(super) topic: Option<String>,
-    /// Where the forces are. CSV: the column of each taxel, with `{taxel}` in place of its number from 0. MCAP: the field
-    /// of the message that holds the list of forces, `data` for the arrays of `std_msgs`.
+    /// The column of each taxel, with `{taxel}` in place of its number from 0.
     pub(super) from: String,
-    /// Number of taxels; only for CSV. MCAP files hold it themselves.
+    /// Number of taxels.
     pub(super) taxels: Option<u32>,
     /// Unit of the forces: `N` (default), `mN`, `kN`, `gf`, `kgf` or `lbf`.
     unit: Option<String>,
@@ -78,9 +75,9 @@ pub(super) struct TrialTable {
     min_samples: Option<u32>,
     /// The category of all trials.
     pub(super) category: Option<String>,
-    /// Where the category is, if it changes: a column; only for CSV.
+    /// The column of the category, if it changes.
     pub(super) category_from: Option<String>,
-    /// Where the number of the reach is: a column; only for CSV.
+    /// The column of the number of the reach.
     pub(super) reach_from: Option<String>,
 }
 
@@ -220,17 +217,6 @@ impl Mapping {
         let key = field.rsplit('.').next().unwrap_or(field);
         let remedy = format!("change `{key}` in {}", self.path.display());
         InputError::new(&self.path, field, found, allowed, remedy).at_line(line_setting(&self.text, field))
-    }
-
-    /// An error if a field is set that does not apply to this format.
-    pub(super) fn refuse(&self, field: &str, is_set: bool, format: &str) -> Result<(), InputError> {
-        if !is_set {
-            return Ok(());
-        }
-        let key = field.rsplit('.').next().unwrap_or(field);
-        let remedy = format!("remove `{key}` from {}", self.path.display());
-        let error = InputError::new(&self.path, field, "a value", format!("no such key for {format}"), remedy);
-        Err(error.at_line(line_setting(&self.text, field)))
     }
 
     /// A time of the file, s.

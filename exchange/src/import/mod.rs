@@ -1,4 +1,4 @@
-//! Reads contact trials from a CSV or MCAP file of another robot, as a small mapping file describes
+//! Reads contact trials from a CSV file of another robot, as a small mapping file describes
 //! (docs/exchange.md).
 //!
 //! The trials hold what the file holds: the force of each taxel over time. They have no motion, no region and no truth.
@@ -6,16 +6,12 @@
 mod csv_frames;
 mod cutter;
 mod mapping;
-mod mcap_frames;
-mod message;
 #[cfg(test)]
 mod tests;
 
-use std::fs::File;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use underbrush_recording::{InputError, Trial, open_regular};
+use underbrush_recording::{InputError, Trial};
 
 use cutter::Cutter;
 
@@ -32,16 +28,10 @@ pub struct Imported {
     pub reaches: usize,
 }
 
-/// Opens a file that the user named.
-fn opened(path: &Path) -> Result<File, InputError> {
-    open_regular(path, "a readable file", "check the path")
-}
-
-/// Cuts trials from a file. Its extension gives the format: `.csv` or `.mcap`.
+/// Cuts trials from a CSV file.
 ///
 /// # Errors
-/// [`InputError`] if something in the mapping or the file is missing or not allowed, with its line (for MCAP the message),
-/// if no trial is found, and if the file cannot be read.
+/// [`InputError`] if something in the mapping or the file is missing or not allowed, with its line, if no trial is found, and if the file cannot be read.
 ///
 /// ```
 /// use underbrush_exchange::import::{Mapping, import};
@@ -64,25 +54,15 @@ fn opened(path: &Path) -> Result<File, InputError> {
 pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, InputError> {
     let mut cutter = Cutter::new(path, mapping);
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let read = match extension.as_str() {
-        "csv" => csv_frames::read,
-        "mcap" => mcap_frames::read,
-        "h5" | "hdf5" => {
-            let remedy = "convert it with the Python package: `python -m underbrush.hdf5 csv --help`";
-            return Err(InputError::new(path, "file name", "HDF5", ".csv or .mcap", remedy));
-        }
-        _ => {
-            let found = format!("extension {extension:?}");
-            let remedy = "rename the file, or convert it";
-            return Err(InputError::new(path, "file name", found, ".csv or .mcap", remedy));
-        }
-    };
-    // A damaged file may make the decoder of its format panic, and bad input must never end the program.
-    let result = catch_unwind(AssertUnwindSafe(|| read(path, mapping, &mut cutter)));
-    result.unwrap_or_else(|_| {
-        let found = "damaged bytes that cannot be decoded";
-        Err(InputError::new(path, "file", found, "a complete file", "copy the file again, or record it again"))
-    })?;
+    if extension != "csv" {
+        let remedy = match extension.as_str() {
+            "h5" | "hdf5" => "convert it with the Python package: `python -m underbrush.hdf5 csv --help`",
+            "mcap" => "convert it with the Python package: `python -m underbrush.mcap csv --help`",
+            _ => "rename the file, or convert it",
+        };
+        return Err(InputError::new(path, "file name", format!("extension {extension:?}"), ".csv", remedy));
+    }
+    csv_frames::read(path, mapping, &mut cutter)?;
     let trials = cutter.finish();
     if trials.is_empty() {
         let found = format!("none in {} frames", cutter.frames);

@@ -1,9 +1,7 @@
 //! Tests of imports.
 
-mod mcap;
 mod text;
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use underbrush_recording::{InputError, Trial};
@@ -37,33 +35,4 @@ fn refused(path: &Path, mapping: &str) -> InputError {
 /// Time and force of the samples of a trial.
 fn samples(trial: &Trial) -> Vec<(f64, f64)> {
     trial.samples.iter().map(|sample| (sample.time_s, sample.force_n)).collect()
-}
-
-fn by_taxel(trials: &[Trial]) -> BTreeMap<u32, Vec<Vec<(f64, f64)>>> {
-    let mut found: BTreeMap<u32, Vec<Vec<(f64, f64)>>> = BTreeMap::new();
-    for trial in trials {
-        found.entry(trial.taxel.unwrap()).or_default().push(samples(trial));
-    }
-    found
-}
-
-/// Cuts a file and changes its bytes at many places, and demands errors, or trials of which at most one differs.
-#[track_caller]
-fn damage(path: &Path, mapping: &str) {
-    let bytes = std::fs::read(path).unwrap();
-    let trials = imported(path, mapping).unwrap().trials;
-    let mut outcomes = [0, 0];
-    for place in (0..bytes.len()).step_by(bytes.len() / 97) {
-        std::fs::write(path, &bytes[..place]).unwrap();
-        assert!(imported(path, mapping).is_err(), "cut at {place}");
-        let mut flipped = bytes.clone();
-        flipped[place] ^= 0xff;
-        std::fs::write(path, flipped).unwrap();
-        match imported(path, mapping) {
-            // Not every byte matters to the forces.
-            Ok(found) => outcomes[usize::from(found.trials != trials)] += 1,
-            Err(error) => assert!(!error.storage, "{error}"),
-        }
-    }
-    assert!(outcomes[1] <= 1, "{outcomes:?}: changed forces are not noticed");
 }
