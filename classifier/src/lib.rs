@@ -67,6 +67,7 @@ mod fault;
 pub mod feature;
 mod file_text;
 pub mod fit_options;
+mod forest;
 pub mod hmm;
 mod hmm_classifier;
 mod model_file;

@@ -2,18 +2,19 @@
 
 #[cfg(test)]
 use crate::baseline::nearest_mean;
-use crate::baseline::{echo_state_network, logistic, naive_bayes, nearest_neighbours};
+use crate::baseline::{echo_state_network, logistic, naive_bayes, nearest_neighbours, trees};
 use crate::estimator::ClassifierKind;
 use crate::hmm_classifier;
 
 /// All classifiers. To add one, write its file and add its entry here.
-pub const CLASSIFIERS: [&ClassifierKind; 6 + cfg!(test) as usize] = [
+pub const CLASSIFIERS: [&ClassifierKind; 7 + cfg!(test) as usize] = [
     &hmm_classifier::KIND,
     &nearest_neighbours::KIND,
     &naive_bayes::KIND,
     &echo_state_network::KIND,
     &logistic::KIND,
     &logistic::TAXEL_KIND,
+    &trees::KIND,
     #[cfg(test)]
     &nearest_mean::KIND,
 ];

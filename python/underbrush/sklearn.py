@@ -29,6 +29,7 @@ __all__ = [
     "LogisticTaxelClassifier",
     "NaiveBayesClassifier",
     "NearestNeighboursClassifier",
+    "TreesClassifier",
 ]
 
 # Blocks and outliers are never fitted, so labels with these names get another name internally.
@@ -275,3 +276,12 @@ class LogisticTaxelClassifier(_Baseline):
     """Logistic regression over statistics of the taxel so far. ``features=None`` adds the motion of the contact."""
 
     _classifier = "logistic-taxel"
+
+
+class TreesClassifier(_Baseline):
+    """Extremely randomized trees over statistics of the contact so far.
+
+    ``features=None`` adds the contact region, which only trials have.
+    """
+
+    _classifier = "trees"

@@ -69,9 +69,9 @@ fn every_classifier_is_evaluated_and_asked_while_contacts_last() {
     let table = fixture().table_csv();
     let trials = read_trials(&table).unwrap();
     let count = trials.iter().filter(|trial| trial.category.is_some()).count() as u64;
-    for name in
-        ["hmm", "nearest-neighbours", "naive-bayes", "echo-state-network", "recursive", "logistic", "logistic-taxel"]
-    {
+    let own =
+        ["nearest-neighbours", "naive-bayes", "echo-state-network", "recursive", "logistic", "logistic-taxel", "trees"];
+    for name in ["hmm"].into_iter().chain(own) {
         let figures =
             underbrush!["evaluate", table, "--classifier", name, "--group", "position", "--by-samples", "--json"]
                 .json();

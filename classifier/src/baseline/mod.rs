@@ -7,6 +7,7 @@
 //! | [`NaiveBayes`] | Liu et al. \[4\]: naive Bayes, updated online | stream features ([`crate::stream_feature`]) of the taxel |
 //! | [`EchoStateNetwork`] | Soh et al. \[3\]: an online recursive kernel method | force and motion of the taxel, sample by sample |
 //! | [`Logistic`] | no paper; chosen by its accuracy on held-out reaches | stream features of taxel and contact region |
+//! | [`Trees`] | no paper; Geurts, Ernst & Wehenkel, "Extremely randomized trees" (2006) | stream features of taxel and contact region |
 //!
 //! Numbers in brackets refer to the paper's list of references. About \[4\] the paper says only that naive Bayes
 //! classified shape and pose while a finger explored. The features are ours.
@@ -20,11 +21,13 @@ pub(crate) mod naive_bayes;
 pub(crate) mod nearest_mean;
 pub(crate) mod nearest_neighbours;
 mod table;
+pub(crate) mod trees;
 
 pub use echo_state_network::EchoStateNetwork;
 pub use logistic::Logistic;
 pub use naive_bayes::NaiveBayes;
 pub use nearest_neighbours::NearestNeighbours;
+pub use trees::Trees;
 
 #[cfg(test)]
 mod tests;

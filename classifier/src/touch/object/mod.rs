@@ -4,13 +4,11 @@
 //! |---|---|
 //! | contacts that begin near each other are one object | [`ObjectTracker`] |
 //! | the course of an object becomes features | [`ObjectCourse`], [`Fit`](fit::Fit) |
-//! | one forest for each family of auxiliary unknown objects | [`Forest`](forest::Forest) |
+//! | one forest for each family of auxiliary unknown objects | [`Forest`](crate::forest::Forest) |
 //! | scores become the share of known objects that are as unlike | [`UnknownObjects`] |
 
 mod course;
 mod fit;
-mod forest;
-mod packed;
 mod share;
 #[cfg(test)]
 mod tests;

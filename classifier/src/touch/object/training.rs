@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use underbrush_recording::{Category, Recording};
 
 use super::course::OBJECT_FEATURE_COUNT;
-use super::forest::{Forest, ForestRow};
 use super::tracker::{ObjectTracker, TouchObject};
 use super::unknown::{self, Calibration, FAMILIES, Family, UnknownObjects};
 use crate::error::ModelError;
+use crate::forest::{Forest, ForestRow};
 use crate::touch::frame::SkinTracker;
 
 /// An object gives a row after each of these numbers of samples, and at its end.

@@ -11,9 +11,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::math;
 
-use super::course::ObjectCourse;
-use super::forest::Forest;
+use super::course::{OBJECT_FEATURE_COUNT, ObjectCourse};
 use super::share::Shares;
+use crate::forest::Forest;
 
 /// Added to probabilities before their odds are taken, so that none is infinite.
 const PROBABILITY: f64 = 2e-3;
@@ -109,6 +109,7 @@ impl UnknownObjects {
             own.families.len() == self.families.len() && own.families.iter().chain([&own.all]).all(Shares::is_sound)
         };
         (1..=FAMILIES).contains(&self.families.len())
+            && self.families.iter().all(|family| family.forest.features() == OBJECT_FEATURE_COUNT)
             && self.stages.iter().all(|own| own.len() == categories && own.iter().all(calibration))
     }
 }

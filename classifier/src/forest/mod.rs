@@ -1,4 +1,5 @@
-//! Extremely randomized trees (Geurts, Ernst, Wehenkel 2006) that tell a family of unknown objects from known ones.
+//! Extremely randomized trees (Geurts, Ernst, Wehenkel 2006) that tell one class, the *family*, from all else: a family of
+//! unknown objects from known ones, or one category from the others.
 //!
 //! Every tree is fitted to all rows. At each node some features are drawn, and for each a cut, uniform between its smallest
 //! and largest value there; the cut with the largest decrease of Gini's impurity divides the node. The probability of the
@@ -11,7 +12,11 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::packed::{Node, Packed, Span};
+use packed::{Node, Packed, Span};
+
+mod packed;
+#[cfg(test)]
+mod tests;
 
 /// Number of trees. Choice: in a prototype, 150 found no more than 60 on development seeds.
 const TREES: usize = 100;
@@ -24,16 +29,16 @@ const WHOLE: f64 = 255.0;
 
 /// A row to fit to.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ForestRow<'a> {
-    pub(super) features: &'a [f32],
-    pub(super) is_family: bool,
-    pub(super) weight: f64,
+pub(crate) struct ForestRow<'a> {
+    pub(crate) features: &'a [f32],
+    pub(crate) is_family: bool,
+    pub(crate) weight: f64,
 }
 
 /// Trees that together give the probability of a family.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "Packed", into = "Packed")]
-pub(super) struct Forest {
+pub(crate) struct Forest {
     /// One for each feature.
     spans: Vec<Span>,
     trees: Vec<Vec<Node>>,
@@ -41,7 +46,7 @@ pub(super) struct Forest {
 
 impl Forest {
     /// Fits trees to rows with this many features. The result is the same for any number of threads.
-    pub(super) fn fit(rows: &[ForestRow<'_>], features: usize, seed: u64) -> Self {
+    pub(crate) fn fit(rows: &[ForestRow<'_>], features: usize, seed: u64) -> Self {
         // Column by column, because a node looks at one feature of its rows at a time.
         let columns: Vec<Vec<f32>> =
             (0..features).map(|column| rows.iter().map(|row| row.features[column]).collect()).collect();
@@ -57,8 +62,13 @@ impl Forest {
         Forest { trees: (0..TREES).into_par_iter().map(tree).collect(), spans }
     }
 
+    /// The number of features.
+    pub(crate) fn features(&self) -> usize {
+        self.spans.len()
+    }
+
     /// The probability of the family.
-    pub(super) fn probability(&self, features: &[f32]) -> f64 {
+    pub(crate) fn probability(&self, features: &[f32]) -> f64 {
         let shares: f64 = self.trees.iter().map(|tree| f64::from(self.share(tree, features))).sum();
         shares / (WHOLE * self.trees.len() as f64)
     }
@@ -154,7 +164,7 @@ impl Growing<'_> {
         best.map(|(_, feature, cut)| (feature, cut))
     }
 
-    /// The weights of the known objects and of the family in these rows.
+    /// The weights of all else and of the family in these rows.
     fn weights(&self, rows: &[usize]) -> [f64; 2] {
         let mut weights = [0.0; 2];
         rows.iter().for_each(|row| weights[usize::from(self.rows[*row].is_family)] += self.rows[*row].weight);

@@ -5,8 +5,6 @@ use base64::engine::general_purpose::STANDARD;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::course::OBJECT_FEATURE_COUNT;
-
 /// Stands for no feature: the node is a leaf.
 const LEAF: u8 = u8::MAX;
 
@@ -61,10 +59,11 @@ impl Packed {
     /// The trees, or what is wrong.
     pub(super) fn trees(&self) -> Result<Vec<Vec<Node>>, &'static str> {
         let is_sound = |Span(low, high): &Span| low.is_finite() && high.is_finite() && low <= high;
-        if self.spans.len() != OBJECT_FEATURE_COUNT || !self.spans.iter().all(is_sound) {
+        let features = self.spans.len();
+        if features >= usize::from(LEAF) || !self.spans.iter().all(is_sound) {
             return Err("the ranges of features do not fit");
         }
-        let tree = |text: &String| tree(&STANDARD.decode(text).ok()?);
+        let tree = |text: &String| tree(&STANDARD.decode(text).ok()?, features);
         match self.trees.iter().map(tree).collect::<Option<Vec<_>>>() {
             Some(trees) if !trees.is_empty() => Ok(trees),
             _ => Err("a tree is damaged"),
@@ -72,8 +71,8 @@ impl Packed {
     }
 }
 
-/// The nodes of a tree; `None` if the bytes are not one whole tree.
-fn tree(bytes: &[u8]) -> Option<Vec<Node>> {
+/// The nodes of a tree over this many features; `None` if the bytes are not one whole tree.
+fn tree(bytes: &[u8], features: usize) -> Option<Vec<Node>> {
     let (mut nodes, mut bytes) = (Vec::new(), bytes.iter().copied());
     // Cuts whose right child has not come yet.
     let mut open: Vec<usize> = Vec::new();
@@ -87,7 +86,7 @@ fn tree(bytes: &[u8]) -> Option<Vec<Node>> {
                     *right = next;
                 }
             }
-            feature if usize::from(feature) < OBJECT_FEATURE_COUNT => {
+            feature if usize::from(feature) < features => {
                 open.push(nodes.len());
                 let cut = u16::from_le_bytes([bytes.next()?, bytes.next()?]);
                 nodes.push(Node::Cut { feature, cut, right: 0 });

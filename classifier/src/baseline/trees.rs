@@ -1,0 +1,156 @@
+//! Extremely randomized trees over stream features.
+
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use underbrush_recording::{Sample, math};
+
+use super::fitted::{self, Baseline, TrialsByCategory};
+use super::table::Table;
+use crate::error::{Fault, ModelError};
+use crate::estimator::ClassifierKind;
+use crate::feature::{FeatureSet, SampleFault};
+use crate::forest::{Forest, ForestRow};
+use crate::stream_feature::{Selection, StreamFeatures, TAXEL_AND_REGION};
+
+/// The entry in the list of classifiers.
+pub(crate) const KIND: ClassifierKind = fitted::kind::<Trees>(
+    &[],
+    "Extremely randomized trees on the same statistics as logistic; no assumption about their shape",
+    |features| Box::new(Trees { features: features.unwrap_or(TAXEL_AND_REGION) }),
+);
+
+/// Added to probabilities before their logarithm is taken. Choice: half a step of the shares that leaves hold.
+const PROBABILITY: f64 = 2e-3;
+/// The trees are drawn from this seed, so that the same trials give the same model.
+const SEED: u64 = 0;
+
+/// Extremely randomized trees: for each category, one forest gives the probability that a contact with these stream features
+/// belongs to it and not to another. The probabilities are normalized.
+///
+/// Each training contact is used at several times ([`crate::stream_feature::SAMPLE_COUNTS`]), so that scores are meaningful at
+/// any time.
+///
+/// ```
+/// use underbrush_classifier::baseline::Trees;
+/// use underbrush_classifier::estimator::Estimator;
+/// use underbrush_classifier::feature::FeatureSet;
+/// use underbrush_recording::{Sample, Trial};
+///
+/// // Leaves are between two kinds of trunk, so no line divides them.
+/// let press = |category: &str, newtons: f64| Trial {
+///     trial: 0,
+///     category: Some(category.into()),
+///     reach: None,
+///     patch: None,
+///     taxel: None,
+///     samples: vec![Sample { time_s: 0.01, force_n: newtons, motion_m: None, region: None, touched: None }],
+/// };
+/// let of = |k: u32| {
+///     let force_n = 0.1 * f64::from(k);
+///     press(if (10..20).contains(&k) { "leaf" } else { "trunk" }, force_n)
+/// };
+/// let trials: Vec<Trial> = (0..30).map(of).collect();
+///
+/// let classifier = Trees { features: FeatureSet::FORCE }.fit(&trials.iter().collect::<Vec<_>>())?;
+/// for (newtons, is_leaf) in [(0.3, false), (1.45, true), (2.5, false)] {
+///     let scores = &classifier.scores_after(&press("leaf", newtons), &[1])?[0];
+///     assert_eq!(scores[0] > scores[1], is_leaf, "{newtons} N");
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Trees {
+    /// The features of each sample that stream features are computed from.
+    pub features: FeatureSet,
+}
+
+/// One forest for each category, in their order.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "TreesParameters")]
+pub(super) struct Parameters {
+    forests: Vec<Forest>,
+}
+
+impl Baseline for Trees {
+    const NAME: &'static str = "trees";
+    type Parameters = Parameters;
+    type Learned = (Selection, Parameters);
+    type Contact = StreamFeatures;
+
+    fn features(&self) -> FeatureSet {
+        self.features
+    }
+
+    fn check(&self) -> Result<(), Fault> {
+        Ok(())
+    }
+
+    fn learn(&self, trials: &TrialsByCategory) -> Result<Self::Learned, ModelError> {
+        let selection = Selection::of(self.features);
+        let table = Table::of(trials, &selection)?;
+        let features: Vec<Vec<f32>> = table.rows.iter().map(|row| single(&row.features)).collect();
+        let forest = |category: usize| {
+            // The category weighs as much as all others together.
+            let share = 1.0 / table.categories as f64;
+            let rows: Vec<ForestRow<'_>> = table
+                .rows
+                .iter()
+                .zip(&features)
+                .map(|(row, features)| {
+                    let is_family = row.category == category;
+                    let weight = row.weight / if is_family { share } else { (1.0 - share).max(share) };
+                    ForestRow { features, is_family, weight }
+                })
+                .collect();
+            Forest::fit(&rows, selection.dimension(), SEED)
+        };
+        let forests = (0..table.categories).into_par_iter().map(forest).collect();
+        Ok((selection, Parameters { forests }))
+    }
+
+    fn parameters((_, parameters): &Self::Learned) -> Parameters {
+        parameters.clone()
+    }
+
+    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Self::Learned, Fault> {
+        let selection = Selection::of(self.features);
+        let fits = |forest: &Forest| forest.features() == selection.dimension();
+        if parameters.forests.len() != categories || !parameters.forests.iter().all(fits) {
+            let found = format!("{} forests", parameters.forests.len());
+            let allowed = format!("{categories} forests over {} stream features", selection.dimension());
+            return Err(Fault::new("forests", found, allowed));
+        }
+        Ok((selection, parameters))
+    }
+
+    fn begin(&self, _: &Self::Learned) -> StreamFeatures {
+        StreamFeatures::default()
+    }
+
+    fn push(
+        &self,
+        learned: &Self::Learned,
+        contact: &mut StreamFeatures,
+        sample: &Sample,
+    ) -> Result<bool, SampleFault> {
+        learned.0.push(contact, sample).map(|()| true)
+    }
+
+    fn scores(&self, (selection, parameters): &Self::Learned, contact: &StreamFeatures, scores: &mut [f64]) {
+        let features = single(&selection.values(contact));
+        for (score, forest) in scores.iter_mut().zip(&parameters.forests) {
+            *score = forest.probability(&features) + PROBABILITY;
+        }
+        let total: f64 = scores.iter().sum();
+        scores.iter_mut().for_each(|score| *score = math::ln(*score / total));
+    }
+}
+
+/// In the precision of the trees' cuts. Numbers beyond its range stay at its ends.
+fn single(features: &[f64]) -> Vec<f32> {
+    let most = f64::from(f32::MAX);
+    features.iter().map(|feature| feature.clamp(-most, most) as f32).collect()
+}
