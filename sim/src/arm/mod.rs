@@ -11,17 +11,24 @@ use glam::{DMat3, DVec3};
 use underbrush_recording::{BodyShape, InputError, Pose, SkinLayout};
 
 use crate::contact::surface::Surface;
+use crate::geometry::{PlacedShape, engine_shape};
 
 mod at_start;
+pub mod cover;
 mod file;
+mod hulls;
 mod inverse;
 pub mod kinematics;
 pub(crate) mod limits;
+pub mod mesh;
+pub mod new;
+mod new_text;
 mod schema;
 pub mod skin;
 mod skin_file;
 mod skin_fit;
 mod source;
+mod start;
 mod urdf;
 mod urdf_text;
 
@@ -84,12 +91,28 @@ pub struct Link {
 }
 
 /// One collision shape of a link.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct LinkCollider {
     /// Shape.
     pub shape: BodyShape,
     /// Pose of the shape's frame in the link frame.
     pub pose_link: Pose,
+    /// The shape for distances, in the link frame. A hull takes some milliseconds to make.
+    placed_link: PlacedShape,
+}
+
+impl LinkCollider {
+    /// `None` for a hull without volume or with too many corners.
+    fn new(shape: BodyShape, pose_link: Pose) -> Option<LinkCollider> {
+        let (engine, rotation) = engine_shape(&shape)?;
+        let placed_link = PlacedShape { shape: engine, pose: pose_link * rotation };
+        Some(LinkCollider { shape, pose_link, placed_link })
+    }
+
+    /// The shape for distances, with the link at this pose.
+    pub fn placed(&self, link_pose: &Pose) -> PlacedShape {
+        PlacedShape { shape: self.placed_link.shape.clone(), pose: *link_pose * self.placed_link.pose }
+    }
 }
 
 /// One compliant revolute joint: torque = K (φ − q) − D q̇ about its axis, with the equilibrium angle φ.
@@ -221,6 +244,12 @@ fn layout_of(path: &Path) -> Result<SkinLayout, InputError> {
         true => Ok(Arm::load(path)?.skin.layout),
         false => skin_file::read_layout(&source),
     }
+}
+
+/// Whether a file is an arm's TOML file: it names a URDF.
+pub fn is_arm_file(path: &Path) -> bool {
+    let keys = source::read_from_disk(path).map(|text| text.parse::<toml::Table>());
+    keys.is_ok_and(|keys| keys.is_ok_and(|keys| keys.contains_key("urdf")))
 }
 
 /// The JSON Schema of an arm's TOML file.

@@ -4,7 +4,7 @@ use glam::DVec3;
 use underbrush_recording::{BodyShape, Pose, math};
 
 use crate::arm::{Arm, LinkCollider};
-use crate::geometry::{Capsule, PlacedShape, engine_shape, segment_distance};
+use crate::geometry::{Capsule, PlacedShape, segment_distance};
 
 /// The collision shapes of an arm's moving links, for many queries.
 #[derive(Clone, Debug)]
@@ -36,15 +36,14 @@ impl ArmShapes {
         let start = arm.forward_kinematics(&arm.start_posture_rad());
         let links = arm.links.iter().enumerate().skip(1);
         let colliders = links.flat_map(|(link, own)| own.colliders.iter().map(move |collider| (link, collider)));
-        let parts = colliders.filter_map(|(link, collider)| {
-            let (shape, rotation) = engine_shape(&collider.shape)?;
+        let parts = colliders.map(|(link, collider)| {
             let (around, is_capsule) = around(collider);
-            let shape = PlacedShape { shape, pose: collider.pose_link * rotation };
+            let shape = collider.placed(&Pose::IDENTITY);
             let extent_m = around.start.length().max(around.end.length()) + around.radius_m;
             let part =
                 Part { link, lever_m: levers_m(arm, link, extent_m), shape, around, is_capsule, above_floor: true };
             let above_floor = part.above_m(&start[link], floor_height_m) > 0.0;
-            Some(Part { above_floor, ..part })
+            Part { above_floor, ..part }
         });
         ArmShapes { parts: parts.collect(), floor_height_m }
     }
