@@ -15,6 +15,7 @@ use underbrush_exchange::live::{LineParser, Lines};
 use underbrush_experiments::definition::Experiment;
 use underbrush_experiments::suite::Suite;
 use underbrush_recording::disk::{Dataset, read_recording, read_trials};
+use underbrush_sim::arm::mesh::read_triangles;
 use underbrush_sim::arm::{Arm, ArmSource, load_layout};
 use underbrush_sim::scene::Scene;
 
@@ -23,13 +24,14 @@ pub type Parser = fn(&[u8]) -> bool;
 
 /// All parsers, by the name of their fuzz target.
 #[allow(dead_code, reason = "each fuzz target calls one")]
-pub const PARSERS: [(&str, Parser); 14] = [
+pub const PARSERS: [(&str, Parser); 15] = [
     ("arm", arm),
     ("data_set", data_set),
     ("experiment", experiment),
     ("frame_lines", frame_lines),
     ("import_csv", import_csv),
     ("mapping", mapping),
+    ("mesh", mesh),
     ("model", model),
     ("recording", recording),
     ("scene", scene),
@@ -89,6 +91,12 @@ pub fn urdf(bytes: &[u8]) -> bool {
 pub fn skin(bytes: &[u8]) -> bool {
     in_file("skin.toml", bytes, |path| load_layout(path).is_ok());
     finger_with("finger.skin.toml", bytes)
+}
+
+/// A mesh, in every format.
+pub fn mesh(bytes: &[u8]) -> bool {
+    let read = |name: &&str| in_file(name, bytes, |path| read_triangles(path).is_ok());
+    ["part.stl", "part.obj", "part.dae"].iter().filter(|name| read(name)).count() > 0
 }
 
 /// A scene.

@@ -124,6 +124,8 @@ def main():
 
     own = os.path.join(HERE, "seeds")
     thicket = os.path.join(own, "thicket.toml")
+    for name in ["wedge.obj", "wedge.dae"]:
+        seed("mesh", name, read(os.path.join(own, name)))
     for target, name in [("arm", "finger.toml"), ("urdf", "finger.urdf"), ("skin", "finger.skin.toml")]:
         seed(target, name, read(os.path.join(own, name)))
     seed("skin", "cody.skin.toml", read(os.path.join(ROOT, "sim/arms/cody/cody.skin.toml")))

@@ -83,6 +83,8 @@ enum Command {
     Reproduce(command::reproduce::ReproduceOptions),
     /// Simulate one reach through a scene
     Reach(command::reach::ReachOptions),
+    /// Write the files of your own arm from its URDF, and cover its links with taxels
+    Arm(command::arm::ArmOptions),
     /// Write one draw of a scene as a scene file, object by object, to be changed by hand
     Arrange(command::arrange::ArrangeOptions),
     /// Simulate many reaches and write them as a data set
@@ -161,6 +163,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
         Command::Reproduce(options) => command::reproduce::run(options, shared.json),
         Command::Reach(options) => command::reach::run(options, shared.json),
+        Command::Arm(options) => command::arm::run(options, shared.json),
         Command::Arrange(options) => command::arrange::run(options, shared.json),
         Command::Generate(options) => command::generate::run(options, shared.json),
         Command::Merge(options) => command::merge::run(options, shared.json),

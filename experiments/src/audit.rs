@@ -70,20 +70,39 @@ pub fn exceeded_bounds(audit: &Audit, layout: &SkinLayout) -> Vec<String> {
     exceeded.collect()
 }
 
-/// Warnings about reaches of a data set that exceed a bound of the audit, with the worst value.
+/// Warnings about reaches of a data set that exceed a bound of the audit, with the worst value, and about skin that nothing
+/// touched.
 pub fn warnings(episodes: &[Episode], layout: &SkinLayout) -> Vec<String> {
     let audited = episodes.iter().map(|episode| Audited {
         scene: &episode.scene,
         reach_index: episode.reach_index,
         audit: &episode.audit,
     });
-    passed_bounds(&audited.collect::<Vec<_>>(), layout)
+    let touched = episodes.iter().flat_map(|episode| episode.touched_frames.values());
+    let untouched = untouched(touched, episodes.len(), layout);
+    passed_bounds(&audited.collect::<Vec<_>>(), layout).into_iter().chain(untouched).collect()
 }
 
-/// Warnings about the bounds of the audit that a single reach exceeds.
+/// Warnings about the bounds of the audit that a single reach exceeds, and about skin that nothing touched.
 pub fn reach_warnings(recording: &Recording) -> Vec<String> {
     let audited = Audited { scene: &recording.scene, reach_index: recording.reach_index, audit: &recording.audit };
-    passed_bounds(&[audited], &recording.layout)
+    let untouched = untouched(recording.touched_frames().values(), 1, &recording.layout);
+    passed_bounds(&[audited], &recording.layout).into_iter().chain(untouched).collect()
+}
+
+/// A warning if nothing touched the skin of an arm that has some, in any frame.
+fn untouched<'a>(
+    mut touched_frames: impl Iterator<Item = &'a u32>,
+    reaches: usize,
+    layout: &SkinLayout,
+) -> Option<String> {
+    (reaches > 0 && layout.taxel_count() > 0 && touched_frames.all(|frames| *frames == 0)).then(|| {
+        let which = if reaches == 1 { "the reach".into() } else { format!("any of the {reaches} reaches") };
+        format!(
+            "warning: nothing touched the skin in any frame of {which}; put skin on links that come among the objects, or \
+             objects where the skin comes (`underbrush inspect ARM.toml --still arm.svg` shows it)"
+        )
+    })
 }
 
 /// One warning for each bound that some of these reaches exceed, and one if the controller's program could not be

@@ -1,4 +1,4 @@
-//! What a file or folder holds: a scene, a data set, a recording, trials or a model. The content is checked as well.
+//! What a file or folder holds: a scene, an arm, a data set, a recording, trials or a model. The content is checked as well.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -11,7 +11,7 @@ use underbrush_recording::disk::{
     ArmText, Dataset, FileText, is_folder, is_recording, is_there, read_recording, read_trials,
 };
 use underbrush_recording::fault::Fault;
-use underbrush_sim::arm::ArmAtStart;
+use underbrush_sim::arm::{Arm, ArmAtStart, is_arm_file};
 use underbrush_sim::clutter::Clutter;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::{Scene, shipped_by_name};
@@ -40,12 +40,13 @@ pub fn inspect(path: &Path, seed: u64) -> Result<Value, Fault> {
         if shipped_by_name().any(|(name, _)| Path::new(name) == path) {
             return scene(path, seed);
         }
-        let allowed = "a scene or its name, data set (folder), recording, model or table of trials";
+        let allowed = "a scene or its name, arm, data set (folder), recording, model or table of trials";
         return Err(InputError::new(path, "input", "no such file or folder", allowed, "check the path").into());
     }
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     match extension {
         _ if is_folder(path)? => dataset(path),
+        "toml" if is_arm_file(path) => arm(&Arm::load(path)?),
         "toml" => scene(path, seed),
         "json" => model(path),
         "parquet" if is_recording(path)? => recording(path),
@@ -80,6 +81,44 @@ fn scene(path: &Path, seed: u64) -> Result<Value, Fault> {
         "blake3": plan.scene.hash(),
         "check": format!("sound; the draw of seed {seed}, reach 0 finds room for everything"),
     }))
+}
+
+fn arm(arm: &Arm) -> Result<Value, Fault> {
+    let links = arm.links.iter().skip(1).zip(&arm.joints);
+    let links = links.map(|(link, joint)| {
+        let [low, high] = joint.controller_limits_rad.map(f64::to_degrees);
+        json!({
+            "joint": joint.name,
+            "stiffness_nm_per_rad": joint.stiffness_nm_per_rad,
+            "damping_nm_s_per_rad": joint.damping_nm_s_per_rad,
+            "controller_limits_deg": [tenths(low), tenths(high)],
+            "start_deg": tenths(joint.start_rad.to_degrees()),
+            "moves": link.name,
+            "mass_kg": link.mass_kg,
+            "shapes": link.colliders.len(),
+        })
+    });
+    let patches = arm.skin.layout.patches.iter().map(|patch| {
+        let grid = patch.grid.map(|grid| json!({"rows": grid.rows, "columns": grid.columns}));
+        (patch.name.as_str(), json!({"link": patch.link, "taxels": patch.taxels.len(), "grid": grid}))
+    });
+    let tip = ArmAtStart::of(arm).end_effector_world;
+    let doubts = arm.skin_doubts();
+    Ok(json!({
+        "arm": arm.name,
+        "base": arm.links[0].name,
+        "chain": links.collect::<Vec<_>>(),
+        "tip_at_start_m": tip.to_array().map(|value| (value * 1e4).round() / 1e4),
+        "patches": patches.collect::<BTreeMap<_, _>>(),
+        "taxels": arm.skin.layout.taxel_count(),
+        "doubtful": if doubts.is_empty() { "nothing".into() } else { doubts.join("; ") },
+        "check": "sound",
+    }))
+}
+
+/// Rounded to a tenth.
+fn tenths(value: f64) -> f64 {
+    (value * 10.0).round() / 10.0
 }
 
 fn dataset(path: &Path) -> Result<Value, Fault> {

@@ -202,8 +202,16 @@ pub const EXPANSION: Ceiling = Ceiling {
 /// What a file of any length may declare to hold.
 const EXPANDED_BYTES: u64 = 64 << 20;
 
+/// Meshes that `arm new` reads.
+pub const MESH_BYTES: Ceiling = Ceiling {
+    what: "mesh files of an arm",
+    most: 64 << 20,
+    unit: "bytes",
+    why: "the largest of the arms in docs/arms.md has 3 MB",
+};
+
 /// The ceilings that docs/data.md lists.
-pub const CEILINGS: [&Ceiling; 9] = [
+pub const CEILINGS: [&Ceiling; 10] = [
     &TEXT_BYTES,
     &JSON_BYTES,
     &CSV_BYTES,
@@ -213,6 +221,7 @@ pub const CEILINGS: [&Ceiling; 9] = [
     &NAME_BYTES,
     &TEXT_COLUMN_BYTES,
     &EXPANSION,
+    &MESH_BYTES,
 ];
 
 #[cfg(test)]

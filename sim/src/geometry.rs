@@ -81,6 +81,10 @@ pub fn segment_distance(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
 pub fn signed_distance_m(shape: &dyn Shape, pose: &Pose, point: DVec3) -> f64 {
     let projection = shape.project_point(&parry_pose(pose), point, false);
     let distance = projection.point.distance(point);
+    // The centre of a ball has no nearest point.
+    if distance.is_nan() {
+        return shape.distance_to_point(&parry_pose(pose), point, false);
+    }
     if projection.is_inside { -distance } else { distance }
 }
 
@@ -124,10 +128,12 @@ impl PlacedShape {
 
     /// How far the shape extends in a direction, measured from the origin of the world, m.
     pub fn extent_m(&self, direction_world: DVec3) -> f64 {
-        let farthest = self.shape.as_support_map();
-        farthest.map_or(f64::NEG_INFINITY, |shape| {
-            shape.support_point(&parry_pose(&self.pose), direction_world).dot(direction_world)
-        })
+        self.farthest(direction_world).map_or(f64::NEG_INFINITY, |point| point.dot(direction_world))
+    }
+
+    /// The point of the shape that is farthest in a direction, m, world frame.
+    pub fn farthest(&self, direction_world: DVec3) -> Option<DVec3> {
+        Some(self.shape.as_support_map()?.support_point(&parry_pose(&self.pose), direction_world))
     }
 
     /// Distance of a point from the shape's surface, m; negative inside. The point is in the frame of the pose.

@@ -61,7 +61,8 @@ impl Snapshot {
         let links = simulation.arm().links.iter().zip(&report.link_pose_world);
         let arm = links
             .flat_map(|(link, pose)| link.colliders.iter().map(move |part| (part, pose)))
-            .filter_map(|(part, pose)| capsule(&part.shape, &(*pose * part.pose_link)))
+            .map(|(part, pose)| part.placed(pose))
+            .map(|placed| Capsule::around(placed.shape.as_ref(), &placed.pose))
             .collect();
         let placed = simulation.clutter().objects.iter().zip(&report.objects).enumerate();
         let objects = placed

@@ -6,14 +6,18 @@ use clap::Args;
 use serde_json::{Value, json};
 use underbrush_experiments::inspection;
 use underbrush_experiments::torque_balance::torque_balance;
+use underbrush_report::picture;
+use underbrush_sim::arm::Arm;
 
+use super::overwrite::Overwrite;
+use super::pictures;
 use crate::failure::Failure;
 use crate::output;
 
 /// InspectOptions of `underbrush inspect`.
 #[derive(Args)]
 pub struct InspectOptions {
-    /// Scene (.toml) or its name, data set (folder), recording or trials (.parquet), trials (.csv) or model (.json)
+    /// Scene (.toml) or its name, arm (.toml), data set (folder), recording or trials (.parquet), trials (.csv) or model (.json)
     path: PathBuf,
     /// For a scene: seed of the draw that is tried
     #[arg(long, default_value_t = 0, value_name = "N")]
@@ -21,6 +25,11 @@ pub struct InspectOptions {
     /// For a data set: also check that the joint torques and the stored contacts explain the motion of the arm
     #[arg(long)]
     audit: bool,
+    /// For an arm: draw it in its start posture, with its taxels, to this file (SVG)
+    #[arg(long, value_name = "FILE.svg")]
+    still: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 /// Checks the file or folder and prints what it contains.
@@ -31,6 +40,17 @@ pub fn run(options: InspectOptions, json: bool) -> Result<(), Failure> {
             return Err(Failure::usage(format!("{}: --audit is for data sets", options.path.display())));
         }
         found["torque_balance"] = json!(torque_balance(&options.path)?);
+    }
+    if let Some(still) = &options.still {
+        let path = &options.path;
+        if found.get("chain").is_none() {
+            return Err(Failure::usage(format!("{}: --still is for arms", path.display())));
+        }
+        pictures::require_svg("--still", "a picture", still)?;
+        options.overwrite.file(still, [path])?;
+        let arm = Arm::load(path)?;
+        let caption = format!("{} in its start posture", arm.name);
+        output::write_file(still, picture::still(&arm, &caption).as_bytes())?;
     }
     output::result(json, &found, || text(&found, 0))
 }
@@ -44,6 +64,10 @@ fn text(value: &Value, depth: usize) -> String {
             .map(|(key, value)| match value {
                 Value::Object(inner) if !inner.is_empty() => format!("{pad}{key}:\n{}", text(value, depth + 1)),
                 Value::String(plain) => format!("{pad}{key}: {plain}\n"),
+                Value::Array(list) if list.iter().all(Value::is_object) && !list.is_empty() => {
+                    let entries = list.iter().map(|entry| format!("{pad}  {entry}\n"));
+                    format!("{pad}{key}:\n{}", entries.collect::<String>())
+                }
                 other => format!("{pad}{key}: {other}\n"),
             })
             .collect(),

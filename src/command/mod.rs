@@ -1,5 +1,6 @@
 //! The subcommands, one file each.
 
+pub mod arm;
 pub mod arrange;
 pub mod benchmark;
 pub mod check;

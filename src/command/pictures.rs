@@ -38,12 +38,7 @@ impl Pictures {
     ) -> Result<Self, Failure> {
         let files = [("--picture", "a picture", &picture), ("--animation", "an animation", &animation)];
         for (option, what, path) in files {
-            if let Some(path) = path.as_deref().filter(|path| !is_svg(path)) {
-                return Err(Failure::usage(format!(
-                    "{option} {}: {what} is written as SVG; give a file name that ends in .svg",
-                    path.display()
-                )));
-            }
+            path.as_deref().map_or(Ok(()), |path| require_svg(option, what, path))?;
         }
         for path in picture.iter().chain(&animation) {
             overwrite.file(path, inputs)?;
@@ -84,6 +79,14 @@ impl Pictures {
     }
 }
 
-fn is_svg(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg"))
+/// Demands that the file of an option is SVG.
+///
+/// # Errors
+/// If its name ends otherwise.
+pub fn require_svg(option: &str, what: &str, path: &Path) -> Result<(), Failure> {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg")) {
+        return Ok(());
+    }
+    let path = path.display();
+    Err(Failure::usage(format!("{option} {path}: {what} is written as SVG; give a file name that ends in .svg")))
 }

@@ -146,7 +146,7 @@ fn leaves_without_foam() {
 #[test]
 fn goals_out_of_reach() {
     let text = format!("{HEAD}[goals]\nx_m = 4.0\n\n[[objects.trunk]]\ncount = 1\n");
-    refuses(&text, None, &["goals: found no goal number 1", "out of the arm's reach", "change"]);
+    refuses(&text, None, &["goals: found no goal number 1", "on a straight way to 5000", "change"]);
 }
 
 /// Tests that an unknown controller is refused with the names of all controllers.
@@ -174,7 +174,12 @@ fn missing_scene() {
     fault.check(&underbrush!["reach", file]);
     fault.check(&underbrush!["generate", file, "--reaches", "1", "--out", set]);
     let name = file.display().to_string();
-    underbrush!["inspect", file].refused(&[&name, "no such file", "a scene or its name, data set", "check the path"]);
+    underbrush!["inspect", file].refused(&[
+        &name,
+        "no such file",
+        "a scene or its name, arm, data set",
+        "check the path",
+    ]);
     assert_empty(outputs.path());
 }
 

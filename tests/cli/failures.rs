@@ -12,9 +12,11 @@ const KEYS: [&str; 8] = ["allowed", "field", "file", "found", "kind", "line", "m
 
 /// For every subcommand but `schema` arguments with which it fails, and the kind of this error. `OUT` is a path that can
 /// be written, and `FILE` a file.
-const FAILING: [(&[&str], &str); 19] = [
+const FAILING: [(&[&str], &str); 21] = [
     (&["reproduce", "--experiment", "absent.toml", "--out", "OUT"], "input"),
     (&["reach", "absent.toml"], "input"),
+    (&["arm", "new", "absent.urdf", "--tip", "hand", "--out", "OUT.toml"], "input"),
+    (&["arm", "skin", "absent.toml", "--link", "arm", "--pitch-mm", "9", "--patch", "arm"], "input"),
     (&["arrange", "absent.toml", "--out", "OUT.toml"], "input"),
     (&["fit-skin", "absent.csv", "--ball-radius-mm", "5"], "input"),
     (&["generate", "absent.toml", "--reaches", "1", "--out", "OUT"], "input"),

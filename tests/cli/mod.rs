@@ -1,5 +1,6 @@
 //! The commands end to end, with small inputs.
 
+mod arm;
 mod arrange;
 mod benchmark;
 mod check;

@@ -77,7 +77,9 @@ fn a_set_is_made_again_from_itself() {
     fs::remove_dir_all(&sources).unwrap();
     for (set, again) in [(&shard, &again), (&whole, &whole_again)] {
         let call = underbrush!["generate", "--from", set, "--out", again];
-        assert_eq!((call.status, call.stderr.as_str()), (0, ""));
+        // Nothing is said but that nothing touched the skin in the two reaches of the whole set.
+        let other = call.stderr.lines().find(|line| !line.starts_with("warning: nothing touched the skin"));
+        assert_eq!((call.status, other), (0, None));
         assert_same_trees(set, again);
     }
     let set = Dataset::open(&shard).unwrap();

@@ -96,7 +96,12 @@ fn the_page_lists_every_key() {
     let files = [
         (
             arm::schema(),
-            &[("## The arm file", ""), ("### `[[joint]]`", "JointTable"), ("### `[[hull]]`", "HullTable")][..],
+            &[
+                ("## The arm file", ""),
+                ("### `[[joint]]`", "JointTable"),
+                ("### `[[hull]]`", "HullTable"),
+                ("### `[[held]]`", "HeldTable"),
+            ][..],
         ),
         (
             arm::skin_schema(),

@@ -11,7 +11,7 @@ use underbrush_sim::scene::Workspace;
 use underbrush_sim::snapshot::Snapshot;
 
 use super::panel::{GOAL, Panel, RIM, View, colour, felt_at};
-use super::{FONT, LINE, WIDTH, legend, panels};
+use super::{FONT, LEFT, LINE, RIGHT, WIDTH, legend, panels, views};
 
 /// Largest size of the file, bytes, for use in a README.
 const MAX_BYTES: usize = 900_000;
@@ -62,7 +62,8 @@ fn draw(
     y += legend::paragraph(&mut body, caption, (8.0, WIDTH - 16.0), y);
     y += clock(&mut body, &times, y);
     y += legend::legend(&mut body, (fullest, &looks, false), layout, (8.0, WIDTH - 16.0), y) + LINE;
-    let height = panels(&mut body, y, snapshots, workspace, |body, panel, view| {
+    let views = views(snapshots, workspace, WIDTH - LEFT - RIGHT);
+    let height = panels(&mut body, y, views, Some(workspace), |body, panel, view| {
         shapes(body, panel, view, snapshots, &looks);
         felt(body, panel, view, snapshots, (layout, objects), &looks);
     });

@@ -1,12 +1,13 @@
 //! Pictures of one moment of a reach, as SVG: arm, clutter and the taxels that feel something, from the side and from
 //! above. `draw` shows the whole scene, `close_ups` the surroundings of marked taxels, and `animate` several moments in
-//! a loop.
+//! a loop. `still` shows an arm alone, with all its taxels.
 
 mod animation;
 mod blade;
 mod close_up;
 mod legend;
 mod panel;
+mod still;
 
 use std::fmt::Write;
 
@@ -20,6 +21,7 @@ use underbrush_sim::snapshot::Snapshot;
 pub use animation::animate;
 pub use close_up::{TaxelMark, close_ups};
 use panel::{PANELS, Panel, View};
+pub use still::still;
 
 /// Font size, px. On a phone, where a picture is 390 px wide, text of this size is still 10 px tall.
 const FONT: f64 = 16.0;
@@ -48,23 +50,24 @@ pub fn draw(
     let mut y = 8.0;
     y += legend::paragraph(&mut body, caption, (8.0, WIDTH - 16.0), y);
     y += legend::legend(&mut body, (snapshot, &looks, true), layout, (8.0, WIDTH - 16.0), y) + LINE;
-    let height = panels(&mut body, y, std::slice::from_ref(snapshot), workspace, |body, panel, view| {
+    let views = views(std::slice::from_ref(snapshot), workspace, WIDTH - LEFT - RIGHT);
+    let height = panels(&mut body, y, views, Some(workspace), |body, panel, view| {
         panel.shapes(body, view, snapshot, &looks);
         panel.felt(body, view, (snapshot, &looks), layout, objects);
     });
     svg_document(WIDTH, height, FONT, caption, &body)
 }
 
-/// Draws both panels, the first one `y` px from the top, with what `content` draws on the table. Returns the height of the
-/// picture, px.
+/// Draws both panels, the first one `y` px from the top, with what `content` draws on the table, if there is one. Returns
+/// the height of the picture, px.
 fn panels(
     body: &mut String,
     mut y: f64,
-    snapshots: &[Snapshot],
-    workspace: &Workspace,
+    views: Vec<View>,
+    workspace: Option<&Workspace>,
     content: impl Fn(&mut String, &Panel, &View),
 ) -> f64 {
-    for (panel, view) in PANELS.iter().zip(views(snapshots, workspace, WIDTH - LEFT - RIGHT)) {
+    for (panel, view) in PANELS.iter().zip(views) {
         let size = view.size_px();
         let _ = writeln!(
             body,
@@ -72,7 +75,9 @@ fn panels(
              <rect width=\"100%\" height=\"100%\" fill=\"#f6f7f9\"/>",
             size.x, size.y
         );
-        panel.table(body, &view, workspace);
+        if let Some(workspace) = workspace {
+            panel.table(body, &view, workspace);
+        }
         content(body, panel, &view);
         *body += "<rect width=\"100%\" height=\"100%\" fill=\"none\" stroke=\"#9aa3ad\" stroke-width=\"2\"/>\n</svg>\n";
         panel.axes(body, &view, DVec2::new(LEFT, y));
@@ -89,6 +94,11 @@ fn views(snapshots: &[Snapshot], workspace: &Workspace, width_px: f64) -> Vec<Vi
         let corner = DVec3::new(workspace.x_m[x], workspace.y_m[y], workspace.table_height_m);
         points.push((corner, 0.0));
     }
+    views_of(&points, width_px)
+}
+
+/// The view of each panel that contains points, each with the radius of the shape around it, m.
+fn views_of(points: &[(DVec3, f64)], width_px: f64) -> Vec<View> {
     let bounds = |panel: &Panel| {
         let ends = points.iter().map(|(point, radius_m)| {
             let (at, around) = (panel.project(*point), DVec2::splat(radius_m + SPACE_M));

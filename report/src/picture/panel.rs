@@ -106,6 +106,11 @@ impl Panel {
         DVec2::new(point.dot(self.right), point.dot(self.up))
     }
 
+    /// The direction in space of one on the panel's plane.
+    pub fn direction(&self, flat: DVec2) -> DVec3 {
+        self.right * flat.x + self.up * flat.y
+    }
+
     /// A point in pixels from the view's upper left corner.
     pub fn to_pixels(&self, view: &View, point: DVec3) -> DVec2 {
         let local = self.project(point) - view.corner;

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use underbrush_recording::Pose;
 
-use super::Arm;
+use super::{Arm, Link};
 use crate::geometry::PlacedShape;
 
 /// An arm, and where it starts.
@@ -49,6 +49,13 @@ impl ArmAtStart {
     }
 }
 
+impl Link {
+    /// Its collision shapes with the link at this pose.
+    pub(super) fn placed_shapes(&self, link_pose: Pose) -> impl Iterator<Item = PlacedShape> + '_ {
+        self.colliders.iter().map(move |collider| collider.placed(&link_pose))
+    }
+}
+
 fn path_length_m(points: &[DVec3]) -> f64 {
     points.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }
@@ -56,10 +63,7 @@ fn path_length_m(points: &[DVec3]) -> f64 {
 impl Arm {
     /// The collision shapes of all links with their poses in the world, from the poses of the links.
     pub fn placed_shapes<'a>(&'a self, link_poses: &'a [Pose]) -> impl Iterator<Item = PlacedShape> + 'a {
-        self.links
-            .iter()
-            .zip(link_poses)
-            .flat_map(|(link, link_pose)| link.colliders.iter().map(move |collider| collider.solid_link.on(link_pose)))
+        self.links.iter().zip(link_poses).flat_map(|(link, pose)| link.placed_shapes(*pose))
     }
 }
 

@@ -1,5 +1,6 @@
 //! The arm's TOML file, and the arm assembled from it, its URDF and its skin file.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::DVec3;
@@ -13,7 +14,7 @@ use underbrush_recording::{BodyShape, InputError};
 use super::limits;
 use super::schema::Within;
 use super::source::{Source, listed};
-use super::urdf::{Chain, ChainJoint, read_chain};
+use super::urdf::{Chain, ChainJoint, Said, read_chain};
 use super::{Arm, ArmSource, Joint, LinkCollider, skin_file};
 use crate::geometry::MAX_CORNERS;
 
@@ -37,10 +38,14 @@ pub(super) struct ArmFile {
     /// One table for each moving joint of the chain.
     #[schemars(with = "Vec<JointTable>", length(min = 1))]
     joint: Vec<Spanned<JointTable>>,
-    /// Convex collision shapes, in addition to those of the URDF.
+    /// Convex collision shapes, in addition to those of the URDF, and in place of the meshes of their links.
     #[serde(default)]
     #[schemars(with = "Vec<HullTable>")]
     hull: Vec<Spanned<HullTable>>,
+    /// Joints that are held fixed, such as those of fingers.
+    #[serde(default)]
+    #[schemars(with = "Vec<HeldTable>")]
+    held: Vec<Spanned<HeldTable>>,
 }
 
 /// A joint: a spring and a damper about an equilibrium angle, which the controller moves.
@@ -72,6 +77,20 @@ struct JointTable {
     start_deg: f64,
 }
 
+/// A joint of the URDF that is held fixed.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct HeldTable {
+    /// Name of the joint in the URDF.
+    name: String,
+    /// Angle at which a joint that turns is held.
+    #[schemars(transform = Within(limits::ANGLE_DEG))]
+    angle_deg: Option<f64>,
+    /// Displacement at which a joint that slides is held.
+    #[schemars(transform = Within(limits::PLACE_M))]
+    displacement_m: Option<f64>,
+}
+
 /// A convex hull as a collision shape of a link.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -96,7 +115,7 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     let urdf = open(&folder.join(&file.urdf))?;
-    let mut chain = read_chain(&urdf, &file.base_link)?;
+    let mut chain = read_held_chain(&source, &file, &urdf)?;
     source.check(0, "friction", file.friction, limits::FRICTION)?;
     for hull in &file.hull {
         add_hull(&source, hull, &mut chain)?;
@@ -125,6 +144,39 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
         friction: file.friction,
         skin,
     })
+}
+
+/// Reads the chain of the URDF with the joints that the file holds.
+fn read_held_chain(source: &Source, file: &ArmFile, urdf: &Source) -> Result<Chain, InputError> {
+    let mut held = BTreeMap::new();
+    for table in &file.held {
+        let (start, table) = (table.span().start, table.get_ref());
+        for (key, value, limits) in [
+            ("held.angle_deg", table.angle_deg, limits::ANGLE_DEG),
+            ("held.displacement_m", table.displacement_m, limits::PLACE_M),
+        ] {
+            source.check(start, key, value.unwrap_or(0.0), limits)?;
+        }
+        let place = table.angle_deg.map(f64::to_radians).or(table.displacement_m).unwrap_or(0.0);
+        if held.insert(table.name.clone(), place).is_some() {
+            let found = format!("a second {}", table.name);
+            return Err(source.fault_after(start, "held.name", found, "one table for each joint"));
+        }
+    }
+    let hulled = file.hull.iter().map(|hull| hull.get_ref().link.clone()).collect();
+    let chain = read_chain(urdf, &file.base_link, &Said { held, hulled })?;
+    for table in &file.held {
+        let (start, table) = (table.span().start, table.get_ref());
+        let Some(turns) = chain.held.get(&table.name) else {
+            return Err(source.fault_after(start, "held.name", &table.name, "a joint of the URDF that is not fixed"));
+        };
+        if [table.angle_deg.is_some(), table.displacement_m.is_some()] != [*turns, !*turns] {
+            let (key, kind) = if *turns { ("angle_deg", "turns") } else { ("displacement_m", "slides") };
+            let allowed = format!("`{key}` alone, because {} {kind}", table.name);
+            return Err(source.fault_after(start, "held", "another key, both or none", allowed));
+        }
+    }
+    Ok(chain)
 }
 
 /// Combines each moving joint of the URDF with its table in the TOML file.
@@ -226,7 +278,7 @@ fn add_hull(source: &Source, table: &Spanned<HullTable>, chain: &mut Chain) -> R
     }
     let points_m: Vec<DVec3> = hull.points_m.iter().copied().map(DVec3::from_array).collect();
     let collider = LinkCollider::new(BodyShape::Hull { points_m }, pose);
-    let volume_m3 = collider.as_ref().map_or(0.0, |collider| collider.solid_link.shape.mass_properties(1.0).mass());
+    let volume_m3 = collider.as_ref().map_or(0.0, |collider| collider.placed_link.shape.mass_properties(1.0).mass());
     let Some(collider) = collider.filter(|_| limits::HULL_VOLUME_M3.hold(volume_m3)) else {
         let found = format!("{} points around {} m³", hull.points_m.len(), short(volume_m3));
         let allowed = format!("at least four points, not all in one plane, around {}", limits::HULL_VOLUME_M3);

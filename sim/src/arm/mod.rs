@@ -14,15 +14,21 @@ use crate::contact::surface::Surface;
 use crate::geometry::{PlacedShape, engine_shape};
 
 mod at_start;
+pub mod cover;
 mod file;
+mod hulls;
 mod inverse;
 pub mod kinematics;
 pub(crate) mod limits;
+pub mod mesh;
+pub mod new;
+mod new_text;
 mod schema;
 pub mod skin;
 mod skin_file;
 mod skin_fit;
 mod source;
+mod start;
 mod urdf;
 mod urdf_text;
 
@@ -91,21 +97,21 @@ pub struct LinkCollider {
     pub shape: BodyShape,
     /// Pose of the shape's frame in the link frame.
     pub pose_link: Pose,
-    /// The same shape for geometric queries, in the link frame. Hulls take long to find, so this is done once.
-    pub solid_link: PlacedShape,
+    /// The shape for distances, in the link frame. A hull takes some milliseconds to make.
+    placed_link: PlacedShape,
 }
 
 impl LinkCollider {
     /// `None` for a hull without volume or with too many corners.
-    pub fn new(shape: BodyShape, pose_link: Pose) -> Option<Self> {
-        let (solid, rotation) = engine_shape(&shape)?;
-        Some(LinkCollider { shape, pose_link, solid_link: PlacedShape { shape: solid, pose: pose_link * rotation } })
+    fn new(shape: BodyShape, pose_link: Pose) -> Option<LinkCollider> {
+        let (engine, rotation) = engine_shape(&shape)?;
+        let placed_link = PlacedShape { shape: engine, pose: pose_link * rotation };
+        Some(LinkCollider { shape, pose_link, placed_link })
     }
-}
 
-impl PartialEq for LinkCollider {
-    fn eq(&self, other: &Self) -> bool {
-        (&self.shape, self.pose_link) == (&other.shape, other.pose_link)
+    /// The shape for distances, with the link at this pose.
+    pub fn placed(&self, link_pose: &Pose) -> PlacedShape {
+        self.placed_link.on(link_pose)
     }
 }
 
@@ -238,6 +244,12 @@ fn layout_of(path: &Path) -> Result<SkinLayout, InputError> {
         true => Ok(Arm::load(path)?.skin.layout),
         false => skin_file::read_layout(&source),
     }
+}
+
+/// Whether a file is an arm's TOML file: it names a URDF.
+pub fn is_arm_file(path: &Path) -> bool {
+    let keys = source::read_from_disk(path).map(|text| text.parse::<toml::Table>());
+    keys.is_ok_and(|keys| keys.is_ok_and(|keys| keys.contains_key("urdf")))
 }
 
 /// The JSON Schema of an arm's TOML file.

@@ -3,7 +3,7 @@
 //! doubtful.
 
 use glam::DVec3;
-use underbrush_recording::{InputError, Patch, Taxel};
+use underbrush_recording::{InputError, Patch, Pose, Taxel};
 
 use super::skin::{FACING_COSINE, reach_m};
 use super::source::Source;
@@ -11,28 +11,27 @@ use super::{Arm, Link};
 use crate::geometry::PlacedShape;
 
 /// A link's collision shapes, posed in its frame.
-struct Surface(Vec<PlacedShape>);
+pub(super) struct Surface(pub(super) Vec<PlacedShape>);
 
 /// Step of the finite difference that measures the surface's direction, m: finer than the features of the shapes.
 const STEP_M: f64 = 5e-4;
 
 impl Surface {
-    fn of(link: &Link) -> Self {
-        Surface(link.colliders.iter().map(|collider| collider.solid_link.clone()).collect())
+    pub(super) fn of(link: &Link) -> Self {
+        Surface(link.placed_shapes(Pose::IDENTITY).collect())
     }
 
     /// Distance of a point from the surface of all shapes together, m; negative inside.
-    fn distance_m(&self, point: DVec3) -> f64 {
+    pub(super) fn distance_m(&self, point: DVec3) -> f64 {
         let distances = self.0.iter().map(|shape| shape.signed_distance_m(point));
         distances.fold(f64::INFINITY, f64::min)
     }
 
     /// Cosine between a taxel's normal and the surface's: the rate at which the distance grows along the normal. It is
     /// measured just outside, where faces that lie inside another shape do not count.
-    fn facing_cosine(&self, taxel: &Taxel) -> f64 {
-        let depth_m = (-self.distance_m(taxel.position_link)).max(0.0);
-        let at =
-            |steps: f64| self.distance_m(taxel.position_link + taxel.normal_link * (2.0 * depth_m + steps * STEP_M));
+    pub(super) fn facing_cosine(&self, position: DVec3, normal: DVec3) -> f64 {
+        let depth_m = (-self.distance_m(position)).max(0.0);
+        let at = |steps: f64| self.distance_m(position + normal * (2.0 * depth_m + steps * STEP_M));
         (at(2.0) - at(1.0)) / STEP_M
     }
 }
@@ -65,7 +64,7 @@ pub(super) fn check(source: &Source, offsets: &[usize], patch: &Patch, link: &Li
             );
             return fault(number, place(distance_m, &link.name), allowed);
         }
-        let faces_out = surface.facing_cosine(taxel) > 0.0;
+        let faces_out = surface.facing_cosine(taxel.position_link, taxel.normal_link) > 0.0;
         if !faces_out {
             let found = format!("a normal that points into link {}", link.name);
             return fault(
@@ -109,7 +108,7 @@ fn doubts(patch: &Patch, link: &Link) -> Vec<String> {
             place(distances[farthest], &link.name)
         ));
     }
-    let misaligned = |taxel: &&Taxel| surface.facing_cosine(taxel) <= FACING_COSINE;
+    let misaligned = |taxel: &&Taxel| surface.facing_cosine(taxel.position_link, taxel.normal_link) <= FACING_COSINE;
     let misaligned = patch.taxels.iter().filter(misaligned).count();
     if misaligned > 0 {
         found.push(format!(

@@ -10,6 +10,7 @@ use super::{Arm, cody_file, file};
 use underbrush_recording::InputError;
 
 mod cody;
+mod cover;
 mod files;
 pub(crate) mod kinematics;
 

@@ -21,6 +21,17 @@ pub(super) struct Chain {
     pub(super) joints: Vec<ChainJoint>,
     /// For every URDF link of the chain, the index of the link it was merged into and its pose in that link's frame.
     pub(super) frames: BTreeMap<String, (usize, Pose)>,
+    /// The joints that are held, each with whether it turns; otherwise it slides.
+    pub(super) held: BTreeMap<String, bool>,
+}
+
+/// What an arm file says about its URDF.
+#[derive(Default)]
+pub(super) struct Said {
+    /// Joints that are held, each at an angle, rad, or displacement, m.
+    pub(super) held: BTreeMap<String, f64>,
+    /// Links whose meshes are replaced by hulls.
+    pub(super) hulled: BTreeSet<String>,
 }
 
 impl Chain {
@@ -52,16 +63,22 @@ pub(super) struct ChainJoint {
 const REMEDY: &str = "correct the URDF";
 
 /// Reads the chain that starts at `base`.
-pub(super) fn read_chain(source: &Source, base: &str) -> Result<Chain, InputError> {
+pub(super) fn read_chain(source: &Source, base: &str, said: &Said) -> Result<Chain, InputError> {
     let elements = Elements::read(source)?;
+    let with_place = |element| {
+        let joint = Joint::of(element);
+        Joint { held: said.held.get(joint.name).copied(), ..joint }
+    };
     let reader = Reader {
         source,
         elements: &elements,
         links: elements.of_kind("link").map(|link| (text(link, "name"), link)).collect(),
-        joints: elements.of_kind("joint").map(Joint::of).collect(),
+        joints: elements.of_kind("joint").map(with_place).collect(),
+        hulled: &said.hulled,
     };
     reader.check_names()?;
-    let mut chain = Chain { links: Vec::new(), joints: Vec::new(), frames: BTreeMap::new() };
+    let mut chain =
+        Chain { links: Vec::new(), joints: Vec::new(), frames: BTreeMap::new(), held: reader.held_joints()? };
     let mut root = base;
     loop {
         let frames = reader.rigid_group(root)?;
@@ -93,21 +110,24 @@ struct Reader<'a> {
     /// The links, each with its name.
     links: Vec<(&'a str, Element<'a>)>,
     joints: Vec<Joint<'a>>,
+    hulled: &'a BTreeSet<String>,
 }
 
 /// A joint of the file.
 #[derive(Clone, Copy)]
-struct Joint<'a> {
-    element: Element<'a>,
-    name: &'a str,
-    kind: &'a str,
+pub(super) struct Joint<'a> {
+    pub(super) element: Element<'a>,
+    pub(super) name: &'a str,
+    pub(super) kind: &'a str,
     /// Names of its links.
-    parent: &'a str,
-    child: &'a str,
+    pub(super) parent: &'a str,
+    pub(super) child: &'a str,
+    /// The angle, rad, or displacement, m, at which it is held.
+    held: Option<f64>,
 }
 
 impl<'a> Joint<'a> {
-    fn of(element: Element<'a>) -> Self {
+    pub(super) fn of(element: Element<'a>) -> Self {
         let end = |name| child(element, name).map_or("", |end| text(end, "link"));
         Joint {
             element,
@@ -115,22 +135,39 @@ impl<'a> Joint<'a> {
             kind: text(element, "type"),
             parent: end("parent"),
             child: end("child"),
+            held: None,
         }
     }
 
+    /// Whether the file lets it move.
+    pub(super) fn moves(&self) -> bool {
+        self.kind != "fixed"
+    }
+
     fn is_fixed(&self) -> bool {
-        self.kind == "fixed"
+        !self.moves() || self.held.is_some()
     }
 }
 
 /// The value of an attribute that the file has, because it was checked.
-fn text<'a>(element: Element<'a>, key: &str) -> &'a str {
+pub(super) fn text<'a>(element: Element<'a>, key: &str) -> &'a str {
     attribute(element, key).unwrap_or_default()
 }
 
 /// The first child with this name.
-fn child<'a>(element: Element<'a>, name: &str) -> Option<Element<'a>> {
+pub(super) fn child<'a>(element: Element<'a>, name: &str) -> Option<Element<'a>> {
     named(element, &[name]).next()
+}
+
+/// The mesh of a `<collision>` or `<visual>`.
+pub(super) fn mesh(owner: Element) -> Option<Element> {
+    child(child(owner, "geometry")?, "mesh")
+}
+
+/// The pose that an `<origin>` gives; the identity without one.
+pub(super) fn origin_pose(origin: Option<Element>) -> Pose {
+    let [xyz, [roll, pitch, yaw]] = ["xyz", "rpy"].map(|key| numbers(origin, key).unwrap_or_default());
+    Pose::new(DVec3::from_array(xyz), DQuat::from_euler(EulerRot::ZYX, yaw, pitch, roll))
 }
 
 /// Rigidly connected URDF links with their poses in the first one's frame.
@@ -203,7 +240,7 @@ impl<'a> Reader<'a> {
                     joint,
                     "parent",
                     found,
-                    "a serial chain (fix the joints of side branches)",
+                    "a serial chain (hold the joints of side branches by [[held]] in the arm's TOML file)",
                 ));
             }
             next = Some((*joint, *pose * self.joint_origin(joint)?));
@@ -211,8 +248,32 @@ impl<'a> Reader<'a> {
         Ok(next)
     }
 
+    /// Pose of a joint's child in its parent at angle 0, or where the joint is held.
     fn joint_origin(&self, joint: &Joint) -> Result<Pose, InputError> {
-        self.pose("joint", joint.name, "origin", child(joint.element, "origin"))
+        let origin = self.pose("joint", joint.name, "origin", child(joint.element, "origin"))?;
+        let Some(place) = joint.held.filter(|_| joint.moves()) else { return Ok(origin) };
+        let axis = self.axis(joint)?;
+        Ok(origin
+            * match joint.kind {
+                "prismatic" => Pose::new(axis * place, DQuat::IDENTITY),
+                _ => Pose::from_orientation(DQuat::from_axis_angle(axis, place)),
+            })
+    }
+
+    fn axis(&self, joint: &Joint) -> Result<DVec3, InputError> {
+        let axis = numbers(child(joint.element, "axis"), "xyz").unwrap_or([1.0, 0.0, 0.0]);
+        unit(axis).ok_or_else(|| self.joint_fault(joint, "axis", listed(&axis), &directions()))
+    }
+
+    /// The joints that are held, each with whether it turns.
+    fn held_joints(&self) -> Result<BTreeMap<String, bool>, InputError> {
+        let held = self.joints.iter().filter(|joint| joint.held.is_some() && joint.moves());
+        held.map(|joint| match joint.kind {
+            "revolute" | "continuous" => Ok((joint.name.to_owned(), true)),
+            "prismatic" => Ok((joint.name.to_owned(), false)),
+            other => Err(self.joint_fault(joint, "type", other, "revolute, continuous or prismatic, to be held")),
+        })
+        .collect()
     }
 
     fn joint(&self, joint: &Joint, origin_parent: Pose) -> Result<ChainJoint, InputError> {
@@ -222,7 +283,8 @@ impl<'a> Reader<'a> {
             "revolute" => [lower, upper],
             "continuous" => [f64::NEG_INFINITY, f64::INFINITY],
             other => {
-                return Err(self.joint_fault(joint, "type", other, "revolute, continuous or fixed"));
+                let allowed = "revolute, continuous or fixed (or hold it by [[held]] in the arm's TOML file)";
+                return Err(self.joint_fault(joint, "type", other, allowed));
             }
         };
         if child(joint.element, "mimic").is_some() {
@@ -241,12 +303,10 @@ impl<'a> Reader<'a> {
             let found = format!("{} to {}", limits_rad[0], limits_rad[1]);
             return Err(self.joint_fault(joint, "limit", found, "lower below upper, rad"));
         }
-        let axis = numbers(child(joint.element, "axis"), "xyz").unwrap_or([1.0, 0.0, 0.0]);
-        let axis_child = unit(axis).ok_or_else(|| self.joint_fault(joint, "axis", listed(&axis), &directions()))?;
         Ok(ChainJoint {
             name: joint.name.to_owned(),
             origin_parent,
-            axis_child,
+            axis_child: self.axis(joint)?,
             limits_rad,
             torque_limit_nm: effort,
             velocity_limit_rad_per_s: velocity,
@@ -275,13 +335,15 @@ impl<'a> Reader<'a> {
                 }
             }
             for (number, collision) in named(*link, &["collision"]).enumerate() {
+                if self.hulled.contains(*part) && mesh(collision).is_some() {
+                    continue;
+                }
                 let place = match number {
                     0 => "collision".to_string(),
                     _ => format!("collision[{number}]"),
                 };
                 let origin = child(collision, "origin");
                 let frame = self.pose("link", part, &format!("{place}.origin"), origin)?;
-                // The shapes of a URDF always have a volume.
                 colliders.extend(LinkCollider::new(self.shape(part, &place, collision)?, *pose * frame));
             }
         }
@@ -346,7 +408,8 @@ impl<'a> Reader<'a> {
                 (size.to_vec(), BodyShape::Box { size_m })
             }
             _ => {
-                let allowed = "box, cylinder, capsule or sphere (give other shapes as [[hull]] in the arm's TOML file)";
+                let allowed = "box, cylinder, capsule or sphere; or [[hull]] for this link in the arm's TOML file, in place of \
+                               its meshes (`underbrush arm new` makes them)";
                 let filename = shape.map_or("", |mesh| text(mesh, "filename"));
                 return Err(self.link_fault(link, &format!("{place}.geometry"), format!("mesh {filename}"), allowed));
             }
@@ -359,15 +422,14 @@ impl<'a> Reader<'a> {
     }
 
     fn pose(&self, owner: &str, name: &str, field: &str, origin: Option<Element>) -> Result<Pose, InputError> {
-        let [xyz, rpy] = ["xyz", "rpy"].map(|key| numbers(origin, key).unwrap_or_default());
+        let [xyz, rpy]: [[f64; 3]; 2] = ["xyz", "rpy"].map(|key| numbers(origin, key).unwrap_or_default());
         for (key, numbers, limits) in [("xyz", xyz, limits::PLACE_M), ("rpy", rpy, limits::ANGLE_RAD)] {
             if numbers.iter().any(|number| !limits.hold(*number)) {
                 let found = format!("{key} {}", listed(&numbers));
                 return Err(self.fault(owner, name, field, found, &format!("numbers from {limits}")));
             }
         }
-        let [roll, pitch, yaw] = rpy;
-        Ok(Pose::new(DVec3::from_array(xyz), DQuat::from_euler(EulerRot::ZYX, yaw, pitch, roll)))
+        Ok(origin_pose(origin))
     }
 
     fn link_fault(&self, link: &str, field: &str, found: impl Display, allowed: &str) -> InputError {

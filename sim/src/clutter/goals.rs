@@ -1,5 +1,6 @@
 //! The goals: drawn so that the arm passes through plants on its way.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use glam::DVec3;
@@ -43,6 +44,7 @@ pub(super) fn draw_goals(
     let plants: Vec<Capsule> = plants.map(PlacedObject::bounding_capsule).collect();
     let surroundings = Surroundings::new(&arm.arm, scene.file.workspace.table_height_m, objects);
     let anywhere = (-5.0, 5.0);
+    let length_m = length_m(&arm.arm);
     let mut from = arm.end_effector_world;
     let mut goals = Vec::new();
     for number in 0..settings.count {
@@ -51,7 +53,7 @@ pub(super) fn draw_goals(
             let draw = |quantity: &Quantity, random: &mut ChaCha8Rng| quantity.draw(random, anywhere).ok();
             let goal =
                 DVec3::new(draw(&settings.x_m, random)?, draw(&settings.y_m, random)?, draw(&settings.z_m, random)?);
-            if rejected.too_far + rejected.blocked >= POSTURE_TRIES {
+            if rejected.sought() >= POSTURE_TRIES {
                 return None;
             }
             rejected.tried += 1;
@@ -61,8 +63,9 @@ pub(super) fn draw_goals(
             }
             match surroundings.admit(&arm.arm, goal, for_postures) {
                 Admission::Free => return Some(goal),
-                Admission::Blocked => rejected.blocked += 1,
-                Admission::TooFar => rejected.too_far += 1,
+                Admission::Blocked(by) => *rejected.blocked.entry(by).or_default() += 1,
+                Admission::NoPosture if arm.shoulder_world.distance(goal) > length_m => rejected.beyond_length += 1,
+                Admission::NoPosture => rejected.no_posture += 1,
             }
             None
         });
@@ -82,18 +85,39 @@ pub(super) fn draw_goals(
 struct Rejected {
     tried: usize,
     beside: usize,
-    too_far: usize,
-    blocked: usize,
+    /// Farther from the shoulder than the arm is long.
+    beyond_length: usize,
+    /// Out of reach within the limits of the joints.
+    no_posture: usize,
+    /// By what is in the way of the last posture that was found.
+    blocked: BTreeMap<&'static str, usize>,
+}
+
+impl Rejected {
+    /// Places for which postures were sought.
+    fn sought(&self) -> usize {
+        self.beyond_length + self.no_posture + self.blocked.values().sum::<usize>()
+    }
+}
+
+/// Length of an arm from its first joint to its end effector, m.
+fn length_m(arm: &Arm) -> f64 {
+    let poses = arm.forward_kinematics(&arm.start_posture_rad());
+    let end = arm.end_effector_pose(&poses).position;
+    let joints: Vec<DVec3> = poses[1..].iter().map(|pose| pose.position).chain([end]).collect();
+    joints.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }
 
 impl std::fmt::Display for Rejected {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "{} places: on a straight way to {} the skin meets no plant, {} are out of the arm's reach, and at {} every \
-             posture found is too close to an obstacle, the table or foam",
-            self.tried, self.beside, self.too_far, self.blocked
-        )
+            "{} places: on a straight way to {} the skin meets no plant, {} are farther than the arm is long, {} are out of \
+             reach within the limits of its joints",
+            self.tried, self.beside, self.beyond_length, self.no_posture
+        )?;
+        let mut blocked = self.blocked.iter();
+        blocked.try_for_each(|(by, count)| write!(f, ", at {count} every posture found is too close to {by}"))
     }
 }
 
@@ -112,10 +136,10 @@ struct Surroundings {
 enum Admission {
     /// It has a free posture there.
     Free,
-    /// It can reach the place, but no free posture was found.
-    Blocked,
+    /// It can reach the place, but no free posture was found; what is in the way of the last one.
+    Blocked(&'static str),
     /// It cannot reach the place.
-    TooFar,
+    NoPosture,
 }
 
 impl Surroundings {
@@ -129,7 +153,7 @@ impl Surroundings {
             clear_at_start: Vec::new(),
         };
         let poses = arm.forward_kinematics(&arm.start_posture_rad());
-        let clear = arm.placed_shapes(&poses).map(|shape| surroundings.leave_room(&shape));
+        let clear = arm.placed_shapes(&poses).map(|shape| surroundings.in_the_way(&shape).is_none());
         surroundings.clear_at_start = clear.collect();
         surroundings
     }
@@ -137,16 +161,16 @@ impl Surroundings {
     /// Looks for a posture with the end effector at `goal`, first from the arm's start posture.
     fn admit(&self, arm: &Arm, goal: DVec3, random: &mut ChaCha8Rng) -> Admission {
         let mut start_rad = arm.start_posture_rad();
-        let mut reached = false;
+        let mut blocked = None;
         for starts in 1..=STARTS {
             if let Some(posture_rad) = arm.posture_at(goal, &start_rad) {
-                reached = true;
-                if self.leave_room_for_all(arm, &posture_rad) {
+                blocked = self.in_the_way_of_all(arm, &posture_rad);
+                if blocked.is_none() {
                     return Admission::Free;
                 }
             }
-            if !reached && starts >= STARTS_WITHIN_REACH {
-                return Admission::TooFar;
+            if blocked.is_none() && starts >= STARTS_WITHIN_REACH {
+                return Admission::NoPosture;
             }
             for (angle, joint) in start_rad.iter_mut().zip(&arm.joints) {
                 // A joint without limits turns all round.
@@ -154,19 +178,24 @@ impl Surroundings {
                 *angle = low + (high - low) * (random.next_u32() as f64 / f64::from(u32::MAX));
             }
         }
-        Admission::Blocked
+        blocked.map_or(Admission::NoPosture, Admission::Blocked)
     }
 
-    fn leave_room_for_all(&self, arm: &Arm, posture_rad: &[f64]) -> bool {
+    fn in_the_way_of_all(&self, arm: &Arm, posture_rad: &[f64]) -> Option<&'static str> {
         let poses = arm.forward_kinematics(posture_rad);
         let shapes = arm.placed_shapes(&poses).zip(&self.clear_at_start);
-        shapes.filter(|(_, compared)| **compared).all(|(shape, _)| self.leave_room(&shape))
+        shapes.filter(|(_, compared)| **compared).find_map(|(shape, _)| self.in_the_way(&shape))
     }
 
-    fn leave_room(&self, shape: &PlacedShape) -> bool {
-        -shape.extent_m(DVec3::NEG_Z) > self.table_height_m
-            && self.foam.iter().all(|(block, pose)| shape.distance_to(block, pose) > 0.0)
-            && self.obstacles.iter().all(|obstacle| shape.distance(obstacle) >= GOAL_MARGIN_M)
+    /// What leaves no room for a shape.
+    fn in_the_way(&self, shape: &PlacedShape) -> Option<&'static str> {
+        if -shape.extent_m(DVec3::NEG_Z) <= self.table_height_m {
+            return Some("the table");
+        }
+        if self.foam.iter().any(|(block, pose)| shape.distance_to(block, pose) <= 0.0) {
+            return Some("foam");
+        }
+        self.obstacles.iter().any(|obstacle| shape.distance(obstacle) < GOAL_MARGIN_M).then_some("an obstacle")
     }
 }
 

@@ -49,7 +49,7 @@ fn goals_leave_the_hand_room() {
     // 3.5 cm from the axis: 1.5 cm from the surface, within the 2 cm that every link keeps.
     let error = draw(&goal_beside_a_trunk(0.535), &arm()).unwrap_err().to_string();
     assert!(error.contains("no goal number 1 in 100 places"), "{error}");
-    assert!(error.contains("at 100 every posture found is too close"), "{error}");
+    assert!(error.contains("at 100 every posture found is too close to an obstacle"), "{error}");
 }
 
 /// Tests that a goal brings the skin to a plant: with the trunk 8.1 cm behind the end effector, skin that ends before the
@@ -78,7 +78,17 @@ fn goals_are_within_reach() {
     let goal = |x_m: f64| format!("goals = {{ count = 2, x_m = {x_m}, y_m = -0.217, z_m = 0.0 }}\n");
     assert_eq!(draw(&goal(0.82), &arm()).unwrap().goals.len(), 2);
     let error = draw(&goal(0.83), &arm()).unwrap_err().to_string();
-    assert!(error.contains("100 are out of the arm's reach"), "{error}");
+    assert!(error.contains("0 are farther than the arm is long, 100 are out of reach within the limits"), "{error}");
+    // The offset of the shoulder counts as length: beyond 0.217 + 0.827 m no straight arm would reach.
+    let error = draw(&goal(1.2), &arm()).unwrap_err().to_string();
+    assert!(error.contains("100 are farther than the arm is long, 0 are out of reach"), "{error}");
+}
+
+/// Tests that a goal at which the hand would be in the table is counted as such.
+#[test]
+fn goals_keep_the_hand_above_the_table() {
+    let error = draw("goals = { count = 1, x_m = 0.5, y_m = -0.3, z_m = -0.60 }\n", &arm()).unwrap_err().to_string();
+    assert!(error.contains("at 100 every posture found is too close to the table"), "{error}");
 }
 
 /// Tests that drawn goals are nearer to Cody's upper arm than the bones from there to the end effector are long. Four to

@@ -2,7 +2,7 @@
 //!
 //! Parry finds hulls of many points, but starts from an arc cosine that it takes from the machine, so that equal corners
 //! may give other faces on another machine. Here each plane through three corners that has all others on one side is a
-//! face. That takes the fourth power of their number, which is small.
+//! face. That takes the fourth power of their number at most, which is small.
 
 use std::collections::BTreeSet;
 
@@ -55,13 +55,18 @@ fn faces(corners: &[DVec3], near_m: f64) -> BTreeSet<Vec<usize>> {
                     continue;
                 }
                 let normal = normal.normalize();
-                let heights = corners.iter().map(|corner| (*corner - corners[a]).dot(normal));
-                let (low, high) =
-                    heights.fold((0.0, 0.0), |(low, high): (f64, f64), height| (low.min(height), high.max(height)));
-                let outward = match (low >= -near_m, high <= near_m) {
-                    (false, true) => normal,
-                    (true, false) => -normal,
-                    // Corners on both sides, or none outside of the plane.
+                let (mut below, mut above) = (false, false);
+                for corner in corners {
+                    let height = (*corner - corners[a]).dot(normal);
+                    (below, above) = (below || height < -near_m, above || height > near_m);
+                    // Most planes have corners on both sides, and soon show it.
+                    if below && above {
+                        break;
+                    }
+                }
+                let outward = match (below, above) {
+                    (true, false) => normal,
+                    (false, true) => -normal,
                     _ => continue,
                 };
                 faces.insert(face(corners, a, outward, near_m));

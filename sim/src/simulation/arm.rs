@@ -10,7 +10,7 @@ use super::placed::{PlacedLink, Solid};
 use super::report::JointState;
 use crate::arm::Arm;
 use crate::dynamics::Tree;
-use crate::geometry::{PlacedShape, parry_pose};
+use crate::geometry::parry_pose;
 
 /// One arm in an [`Engine`].
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -30,8 +30,8 @@ impl ArmBodies {
         let mut solids = Vec::new();
         for (link, own) in arm.links.iter().enumerate() {
             for part in &own.colliders {
-                let PlacedShape { shape, pose } = &part.solid_link;
-                let shape = ColliderBuilder::new(shape.clone()).position(parry_pose(pose));
+                let placed = part.placed(&WorldPose::IDENTITY);
+                let shape = ColliderBuilder::new(placed.shape).position(parry_pose(&placed.pose));
                 solids.push(Solid { link, shape, groups: groups::arm(), surface: arm.surface(link), part: 0 });
             }
         }

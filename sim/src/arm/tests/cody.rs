@@ -1,5 +1,6 @@
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, Vector3};
+use underbrush_recording::Pose;
 
 use super::super::Arm;
 use super::super::skin::SurfaceForm;
@@ -92,7 +93,7 @@ fn flipper_skin_has_its_69_taxels_on_the_flipper() {
     for taxel in &patch.taxels {
         assert!((1e-4..=15e-4).contains(&taxel.area_m2));
         let distance = |collider: &super::super::LinkCollider| {
-            let solid = &collider.solid_link;
+            let solid = collider.placed(&Pose::IDENTITY);
             solid.shape.distance_to_local_point(solid.pose.inverse().transform_point(taxel.position_link), false)
         };
         let nearest =

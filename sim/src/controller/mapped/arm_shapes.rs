@@ -38,7 +38,7 @@ impl ArmShapes {
         let colliders = links.flat_map(|(link, own)| own.colliders.iter().map(move |collider| (link, collider)));
         let parts = colliders.map(|(link, collider)| {
             let (around, is_capsule) = around(collider);
-            let shape = collider.solid_link.clone();
+            let shape = collider.placed(&Pose::IDENTITY);
             let extent_m = around.start.length().max(around.end.length()) + around.radius_m;
             let part =
                 Part { link, lever_m: levers_m(arm, link, extent_m), shape, around, is_capsule, above_floor: true };

@@ -1,0 +1,184 @@
+//! `underbrush arm`: makes the files of a user's own arm.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+use serde_json::json;
+use underbrush_recording::disk::is_there;
+use underbrush_sim::arm::cover::{NewPatch, cover};
+use underbrush_sim::arm::new::{NewArm, new_files};
+
+use super::overwrite::Overwrite;
+use crate::failure::Failure;
+use crate::output;
+
+/// Options of `underbrush arm`.
+///
+/// Three commands bring your own arm among trunks:
+///
+///   underbrush arm new robot.urdf --tip hand --out robot.toml
+///   underbrush arm skin robot.toml --link forearm --pitch-mm 10 --patch forearm --prune
+///   underbrush reach robot.trunks.toml
+///
+/// `underbrush inspect robot.toml --still robot.svg` lists joints, links and patches, and draws them.
+#[derive(Args)]
+#[command(verbatim_doc_comment)]
+pub struct ArmOptions {
+    #[command(subcommand)]
+    command: ArmCommand,
+}
+
+#[derive(Subcommand)]
+enum ArmCommand {
+    /// Write an arm file, a skin file without patches and a scene with trunks, from a URDF
+    New(NewOptions),
+    /// Add a patch of taxels to the skin file of an arm
+    Skin(SkinOptions),
+}
+
+/// Options of `underbrush arm new`.
+///
+/// The arm is the chain of turning joints from --base to --tip. All other joints, such as those of fingers, are held. Meshes
+/// (STL, OBJ, DAE) become convex hulls in the arm file. Stiffness, damping, limits and start posture follow rules that the file
+/// states; change what you know better. For an arm in robot.toml the skin is in robot.skin.toml, and the scene in
+/// robot.trunks.toml. A skin file that is there already is kept.
+#[derive(Args)]
+struct NewOptions {
+    /// The URDF, without xacro: `xacro robot.urdf.xacro > robot.urdf` expands one
+    urdf: PathBuf,
+    /// Link that the controller moves to goals: the hand or a frame on it
+    #[arg(long, value_name = "LINK")]
+    tip: String,
+    /// Fixed link, whose frame is that of the world [default: the root of the URDF]
+    #[arg(long, value_name = "LINK")]
+    base: Option<String>,
+    /// Where the meshes of package://NAME/ are [default: the folder NAME around the URDF]
+    #[arg(long, value_name = "NAME=FOLDER", value_parser = package)]
+    package: Vec<(String, PathBuf)>,
+    /// Most convex hulls for each mesh: more fit a bent link better, and cost time in every step
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
+    hulls: u32,
+    /// The arm file to write
+    #[arg(long, value_name = "FILE.toml")]
+    out: PathBuf,
+    #[command(flatten)]
+    overwrite: Overwrite,
+}
+
+/// Options of `underbrush arm skin`.
+///
+/// A link whose only collision shape is a cylinder or capsule gets rows and columns of taxels round its side. Any other link
+/// gets taxels all over its shapes, listed one by one. Taxels inside of other shapes of the arm cannot be touched. They are
+/// an error, which lists all of them, unless --prune leaves them out.
+#[derive(Args)]
+struct SkinOptions {
+    /// The arm file
+    arm: PathBuf,
+    /// Link to cover, with all that is fixed to it
+    #[arg(long, value_name = "LINK")]
+    link: String,
+    /// Distance between neighbouring taxels, mm
+    #[arg(long, value_name = "MM")]
+    pitch_mm: f64,
+    /// Name of the patch
+    #[arg(long, value_name = "NAME")]
+    patch: String,
+    /// Leave out taxels that nothing can touch; of a grid, the rows that have some
+    #[arg(long)]
+    prune: bool,
+    /// Replace the patch of this name
+    #[arg(long)]
+    force: bool,
+}
+
+fn package(text: &str) -> Result<(String, PathBuf), String> {
+    let (name, folder) = text.split_once('=').ok_or("must be NAME=FOLDER, such as panda_description=robots/panda")?;
+    Ok((name.to_owned(), folder.into()))
+}
+
+/// Makes the files.
+pub fn run(options: ArmOptions, json: bool) -> Result<(), Failure> {
+    match options.command {
+        ArmCommand::New(options) => new(options, json),
+        ArmCommand::Skin(options) => skin(options, json),
+    }
+}
+
+fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
+    let NewOptions { urdf, tip, base, package, hulls, out, overwrite } = options;
+    if out.extension().is_none_or(|extension| extension != "toml") {
+        let out = out.display();
+        return Err(Failure::usage(format!("--out {out}: an arm is a TOML file; give a file name that ends in .toml")));
+    }
+    overwrite.file(&out, [&urdf])?;
+    let files = new_files(&NewArm {
+        urdf: urdf.clone(),
+        out: out.clone(),
+        tip_link: tip,
+        base_link: base,
+        packages: package.into_iter().collect(),
+        hulls_per_mesh: hulls as usize,
+    })?;
+    let (skin, scene) = (&files.skin.0, &files.scene.0);
+    overwrite.file(scene, [&urdf])?;
+    if !is_there(skin)? {
+        output::write_file(skin, files.skin.1.as_bytes())?;
+    }
+    output::write_file(&out, files.arm_file.as_bytes())?;
+    output::write_file(scene, files.scene.1.as_bytes())?;
+    let links: Vec<&str> = files.arm.links.iter().map(|link| link.name.as_str()).collect();
+    let outside_mm = files.outside_hulls_m * 1000.0;
+    let report = json!({
+        "arm": out,
+        "skin": skin,
+        "scene": scene,
+        "joints": files.arm.joints.len(),
+        "links": links,
+        "held_joints": files.held,
+        "hulls": files.hulls,
+        "outside_hulls_mm": outside_mm,
+    });
+    output::result(json, &report, || {
+        let held = if files.held.is_empty() { String::new() } else { format!("; held: {}", files.held.join(", ")) };
+        let show = Path::display;
+        format!(
+            "Wrote {}, {} and {}.\n{} joints{held}\nlinks: {}\n{}; meshes stand out at most {outside_mm:.1} mm\n\
+             Next: underbrush arm skin {} --link LINK --pitch-mm 10 --patch NAME\n",
+            show(&out),
+            show(skin),
+            show(scene),
+            files.arm.joints.len(),
+            links.join(", "),
+            output::counted(files.hulls, "hull", "hulls"),
+            show(&out),
+        )
+    })
+}
+
+fn skin(options: SkinOptions, json: bool) -> Result<(), Failure> {
+    let SkinOptions { arm, link, pitch_mm, patch, prune, force } = options;
+    let new = NewPatch { name: patch, link, pitch_m: pitch_mm / 1000.0, prune, replace: force };
+    let covered = cover(&arm, &new)?;
+    output::write_file(&covered.path, covered.text.as_bytes())?;
+    let layout = &covered.arm.skin.layout;
+    let made = layout.patch_index(&new.name).map(|index| &layout.patches[index]);
+    let (taxels, grid) = made.map_or((0, None), |made| (made.taxels.len(), made.grid));
+    let shape = grid.map(|grid| [grid.rows, grid.columns]);
+    let doubts = covered.arm.skin_doubts();
+    let report = json!({
+        "skin": covered.path,
+        "patch": new.name,
+        "taxels": taxels,
+        "rows_and_columns": shape,
+        "left_out": covered.left_out,
+        "doubtful": doubts,
+    });
+    output::result(json, &report, || {
+        let grid = shape.map_or(String::new(), |[rows, columns]| format!(" in {rows} rows of {columns}"));
+        let unit = if shape.is_some() { "rows" } else { "taxels" };
+        let left_out =
+            if covered.left_out == 0 { String::new() } else { format!("; {} {unit} left out", covered.left_out) };
+        let doubts: String = doubts.iter().map(|doubt| format!("doubtful: {doubt}\n")).collect();
+        format!("Patch {} in {}: {taxels} taxels{grid}{left_out}\n{doubts}", new.name, covered.path.display())
+    })
+}

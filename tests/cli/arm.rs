@@ -1,0 +1,164 @@
+//! `underbrush arm`, and `underbrush inspect` of an arm.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use crate::support::{call, underbrush};
+
+/// An arm of three joints with a mesh, and a hand with a finger that slides and one that mimics it.
+fn write_urdf(folder: &Path) -> PathBuf {
+    let link = |name: &str, geometry: &str| {
+        format!(
+            "<link name=\"{name}\"><inertial><origin xyz=\"0 0 0.15\"/><mass value=\"1\"/>\
+             <inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0.01\" iyz=\"0\" izz=\"0.002\"/></inertial>\
+             <collision><origin xyz=\"0 0 0.15\"/><geometry>{geometry}</geometry></collision></link>"
+        )
+    };
+    let joint = |name: &str, kind: &str, parent: &str, child: &str, rest: &str| {
+        format!(
+            "<joint name=\"{name}\" type=\"{kind}\"><parent link=\"{parent}\"/><child link=\"{child}\"/>{rest}</joint>"
+        )
+    };
+    let turns = |at: f64, axis: &str, effort: f64| {
+        format!(
+            "<origin xyz=\"0 0 {at}\"/><axis xyz=\"{axis}\"/>\
+             <limit lower=\"-2.5\" upper=\"2.5\" effort=\"{effort}\" velocity=\"1\"/>"
+        )
+    };
+    let slides = "<axis xyz=\"0 1 0\"/><limit lower=\"0.01\" upper=\"0.04\" effort=\"10\" velocity=\"1\"/>";
+    let mimics = format!("{slides}<mimic joint=\"left\" multiplier=\"-2\" offset=\"0.05\"/>");
+    let text = [
+        "<robot name=\"crane\"><link name=\"base\"/>".into(),
+        link("pillar", "<cylinder radius=\"0.04\" length=\"0.3\"/>"),
+        link("boom", "<mesh filename=\"package://crane/meshes/beam.obj\" scale=\"0.001 0.001 0.001\"/>"),
+        link("hand", "<box size=\"0.05 0.05 0.3\"/>"),
+        link("left_finger", "<box size=\"0.01 0.01 0.05\"/>"),
+        link("right_finger", "<box size=\"0.01 0.01 0.05\"/>"),
+        joint("turn", "revolute", "base", "pillar", &turns(0.1, "0 0 1", 90.0)),
+        joint("lift", "revolute", "pillar", "boom", &turns(0.3, "0 1 0", 30.0)),
+        joint("bend", "revolute", "boom", "hand", &turns(0.3, "0 1 0", 6.0)),
+        "<link name=\"tip\"/>".into(),
+        joint("end", "fixed", "hand", "tip", "<origin xyz=\"0 0 0.3\"/>"),
+        joint("left", "prismatic", "hand", "left_finger", slides),
+        joint("right", "prismatic", "hand", "right_finger", &mimics),
+        "</robot>".into(),
+    ];
+    let file = folder.join("crane.urdf");
+    std::fs::write(&file, text.concat()).unwrap();
+    file
+}
+
+/// A beam of 60 × 60 × 300 mm, in millimetres, as eight corners and six faces.
+fn write_mesh(folder: &Path) {
+    let corners = (0..8).map(|bits| {
+        let side = |bit: usize, half: i32| if bits >> bit & 1 == 1 { half } else { -half };
+        format!("v {} {} {}\n", side(0, 30), side(1, 30), side(2, 150))
+    });
+    let faces = "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    std::fs::create_dir_all(folder.join("crane/meshes")).unwrap();
+    std::fs::write(folder.join("crane/meshes/beam.obj"), corners.collect::<String>() + faces).unwrap();
+}
+
+/// Tests the way from a URDF to a reach without an edit: the arm is sound, its numbers follow the rules of the file, skin is
+/// added and drawn, and trunks touch it.
+#[test]
+fn from_a_urdf_to_a_reach() {
+    let folder = tempfile::tempdir().unwrap();
+    let urdf = write_urdf(folder.path());
+    write_mesh(folder.path());
+    let arm = folder.path().join("crane.toml");
+    let made = underbrush!["arm", "new", urdf, "--tip", "tip", "--out", arm, "--json"].json();
+    assert_eq!(
+        (&made["joints"], &made["hulls"], &made["held_joints"]),
+        (&3.into(), &1.into(), &json!(["left", "right"]))
+    );
+    assert_eq!(made["links"], json!(["base", "pillar", "boom", "hand"]));
+    let text = std::fs::read_to_string(&arm).unwrap();
+    // The nearest to zero within the limits, and 0.05 − 2 · 0.01.
+    assert!(
+        text.contains("name = \"left\"\ndisplacement_m = 0.01") && text.contains("displacement_m = 0.03"),
+        "{text}"
+    );
+    let found = underbrush!["inspect", arm, "--json"].json();
+    let stiffness: Vec<f64> =
+        found["chain"].as_array().unwrap().iter().map(|own| own["stiffness_nm_per_rad"].as_f64().unwrap()).collect();
+    // 90 Nm over 90 deg is more than 40 Nm/rad; 30 and 6 Nm over 90 deg are 19.1 and 3.8 Nm/rad.
+    assert_eq!(stiffness, [40.0, 19.0, 3.8]);
+    // 2.5 rad are 143.24 deg.
+    assert_eq!(found["chain"][0]["controller_limits_deg"], json!([-138.2, 138.2]));
+    let skin = |link: &str, rest: &[&str]| {
+        let options = ["--pitch-mm", "20", "--patch", link, "--json"];
+        let first = ["arm".into(), "skin".into(), arm.clone().into_os_string(), "--link".into(), link.into()];
+        call(first.into_iter().chain(options.iter().chain(rest).map(Into::into)).collect(), "")
+    };
+    skin("hand", &[]).refused(&["taxels cannot be touched", "inside of hand", "--prune"]);
+    for link in ["hand", "boom"] {
+        assert_eq!(skin(link, &["--prune"]).json()["doubtful"], json!([]));
+    }
+    // Goals are drawn for the first patch, which is not this one.
+    assert_eq!(skin("pillar", &[]).json()["rows_and_columns"], json!([15, 12]));
+    let still = folder.path().join("crane.svg");
+    let found = underbrush!["inspect", arm, "--still", still, "--json"].json();
+    assert_eq!((&found["doubtful"], found["patches"].as_object().unwrap().len()), (&"nothing".into(), 3));
+    let picture = std::fs::read_to_string(&still).unwrap();
+    let picture = roxmltree::Document::parse(&picture).unwrap();
+    let dots = picture.descendants().filter(|node| node.has_tag_name(("http://www.w3.org/2000/svg", "circle"))).count();
+    // Each view shows the taxels that face it: of an upright box, one side of four.
+    assert!(dots as u64 > found["taxels"].as_u64().unwrap() / 4, "{dots} dots");
+    let scene = folder.path().join("crane.trunks.toml");
+    let touched = (0..3).map(|seed| underbrush!["reach", scene, "--seed", seed.to_string(), "--json"].json());
+    let frames =
+        |reach: Value| reach["touched_frames"].as_object().unwrap().values().map(|own| own.as_u64().unwrap()).sum();
+    let frames: Vec<u64> = touched.map(frames).collect();
+    assert!(frames.iter().sum::<u64>() > 100, "{frames:?}");
+}
+
+/// Tests that the errors of `arm new` name what they are about: the places where a mesh was sought, the links that can be the
+/// tip, and a joint of the chain that slides.
+#[test]
+fn what_new_refuses() {
+    let folder = tempfile::tempdir().unwrap();
+    let urdf = write_urdf(folder.path());
+    let new = |tip: &str, rest: &[&str]| {
+        let out = folder.path().join("crane.toml").into_os_string();
+        let first = [
+            "arm".into(),
+            "new".into(),
+            urdf.clone().into_os_string(),
+            "--tip".into(),
+            tip.into(),
+            "--out".into(),
+            out,
+        ];
+        call(first.into_iter().chain(rest.iter().map(Into::into)).collect(), "")
+    };
+    let sought = folder.path().join("crane/meshes/beam.obj").display().to_string();
+    new("hand", &[]).refused(&["package://crane/meshes/beam.obj", &sought, "--package NAME=FOLDER"]);
+    new("hand", &["--package", "crane=elsewhere"]).refused(&["elsewhere"]);
+    write_mesh(folder.path());
+    new("foot", &[]).refused(&["--tip", "\"foot\"", "pillar, boom, hand"]);
+    new("left_finger", &[]).refused(&["joint left, type", "prismatic"]);
+    new("hand", &["--base", "left_finger"]).refused(&["--tip", "joints carry on left_finger"]);
+    assert!(!folder.path().join("crane.toml").exists());
+    new("hand", &[]).success();
+    new("hand", &[]).refused(&["--force"]);
+}
+
+/// Tests that a reach in which nothing touches the skin says so, and that one without skin does not.
+#[test]
+fn skin_that_nothing_touches_is_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    write_mesh(folder.path());
+    let arm = folder.path().join("crane.toml");
+    underbrush!["arm", "new", write_urdf(folder.path()), "--tip", "hand", "--out", arm].success();
+    let scene = folder.path().join("far.toml");
+    let text = "summary = \"A trunk\"\narm = \"crane.toml\"\n[workspace]\nx_m = [0.3, 0.5]\ny_m = [0.3, 0.5]\n\
+                table_height_m = 0.3\n[goals]\ncount = 1\npositions_m = [[0.3, -0.2, 0.6]]\n";
+    std::fs::write(&scene, text).unwrap();
+    let warning = "nothing touched the skin";
+    assert!(!underbrush!["reach", scene].stderr.contains(warning));
+    underbrush!["arm", "skin", arm, "--link", "boom", "--pitch-mm", "20", "--patch", "boom", "--prune"].success();
+    let answer = underbrush!["reach", scene];
+    assert!(answer.stderr.contains(warning), "{}", answer.stderr);
+}
