@@ -57,6 +57,12 @@ fn check(root: &Value, schema: &Value, value: &Value, place: &str, found: &mut V
             }
             "anyOf" => list().any(holds),
             "oneOf" => list().filter(|part| holds(part)).count() == 1,
+            "prefixItems" => {
+                for (index, (part, item)) in list().zip(value.as_array().into_iter().flatten()).enumerate() {
+                    check(root, part, item, &format!("{place}/{index}"), found);
+                }
+                true
+            }
             "type" => argument.as_array().map_or_else(|| is_kind(argument), |kinds| kinds.iter().any(is_kind)),
             "pattern" => {
                 let pattern = regex_lite::Regex::new(argument.as_str().unwrap()).unwrap();
