@@ -22,6 +22,9 @@ pub(crate) const KIND: ClassifierKind = fitted::kind::<Trees>(
 
 /// Added to probabilities before their logarithm is taken. Choice: half a step of the shares that leaves hold.
 const PROBABILITY: f64 = 2e-3;
+/// A leaf weighs at least as much as this number of rows of the rarer class. Otherwise leaves with rows of the more frequent class
+/// alone would be common, and that class would win where nothing tells the two apart.
+const LEAF_ROWS: f64 = 4.0;
 /// The trees are drawn from this seed, so that the same trials give the same model.
 const SEED: u64 = 0;
 
@@ -105,7 +108,9 @@ impl Baseline for Trees {
                     ForestRow { features, is_family, weight }
                 })
                 .collect();
-            Forest::fit(&rows, selection.dimension(), SEED)
+            let of_class = |is_family: bool| rows.iter().filter(|row| row.is_family == is_family).count().max(1) as f64;
+            let leaf_weight = LEAF_ROWS / of_class(false).min(of_class(true));
+            Forest::fit(&rows, selection.dimension(), leaf_weight, SEED)
         };
         let forests = (0..table.categories).into_par_iter().map(forest).collect();
         Ok((selection, Parameters { forests }))

@@ -45,8 +45,9 @@ pub(crate) struct Forest {
 }
 
 impl Forest {
-    /// Fits trees to rows with this many features. The result is the same for any number of threads.
-    pub(crate) fn fit(rows: &[ForestRow<'_>], features: usize, seed: u64) -> Self {
+    /// Fits trees to rows with this many features. Leaves weigh at least `leaf_weight`. The result is the same for any number
+    /// of threads.
+    pub(crate) fn fit(rows: &[ForestRow<'_>], features: usize, leaf_weight: f64, seed: u64) -> Self {
         // Column by column, because a node looks at one feature of its rows at a time.
         let columns: Vec<Vec<f32>> =
             (0..features).map(|column| rows.iter().map(|row| row.features[column]).collect()).collect();
@@ -55,7 +56,7 @@ impl Forest {
         let tree = |index: usize| {
             let mut random = ChaCha8Rng::seed_from_u64(seed);
             random.set_stream(index as u64);
-            let mut growing = Growing { rows, columns: &columns, spans: &spans, random, tree: Vec::new() };
+            let mut growing = Growing { rows, columns: &columns, spans: &spans, leaf_weight, random, tree: Vec::new() };
             growing.grow(&mut all.clone(), 0);
             growing.tree
         };
@@ -107,6 +108,7 @@ struct Growing<'a> {
     rows: &'a [ForestRow<'a>],
     columns: &'a [Vec<f32>],
     spans: &'a [Span],
+    leaf_weight: f64,
     random: ChaCha8Rng,
     tree: Vec<Node>,
 }
@@ -150,8 +152,10 @@ impl Growing<'_> {
                 left[usize::from(self.rows[*row].is_family)] += self.rows[*row].weight;
                 left_rows += 1;
             }
-            if left_rows.min(rows.len() - left_rows) >= LEAF_ROWS {
-                let purity = purity(left) + purity([all[0] - left[0], all[1] - left[1]]);
+            let right = [all[0] - left[0], all[1] - left[1]];
+            let lighter = (left[0] + left[1]).min(right[0] + right[1]);
+            if left_rows.min(rows.len() - left_rows) >= LEAF_ROWS && lighter >= self.leaf_weight {
+                let purity = purity(left) + purity(right);
                 if best.is_none_or(|(most, _, _)| purity > most) {
                     best = Some((purity, feature, cut));
                 }

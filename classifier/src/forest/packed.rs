@@ -19,7 +19,18 @@ pub(super) enum Node {
 
 /// The smallest and the largest value of a feature, divided into 65,535 steps for cuts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "(f64, f64)")]
 pub(super) struct Span(pub(super) f32, pub(super) f32);
+
+impl TryFrom<(f64, f64)> for Span {
+    type Error = &'static str;
+
+    fn try_from((low, high): (f64, f64)) -> Result<Self, Self::Error> {
+        let span = Span(low as f32, high as f32);
+        let is_sound = span.0.is_finite() && span.1.is_finite() && span.0 <= span.1;
+        is_sound.then_some(span).ok_or("must be the smallest and the largest value of a feature")
+    }
+}
 
 impl Span {
     pub(super) fn at(self, cut: u16) -> f32 {
@@ -58,10 +69,9 @@ impl Packed {
 
     /// The trees, or what is wrong.
     pub(super) fn trees(&self) -> Result<Vec<Vec<Node>>, &'static str> {
-        let is_sound = |Span(low, high): &Span| low.is_finite() && high.is_finite() && low <= high;
         let features = self.spans.len();
-        if features >= usize::from(LEAF) || !self.spans.iter().all(is_sound) {
-            return Err("the ranges of features do not fit");
+        if features >= usize::from(LEAF) {
+            return Err("there are too many features");
         }
         let tree = |text: &String| tree(&STANDARD.decode(text).ok()?, features);
         match self.trees.iter().map(tree).collect::<Option<Vec<_>>>() {

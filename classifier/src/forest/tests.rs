@@ -13,7 +13,7 @@ fn fit(rows: &[(Vec<f32>, bool)]) -> Forest {
         .iter()
         .map(|(features, is_family)| ForestRow { features, is_family: *is_family, weight: weight(*is_family) })
         .collect();
-    Forest::fit(&rows, rows[0].features.len(), 7)
+    Forest::fit(&rows, rows[0].features.len(), 0.0, 7)
 }
 
 /// Tests the probability against a closed form. Of eight rows with one feature, four known ones at 0, and three at 1 and one

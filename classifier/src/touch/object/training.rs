@@ -200,7 +200,7 @@ impl<'a> Objects<'a> {
                 .flat_map(|(category, _, own)| own.forest_rows(false, 1.0 / (categories * count[*category])));
             let own_rows = family.iter().flat_map(|own| own.forest_rows(true, 1.0 / family.len() as f64));
             let rows: Vec<ForestRow<'_>> = rows.chain(own_rows).collect();
-            let forest = Forest::fit(&rows, OBJECT_FEATURE_COUNT, index as u64);
+            let forest = Forest::fit(&rows, OBJECT_FEATURE_COUNT, 0.0, index as u64);
             Family { name: (*name).to_owned(), objects: family.len(), forest }
         };
         families.iter().enumerate().map(family).collect()
