@@ -1,9 +1,9 @@
 //! A press test of a skin: depth, force and time of one pad that a punch or a ball presses, and the law that fits them.
 //!
-//! The skin is an elastic foundation whose pressure at the depth d is p = C d (1 + β d) + C τ ḋ: foundation modulus C, hardening
-//! β, loss time τ (docs/physics.md, Contact). The force of a flat punch of area A is A p. A ball of radius R presses an area
-//! that grows with its depth, 2 π R d, so its force is π R C d² (1 + 2/3 β d) + 2 π R C τ d ḋ. Both are linear in C, C β and C
-//! τ, which least squares find.
+//! The skin is an elastic foundation whose pressure at the depth d is p(d) + τ dp/dt with p = C d / (1 − β d): foundation
+//! modulus C at small depths, loss time τ, and hardening β, the inverse of the depth that it cannot reach (docs/physics.md,
+//! Contact). The force of a flat punch of area A is A p. A ball of radius R presses an area that grows with its depth, so its
+//! force is 2 π R times the integral of p over the depth. Least squares find C, β and τ by the Gauss-Newton method.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -24,6 +24,18 @@ const DRAWS: usize = 500;
 
 /// Parts of a press that are drawn together, because noise and errors of neighbouring samples belong together.
 const BLOCKS: usize = 25;
+
+/// A bootstrap over so few parts is too narrow: by √(25/24), and by Student's t of 24 degrees of freedom over the normal limit.
+const WIDENED: f64 = 1.0206 * 2.064 / 1.960;
+
+/// Depths over which the pressure under a ball is summed.
+const DEPTHS: usize = 64;
+
+/// Steps of the fit. It needs four to eight.
+const MAX_STEPS: usize = 50;
+
+/// The largest share of its thickness by which a layer can have been pressed. Beyond, its force has no bound.
+const MOST_PRESSED: f64 = 0.98;
 
 /// Shortest time at one depth from which creep is fitted, s.
 const MIN_HOLD_S: f64 = 2.0;
@@ -64,7 +76,7 @@ pub struct PressFit {
     pub modulus_n_per_m3: Estimate,
     /// Loss time τ, s.
     pub loss_time_s: Estimate,
-    /// Hardening β, 1/m.
+    /// Hardening β, 1/m: the inverse of the thickness of the layer.
     pub hardening_per_m: Estimate,
     /// Share of the force that a hold at one depth loses per decade of time; `None` without a hold of 2 s.
     pub relaxation_share_per_decade: Option<f64>,
@@ -117,17 +129,19 @@ pub fn read_press(path: &Path) -> Result<Vec<PressSample>, InputError> {
 /// # Errors
 /// When there are too few samples under load, or the terms cannot be told apart.
 pub fn fit_press(samples: &[PressSample], punch: Punch) -> Result<PressFit, PressError> {
-    let rows = rows(samples, punch);
+    let rows = rows(samples);
     if rows.len() < MIN_SAMPLES {
         return Err(PressError::FewSamples(rows.len()));
     }
-    let best = solve(&rows).ok_or(PressError::Indistinct)?;
+    let best = fit(&rows, punch).ok_or(PressError::Indistinct)?;
+    // Near the best fit the law is linear in its constants, so a draw needs one step of the method.
+    let linear: Vec<Linear> = rows.iter().map(|row| row.linear(punch, &best)).collect();
     let mut random = ChaCha8Rng::seed_from_u64(0);
-    let blocks: Vec<&[Row]> = rows.chunks(rows.len().div_ceil(BLOCKS)).collect();
+    let blocks: Vec<&[Linear]> = linear.chunks(linear.len().div_ceil(BLOCKS)).collect();
     let mut draws: Vec<[f64; 3]> = (0..DRAWS)
         .filter_map(|_| {
             let drawn = (0..blocks.len()).flat_map(|_| blocks[random.random_range(0..blocks.len())]);
-            solve(&drawn.copied().collect::<Vec<Row>>())
+            solve(&drawn.copied().collect::<Vec<Linear>>()).map(|step| moved(&best, &step, 1.0))
         })
         .collect();
     if draws.len() < DRAWS / 2 {
@@ -136,11 +150,12 @@ pub fn fit_press(samples: &[PressSample], punch: Punch) -> Result<PressFit, Pres
     let mut estimate = |at: usize| {
         draws.sort_by(|a, b| a[at].total_cmp(&b[at]));
         let beyond = draws.len() / 40;
-        Estimate { value: best[at], interval: [draws[beyond][at], draws[draws.len() - 1 - beyond][at]] }
+        let limit = |draw: usize| best[at] + WIDENED * (draws[draw][at] - best[at]);
+        Estimate { value: best[at], interval: [limit(beyond), limit(draws.len() - 1 - beyond)] }
     };
     let (modulus_n_per_m3, hardening_per_m, loss_time_s) = (estimate(0), estimate(1), estimate(2));
     let largest_n = rows.iter().map(|row| row.force_n).fold(0.0, f64::max);
-    let squares: f64 = rows.iter().map(|row| (row.force_n - row.predicted_n(&best)).powi(2)).sum();
+    let squares: f64 = linear.iter().map(|row| row.missing_n.powi(2)).sum();
     Ok(PressFit {
         modulus_n_per_m3,
         loss_time_s,
@@ -152,55 +167,109 @@ pub fn fit_press(samples: &[PressSample], punch: Punch) -> Result<PressFit, Pres
     })
 }
 
-/// One sample: the force, and what C, C β and C τ are multiplied with.
+/// One sample under load.
 #[derive(Clone, Copy)]
 struct Row {
+    depth_m: f64,
+    speed_m_per_s: f64,
     force_n: f64,
-    terms: [f64; 3],
+}
+
+/// A sample near some constants: what their force lacks, and its slopes with respect to ln C, β and τ.
+#[derive(Clone, Copy)]
+struct Linear {
+    missing_n: f64,
+    slopes: [f64; 3],
 }
 
 impl Row {
-    fn predicted_n(&self, [modulus, hardening, loss]: &[f64; 3]) -> f64 {
-        modulus * (self.terms[0] + hardening * self.terms[1] + loss * self.terms[2])
+    fn linear(&self, punch: Punch, [modulus, hardening, loss_s]: &[f64; 3]) -> Linear {
+        let Row { depth_m: d, speed_m_per_s, force_n } = *self;
+        // Force over C, its slope with respect to the depth, and the slopes of both with respect to β.
+        let rest = 1.0 - hardening * d;
+        let [pressed, by_depth, by_hardening, both] = match punch {
+            Punch::Flat(area) => {
+                [d / rest, 1.0 / rest.powi(2), (d / rest).powi(2), 2.0 * d / rest.powi(3)].map(|of| area * of)
+            }
+            Punch::Ball(radius) => {
+                let spacing = d / DEPTHS as f64;
+                let (mut sum, mut slope) = (0.0, 0.0);
+                for at in 0..DEPTHS {
+                    let depth_m = (at as f64 + 0.5) * spacing;
+                    let pressed = depth_m / (1.0 - hardening * depth_m);
+                    (sum, slope) = (sum + pressed * spacing, slope + pressed * pressed * spacing);
+                }
+                [sum, d / rest, slope, (d / rest).powi(2)].map(|of| 2.0 * PI * radius * of)
+            }
+        };
+        let predicted_n = modulus * (pressed + loss_s * speed_m_per_s * by_depth);
+        let slopes =
+            [predicted_n, modulus * (by_hardening + loss_s * speed_m_per_s * both), modulus * speed_m_per_s * by_depth];
+        Linear { missing_n: force_n - predicted_n, slopes }
     }
 }
 
+/// Constants after a share of a step.
+fn moved(from: &[f64; 3], step: &[f64; 3], share: f64) -> [f64; 3] {
+    [from[0] * math::exp(share * step[0]), from[1] + share * step[1], from[2] + share * step[2]]
+}
+
+/// C, β and τ. `None` if they cannot be told apart.
+fn fit(rows: &[Row], punch: Punch) -> Option<[f64; 3]> {
+    let deepest_m = rows.iter().map(|row| row.depth_m).fold(0.0, f64::max);
+    let linear = |constants: &[f64; 3]| rows.iter().map(|row| row.linear(punch, constants)).collect::<Vec<_>>();
+    let misfit = |rows: &[Linear]| rows.iter().map(|row| row.missing_n.powi(2)).sum::<f64>();
+    // The force that the start predicts is right on average.
+    let unit = linear(&[1.0, 0.0, 0.0]);
+    let predicted_n: f64 = unit.iter().map(|row| row.slopes[0]).sum();
+    let mut constants = [rows.iter().map(|row| row.force_n).sum::<f64>() / predicted_n, 0.0, 0.0];
+    let mut now = linear(&constants);
+    for _ in 0..MAX_STEPS {
+        let step = solve(&now)?;
+        // A layer is thicker than the deepest press.
+        let better = (0..20).map(|halvings| moved(&constants, &step, 0.5_f64.powi(halvings))).find_map(|trial| {
+            let next = (trial[1] * deepest_m < MOST_PRESSED).then(|| linear(&trial))?;
+            (misfit(&next) < misfit(&now)).then_some((trial, next))
+        });
+        let Some((trial, next)) = better else { break };
+        let gain = 1.0 - misfit(&next) / misfit(&now);
+        (constants, now) = (trial, next);
+        if gain < 1e-12 {
+            break;
+        }
+    }
+    Some(constants)
+}
+
 /// The samples under load. The speed is that between the neighbours of a sample.
-fn rows(samples: &[PressSample], punch: Punch) -> Vec<Row> {
+fn rows(samples: &[PressSample]) -> Vec<Row> {
     // The force of a hold falls, which the law does not describe.
     let holds: Vec<&[PressSample]> = holds(samples).collect();
     let is_held =
         |time_s: f64| holds.iter().any(|hold| hold[0].time_s < time_s && time_s <= hold[hold.len() - 1].time_s);
     let row = |window: &[PressSample]| {
         let [before, PressSample { depth_m: d, force_n, time_s }, after] = *window else { return None };
-        let speed = (after.depth_m - before.depth_m) / (after.time_s - before.time_s);
-        let terms = match punch {
-            Punch::Flat(area) => [area * d, area * d * d, area * speed],
-            Punch::Ball(radius) => {
-                [PI * radius * d * d, 2.0 / 3.0 * PI * radius * d.powi(3), 2.0 * PI * radius * d * speed]
-            }
-        };
-        (d > 0.0 && force_n > 0.0 && !is_held(time_s)).then_some(Row { force_n, terms })
+        let speed_m_per_s = (after.depth_m - before.depth_m) / (after.time_s - before.time_s);
+        (d > 0.0 && force_n > 0.0 && !is_held(time_s)).then_some(Row { depth_m: d, speed_m_per_s, force_n })
     };
     samples.windows(3).filter_map(row).collect()
 }
 
-/// Least squares: C, β and τ. `None` if they cannot be told apart.
-fn solve(rows: &[Row]) -> Option<[f64; 3]> {
+/// Least squares: the changes of ln C, β and τ that make up for what is missing. `None` if they cannot be told apart.
+fn solve(rows: &[Linear]) -> Option<[f64; 3]> {
     // Columns of unit length keep the rank apart from the units.
-    let lengths = [0, 1, 2].map(|at| rows.iter().map(|row| row.terms[at].powi(2)).sum::<f64>().sqrt());
+    let lengths = [0, 1, 2].map(|at| rows.iter().map(|row| row.slopes[at].powi(2)).sum::<f64>().sqrt());
     if lengths.contains(&0.0) {
         return None;
     }
-    let matrix = DMatrix::from_fn(rows.len(), 3, |row, at| rows[row].terms[at] / lengths[at]);
-    let forces = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.force_n));
+    let matrix = DMatrix::from_fn(rows.len(), 3, |row, at| rows[row].slopes[at] / lengths[at]);
+    let missing = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.missing_n));
     let found = matrix.svd(true, true);
     if found.singular_values.min() < 1e-6 * found.singular_values.max() {
         return None;
     }
-    let solution = found.solve(&forces, 0.0).ok()?;
-    let modulus = solution[0] / lengths[0];
-    (modulus > 0.0).then(|| [modulus, solution[1] / lengths[1] / modulus, solution[2] / lengths[2] / modulus])
+    let solution = found.solve(&missing, 0.0).ok()?;
+    Some([0, 1, 2].map(|at| solution[at] / lengths[at]))
 }
 
 /// The times of at least 2 s in which the depth stays within 2 % of the largest.

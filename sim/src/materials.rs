@@ -68,6 +68,8 @@ macro_rules! materials {
 materials! {
     /// Foundation modulus of the skin, N/m³: pressure per depth.
     skin_modulus_n_per_m3: limits::SKIN_N_PER_M3;
+    /// Thickness of the skin, m: the most by which it gives way.
+    skin_thickness_m: limits::LAYER_M;
     /// Loss time of the skin, s.
     skin_loss_time_s: limits::LOSS_TIME_S;
     /// Coefficient of friction of the arm's surface. A contact has the mean of its two surfaces.
@@ -82,6 +84,7 @@ impl Materials {
     /// Gives the arm these constants.
     pub fn apply_to(&self, arm: &mut Arm) {
         arm.skin.stiffness_n_per_m3 = self.skin_modulus_n_per_m3.unwrap_or(arm.skin.stiffness_n_per_m3);
+        arm.skin.thickness_m = self.skin_thickness_m.or(arm.skin.thickness_m);
         arm.skin.loss_time_s = self.skin_loss_time_s.unwrap_or(arm.skin.loss_time_s);
         arm.friction = self.arm_friction.unwrap_or(arm.friction);
     }

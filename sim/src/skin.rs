@@ -2,12 +2,12 @@
 //! under it, and conserves its force.
 //!
 //! The layer is the elastic foundation (Winkler) of [`crate::contact`]: a sub-point j of a taxel, of area a_j, is
-//! pressed by p_j = k a_j h_j where the object indents it by h_j > 0. The object is its true collision shape, with the
+//! pressed by a_j p(h_j) where the object indents it by h_j > 0. The object is its true collision shape, with the
 //! gap g_j to the sub-point along the contact's normal (negative where they overlap; the distance if it is beside the
 //! object). It is moved by a further depth δ and two tilts t, so h_j = δ + t·x_j − g_j, where x_j is the sub-point's
 //! place in the tangent plane of the contact. δ and t are chosen so that the pressures add up to the solver's normal
-//! force and to its moment about the tangents. They are at the minimum of a convex, piecewise quadratic energy, which
-//! Newton's method finds. δ and t are small, and account for the loss of the layer, for movement within a frame and for
+//! force and to its moment about the tangents. They are at the minimum of a convex energy, which Newton's method
+//! finds. δ and t are small, and account for the loss of the layer, for movement within a frame and for
 //! taxels that do not cover all of the contact. What the taxels' normals cannot carry (friction, and the sideways rest
 //! on a curved skin) is spread as shear in proportion to pressure, so that the vector sum over the taxels is the
 //! solver's force. If this takes a taxel out of its friction cone, forces are shifted among the pressed taxels, as
@@ -192,9 +192,9 @@ impl SkinPatch {
             }
         }));
         taxels.clear();
-        if let Some(pose) = indent(cells, normal_sum.length()) {
+        if let Some(pose) = indent(cells, &interface.layer, normal_sum.length()) {
             for cell in cells.iter() {
-                let pressure = cell.stiffness * cell.depth(&pose);
+                let pressure = cell.stiffness * interface.layer.pressed(cell.depth(&pose)).0;
                 match taxels.last_mut() {
                     Some((taxel, sum)) if *taxel == cell.taxel => *sum += pressure,
                     _ => taxels.push((cell.taxel, pressure)),

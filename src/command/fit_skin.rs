@@ -15,8 +15,9 @@ use crate::output;
 /// Options of `underbrush fit-skin`.
 ///
 /// Press one pad of the skin on a hard ground with a flat punch or a ball, to several depths and at two speeds or more, and
-/// write time_s, depth_m and force_n as CSV. The fit is p = C d (1 + β d) + C τ ḋ: the pressure p at the depth d. C and τ are
-/// written as a file of materials, for `underbrush generate --materials FILE`.
+/// write time_s, depth_m and force_n as CSV. The fit is p + τ dp/dt with p = C d / (1 − β d): the pressure p at the depth d of a
+/// layer of the thickness 1/β. C, τ and, if the press shows that the layer hardens, 1/β are written as a file of materials,
+/// for `underbrush generate --materials FILE`.
 #[derive(Args)]
 pub struct FitSkinOptions {
     /// The press test: CSV with the columns time_s, depth_m and force_n
@@ -27,7 +28,7 @@ pub struct FitSkinOptions {
     /// Radius of a ball, mm
     #[arg(long, value_name = "MM", conflicts_with = "punch_area_cm2", value_parser = positive)]
     ball_radius_mm: Option<f64>,
-    /// Write C and τ to this file of materials (TOML)
+    /// Write C, τ and 1/β to this file of materials (TOML)
     #[arg(long, value_name = "FILE.toml")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -68,10 +69,19 @@ pub fn run(options: FitSkinOptions, json: bool) -> Result<(), Failure> {
                 Constant { value, range: [low.min(value), high.max(value)], source, affects: affects.into() },
             )
         };
-        let constants = BTreeMap::from([
+        let mut constants = BTreeMap::from([
             constant("skin_modulus_n_per_m3", &fit.modulus_n_per_m3, "Peak force and onset of hard touches"),
             constant("skin_loss_time_s", &fit.loss_time_s, "Peak force of impacts"),
         ]);
+        let Estimate { value, interval: [low, high] } = fit.hardening_per_m;
+        if low > 0.0 {
+            let thickness = Estimate { value: 1.0 / value, interval: [1.0 / high, 1.0 / low] };
+            constants.extend([constant(
+                "skin_thickness_m",
+                &thickness,
+                "Depth and peak force of hard touches and edges",
+            )]);
+        }
         output::write_file(out, MaterialFile { constants }.text().as_bytes())?;
     }
     output::result(json, &Report { fit: fit.clone(), file: options.out }, || text(&fit))

@@ -24,6 +24,7 @@ pub const CHECK: Check = Check {
               forearm has the same skin from wrist to elbow",
     cases: &[
         Case { compare: resting, falsifications: &[STIFF_SURFACE] },
+        Case { compare: pressed_flat, falsifications: &[THICK_LAYER] },
         thrown::REBOUND,
         thrown::FAST_TOUCH,
         Case { compare: along_the_forearm, falsifications: &[STIFF_SKIN] },
@@ -32,6 +33,8 @@ pub const CHECK: Check = Check {
 
 const STIFF_SURFACE: Falsification =
     Falsification { wrong: "stiffness of the simulated surface", by: "10 % too high", breaks: Breaks::Every };
+const THICK_LAYER: Falsification =
+    Falsification { wrong: "thickness of the simulated layer", by: "20 % too large", breaks: Breaks::Every };
 const STIFF_SKIN: Falsification =
     Falsification { wrong: "stiffness of the simulated skin", by: "30 % too high", breaks: Breaks::Every };
 
@@ -39,7 +42,7 @@ const STIFFNESS_N_PER_M3: f64 = 3e7;
 const GRAVITY_M_PER_S2: f64 = 9.81;
 
 fn soft(stiffness_n_per_m3: f64, loss_time_s: f64) -> Surface {
-    Surface { compliance_m3_per_n: 1.0 / stiffness_n_per_m3, loss_time_s, friction: 0.4 }
+    Surface { compliance_m3_per_n: 1.0 / stiffness_n_per_m3, thickness_m: None, loss_time_s, friction: 0.4 }
 }
 
 fn part(shape: BodyShape, pose_body: Pose) -> BodyPart {
@@ -158,6 +161,47 @@ fn resting(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     Ok(comparisons)
 }
 
+/// Pressure over depth of the hard shell under a layer, N/m³: that of two hard surfaces.
+const GROUND_N_PER_M3: f64 = 3e8;
+
+/// The depth at which a flat punch rests on a layer of finite thickness, from light to nearly pressed flat.
+fn pressed_flat(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    const THICKNESS_M: f64 = 3e-3;
+    let layer = foundation::Layer {
+        stiffness_n_per_m3: STIFFNESS_N_PER_M3,
+        ground_n_per_m3: GROUND_N_PER_M3,
+        thickness_m: THICKNESS_M,
+    };
+    let [punch, table] = [PUNCH_M, 1.0].map(|side| cuboid(DVec3::new(side, side, 0.04)));
+    let mut comparisons = Vec::new();
+    for mass_kg in [0.5, 2.0, 8.0, 32.0] {
+        let mut rig = Rig::new(PhysicsOptions { step_s: 0.005, gravity_m_per_s2: GRAVITY_M_PER_S2 });
+        let thickness_m = Some(THICKNESS_M * simulated.with(THICK_LAYER, 1.0, 1.2));
+        let lower = rig.add_fixed(&table, Surface::hard(0.4), &Pose::IDENTITY);
+        let upper = rig.add_free(&FreeBody {
+            part: punch.clone(),
+            mass_kg,
+            surface: Surface { thickness_m, ..soft(STIFFNESS_N_PER_M3, 0.05) },
+            pose_world: Pose::from_position(DVec3::Z * 0.04),
+            velocity_world: DVec3::ZERO,
+            may_rotate: false,
+        });
+        let (Some(_), Some(upper)) = (lower, upper) else {
+            return Err(CheckError::Case("a body without volume".into()));
+        };
+        for _ in 0..1000 {
+            rig.step();
+        }
+        let expected = layer.depth_m(mass_kg * GRAVITY_M_PER_S2 / (PUNCH_M * PUNCH_M));
+        let found = 0.04 - rig.pose_world(upper).position.z;
+        let name = format!("flat punch of {mass_kg} kg on a layer of 3 mm, depth at rest");
+        comparisons.push(
+            Comparison::of(name, "m", expected, found).relative(1e-3, "0.1 %: the columns of a flat face are alike"),
+        );
+    }
+    Ok(comparisons)
+}
+
 /// A trunk pressed into the skin near the wrist, in the middle and near the elbow.
 fn along_the_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     const RADIUS_M: f64 = 0.015;
@@ -178,8 +222,12 @@ fn along_the_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError
         let normal = axis.cross(DVec3::Z);
         let distance_m = (foot - forearm.position).dot(normal.normalize()).abs();
         let depth_m = FOREARM_RADIUS_M + RADIUS_M - distance_m;
-        let law =
-            foundation::crossed_cylinders_force_n(arm.skin.stiffness_n_per_m3, [FOREARM_RADIUS_M, RADIUS_M], depth_m);
+        let layer = foundation::Layer {
+            stiffness_n_per_m3: arm.skin.stiffness_n_per_m3,
+            ground_n_per_m3: GROUND_N_PER_M3,
+            thickness_m: arm.skin.thickness_m.unwrap_or(f64::INFINITY),
+        };
+        let law = layer.force_n([FOREARM_RADIUS_M, RADIUS_M], depth_m);
         let force_n: f64 = pressed
             .report()
             .contacts
@@ -189,7 +237,7 @@ fn along_the_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError
             .sum();
         comparisons.push(
             Comparison::of(
-                format!("trunk on the forearm {name}, π k √(R₁R₂) d² / sin α"),
+                format!("trunk on the forearm {name}, 2π √(R₁R₂) ∫ p dh / sin α"),
                 "N",
                 force_n,
                 law / normal.length(),

@@ -20,6 +20,7 @@ pub const CHECK: Check = Check {
     summary: "A ball on flat skin and a trunk across the forearm are pressed in as deep as Winkler's foundation predicts",
     cases: &[
         Case { compare: ball_on_flat, falsifications: &[STIFF_LAYER, BOXED_SHAPE, ONE_POINT] },
+        Case { compare: hardened, falsifications: &[STIFF_LIGHTLY, THICK_LAYER] },
         Case { compare: trunk_on_round, falsifications: &[STIFF_LAYER, BOXED_SHAPE] },
         Case { compare: forearm, falsifications: &[TURNED_TRUNK] },
     ],
@@ -29,6 +30,12 @@ const STIFF_LAYER: Falsification = Falsification {
     wrong: "stiffness of the simulated layer",
     by: "20 % too high",
     breaks: Breaks::Named(&["at the depth under"]),
+};
+const STIFF_LIGHTLY: Falsification = Falsification { breaks: Breaks::Named(&["under 2 N"]), ..STIFF_LAYER };
+const THICK_LAYER: Falsification = Falsification {
+    wrong: "thickness of the simulated layer",
+    by: "twice as large",
+    breaks: Breaks::Named(&["under 20 N", "under 40 N"]),
 };
 const BOXED_SHAPE: Falsification = Falsification {
     wrong: "shape pressed on the simulated skin",
@@ -48,6 +55,7 @@ const TURNED_TRUNK: Falsification = Falsification {
 
 const STIFFNESS_N_PER_M3: f64 = 3e7;
 const BALL_RADIUS_M: f64 = 0.05;
+const THICKNESS_M: f64 = 3e-3;
 const TRUNK_RADIUS_M: f64 = 0.015;
 const PITCHES_M: [f64; 3] = [0.009, 0.0045, 0.002_25];
 const FINEST_PITCH_M: f64 = 0.0015;
@@ -60,6 +68,8 @@ struct Pressed {
     height_m: f64,
     /// Radius to which the skin is bent, m.
     skin_radius_m: f64,
+    /// Thickness of the layer, m, if it hardens.
+    thickness_m: Option<f64>,
     simulated: Simulated,
 }
 
@@ -68,6 +78,7 @@ fn ball_on_flat(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         shape: boxed(SharedShape::ball(BALL_RADIUS_M), simulated),
         height_m: BALL_RADIUS_M,
         skin_radius_m: 1e9,
+        thickness_m: None,
         simulated,
     };
     Ok(fine_skin("ball on flat skin", &pressed, |depth_m| foundation::cap_volume_m3(BALL_RADIUS_M, depth_m)))
@@ -78,11 +89,32 @@ fn trunk_on_round(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         shape: boxed(SharedShape::capsule_y(0.3, TRUNK_RADIUS_M), simulated),
         height_m: TRUNK_RADIUS_M,
         skin_radius_m: FOREARM_RADIUS_M,
+        thickness_m: None,
         simulated,
     };
     Ok(fine_skin("trunk across round skin", &pressed, |depth_m| {
         foundation::crossed_volume_m3([TRUNK_RADIUS_M, FOREARM_RADIUS_M], depth_m)
     }))
+}
+
+/// A ball on flat skin that hardens, so hard that the skin under it is pressed by two thirds of its thickness.
+fn hardened(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+    let layer =
+        foundation::Layer { stiffness_n_per_m3: STIFFNESS_N_PER_M3, ground_n_per_m3: 3e8, thickness_m: THICKNESS_M };
+    let pressed = Pressed {
+        shape: SharedShape::ball(BALL_RADIUS_M),
+        height_m: BALL_RADIUS_M,
+        skin_radius_m: 1e9,
+        thickness_m: Some(THICKNESS_M * simulated.with(THICK_LAYER, 1.0, 2.0)),
+        simulated,
+    };
+    let compare = |force_n: f64| {
+        let depth_m = layer.depth_m(pressed.pressure_pa(FINEST_PITCH_M, force_n));
+        let name = format!("ball on skin that hardens, 2π R ∫ p dh at the depth under {force_n} N");
+        Comparison::of(name, "N", force_n, layer.force_n([BALL_RADIUS_M, BALL_RADIUS_M], depth_m))
+            .relative(0.05, "5 %: a taxel averages the pressure over its area; d / R for the ball")
+    };
+    Ok([2.0, 20.0, 40.0].map(compare).into())
 }
 
 fn boxed(shape: SharedShape, simulated: Simulated) -> SharedShape {
@@ -144,8 +176,13 @@ fn depth_under(force_n: f64, law: impl Fn(f64) -> f64) -> f64 {
 }
 
 impl Pressed {
-    /// Depth to which the shape presses into a patch at its origin, read from the taxel with the largest force, m.
+    /// Depth to which the shape presses into a linear patch at its origin, m.
     fn depth_m(&self, pitch_m: f64, force_n: f64) -> f64 {
+        self.pressure_pa(pitch_m, force_n) / STIFFNESS_N_PER_M3
+    }
+
+    /// The pressure on the taxel with the largest force, Pa.
+    fn pressure_pa(&self, pitch_m: f64, force_n: f64) -> f64 {
         let contact = ContactPoint {
             position_link: DVec3::ZERO,
             inward_link: -DVec3::Z,
@@ -155,11 +192,12 @@ impl Pressed {
         let pose = Pose::from_position(DVec3::Z * self.height_m);
         let stiffness = STIFFNESS_N_PER_M3 * self.simulated.with(STIFF_LAYER, 1.0, 1.2);
         let points = self.simulated.with(ONE_POINT, 3, 1);
-        let patch = patch(stiffness, pitch_m, self.skin_radius_m, points);
+        let mut patch = patch(stiffness, pitch_m, self.skin_radius_m, points);
+        patch.surface.thickness_m = self.thickness_m;
         let (hard, mut buffers) = (Surface::hard(FRICTION), SpreadBuffers::default());
         let forces = patch.spread(&[contact], self.shape.as_ref(), &pose, &hard, &mut buffers);
         let largest = forces.iter().map(|force| force.normal_force_n).fold(0.0, f64::max);
-        largest / (pitch_m * pitch_m) / STIFFNESS_N_PER_M3
+        largest / (pitch_m * pitch_m)
     }
 }
 
@@ -205,7 +243,9 @@ fn forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let Some(index) = index else {
         return Err(CheckError::Case("no skin on the forearm".into()));
     };
-    let patch = &SkinPatch::of_arm(&arm)[index];
+    let mut patch = SkinPatch::of_arm(&arm).swap_remove(index);
+    // The integral over each taxel is that of a linear layer.
+    patch.surface.thickness_m = None;
     let taxels = &arm.skin.layout.patches[index].taxels;
     let middle = &taxels[taxels.len() / 2];
     let (along, outward) = (middle.tangent_link, middle.normal_link);

@@ -41,7 +41,8 @@ pub fn wilson(successes: usize, trials: usize) -> Interval {
     let centre = p + Z * Z / (2.0 * n);
     let half = Z * (p * (1.0 - p) / n + Z * Z / (4.0 * n * n)).sqrt();
     let scale = 1.0 + Z * Z / n;
-    Interval { low: ((centre - half) / scale).max(0.0), high: ((centre + half) / scale).min(1.0) }
+    // Rounding must not leave the share itself outside.
+    Interval { low: ((centre - half) / scale).clamp(0.0, p), high: ((centre + half) / scale).clamp(p, 1.0) }
 }
 
 /// Percentile bootstrap of the accuracy over whole reaches, the clusters within which records depend on each other.

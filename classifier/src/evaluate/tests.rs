@@ -286,6 +286,7 @@ fn wilson_intervals_match_published_figures() {
     assert!((interval.low - 0.2553).abs() < 5e-5 && (interval.high - 0.3662).abs() < 5e-5, "{interval:?}");
     let none = wilson(0, 20);
     assert!(none.low == 0.0 && (none.high - 0.1611).abs() < 5e-5, "{none:?}");
+    assert!((1..500).all(|trials| wilson(trials, trials).high == 1.0 && wilson(0, trials).low == 0.0));
     assert_eq!(wilson(0, 0), Interval { low: 0.0, high: 1.0 });
 }
 

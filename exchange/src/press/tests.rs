@@ -3,7 +3,7 @@
 use super::*;
 
 const MODULUS: f64 = 3e7;
-const HARDENING: f64 = 80.0;
+const HARDENING: f64 = 250.0;
 const LOSS_S: f64 = 0.003;
 
 /// A press to 2 mm and back at 20 mm/s and at 2 mm/s, 500 samples a second. `noise` is a share of the largest force.
@@ -16,9 +16,14 @@ fn press(punch: Punch, noise: f64, seed: u64) -> Vec<PressSample> {
         depths.extend((0..count).map(|at| (at as f64 * step, speed)));
         depths.extend((0..count).rev().map(|at| (at as f64 * step, -speed)));
     }
-    // Simpson's rule over the pressed disc or area: it does not use the closed forms of the fit.
+    // Simpson's rule over the pressed disc.
     let force = |depth: f64, speed: f64| {
-        let pressure = |d: f64| MODULUS * (d * (1.0 + HARDENING * d) + LOSS_S * speed);
+        // Force is (1 + τ d/dt) of the elastic force; its slope by central differences.
+        let elastic = |d: f64| MODULUS * d / (1.0 - HARDENING * d);
+        let pressure = |d: f64| {
+            let small = 1e-8;
+            elastic(d) + LOSS_S * speed * (elastic(d + small) - elastic(d - small)) / (2.0 * small)
+        };
         match punch {
             Punch::Flat(area) => area * pressure(depth),
             Punch::Ball(radius) => {
@@ -38,7 +43,7 @@ fn press(punch: Punch, noise: f64, seed: u64) -> Vec<PressSample> {
     rows.collect()
 }
 
-/// Tests that a press without noise gives back its law, for a flat punch and a ball: within 2 %, because the speed is wrong
+/// Tests that a press without noise gives back its law, for a flat punch and a ball: within 3 %, because the speed is wrong
 /// at the 4 of 2,200 samples where the press turns round.
 #[test]
 fn a_press_gives_back_its_law() {
@@ -47,7 +52,7 @@ fn a_press_gives_back_its_law() {
         for (found, expected) in
             [(fit.modulus_n_per_m3, MODULUS), (fit.hardening_per_m, HARDENING), (fit.loss_time_s, LOSS_S)]
         {
-            assert!((found.value / expected - 1.0).abs() < 0.02, "{punch:?}: {found:?}, {expected}");
+            assert!((found.value / expected - 1.0).abs() < 0.03, "{punch:?}: {found:?}, {expected}");
         }
     }
 }

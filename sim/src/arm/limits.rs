@@ -57,6 +57,9 @@ pub(super) const DIRECTION_ENTRY: Limits = Limits::new(-DIRECTION.max, DIRECTION
 /// (200 GPa).
 pub(crate) const SKIN_N_PER_M3: Limits = Limits::new(1e5, 2e15, "N/m³");
 
+/// Thickness of the soft layer: from a coat of paint to a cushion.
+pub(crate) const LAYER_M: Limits = Limits::new(1e-4, 0.1, "m");
+
 /// Radius of a sleeve of skin: from a wire's to a barrel's.
 pub(super) const RADIUS_M: Limits = Limits::new(1e-3, 1.0, "m");
 

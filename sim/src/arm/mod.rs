@@ -215,6 +215,7 @@ impl Arm {
         }
         Surface {
             compliance_m3_per_n: 1.0 / self.skin.stiffness_n_per_m3,
+            thickness_m: self.skin.thickness_m,
             loss_time_s: self.skin.loss_time_s,
             friction: self.friction,
         }

@@ -12,9 +12,12 @@ pub struct Skin {
     pub layout: SkinLayout,
     /// The surface under each patch, in the layout's order.
     pub surfaces: Vec<PatchSurface>,
-    /// Stiffness of the elastic layer per volume, N/m³: pressure divided by indentation.
+    /// Stiffness of the elastic layer per volume, N/m³: pressure divided by indentation, at small indentations.
     pub stiffness_n_per_m3: f64,
-    /// Loss time of the layer, s: its pressure is the stiffness times (h + τ dh/dt) under an indentation h.
+    /// Thickness of the layer, m: the pressure grows without bound as it is pressed flat. `None` for pressure that is always
+    /// proportional to the indentation.
+    pub thickness_m: Option<f64>,
+    /// Loss time of the layer, s: its pressure under an indentation h is p(h) + τ dp/dt.
     pub loss_time_s: f64,
 }
 

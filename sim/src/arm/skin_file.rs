@@ -18,10 +18,14 @@ use super::{limits, skin_fit};
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SkinFile {
-    /// Stiffness of the skin's soft layer: pressure per indentation, which is elastic modulus over thickness.
+    /// Stiffness of the skin's soft layer: pressure per small indentation, which is elastic modulus over thickness.
     #[schemars(transform = Within(limits::SKIN_N_PER_M3))]
     stiffness_n_per_m3: f64,
-    /// Loss time τ of the layer: under an indentation h its pressure is the stiffness times (h + τ dh/dt).
+    /// Thickness of the soft layer; the pressure grows faster as the layer is pressed flat. Without it the pressure stays
+    /// proportional to the indentation.
+    #[schemars(transform = Within(limits::LAYER_M))]
+    thickness_m: Option<f64>,
+    /// Loss time τ of the layer: under an indentation h its pressure is p(h) + τ dp/dt.
     #[serde(default = "default_loss_time_s")]
     #[schemars(transform = Within(limits::LOSS_TIME_S))]
     loss_time_s: f64,
@@ -137,6 +141,9 @@ pub(super) fn read_layout(source: &Source) -> Result<SkinLayout, InputError> {
 fn read_file(source: &Source) -> Result<SkinFile, InputError> {
     let file: SkinFile = source.toml("compare with the skin file of `cody`, which ships with underbrush")?;
     source.check(0, "stiffness_n_per_m3", file.stiffness_n_per_m3, limits::SKIN_N_PER_M3)?;
+    if let Some(thickness_m) = file.thickness_m {
+        source.check(0, "thickness_m", thickness_m, limits::LAYER_M)?;
+    }
     source.check(0, "loss_time_s", file.loss_time_s, limits::LOSS_TIME_S)?;
     if file.patch.len() > MAX_PATCHES {
         let found = format!("{} patches", file.patch.len());
@@ -202,6 +209,7 @@ pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputErr
         layout: SkinLayout { patches: Vec::new() },
         surfaces: Vec::new(),
         stiffness_n_per_m3: file.stiffness_n_per_m3,
+        thickness_m: file.thickness_m,
         loss_time_s: file.loss_time_s,
     };
     for table in &file.patch {

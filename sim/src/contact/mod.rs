@@ -6,6 +6,7 @@
 pub mod chord;
 mod envelope;
 pub mod law;
+pub mod layer;
 pub mod nearest;
 pub mod outline;
 pub mod patch;

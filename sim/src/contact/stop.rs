@@ -1,6 +1,7 @@
 //! The law of an end stop of a joint.
 
 use super::law::mean_press;
+use super::layer::Layer;
 use crate::physics::Theta;
 
 /// An end stop of a joint: a one-sided spring with loss on one velocity.
@@ -23,7 +24,8 @@ pub struct Stop {
 impl Stop {
     /// The impulse at the velocity `speed` away from the stop, and minus its derivative.
     pub(super) fn response(&self, speed: f64, step_s: f64) -> (f64, f64) {
-        let (pressed, slope) = mean_press(self.overlap_rad, speed, self.loss_time_s, step_s, self.theta);
+        let (pressed, slope) =
+            mean_press(self.overlap_rad, speed, &Layer::LINEAR, self.loss_time_s, step_s, self.theta);
         let modulus = step_s * self.stiffness_nm_per_rad;
         if pressed > 0.0 { (modulus * pressed, -modulus * slope) } else { (0.0, 0.0) }
     }

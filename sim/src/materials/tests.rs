@@ -17,6 +17,7 @@ fn the_file_has_the_values_in_use() {
     let arm = Arm::cody().unwrap();
     let value = |name: &str| MaterialFile::shipped().unwrap().constants[name].value;
     assert_eq!(value("skin_modulus_n_per_m3"), arm.skin.stiffness_n_per_m3);
+    assert_eq!(Some(value("skin_thickness_m")), arm.skin.thickness_m);
     assert_eq!(value("skin_loss_time_s"), arm.skin.loss_time_s);
     assert_eq!(value("arm_friction"), arm.friction);
     assert_eq!([value("object_friction"), value("table_friction")], [FRICTION, TABLE_FRICTION]);

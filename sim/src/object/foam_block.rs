@@ -150,6 +150,7 @@ impl FoamBlock {
     fn soft_surface(&self) -> Surface {
         Surface {
             compliance_m3_per_n: self.height_m / self.modulus_pa,
+            thickness_m: None,
             loss_time_s: 2.0 * DAMPING_RATIO.of(self) / (2.0 * PI * 10.0),
             friction: FRICTION,
         }

@@ -106,6 +106,7 @@ impl FoamRoll {
     fn surface(&self) -> Surface {
         Surface {
             compliance_m3_per_n: 0.5 * self.diameter_m / self.modulus_pa,
+            thickness_m: None,
             loss_time_s: SURFACE_LOSS_TIME_S,
             friction: FRICTION,
         }

@@ -2,6 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::contact::layer::Layer;
 use crate::newton::minimize;
 
 /// One sub-point under a contact.
@@ -11,6 +12,7 @@ pub(super) struct Cell {
     pub(super) gap: f64,
     /// (1, x₁, x₂): the derivative of its indentation with respect to depth and tilts.
     pub(super) place: Vector3<f64>,
+    /// Foundation modulus times area, N/m.
     pub(super) stiffness: f64,
     /// Share of its pressure that acts along the contact's normal.
     pub(super) share: f64,
@@ -27,43 +29,44 @@ impl Cell {
 /// The scale is the stiffness against depth at a lever arm of 1 cm; a patch's own resistance to tilt is far larger.
 const TILT_COST: f64 = 1e-4;
 
-/// Depth and tilts of a rigid shape that is pressed on the cells with `force` (N) through the origin; `None` if there
-/// are no cells.
-pub(super) fn indent(cells: &[Cell], force: f64) -> Option<Vector3<f64>> {
+/// Depth and tilts of a rigid shape that is pressed on the cells of a layer with `force` (N) through the origin; `None` if
+/// there are no cells.
+pub(super) fn indent(cells: &[Cell], layer: &Layer, force: f64) -> Option<Vector3<f64>> {
     let nearest = cells.iter().map(|cell| cell.gap).min_by(f64::total_cmp)?;
     let stiffness: f64 = cells.iter().map(|cell| cell.stiffness * cell.share).fold(0.0, f64::max);
     let cost = Matrix3::from_diagonal(&Vector3::new(0.0, 1.0, 1.0)) * (TILT_COST * stiffness * 1e-4);
     let load = Vector3::new(force, 0.0, 0.0);
-    let energy = |pose: &Vector3<f64>| {
-        let elastic: f64 = cells.iter().map(|cell| cell.stiffness * cell.share * cell.depth(pose).powi(2)).sum();
-        0.5 * (elastic + pose.dot(&(cost * pose))) - load.dot(pose)
-    };
-    // Deep enough that at least one cell is pressed, so that the first Newton step has a slope.
-    let start = Vector3::new(nearest + force / stiffness, 0.0, 0.0);
-    let newton_step = |(pose, _): &(Vector3<f64>, f64)| {
+    // The slope of the energy, and its curvature.
+    let state_at = |pose: Vector3<f64>| {
         let mut slope = cost * pose - load;
         let mut curvature = cost;
         for cell in cells {
-            let pressed = cell.depth(pose);
+            let (pressed, rate) = layer.pressed(cell.depth(&pose));
             if pressed > 0.0 {
                 slope += cell.place * (cell.stiffness * cell.share * pressed);
-                curvature += cell.place * cell.place.transpose() * (cell.stiffness * cell.share);
+                curvature += cell.place * cell.place.transpose() * (cell.stiffness * cell.share * rate);
             }
         }
-        if slope.amax() <= 1e-12 * force {
-            return None;
-        }
-        curvature.cholesky().map(|factor| factor.solve(&slope))
+        (pose, slope, curvature)
     };
-    let (pose, _) = minimize(
-        (start, energy(&start)),
+    // Where the shape is, or, if it presses no cell there, deep enough to press one, so that the first Newton step has a slope.
+    let depth = if nearest < 0.0 { 0.0 } else { nearest + force / stiffness };
+    let start = state_at(Vector3::new(depth, 0.0, 0.0));
+    let (pose, ..) = minimize(
+        start,
         50,
-        newton_step,
-        |(pose, _), step, share| {
-            let trial = pose - step * share;
-            (trial, energy(&trial))
+        |(_, slope, curvature)| {
+            if slope.amax() <= 1e-9 * force {
+                return None;
+            }
+            curvature.cholesky().map(|factor| factor.solve(slope))
         },
-        |(_, trial), (_, value)| trial < value,
+        |(pose, ..), step, share| state_at(pose - step * share),
+        // The slope along the way falls, and does not overshoot by more than it was.
+        |(trial, trial_slope, _), (pose, slope, _)| {
+            let way = trial - pose;
+            trial_slope.dot(&way).abs() < slope.dot(&way).abs()
+        },
     );
     Some(pose)
 }

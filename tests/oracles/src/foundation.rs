@@ -58,6 +58,46 @@ pub fn pressure_pa(stiffness_n_per_m3: f64, radii_m: [f64; 2], depth_m: f64, pla
     stiffness_n_per_m3 * (depth_m - gap).max(0.0)
 }
 
+/// A soft layer of finite thickness on ground that gives way a little, too. The layer's modulus under the pressure p is
+/// (1 + p / p½)² times that at first, so its deflection stays below its thickness; that of the ground is constant.
+#[derive(Clone, Copy, Debug)]
+pub struct Layer {
+    /// Pressure over depth at small pressures, layer and ground together, N/m³.
+    pub stiffness_n_per_m3: f64,
+    /// Pressure over depth of the ground, N/m³.
+    pub ground_n_per_m3: f64,
+    /// Thickness of the layer, m.
+    pub thickness_m: f64,
+}
+
+impl Layer {
+    /// The depth under a pressure, m: that of the ground, and the integral of 1 / modulus over the pressure.
+    pub fn depth_m(&self, pressure_pa: f64) -> f64 {
+        let compliance = 1.0 / self.stiffness_n_per_m3 - 1.0 / self.ground_n_per_m3;
+        let half_pa = self.thickness_m / compliance;
+        pressure_pa / self.ground_n_per_m3 + self.thickness_m * pressure_pa / (half_pa + pressure_pa)
+    }
+
+    /// The pressure at a depth, Pa, by bisection.
+    pub fn pressure_pa(&self, depth_m: f64) -> f64 {
+        let (mut low, mut high) = (0.0, self.ground_n_per_m3 * depth_m.max(0.0));
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            if self.depth_m(middle) < depth_m { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    }
+
+    /// Force, N, of bodies whose gap grows as x²/2R₁ + y²/2R₂ and that overlap by `depth_m`: the region at which they overlap
+    /// by more than h has the area 2π √(R₁R₂) (d − h), so it is 2π √(R₁R₂) times the integral of the pressure over the depth.
+    pub fn force_n(&self, radii_m: [f64; 2], depth_m: f64) -> f64 {
+        let steps = 500;
+        let spacing = depth_m / f64::from(steps);
+        let pressures = (0..steps).map(|step| self.pressure_pa((f64::from(step) + 0.5) * spacing));
+        2.0 * PI * (radii_m[0] * radii_m[1]).sqrt() * spacing * pressures.sum::<f64>()
+    }
+}
+
 /// A body that is thrown onto the layer and rebounds.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounce {
@@ -154,6 +194,19 @@ mod tests {
             assert_relative_eq!(depth_m(stiffness, radii, force), depth, epsilon = 1e-15);
         }
         assert_eq!(sphere_force_n(stiffness, 0.01, depth), crossed_cylinders_force_n(stiffness, [0.01, 0.01], depth));
+    }
+
+    /// Tests that a thick layer is linear, that a layer between plates gives way by half of its thickness at the pressure at
+    /// which a linear one would give way by all of it, and the force of a ball against that of the linear foundation.
+    #[test]
+    fn a_layer_hardens_towards_its_thickness() {
+        let layer = |thickness_m| Layer { stiffness_n_per_m3: 3e7, ground_n_per_m3: 1e20, thickness_m };
+        assert_relative_eq!(layer(1e3).depth_m(9e4), 3e-3, max_relative = 1e-4);
+        assert_relative_eq!(layer(3e-3).depth_m(9e4), 1.5e-3, max_relative = 1e-9);
+        assert_relative_eq!(layer(3e-3).pressure_pa(1.5e-3), 9e4, max_relative = 1e-9);
+        assert!(layer(3e-3).depth_m(1e9) < 3e-3);
+        let ball = layer(1e3).force_n([0.02, 0.02], 1e-3);
+        assert_relative_eq!(ball, sphere_force_n(3e7, 0.02, 1e-3), max_relative = 1e-4);
     }
 
     /// Tests the bounce without loss of a ball, whose depth follows from ½ m v² = π k R d³ / 3 and which keeps its

@@ -13,6 +13,7 @@ use crate::contact::outline::Outline;
 use crate::contact::patch::Node;
 use crate::contact::plane::Plane;
 use crate::contact::solver::{Convergence, Solver};
+use crate::contact::surface::Interface;
 use crate::physics::{PhysicsOptions, Theta};
 use blocks::Blocks;
 use candidate::{Candidate, Found, Meeting};
@@ -174,8 +175,10 @@ impl ContactStep {
         rates.clear();
         rates.resize(scene.slots(), 0.0);
         for candidate in candidates.iter() {
-            let area_m2: f64 = nodes[candidate.nodes.0..candidate.nodes.1].iter().map(|node| node.area_m2).sum();
-            let stiffness_n_per_m = area_m2 * candidate.law.interface.stiffness_n_per_m3;
+            let Interface { stiffness_n_per_m3, layer, .. } = &candidate.law.interface;
+            let hardened_m2 = |node: &Node| node.area_m2 * layer.pressed(node.overlap_m).1;
+            let area_m2: f64 = nodes[candidate.nodes.0..candidate.nodes.1].iter().map(hardened_m2).sum();
+            let stiffness_n_per_m = area_m2 * stiffness_n_per_m3;
             for PlacedLink { slot, link } in candidate.links.iter().flatten() {
                 let tree = scene.tree_mut(*slot);
                 let Plane { origin_world, normal_world, .. } = candidate.plane;

@@ -48,7 +48,7 @@ fn corners_and_edges_on_a_rim_press() {
         let spread = |step: f64, low: f64, high: f64| low + (high - low) * (f64::from(case) * step).fract();
         let mut rig = rig();
         let forearm = BodyShape::Cylinder { radius_m: 0.046, length_m: 0.237 };
-        let skin = Surface { compliance_m3_per_n: 1.0 / 3e7, loss_time_s: 0.002, friction: 0.3 };
+        let skin = Surface { compliance_m3_per_n: 1.0 / 3e7, thickness_m: None, loss_time_s: 0.002, friction: 0.3 };
         rig.add_fixed(&part(forearm), skin, &Pose::IDENTITY).unwrap();
         // A piece of a leaf near the rim, turned at random, 2 to 6 mm inside both the mantle and the end.
         let half = DVec3::new(0.001, 0.0186, 0.0099);
