@@ -111,7 +111,7 @@ pub struct TaxelVerdict {
 ///     Trial { trial: k, category: Some(category.into()), samples: (0..20).map(sample).collect(), ..Trial::default() }
 /// };
 /// let trials: Vec<Trial> = (0..8).flat_map(|k| [press("leaf", 0.2, k), press("trunk", 4.0, k)]).collect();
-/// let classifier = NaiveBayes { features: FeatureSet::FORCE }.fit(&trials.iter().collect::<Vec<_>>())?;
+/// let classifier = NaiveBayes { features: FeatureSet::FORCE, ..NaiveBayes::default() }.fit(&trials.iter().collect::<Vec<_>>())?;
 ///
 /// // A skin of one taxel, and a frame in which it senses 3 N.
 /// let taxel = Taxel { position_link: DVec3::ZERO, normal_link: DVec3::Z, tangent_link: DVec3::X, area_m2: 1e-4 };

@@ -7,10 +7,11 @@ use crate::estimator::ClassifierKind;
 use crate::hmm_classifier;
 
 /// All classifiers. To add one, write its file and add its entry here.
-pub const CLASSIFIERS: [&ClassifierKind; 7 + cfg!(test) as usize] = [
+pub const CLASSIFIERS: [&ClassifierKind; 8 + cfg!(test) as usize] = [
     &hmm_classifier::KIND,
     &nearest_neighbours::KIND,
     &naive_bayes::KIND,
+    &naive_bayes::PEAK_KIND,
     &echo_state_network::KIND,
     &logistic::KIND,
     &logistic::TAXEL_KIND,

@@ -28,6 +28,7 @@ __all__ = [
     "LogisticClassifier",
     "LogisticTaxelClassifier",
     "NaiveBayesClassifier",
+    "PeakForceClassifier",
     "NearestNeighboursClassifier",
     "TreesClassifier",
 ]
@@ -255,6 +256,12 @@ class NaiveBayesClassifier(_Baseline):
     """Naive Bayes over a fixed window at the start of a contact."""
 
     _classifier = "naive-bayes"
+
+
+class PeakForceClassifier(_Baseline):
+    """Two Gaussians on the logarithm of the largest force since contact: a baseline."""
+
+    _classifier = "peak-force"
 
 
 class EchoStateClassifier(_Baseline):

@@ -16,9 +16,9 @@ use crate::options;
 /// Which classifier is fitted, and how.
 #[derive(Args, Clone, Debug)]
 pub struct EstimatorArguments {
-    /// Classifier to fit
-    #[arg(long, value_name = "NAME", default_value = "hmm", value_parser = classifier())]
-    classifier: Chosen,
+    /// Classifier to fit [default: hmm]
+    #[arg(long, value_name = "NAME", value_parser = classifier())]
+    classifier: Option<Chosen>,
     #[arg(long, value_name = "LIST", help = features_help())]
     features: Option<FeatureSet>,
     #[command(flatten, next_help_heading = "Hidden Markov models (--classifier hmm) only")]
@@ -65,7 +65,7 @@ impl EstimatorArguments {
     /// # Errors
     /// If an option does not apply to the classifier.
     pub fn estimator(&self) -> Result<Box<dyn Estimator>, Failure> {
-        match self.classifier {
+        match self.chosen() {
             Chosen::OfTrials(kind) => Ok(self.options()?.estimator(kind)?),
             Chosen::Touch => Err(Failure::usage(
                 "--classifier touch is fitted to whole frames, not to trials; use train or evaluate with data sets or recordings",
@@ -92,7 +92,7 @@ impl EstimatorArguments {
     /// # Errors
     /// If an option is given that does not apply to it.
     pub fn is_touch(&self) -> Result<bool, Failure> {
-        let Chosen::Touch = self.classifier else { return Ok(false) };
+        let Chosen::Touch = self.chosen() else { return Ok(false) };
         let reason = "does not apply to --classifier touch, whose features and networks are fixed";
         options::refuse(self.given(), reason).map(|()| true)
     }
@@ -102,15 +102,25 @@ impl EstimatorArguments {
     /// # Errors
     /// If an option of hidden Markov models is given for another classifier.
     pub fn hmm(&self) -> Result<Option<Recipe>, Failure> {
-        match self.classifier {
+        match self.chosen() {
             Chosen::OfTrials(kind) => Ok(self.options()?.recipe_of(kind)?),
             Chosen::Touch => Ok(None),
         }
     }
 
+    /// The first of the list unless another is named.
+    fn chosen(&self) -> Chosen {
+        self.classifier.unwrap_or(Chosen::OfTrials(CLASSIFIERS[0]))
+    }
+
+    /// Whether neither a classifier nor how it is fitted is chosen.
+    pub fn is_open(&self) -> bool {
+        self.classifier.is_none() && self.given().is_empty()
+    }
+
     /// Name of the classifier.
     pub fn classifier_name(&self) -> &'static str {
-        match self.classifier {
+        match self.chosen() {
             Chosen::OfTrials(kind) => kind.name,
             Chosen::Touch => TOUCH,
         }

@@ -6,12 +6,16 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use rayon::prelude::*;
 use underbrush_classifier::any_model::{self, AnyModel};
+use underbrush_classifier::decision::Decision;
 use underbrush_classifier::estimator::Classifier;
 use underbrush_classifier::evaluate::{
-    EvaluationReport, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate, evaluate,
+    Compared, EvaluationReport, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
+    evaluate,
 };
 use underbrush_classifier::paper_rule::Scores;
+use underbrush_classifier::registry::CLASSIFIERS;
 use underbrush_experiments::model_data;
 use underbrush_recording::{InputError, Trial};
 
@@ -30,6 +34,8 @@ By default, trials of any length are used, labelled by the object that truly pre
 trial names its reach: trials of one reach resemble each other, so grouping by position overestimates the accuracy. \
 `--preset paper` follows the paper instead (section V-A: two folds by position, labels from the environment, 20 samples or \
 more). The default recipe is the paper's.
+
+Without --classifier and options about fitting, all classifiers are compared on the same folds, the best first, and the details are those of the paper's hidden Markov models. peak-force is the baseline of contacts: the largest force alone.
 
 Compare an accuracy with the majority baseline, which is reached by always naming the most frequent category, and with the \
 balanced accuracy, the mean recall over the categories that the classifier knows. Uncertain counts as wrong, and so does \
@@ -149,8 +155,27 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
             by_samples_of_all = Some(series.map_err(|error| about(error.into()))?);
         }
     }
-    let results = EvaluationReport { folds, evaluation, by_samples, by_samples_of_all };
+    let mut comparison = None;
+    if let Some(folds) = folds.filter(|_| options.estimator.is_open()) {
+        comparison = Some(compare(&trials, folds, &decision));
+    }
+    let results = EvaluationReport { folds, evaluation, by_samples, by_samples_of_all, comparison };
     output::result(json, &results, || text::of(&results))
+}
+
+/// All classifiers on the same folds, the best first. One that these trials do not suit, for want of a column or of samples, is
+/// left out.
+fn compare(trials: &[Trial], folds: Folds, decision: &Decision) -> Vec<Compared> {
+    let judged = CLASSIFIERS.par_iter().filter_map(|kind| {
+        let evaluation = cross_validate(trials, (kind.estimator)(None).as_ref(), folds, decision).ok()?;
+        let accuracy = evaluation.confusion.accuracy()?;
+        let interval_by_reach = evaluation.accuracy_interval_by_reach;
+        Some(Compared { classifier: kind.name, accuracy, interval_by_reach })
+    });
+    let mut compared: Vec<Compared> = judged.collect();
+    let key = |own: &Compared| own.accuracy.balanced_accuracy.unwrap_or(own.accuracy.accuracy);
+    compared.sort_by(|a, b| key(b).total_cmp(&key(a)));
+    compared
 }
 
 impl EvaluateOptions {

@@ -69,8 +69,16 @@ fn every_classifier_is_evaluated_and_asked_while_contacts_last() {
     let table = fixture().table_csv();
     let trials = read_trials(&table).unwrap();
     let count = trials.iter().filter(|trial| trial.category.is_some()).count() as u64;
-    let own =
-        ["nearest-neighbours", "naive-bayes", "echo-state-network", "recursive", "logistic", "logistic-taxel", "trees"];
+    let own = [
+        "nearest-neighbours",
+        "naive-bayes",
+        "peak-force",
+        "echo-state-network",
+        "recursive",
+        "logistic",
+        "logistic-taxel",
+        "trees",
+    ];
     for name in ["hmm"].into_iter().chain(own) {
         let figures =
             underbrush!["evaluate", table, "--classifier", name, "--group", "position", "--by-samples", "--json"]
@@ -83,6 +91,24 @@ fn every_classifier_is_evaluated_and_asked_while_contacts_last() {
         let lasting: Vec<u64> = series[..9].iter().map(|point| point["lasting"].as_u64().unwrap()).collect();
         assert!(lasting.is_sorted_by(|a, b| a >= b), "{lasting:?}");
     }
+}
+
+/// Tests that without a choice all classifiers are compared, the best first and each with the figures that it has alone, and
+/// that a choice ends the comparison.
+#[test]
+fn without_a_choice_all_classifiers_are_compared() {
+    let table = fixture().table_csv();
+    let figures = underbrush!["evaluate", table, "--group", "position", "--json"].json();
+    let compared = figures["comparison"].as_array().unwrap();
+    let balanced: Vec<f64> = compared.iter().map(|own| own["balanced_accuracy"].as_f64().unwrap()).collect();
+    assert!(balanced.is_sorted_by(|a, b| a >= b), "{balanced:?}");
+    for own in compared {
+        let name = own["classifier"].as_str().unwrap();
+        let alone = underbrush!["evaluate", table, "--group", "position", "--classifier", name, "--json"].json();
+        assert_eq!(own["accuracy"], alone["accuracy"], "{name}");
+        assert!(alone.get("comparison").is_none());
+    }
+    assert!(compared.iter().any(|own| own["classifier"] == "peak-force") && compared.len() == 8);
 }
 
 /// Tests that --train fits on the other table only: for hidden Markov models the result equals that of `train`

@@ -16,8 +16,20 @@ use crate::stream_feature::{Selection, StreamFeatures};
 pub(crate) const KIND: ClassifierKind = fitted::kind::<NaiveBayes>(
     &[],
     "Naive Bayes on statistics of the taxel's force and motion since contact",
-    |features| Box::new(features.map_or(NaiveBayes::default(), |features| NaiveBayes { features })),
+    |features| {
+        Box::new(features.map_or(NaiveBayes::default(), |features| NaiveBayes { features, ..NaiveBayes::default() }))
+    },
 );
+
+/// [`KIND`] with a single feature: the baseline that a classifier of contacts must beat.
+pub(crate) const PEAK_KIND: ClassifierKind = ClassifierKind {
+    name: "peak-force",
+    summary: "The largest force since contact alone: two Gaussians on its logarithm; a baseline",
+    estimator: |features| {
+        Box::new(NaiveBayes { features: features.unwrap_or(FeatureSet::FORCE), only_peak_force: true })
+    },
+    ..KIND
+};
 
 /// Gaussian naive Bayes over the stream features of the contact so far ([`crate::stream_feature`]): the score of a
 /// category is the sum of the log-densities of its features.
@@ -59,12 +71,22 @@ pub(crate) const KIND: ClassifierKind = fitted::kind::<NaiveBayes>(
 pub struct NaiveBayes {
     /// The features of each sample that stream features are computed from.
     pub features: FeatureSet,
+    /// Use the largest force of the taxel since contact alone, and fit it to whole trials.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub only_peak_force: bool,
+}
+
+impl NaiveBayes {
+    fn selection(&self) -> Selection {
+        let all = Selection::of(self.features);
+        if self.only_peak_force { all.only("largest force") } else { all }
+    }
 }
 
 impl Default for NaiveBayes {
     /// Force and motion of the taxel.
     fn default() -> Self {
-        NaiveBayes { features: FeatureSet::FORCE_AND_MOTION }
+        NaiveBayes { features: FeatureSet::FORCE_AND_MOTION, only_peak_force: false }
     }
 }
 
@@ -82,9 +104,25 @@ impl Baseline for NaiveBayes {
         self.features
     }
 
+    fn check(&self) -> Result<(), Fault> {
+        if self.selection().dimension() == 0 {
+            let found = self.features.to_string();
+            return Err(Fault::new(
+                "features",
+                found,
+                "features from which there is something to compute, such as force",
+            ));
+        }
+        Ok(())
+    }
+
     fn learn(&self, trials: &TrialsByCategory) -> Result<Self::Learned, ModelError> {
-        let selection = Selection::of(self.features);
-        let mut table = Table::of(trials, &selection)?;
+        let selection = self.selection();
+        // The peak of a contact is known at its end.
+        let mut table = match self.only_peak_force {
+            true => Table::after(&[], trials, &selection)?,
+            false => Table::of(trials, &selection)?,
+        };
         let standardization = Standardization::of(&mut table, &selection);
         let (mut mean, mut variance) = (Vec::new(), Vec::new());
         for category in 0..table.categories {
@@ -107,7 +145,7 @@ impl Baseline for NaiveBayes {
     }
 
     fn learned(&self, parameters: Parameters, categories: usize) -> Result<Self::Learned, Fault> {
-        let selection = Selection::of(self.features);
+        let selection = self.selection();
         let dimension = selection.dimension();
         parameters.standardization.check(dimension).map_err(|fault| fault.within("standardization"))?;
         check_table("mean", &parameters.mean, (categories, dimension), FITTED)?;

@@ -32,12 +32,17 @@ impl Table {
     /// The trials after 1, 2, 3, 6, … samples and at their end, so that contacts that have just begun count as much as
     /// contacts that have ended.
     pub(super) fn of(by_category: &TrialsByCategory, set: &Selection) -> Result<Self, FeatureError> {
+        Self::after(&SAMPLE_COUNTS, by_category, set)
+    }
+
+    /// The trials after these numbers of samples, if they are longer, and at their end.
+    pub(super) fn after(ages: &[usize], by_category: &TrialsByCategory, set: &Selection) -> Result<Self, FeatureError> {
         let mut rows = Vec::new();
         for (category, trials) in by_category.values().enumerate() {
             let of_trial = 1.0 / (by_category.len() * trials.len()) as f64;
             for trial in trials {
                 let length = trial.samples.len();
-                let mut counts: Vec<usize> = SAMPLE_COUNTS.into_iter().filter(|count| *count < length).collect();
+                let mut counts: Vec<usize> = ages.iter().copied().filter(|count| *count < length).collect();
                 counts.push(length);
                 let weight = of_trial / counts.len() as f64;
                 rows.extend(set.after(trial, &counts)?.into_iter().map(|features| Row { category, weight, features }));

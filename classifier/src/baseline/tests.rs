@@ -233,3 +233,31 @@ fn options_outside_their_range_are_refused() {
         }
     }
 }
+
+/// Tests peak-force against two Gaussians on the logarithm of the largest force, fitted by hand: the category that is nearer in
+/// standard deviations has the higher score, and what follows the peak changes nothing.
+#[test]
+fn peak_force_sees_the_peak_alone() {
+    let of = |number: u64, category: &str, peak_n: f64| {
+        let mut trial = press(number, category, 0.0, 2, 1);
+        trial.samples[0].force_n = peak_n;
+        trial
+    };
+    let peaks = |center: f64| (0..20).map(move |n| center * 1.1f64.powf(f64::from(n) - 9.5));
+    let trials: Vec<Trial> = (0..)
+        .zip(peaks(0.2))
+        .map(|(n, peak_n)| of(n, "leaf", peak_n))
+        .chain((20..).zip(peaks(3.0)).map(|(n, peak_n)| of(n, "trunk", peak_n)))
+        .collect();
+    let kind = crate::registry::find("peak-force").unwrap();
+    let classifier = (kind.estimator)(None).fit(&trials.iter().collect::<Vec<_>>()).unwrap();
+    // Both have the same spread on a logarithmic scale, so the border is at the geometric mean, 0.77 N.
+    for (peak_n, is_leaf) in [(0.05, true), (0.6, true), (1.0, false), (30.0, false)] {
+        let mut trial = of(99, "leaf", peak_n);
+        let scores = classifier.scores(&trial).unwrap();
+        assert_eq!(scores[0] > scores[1], is_leaf, "{peak_n} N: {scores:?}");
+        trial.samples.push(Sample { time_s: 0.5, force_n: 0.5 * peak_n, ..trial.samples[0].clone() });
+        assert_eq!(classifier.scores(&trial).unwrap(), scores);
+    }
+    assert!((kind.estimator)(Some(FeatureSet::new([&MOTION]))).fit(&trials.iter().collect::<Vec<_>>()).is_err());
+}

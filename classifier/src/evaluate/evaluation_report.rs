@@ -3,8 +3,10 @@
 use serde::Serialize;
 
 use super::by_samples::AccuracyBySamples;
+use super::confusion::Accuracy;
 use super::evaluation::Evaluation;
 use super::fold::Folds;
+use super::interval::Interval;
 
 /// An evaluation and how it was done, as the command line prints it and Python returns it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -21,11 +23,27 @@ pub struct EvaluationReport {
     /// The same over all contacts, including short ones; `None` if `by_samples` covers them already.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_samples_of_all: Option<Vec<AccuracyBySamples>>,
+    /// All classifiers with their default options on the same folds, the best balanced accuracy first, if no classifier was
+    /// chosen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub comparison: Option<Vec<Compared>>,
+}
+
+/// A classifier among others.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Compared {
+    /// Its name.
+    pub classifier: &'static str,
+    /// Its accuracy over all trials.
+    #[serde(flatten)]
+    pub accuracy: Accuracy,
+    /// 95 % interval of the accuracy over whole reaches; `None` if trials do not name their reaches.
+    pub interval_by_reach: Option<Interval>,
 }
 
 impl From<Evaluation> for EvaluationReport {
     /// Without cross-validation.
     fn from(evaluation: Evaluation) -> Self {
-        EvaluationReport { folds: None, evaluation, by_samples: None, by_samples_of_all: None }
+        EvaluationReport { folds: None, evaluation, by_samples: None, by_samples_of_all: None, comparison: None }
     }
 }

@@ -27,7 +27,7 @@ pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix,
 pub use cross_validation::{cross_validate, evaluate};
 pub use error::EvaluateError;
 pub use evaluation::Evaluation;
-pub use evaluation_report::EvaluationReport;
+pub use evaluation_report::{Compared, EvaluationReport};
 pub use fold::{FoldBy, Folds};
 pub use held_out::HeldOut;
 pub use interval::{Interval, bootstrap_by_reach, wilson};

@@ -78,6 +78,12 @@ impl Selection {
         Selection { inputs, chosen }
     }
 
+    /// The one with this name alone, if it can be computed.
+    pub fn only(mut self, name: &str) -> Self {
+        self.chosen.retain(|index| STREAM_FEATURES[*index].0 == name);
+        self
+    }
+
     /// The features of each sample.
     pub fn inputs(&self) -> FeatureSet {
         self.inputs

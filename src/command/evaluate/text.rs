@@ -1,11 +1,12 @@
 //! An evaluation as text.
 
-use underbrush_classifier::evaluate::{Accuracy, AccuracyBySamples, Evaluation, EvaluationReport, FoldBy};
+use underbrush_classifier::evaluate::{Accuracy, AccuracyBySamples, Compared, Evaluation, EvaluationReport, FoldBy};
 use underbrush_report::drawing::Rows;
 
 /// The whole evaluation.
 pub(super) fn of(results: &EvaluationReport) -> String {
-    let mut text = evaluation(&results.evaluation);
+    let mut text = results.comparison.as_deref().map(comparison).unwrap_or_default();
+    text += &evaluation(&results.evaluation);
     if let Some(folds) = results.folds {
         let by = match folds.by {
             FoldBy::Reach => "by whole reaches",
@@ -50,6 +51,18 @@ fn maybe(fraction: Option<f64>) -> String {
 /// An accuracy, balanced accuracy and baseline in one cell.
 fn three(accuracy: f64, balanced: Option<f64>, baseline: f64) -> String {
     format!("{} ({}, {})", percent(accuracy), maybe(balanced), percent(baseline))
+}
+
+fn comparison(compared: &[Compared]) -> String {
+    let rows = Rows::of(compared)
+        .column("classifier", |own| own.classifier)
+        .column("balanced accuracy %", |own| maybe(own.accuracy.balanced_accuracy))
+        .column("accuracy %", |own| percent(own.accuracy.accuracy))
+        .column("95 % by reach", |own| {
+            own.interval_by_reach.map_or("-".into(), |ends| format!("{}-{}", percent(ends.low), percent(ends.high)))
+        })
+        .column("majority baseline %", |own| percent(own.accuracy.majority_baseline));
+    format!("{}\nIn detail, hidden Markov models as in the paper:\n\n", rows.text())
 }
 
 fn by_samples(series: &[AccuracyBySamples]) -> String {
