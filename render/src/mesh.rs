@@ -52,11 +52,12 @@ impl Mesh {
                 Mesh::turned(&line, 4 * quarter(*r))
             }
             BodyShape::Box { size_m } => {
-                let corner = |index: usize| {
-                    let side = |axis: usize| if index >> axis & 1 == 0 { -0.5 } else { 0.5 };
-                    DVec3::new(side(0), side(1), side(2)) * *size_m
-                };
-                Mesh::hull(&(0..8).map(corner).collect::<Vec<_>>())
+                let mut mesh = Mesh::default();
+                for (axis, side) in (0..3).flat_map(|axis| [(axis, 0.5), (axis, -0.5)]) {
+                    let [out, right, up] = [0, 1, 2].map(|turn| DVec3::AXES[(axis + turn) % 3] * *size_m);
+                    mesh.add_plate(out * side, right * side, up * 0.5);
+                }
+                mesh
             }
             BodyShape::Hull { points_m } => Mesh::hull(points_m),
         }
@@ -146,12 +147,12 @@ impl Mesh {
         mesh
     }
 
-    /// A flat square, seen from its normal, with this side, m.
-    pub fn plate(center: DVec3, normal: DVec3, tangent: DVec3, side_m: f64) -> Self {
-        let (right, up) = (tangent * (0.5 * side_m), normal.cross(tangent) * (0.5 * side_m));
+    /// Adds a flat plate, from whose middle `right` and `up` lead to its edges; it is seen from the side where they are so.
+    pub fn add_plate(&mut self, center: DVec3, right: DVec3, up: DVec3) {
+        let (first, normal) = (self.vertices.len() as u32, right.cross(up).normalize_or_zero());
         let corners = [-right - up, right - up, right + up, up - right];
-        let vertices = corners.map(|corner| (center + corner, normal)).to_vec();
-        Mesh { vertices, triangles: vec![[0, 1, 2], [0, 2, 3]] }
+        self.vertices.extend(corners.map(|corner| (center + corner, normal)));
+        self.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
     }
 }
 

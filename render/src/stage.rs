@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use glam::{DVec3, Vec3};
 use underbrush_recording::{Body, BodyOwner, BodyShape, Frame, ObjectRecord, Pose, Recording, SkinLayout, TrackPoint};
-use underbrush_sim::snapshot::Blade;
+use underbrush_sim::simulation::Simulation;
+use underbrush_sim::snapshot::{Blade, bodies};
 
 use crate::camera::bounds;
 use crate::mesh::Mesh;
@@ -22,6 +23,8 @@ const MARGIN_M: f64 = 0.15;
 const LIFT_M: f64 = 0.0012;
 const GOAL_M: f64 = 0.016;
 
+/// The colours of forces end here if nobody knows yet how large they will be, N. Choice: most contacts stay below.
+const LIVE_N: f64 = 5.0;
 /// The camera sees a body at about this many of its poses.
 const POSES: usize = 8;
 
@@ -114,6 +117,22 @@ impl<'a> Stage<'a> {
         Ok(stage)
     }
 
+    /// A running simulation as it is now: everything in it, a camera that stays where it is while the simulation runs, and the
+    /// labels. The colours of forces end at 5 N.
+    ///
+    /// # Errors
+    /// [`RenderError::NoBodies`].
+    pub fn now(
+        simulation: &Simulation,
+        frame: &Frame,
+        aspect: f64,
+    ) -> Result<(Scene, Camera, Vec<String>), RenderError> {
+        let (bodies, clutter) = (bodies(simulation), simulation.clutter());
+        let layout = &simulation.arm().skin.layout;
+        let stage = Stage::new(&bodies, &clutter.records(), layout, LIVE_N, &clutter.goals)?;
+        Ok((stage.moment(u32::MAX, frame), stage.camera(aspect), stage.labels))
+    }
+
     /// Puts a table under the objects, wide enough for everything that is seen.
     fn set_table(&mut self, objects: &[ObjectRecord]) {
         let height = objects.iter().map(|object| object.position_world.z).reduce(f64::min);
@@ -172,8 +191,9 @@ impl<'a> Stage<'a> {
                 let own = readings.next_if(|own| (usize::from(own.patch), usize::from(own.taxel)) == (number, index));
                 let share = own.map(|own| own.sensed_force_n / self.full_scale_n);
                 let surface = share.map_or(plate, |share| mark(colour::of_force(share)));
-                let center = taxel.position_link + taxel.normal_link * LIFT_M;
-                let square = Mesh::plate(center, taxel.normal_link, taxel.tangent_link, 0.86 * taxel.area_m2.sqrt());
+                let (mut square, half_m) = (Mesh::default(), 0.43 * taxel.area_m2.sqrt());
+                let (right, up) = (taxel.tangent_link, taxel.normal_link.cross(taxel.tangent_link));
+                square.add_plate(taxel.position_link + taxel.normal_link * LIFT_M, right * half_m, up * half_m);
                 scene.add(&square, pose, surface);
             }
         }

@@ -1,8 +1,9 @@
 //! Arm and clutter at one instant, as plain capsules and blades for pictures.
 
 use glam::DVec3;
-use underbrush_recording::{BodyPart, BodyShape, Category, Frame, Pose};
+use underbrush_recording::{Body, BodyPart, BodyShape, Category, Frame, Pose};
 
+use crate::body_log::BodyLog;
 use crate::geometry::{Capsule, engine_shape};
 use crate::simulation::Simulation;
 
@@ -125,6 +126,11 @@ impl Snapshot {
             .collect();
         Snapshot { arm, objects, frame: frame.clone() }
     }
+}
+
+/// All bodies of a simulation, with their poses now as the last of their tracks. At rest the arm is in its start posture.
+pub fn bodies(simulation: &Simulation) -> Vec<Body> {
+    BodyLog::now(simulation).finish()
 }
 
 /// The shapes of an object whose bodies have these parts and poses.

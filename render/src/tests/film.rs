@@ -1,7 +1,7 @@
 //! Tests of files.
 
 use underbrush_recording::Recording;
-use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::reach::{ReachPlan, ReachSoFar};
 use underbrush_sim::scene::Scene;
 
 use super::*;
@@ -53,6 +53,39 @@ fn films_are_the_same_for_any_number_of_threads() {
         assert!(mean < 3.0, "frame {number}: {mean} of 255");
     }
     assert!(decoder.read_next_frame().unwrap().is_none());
+}
+
+/// Tests that a running simulation is drawn as its recording is, from a place that stays while the arm moves.
+#[test]
+fn a_simulation_is_drawn_like_its_recording() {
+    let text = "summary = \"A trunk\"\n[[objects.trunk]]\ncount = 1\n";
+    let plan = ReachPlan::new(Scene::parse("trunk.toml", text.into()).unwrap(), None, 1).unwrap();
+    let mut simulation = plan.simulation(0).unwrap();
+    let mut so_far = ReachSoFar::new(&plan, 0);
+    let mut angles = plan.arm.start_posture_rad();
+    let size = Size { width: 120, height: 90 };
+    let goal = simulation.clutter().goals[0];
+    let (_, first, _) = Stage::now(&simulation, &simulation.frame(0, goal), size.aspect()).unwrap();
+    for _ in 0..60 {
+        so_far.observe(&simulation, &simulation.frame(0, goal));
+        angles.iter_mut().for_each(|angle| *angle += 0.004);
+        simulation.step(&angles);
+    }
+    let frame = simulation.frame(0, goal);
+    so_far.observe(&simulation, &frame);
+    let recording = so_far.recording().unwrap();
+    let (now, camera, labels) = Stage::now(&simulation, &frame, size.aspect()).unwrap();
+    assert_eq!(camera, first);
+    let stage = Stage::of(&recording, None).unwrap();
+    assert_eq!(labels, stage.labels());
+    let (depth, seen) = now.depth_and_labels(&camera, size).unwrap();
+    let (recorded_depth, recorded) = stage.moment(60, &frame).depth_and_labels(&camera, size).unwrap();
+    let bodies = (0..seen.len()).filter(|pixel| seen[*pixel] > 1 || recorded[*pixel] > 1);
+    let bodies: Vec<usize> = bodies.collect();
+    assert!(bodies.len() > 500, "{}", bodies.len());
+    assert!(bodies.iter().all(|pixel| seen[*pixel] == recorded[*pixel] && depth[*pixel] == recorded_depth[*pixel]));
+    let (start, _) = stage.moment(0, &recording.frames[0]).depth_and_labels(&camera, size).unwrap();
+    assert!(bodies.iter().any(|pixel| (start[*pixel] - depth[*pixel]).abs() > 0.05), "the arm has not moved");
 }
 
 /// Tests that a PNG holds the very bytes of its picture.
