@@ -12,7 +12,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 FOLDERS = [
     "src", "sim/src", "classifier/src", "recording/src", "experiments/src", "report/src", "replay/src",
-    "exchange/src", "validation/src", "tests/oracles/src", "python/src", "workspace-hack/src",
+    "render/src", "exchange/src", "validation/src", "tests/oracles/src", "python/src", "workspace-hack/src",
 ]  # fmt: skip
 
 

@@ -26,7 +26,7 @@ macro_rules! numbers {
         })*
     };
 }
-numbers!(f64 => "f8", f32 => "f4", i64 => "i8", i32 => "i4");
+numbers!(f64 => "f8", f32 => "f4", i64 => "i8", i32 => "i4", u16 => "u2", u8 => "u1");
 
 /// Owner of the numbers that an array views. The numbers never change.
 #[pyclass(frozen, module = "underbrush._core")]

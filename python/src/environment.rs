@@ -11,6 +11,7 @@ use underbrush_sim::reach::ReachPlan;
 use crate::array;
 use crate::failure::{Failure, locked};
 use crate::given;
+use crate::picture::{self, PyCamera};
 use crate::pool::{self, Helpers};
 use crate::scene::scene;
 
@@ -114,6 +115,23 @@ impl PyEnvironments {
     #[getter]
     fn action_size(&self) -> usize {
         self.action_size
+    }
+
+    /// A picture of one of the environments: (height, width, 3), uint8; None before its first episode.
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        index: usize,
+        width: usize,
+        height: usize,
+        camera: Option<&PyCamera>,
+    ) -> Result<Option<Bound<'py, PyAny>>, Failure> {
+        let state = self.lock()?;
+        let environment = state.environments.get(index);
+        let Some((simulation, frame)) = environment.and_then(|own| own.simulation().zip(own.frame())) else {
+            return Ok(None);
+        };
+        picture::draw(py, (simulation, &frame), (width, height), camera, "rgb").map(Some)
     }
 
     /// Begin an episode in all environments, or in those that the mask selects.

@@ -144,7 +144,8 @@ library_errors!(
     underbrush_sim::controller::UnknownController,
     underbrush_sim::reach::ReachError,
     underbrush_sim::simulation::StateError,
-    underbrush_replay::ReplayError
+    underbrush_replay::ReplayError,
+    underbrush_render::RenderError
 );
 
 impl From<ModelError> for Failure {

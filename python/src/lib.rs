@@ -22,6 +22,7 @@ mod given;
 mod interrupt;
 mod json;
 mod online;
+mod picture;
 mod pool;
 mod progress;
 mod python_classifier;
@@ -59,6 +60,7 @@ mod _core {
         frame::PyFrame,
         generate::{generate, generate_again, generate_shared, merge},
         online::{Online, online},
+        picture::PyCamera,
         reach::{Reach, simulate},
         replay::{_check_free, replay_page},
         scene::PyScene,

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rayon::prelude::*;
 use underbrush_recording::SkinLayout;
+use underbrush_render::Stage;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::simulation::Simulation;
 
@@ -15,6 +16,7 @@ use crate::arm::PyArm;
 use crate::array;
 use crate::failure::{Failure, locked};
 use crate::frame::PyFrame;
+use crate::picture::{self, PyCamera};
 use crate::pool::{self, alone};
 use crate::scene;
 use crate::skin::Skin;
@@ -135,6 +137,32 @@ impl PySimulation {
     /// Draw arm and clutter as they are now.
     fn draw<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
         Ok(scene::picture(py, self._repr_svg_()?)?)
+    }
+
+    /// A picture of arm and clutter as they are now, as an array that may be written. ``"rgb"``: (height, width, 3), uint8, with
+    /// shadows and the forces on the skin. ``"depth"``: (height, width), float32, m along the line of sight of the picture's
+    /// middle, infinite where nothing is. ``"segmentation"``: (height, width), uint16, places in ``labels``. Without a camera
+    /// it is taken from the right of the arm; this place stays the same while the simulation runs.
+    #[pyo3(signature = (width = 640, height = 360, *, camera = None, kind = "rgb"))]
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        width: usize,
+        height: usize,
+        camera: Option<&PyCamera>,
+        kind: &str,
+    ) -> Result<Bound<'py, PyAny>, Failure> {
+        let simulation = self.lock()?;
+        let frame = self.frame(&simulation).frame;
+        picture::draw(py, (&simulation, &frame), (width, height), camera, kind)
+    }
+
+    /// What the numbers of a segmentation mean: 0 is the background, 1 the table; then follow links and objects.
+    #[getter]
+    fn labels(&self) -> Result<Vec<String>, Failure> {
+        let simulation = self.lock()?;
+        let frame = self.frame(&simulation).frame;
+        Ok(Stage::now(&simulation, &frame, 1.0)?.2)
     }
 
     fn _repr_svg_(&self) -> Result<String, Failure> {

@@ -1,6 +1,7 @@
 """Gymnasium environments."""
 
 import warnings
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -10,6 +11,7 @@ from conftest import quick
 from gymnasium.utils.env_checker import check_env
 
 import underbrush as ub
+from underbrush import gym as ub_gym
 
 SCENE = quick("leaf")
 
@@ -148,3 +150,54 @@ def test_bad_use_is_refused() -> None:
         many.reset(seed=[1])
     with pytest.raises(ub.InputError, match="4096"):
         gymnasium.make_vec("underbrush/Reach-v0", num_envs=0, scene=SCENE)
+
+
+def test_pictures_of_environments() -> None:
+    """Tests that an environment gives pictures until and after the end of its episode, at the rate of its steps, and that those of a
+    vector environment are the same."""
+    options: dict[str, Any] = {"scene": SCENE, "time_limit_s": 0.6, "width": 160, "height": 120, "render_mode": "rgb_array"}
+    env = gymnasium.make("underbrush/Reach-v0", **options)
+    assert env.metadata["render_fps"] == 25
+    assert gymnasium.make("underbrush/Reach-v0", frames_per_step=10, **options).metadata["render_fps"] == 10
+    many = gymnasium.make_vec("underbrush/Reach-v0", num_envs=2, **options)
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.unwrapped.render()
+    env.reset(seed=3)
+    many.reset(seed=3)
+    pictures = [env.render()]
+    for row in actions(15, 2):
+        _, _, terminated, truncated, _ = env.step(row[0])
+        many.step(row)
+        pictures.append(env.render())
+        first, second = many.render()
+        assert np.array_equal(first, pictures[-1]) and not np.array_equal(second, first)
+    assert truncated or terminated
+    assert all(picture.shape == (120, 160, 3) and picture.dtype == np.uint8 for picture in pictures)
+    assert not np.array_equal(pictures[0], pictures[-1])
+    env.reset(seed=3)
+    assert np.array_equal(env.render(), pictures[0])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(gymnasium.make("underbrush/Reach-v0", disable_env_checker=True, **options).unwrapped)
+
+
+def test_record_video_writes_a_film(tmp_path: Path) -> None:
+    """Tests that Gymnasium's RecordVideo writes a film of an episode."""
+    pytest.importorskip("moviepy")
+    env = gymnasium.make("underbrush/Reach-v0", scene=SCENE, time_limit_s=0.6, render_mode="rgb_array")
+    film = gymnasium.wrappers.RecordVideo(env, str(tmp_path / "films"), episode_trigger=lambda _: True)
+    film.reset(seed=3)
+    for row in actions(15):
+        film.step(row[0])
+    film.close()
+    assert [path.suffix for path in (tmp_path / "films").iterdir() if path.stat().st_size > 5000] == [".mp4"]
+
+
+def test_other_render_modes_are_refused() -> None:
+    """Tests that a window is refused, and that an environment without a mode gives no picture."""
+    with pytest.raises(ValueError, match="rgb_array"):
+        ub_gym.ReachEnv(SCENE, render_mode="human")
+    env = ub_gym.ReachEnv(SCENE)
+    env.reset(seed=1)
+    with pytest.warns(UserWarning, match="rgb_array"):
+        assert env.render() is None

@@ -124,3 +124,32 @@ def test_the_jacobian_is_that_of_the_end_effector() -> None:
         moved = np.eye(len(angles))[joint] * step
         difference = (arm.end_effector(angles + moved)[0] - arm.end_effector(angles - moved)[0]) / (2 * step)
         assert np.allclose(difference, jacobian[:, joint], atol=1e-8)
+
+
+def test_pictures_have_the_things_that_are_there() -> None:
+    """Tests that the kinds of pictures have their shapes and types, that a link is as far away as it is, that labels name it,
+    and that a picture changes with the arm and with the camera."""
+    simulation = ub.Simulation("trunk", seed=1)
+    rgb = simulation.render(320, 240)
+    assert rgb.shape == (240, 320, 3) and rgb.dtype == np.uint8 and rgb.flags.writeable
+    tip = simulation.frame_now.end_effector_pose_world[:3]
+    camera = ub.Camera(tip + [0, -0.8, 0], tip)
+    depth = simulation.render(320, 240, camera=camera, kind="depth")
+    labels = simulation.render(320, 240, camera=camera, kind="segmentation")
+    assert depth.shape == labels.shape == (240, 320)
+    assert depth.dtype == np.float32 and labels.dtype == np.uint16
+    assert simulation.labels[labels[120, 160]].startswith("link ")
+    # The end effector is in the hand, which is not 15 cm thick.
+    assert 0.65 < depth[120, 160] < 0.8
+    assert np.all(np.isinf(depth) == (labels == 0))
+    assert labels.max() < len(simulation.labels)
+    for _ in range(30):
+        simulation.step(simulation.arm.start_posture_rad + 0.2)
+    assert not np.array_equal(simulation.render(320, 240), rgb)
+    for arguments, said in [
+        ({"kind": "colour"}, "segmentation"),
+        ({"width": 10}, "64 to 1280"),
+        ({"camera": ub.Camera(tip, tip)}, "another direction"),
+    ]:
+        with pytest.raises(ub.InputError, match=said):
+            simulation.render(**arguments)

@@ -11,6 +11,7 @@ import importlib.util
 
 from ._core import (
     Arm,
+    Camera,
     ControllerInput,
     Dataset,
     Frame,
@@ -48,6 +49,7 @@ from ._trial import Trial
 
 __all__ = [
     "Arm",
+    "Camera",
     "ControllerInput",
     "Dataset",
     "Frame",

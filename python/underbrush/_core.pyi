@@ -16,6 +16,7 @@ _Json: TypeAlias = dict[str, Any]
 
 __all__ = [
     "Arm",
+    "Camera",
     "ControllerInput",
     "Dataset",
     "Environments",
@@ -169,7 +170,27 @@ class Simulation:
     @property
     def largest_contact_force_n(self) -> float: ...
     def draw(self) -> Picture: ...
+    def render(
+        self,
+        width: int = 640,
+        height: int = 360,
+        *,
+        camera: Camera | None = None,
+        kind: str = "rgb",
+    ) -> NDArray[Any]: ...
+    @property
+    def labels(self) -> list[str]: ...
     def _repr_svg_(self) -> str: ...
+
+@final
+class Camera:
+    def __new__(
+        cls,
+        eye_world: Sequence[float],
+        target_world: Sequence[float],
+        up_world: Sequence[float] = ...,
+        vertical_fov_deg: float = 32.0,
+    ) -> Self: ...
 
 def step_many(
     simulations: Sequence[Simulation], equilibrium_rad: ArrayLike, jobs: int | None = None
@@ -558,6 +579,9 @@ class Environments:
         self, seeds: Sequence[int | None] | None = None, mask: Sequence[bool] | None = None
     ) -> tuple[NDArray[np.float32], _Json]: ...
     def step(self, actions: ArrayLike) -> tuple[NDArray[np.float32], _Json]: ...
+    def render(
+        self, index: int, width: int, height: int, camera: Camera | None
+    ) -> NDArray[np.uint8] | None: ...
 
 def seconds_without_python(
     scene: SceneLike, actions: ArrayLike, seed: int = 0, jobs: int | None = None

@@ -10,6 +10,8 @@ The reward of a step is ``progress_per_m`` times the distance, m, by which the h
 ``force_per_n_s`` times the largest force that a taxel senses above ``free_force_n``, N, times the duration of the step,
 s, minus ``time_per_s`` times this duration. ``reached`` is added for each goal reached, and ``aborted`` is subtracted
 if the stop force is exceeded.
+
+``render_mode="rgb_array"`` gives pictures, also for ``gymnasium.wrappers.RecordVideo``.
 """
 
 from __future__ import annotations
@@ -81,14 +83,29 @@ class ReachEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         Weights of the reward by name; see the module.
     controller : str, optional
         The controller that follows waypoints; the scene's own by default.
+    render_mode : {"rgb_array"}, optional
+        With it, ``render`` returns a picture.
+    width, height : int, optional
+        Size of pictures, 64 to 1280 pixels each; 640 x 360 by default.
+    camera : Camera, optional
+        Where pictures are taken from; to the right of the arm by default.
     """
 
-    metadata: dict[str, Any] = {"render_modes": []}
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 25}
 
-    def __init__(self, scene: SceneLike = "mixed", *, render_mode: str | None = None, **options: Any) -> None:
-        if render_mode is not None:
-            raise ValueError(f"render_mode is {render_mode!r}; allowed: None")
-        self.render_mode = None
+    def __init__(
+        self,
+        scene: SceneLike = "mixed",
+        *,
+        render_mode: str | None = None,
+        width: int = 640,
+        height: int = 360,
+        camera: _core.Camera | None = None,
+        **options: Any,
+    ) -> None:
+        self.render_mode = _render_mode(render_mode)
+        self.metadata = _metadata(self.metadata, options)
+        self._picture = (width, height, camera)
         self._environments = _core.Environments(scene, 1, **options)
         self._parts = _Parts(self._environments)
         self.observation_space, self.action_space = _spaces(self._environments)
@@ -111,6 +128,28 @@ class ReachEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         terminated, truncated = bool(found["terminated"][0]), bool(found["truncated"][0])
         self._ended = terminated or truncated
         return self._parts.first(rows), float(found["reward"][0]), terminated, truncated, _info(found)
+
+
+    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+        """With ``render_mode="rgb_array"`` the present picture, (height, width, 3)."""
+        if self.render_mode is None:
+            gymnasium.logger.warn('render() needs render_mode="rgb_array"')
+            return None
+        picture = self._environments.render(0, *self._picture)
+        if picture is None:
+            raise gymnasium.error.ResetNeeded("no episode has begun; call reset()")
+        return picture
+
+
+def _render_mode(mode: str | None) -> str | None:
+    if mode not in (None, "rgb_array"):
+        raise ValueError(f'render_mode is {mode!r}; allowed: None and "rgb_array"')
+    return mode
+
+
+def _metadata(metadata: dict[str, Any], options: dict[str, Any]) -> dict[str, Any]:
+    """The metadata of an environment, with its own number of steps per second."""
+    return {**metadata, "render_fps": round(100 / (options.get("frames_per_step") or 4))}
 
 
 def _info(found: dict[str, Any]) -> dict[str, Any]:
@@ -136,14 +175,26 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Any, NDArray[np.float32], NDArra
         As for :class:`ReachEnv`.
     """
 
-    metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
+    metadata: dict[str, Any] = {
+        "render_modes": ["rgb_array"],
+        "render_fps": 25,
+        "autoreset_mode": AutoresetMode.NEXT_STEP,
+    }
 
     def __init__(
-        self, num_envs: int = 1, scene: SceneLike = "mixed", *, render_mode: str | None = None, **options: Any
+        self,
+        num_envs: int = 1,
+        scene: SceneLike = "mixed",
+        *,
+        render_mode: str | None = None,
+        width: int = 640,
+        height: int = 360,
+        camera: _core.Camera | None = None,
+        **options: Any,
     ) -> None:
-        if render_mode is not None:
-            raise ValueError(f"render_mode is {render_mode!r}; allowed: None")
-        self.render_mode = None
+        self.render_mode = _render_mode(render_mode)
+        self.metadata = _metadata(self.metadata, options)
+        self._picture = (width, height, camera)
         self.num_envs = num_envs
         self._environments = _core.Environments(scene, num_envs, **options)
         self._parts = _Parts(self._environments)
@@ -170,6 +221,12 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Any, NDArray[np.float32], NDArra
         """Take a step with every environment."""
         rows, found = self._environments.step(actions)
         return self._parts.split(rows), found["reward"], found["terminated"], found["truncated"], self._info(found)
+
+    def render(self) -> tuple[NDArray[np.uint8] | None, ...] | None:
+        """With ``render_mode="rgb_array"`` the present picture of each environment, (height, width, 3)."""
+        if self.render_mode is None:
+            return None
+        return tuple(self._environments.render(index, *self._picture) for index in range(self.num_envs))
 
     def _info(self, found: dict[str, Any]) -> dict[str, Any]:
         info: dict[str, Any] = {}

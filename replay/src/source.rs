@@ -1,5 +1,6 @@
 //! The reaches of data sets, recordings and tables of contact trials: a list, and one at a time.
 
+use std::borrow::Cow;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -126,22 +127,33 @@ impl Source {
         &self.reaches
     }
 
-    /// The bytes of a reach for the page.
+    /// The recording of a reach.
     ///
     /// # Errors
-    /// [`ReplayError::NoSuchReach`], [`ReplayError::Disk`] for damaged files, and the errors of [`pack`].
-    pub fn pack(&self, number: usize) -> Result<Vec<u8>, ReplayError> {
-        let recording = match self.places.get(number) {
-            Some(Place::Dataset { input, index }) => self.datasets[*input].read_reach(*index)?,
-            Some(Place::File(path)) => read_recording(path)?,
-            Some(Place::Table(recording)) => return pack(recording, &self.known, self.judging.as_ref()),
-            Some(Place::Memory(held)) => return pack(&held.recording, &self.known, held.judging.as_ref()),
+    /// [`ReplayError::NoSuchReach`], and [`ReplayError::Disk`] for damaged files.
+    pub fn recording(&self, number: usize) -> Result<Cow<'_, Recording>, ReplayError> {
+        Ok(match self.places.get(number) {
+            Some(Place::Dataset { input, index }) => Cow::Owned(self.datasets[*input].read_reach(*index)?),
+            Some(Place::File(path)) => Cow::Owned(read_recording(path)?),
+            Some(Place::Table(recording)) => Cow::Borrowed(recording),
+            Some(Place::Memory(held)) => Cow::Borrowed(&held.recording),
             None => {
                 let count = self.places.len();
                 return Err(ReplayError::NoSuchReach { number, count });
             }
+        })
+    }
+
+    /// The bytes of a reach for the page.
+    ///
+    /// # Errors
+    /// As [`Source::recording`] and [`pack`].
+    pub fn pack(&self, number: usize) -> Result<Vec<u8>, ReplayError> {
+        let judging = match self.places.get(number) {
+            Some(Place::Memory(held)) => held.judging.as_ref(),
+            _ => self.judging.as_ref(),
         };
-        pack(&recording, &self.known, self.judging.as_ref())
+        pack(&*self.recording(number)?, &self.known, judging)
     }
 
     fn add_dataset(&mut self, path: &Path) -> Result<(), ReplayError> {

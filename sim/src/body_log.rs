@@ -50,6 +50,17 @@ impl BodyLog {
         BodyLog { bodies, places }
     }
 
+    /// The bodies of a running simulation, with their present poses. At rest the arm is in its start posture.
+    pub fn now(simulation: &Simulation) -> Self {
+        let mut log = BodyLog::new(simulation);
+        let arm = simulation.arm();
+        for (body, pose) in log.bodies.iter_mut().zip(arm.forward_kinematics(&arm.start_posture_rad())) {
+            body.rest_pose_world = pose;
+        }
+        log.observe(simulation.report());
+        log
+    }
+
     /// Records the poses in a frame.
     pub fn observe(&mut self, report: &FrameReport) {
         let places = self.places.iter();

@@ -1,8 +1,9 @@
 //! Arm and clutter at one instant, as plain capsules and blades for pictures.
 
 use glam::DVec3;
-use underbrush_recording::{BodyPart, BodyShape, Category, Frame, Pose};
+use underbrush_recording::{Body, BodyPart, BodyShape, Category, Frame, Pose};
 
+use crate::body_log::BodyLog;
 use crate::geometry::{Capsule, engine_shape};
 use crate::simulation::Simulation;
 
@@ -37,11 +38,62 @@ pub struct Blade {
     pub pieces: Vec<BladePiece>,
 }
 
+/// Pieces that are this close end to end are of one blade, m. Stored poses are rounded by up to 0.3 mm at the end of a piece.
+const JOINED_M: f64 = 1e-3;
+/// Width at the tip, relative to the width of the blade. Choice.
+const TIP: f64 = 0.55;
+
+/// The foot, a hinge or the tip of a blade, as a point of the smooth curve through them.
+#[derive(Clone, Copy, Debug)]
+pub struct Knot {
+    /// Place, m, world frame.
+    pub position_world: DVec3,
+    /// Direction of the curve: at a hinge the mean of the directions of the two pieces that meet there.
+    pub tangent_world: DVec3,
+    /// From the middle of the blade to its edge, m.
+    pub half_world: DVec3,
+}
+
 impl Blade {
-    /// Whether its last piece ends at this place, m, world frame, but for rounding.
+    /// Adds a body to the blade that ends where it begins, or begins a blade with it; false if it is no piece of a blade.
+    pub fn join(blades: &mut Vec<Blade>, parts: &[BodyPart], pose_world: &Pose) -> bool {
+        let Some(size_m) = blade_piece(parts) else {
+            return false;
+        };
+        let piece = BladePiece { pose_world: *pose_world, length_m: size_m.z };
+        match blades.last_mut().filter(|blade| blade.ends_at(pose_world.position)) {
+            Some(blade) => blade.pieces.push(piece),
+            None => blades.push(Blade { width_m: size_m.y, pieces: vec![piece] }),
+        }
+        true
+    }
+
+    /// Whether its last piece ends at this place, m, world frame.
     fn ends_at(&self, place_world: DVec3) -> bool {
         let end = self.pieces.last().map(|piece| piece.pose_world.transform_point(DVec3::Z * piece.length_m));
-        end.is_some_and(|end| end.abs_diff_eq(place_world, 1e-6))
+        end.is_some_and(|end| end.distance(place_world) < JOINED_M)
+    }
+
+    /// Foot, hinges and tip. Pictures draw a cubic between each two, along which the rigid pieces lie.
+    pub fn knots(&self) -> Vec<Knot> {
+        let pieces = &self.pieces;
+        let mean = |index: usize, axis: DVec3| {
+            let turned = |piece: usize| pieces[piece].pose_world.orientation * axis;
+            (turned(index.saturating_sub(1)) + turned(index.min(pieces.len() - 1))).normalize_or_zero()
+        };
+        (0..=pieces.len())
+            .map(|index| {
+                let at_tip = index == pieces.len();
+                let piece = &pieces[index.min(pieces.len() - 1)];
+                let length_m = if at_tip { piece.length_m } else { 0.0 };
+                let width = if at_tip { TIP } else { 1.0 };
+                Knot {
+                    position_world: piece.pose_world.transform_point(DVec3::Z * length_m),
+                    tangent_world: mean(index, DVec3::Z),
+                    half_world: mean(index, DVec3::Y) * (width * self.width_m / 2.0),
+                }
+            })
+            .collect()
     }
 }
 
@@ -76,17 +128,16 @@ impl Snapshot {
     }
 }
 
+/// All bodies of a simulation, with their poses now as the last of their tracks. At rest the arm is in its start posture.
+pub fn bodies(simulation: &Simulation) -> Vec<Body> {
+    BodyLog::now(simulation).finish()
+}
+
 /// The shapes of an object whose bodies have these parts and poses.
 fn shapes<'a>(category: Category, bodies: impl Iterator<Item = (&'a [BodyPart], &'a Pose)>) -> ObjectShapes {
     let (mut capsules, mut blades) = (Vec::new(), Vec::<Blade>::new());
     for (parts, pose) in bodies {
-        if let Some(size_m) = blade_piece(parts) {
-            let piece = BladePiece { pose_world: *pose, length_m: size_m.z };
-            match blades.last_mut().filter(|blade| blade.ends_at(pose.position)) {
-                Some(blade) => blade.pieces.push(piece),
-                None => blades.push(Blade { width_m: size_m.y, pieces: vec![piece] }),
-            }
-        } else {
+        if !Blade::join(&mut blades, parts, pose) {
             let shapes = parts.iter();
             capsules.extend(shapes.filter_map(|part| capsule(&part.shape, &(*pose * part.pose_body))));
         }

@@ -20,6 +20,7 @@ mod overwrite;
 mod pictures;
 pub mod reach;
 pub mod replay;
+mod replay_picture;
 pub mod reproduce;
 pub mod schema;
 pub mod score;

@@ -1,4 +1,4 @@
-//! `underbrush replay`: shows reaches in the browser.
+//! `underbrush replay`: shows reaches in the browser, or draws them.
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -15,6 +15,7 @@ use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
 use super::decision_arguments::DecisionArguments;
 use super::overwrite::Overwrite;
+use super::replay_picture::PictureArguments;
 use super::touch::TouchDecisionArguments;
 use crate::failure::Failure;
 use crate::options;
@@ -28,6 +29,10 @@ Examples:
   underbrush replay trials.csv --model model.json What a robot felt, as `underbrush import` has written it
   underbrush replay reach.parquet --out reach.html
                                                   One file to send; it opens from disk without a network
+  underbrush replay reach.parquet --still reach.png
+                                                  A picture of the moment when most of the skin is pressed
+  underbrush replay my-set --reaches 3 --video reach.gif --speed 2
+                                                  Reach 3 as a film, twice as fast as it was
 
 The server listens on 127.0.0.1 only, cannot change anything, and gives out nothing but the page and these reaches. It \
 answers only under the whole address that is printed, which has a random key: do not show it to people who may not see \
@@ -41,13 +46,15 @@ pub struct ReplayOptions {
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
     /// Write the page and the reaches to this file (HTML) instead of serving them
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["port", "no_open"])]
+    #[arg(long, value_name = "FILE", group = "file", conflicts_with_all = ["port", "no_open"])]
     out: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
-    /// With --out: the reaches to write, by their numbers in the list from 0, such as 0,3,7 [default: all]
-    #[arg(long, value_name = "N,…", value_delimiter = ',', requires = "out", conflicts_with_all = ["port", "no_open"])]
+    /// With a file to write: the reaches, by their numbers in the list from 0, such as 0,3,7 [default: all]
+    #[arg(long, value_name = "N,…", value_delimiter = ',', requires = "file", conflicts_with_all = ["port", "no_open"])]
     reaches: Vec<usize>,
+    #[command(flatten, next_help_heading = "Pictures and films")]
+    picture: PictureArguments,
     /// Model file of a classifier of trials or a touch model: the page also shows its verdicts
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
@@ -74,8 +81,12 @@ pub fn run(options: ReplayOptions, json: bool) -> Result<(), Failure> {
     for path in &options.inputs {
         input::check_exists(path, "a data set (folder), recording or table of contact trials")?;
     }
+    options.picture.check(options.overwrite, &options.inputs)?;
     let judging = judging(&options)?;
     let source = Source::open(&options.inputs, known(), judging)?;
+    if options.picture.run(&source, &options.reaches, json)? {
+        return Ok(());
+    }
     match &options.out {
         Some(path) => write(&source, &options.reaches, path, json),
         None => serve(source, options.port, !options.no_open, json),

@@ -2,7 +2,7 @@
 
 use super::touch;
 use crate::support::fixture::fixture;
-use crate::support::underbrush;
+use crate::support::{call, underbrush};
 
 /// Tests that the chosen reaches of a data set are written with verdicts to one file, and that the size of this file is
 /// reported.
@@ -71,4 +71,61 @@ fn touch_models_judge_too() {
     }
     underbrush!["replay", set, "--unknown-share", "0.5", "--out", refused].refused(&["--unknown-share", "--model"]);
     assert!(!refused.exists());
+}
+
+/// Tests that a picture of one moment and a film have the sizes that were asked for, that another moment is another picture, and
+/// that the report says how many pictures there are.
+#[test]
+fn reaches_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = fixture().dataset();
+    let file = |name: &str| folder.path().join(name);
+    let (still, later, film) = (file("still.png"), file("later.png"), file("film.gif"));
+    let written = underbrush!["replay", set, "--reaches", "0", "--still", still, "--size", "160x90", "--json"].json();
+    let bytes = std::fs::read(&still).unwrap();
+    assert_eq!((&written["pictures"], &written["bytes"]), (&1.into(), &bytes.len().into()));
+    // The first chunk of a PNG has width and height after its name.
+    assert_eq!(bytes[1..4], *b"PNG");
+    assert_eq!((bytes[16..20].to_vec(), bytes[20..24].to_vec()), (vec![0, 0, 0, 160], vec![0, 0, 0, 90]));
+    underbrush!["replay", set, "--reaches", "0", "--still", later, "--size", "160x90", "--time", "0.5"].success();
+    assert!(std::fs::read(&later).unwrap() != bytes);
+    let recording = file("reach.parquet");
+    let reach = underbrush!["reach", fixture().trunk_scene(), "--out", recording, "--json"].json();
+    let film_of = |options: &str| {
+        let arguments = ["replay", recording.to_str().unwrap(), "--video", film.to_str().unwrap(), "--force", "--json"];
+        call(arguments.into_iter().chain(options.split(' ')).map(Into::into).collect(), "").json()
+    };
+    let written = film_of("--size 64x65 --fps 10 --speed 8");
+    assert_eq!(std::fs::read(&film).unwrap()[..10], *b"GIF89a\x40\0\x41\0");
+    let (seconds, pictures) = (reach["simulated_s"].as_f64().unwrap(), written["pictures"].as_f64().unwrap());
+    // One for every 0.8 s, and one at the start.
+    assert!((pictures - seconds / 0.8).abs() <= 1.0, "{pictures} pictures of {seconds} s");
+}
+
+/// Tests that pictures of more than one reach, of nothing, with another ending, and with numbers outside their limits are
+/// refused with what is allowed, and that nothing is written.
+#[test]
+fn bad_pictures_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let (png, gif) = (folder.path().join("a.png"), folder.path().join("a.gif"));
+    let set = fixture().dataset();
+    underbrush!["replay", set, "--still", png].refused(&["one of 6", "--reaches N"]);
+    underbrush!["replay", set, "--reaches", "0,1", "--video", gif].refused(&["one reach", "--reaches N"]);
+    underbrush!["replay", set, "--reaches", "9", "--still", png].refused(&["no reach 9"]);
+    underbrush!["replay", fixture().table_csv(), "--reaches", "0", "--still", png]
+        .refused(&["nothing to draw", "a recording"]);
+    underbrush!["replay", set, "--reaches", "0", "--still", gif].refused(&["a.gif", ".png"]);
+    let mp4 = folder.path().join("a.mp4");
+    underbrush!["replay", set, "--reaches", "0", "--video", mp4].refused(&["a.mp4", ".gif", "ffmpeg"]);
+    underbrush!["replay", set, "--reaches", "0", "--still", png, "--time", "1e3"].refused(&["--time 1000", "0 to"]);
+    underbrush!["replay", set, "--reaches", "0", "--still", png, "--size", "63x90"].refused(&["64 to 1280"]);
+    underbrush!["replay", set, "--reaches", "0", "--still", png, "--size", "big"].refused(&["640x360"]);
+    underbrush!["replay", set, "--reaches", "0", "--video", gif, "--fps", "51"].refused(&["51", "--fps", "1..=50"]);
+    underbrush!["replay", set, "--reaches", "0", "--video", gif, "--speed", "nan"].refused(&["--speed", "0.1 to 100"]);
+    underbrush!["replay", set, "--reaches", "0", "--still", png, "--fps", "5"].refused(&["--fps", "--still"]);
+    underbrush!["replay", set, "--fps", "5"].refused(&["--video"]);
+    underbrush!["replay", set, "--out", png, "--time", "1"].refused(&["--out", "--time"]);
+    underbrush!["replay", set, "--reaches", "0", "--still", png, "--video", gif].refused(&["--still", "--video"]);
+    underbrush!["replay", set, "--size", "64x64"].refused(&["--still"]);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }

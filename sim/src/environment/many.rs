@@ -35,6 +35,11 @@ impl Environments {
         self.all.len()
     }
 
+    /// The environment with this number.
+    pub fn get(&self, index: usize) -> Option<&Environment> {
+        self.all.get(index)
+    }
+
     /// The parts of an observation; empty if there are no environments.
     pub fn parts(&self) -> &[Part] {
         self.all.first().map_or(&[], Environment::parts)

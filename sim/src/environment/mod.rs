@@ -3,7 +3,7 @@
 //! An [`Environment`] draws a new reach for every episode. Its observations hold what a robot could know; what it could
 //! not know is in [`Stepped`]. [`Environments`] steps many of them at once, with the same numbers.
 
-use underbrush_recording::{InputError, Outcome};
+use underbrush_recording::{Frame, InputError, Outcome};
 
 use crate::reach::{ReachError, ReachPlan, Steering};
 use crate::simulation::Simulation;
@@ -65,9 +65,10 @@ pub struct Environment {
     episode: Option<Episode>,
 }
 
-/// A running episode.
+/// An episode.
 struct Episode {
     simulation: Simulation,
+    ended: bool,
     steering: Steering,
     equilibrium_rad: Vec<f64>,
     reach_index: u64,
@@ -112,9 +113,15 @@ impl Environment {
         }
     }
 
-    /// The simulation of the present episode.
+    /// The simulation of the present episode, or of the one that has ended until it is reset.
     pub fn simulation(&self) -> Option<&Simulation> {
         self.episode.as_ref().map(|episode| &episode.simulation)
+    }
+
+    /// The present frame of that simulation, with the goal of the episode.
+    pub fn frame(&self) -> Option<Frame> {
+        let episode = self.episode.as_ref()?;
+        Some(episode.simulation.frame(episode.goal as u16, episode.goal_world()))
     }
 
     /// Begins the next episode: reach 0 of a seed if one is given, and otherwise the next reach of the present seed.
@@ -135,6 +142,7 @@ impl Environment {
         let episode = Episode {
             steering: Steering::new(&self.plan),
             simulation,
+            ended: false,
             equilibrium_rad,
             reach_index,
             goal: 0,
@@ -157,14 +165,12 @@ impl Environment {
     /// If `action` does not have [`Environment::action_size`] numbers, or `observation` too few places.
     pub fn step(&mut self, action: &[f64], observation: &mut [f32]) -> Result<Option<Stepped>, ReachError> {
         assert_eq!(action.len(), self.action_size(), "numbers of an action");
-        let Some(episode) = &mut self.episode else {
+        let Some(episode) = self.episode.as_mut().filter(|episode| !episode.ended) else {
             return Ok(None);
         };
         let stepped = episode.step(&self.plan, &self.options, action)?;
         episode.observe(&self.parts, observation);
-        if stepped.terminated || stepped.truncated {
-            self.episode = None;
-        }
+        episode.ended = stepped.terminated || stepped.truncated;
         Ok(Some(stepped))
     }
 }

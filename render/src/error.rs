@@ -1,0 +1,63 @@
+//! The size of a picture, and why there is none.
+
+use thiserror::Error;
+use underbrush_recording::fault::Fault;
+
+/// Smallest and largest width and height of a picture.
+const SIDE: [usize; 2] = [64, 1280];
+
+/// Why a picture cannot be drawn.
+#[derive(Debug, Error)]
+pub enum RenderError {
+    /// The size is not allowed.
+    #[error(
+        "{} x {} pixels; allowed: {} to {} in each direction; choose such a size", .0.width, .0.height, SIDE[0], SIDE[1]
+    )]
+    Size(Size),
+    /// The camera sees nothing, or it is not said which way is up.
+    #[error(
+        "camera: found {0}; allowed: numbers up to 1000 m, eye and target 1 mm apart, another direction for up than the line \
+         between them, and a field of view of 1 to 150 degrees; move the camera"
+    )]
+    Camera(String),
+    /// There are no shapes, as in a table of trials.
+    #[error("no shapes of an arm or objects are known, so there is nothing to draw; give a recording or a data set")]
+    NoBodies,
+    /// The file cannot be encoded or written.
+    #[error("the picture cannot be written: {0}")]
+    Encoding(String),
+}
+
+impl From<RenderError> for Fault {
+    fn from(error: RenderError) -> Self {
+        match error {
+            RenderError::Encoding(_) => Fault::Run(error.to_string()),
+            other => Fault::Usage(other.to_string()),
+        }
+    }
+}
+
+/// Width and height of a picture, pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// Width.
+    pub width: usize,
+    /// Height.
+    pub height: usize,
+}
+
+impl Size {
+    /// Demands 64 to 1280 pixels in each direction.
+    ///
+    /// # Errors
+    /// [`RenderError::Size`].
+    pub fn check(self) -> Result<Self, RenderError> {
+        let fits = [self.width, self.height].iter().all(|side| (SIDE[0]..=SIDE[1]).contains(side));
+        if fits { Ok(self) } else { Err(RenderError::Size(self)) }
+    }
+
+    /// Width over height.
+    pub fn aspect(self) -> f64 {
+        self.width as f64 / self.height as f64
+    }
+}

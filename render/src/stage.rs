@@ -1,0 +1,210 @@
+//! The bodies of a reach, made into triangles once, and placed for each moment.
+
+use std::ops::Range;
+
+use glam::{DVec3, Vec3};
+use underbrush_recording::{Body, BodyOwner, BodyShape, Frame, ObjectRecord, Pose, Recording, SkinLayout, TrackPoint};
+use underbrush_sim::simulation::Simulation;
+use underbrush_sim::snapshot::{Blade, bodies};
+
+use crate::camera::bounds;
+use crate::mesh::Mesh;
+use crate::scene::{Kind, Scene, Surface};
+use crate::{Camera, RenderError, colour};
+
+/// The label of the table; that of the background is 0.
+const TABLE: u16 = 1;
+/// From where everything is seen: an arm that reaches along x reaches to the right, and the lamp is to the left. Choice.
+const DIRECTION: DVec3 = DVec3::new(0.2, -1.2, 0.8);
+/// Thickness of the table and its width around what stands on it, m.
+const TABLE_M: f64 = 0.03;
+const MARGIN_M: f64 = 0.15;
+/// A taxel's plate lies this far above its place, m, and a goal is drawn with this radius, m.
+const LIFT_M: f64 = 0.0012;
+const GOAL_M: f64 = 0.016;
+
+/// The colours of forces end here if nobody knows yet how large they will be, N. Choice: most contacts stay below.
+const LIVE_N: f64 = 5.0;
+/// The camera sees a body at about this many of its poses.
+const POSES: usize = 8;
+
+/// A link or an object: its bodies, which follow one another.
+struct Part {
+    bodies: Range<usize>,
+    surface: Surface,
+}
+
+/// What of a reach stays the same while it moves.
+pub struct Stage<'a> {
+    bodies: &'a [Body],
+    meshes: Vec<Mesh>,
+    parts: Vec<Part>,
+    layout: &'a SkinLayout,
+    labels: Vec<String>,
+    /// Points of everything that the camera should see, m, world frame.
+    seen: Vec<DVec3>,
+    table: Option<(Mesh, Pose)>,
+    /// The force at the end of the colour scale, N.
+    full_scale_n: f64,
+}
+
+impl<'a> Stage<'a> {
+    /// The stage of a recording. The colours of forces end, as on the replay page, at the largest force that a taxel
+    /// senses in it, but not below the controller's limit, N.
+    ///
+    /// # Errors
+    /// As [`Stage::new`].
+    pub fn of(recording: &'a Recording, force_limit_n: Option<f64>) -> Result<Self, RenderError> {
+        let readings = recording.frames.iter().flat_map(|frame| &frame.taxels);
+        let largest_n = readings.map(|reading| reading.sensed_force_n).fold(force_limit_n.unwrap_or(1.0), f64::max);
+        let goals: Vec<DVec3> = recording.goals.iter().map(|goal| goal.position_world).collect();
+        let mut stage = Stage::new(&recording.bodies, &recording.objects, &recording.layout, largest_n, &goals)?;
+        for (body, mesh) in stage.bodies.iter().zip(&stage.meshes) {
+            // Some of its poses, and the last one.
+            let poses = body.track.iter().rev().step_by(body.track.len() / POSES + 1).map(TrackPoint::pose);
+            stage.seen.extend(poses.flat_map(|pose| placed(mesh, pose)));
+        }
+        stage.set_table(&recording.objects);
+        Ok(stage)
+    }
+
+    /// Bodies with the objects and the skin that belong to them. The colours of forces end at `full_scale_n`, N. Table and
+    /// camera are chosen for the poses at rest and for `places_world`, m, such as the goals, so that they are the same in every
+    /// frame of a running simulation.
+    ///
+    /// # Errors
+    /// [`RenderError::NoBodies`] if no body has a shape.
+    pub fn new(
+        bodies: &'a [Body],
+        objects: &[ObjectRecord],
+        layout: &'a SkinLayout,
+        full_scale_n: f64,
+        places_world: &[DVec3],
+    ) -> Result<Self, RenderError> {
+        let meshes: Vec<Mesh> = bodies.iter().map(|body| Mesh::of_parts(&body.parts)).collect();
+        if meshes.iter().all(|mesh| mesh.triangles.is_empty()) {
+            return Err(RenderError::NoBodies);
+        }
+        let mut further: Vec<&str> = objects.iter().map(|object| object.category.name()).collect();
+        further.retain(|name| !colour::is_known(name));
+        further.dedup();
+        let mut labels = vec!["background".to_owned(), "table".to_owned()];
+        let mut parts: Vec<Part> = Vec::new();
+        for (index, body) in bodies.iter().enumerate() {
+            if let Some(last) = parts.last_mut().filter(|last| bodies[last.bodies.start].owner == body.owner) {
+                last.bodies.end = index + 1;
+                continue;
+            }
+            let label = labels.len() as u16;
+            let colour = match &body.owner {
+                BodyOwner::Link(name) => {
+                    labels.push(format!("link {name}"));
+                    colour::linear(colour::ARM)
+                }
+                BodyOwner::Object(object) => {
+                    let category = objects.get(usize::from(*object)).map_or("", |object| object.category.name());
+                    labels.push(format!("object {object} {category}"));
+                    // Neighbours differ a little in lightness.
+                    colour::of_category(category, &further) * (1.0 + 0.12 * (f32::from(*object % 3) - 1.0))
+                }
+            };
+            parts.push(Part { bodies: index..index + 1, surface: Surface { kind: Kind::Solid, colour, label } });
+        }
+        let at_rest = bodies.iter().zip(&meshes).flat_map(|(body, mesh)| placed(mesh, body.rest_pose_world));
+        let seen = at_rest.chain(places_world.iter().copied()).collect();
+        let mut stage = Stage { bodies, meshes, parts, layout, labels, seen, table: None, full_scale_n };
+        stage.set_table(objects);
+        Ok(stage)
+    }
+
+    /// A running simulation as it is now: everything in it, a camera that stays where it is while the simulation runs, and the
+    /// labels. The colours of forces end at 5 N.
+    ///
+    /// # Errors
+    /// [`RenderError::NoBodies`].
+    pub fn now(
+        simulation: &Simulation,
+        frame: &Frame,
+        aspect: f64,
+    ) -> Result<(Scene, Camera, Vec<String>), RenderError> {
+        let (bodies, clutter) = (bodies(simulation), simulation.clutter());
+        let layout = &simulation.arm().skin.layout;
+        let stage = Stage::new(&bodies, &clutter.records(), layout, LIVE_N, &clutter.goals)?;
+        Ok((stage.moment(u32::MAX, frame), stage.camera(aspect), stage.labels))
+    }
+
+    /// Puts a table under the objects, wide enough for everything that is seen.
+    fn set_table(&mut self, objects: &[ObjectRecord]) {
+        let height = objects.iter().map(|object| object.position_world.z).reduce(f64::min);
+        self.table = height.map(|top| {
+            let (low, high) = bounds(self.seen.iter().copied());
+            let size_m = (high - low + DVec3::splat(2.0 * MARGIN_M)).with_z(TABLE_M);
+            let center = ((low + high) / 2.0).with_z(top - 0.5 * TABLE_M);
+            (Mesh::of(&BodyShape::Box { size_m }), Pose::from_position(center))
+        });
+    }
+
+    /// What the numbers of [`Scene::depth_and_labels`] mean: 0 is the background, 1 the table; then follow links and
+    /// objects with their numbers and categories, in the order of the recording's bodies.
+    pub fn labels(&self) -> &[String] {
+        &self.labels
+    }
+
+    /// A camera that sees everything, for a picture with this ratio of width to height.
+    pub fn camera(&self, aspect: f64) -> Camera {
+        Camera::around(&self.seen, DIRECTION, aspect)
+    }
+
+    /// Everything as it is in the frame with this number, with the skin as this frame says.
+    pub fn moment(&self, number: u32, frame: &Frame) -> Scene {
+        let mut scene = Scene::default();
+        if let Some((mesh, pose)) = &self.table {
+            let surface = Surface { kind: Kind::Table, colour: colour::linear(colour::TABLE), label: TABLE };
+            scene.add(mesh, pose, surface);
+        }
+        for part in &self.parts {
+            let mut blades = Vec::new();
+            for index in part.bodies.clone() {
+                let body = &self.bodies[index];
+                let pose = body.pose_world(number);
+                let is_link = matches!(body.owner, BodyOwner::Link(_));
+                if is_link || !Blade::join(&mut blades, &body.parts, &pose) {
+                    scene.add(&self.meshes[index], &pose, part.surface);
+                }
+            }
+            for blade in &blades {
+                let thin = Surface { kind: Kind::Thin, ..part.surface };
+                scene.add(&Mesh::ribbon(blade), &Pose::IDENTITY, thin);
+            }
+        }
+        self.add_marks(frame, &mut scene);
+        scene
+    }
+
+    /// The taxels in the colours of the forces that they sense, and the goal.
+    fn add_marks(&self, frame: &Frame, scene: &mut Scene) {
+        let mark = |colour: Vec3| Surface { kind: Kind::Mark, colour, label: 0 };
+        let plate = mark(colour::linear(colour::PLATE));
+        let mut readings = frame.taxels.iter().filter(|reading| reading.sensed_force_n > 0.0).peekable();
+        for (number, (patch, pose)) in self.layout.patches.iter().zip(&frame.patch_pose_world).enumerate() {
+            for (index, taxel) in patch.taxels.iter().enumerate() {
+                let own = readings.next_if(|own| (usize::from(own.patch), usize::from(own.taxel)) == (number, index));
+                let share = own.map(|own| own.sensed_force_n / self.full_scale_n);
+                let surface = share.map_or(plate, |share| mark(colour::of_force(share)));
+                let (mut square, half_m) = (Mesh::default(), 0.43 * taxel.area_m2.sqrt());
+                let (right, up) = (taxel.tangent_link, taxel.normal_link.cross(taxel.tangent_link));
+                square.add_plate(taxel.position_link + taxel.normal_link * LIFT_M, right * half_m, up * half_m);
+                scene.add(&square, pose, surface);
+            }
+        }
+        let goal = Mesh::of(&BodyShape::Hull {
+            points_m: DVec3::AXES.iter().flat_map(|axis| [*axis * GOAL_M, *axis * -GOAL_M]).collect(),
+        });
+        scene.add(&goal, &Pose::from_position(frame.goal_position_world), mark(colour::linear(colour::GOAL)));
+    }
+}
+
+/// The points of a mesh at this pose.
+fn placed(mesh: &Mesh, pose: Pose) -> impl Iterator<Item = DVec3> {
+    mesh.vertices.iter().map(move |(place, _)| pose.transform_point(*place))
+}

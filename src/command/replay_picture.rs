@@ -1,0 +1,138 @@
+//! `underbrush replay --still` and `--video`: a reach without a browser.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, value_parser};
+use serde_json::json;
+use underbrush_recording::disk::remove_leftovers;
+use underbrush_recording::{InputError, Recording};
+use underbrush_render::{Film, Size, Stage, png};
+use underbrush_replay::Source;
+use underbrush_report::replayed::known;
+
+use super::overwrite::Overwrite;
+use crate::failure::Failure;
+use crate::{output, progress};
+
+/// The options of pictures and films.
+#[derive(Args)]
+pub struct PictureArguments {
+    /// Draw one moment of a reach to this file, without a browser
+    #[arg(long, value_name = "FILE.png", group = "file", conflicts_with_all = ["model", "port", "no_open"])]
+    still: Option<PathBuf>,
+    /// Draw a reach as a film that plays in a loop to this file, without a browser
+    #[arg(long, value_name = "FILE.gif", group = "file", conflicts_with_all = ["model", "port", "no_open"])]
+    video: Option<PathBuf>,
+    /// With --still: the moment, s after the start [default: when the most taxels read a force]
+    #[arg(long, value_name = "S", requires = "still", conflicts_with_all = ["out", "video"])]
+    time: Option<f64>,
+    /// Width and height, 64 to 1280 pixels each [default: 1280x720, of films 640x360]
+    #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "out", requires = "file")]
+    size: Option<Size>,
+    /// With --video: pictures per second, 1 to 50, each shown for whole hundredths of a second, so that 30 becomes 33
+    #[arg(long, value_name = "N", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = 20, value_parser = value_parser!(u16).range(1..=50))]
+    fps: u16,
+    /// With --video: how many times as fast as in reality it plays, 0.1 to 100
+    #[arg(long, value_name = "X", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = 1.0, value_parser = speed)]
+    speed: f64,
+}
+
+/// Reads a size such as 640x360.
+fn size(text: &str) -> Result<Size, String> {
+    let numbers = text.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
+    let (width, height) = numbers.ok_or("give width and height in pixels, such as 640x360")?;
+    Size { width, height }.check().map_err(|error| error.to_string())
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    let speed = text.parse().ok().filter(|speed| (0.1..=100.0).contains(speed));
+    speed.ok_or_else(|| "give a number from 0.1 to 100".to_owned())
+}
+
+impl PictureArguments {
+    /// Draws a picture or a film of one of the reaches, if one is asked for; false if not. Its file is checked before.
+    pub fn run(&self, source: &Source, chosen: &[usize], json: bool) -> Result<bool, Failure> {
+        let Some(path) = self.file() else {
+            return Ok(false);
+        };
+        let reaches = source.reaches().len();
+        let number = match chosen {
+            [] if reaches == 1 => 0,
+            [one] => *one,
+            _ => {
+                let text = format!("a picture shows one reach; choose one of {reaches} with --reaches N, from 0");
+                return Err(Failure::usage(text));
+            }
+        };
+        let recording = source.recording(number)?;
+        let stage = Stage::of(&recording, (known().force_limit_n)(&recording.controller))?;
+        let (bytes, frames) = match self.video {
+            None => (self.still(&recording, &stage)?, 1),
+            Some(_) => self.film(&recording, &stage)?,
+        };
+        remove_leftovers(path);
+        output::write_file(path, &bytes)?;
+        let (bytes, path) = (bytes.len(), path.display().to_string());
+        output::result(json, &json!({ "file": path, "pictures": frames, "bytes": bytes }), || {
+            let megabytes = bytes as f64 / 1e6;
+            format!("{path}: {} in {megabytes:.2} MB", output::counted(frames, "picture", "pictures"))
+        })?;
+        Ok(true)
+    }
+
+    /// The file to write.
+    pub fn file(&self) -> Option<&Path> {
+        self.still.as_deref().or(self.video.as_deref())
+    }
+
+    /// Demands that the file can be written, has the right ending, and that the numbers are within their limits.
+    pub fn check(&self, overwrite: Overwrite, inputs: &[PathBuf]) -> Result<(), Failure> {
+        let Some(path) = self.file() else {
+            return Ok(());
+        };
+        let (ending, remedy) = match self.video {
+            Some(_) => ("gif", "choose such a name; ffmpeg -i FILE.gif FILE.mp4 makes other films of it"),
+            None => ("png", "choose such a name"),
+        };
+        if path.extension().is_none_or(|own| !own.eq_ignore_ascii_case(ending)) {
+            let found = format!("{:?}", path.file_name().unwrap_or_default());
+            let allowed = format!("a name that ends in .{ending}");
+            return Err(InputError::new(path, "file name", found, allowed, remedy).into());
+        }
+        overwrite.file(path, inputs)
+    }
+
+    fn still(&self, recording: &Recording, stage: &Stage) -> Result<Vec<u8>, Failure> {
+        let size = self.size.unwrap_or(Size { width: 1280, height: 720 });
+        let last_s = recording.frames.last().map_or(0.0, |frame| frame.time_s);
+        let number = match self.time {
+            Some(time_s) if (0.0..=last_s).contains(&time_s) => {
+                recording.frames.partition_point(|frame| frame.time_s < time_s - 1e-9)
+            }
+            Some(time_s) => {
+                let text = format!(
+                    "--time {time_s}: allowed: 0 to {last_s:.2}, the length of the reach in s; choose a moment of it"
+                );
+                return Err(Failure::usage(text));
+            }
+            // The first of those with the most.
+            None => {
+                let felt = recording.frames.iter().map(|frame| frame.taxels.len()).enumerate();
+                felt.rev().max_by_key(|(_, taxels)| *taxels).map_or(0, |(number, _)| number)
+            }
+        };
+        let frame = recording.frames.get(number).ok_or_else(|| Failure::usage("the reach has no frames"))?;
+        Ok(png(&stage.moment(number as u32, frame).rgb(&stage.camera(size.aspect()), size)?, size)?)
+    }
+
+    fn film(&self, recording: &Recording, stage: &Stage) -> Result<(Vec<u8>, usize), Failure> {
+        let size = self.size.unwrap_or(Size { width: 640, height: 360 });
+        let delay = (100.0 / f64::from(self.fps)).round() as u16;
+        let film = Film { size, delay, speed: self.speed };
+        let pictures = film.frames(recording).len();
+        let bar = progress::bar(pictures as u64, "pictures");
+        let bytes = film.draw(recording, stage, |drawn| bar.inc(drawn as u64))?;
+        bar.finish_and_clear();
+        Ok((bytes, pictures))
+    }
+}
