@@ -62,6 +62,15 @@ pub fn say_doubts<'a>(arms: impl IntoIterator<Item = &'a Arm>, progress: &dyn Pr
     }
 }
 
+/// The arm of the files that a data set holds.
+///
+/// # Errors
+/// If a file is bad.
+pub fn stored_arm(files: &[FileText]) -> Result<Arm, InputError> {
+    let file = |file: &FileText| ArmSource { name: file.name.clone(), text: file.text.clone() };
+    Arm::from_files(&files.iter().map(file).collect::<Vec<_>>())
+}
+
 /// Compares a set that was made again with its source. If another version made the source, a difference is a warning.
 ///
 /// # Errors
@@ -132,9 +141,7 @@ impl Campaign {
             let Some(arm) = provenance.arms.get(stored.arm) else {
                 return Err(fault(&field("arm"), stored.arm.to_string(), "the index of an arm"));
             };
-            let file = |file: &FileText| ArmSource { name: file.name.clone(), text: file.text.clone() };
-            let files: Vec<ArmSource> = arm.files.iter().map(file).collect();
-            campaign.arms.insert(scene.name.clone(), Arm::from_files(&files)?);
+            campaign.arms.insert(scene.name.clone(), stored_arm(&arm.files)?);
             campaign.scenes.push((scene, stored.reaches));
         }
         Ok(campaign)

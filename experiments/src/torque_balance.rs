@@ -8,12 +8,14 @@ use std::path::Path;
 
 use nalgebra::DVector;
 use serde::Serialize;
-use underbrush_recording::disk::{Dataset, FileText};
+use underbrush_recording::disk::Dataset;
 use underbrush_recording::fault::Fault;
 use underbrush_recording::{FRAME_PERIOD_S, Frame, InputError};
-use underbrush_sim::arm::{Arm, ArmSource};
+use underbrush_sim::arm::Arm;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
+
+use crate::dataset::stored_arm;
 
 /// Impulses are compared over this many frames, 0.1 s.
 const WINDOW_FRAMES: usize = 10;
@@ -88,8 +90,7 @@ fn arms(dataset: &Dataset) -> Result<BTreeMap<String, Arm>, InputError> {
     let provenance = dataset.provenance();
     let arm = |scene: &underbrush_recording::disk::SceneText| {
         let files = provenance.arms.get(scene.arm).map(|arm| arm.files.as_slice()).unwrap_or_default();
-        let source = |file: &FileText| ArmSource { name: file.name.clone(), text: file.text.clone() };
-        let arm = Arm::from_files(&files.iter().map(source).collect::<Vec<_>>())?;
+        let arm = stored_arm(files)?;
         let plan = ReachPlan::with_arm(Scene::parse(&scene.file.name, scene.file.text.clone())?, arm, None, 0)?;
         Ok((scene.name.clone(), plan.arm))
     };

@@ -144,7 +144,6 @@ library_errors!(
     underbrush_sim::controller::UnknownController,
     underbrush_sim::reach::ReachError,
     underbrush_sim::simulation::StateError,
-    underbrush_replay::ReplayError,
     underbrush_render::RenderError
 );
 

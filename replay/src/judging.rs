@@ -5,9 +5,9 @@ use std::sync::Arc;
 use underbrush_classifier::Model;
 use underbrush_classifier::online::{OnlineClassifier, OnlineError, OnlineOptions};
 use underbrush_classifier::touch::{TouchClassifier, TouchModel};
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{Frame, Recording, SkinLayout};
 
-use crate::ReplayError;
 use crate::verdicts::{VerdictHeader, Verdicts};
 
 /// A model with the name that the page shows.
@@ -32,14 +32,14 @@ impl JudgingModel {
     /// A touch model. It judges its own patch, so any other patch is refused.
     ///
     /// # Errors
-    /// [`ReplayError::PatchOfTouchModel`] for another patch.
-    pub fn of_touch(model: TouchModel, patch: Option<&str>) -> Result<Self, ReplayError> {
+    /// [`Fault::Usage`] for another patch.
+    pub fn of_touch(model: TouchModel, patch: Option<&str>) -> Result<Self, Fault> {
         let own = model.options().patch.as_deref();
         match patch {
-            Some(patch) if Some(patch) != own => Err(ReplayError::PatchOfTouchModel {
-                patch: patch.to_owned(),
-                own: own.map_or("the first patch of a skin".to_owned(), |own| format!("the patch {own}")),
-            }),
+            Some(patch) if Some(patch) != own => {
+                let own = own.map_or("the first patch of a skin".to_owned(), |own| format!("the patch {own}"));
+                Err(Fault::Usage(format!("patch {patch}: this touch model judges {own}; leave the patch out")))
+            }
             _ => Ok(JudgingModel::Touch(Arc::new(model))),
         }
     }
@@ -87,6 +87,11 @@ impl Judging {
         recording.frames.iter().try_for_each(|frame| log.update(frame))?;
         Ok(log.verdicts)
     }
+}
+
+/// For `map_err` where a model does not fit the skin or the data of a reach.
+pub fn unjudged(reach: &str) -> impl Fn(OnlineError) -> Fault {
+    move |error| Fault::Usage(format!("{reach}: the model cannot judge it: {error}"))
 }
 
 /// The classifier that gives the verdicts.

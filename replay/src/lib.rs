@@ -12,7 +12,6 @@
 mod contact_trials;
 mod container;
 mod context;
-mod error;
 mod http;
 mod judging;
 mod live;
@@ -28,10 +27,9 @@ mod trial_table;
 mod verdicts;
 
 pub use context::ReplayContext;
-pub use error::ReplayError;
-pub use judging::{Judging, JudgingModel, VerdictLog};
+pub use judging::{Judging, JudgingModel, VerdictLog, unjudged};
 pub use live::{Live, PartialReach};
-pub use page::single_file;
+pub use page::{page_that_fits, single_file};
 pub use server::Server;
 pub use source::{Held, Source, Summary};
 pub use verdicts::Verdicts;

@@ -6,13 +6,15 @@
 
 use serde::Serialize;
 use underbrush_classifier::trial::TrialOptions;
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{
     Audit, Body, Contact, Frame, GoalOutcomes, GoalRecord, Grid, NamedStop, ObjectRecord, Outcome, Pose, Recording,
 };
 
 use crate::container::{MAX_BYTES, Sections};
+use crate::judging::unjudged;
 use crate::verdicts::VerdictHeader;
-use crate::{Judging, ReplayContext, ReplayError, Verdicts, contact_trials};
+use crate::{Judging, ReplayContext, Verdicts, contact_trials};
 
 #[derive(Serialize)]
 struct Header<'a> {
@@ -68,11 +70,10 @@ fn name(recording: &Recording) -> String {
 /// The bytes of a reach, with its contact trials, and with verdicts if there is a model.
 ///
 /// # Errors
-/// [`ReplayError::Trials`] and [`ReplayError::Verdicts`] if frames do not fit skin or model, [`ReplayError::TooLarge`]
-/// for a reach of more than 1 GiB, which is hours.
-pub fn pack(recording: &Recording, known: &ReplayContext, judging: Option<&Judging>) -> Result<Vec<u8>, ReplayError> {
+/// [`Fault::Usage`] if frames do not fit skin or model, and for a reach of more than 1 GiB, which is hours.
+pub fn pack(recording: &Recording, known: &ReplayContext, judging: Option<&Judging>) -> Result<Vec<u8>, Fault> {
     let verdicts = judging.map(|judging| judging.judge(recording)).transpose();
-    let verdicts = verdicts.map_err(|source| ReplayError::Verdicts { reach: name(recording), source })?;
+    let verdicts = verdicts.map_err(unjudged(&name(recording)))?;
     pack_from(recording, known, verdicts.as_ref(), 0)
 }
 
@@ -87,7 +88,7 @@ pub fn pack_from(
     known: &ReplayContext,
     verdicts: Option<&Verdicts>,
     from: usize,
-) -> Result<Vec<u8>, ReplayError> {
+) -> Result<Vec<u8>, Fault> {
     let from = from.min(recording.frames.len());
     let frames = &recording.frames[from..];
     let mut sections = Sections::default();
@@ -100,7 +101,7 @@ pub fn pack_from(
     let threshold_n =
         verdicts.map_or_else(|| TrialOptions::default().threshold_n, |verdicts| verdicts.header.threshold_n);
     contact_trials::add(recording, threshold_n, from, &mut sections)
-        .map_err(|source| ReplayError::Trials { reach: name(recording), source })?;
+        .map_err(|error| Fault::Usage(format!("{}: {error}", name(recording))))?;
     if let Some(verdicts) = verdicts {
         verdicts.add(from, &mut sections);
     }
@@ -126,7 +127,10 @@ pub fn pack_from(
         threshold_n,
         verdicts: verdicts.map(|verdicts| &verdicts.header),
     };
-    sections.finish(&header).map_err(|bytes| ReplayError::TooLarge { reach: name(recording), bytes, limit: MAX_BYTES })
+    sections.finish(&header).map_err(|bytes| {
+        let reach = name(recording);
+        Fault::Usage(format!("{reach}: takes {bytes} bytes; the page can read {MAX_BYTES} bytes a reach"))
+    })
 }
 
 impl<'a> Fixed<'a> {

@@ -4,8 +4,9 @@ use std::fmt::Write;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use underbrush_recording::fault::Fault;
 
-use crate::{ReplayError, Source};
+use crate::Source;
 
 /// The built page: one HTML file with its script and style inside.
 pub static PAGE: &str = include_str!("../page/dist/index.html");
@@ -24,24 +25,41 @@ pub fn policy() -> &'static str {
 /// The page with these reaches inside, by their numbers in the list. It opens from disk and needs no network.
 ///
 /// # Errors
-/// As [`Source::pack`], and [`ReplayError::FileTooLarge`] if the file would have more than `max_bytes`.
+/// As [`Source::pack`], and [`Fault::Usage`] if the file would have more than `max_bytes`.
 ///
 /// ```
-/// use underbrush_replay::{ReplayContext, ReplayError, Source, single_file};
+/// use underbrush_recording::fault::Fault;
+/// use underbrush_replay::{ReplayContext, Source, single_file};
 ///
 /// let context = ReplayContext { force_limit_n: |_| None, audit_warnings: |_, _| Vec::new() };
 /// let source = Source::of(Vec::new(), context)?;
 /// assert!(single_file(&source, &[], 50_000_000)?.starts_with("<!doctype html>"));
-/// # Ok::<(), ReplayError>(())
+/// # Ok::<(), Fault>(())
 /// ```
-pub fn single_file(source: &Source, numbers: &[usize], max_bytes: usize) -> Result<String, ReplayError> {
+pub fn single_file(source: &Source, numbers: &[usize], max_bytes: usize) -> Result<String, Fault> {
+    let (page, fitting) = page_that_fits(source, numbers, max_bytes)?;
+    if fitting == numbers.len() {
+        return Ok(page);
+    }
+    Err(Fault::Usage(format!(
+        "the file would be larger than {} MB, which browsers cannot open; only the first {fitting} reaches fit: choose some \
+         with --reaches",
+        max_bytes / 1_000_000
+    )))
+}
+
+/// As [`single_file`], with only as many of the reaches as fit, and their number.
+///
+/// # Errors
+/// As [`Source::pack`].
+pub fn page_that_fits(source: &Source, numbers: &[usize], max_bytes: usize) -> Result<(String, usize), Fault> {
     let mut data = String::new();
     let mut listed = Vec::new();
     for (place, number) in numbers.iter().enumerate() {
         let bytes = source.pack(*number)?;
         // Base64 turns three bytes into four.
         if PAGE.len() + data.len() + bytes.len() / 3 * 4 > max_bytes {
-            return Err(ReplayError::FileTooLarge { fitting: place, max_bytes });
+            break;
         }
         listed.extend(source.reaches().get(*number).cloned().map(|mut reach| {
             reach.number = place;
@@ -54,5 +72,5 @@ pub fn single_file(source: &Source, numbers: &[usize], max_bytes: usize) -> Resu
     // Plain data can always be written. `<` is escaped, because a name could contain `</script>`.
     let list = serde_json::to_string(&listed).unwrap_or_default().replace('<', "\\u003c");
     let _ = writeln!(data, "<script type=\"application/json\" id=\"underbrush-reaches\">{list}</script>");
-    Ok(PAGE.replacen(MARKER, &data, 1))
+    Ok((PAGE.replacen(MARKER, &data, 1), listed.len()))
 }

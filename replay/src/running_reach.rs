@@ -4,11 +4,11 @@ use std::io::Write;
 use std::sync::Arc;
 use std::time::Duration;
 
+use crate::ReplayContext;
 use crate::live::{Live, LiveStatus};
 use crate::pack::pack_from;
 use crate::response::{FIELDS, Response};
-use crate::source::summary;
-use crate::{ReplayContext, ReplayError};
+use crate::source::{no_such_reach, summary};
 
 /// A page gets the status at most this often.
 const STATUS_EVERY: Duration = Duration::from_millis(100);
@@ -44,7 +44,7 @@ impl Running {
         if !number.trim_start_matches('0').is_empty() {
             let count = 1;
             let number = number.parse().unwrap_or(usize::MAX);
-            return Response::text(404, ReplayError::NoSuchReach { number, count }.to_string());
+            return Response::text(404, no_such_reach(number, count).to_string());
         }
         let Some((latest, _)) = self.live.so_far() else {
             return no_answer();

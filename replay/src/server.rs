@@ -5,11 +5,13 @@ use std::io;
 use std::net::{Ipv4Addr, TcpListener};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use underbrush_recording::fault::Fault;
+
 use crate::http::{self, Limits, Request};
 use crate::page::PAGE;
 use crate::response::Response;
 use crate::running_reach::Running;
-use crate::{Live, ReplayContext, ReplayError, Source};
+use crate::{Live, ReplayContext, Source};
 
 /// Packed reaches that are kept. Choice: two that are compared, and their neighbours.
 const KEPT: usize = 4;
@@ -58,21 +60,24 @@ impl Server {
     /// Starts to listen on 127.0.0.1; port 0 takes a free one.
     ///
     /// # Errors
-    /// [`ReplayError::Serve`] if the port is taken or not allowed.
-    pub fn start(source: Source, port: u16) -> Result<Self, ReplayError> {
+    /// [`Fault::Run`] if the port is taken or not allowed.
+    pub fn start(source: Source, port: u16) -> Result<Self, Fault> {
         Server::of(Content::Stored(Box::new(source), Mutex::default()), port)
     }
 
     /// As [`Server::start`], with one reach that is being simulated.
     ///
     /// # Errors
-    /// [`ReplayError::Serve`] if the port is taken or not allowed.
-    pub fn watch(live: Arc<Live>, known: ReplayContext, port: u16) -> Result<Self, ReplayError> {
+    /// [`Fault::Run`] if the port is taken or not allowed.
+    pub fn watch(live: Arc<Live>, known: ReplayContext, port: u16) -> Result<Self, Fault> {
         Server::of(Content::Running(Running { live, known }), port)
     }
 
-    fn of(content: Content, port: u16) -> Result<Self, ReplayError> {
-        let refused = |source| ReplayError::Serve { port, source };
+    fn of(content: Content, port: u16) -> Result<Self, Fault> {
+        let refused = |error: io::Error| {
+            let text = format!("cannot serve on 127.0.0.1, port {port}: {error}");
+            Fault::Run(format!("{text}; choose another --port, or 0 for any free one"))
+        };
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(refused)?;
         let port = listener.local_addr().map_err(refused)?.port();
         let key = random_key().map_err(refused)?;
@@ -178,8 +183,10 @@ fn reach(source: &Source, kept: &Mutex<Kept>, number: &str) -> Response {
     } else {
         match source.pack(number) {
             Ok(bytes) => kept.push((number, Arc::new(bytes))),
-            Err(error @ ReplayError::NoSuchReach { .. }) => return Response::text(404, error.to_string()),
-            Err(error) => return Response::text(500, error.to_string()),
+            Err(error) => {
+                let status = if number < source.reaches().len() { 500 } else { 404 };
+                return Response::text(status, error.to_string());
+            }
         }
         let surplus = kept.len().saturating_sub(KEPT);
         kept.drain(..surplus);

@@ -6,10 +6,12 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use underbrush_recording::disk::{Dataset, is_folder, is_recording, read_recording, read_trials};
-use underbrush_recording::{GoalOutcomes, InputError, Outcome, Recording, SkinLayout};
+use underbrush_recording::fault::Fault;
+use underbrush_recording::{GoalOutcomes, Outcome, Recording, SkinLayout};
 
+use crate::judging::unjudged;
 use crate::pack::pack;
-use crate::{Judging, ReplayContext, ReplayError, trial_table};
+use crate::{Judging, ReplayContext, trial_table};
 
 /// One line of the list of reaches.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -67,7 +69,8 @@ pub struct Held {
 /// The reaches of some data sets and recordings.
 ///
 /// ```
-/// use underbrush_replay::{ReplayContext, ReplayError, Source};
+/// use underbrush_recording::fault::Fault;
+/// use underbrush_replay::{ReplayContext, Source};
 ///
 /// let folder = tempfile::tempdir()?;
 /// let table = folder.path().join("trials.csv");
@@ -76,7 +79,7 @@ pub struct Held {
 /// let source = Source::open(&[table], context, None)?;
 /// assert_eq!(source.reaches().len(), 1);
 /// assert!(source.pack(0)?.starts_with(b"ubreplay"));
-/// assert!(matches!(source.pack(1), Err(ReplayError::NoSuchReach { .. })));
+/// assert!(matches!(source.pack(1), Err(Fault::Usage(_))));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Source {
@@ -91,9 +94,9 @@ impl Source {
     /// Opens data sets (folders), recordings and tables of contact trials, in this order.
     ///
     /// # Errors
-    /// [`ReplayError::Disk`] for a path that is none of these, and for damaged files; [`ReplayError::Verdicts`] if the model does
+    /// [`Fault::Input`] for a path that is none of these, and for damaged files; [`Fault::Usage`] if the model does
     /// not fit the skin.
-    pub fn open(paths: &[PathBuf], known: ReplayContext, judging: Option<Judging>) -> Result<Self, ReplayError> {
+    pub fn open(paths: &[PathBuf], known: ReplayContext, judging: Option<Judging>) -> Result<Self, Fault> {
         let mut source = Source { datasets: Vec::new(), places: Vec::new(), reaches: Vec::new(), known, judging };
         for path in paths {
             let ends_with = |ending: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending));
@@ -111,8 +114,8 @@ impl Source {
     /// Recordings in memory, in this order.
     ///
     /// # Errors
-    /// [`ReplayError::Verdicts`] if a model does not fit the skin.
-    pub fn of(recordings: Vec<Held>, known: ReplayContext) -> Result<Self, ReplayError> {
+    /// [`Fault::Usage`] if a model does not fit the skin.
+    pub fn of(recordings: Vec<Held>, known: ReplayContext) -> Result<Self, Fault> {
         let mut source = Source { datasets: Vec::new(), places: Vec::new(), reaches: Vec::new(), known, judging: None };
         for held in recordings {
             check(held.judging.as_ref(), &held.recording.scene, &held.recording.layout)?;
@@ -130,17 +133,14 @@ impl Source {
     /// The recording of a reach.
     ///
     /// # Errors
-    /// [`ReplayError::NoSuchReach`], and [`ReplayError::Disk`] for damaged files.
-    pub fn recording(&self, number: usize) -> Result<Cow<'_, Recording>, ReplayError> {
+    /// [`Fault::Usage`] if there is no such reach, and [`Fault::Input`] for damaged files.
+    pub fn recording(&self, number: usize) -> Result<Cow<'_, Recording>, Fault> {
         Ok(match self.places.get(number) {
             Some(Place::Dataset { input, index }) => Cow::Owned(self.datasets[*input].read_reach(*index)?),
             Some(Place::File(path)) => Cow::Owned(read_recording(path)?),
             Some(Place::Table(recording)) => Cow::Borrowed(recording),
             Some(Place::Memory(held)) => Cow::Borrowed(&held.recording),
-            None => {
-                let count = self.places.len();
-                return Err(ReplayError::NoSuchReach { number, count });
-            }
+            None => return Err(no_such_reach(number, self.places.len())),
         })
     }
 
@@ -148,7 +148,7 @@ impl Source {
     ///
     /// # Errors
     /// As [`Source::recording`] and [`pack`].
-    pub fn pack(&self, number: usize) -> Result<Vec<u8>, ReplayError> {
+    pub fn pack(&self, number: usize) -> Result<Vec<u8>, Fault> {
         let judging = match self.places.get(number) {
             Some(Place::Memory(held)) => held.judging.as_ref(),
             _ => self.judging.as_ref(),
@@ -156,7 +156,7 @@ impl Source {
         pack(&*self.recording(number)?, &self.known, judging)
     }
 
-    fn add_dataset(&mut self, path: &Path) -> Result<(), ReplayError> {
+    fn add_dataset(&mut self, path: &Path) -> Result<(), Fault> {
         let dataset = Dataset::open(path)?;
         check(self.judging.as_ref(), &path.display().to_string(), dataset.layout())?;
         let rate_hz = dataset.info().fps;
@@ -185,7 +185,7 @@ impl Source {
         Ok(())
     }
 
-    fn add_recording(&mut self, path: &Path) -> Result<(), ReplayError> {
+    fn add_recording(&mut self, path: &Path) -> Result<(), Fault> {
         let recording: Recording = read_recording(path)?;
         check(self.judging.as_ref(), &path.display().to_string(), &recording.layout)?;
         self.list(&recording, file_name(path));
@@ -193,12 +193,11 @@ impl Source {
         Ok(())
     }
 
-    fn add_table(&mut self, path: &Path) -> Result<(), ReplayError> {
-        let bad = |error: InputError| ReplayError::Disk(error.into());
+    fn add_table(&mut self, path: &Path) -> Result<(), Fault> {
         if let Some(judging) = &self.judging {
-            trial_table::check_model(path, judging).map_err(bad)?;
+            trial_table::check_model(path, judging)?;
         }
-        for recording in trial_table::reaches(path, &read_trials(path)?).map_err(bad)? {
+        for recording in trial_table::reaches(path, &read_trials(path)?)? {
             check(self.judging.as_ref(), &path.display().to_string(), &recording.layout)?;
             self.list(&recording, file_name(path));
             self.places.push(Place::Table(Box::new(recording)));
@@ -234,11 +233,14 @@ pub fn summary(number: usize, recording: &Recording, source: String, known: &Rep
     }
 }
 
+/// The fault that there is no reach with this number.
+pub fn no_such_reach(number: usize, count: usize) -> Fault {
+    Fault::Usage(format!("there is no reach {number}; give a number below {count}"))
+}
+
 /// An error if the model does not fit the skin of a reach.
-fn check(judging: Option<&Judging>, reach: &str, layout: &SkinLayout) -> Result<(), ReplayError> {
-    judging
-        .map_or(Ok(()), |judging| judging.check(layout))
-        .map_err(|source| ReplayError::Verdicts { reach: reach.to_owned(), source })
+fn check(judging: Option<&Judging>, reach: &str, layout: &SkinLayout) -> Result<(), Fault> {
+    judging.map_or(Ok(()), |judging| judging.check(layout)).map_err(unjudged(reach))
 }
 
 /// The last part of a path, also for a path such as `.`.

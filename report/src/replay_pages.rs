@@ -9,7 +9,7 @@ use underbrush_experiments::session::Session;
 use underbrush_experiments::{files, frame_verdicts, online_models, reaches, training};
 use underbrush_recording::Recording;
 use underbrush_recording::fault::Fault;
-use underbrush_replay::{Held, Judging, JudgingModel, ReplayError, Source, single_file};
+use underbrush_replay::{Held, Judging, JudgingModel, Source, page_that_fits};
 
 use crate::replay_links::{ENGINEERED_FILE, TEST_FILE, TRAINING_FILE};
 use crate::replayed::{MAX_PAGE_BYTES, known};
@@ -59,15 +59,12 @@ fn page(session: &Session, reaches: impl Iterator<Item = Result<Held, Fault>>, p
     if numbers.is_empty() {
         return Ok(());
     }
-    let text = match single_file(&source, &numbers, MAX_PAGE_BYTES) {
-        Err(ReplayError::FileTooLarge { fitting, .. }) => {
-            let (file, count) = (path.display(), numbers.len());
-            session.progress.remark(&format!(
-                "{file} has only the first {fitting} of {count} reaches, because browsers cannot open more"
-            ));
-            single_file(&source, &numbers[..fitting], MAX_PAGE_BYTES)
-        }
-        other => other,
-    };
-    files::write(path, text?.as_bytes())
+    let (page, fitting) = page_that_fits(&source, &numbers, MAX_PAGE_BYTES)?;
+    if fitting < numbers.len() {
+        let (file, count) = (path.display(), numbers.len());
+        session.progress.remark(&format!(
+            "{file} has only the first {fitting} of {count} reaches, because browsers cannot open more"
+        ));
+    }
+    files::write(path, page.as_bytes())
 }

@@ -6,9 +6,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use serde::Serialize;
 use underbrush_report::portrait;
-use underbrush_validation::{
-    CHECKS, Check, CheckError, FalsifiedOutcome, Outcome, Verdict, falsify, portraits, roll_loop,
-};
+use underbrush_validation::{CHECKS, Check, FalsifiedOutcome, Fault, Outcome, Verdict, falsify, portraits, roll_loop};
 
 use super::overwrite::Overwrite;
 use crate::failure::Failure;
@@ -79,7 +77,7 @@ pub fn run(options: ValidateOptions, json: bool) -> Result<(), Failure> {
         let [skin_file, roll_file] = ["skin.svg", "foam-roll.svg"].map(|name| folder.join(name));
         options.overwrite.file(&skin_file, [])?;
         options.overwrite.file(&roll_file, [])?;
-        let broken = |error: CheckError| Failure::run(error.to_string());
+        let broken = |error: Fault| Failure::run(error.to_string());
         let skin = portrait::skin(&portraits().map_err(broken)?);
         output::write_file(&skin_file, skin.as_bytes())?;
         let roll = portrait::roll_loop(&roll_loop().map_err(broken)?);

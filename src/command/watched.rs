@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
-use underbrush_classifier::online::OnlineError;
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{Frame, Recording, SkinLayout};
-use underbrush_replay::{Judging, Live, PartialReach, ReplayError, Server, VerdictLog};
+use underbrush_replay::{Judging, Live, PartialReach, Server, VerdictLog, unjudged};
 use underbrush_sim::reach::ReachSoFar;
 use underbrush_sim::simulation::Simulation;
 
@@ -13,12 +13,15 @@ use super::replay;
 use crate::failure::Failure;
 use crate::output;
 
+/// What messages call the reach.
+const REACH: &str = "this reach";
+
 /// A reach and the server that shows it.
 pub struct Watched<'a> {
     so_far: ReachSoFar<'a>,
     verdicts: Option<VerdictLog>,
     /// Why there are no more verdicts.
-    fault: Option<ReplayError>,
+    fault: Option<Fault>,
     live: Arc<Live>,
     server: JoinHandle<()>,
 }
@@ -27,7 +30,7 @@ impl<'a> Watched<'a> {
     /// Starts the server and says where the page is. With a model the page shows its verdicts.
     pub fn begin(so_far: ReachSoFar<'a>, skin: &SkinLayout, judging: Option<&Judging>) -> Result<Self, Failure> {
         let verdicts = judging.map(|judging| judging.begin(skin)).transpose();
-        let verdicts = verdicts.map_err(fault)?;
+        let verdicts = verdicts.map_err(unjudged(REACH))?;
         let live = Arc::new(Live::new());
         let server = Server::watch(Arc::clone(&live), underbrush_report::replayed::known(), 0)?;
         let address = server.address();
@@ -41,7 +44,7 @@ impl<'a> Watched<'a> {
         self.so_far.observe(simulation, frame);
         if let Some(Err(source)) = self.verdicts.as_mut().map(|verdicts| verdicts.update(frame)) {
             self.verdicts = None;
-            self.fault = Some(fault(source));
+            self.fault = Some(unjudged(REACH)(source));
         }
         self.live.frame(|| self.so_far.recording().map(|recording| self.with_verdicts(recording)));
     }
@@ -60,9 +63,4 @@ impl<'a> Watched<'a> {
         let ended = self.server.join();
         ended.map_err(|_| Failure::run("the server of the page has failed; please report this"))
     }
-}
-
-/// The error of a model that does not fit.
-fn fault(source: OnlineError) -> ReplayError {
-    ReplayError::Verdicts { reach: "this reach".into(), source }
 }

@@ -4,10 +4,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use rayon::prelude::*;
 use serde::Serialize;
-use underbrush_recording::InputError;
-use underbrush_sim::reach::ReachError;
 
-use crate::{Comparison, Falsification};
+use crate::{Comparison, Falsification, Fault};
 
 /// One check.
 #[derive(Debug)]
@@ -26,7 +24,7 @@ pub struct Check {
 #[derive(Debug)]
 pub struct Case {
     /// Simulates it and compares it with its closed form.
-    pub compare: fn(Simulated) -> Result<Vec<Comparison>, CheckError>,
+    pub compare: fn(Simulated) -> Found,
     /// Wrong parameters that its comparisons must notice.
     pub falsifications: &'static [Falsification],
 }
@@ -50,20 +48,6 @@ impl Simulated {
     pub fn is(self, falsification: Falsification) -> bool {
         matches!(self, Simulated::Falsified(active) if active.wrong == falsification.wrong)
     }
-}
-
-/// Why a case produced no comparisons.
-#[derive(Debug, thiserror::Error)]
-pub enum CheckError {
-    /// The files of the arm are bad.
-    #[error(transparent)]
-    Input(#[from] InputError),
-    /// A reach gave no recording.
-    #[error(transparent)]
-    Reach(#[from] ReachError),
-    /// The case could not be set up or measured.
-    #[error("{0}")]
-    Case(String),
 }
 
 /// The verdict on a comparison or a check, best first.
@@ -112,27 +96,29 @@ impl Judged {
 }
 
 /// The comparisons of a case, or the error that ended it.
-pub(crate) type Found = Result<Vec<Comparison>, CheckError>;
+pub type Found = Result<Vec<Comparison>, Fault>;
 
 /// Runs a case. A panic inside the physics engine becomes an error of this case, and the other cases still run.
 pub(crate) fn run_case(case: &Case, simulated: Simulated) -> Found {
     catch_unwind(AssertUnwindSafe(|| (case.compare)(simulated)))
-        .unwrap_or_else(|_| Err(CheckError::Case("broke off inside the physics engine".into())))
+        .unwrap_or_else(|_| Err(Fault::Run("broke off inside the physics engine".into())))
+}
+
+/// What each of these jobs finds, in their order, on all cores; `done` is called after each.
+pub(crate) fn run_all<J: Sync>(jobs: &[J], find: impl Fn(&J) -> Found + Sync, done: impl Fn() + Sync) -> Vec<Found> {
+    let one = |job| {
+        let found = find(job);
+        done();
+        found
+    };
+    jobs.par_iter().with_max_len(1).map(one).collect()
 }
 
 /// Runs checks on the threads of the current rayon pool and judges them. The outcomes are in the order of `checks`.
 /// `done` is called after each case.
 pub fn run(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> Vec<Outcome> {
     let jobs: Vec<&Case> = checks.iter().flat_map(|check| check.cases).collect();
-    let found: Vec<Found> = jobs
-        .par_iter()
-        .with_max_len(1)
-        .map(|case| {
-            let found = run_case(case, Simulated::AsDescribed);
-            done();
-            found
-        })
-        .collect();
+    let found = run_all(&jobs, |case| run_case(case, Simulated::AsDescribed), done);
     let mut found = found.into_iter();
     checks
         .iter()
@@ -145,7 +131,7 @@ pub fn run(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> V
 
 /// Judges what the cases of a check found. A check without any comparison fails, and so does one with a case that ended
 /// with an error.
-pub fn judge(check: &Check, found: Vec<Result<Vec<Comparison>, CheckError>>, tolerance_scale: f64) -> Outcome {
+pub fn judge(check: &Check, found: Vec<Found>, tolerance_scale: f64) -> Outcome {
     let mut errors = Vec::new();
     let mut comparisons = Vec::new();
     for case in found {
@@ -183,7 +169,7 @@ mod tests {
         assert_eq!(judge(check, vec![Ok(Vec::new())], 1.0).verdict, Verdict::Fail);
         let good = || Ok(vec![Comparison::of("x", "m", 1.0, 1.0).absolute(0.1, "none")]);
         assert_eq!(judge(check, vec![good()], 1.0).verdict, Verdict::Pass);
-        let broken = judge(check, vec![good(), Err(CheckError::Case("no leaf".into()))], 1.0);
+        let broken = judge(check, vec![good(), Err(Fault::Run("no leaf".into()))], 1.0);
         assert_eq!((broken.verdict, broken.errors), (Verdict::Fail, vec!["no leaf".to_owned()]));
     }
 }

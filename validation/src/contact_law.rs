@@ -9,10 +9,10 @@ use underbrush_sim::arm::Arm;
 use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::object::trunk::Trunk;
 use underbrush_sim::physics::PhysicsOptions;
-use underbrush_sim::simulation::test_rig::{FreeBody, Rig};
+use underbrush_sim::simulation::test_rig::{BodyId, FreeBody, Rig};
 
-use crate::pressed_arm::{self, Beside, FOREARM_RADIUS_M, PressedArm};
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::pressed_arm::{self, Beside, FOREARM_RADIUS_M, GRAVITY_M_PER_S2, PressedArm};
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 mod thrown;
 
@@ -31,15 +31,13 @@ pub const CHECK: Check = Check {
     ],
 };
 
-const STIFF_SURFACE: Falsification =
-    Falsification { wrong: "stiffness of the simulated surface", by: "10 % too high", breaks: Breaks::Every };
-const THICK_LAYER: Falsification =
-    Falsification { wrong: "thickness of the simulated layer", by: "20 % too large", breaks: Breaks::Every };
-const STIFF_SKIN: Falsification =
-    Falsification { wrong: "stiffness of the simulated skin", by: "30 % too high", breaks: Breaks::Every };
+const STIFF_SURFACE: Falsification = Falsification::new("stiffness of the simulated surface", "10 % too high");
+const THICK_LAYER: Falsification = Falsification::new("thickness of the simulated layer", "20 % too large");
+const STIFF_SKIN: Falsification = Falsification::new("stiffness of the simulated skin", "30 % too high");
 
 const STIFFNESS_N_PER_M3: f64 = 3e7;
-const GRAVITY_M_PER_S2: f64 = 9.81;
+/// For bodies that come to rest.
+const RESTING: PhysicsOptions = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: GRAVITY_M_PER_S2 };
 
 fn soft(stiffness_n_per_m3: f64, loss_time_s: f64) -> Surface {
     Surface { compliance_m3_per_n: 1.0 / stiffness_n_per_m3, thickness_m: None, loss_time_s, friction: 0.4 }
@@ -58,6 +56,21 @@ fn lying(radius_m: f64, angle_rad: f64) -> BodyPart {
 
 fn cuboid(size_m: DVec3) -> BodyPart {
     part(BodyShape::Box { size_m }, Pose::IDENTITY)
+}
+
+/// A rig with a free body over one that is fixed and hard.
+fn on(options: PhysicsOptions, lower: &BodyPart, upper: &FreeBody) -> Result<(Rig, BodyId), Fault> {
+    let mut rig = Rig::new(options);
+    match (rig.add_fixed(lower, Surface::hard(0.4), &Pose::IDENTITY), rig.add_free(upper)) {
+        (Some(_), Some(upper)) => Ok((rig, upper)),
+        _ => Err(Fault::Run("a body without volume".into())),
+    }
+}
+
+/// A body at this height that does not turn.
+fn above(part: &BodyPart, mass_kg: f64, surface: Surface, height_m: f64) -> FreeBody {
+    let pose_world = Pose::from_position(DVec3::Z * height_m);
+    FreeBody { part: part.clone(), mass_kg, surface, pose_world, velocity_world: DVec3::ZERO, may_rotate: false }
 }
 
 /// A body that rests on another: the two shapes, the height of the upper centre over the lower one at which they just
@@ -121,25 +134,13 @@ fn bodies() -> [Resting; 4] {
 }
 
 /// Forces that bodies of very different mass exert at rest, from the depth at which they rest.
-fn resting(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn resting(simulated: Simulated) -> Found {
     let stiffness = STIFFNESS_N_PER_M3 * simulated.with(STIFF_SURFACE, 1.0, 1.1);
     let mut comparisons = Vec::new();
     for body in bodies() {
         for mass_kg in [0.005, 1.0] {
-            let mut rig = Rig::new(PhysicsOptions { step_s: 0.005, gravity_m_per_s2: GRAVITY_M_PER_S2 });
-            let lower = rig.add_fixed(&body.lower, Surface::hard(0.4), &Pose::IDENTITY);
-            let upper = rig.add_free(&FreeBody {
-                part: body.upper.clone(),
-                mass_kg,
-                // A long loss time, so that the body comes to rest soon.
-                surface: soft(stiffness, 0.05),
-                pose_world: Pose::from_position(DVec3::Z * body.height_m),
-                velocity_world: DVec3::ZERO,
-                may_rotate: false,
-            });
-            let (Some(_), Some(upper)) = (lower, upper) else {
-                return Err(CheckError::Case("a body without volume".into()));
-            };
+            let body_above = above(&body.upper, mass_kg, soft(stiffness, 0.05), body.height_m);
+            let (mut rig, upper) = on(RESTING, &body.lower, &body_above)?;
             for _ in 0..1000 {
                 rig.step();
             }
@@ -165,7 +166,7 @@ fn resting(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 const GROUND_N_PER_M3: f64 = 3e8;
 
 /// The depth at which a flat punch rests on a layer of finite thickness, from light to nearly pressed flat.
-fn pressed_flat(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn pressed_flat(simulated: Simulated) -> Found {
     const THICKNESS_M: f64 = 3e-3;
     let layer = foundation::Layer {
         stiffness_n_per_m3: STIFFNESS_N_PER_M3,
@@ -175,20 +176,9 @@ fn pressed_flat(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let [punch, table] = [PUNCH_M, 1.0].map(|side| cuboid(DVec3::new(side, side, 0.04)));
     let mut comparisons = Vec::new();
     for mass_kg in [0.5, 2.0, 8.0, 32.0] {
-        let mut rig = Rig::new(PhysicsOptions { step_s: 0.005, gravity_m_per_s2: GRAVITY_M_PER_S2 });
         let thickness_m = Some(THICKNESS_M * simulated.with(THICK_LAYER, 1.0, 1.2));
-        let lower = rig.add_fixed(&table, Surface::hard(0.4), &Pose::IDENTITY);
-        let upper = rig.add_free(&FreeBody {
-            part: punch.clone(),
-            mass_kg,
-            surface: Surface { thickness_m, ..soft(STIFFNESS_N_PER_M3, 0.05) },
-            pose_world: Pose::from_position(DVec3::Z * 0.04),
-            velocity_world: DVec3::ZERO,
-            may_rotate: false,
-        });
-        let (Some(_), Some(upper)) = (lower, upper) else {
-            return Err(CheckError::Case("a body without volume".into()));
-        };
+        let surface = Surface { thickness_m, ..soft(STIFFNESS_N_PER_M3, 0.05) };
+        let (mut rig, upper) = on(RESTING, &table, &above(&punch, mass_kg, surface, 0.04))?;
         for _ in 0..1000 {
             rig.step();
         }
@@ -203,7 +193,7 @@ fn pressed_flat(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 }
 
 /// A trunk pressed into the skin near the wrist, in the middle and near the elbow.
-fn along_the_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn along_the_forearm(simulated: Simulated) -> Found {
     const RADIUS_M: f64 = 0.015;
     let arm = Arm::cody()?;
     let mut comparisons = Vec::new();

@@ -7,7 +7,7 @@ use underbrush_oracles::{beam, order};
 use crate::joint_step::{self, STIFF_JOINT};
 use crate::leaf_case::{ClampedLeaf, LENGTH_M, MASS_PER_LENGTH_KG_PER_M, RIGIDITY_N_M2, STIFF_BLADE, blade};
 use crate::leaf_vibration::{LOSS_FACTOR, LOSSY_BLADE, pluck};
-use crate::{Case, Check, CheckError, Comparison, Simulated};
+use crate::{Case, Check, Comparison, Found, Simulated};
 
 /// Check 13. Its falsifications add errors that do not fall with the step or the number of hinges.
 pub const CHECK: Check = Check {
@@ -24,7 +24,7 @@ pub const CHECK: Check = Check {
 const REASON: &str = "0.2: fit of a straight line on a log-log scale; terms of the next order bend it";
 const STEPS_S: [f64; 3] = [4e-4, 2e-4, 1e-4];
 
-fn leaf_in_step(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn leaf_in_step(simulated: Simulated) -> Found {
     let exact = Oscillator {
         frequency_rad_per_s: beam::first_frequency_rad_per_s(LENGTH_M, RIGIDITY_N_M2, MASS_PER_LENGTH_KG_PER_M),
         damping_ratio: LOSS_FACTOR / 2.0,
@@ -40,7 +40,7 @@ fn leaf_in_step(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     ])
 }
 
-fn joint_in_step(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn joint_in_step(simulated: Simulated) -> Found {
     let mut errors = Vec::new();
     for step_s in STEPS_S.map(|step_s| step_s / 4.0) {
         let response = joint_step::respond(simulated, step_s)?;
@@ -55,7 +55,7 @@ fn joint_in_step(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 /// Gauss-Legendre quadrature is exact for a load at the tip. For a load below the tip, the deflection's integrand is (a
 /// − x)² up to the load and 0 above it. Its second derivative jumps, so the error falls with n⁻³. The error oscillates
 /// with the load's position between two hinges, so its root mean square over positions is used.
-fn leaf_in_hinges(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn leaf_in_hinges(simulated: Simulated) -> Found {
     let rigidity = RIGIDITY_N_M2 * simulated.with(STIFF_BLADE, 1.0, 1.05);
     let load_n = 0.002;
     let places = (0..PLACES).map(|index| LENGTH_M * (0.5 + 0.4 * (f64::from(index) + 0.5) / f64::from(PLACES)));

@@ -9,10 +9,9 @@ use underbrush_sim::arm::Arm;
 use underbrush_sim::campaign::{self, Job};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
-use underbrush_sim::simulation::StateError;
 
 use crate::pressed_arm::{Beside, LEAF, OPTIONS, PressedArm};
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 15.
 pub const CHECK: Check = Check {
@@ -27,16 +26,10 @@ pub const CHECK: Check = Check {
     ],
 };
 
-const OTHER_SEED: Falsification =
-    Falsification { wrong: "seed of the second run", by: "1 instead of 0", breaks: Breaks::Every };
-const OTHER_PUSH: Falsification = Falsification {
-    wrong: "equilibrium angles of the copied simulation",
-    by: "1 µrad too large",
-    breaks: Breaks::Every,
-};
+const OTHER_SEED: Falsification = Falsification::new("seed of the second run", "1 instead of 0");
+const OTHER_PUSH: Falsification = Falsification::new("equilibrium angles of the copied simulation", "1 µrad too large");
 
-const LOST_VELOCITIES: Falsification =
-    Falsification { wrong: "part of the saved state", by: "joint velocities lost", breaks: Breaks::Every };
+const LOST_VELOCITIES: Falsification = Falsification::new("part of the saved state", "joint velocities lost");
 
 /// Few objects and one goal: short reaches that touch leaves, a trunk and foam.
 const SCENE: &str = r#"
@@ -57,7 +50,7 @@ fn same(quantity: &str, differing: usize) -> Comparison {
     Comparison::of(quantity, "bytes", 0.0, differing as f64).absolute(1.0, "1 byte: every bit must be equal")
 }
 
-fn repeated(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn repeated(simulated: Simulated) -> Found {
     let seed = simulated.with(OTHER_SEED, 0, 1);
     let first = reaches(0, 1)?;
     let again = reaches(seed, 1)?;
@@ -68,12 +61,12 @@ fn repeated(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     ])
 }
 
-fn copied(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn copied(simulated: Simulated) -> Found {
     let [original, copy] = copy(simulated.with(OTHER_PUSH, 0.0, 1e-6))?;
     Ok(vec![same("bytes that differ between a simulation and its copy within a second", differing(&original, &copy))])
 }
 
-fn restored(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn restored(simulated: Simulated) -> Found {
     let [original, loaded] = restore(simulated.is(LOST_VELOCITIES))?;
     Ok(vec![same(
         "bytes that differ between a simulation and one loaded from its saved state, to the end of a reach",
@@ -82,10 +75,10 @@ fn restored(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 }
 
 /// The bytes of all reaches of a campaign, in their order, simulated in a thread pool with this many threads.
-fn reaches(seed: u64, threads: usize) -> Result<Vec<u8>, CheckError> {
+fn reaches(seed: u64, threads: usize) -> Result<Vec<u8>, Fault> {
     let plan = ReachPlan::new(Scene::parse("determinism.toml", SCENE.into())?, None, seed)?;
     let jobs: Vec<Job> = (0..REACHES).map(|reach_index| Job { plan: 0, reach_index }).collect();
-    let fault = |error: &dyn std::fmt::Display| CheckError::Case(error.to_string());
+    let fault = |error: &dyn std::fmt::Display| Fault::Run(error.to_string());
     let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| fault(&error))?;
     let done: Mutex<Vec<(usize, Vec<u8>)>> = Mutex::default();
     let run = || {
@@ -109,7 +102,7 @@ fn bytes(recording: &Recording) -> Vec<u8> {
 
 /// The reports of a simulation and of its copy, as bytes. The copy is made in the middle of a push on a leaf, and both
 /// run for another second. The equilibrium angles of the copy are larger by `more_rad`.
-fn copy(more_rad: f64) -> Result<[Vec<u8>; 2], CheckError> {
+fn copy(more_rad: f64) -> Result<[Vec<u8>; 2], Fault> {
     let arm = Arm::cody()?;
     let mut pressed = PressedArm::new(arm.clone(), arm, Beside::facing(Box::new(LEAF), 0.002, 0.3), OPTIONS)?;
     let equilibrium = pressed.moving_rad(0.03);
@@ -128,8 +121,7 @@ fn copy(more_rad: f64) -> Result<[Vec<u8>; 2], CheckError> {
 
 /// The reports of a simulation and of one that was loaded from its saved state, as bytes, from the middle of a reach to
 /// its end. With `lost`, the loaded one has lost its joint velocities.
-fn restore(lost: bool) -> Result<[Vec<u8>; 2], CheckError> {
-    let fault = |error: StateError| CheckError::Case(error.to_string());
+fn restore(lost: bool) -> Result<[Vec<u8>; 2], Fault> {
     let plan = ReachPlan::new(Scene::parse("determinism.toml", SCENE.into())?, None, 0)?;
     let frames = plan.run(0, &mut |_, _| {})?.frames;
     let (before, after) = frames.split_at(frames.len() / 2);
@@ -138,7 +130,7 @@ fn restore(lost: bool) -> Result<[Vec<u8>; 2], CheckError> {
         original.step(&frame.equilibrium_angle_rad);
     }
     let mut loaded = plan.simulation(0)?;
-    loaded.load(&original.save().map_err(fault)?).map_err(fault)?;
+    loaded.load(&original.save()?)?;
     if lost {
         loaded.set_joint_velocity(&vec![0.0; plan.arm.joints.len()]);
     }

@@ -5,7 +5,7 @@ use underbrush_sim::object::structure::Axis;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::test_rig::{BodyId, Rig};
 
-use crate::CheckError;
+use crate::Fault;
 
 /// One step of a driven path.
 #[derive(Clone, Copy, Debug)]
@@ -34,10 +34,10 @@ impl Driven {
     ///
     /// # Errors
     /// When the object has no such body.
-    pub fn new(object: &dyn Object, gravity_m_per_s2: f64, body: usize, axis: Axis) -> Result<Self, CheckError> {
+    pub fn new(object: &dyn Object, gravity_m_per_s2: f64, body: usize, axis: Axis) -> Result<Self, Fault> {
         let mut rig = Rig::new(PhysicsOptions { step_s: Self::STEP_S, gravity_m_per_s2 });
         let body = rig.add_object(object).get(body).copied();
-        Ok(Driven { rig, body: body.ok_or_else(|| CheckError::Case("the object has no such body".into()))?, axis })
+        Ok(Driven { rig, body: body.ok_or_else(|| Fault::Run("the object has no such body".into()))?, axis })
     }
 
     fn place(&self) -> f64 {

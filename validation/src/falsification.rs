@@ -1,10 +1,9 @@
 //! Checks with one parameter of the simulated side wrong on purpose: every comparison must fail under one of them.
 
-use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::check::{Found, run_case};
-use crate::{Case, Check, CheckError, Comparison, Falsification, Judged, Simulated, Verdict};
+use crate::check::{run_all, run_case};
+use crate::{Case, Check, Falsification, Found, Judged, Simulated, Verdict};
 
 /// The results of the falsifications of one check.
 #[derive(Clone, Debug, Serialize)]
@@ -54,15 +53,7 @@ pub struct FalsifiedRun {
 pub fn falsify(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> Vec<FalsifiedOutcome> {
     let falsified = |case: &'static Case| case.falsifications.iter().map(move |wrong| (case, *wrong));
     let jobs: Vec<(&Case, Falsification)> = checks.iter().flat_map(|check| check.cases).flat_map(falsified).collect();
-    let found: Vec<Found> = jobs
-        .par_iter()
-        .with_max_len(1)
-        .map(|(case, wrong)| {
-            let found = run_case(case, Simulated::Falsified(*wrong));
-            done();
-            found
-        })
-        .collect();
+    let found = run_all(&jobs, |(case, wrong)| run_case(case, Simulated::Falsified(*wrong)), done);
     let mut found = found.into_iter();
     checks
         .iter()
@@ -76,11 +67,7 @@ pub fn falsify(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) 
 
 /// Judges what the cases of a check found. `found` has the results of each case under its falsifications, in their
 /// order.
-pub fn judge_falsified(
-    check: &Check,
-    found: Vec<Vec<Result<Vec<Comparison>, CheckError>>>,
-    tolerance_scale: f64,
-) -> FalsifiedOutcome {
+pub fn judge_falsified(check: &Check, found: Vec<Vec<Found>>, tolerance_scale: f64) -> FalsifiedOutcome {
     let mut falsifications = Vec::new();
     let mut comparisons = Vec::new();
     let mut faults = Vec::new();
@@ -139,11 +126,10 @@ pub fn judge_falsified(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Breaks;
+    use crate::{Comparison, Fault};
 
-    const LONG: Falsification =
-        Falsification { wrong: "length", by: "1 % too long", breaks: Breaks::Named(&["length"]) };
-    const HEAVY: Falsification = Falsification { wrong: "mass", by: "1 % too high", breaks: Breaks::Every };
+    const LONG: Falsification = Falsification::new("length", "1 % too long").breaking(&["length"]);
+    const HEAVY: Falsification = Falsification::new("mass", "1 % too high");
 
     /// A length and a mass. A wrong value of each is noticed by one comparison only.
     fn compare(simulated: Simulated) -> Found {
@@ -181,7 +167,7 @@ mod tests {
     fn what_cannot_be_judged_is_a_fault() {
         const ALONE: Check = check(&[Case { compare, falsifications: &[LONG] }]);
         let faults = |found: Found| judge_falsified(&ALONE, vec![vec![found]], 1.0).faults;
-        let broken_off = faults(Err(CheckError::Case("no leaf".into())));
+        let broken_off = faults(Err(Fault::Run("no leaf".into())));
         assert_eq!(broken_off, ["with length, 1 % too long: no leaf", "a case without comparisons"]);
         let other = Comparison::of("mass", "kg", 0.0, 1.0).absolute(0.1, "none");
         assert_eq!(faults(Ok(vec![other])), ["with length, 1 % too long: no comparison is named \"length\""]);

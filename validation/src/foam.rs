@@ -6,7 +6,8 @@ use underbrush_sim::object::foam_roll::FoamRoll;
 use underbrush_sim::object::structure::Axis;
 
 use crate::driven::Driven;
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::pressed_arm::{GRAVITY_M_PER_S2, ROLL};
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 11.
 pub const CHECK: Check = Check {
@@ -15,46 +16,28 @@ pub const CHECK: Check = Check {
     summary: "Foam blocks and rolls behave as bars of a standard linear solid, and never give back more work than was put in",
     cases: &[
         Case { compare: pressed_block, falsifications: &[STIFF_FOAM] },
-        Case {
-            compare: held_slice,
-            falsifications: &[Falsification { breaks: Breaks::Named(&["force at 1 cm"]), ..STIFF_FOAM }, SLOW_FOAM],
-        },
+        Case { compare: held_slice, falsifications: &[STIFF_FOAM.breaking(&["force at 1 cm"]), SLOW_FOAM] },
         Case { compare: cycled_slice, falsifications: &[STIFF_FOAM] },
         Case { compare: wandering_slice, falsifications: &[DRIVING_FOAM] },
         Case { compare: returning_slice, falsifications: &[RELAXING_FOAM] },
     ],
 };
 
-const STIFF_FOAM: Falsification =
-    Falsification { wrong: "modulus of the simulated foam", by: "5 % too high", breaks: Breaks::Every };
-const SLOW_FOAM: Falsification = Falsification {
-    wrong: "relaxation time of the simulated roll",
-    by: "10 % too long",
-    breaks: Breaks::Named(&["relaxation time"]),
-};
-const RELAXING_FOAM: Falsification =
-    Falsification { wrong: "relaxing share of the simulated roll", by: "20 % too high", breaks: Breaks::Every };
-const DRIVING_FOAM: Falsification =
-    Falsification { wrong: "sign of the simulated roll's relaxing share", by: "negative", breaks: Breaks::Every };
+const STIFF_FOAM: Falsification = Falsification::new("modulus of the simulated foam", "5 % too high");
+const SLOW_FOAM: Falsification =
+    Falsification::new("relaxation time of the simulated roll", "10 % too long").breaking(&["relaxation time"]);
+const RELAXING_FOAM: Falsification = Falsification::new("relaxing share of the simulated roll", "20 % too high");
+const DRIVING_FOAM: Falsification = Falsification::new("sign of the simulated roll's relaxing share", "negative");
 
-const GRAVITY_M_PER_S2: f64 = 9.81;
 /// The parameters of the blocks, which the closed forms use.
 const DENSITY_KG_PER_M3: f64 = 25.0;
 const BLOCK_AREA_M2: f64 = 0.25 * 0.10;
 const WET_RELAXING_SHARE: f64 = 0.3;
 const BLOCK: FoamBlock = FoamBlock { height_m: 0.08, wet: true, modulus_pa: 5.0e4, stands_free: false };
-const ROLL: FoamRoll = FoamRoll {
-    diameter_m: 0.12,
-    height_m: 0.5,
-    modulus_pa: 1.0e5,
-    relaxing_share: 0.5,
-    relaxation_time_s: 2.0,
-    density_kg_per_m3: 30.0,
-};
 /// Index of the driven slice, of ten, counted from the table.
 const SLICE: usize = 6;
 
-fn pressed_block(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn pressed_block(simulated: Simulated) -> Found {
     let block = FoamBlock { modulus_pa: BLOCK.modulus_pa * simulated.with(STIFF_FOAM, 1.0, 1.05), ..BLOCK };
     let sag = foam::sag_m(DENSITY_KG_PER_M3, GRAVITY_M_PER_S2, BLOCK.height_m, BLOCK.modulus_pa);
     let mut standing = Driven::new(&block, GRAVITY_M_PER_S2, 1, Axis::TranslationZ)?;
@@ -97,7 +80,7 @@ fn roll(simulated: Simulated) -> FoamRoll {
 }
 
 /// One slice of the simulated roll, which can be driven sideways.
-fn slice(simulated: Simulated) -> Result<Driven, CheckError> {
+fn slice(simulated: Simulated) -> Result<Driven, Fault> {
     Driven::new(&roll(simulated), 0.0, 3 + SLICE, Axis::TranslationX)
 }
 
@@ -114,7 +97,7 @@ fn solid() -> StandardLinearSolid {
 /// How far the slice is driven, m.
 const DEPTH_M: f64 = 0.01;
 
-fn held_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn held_slice(simulated: Simulated) -> Found {
     let held = slice(simulated)?.drive(|_| DEPTH_M, 6.0);
     let at = |time_s: f64| held[(time_s / Driven::STEP_S) as usize].force;
     let (first, early, late) = (at(0.1), at(1.0), at(3.0));
@@ -128,7 +111,7 @@ fn held_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     ])
 }
 
-fn cycled_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn cycled_slice(simulated: Simulated) -> Found {
     let frequency = 1.0 / ROLL.relaxation_time_s;
     let period_s = std::f64::consts::TAU / frequency;
     // The first cycles let the dashpot settle: after each cycle, e^(−2π) of its transient is left.
@@ -145,7 +128,7 @@ fn cycled_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     ])
 }
 
-fn wandering_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn wandering_slice(simulated: Simulated) -> Found {
     let min = min_work(&slice(simulated)?.drive(wander, 20.0)) / (solid().stiffness * DEPTH_M * DEPTH_M);
     Ok(vec![
         Comparison::of("roll's slice, largest net work returned along an irregular path, over k x²", "", 0.0, -min)
@@ -154,7 +137,7 @@ fn wandering_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
 }
 
 /// Moves the slice by 1 cm and back, one second each way. At half the distance it pushes less on the way back.
-fn returning_slice(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn returning_slice(simulated: Simulated) -> Found {
     let way = slice(simulated)?.drive(|time_s| DEPTH_M * (1.0 - (time_s - 1.0).abs()).max(0.0), 2.0);
     // The first point is the one after one step.
     let force_n = |time_s: f64| way[(time_s / Driven::STEP_S).round() as usize - 1].force;

@@ -9,7 +9,7 @@ use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::sensor::{Sensor, SensorOptions};
 use underbrush_sim::simulation::{JointState, Setup, Simulation};
 
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 8.
 pub const CHECK: Check = Check {
@@ -22,25 +22,18 @@ pub const CHECK: Check = Check {
     ],
 };
 
-const DAMPERS_LEFT_ON: Falsification = Falsification {
-    wrong: "dampers of the simulated joints",
-    by: "1e-4 Nm s/rad instead of none",
-    breaks: Breaks::Named(&["after 5 s"]),
-};
-const LONG_STEP: Falsification = Falsification {
-    wrong: "the shortest step of the engine",
-    by: "twice as long",
-    breaks: Breaks::Named(&["order in the step"]),
-};
-const DRIVING_DAMPERS: Falsification =
-    Falsification { wrong: "sign of the simulated joints' dampers", by: "negative", breaks: Breaks::Every };
+const DAMPERS_LEFT_ON: Falsification =
+    Falsification::new("dampers of the simulated joints", "1e-4 Nm s/rad instead of none").breaking(&["after 5 s"]);
+const LONG_STEP: Falsification =
+    Falsification::new("the shortest step of the engine", "twice as long").breaking(&["order in the step"]);
+const DRIVING_DAMPERS: Falsification = Falsification::new("sign of the simulated joints' dampers", "negative");
 
 const STEP_S: f64 = 1e-3;
 const SECONDS: f64 = 5.0;
 /// Joint velocities of a typical reach, rad/s.
 const VELOCITY_RAD_PER_S: [f64; 7] = [0.3, -0.2, 0.4, -0.3, 0.5, 0.3, -0.4];
 
-fn free(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn free(simulated: Simulated) -> Found {
     let mut arm = Arm::cody()?;
     for joint in &mut arm.joints {
         joint.stiffness_nm_per_rad = 0.0;
@@ -72,7 +65,7 @@ fn free(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 }
 
 /// The arm as it is, but a hundred times less damped, so that it vibrates through all five seconds.
-fn sprung(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn sprung(simulated: Simulated) -> Found {
     let mut arm = Arm::cody()?;
     for joint in &mut arm.joints {
         joint.damping_nm_s_per_rad /= simulated.with(DRIVING_DAMPERS, 100.0, -100.0);
@@ -97,7 +90,7 @@ fn largest_rise(name: &str, energies_j: &[f64]) -> Comparison {
 }
 
 /// Energy, J, at the start and after each step, of an arm that is released in its start posture with some velocity.
-fn energies_j(mut arm: Arm, step_s: f64) -> Result<Vec<f64>, CheckError> {
+fn energies_j(mut arm: Arm, step_s: f64) -> Result<Vec<f64>, Fault> {
     for joint in &mut arm.joints {
         joint.limits_rad = [f64::NEG_INFINITY, f64::INFINITY];
     }

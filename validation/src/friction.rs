@@ -9,8 +9,8 @@ use underbrush_sim::object::trunk::Trunk;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::test_rig::{FreeBody, Rig};
 
-use crate::pressed_arm::{self, Beside, PressedArm, SLIDING_M_PER_S, friction_of, with_friction};
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::pressed_arm::{self, Beside, GRAVITY_M_PER_S2, PressedArm, SLIDING_M_PER_S, friction_of, with_friction};
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 7.
 pub const CHECK: Check = Check {
@@ -24,29 +24,24 @@ pub const CHECK: Check = Check {
     ],
 };
 
-const SMOOTH_BOX: Falsification =
-    Falsification { wrong: "friction of the simulated box", by: "10 % too low", breaks: Breaks::Every };
-const SMOOTH_FLOOR: Falsification = Falsification {
-    wrong: "friction under the simulated box that slides in twelve directions",
-    by: "10 % too low, and a floor that slopes by 1 %",
-    breaks: Breaks::Every,
-};
-const ROUGH_FOREARM: Falsification = Falsification {
-    wrong: "friction between the simulated forearm and trunk",
-    by: "twice what the arm's file says",
-    breaks: Breaks::Named(&["largest shear", "dragged"]),
-};
-const TILTED_AXIS: Falsification = Falsification {
-    wrong: "axis of the simulated arm's first joint",
-    by: "tilted by 10°, so that the forearm slides another way",
-    breaks: Breaks::Named(&["share of the friction force"]),
-};
+const SMOOTH_BOX: Falsification = Falsification::new("friction of the simulated box", "10 % too low");
+const SMOOTH_FLOOR: Falsification = Falsification::new(
+    "friction under the simulated box that slides in twelve directions",
+    "10 % too low, and a floor that slopes by 1 %",
+);
+const ROUGH_FOREARM: Falsification =
+    Falsification::new("friction between the simulated forearm and trunk", "twice what the arm's file says")
+        .breaking(&["largest shear", "dragged"]);
+const TILTED_AXIS: Falsification = Falsification::new(
+    "axis of the simulated arm's first joint",
+    "tilted by 10°, so that the forearm slides another way",
+)
+.breaking(&["share of the friction force"]);
 
-const GRAVITY_M_PER_S2: f64 = 9.81;
 const FRICTION: f64 = 0.4;
 const OPTIONS: PhysicsOptions = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: GRAVITY_M_PER_S2 };
 
-fn boxes(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn boxes(simulated: Simulated) -> Found {
     let friction = FRICTION * simulated.with(SMOOTH_BOX, 1.0, 0.9);
     let mut comparisons = Vec::new();
     for (name, may_rotate) in [("box that cannot rotate", false), ("free box", true)] {
@@ -84,7 +79,7 @@ fn boxes(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 
 /// The forearm sliding along a trunk: the largest shear on a taxel over μ times its normal force, the share of the
 /// friction that opposes the slip, and the normal force that balances the joints.
-fn sliding_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn sliding_forearm(simulated: Simulated) -> Found {
     const FRAMES: u32 = 50;
     // From this frame on the arm hardly speeds up any more.
     const STEADY: u32 = 40;
@@ -148,7 +143,7 @@ fn sliding_forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
 
 /// A free box that slides over a level floor in twelve directions: its slowest and fastest deceleration, and the
 /// largest angle between friction and slip.
-fn every_direction(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn every_direction(simulated: Simulated) -> Found {
     const SPEED_M_PER_S: f64 = 1.0;
     const STEPS: u32 = 20;
     let surface = Surface::hard(FRICTION * simulated.with(SMOOTH_FLOOR, 1.0, 0.9));
@@ -167,7 +162,7 @@ fn every_direction(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> 
             velocity_world: direction * SPEED_M_PER_S,
             may_rotate: true,
         });
-        let sliding = sliding.ok_or_else(|| CheckError::Case("a box without volume".into()))?;
+        let sliding = sliding.ok_or_else(|| Fault::Run("a box without volume".into()))?;
         for _ in 0..STEPS {
             rig.step();
         }

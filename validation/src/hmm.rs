@@ -7,7 +7,7 @@ use underbrush_classifier::feature::Observations;
 use underbrush_classifier::hmm::{GaussianHmm, HmmParameters, ScoreKind, Scorer, TrainingOptions, train};
 use underbrush_oracles::markov::{log_normal_density, log_sum_over_paths};
 
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 17.
 pub const CHECK: Check = Check {
@@ -22,35 +22,19 @@ pub const CHECK: Check = Check {
 };
 
 const OTHER_TRANSITION: Falsification =
-    Falsification { wrong: "a transition probability of the scored model", by: "0.01 too high", breaks: Breaks::Every };
-const SPLIT_DATA: Falsification = Falsification {
-    wrong: "sequences that an iteration fits",
-    by: "half of them, alternating between the two halves",
-    breaks: Breaks::Every,
-};
-const HIGH_MEANS: Falsification = Falsification {
-    wrong: "means that sequences are drawn with",
-    by: "10 % too high",
-    breaks: Breaks::Named(&["mean of"]),
-};
-const WIDE_STATES: Falsification = Falsification {
-    wrong: "variances that sequences are drawn with",
-    by: "20 % too high",
-    breaks: Breaks::Named(&["variance of"]),
-};
-const SHORT_STATES: Falsification = Falsification {
-    wrong: "probabilities of staying that sequences are drawn with",
-    by: "0.05 too low",
-    breaks: Breaks::Named(&["stays"]),
-};
+    Falsification::new("a transition probability of the scored model", "0.01 too high");
+const SPLIT_DATA: Falsification =
+    Falsification::new("sequences that an iteration fits", "half of them, alternating between the two halves");
+const HIGH_MEANS: Falsification =
+    Falsification::new("means that sequences are drawn with", "10 % too high").breaking(&["mean of"]);
+const WIDE_STATES: Falsification =
+    Falsification::new("variances that sequences are drawn with", "20 % too high").breaking(&["variance of"]);
+const SHORT_STATES: Falsification =
+    Falsification::new("probabilities of staying that sequences are drawn with", "0.05 too low").breaking(&["stays"]);
 
 /// Number of training sequences, and of samples in each.
 const SEQUENCES: usize = 200;
 const SAMPLES: usize = 100;
-
-fn fault(error: impl std::fmt::Display) -> CheckError {
-    CheckError::Case(error.to_string())
-}
 
 fn univariate(initial: &[f64], transition: &[&[f64]], mean: &[f64], variance: &[f64]) -> HmmParameters {
     HmmParameters {
@@ -61,7 +45,7 @@ fn univariate(initial: &[f64], transition: &[&[f64]], mean: &[f64], variance: &[
     }
 }
 
-fn forward(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn forward(simulated: Simulated) -> Found {
     let off = simulated.with(OTHER_TRANSITION, 0.0, 0.01);
     let models = [
         (
@@ -84,7 +68,7 @@ fn forward(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         ),
     ];
     let samples = [0.2, 0.0, 0.7, 1.4, 2.2, 2.0, 2.9];
-    let observations = Observations::new(1, samples.to_vec()).map_err(fault)?;
+    let observations = Observations::new(1, samples.to_vec())?;
     let mut comparisons = Vec::new();
     for (name, parameters) in models {
         let density = |sample: &f64| -> Vec<f64> {
@@ -97,8 +81,8 @@ fn forward(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         let mut scored = parameters;
         scored.transition[0][0] += off;
         scored.transition[0][1] -= off;
-        let model = GaussianHmm::new(scored).map_err(|error| CheckError::Case(format!("{error:?}")))?;
-        let found = Scorer::from(model).log_probability(ScoreKind::Forward, &observations).map_err(fault)?;
+        let model = GaussianHmm::new(scored).map_err(|error| Fault::Run(format!("{error:?}")))?;
+        let found = Scorer::from(model).log_probability(ScoreKind::Forward, &observations)?;
         comparisons.push(
             Comparison::of(format!("forward score, {name}, 3 states, 7 samples"), "nat", expected, found)
                 .relative(1e-12, "1e-12: rounding of some hundred sums and products"),
@@ -113,26 +97,26 @@ fn truth() -> HmmParameters {
 }
 
 /// The model that training starts from.
-fn start() -> Result<GaussianHmm, CheckError> {
+fn start() -> Result<GaussianHmm, Fault> {
     let start = univariate(&[0.5, 0.5], &[&[0.5, 0.5], &[0.5, 0.5]], &[0.0, 3.0], &[1.0, 1.0]);
-    GaussianHmm::new(start).map_err(|error| CheckError::Case(format!("{error:?}")))
+    GaussianHmm::new(start).map_err(|error| Fault::Run(format!("{error:?}")))
 }
 
-fn drawn(parameters: &HmmParameters) -> Result<Vec<Observations>, CheckError> {
+fn drawn(parameters: &HmmParameters) -> Result<Vec<Observations>, Fault> {
     let mut random = ChaCha8Rng::seed_from_u64(17);
     (0..SEQUENCES).map(|_| draw(parameters, &mut random)).collect()
 }
 
 /// Trains one iteration at a time and scores all sequences after each. The likelihood that training itself reports is
 /// not used.
-fn likelihood(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn likelihood(simulated: Simulated) -> Found {
     let sequences = drawn(&truth())?;
     let (one, other) = sequences.split_at(SEQUENCES / 2);
     let options = TrainingOptions { iterations: 1, tolerance: 0.0, ..TrainingOptions::default() };
-    let score = |model: &GaussianHmm| -> Result<f64, CheckError> {
+    let score = |model: &GaussianHmm| -> Result<f64, Fault> {
         let scorer = Scorer::from(model.clone());
         let scores = sequences.iter().map(|sequence| scorer.log_probability(ScoreKind::Forward, sequence));
-        scores.map(|score| score.map_err(fault)).sum()
+        Ok(scores.sum::<Result<f64, _>>()?)
     };
     let mut model = start()?;
     let mut before = score(&model)?;
@@ -140,7 +124,7 @@ fn likelihood(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     for iteration in 0..ITERATIONS {
         let half = if iteration % 2 == 0 { one } else { other };
         let fitted_to = simulated.with(SPLIT_DATA, &sequences[..], half);
-        model = train(&model, fitted_to, &options).map_err(fault)?.0;
+        model = train(&model, fitted_to, &options).map_err(|error| Fault::Run(error.to_string()))?.0;
         let after = score(&model)?;
         fall = fall.max((before - after) / before.abs());
         before = after;
@@ -157,7 +141,7 @@ const ITERATIONS: usize = 40;
 /// The tolerances are four standard errors of an estimate from n independent samples whose state is known: σ / √n for a
 /// mean, σ² √(2/n) for a variance, √(p (1 − p) / n) for a probability. The states here are at least three standard
 /// deviations of the wider one apart, so they are nearly known.
-fn recovered(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn recovered(simulated: Simulated) -> Found {
     let truth = truth();
     let mut wrong = truth.clone();
     for state in 0..2 {
@@ -168,7 +152,7 @@ fn recovered(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         wrong.transition[state][1 - state] += leaving;
     }
     let options = TrainingOptions { tolerance: 1e-9, ..TrainingOptions::default() };
-    let (model, _) = train(&start()?, &drawn(&wrong)?, &options).map_err(fault)?;
+    let (model, _) = train(&start()?, &drawn(&wrong)?, &options).map_err(|error| Fault::Run(error.to_string()))?;
     let found = model.parameters();
     // A chain of two states is in the first state for p₂₁ / (p₁₂ + p₂₁) of the time.
     let leaving = [truth.transition[0][1], truth.transition[1][0]];
@@ -206,7 +190,7 @@ fn recovered(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 }
 
 /// Draws one sequence from a model.
-fn draw(parameters: &HmmParameters, random: &mut ChaCha8Rng) -> Result<Observations, CheckError> {
+fn draw(parameters: &HmmParameters, random: &mut ChaCha8Rng) -> Result<Observations, Fault> {
     let choose = |weights: &[f64], random: &mut ChaCha8Rng| {
         let mut left: f64 = random.random();
         let chosen = weights.iter().position(|weight| {
@@ -222,5 +206,5 @@ fn draw(parameters: &HmmParameters, random: &mut ChaCha8Rng) -> Result<Observati
         values.push(parameters.mean[state][0] + standard * parameters.covariance[state][0][0].sqrt());
         state = choose(&parameters.transition[state], random);
     }
-    Observations::new(1, values).map_err(fault)
+    Ok(Observations::new(1, values)?)
 }

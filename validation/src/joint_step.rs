@@ -6,7 +6,7 @@ use underbrush_sim::arm::Arm;
 use underbrush_sim::physics::PhysicsOptions;
 
 use crate::leaf_case::measure_vibration;
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated, free_arm};
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated, free_arm};
 
 /// Check 9.
 pub const CHECK: Check = Check {
@@ -17,8 +17,7 @@ pub const CHECK: Check = Check {
 };
 
 /// The joint's spring is stiffer than the arm's file says.
-pub const STIFF_JOINT: Falsification =
-    Falsification { wrong: "stiffness of the simulated joint", by: "5 % too high", breaks: Breaks::Every };
+pub const STIFF_JOINT: Falsification = Falsification::new("stiffness of the simulated joint", "5 % too high");
 
 const STEP_S: f64 = 1e-4;
 const SECONDS: f64 = 1.0;
@@ -26,7 +25,7 @@ const TARGET_RAD: f64 = 0.1;
 /// Cody's shoulder is nearly critically damped. With a tenth of that damping, the response shows a period.
 const DAMPING_RATIO: f64 = 0.1;
 
-fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn compare(simulated: Simulated) -> Found {
     let response = respond(simulated, STEP_S)?;
     let expected = response.exact;
     let about_target: Vec<f64> = response.angles.iter().map(|angle| angle - 1.0).collect();
@@ -70,7 +69,7 @@ impl Response {
 }
 
 /// Simulates the response of the shoulder, with only the link on it, to a step of its equilibrium angle.
-pub fn respond(simulated: Simulated, step_s: f64) -> Result<Response, CheckError> {
+pub fn respond(simulated: Simulated, step_s: f64) -> Result<Response, Fault> {
     // The posture does not matter for a single joint.
     let mut arm = Arm::cody()?;
     arm.joints.truncate(1);

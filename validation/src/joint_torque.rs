@@ -8,7 +8,7 @@ use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::trunk::Trunk;
 
 use crate::pressed_arm::{Beside, LEAF, OPTIONS, PressedArm};
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::{Case, Check, Comparison, Falsification, Found, Simulated};
 
 /// Check 6.
 pub const CHECK: Check = Check {
@@ -18,10 +18,9 @@ pub const CHECK: Check = Check {
     cases: &[Case { compare, falsifications: &[STIFF_JOINTS] }],
 };
 
-const STIFF_JOINTS: Falsification =
-    Falsification { wrong: "stiffness of the simulated joints", by: "1 % too high", breaks: Breaks::Every };
+const STIFF_JOINTS: Falsification = Falsification::new("stiffness of the simulated joints", "1 % too high");
 
-fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn compare(simulated: Simulated) -> Found {
     let trunk = || -> Box<dyn Object> { Box::new(Trunk { diameter_m: 0.03, height_m: 0.6 }) };
     let leaf = || -> Box<dyn Object> { Box::new(Leaf { loss_factor: 0.3, ..LEAF }) };
     let mut comparisons = Vec::new();

@@ -12,15 +12,14 @@ use underbrush_recording::Pose as WorldPose;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::dynamics::{Coordinate, Tree};
 use underbrush_sim::object::Object;
-use underbrush_sim::object::blade::SHEET_TORSION_OVER_BENDING;
 use underbrush_sim::object::foam_block::FoamBlock;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::water_bottle::WaterBottle;
 use underbrush_sim::physics::{PhysicsOptions, Theta};
 use underbrush_sim::simulation::test_rig::{LinkDescription, Rig};
 
-use crate::portrait::roll;
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::pressed_arm::{GRAVITY_M_PER_S2, LEAF, ROLL};
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 20.
 pub const CHECK: Check = Check {
@@ -30,20 +29,13 @@ pub const CHECK: Check = Check {
     cases: &[Case { compare, falsifications: &[HEAVY_LINKS, STRONG_GRAVITY] }],
 };
 
-const HEAVY_LINKS: Falsification = Falsification {
-    wrong: "mass of every simulated link",
-    by: "0.1 % too high",
+const HEAVY_LINKS: Falsification = Falsification::new("mass of every simulated link", "0.1 % too high")
     // A free body falls as fast whatever its mass.
-    breaks: Breaks::Named(&["leaf", "roll", "block", "arm"]),
-};
-const STRONG_GRAVITY: Falsification = Falsification {
-    wrong: "gravity",
-    by: "0.1 % too strong",
+    .breaking(&["leaf", "roll", "block", "arm"]);
+const STRONG_GRAVITY: Falsification = Falsification::new("gravity", "0.1 % too strong")
     // It does not act on the arm.
-    breaks: Breaks::Named(&["leaf", "roll", "block", "bottle"]),
-};
+    .breaking(&["leaf", "roll", "block", "bottle"]);
 
-const GRAVITY_M_PER_S2: f64 = 9.81;
 /// A step so short that springs, dampers and Coriolis forces do not depend on whether they are taken at its start or end.
 const INSTANT_S: f64 = 1e-14;
 /// Random states of each tree.
@@ -52,27 +44,16 @@ const STATES: usize = 20;
 const STEP_S: f64 = 2e-5;
 const MOTION_S: f64 = 1.0;
 
-fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn compare(simulated: Simulated) -> Found {
     let mass_ratio = simulated.with(HEAVY_LINKS, 1.0, 1.001);
     let gravity_m_per_s2 = GRAVITY_M_PER_S2 * simulated.with(STRONG_GRAVITY, 1.0, 1.001);
     let mut subjects = Vec::new();
-    let leaf = Leaf {
-        height_m: 0.3,
-        width_m: 0.03,
-        flexural_rigidity_n_m2: 0.02,
-        torsion_over_bending: SHEET_TORSION_OVER_BENDING,
-        mass_per_area_kg_per_m2: 0.8,
-        loss_factor: 0.2,
-        yield_moment_nm: None,
-        root_stiffness_nm_per_rad: Some(2.0),
-        segments: 4,
-    };
-    let roll = roll();
+    let leaf = Leaf { height_m: 0.3, segments: 4, ..LEAF };
     let bottle =
         WaterBottle { diameter_m: 0.26, height_m: 0.45, empty_mass_kg: 0.75, water_mass_kg: 0.3, friction: 0.15 };
     let block = FoamBlock { height_m: 0.08, wet: true, modulus_pa: 5e4, stands_free: false };
     for (name, object) in
-        [("leaf", &leaf as &dyn Object), ("foam roll", &roll), ("bottle", &bottle), ("foam block", &block)]
+        [("leaf", &leaf as &dyn Object), ("foam roll", &ROLL), ("bottle", &bottle), ("foam block", &block)]
     {
         let mut rig = rig();
         rig.add_object(object);
@@ -98,7 +79,7 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     for (name, tree, rig) in &subjects {
         let trees = rig.describe().trees;
         let described = trees.iter().find(|links| links.len() == tree.links().len());
-        let links = stacked(described.ok_or_else(|| CheckError::Case(format!("no {name} on the rig")))?);
+        let links = stacked(described.ok_or_else(|| Fault::Run(format!("no {name} on the rig")))?);
         found.push(
             Comparison::of(
                 format!("accelerations of the {name} over the largest"),

@@ -6,7 +6,7 @@ use glam::DVec3;
 use underbrush_oracles::{beam, chain, elastica};
 
 use crate::leaf_case::{ClampedLeaf, LENGTH_M, RIGIDITY_N_M2, STIFF_BLADE, blade};
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 1.
 pub const SMALL_LOAD: Check = Check {
@@ -27,8 +27,7 @@ pub const LARGE_DEFLECTION: Check = Check {
     cases: &[Case { compare: large_deflection, falsifications: &[STIFF_BLADE] }],
 };
 
-const FEWER_HINGES: Falsification =
-    Falsification { wrong: "hinges of the simulated leaf", by: "one fewer than described", breaks: Breaks::Every };
+const FEWER_HINGES: Falsification = Falsification::new("hinges of the simulated leaf", "one fewer than described");
 
 /// Step of the engine, s. It can be as long as 10 ms, because states of rest do not depend on it.
 const STEP_S: f64 = 0.01;
@@ -36,7 +35,7 @@ const STEP_S: f64 = 0.01;
 const SMALL_LOAD_N: f64 = 0.002;
 
 /// A loss factor of 1 brings a leaf to rest quickly. The state of rest does not depend on it.
-fn damped_leaf(segments: u32, simulated: Simulated) -> Result<ClampedLeaf, CheckError> {
+fn damped_leaf(segments: u32, simulated: Simulated) -> Result<ClampedLeaf, Fault> {
     let rigidity = RIGIDITY_N_M2 * simulated.with(STIFF_BLADE, 1.0, 1.05);
     ClampedLeaf::new(&blade(segments, rigidity, 1.0), STEP_S)
 }
@@ -48,7 +47,7 @@ fn small_load_tolerance() -> f64 {
     2.0 * elastica::small_load_error(SMALL_LOAD_N * LENGTH_M.powi(2) / RIGIDITY_N_M2)
 }
 
-fn tip_load(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn tip_load(simulated: Simulated) -> Found {
     let mut comparisons = Vec::new();
     for segments in [2, 4, 8, 16] {
         let found = damped_leaf(segments, simulated)?.settle(DVec3::X * SMALL_LOAD_N, DVec3::ZERO)?;
@@ -69,12 +68,12 @@ fn tip_load(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     Ok(comparisons)
 }
 
-fn load_below_tip(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn load_below_tip(simulated: Simulated) -> Found {
     let height_m = 0.6 * LENGTH_M;
     let mut comparisons = Vec::new();
     for hinges in [4, 8] {
         let Some(expected) = chain::deflection_m(SMALL_LOAD_N, height_m, LENGTH_M, RIGIDITY_N_M2, hinges) else {
-            return Err(CheckError::Case(format!("no table of nodes for {hinges} hinges")));
+            return Err(Fault::Run(format!("no table of nodes for {hinges} hinges")));
         };
         let mut leaf = damped_leaf(simulated.with(FEWER_HINGES, hinges, hinges - 1), simulated)?;
         comparisons.push(
@@ -93,7 +92,7 @@ fn load_below_tip(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     Ok(comparisons)
 }
 
-fn large_deflection(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn large_deflection(simulated: Simulated) -> Found {
     let mut comparisons = Vec::new();
     let mut compare = |what: String, segments: u32, bending: f64, expected: elastica::Tip, found: DVec3| {
         for (direction, expected, found) in [

@@ -7,7 +7,7 @@ use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::test_rig::{BodyId, Rig};
 
-use crate::{Breaks, CheckError, Falsification};
+use crate::{Falsification, Fault};
 
 /// A blade of medium size. The closed forms use these numbers.
 pub const LENGTH_M: f64 = 0.3;
@@ -16,8 +16,7 @@ pub const MASS_PER_LENGTH_KG_PER_M: f64 = 0.024;
 pub const WIDTH_M: f64 = 0.03;
 
 /// The blade is stiffer than its scene says.
-pub const STIFF_BLADE: Falsification =
-    Falsification { wrong: "flexural rigidity of the simulated leaf", by: "5 % too high", breaks: Breaks::Every };
+pub const STIFF_BLADE: Falsification = Falsification::new("flexural rigidity of the simulated leaf", "5 % too high");
 
 /// A blade of this size, clamped at its root.
 pub fn blade(segments: u32, flexural_rigidity_n_m2: f64, loss_factor: f64) -> Leaf {
@@ -48,11 +47,11 @@ impl ClampedLeaf {
     ///
     /// # Errors
     /// When the leaf has no bodies.
-    pub fn new(leaf: &Leaf, step_s: f64) -> Result<Self, CheckError> {
+    pub fn new(leaf: &Leaf, step_s: f64) -> Result<Self, Fault> {
         let mut rig = Rig::new(PhysicsOptions { step_s, gravity_m_per_s2: 0.0 });
         let bodies = rig.add_object(leaf);
         let Some(last) = bodies.last().copied() else {
-            return Err(CheckError::Case("a leaf without bodies".into()));
+            return Err(Fault::Run("a leaf without bodies".into()));
         };
         Ok(ClampedLeaf {
             tip_body: rig.pose_world(last).inverse_transform_point(DVec3::Z * leaf.height_m),
@@ -78,46 +77,32 @@ impl ClampedLeaf {
     ///
     /// # Errors
     /// When it does not come to rest.
-    pub fn settle(&mut self, force_world: DVec3, moment_world: DVec3) -> Result<DVec3, CheckError> {
+    pub fn settle(&mut self, force_world: DVec3, moment_world: DVec3) -> Result<DVec3, Fault> {
         let step_s = self.rig.physics().step_s;
-        let (mut last, mut still) = (self.tip(), 0);
-        for index in 1..=20_000 {
+        at_rest(|index| {
             let share = (f64::from(index) * step_s).min(1.0);
             self.step(force_world * share, moment_world * share);
-            let tip = self.tip();
-            // The leaf is at rest after ten steps in which the tip moves less than a rounding error of the closed
-            // forms.
-            still = if share == 1.0 && tip.distance(last) < 1e-13 { still + 1 } else { 0 };
-            if still == 10 {
-                return Ok(tip);
-            }
-            last = tip;
-        }
-        Err(CheckError::Case("the leaf does not come to rest".into()))
+            (self.tip(), share == 1.0)
+        })
     }
 
     /// Deflection at rest, m, of the point at `height_m` of the upright leaf under a small constant force there.
     ///
     /// # Errors
     /// When it does not come to rest.
-    pub fn settle_at(&mut self, force_world: DVec3, height_m: f64) -> Result<f64, CheckError> {
+    pub fn settle_at(&mut self, force_world: DVec3, height_m: f64) -> Result<f64, Fault> {
         let below = |body: &&BodyId| self.rig.pose_world(**body).position.z <= height_m;
         let body = self.bodies.iter().rfind(below).copied();
-        let body = body.ok_or_else(|| CheckError::Case("a height below the leaf".into()))?;
+        let body = body.ok_or_else(|| Fault::Run("a height below the leaf".into()))?;
         let point_body = self.rig.pose_world(body).inverse_transform_point(DVec3::Z * height_m);
-        let (mut last, mut still) = (0.0, 0);
-        for _ in 0..20_000 {
-            let point = self.rig.pose_world(body).transform_point(point_body);
+        let place = |rig: &Rig| rig.pose_world(body).transform_point(point_body);
+        let rest = at_rest(|_| {
+            let point = place(&self.rig);
             self.rig.load(body, force_world, point, DVec3::ZERO);
             self.rig.step();
-            let point = self.rig.pose_world(body).transform_point(point_body).x;
-            still = if (point - last).abs() < 1e-13 { still + 1 } else { 0 };
-            if still == 10 {
-                return Ok(point);
-            }
-            last = point;
-        }
-        Err(CheckError::Case("the leaf does not come to rest".into()))
+            (DVec3::X * place(&self.rig).x, true)
+        });
+        Ok(rest?.x)
     }
 
     /// Plucks the leaf in the shape of a clamped beam's first mode, with a force in proportion to mass and mode during
@@ -145,11 +130,26 @@ impl ClampedLeaf {
     }
 }
 
+/// Where a point is at rest: after ten steps in which it moves less than a rounding error of the closed forms. `step`, which is
+/// given the number of the step, returns its place and whether the load is constant.
+fn at_rest(mut step: impl FnMut(u32) -> (DVec3, bool)) -> Result<DVec3, Fault> {
+    let (mut last, mut still) = (DVec3::ZERO, 0);
+    for index in 1..=20_000 {
+        let (place, is_constant) = step(index);
+        still = if is_constant && place.distance(last) < 1e-13 { still + 1 } else { 0 };
+        if still == 10 {
+            return Ok(place);
+        }
+        last = place;
+    }
+    Err(Fault::Run("the leaf does not come to rest".into()))
+}
+
 /// Frequency, rad/s, and logarithmic decrement of a vibration about 0, from its rising zeros and its peaks.
 ///
 /// # Errors
 /// When it does not vibrate for two periods.
-pub fn measure_vibration(displacement: &[f64], step_s: f64) -> Result<(f64, f64), CheckError> {
+pub fn measure_vibration(displacement: &[f64], step_s: f64) -> Result<(f64, f64), Fault> {
     let rising: Vec<f64> = displacement
         .windows(2)
         .enumerate()
@@ -157,7 +157,7 @@ pub fn measure_vibration(displacement: &[f64], step_s: f64) -> Result<(f64, f64)
         .map(|(index, pair)| (index as f64 - pair[0] / (pair[1] - pair[0])) * step_s)
         .collect();
     if rising.len() < 3 {
-        return Err(CheckError::Case(format!("{} zeros in the vibration", rising.len())));
+        return Err(Fault::Run(format!("{} zeros in the vibration", rising.len())));
     }
     let periods = (rising.len() - 1) as f64;
     let period_s = (rising[rising.len() - 1] - rising[0]) / periods;

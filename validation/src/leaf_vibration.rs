@@ -8,7 +8,7 @@ use underbrush_sim::physics::Theta;
 use crate::leaf_case::{
     ClampedLeaf, LENGTH_M, MASS_PER_LENGTH_KG_PER_M, RIGIDITY_N_M2, STIFF_BLADE, WIDTH_M, blade, measure_vibration,
 };
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 3.
 pub const CHECK: Check = Check {
@@ -16,27 +16,19 @@ pub const CHECK: Check = Check {
     name: "leaf-vibration",
     summary: "A plucked leaf vibrates at the first frequency of a clamped beam and decays according to its loss factor",
     cases: &[
-        Case {
-            compare: undamped,
-            falsifications: &[Falsification { breaks: Breaks::Named(&["first frequency"]), ..STIFF_BLADE }, LONG_STEP],
-        },
+        Case { compare: undamped, falsifications: &[STIFF_BLADE.breaking(&["first frequency"]), LONG_STEP] },
         Case { compare: damped, falsifications: &[LOSSY_BLADE] },
         Case { compare: in_air, falsifications: &[WIDE_BLADE] },
     ],
 };
 
-const LONG_STEP: Falsification =
-    Falsification { wrong: "step of the engine", by: "10 % longer than asked for", breaks: Breaks::Every };
+const LONG_STEP: Falsification = Falsification::new("step of the engine", "10 % longer than asked for");
 /// The leaf loses more than its scene says.
-pub const LOSSY_BLADE: Falsification =
-    Falsification { wrong: "loss factor of the simulated leaf", by: "20 % too high", breaks: Breaks::Every };
+pub const LOSSY_BLADE: Falsification = Falsification::new("loss factor of the simulated leaf", "20 % too high");
 
 /// The air acts on a larger blade than its scene says.
-const WIDE_BLADE: Falsification = Falsification {
-    wrong: "width of the simulated leaf, at its mass and rigidity",
-    by: "20 % too large",
-    breaks: Breaks::Every,
-};
+const WIDE_BLADE: Falsification =
+    Falsification::new("width of the simulated leaf, at its mass and rigidity", "20 % too large");
 
 /// Step of the engine, s. It does not resolve the last hinge of the leaf. The integrator's own damping ratio, (θ − ½) ω Δt,
 /// stays under 0.1 %.
@@ -51,19 +43,14 @@ const HINGES: u32 = 8;
 
 /// Frequency, rad/s, and log decrement of a plucked leaf in an engine that is asked for steps of `step_s` and takes
 /// steps of `engine_step_s`.
-fn pluck_in_steps(
-    loss_factor: f64,
-    rigidity_n_m2: f64,
-    step_s: f64,
-    engine_step_s: f64,
-) -> Result<[f64; 2], CheckError> {
+fn pluck_in_steps(loss_factor: f64, rigidity_n_m2: f64, step_s: f64, engine_step_s: f64) -> Result<[f64; 2], Fault> {
     let mut leaf = ClampedLeaf::new(&blade(HINGES, rigidity_n_m2, loss_factor), engine_step_s)?;
     let (frequency, decrement) = measure_vibration(&leaf.pluck(PLUCK_M_PER_S, SECONDS), step_s)?;
     Ok([frequency, decrement])
 }
 
 /// Frequency, rad/s, and log decrement of a plucked leaf of the described rigidity.
-pub fn pluck(loss_factor: f64, step_s: f64) -> Result<[f64; 2], CheckError> {
+pub fn pluck(loss_factor: f64, step_s: f64) -> Result<[f64; 2], Fault> {
     pluck_in_steps(loss_factor, RIGIDITY_N_M2, step_s, step_s)
 }
 
@@ -71,7 +58,7 @@ fn beam_frequency_rad_per_s() -> f64 {
     beam::first_frequency_rad_per_s(LENGTH_M, RIGIDITY_N_M2, MASS_PER_LENGTH_KG_PER_M)
 }
 
-fn undamped(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn undamped(simulated: Simulated) -> Found {
     let rigidity = RIGIDITY_N_M2 * simulated.with(STIFF_BLADE, 1.0, 1.05);
     let engine_step_s = STEP_S * simulated.with(LONG_STEP, 1.0, 1.1);
     let [frequency, decrement] = pluck_in_steps(0.0, rigidity, STEP_S, engine_step_s)?;
@@ -93,7 +80,7 @@ fn undamped(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     ])
 }
 
-fn damped(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn damped(simulated: Simulated) -> Found {
     let loss_factor = LOSS_FACTOR * simulated.with(LOSSY_BLADE, 1.0, 1.2);
     let exact = Oscillator { frequency_rad_per_s: beam_frequency_rad_per_s(), damping_ratio: LOSS_FACTOR / 2.0 };
     let [_, decrement] = pluck(loss_factor, STEP_S)?;
@@ -114,7 +101,7 @@ const HALF_DENSITY_TIMES_DRAG_KG_PER_M3: f64 = 0.72;
 /// A leaf without material loss that is plucked 500 times as hard. In a period the air takes ∮ c w |v|³ dt dx from the
 /// energy, with c w the drag per length and velocity squared. For the mode φ with the amplitude a at the tip that is the
 /// decrement κ a, κ = (8/3) c w ∫φ³ / (m ∫φ²), beside the integrator's δ. So da/dn = −δ a − κ a² over the periods n.
-fn in_air(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn in_air(simulated: Simulated) -> Found {
     let push_m_per_s = 500.0 * PLUCK_M_PER_S;
     let wider = simulated.with(WIDE_BLADE, 1.0, 1.2);
     let own = blade(HINGES, RIGIDITY_N_M2, 0.0);

@@ -36,11 +36,12 @@ mod skin_layer;
 mod standing_bottle;
 mod wrong_parameter;
 
-pub use check::{Case, Check, CheckError, Judged, Outcome, Simulated, Verdict, judge, run};
+pub use check::{Case, Check, Found, Judged, Outcome, Simulated, Verdict, judge, run};
 pub use comparison::{Comparison, Pair};
 pub use falsification::{Falsified, FalsifiedOutcome, FalsifiedRun, falsify, judge_falsified};
 pub use portrait::{Portrait, Section, portraits, roll_loop};
-pub use wrong_parameter::{Breaks, Falsification};
+pub use underbrush_recording::fault::Fault;
+pub use wrong_parameter::Falsification;
 
 /// All checks, by number.
 pub const CHECKS: &[Check] = &[

@@ -5,13 +5,11 @@ use glam::DVec3;
 use underbrush_recording::Grid;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::object::Object;
-use underbrush_sim::object::blade::SHEET_TORSION_OVER_BENDING;
-use underbrush_sim::object::foam_roll::FoamRoll;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::trunk::Trunk;
 
-use crate::CheckError;
-use crate::pressed_arm::{Beside, OPTIONS, PressedArm};
+use crate::Fault;
+use crate::pressed_arm::{Beside, LEAF, OPTIONS, PressedArm, ROLL};
 
 /// The forearm's skin pressed on one object.
 #[derive(Clone, Debug)]
@@ -53,25 +51,10 @@ fn leaf() -> Box<dyn Object> {
         height_m: 0.35,
         width_m: 0.04,
         flexural_rigidity_n_m2: 0.04,
-        torsion_over_bending: SHEET_TORSION_OVER_BENDING,
-        mass_per_area_kg_per_m2: 0.8,
         loss_factor: 0.1,
-        yield_moment_nm: None,
         root_stiffness_nm_per_rad: None,
-        segments: 5,
+        ..LEAF
     })
-}
-
-/// A foam roll like those in scenes.
-pub(crate) fn roll() -> FoamRoll {
-    FoamRoll {
-        diameter_m: 0.12,
-        height_m: 0.5,
-        modulus_pa: 1e5,
-        relaxing_share: 0.5,
-        relaxation_time_s: 2.0,
-        density_kg_per_m3: 30.0,
-    }
 }
 
 /// The skin under the edge and the flat of a leaf, a trunk and a foam roll that are pressed with the same equilibrium
@@ -79,7 +62,7 @@ pub(crate) fn roll() -> FoamRoll {
 ///
 /// # Errors
 /// When the arm's files are bad or nothing is touched.
-pub fn portraits() -> Result<Vec<Portrait>, CheckError> {
+pub fn portraits() -> Result<Vec<Portrait>, Fault> {
     let trunk = Box::new(Trunk { diameter_m: 0.03, height_m: 0.6 });
     let bar = |along_m, away_m| Section::Bar { along_m, away_m };
     let [thickness_m, width_m] = leaf().half_sizes_m().map(|half| 2.0 * half);
@@ -90,7 +73,7 @@ pub fn portraits() -> Result<Vec<Portrait>, CheckError> {
         portrait("leaf, edge", leaf(), 0.021, quarter, bar(thickness_m, width_m))?,
         portrait("leaf, flat", leaf(), 0.005, 0.0, bar(width_m, thickness_m))?,
         portrait("trunk", trunk, 0.017, 0.0, disc(0.015))?,
-        portrait("foam roll", Box::new(roll()), 0.061, 0.0, disc(0.06))?,
+        portrait("foam roll", Box::new(ROLL), 0.061, 0.0, disc(0.06))?,
     ])
 }
 
@@ -101,14 +84,14 @@ fn portrait(
     gap_m: f64,
     rotation_rad: f64,
     section: Section,
-) -> Result<Portrait, CheckError> {
+) -> Result<Portrait, Fault> {
     let arm = Arm::cody()?;
     let beside = Beside { rotation_rad, ..Beside::facing(object, gap_m, 0.2) };
     let mut pressed = PressedArm::new(arm.clone(), arm, beside, OPTIONS)?;
     let layout = &pressed.arm.skin.layout;
     let index = layout.patch_index("forearm");
     let Some(grid) = index.and_then(|index| layout.patches[index].grid) else {
-        return Err(CheckError::Case("the forearm has no grid of taxels".into()));
+        return Err(Fault::Run("the forearm has no grid of taxels".into()));
     };
     let push = pressed.pressing_rad(PUSH_N);
     let (mut best, mut depth_m) = (vec![0.0; grid.rows * grid.columns], 0.0);
@@ -127,7 +110,7 @@ fn portrait(
         }
     }
     if best.iter().all(|force| *force == 0.0) {
-        return Err(CheckError::Case(format!("the forearm does not touch the {name}")));
+        return Err(Fault::Run(format!("the forearm does not touch the {name}")));
     }
     Ok(Portrait { name, grid, force_n: best, section, depth_m })
 }
@@ -137,9 +120,9 @@ fn portrait(
 ///
 /// # Errors
 /// When the arm's files are bad or nothing is touched.
-pub fn roll_loop() -> Result<Vec<(f64, f64)>, CheckError> {
+pub fn roll_loop() -> Result<Vec<(f64, f64)>, Fault> {
     let arm = Arm::cody()?;
-    let mut pressed = PressedArm::new(arm.clone(), arm, Beside::facing(Box::new(roll()), 0.061, 0.2), OPTIONS)?;
+    let mut pressed = PressedArm::new(arm.clone(), arm, Beside::facing(Box::new(ROLL), 0.061, 0.2), OPTIONS)?;
     let (push, half) = (pressed.pressing_rad(12.0), 500);
     let mut points: Vec<(f64, f64)> = Vec::new();
     let mut first = None;
@@ -156,7 +139,7 @@ pub fn roll_loop() -> Result<Vec<(f64, f64)>, CheckError> {
         }
     }
     if points.is_empty() {
-        return Err(CheckError::Case("the forearm does not touch the foam roll".into()));
+        return Err(Fault::Run("the forearm does not touch the foam roll".into()));
     }
     Ok(points)
 }

@@ -6,16 +6,18 @@ use underbrush_recording::{Category, FRAME_PERIOD_S, Pose, TaxelReading};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::clutter::{Clutter, PlacedObject};
 use underbrush_sim::object::blade::SHEET_TORSION_OVER_BENDING;
+use underbrush_sim::object::foam_roll::FoamRoll;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::{FRICTION, Object};
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::sensor::{Sensor, SensorModel, SensorOptions};
 use underbrush_sim::simulation::{FrameReport, Setup, Simulation};
 
-use crate::CheckError;
+use crate::Fault;
 
+pub const GRAVITY_M_PER_S2: f64 = 9.81;
 /// The physics options of scenes that do not set any.
-pub const OPTIONS: PhysicsOptions = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 9.81 };
+pub const OPTIONS: PhysicsOptions = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: GRAVITY_M_PER_S2 };
 
 /// A leaf for the forearm to push.
 pub const LEAF: Leaf = Leaf {
@@ -28,6 +30,16 @@ pub const LEAF: Leaf = Leaf {
     yield_moment_nm: None,
     root_stiffness_nm_per_rad: Some(2.0),
     segments: 5,
+};
+
+/// A roll of soft foam, of which half relaxes.
+pub const ROLL: FoamRoll = FoamRoll {
+    diameter_m: 0.12,
+    height_m: 0.5,
+    modulus_pa: 1e5,
+    relaxing_share: 0.5,
+    relaxation_time_s: 2.0,
+    density_kg_per_m3: 30.0,
 };
 
 /// Where on the forearm's axis the object is touched unless a check says otherwise, m, link frame. The place is under
@@ -80,10 +92,10 @@ impl PressedArm {
     ///
     /// # Errors
     /// When the arm has no forearm.
-    pub fn new(arm: Arm, simulated: Arm, beside: Beside, options: PhysicsOptions) -> Result<Self, CheckError> {
+    pub fn new(arm: Arm, simulated: Arm, beside: Beside, options: PhysicsOptions) -> Result<Self, Fault> {
         let posture_rad = arm.start_posture_rad();
         let poses = arm.forward_kinematics(&posture_rad);
-        let forearm = arm.link_index("forearm").ok_or_else(|| CheckError::Case("the arm has no forearm".into()))?;
+        let forearm = arm.link_index("forearm").ok_or_else(|| Fault::Run("the arm has no forearm".into()))?;
         let place_link = PLACE_LINK + DVec3::Z * beside.along_m;
         let place = poses[forearm].transform_point(place_link);
         let along = poses[forearm].transform_vector(DVec3::Z);
@@ -170,10 +182,10 @@ impl PressedArm {
     ///
     /// # Errors
     /// When the forearm has no skin.
-    pub fn forearm_taxels(&self) -> Result<impl Iterator<Item = &TaxelReading> + Clone, CheckError> {
+    pub fn forearm_taxels(&self) -> Result<impl Iterator<Item = &TaxelReading> + Clone, Fault> {
         let mut surfaces = self.arm.skin.surfaces.iter();
         let patch = surfaces.position(|surface| surface.link == self.forearm);
-        let patch = patch.ok_or_else(|| CheckError::Case("the forearm has no skin".into()))?;
+        let patch = patch.ok_or_else(|| Fault::Run("the forearm has no skin".into()))?;
         let readings = self.report().tactile.taxels.iter();
         Ok(readings.filter(move |reading| usize::from(reading.patch) == patch))
     }

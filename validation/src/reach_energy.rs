@@ -4,7 +4,7 @@ use underbrush_sim::audit::energy::{EnergyBalance, EnergySums};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::{Scene, shipped};
 
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 12.
 pub const CHECK: Check = Check {
@@ -18,17 +18,14 @@ pub const CHECK: Check = Check {
     ],
 };
 
-const STRONG_DAMPERS: Falsification = Falsification {
-    wrong: "dampers of the simulated joints",
-    by: "20 % stronger than the balance knows",
-    breaks: Breaks::Every,
-};
+const STRONG_DAMPERS: Falsification =
+    Falsification::new("dampers of the simulated joints", "20 % stronger than the balance knows");
 
-fn compare(name: &str, scene: &str, simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn compare(name: &str, scene: &str, simulated: Simulated) -> Found {
     let sums = reach(name, scene, simulated.with(STRONG_DAMPERS, 1.0, 1.2))?;
     let found = sums.stored_j + sums.dampers_j + sums.contacts_j + sums.integrator_j;
     if sums.contacts_j == 0.0 {
-        return Err(CheckError::Case(format!("the reach among {name} touched nothing")));
+        return Err(Fault::Run(format!("the reach among {name} touched nothing")));
     }
     Ok(vec![Comparison {
         residual: (found - sums.actuators_j).abs() / sums.exchanged_j,
@@ -41,8 +38,8 @@ fn compare(name: &str, scene: &str, simulated: Simulated) -> Result<Vec<Comparis
 }
 
 /// The energy balance of one reach whose dampers are `wrong` times as strong as the balance assumes.
-fn reach(name: &str, file: &str, wrong: f64) -> Result<EnergySums, CheckError> {
-    let text = shipped(file).ok_or_else(|| CheckError::Case(format!("no scene {file} ships")))?;
+fn reach(name: &str, file: &str, wrong: f64) -> Result<EnergySums, Fault> {
+    let text = shipped(file).ok_or_else(|| Fault::Run(format!("no scene {file} ships")))?;
     let mut scene = Scene::parse(format!("{name}.toml"), text.into())?;
     scene.file.physics.step_s = 1e-3;
     let mut plan = ReachPlan::new(scene, None, 0)?;

@@ -6,7 +6,8 @@ use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::test_rig::{FreeBody, Rig};
 
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::pressed_arm::GRAVITY_M_PER_S2;
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 4.
 pub const CHECK: Check = Check {
@@ -16,16 +17,14 @@ pub const CHECK: Check = Check {
     cases: &[Case { compare, falsifications: &[HEAVY_BODY] }],
 };
 
-const HEAVY_BODY: Falsification =
-    Falsification { wrong: "mass of the simulated body", by: "1 % too high", breaks: Breaks::Every };
+const HEAVY_BODY: Falsification = Falsification::new("mass of the simulated body", "1 % too high");
 
-const GRAVITY_M_PER_S2: f64 = 9.81;
 const MASS_KG: f64 = 0.4;
 /// Friction plays no part at rest.
 const FRICTION: f64 = 0.5;
 const OPTIONS: PhysicsOptions = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: GRAVITY_M_PER_S2 };
 
-fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn compare(simulated: Simulated) -> Found {
     let mass_kg = MASS_KG * simulated.with(HEAVY_BODY, 1.0, 1.01);
     let upright = Pose::IDENTITY;
     let along_x = Pose::from_orientation(DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2));
@@ -50,7 +49,7 @@ fn compare(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 }
 
 /// The contact force between the ground and a body that has lain on it for three seconds, N.
-fn resting_load_n(part: BodyPart, mass_kg: f64) -> Result<f64, CheckError> {
+fn resting_load_n(part: BodyPart, mass_kg: f64) -> Result<f64, Fault> {
     let mut rig = Rig::new(OPTIONS);
     let plate = BodyPart {
         shape: BodyShape::Box { size_m: DVec3::new(1.0, 1.0, 0.1) },
@@ -67,7 +66,7 @@ fn resting_load_n(part: BodyPart, mass_kg: f64) -> Result<f64, CheckError> {
         may_rotate: true,
     });
     let (Some(plate), Some(_)) = (plate, lying) else {
-        return Err(CheckError::Case("a body without volume".into()));
+        return Err(Fault::Run("a body without volume".into()));
     };
     for _ in 0..600 {
         rig.step();

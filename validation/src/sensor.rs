@@ -4,7 +4,7 @@ use underbrush_recording::FRAME_PERIOD_S;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::sensor::{Sensor, SensorOptions};
 
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 16.
 pub const CHECK: Check = Check {
@@ -21,34 +21,18 @@ pub const CHECK: Check = Check {
     ],
 };
 
-const LOUD_NOISE: Falsification = Falsification {
-    wrong: "standard deviation of the simulated noise",
-    by: "5 % too large",
-    breaks: Breaks::Named(&["variance"]),
-};
-const SPURIOUS_LEFT_ON: Falsification = Falsification {
-    wrong: "spurious readings of the simulated sensor",
-    by: "left on, two taxels of 384",
-    breaks: Breaks::Every,
-};
-const COARSE_STEPS: Falsification =
-    Falsification { wrong: "quantum of the simulated sensor", by: "2 mN instead of 1 mN", breaks: Breaks::Every };
-const SHORT_DELAY: Falsification =
-    Falsification { wrong: "delay of the simulated sensor", by: "a frame too short", breaks: Breaks::Every };
-const DEAD_TAXEL: Falsification = Falsification {
-    wrong: "dead taxels of the simulated sensor",
-    by: "one instead of none",
-    breaks: Breaks::Named(&["sum of"]),
-};
-const STRONG_CROSSTALK: Falsification = Falsification {
-    wrong: "crosstalk of the simulated sensor",
-    by: "5 % too strong",
-    breaks: Breaks::Named(&["keeps", "its neighbours"]),
-};
-const STRONG_CREEP: Falsification =
-    Falsification { wrong: "creep of the simulated sensor", by: "5 % too strong", breaks: Breaks::Every };
-const WIDE_LOOP: Falsification =
-    Falsification { wrong: "hysteresis of the simulated fabric", by: "5 % too wide", breaks: Breaks::Every };
+const LOUD_NOISE: Falsification =
+    Falsification::new("standard deviation of the simulated noise", "5 % too large").breaking(&["variance"]);
+const SPURIOUS_LEFT_ON: Falsification =
+    Falsification::new("spurious readings of the simulated sensor", "left on, two taxels of 384");
+const COARSE_STEPS: Falsification = Falsification::new("quantum of the simulated sensor", "2 mN instead of 1 mN");
+const SHORT_DELAY: Falsification = Falsification::new("delay of the simulated sensor", "a frame too short");
+const DEAD_TAXEL: Falsification =
+    Falsification::new("dead taxels of the simulated sensor", "one instead of none").breaking(&["sum of"]);
+const STRONG_CROSSTALK: Falsification =
+    Falsification::new("crosstalk of the simulated sensor", "5 % too strong").breaking(&["keeps", "its neighbours"]);
+const STRONG_CREEP: Falsification = Falsification::new("creep of the simulated sensor", "5 % too strong");
+const WIDE_LOOP: Falsification = Falsification::new("hysteresis of the simulated fabric", "5 % too wide");
 
 const NOISE_N: f64 = 0.005;
 const TAXELS: usize = 384;
@@ -65,11 +49,11 @@ struct Bench {
 }
 
 impl Bench {
-    fn new(options: &SensorOptions) -> Result<Self, CheckError> {
+    fn new(options: &SensorOptions) -> Result<Self, Fault> {
         let skin = &Arm::cody()?.skin;
         let patch = |name: &str| {
             let index = skin.layout.patch_index(name);
-            index.ok_or_else(|| CheckError::Case(format!("the arm has no {name}")))
+            index.ok_or_else(|| Fault::Run(format!("the arm has no {name}")))
         };
         Ok(Bench {
             sensor: Sensor::new(options, skin, 0, "validate", 0),
@@ -86,7 +70,7 @@ impl Bench {
     }
 }
 
-fn noise(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn noise(simulated: Simulated) -> Found {
     let mut bench = Bench::new(&SensorOptions {
         noise_n: NOISE_N * simulated.with(LOUD_NOISE, 1.0, 1.05),
         spurious_share: simulated.with(SPURIOUS_LEFT_ON, 0.0, 2.0 / 384.0),
@@ -115,7 +99,7 @@ fn noise(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 }
 
 /// Counts the readings that are not the number in single precision nearest to a whole number of millinewtons.
-fn quantum(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn quantum(simulated: Simulated) -> Found {
     let options = SensorOptions { quantum_n: 0.001 * simulated.with(COARSE_STEPS, 1.0, 2.0), ..SensorOptions::off() };
     let mut bench = Bench::new(&options)?;
     let mut wrong = 0.0;
@@ -132,7 +116,7 @@ fn quantum(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 }
 
 /// The number of frames after which a tap arrives.
-fn delay(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn delay(simulated: Simulated) -> Found {
     let options = SensorOptions { delay_frames: simulated.with(SHORT_DELAY, 3, 2), ..SensorOptions::off() };
     let mut bench = Bench::new(&options)?;
     let forces = (0..20).map(|frame| if frame == 5 { 1.0 } else { 0.0 });
@@ -149,7 +133,7 @@ const INNER_TAXEL: usize = TAXELS / 2 + 3;
 
 /// Crosstalk of a force on one taxel: the kernel's sum for the taxel where it is farthest from 1, and the shares of a
 /// taxel with four neighbours.
-fn crosstalk(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn crosstalk(simulated: Simulated) -> Found {
     let share = 0.2;
     let mut options =
         SensorOptions { crosstalk_share: share * simulated.with(STRONG_CROSSTALK, 1.0, 1.05), ..SensorOptions::off() };
@@ -178,7 +162,7 @@ fn crosstalk(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 }
 
 /// The reading after 20 s under a constant force.
-fn creep(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn creep(simulated: Simulated) -> Found {
     let (share, force) = (0.05, 2.0);
     let options = SensorOptions {
         creep_share_per_decade: share * simulated.with(STRONG_CREEP, 1.0, 1.05),
@@ -201,7 +185,7 @@ fn creep(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 }
 
 /// Area of the fabric's hysteresis loop for a load from 0 to 8 N and back.
-fn hysteresis(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn hysteresis(simulated: Simulated) -> Found {
     let (share, peak, steps) = (0.25, 8.0, 4000);
     let mut options = SensorOptions::off();
     options.fabric.hysteresis_share = share * simulated.with(WIDE_LOOP, 1.0, 1.05);

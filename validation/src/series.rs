@@ -4,15 +4,14 @@ use glam::DVec3;
 use nalgebra::Vector3;
 use underbrush_oracles::{beam, foam, statics};
 use underbrush_sim::arm::Arm;
-use underbrush_sim::object::blade::SHEET_TORSION_OVER_BENDING;
 use underbrush_sim::object::foam_roll::FoamRoll;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::trunk::Trunk;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::Contact;
 
-use crate::pressed_arm::{Beside, OPTIONS, PressedArm, with_friction};
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::pressed_arm::{self, Beside, LEAF, OPTIONS, PressedArm, with_friction};
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 14.
 pub const CHECK: Check = Check {
@@ -27,24 +26,14 @@ pub const CHECK: Check = Check {
     ],
 };
 
-const STIFF_BLADE: Falsification =
-    Falsification { wrong: "flexural rigidity of the simulated leaf", by: "10 % too high", breaks: Breaks::Every };
-const STIFF_FOAM: Falsification =
-    Falsification { wrong: "modulus of the simulated roll", by: "10 % too high", breaks: Breaks::Every };
-const STIFF_JOINTS: Falsification =
-    Falsification { wrong: "stiffness of the simulated joints", by: "5 % too high", breaks: Breaks::Every };
+const STIFF_BLADE: Falsification = Falsification::new("flexural rigidity of the simulated leaf", "10 % too high");
+const STIFF_FOAM: Falsification = Falsification::new("modulus of the simulated roll", "10 % too high");
+const STIFF_JOINTS: Falsification = Falsification::new("stiffness of the simulated joints", "5 % too high");
 
 const LEAF_HEIGHT_M: f64 = 0.4;
 const LEAF_RIGIDITY_N_M2: f64 = 0.02;
 /// A roll that relaxes within a fifth of a second, so that a state of rest shows the relaxed stiffness.
-const ROLL: FoamRoll = FoamRoll {
-    diameter_m: 0.12,
-    height_m: 0.5,
-    modulus_pa: 1.0e5,
-    relaxing_share: 0.5,
-    relaxation_time_s: 0.2,
-    density_kg_per_m3: 30.0,
-};
+const ROLL: FoamRoll = FoamRoll { relaxation_time_s: 0.2, ..pressed_arm::ROLL };
 
 /// A state of rest of the pushed object.
 struct Pushed {
@@ -60,19 +49,17 @@ struct Pushed {
 }
 
 /// A leaf whose foot stands `drop_m` under the forearm's axis.
-fn leaf(name: &str, drop_m: f64, simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn leaf(name: &str, drop_m: f64, simulated: Simulated) -> Found {
     let leaf = Leaf {
         height_m: LEAF_HEIGHT_M,
         // Narrow, so that it is touched at its midline and not twisted.
         width_m: 0.01,
         flexural_rigidity_n_m2: LEAF_RIGIDITY_N_M2 * simulated.with(STIFF_BLADE, 1.0, 1.1),
-        torsion_over_bending: SHEET_TORSION_OVER_BENDING,
-        mass_per_area_kg_per_m2: 0.8,
         loss_factor: 0.3,
-        yield_moment_nm: None,
         root_stiffness_nm_per_rad: None,
         // Many, so that the beam's closed form applies.
         segments: 20,
+        ..LEAF
     };
     let pushed = push(Beside::facing(Box::new(leaf), 0.002, drop_m), [0.003, 0.004], simulated)?;
     series(name, &pushed, |height_m| 1.0 / beam::beam_deflection_m(1.0, height_m, LEAF_RIGIDITY_N_M2))
@@ -81,7 +68,7 @@ fn leaf(name: &str, drop_m: f64, simulated: Simulated) -> Result<Vec<Comparison>
 /// A roll that is touched at the middle of its sixth slice of ten. A slice is compressed like a bar as long and as wide
 /// as the roll's diameter. The core leans so that its top moves like the top of a cantilever, and lower points move in
 /// proportion to their height.
-fn roll(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn roll(simulated: Simulated) -> Found {
     let roll = FoamRoll { modulus_pa: ROLL.modulus_pa * simulated.with(STIFF_FOAM, 1.0, 1.1), ..ROLL };
     let pushed = push(Beside::facing(Box::new(roll), 0.061, 0.275), [0.002, 0.003], simulated)?;
     let remaining_pa = ROLL.modulus_pa * (1.0 - ROLL.relaxing_share);
@@ -92,7 +79,7 @@ fn roll(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     series("roll", &pushed, |height_m| statics::in_series(&[slice, (ROLL.height_m / height_m).powi(2) / top_m_per_n]))
 }
 
-fn trunk(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn trunk(simulated: Simulated) -> Found {
     let trunk = Trunk { diameter_m: 0.03, height_m: 0.6 };
     let pushed = push(Beside::facing(Box::new(trunk), 0.016, 0.3), [0.006, 0.011], simulated)?;
     series("trunk", &pushed, |_| f64::INFINITY)
@@ -100,7 +87,7 @@ fn trunk(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 
 /// The arm and two states of rest of one object, without friction and gravity, for two moves, m, of the equilibrium
 /// point across the forearm. In the first millimetre of a move nothing is touched.
-fn push(beside: Beside, moves_m: [f64; 2], simulated: Simulated) -> Result<(PressedArm, [Pushed; 2]), CheckError> {
+fn push(beside: Beside, moves_m: [f64; 2], simulated: Simulated) -> Result<(PressedArm, [Pushed; 2]), Fault> {
     let options = PhysicsOptions { gravity_m_per_s2: 0.0, ..OPTIONS };
     let arm = Arm::cody()?;
     let mut wrong = with_friction(&arm, 0.0);
@@ -120,11 +107,11 @@ fn push(beside: Beside, moves_m: [f64; 2], simulated: Simulated) -> Result<(Pres
     Ok((pressed, states))
 }
 
-fn measure(pressed: &PressedArm, equilibrium_rad: Vec<f64>) -> Result<Pushed, CheckError> {
+fn measure(pressed: &PressedArm, equilibrium_rad: Vec<f64>) -> Result<Pushed, Fault> {
     let contacts = &pressed.report().contacts;
     let force: DVec3 = contacts.iter().map(|contact| contact.force_world).sum();
     if force == DVec3::ZERO || contacts.iter().any(|contact| contact.link != pressed.forearm) {
-        return Err(CheckError::Case("the forearm does not touch the object, or another link does".into()));
+        return Err(Fault::Run("the forearm does not touch the object, or another link does".into()));
     }
     let weights = contacts.iter().map(|contact| contact.force_world.length());
     let places = contacts.iter().map(|contact| contact.position_link);
@@ -148,7 +135,7 @@ fn series(
     name: &str,
     (pressed, [less, more]): &(PressedArm, [Pushed; 2]),
     object_n_per_m: impl Fn(f64) -> f64,
-) -> Result<Vec<Comparison>, CheckError> {
+) -> Found {
     let rise_n = more.force_n - less.force_n;
     let outward = (less.outward_world + more.outward_world).normalize();
     let place_link = 0.5 * (less.place_link + more.place_link);

@@ -9,7 +9,7 @@ use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::test_rig::{BodyId, FreeBody, Rig};
 
 use crate::pressed_arm::{Beside, OPTIONS, PressedArm, friction_of, with_friction};
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 5.
 pub const CHECK: Check = Check {
@@ -23,21 +23,13 @@ pub const CHECK: Check = Check {
     ],
 };
 
-const SHIFTED_TAXELS: Falsification = Falsification {
-    wrong: "numbers of the simulated skin's taxels",
-    by: "one column off",
-    breaks: Breaks::Named(&["forces of taxels", "moment about the link"]),
-};
-const ROUGH_CONTACT: Falsification = Falsification {
-    wrong: "friction between the simulated forearm and trunk",
-    by: "twice what the arm's file says",
-    breaks: Breaks::Named(&["largest shear"]),
-};
-const GRAVITY_LEFT_ON: Falsification = Falsification {
-    wrong: "gravity of the simulated collision",
-    by: "9.81 m/s² instead of none",
-    breaks: Breaks::Every,
-};
+const SHIFTED_TAXELS: Falsification = Falsification::new("numbers of the simulated skin's taxels", "one column off")
+    .breaking(&["forces of taxels", "moment about the link"]);
+const ROUGH_CONTACT: Falsification =
+    Falsification::new("friction between the simulated forearm and trunk", "twice what the arm's file says")
+        .breaking(&["largest shear"]);
+const GRAVITY_LEFT_ON: Falsification =
+    Falsification::new("gravity of the simulated collision", "9.81 m/s² instead of none");
 
 /// Half the larger pitch of Cody's forearm: 15.9° on 46.04 mm.
 const HALF_PITCH_M: f64 = 0.0064;
@@ -51,7 +43,7 @@ struct Worst {
     frames: usize,
 }
 
-fn taxels(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn taxels(simulated: Simulated) -> Found {
     let trunk = Box::new(Trunk { diameter_m: 0.03, height_m: 0.6 });
     let arm = Arm::cody()?;
     let friction = friction_of(&arm);
@@ -78,7 +70,7 @@ fn taxels(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
         observe(&pressed, friction, &mut worst)?;
     }
     if worst.frames < 100 {
-        return Err(CheckError::Case(format!("contact in {} frames only", worst.frames)));
+        return Err(Fault::Run(format!("contact in {} frames only", worst.frames)));
     }
     Ok(vec![
         Comparison::of("forces of taxels against contacts, largest relative difference", "", 0.0, worst.force)
@@ -98,7 +90,7 @@ fn taxels(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 }
 
 /// Compares the taxel forces of the forearm with the contacts.
-fn observe(pressed: &PressedArm, friction: f64, worst: &mut Worst) -> Result<(), CheckError> {
+fn observe(pressed: &PressedArm, friction: f64, worst: &mut Worst) -> Result<(), Fault> {
     let report = pressed.report();
     let pose = &report.link_pose_world[pressed.forearm];
     let readings = pressed.forearm_taxels()?;
@@ -134,7 +126,7 @@ fn observe(pressed: &PressedArm, friction: f64, worst: &mut Worst) -> Result<(),
 }
 
 /// A ball meets a box off its centre, both free.
-fn collision(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn collision(simulated: Simulated) -> Found {
     Ok(vec![
         Comparison::of(
             "total momentum lost in a glancing collision, over the momentum exchanged",

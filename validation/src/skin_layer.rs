@@ -11,7 +11,7 @@ use underbrush_sim::object::FRICTION;
 use underbrush_sim::skin::{ContactPoint, SkinPatch, SpreadBuffers, SubPoint};
 
 use crate::pressed_arm::FOREARM_RADIUS_M;
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 10.
 pub const CHECK: Check = Check {
@@ -26,32 +26,17 @@ pub const CHECK: Check = Check {
     ],
 };
 
-const STIFF_LAYER: Falsification = Falsification {
-    wrong: "stiffness of the simulated layer",
-    by: "20 % too high",
-    breaks: Breaks::Named(&["at the depth under"]),
-};
-const STIFF_LIGHTLY: Falsification = Falsification { breaks: Breaks::Named(&["under 2 N"]), ..STIFF_LAYER };
-const THICK_LAYER: Falsification = Falsification {
-    wrong: "thickness of the simulated layer",
-    by: "twice as large",
-    breaks: Breaks::Named(&["under 20 N", "under 40 N"]),
-};
-const BOXED_SHAPE: Falsification = Falsification {
-    wrong: "shape pressed on the simulated skin",
-    by: "its bounding box",
-    breaks: Breaks::Named(&["exponent"]),
-};
-const ONE_POINT: Falsification = Falsification {
-    wrong: "points on each simulated taxel",
-    by: "one instead of nine",
-    breaks: Breaks::Named(&["order in the pitch"]),
-};
-const TURNED_TRUNK: Falsification = Falsification {
-    wrong: "axis of the simulated trunk",
-    by: "along the forearm instead of across",
-    breaks: Breaks::Every,
-};
+const STIFF_LAYER: Falsification =
+    Falsification::new("stiffness of the simulated layer", "20 % too high").breaking(&["at the depth under"]);
+const STIFF_LIGHTLY: Falsification = STIFF_LAYER.breaking(&["under 2 N"]);
+const THICK_LAYER: Falsification =
+    Falsification::new("thickness of the simulated layer", "twice as large").breaking(&["under 20 N", "under 40 N"]);
+const BOXED_SHAPE: Falsification =
+    Falsification::new("shape pressed on the simulated skin", "its bounding box").breaking(&["exponent"]);
+const ONE_POINT: Falsification =
+    Falsification::new("points on each simulated taxel", "one instead of nine").breaking(&["order in the pitch"]);
+const TURNED_TRUNK: Falsification =
+    Falsification::new("axis of the simulated trunk", "along the forearm instead of across");
 
 const STIFFNESS_N_PER_M3: f64 = 3e7;
 const BALL_RADIUS_M: f64 = 0.05;
@@ -73,7 +58,7 @@ struct Pressed {
     simulated: Simulated,
 }
 
-fn ball_on_flat(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn ball_on_flat(simulated: Simulated) -> Found {
     let pressed = Pressed {
         shape: boxed(SharedShape::ball(BALL_RADIUS_M), simulated),
         height_m: BALL_RADIUS_M,
@@ -84,7 +69,7 @@ fn ball_on_flat(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     Ok(fine_skin("ball on flat skin", &pressed, |depth_m| foundation::cap_volume_m3(BALL_RADIUS_M, depth_m)))
 }
 
-fn trunk_on_round(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn trunk_on_round(simulated: Simulated) -> Found {
     let pressed = Pressed {
         shape: boxed(SharedShape::capsule_y(0.3, TRUNK_RADIUS_M), simulated),
         height_m: TRUNK_RADIUS_M,
@@ -98,7 +83,7 @@ fn trunk_on_round(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 }
 
 /// A ball on flat skin that hardens, so hard that the skin under it is pressed by two thirds of its thickness.
-fn hardened(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn hardened(simulated: Simulated) -> Found {
     let layer =
         foundation::Layer { stiffness_n_per_m3: STIFFNESS_N_PER_M3, ground_n_per_m3: 3e8, thickness_m: THICKNESS_M };
     let pressed = Pressed {
@@ -235,13 +220,13 @@ fn patch(stiffness_n_per_m3: f64, pitch_m: f64, radius_m: f64, points: u32) -> S
 
 /// A trunk across the forearm's real skin: the largest taxel force, compared with the integral of Winkler's pressure
 /// over that taxel.
-fn forearm(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn forearm(simulated: Simulated) -> Found {
     let arm = Arm::cody()?;
     let stiffness = arm.skin.stiffness_n_per_m3;
     let link = arm.link_index("forearm");
     let index = arm.skin.surfaces.iter().position(|surface| Some(surface.link) == link);
     let Some(index) = index else {
-        return Err(CheckError::Case("no skin on the forearm".into()));
+        return Err(Fault::Run("no skin on the forearm".into()));
     };
     let mut patch = SkinPatch::of_arm(&arm).swap_remove(index);
     // The integral over each taxel is that of a linear layer.

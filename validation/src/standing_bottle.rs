@@ -7,7 +7,8 @@ use underbrush_sim::object::water_bottle::WaterBottle;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::test_rig::{BodyId, Rig};
 
-use crate::{Breaks, Case, Check, CheckError, Comparison, Falsification, Simulated};
+use crate::pressed_arm::GRAVITY_M_PER_S2;
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 19.
 pub const CHECK: Check = Check {
@@ -20,16 +21,12 @@ pub const CHECK: Check = Check {
     ],
 };
 
-const HEAVY_SLIDING: Falsification =
-    Falsification { wrong: "mass of the simulated bottle", by: "5 % too high", breaks: Breaks::Every };
+const HEAVY_SLIDING: Falsification = Falsification::new("mass of the simulated bottle", "5 % too high");
 const HEAVY_TIPPING: Falsification =
-    Falsification { wrong: "mass of the simulated bottle", by: "5 % too high", breaks: Breaks::Named(&["force"]) };
-const ROUGH_BOTTLE: Falsification =
-    Falsification { wrong: "friction of the simulated bottle", by: "20 % too high", breaks: Breaks::Every };
-const SLIM_BOTTLE: Falsification =
-    Falsification { wrong: "diameter of the simulated bottle", by: "5 % too small", breaks: Breaks::Every };
+    Falsification::new("mass of the simulated bottle", "5 % too high").breaking(&["force"]);
+const ROUGH_BOTTLE: Falsification = Falsification::new("friction of the simulated bottle", "20 % too high");
+const SLIM_BOTTLE: Falsification = Falsification::new("diameter of the simulated bottle", "5 % too small");
 
-const GRAVITY_M_PER_S2: f64 = 9.81;
 const STEP_S: f64 = 0.005;
 const MASS_KG: f64 = 1.0;
 const FRICTION: f64 = 0.2;
@@ -61,10 +58,10 @@ struct Pushed {
 }
 
 impl Pushed {
-    fn new(bottle: &WaterBottle, height_m: f64) -> Result<Self, CheckError> {
+    fn new(bottle: &WaterBottle, height_m: f64) -> Result<Self, Fault> {
         let mut rig = Rig::new(PhysicsOptions { step_s: STEP_S, gravity_m_per_s2: GRAVITY_M_PER_S2 });
         let body = rig.add_object(bottle).get(1).copied();
-        let bottle = body.ok_or_else(|| CheckError::Case("the bottle has no body".into()))?;
+        let bottle = body.ok_or_else(|| Fault::Run("the bottle has no body".into()))?;
         Ok(Pushed { rig, bottle, height_m })
     }
 
@@ -103,7 +100,7 @@ impl Pushed {
     }
 }
 
-fn sliding(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn sliding(simulated: Simulated) -> Found {
     let bottle = WaterBottle {
         empty_mass_kg: MASS_KG * simulated.with(HEAVY_SLIDING, 1.0, 1.05),
         friction: FRICTION * simulated.with(ROUGH_BOTTLE, 1.0, 1.2),
@@ -146,7 +143,7 @@ fn sliding(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     Ok(comparisons)
 }
 
-fn tipping(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn tipping(simulated: Simulated) -> Found {
     let bottle = WaterBottle {
         empty_mass_kg: MASS_KG * simulated.with(HEAVY_TIPPING, 1.0, 1.05),
         diameter_m: DIAMETER_M * simulated.with(SLIM_BOTTLE, 1.0, 0.95),

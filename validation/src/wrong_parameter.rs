@@ -12,35 +12,31 @@ pub struct Falsification {
     pub wrong: &'static str,
     /// By how much.
     pub by: &'static str,
-    /// The comparisons of its case that must fail.
+    /// Texts of which each comparison that must fail has one in the name of its quantity; none if all of its case must.
     #[serde(skip)]
-    pub breaks: Breaks,
-}
-
-/// Which comparisons of a case a falsification must break.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Breaks {
-    /// Every one.
-    Every,
-    /// Those with one of these texts in the name of their quantity.
-    Named(&'static [&'static str]),
+    pub breaks: &'static [&'static str],
 }
 
 impl Falsification {
+    /// A parameter that every comparison of its case must notice.
+    pub const fn new(wrong: &'static str, by: &'static str) -> Self {
+        Falsification { wrong, by, breaks: &[] }
+    }
+
+    /// The same, noticed only by comparisons with one of these texts in the name of their quantity.
+    #[must_use]
+    pub const fn breaking(self, breaks: &'static [&'static str]) -> Self {
+        Falsification { breaks, ..self }
+    }
+
     /// Whether a comparison of this quantity must fail.
     pub fn must_break(&self, quantity: &str) -> bool {
-        match self.breaks {
-            Breaks::Every => true,
-            Breaks::Named(parts) => parts.iter().any(|part| quantity.contains(part)),
-        }
+        self.breaks.is_empty() || self.breaks.iter().any(|part| quantity.contains(part))
     }
 
     /// Parts of names that occur in none of the comparisons' quantities.
     pub(crate) fn unknown_names(&self, comparisons: &[Comparison]) -> impl Iterator<Item = &'static str> {
-        let named = match self.breaks {
-            Breaks::Every => &[],
-            Breaks::Named(parts) => parts,
-        };
-        named.iter().copied().filter(|part| !comparisons.iter().any(|comparison| comparison.quantity.contains(part)))
+        let missing = |part: &&str| !comparisons.iter().any(|comparison| comparison.quantity.contains(part));
+        self.breaks.iter().copied().filter(missing)
     }
 }

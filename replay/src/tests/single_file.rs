@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::source;
 use crate::page::PAGE;
-use crate::{ReplayError, single_file};
+use crate::{page_that_fits, single_file};
 
 /// The text between two others.
 fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
@@ -34,8 +34,11 @@ fn a_file_that_is_too_large_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let source = source(folder.path());
     let one = source.pack(0).unwrap().len();
-    let error = single_file(&source, &[0, 1], PAGE.len() + 2 * one).unwrap_err();
-    assert!(matches!(error, ReplayError::FileTooLarge { fitting: 1, .. }), "{error}");
+    let max_bytes = PAGE.len() + 2 * one;
+    let error = single_file(&source, &[0, 1], max_bytes).unwrap_err().to_string();
+    assert!(error.contains("only the first 1 reaches fit"), "{error}");
+    let fitting = (single_file(&source, &[0], max_bytes).unwrap(), 1);
+    assert_eq!(page_that_fits(&source, &[0, 1], max_bytes).unwrap(), fitting);
 }
 
 /// Tests that the built page is one file: it has the place for data, its own script and style, and refers to nothing

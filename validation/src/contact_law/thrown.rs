@@ -2,13 +2,11 @@
 
 use glam::DVec3;
 use underbrush_oracles::{foundation, oscillator::Oscillator};
-use underbrush_recording::Pose;
-use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::test_rig::{BodyId, FreeBody, Rig};
 
-use super::{PUNCH_M, STIFFNESS_N_PER_M3, bodies, cuboid, soft};
-use crate::{Breaks, Case, CheckError, Comparison, Falsification, Simulated};
+use super::{PUNCH_M, STIFFNESS_N_PER_M3, above, bodies, cuboid, on, soft};
+use crate::{Case, Comparison, Falsification, Found, Simulated};
 
 /// A flat punch that rebounds from a table.
 pub const REBOUND: Case = Case { compare: rebound, falsifications: &[LOSSY_SURFACE, STIFF_PUNCH] };
@@ -16,46 +14,28 @@ pub const REBOUND: Case = Case { compare: rebound, falsifications: &[LOSSY_SURFA
 /// A ball and a rod that touch a fixed body for a short time.
 pub const FAST_TOUCH: Case = Case { compare: fast_touch, falsifications: &[LOSSY_BODY, STIFF_BODY] };
 
-const LOSSY_SURFACE: Falsification =
-    Falsification { wrong: "loss time of the simulated surface", by: "twice as long", breaks: Breaks::Every };
-const STIFF_PUNCH: Falsification = Falsification {
-    wrong: "stiffness of the surface under the punch",
-    by: "10 % too high",
-    breaks: Breaks::Named(&["deepest overlap"]),
-};
-const LOSSY_BODY: Falsification = Falsification {
-    wrong: "loss time of the thrown body's surface",
-    by: "twice as long",
-    breaks: Breaks::Named(&["impulse"]),
-};
-const STIFF_BODY: Falsification = Falsification {
-    wrong: "stiffness of the thrown body's surface",
-    by: "30 % too high",
-    breaks: Breaks::Named(&["deepest overlap", "time until"]),
-};
+const LOSSY_SURFACE: Falsification = Falsification::new("loss time of the simulated surface", "twice as long");
+const STIFF_PUNCH: Falsification =
+    Falsification::new("stiffness of the surface under the punch", "10 % too high").breaking(&["deepest overlap"]);
+const LOSSY_BODY: Falsification =
+    Falsification::new("loss time of the thrown body's surface", "twice as long").breaking(&["impulse"]);
+const STIFF_BODY: Falsification = Falsification::new("stiffness of the thrown body's surface", "30 % too high")
+    .breaking(&["deepest overlap", "time until"]);
 
 const REBOUND_STEP_S: f64 = 1e-4;
+const WEIGHTLESS: PhysicsOptions = PhysicsOptions { step_s: REBOUND_STEP_S, gravity_m_per_s2: 0.0 };
 
 /// Compares the rebound of a flat punch, which is a linear oscillator while it touches the table.
-fn rebound(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn rebound(simulated: Simulated) -> Found {
     const MASS_KG: f64 = 0.5;
     const SPEED_M_PER_S: f64 = 0.2;
     const LOSS_TIME_S: f64 = 0.002;
     let stiffness = STIFFNESS_N_PER_M3 * simulated.with(STIFF_PUNCH, 1.0, 1.1);
     let loss_time_s = LOSS_TIME_S * simulated.with(LOSSY_SURFACE, 1.0, 2.0);
-    let mut rig = Rig::new(PhysicsOptions { step_s: REBOUND_STEP_S, gravity_m_per_s2: 0.0 });
-    let table = rig.add_fixed(&cuboid(DVec3::new(1.0, 1.0, 0.1)), Surface::hard(0.4), &Pose::IDENTITY);
-    let punch = rig.add_free(&FreeBody {
-        part: cuboid(DVec3::new(PUNCH_M, PUNCH_M, 0.04)),
-        mass_kg: MASS_KG,
-        surface: soft(stiffness, loss_time_s),
-        pose_world: Pose::from_position(DVec3::Z * 0.07),
-        velocity_world: DVec3::NEG_Z * SPEED_M_PER_S,
-        may_rotate: false,
-    });
-    let (Some(_), Some(punch)) = (table, punch) else {
-        return Err(CheckError::Case("a body without volume".into()));
-    };
+    let punch = cuboid(DVec3::new(PUNCH_M, PUNCH_M, 0.04));
+    let thrown = above(&punch, MASS_KG, soft(stiffness, loss_time_s), 0.07);
+    let thrown = FreeBody { velocity_world: DVec3::NEG_Z * SPEED_M_PER_S, ..thrown };
+    let (mut rig, punch) = on(WEIGHTLESS, &cuboid(DVec3::new(1.0, 1.0, 0.1)), &thrown)?;
     let depth_m = |rig: &Rig, punch: BodyId| 0.07 - rig.pose_world(punch).position.z;
     let mut deepest_m = 0.0_f64;
     for _ in 0..1000 {
@@ -75,7 +55,7 @@ fn rebound(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
 
 /// A ball is thrown onto a table and a rod onto a post. Compares the deepest overlap, its time, and the impulse of the
 /// whole touch.
-fn fast_touch(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
+fn fast_touch(simulated: Simulated) -> Found {
     const MASS_KG: f64 = 0.3;
     const SPEED_M_PER_S: f64 = 0.3;
     const LOSS_TIME_S: f64 = 0.002;
@@ -83,19 +63,9 @@ fn fast_touch(simulated: Simulated) -> Result<Vec<Comparison>, CheckError> {
     let loss_time_s = LOSS_TIME_S * simulated.with(LOSSY_BODY, 1.0, 2.0);
     let mut comparisons = Vec::new();
     for body in bodies().into_iter().take(2) {
-        let mut rig = Rig::new(PhysicsOptions { step_s: REBOUND_STEP_S, gravity_m_per_s2: 0.0 });
-        let lower = rig.add_fixed(&body.lower, Surface::hard(0.4), &Pose::IDENTITY);
-        let upper = rig.add_free(&FreeBody {
-            part: body.upper.clone(),
-            mass_kg: MASS_KG,
-            surface: soft(stiffness, loss_time_s),
-            pose_world: Pose::from_position(DVec3::Z * body.height_m),
-            velocity_world: DVec3::NEG_Z * SPEED_M_PER_S,
-            may_rotate: false,
-        });
-        let (Some(_), Some(upper)) = (lower, upper) else {
-            return Err(CheckError::Case("a body without volume".into()));
-        };
+        let thrown = above(&body.upper, MASS_KG, soft(stiffness, loss_time_s), body.height_m);
+        let thrown = FreeBody { velocity_world: DVec3::NEG_Z * SPEED_M_PER_S, ..thrown };
+        let (mut rig, upper) = on(WEIGHTLESS, &body.lower, &thrown)?;
         let (mut deepest_m, mut deepest_at_s, mut impulse) = (0.0_f64, 0.0, 0.0);
         for step in 1..=1000 {
             rig.step();
