@@ -20,8 +20,8 @@ pub enum RenderError {
          between them, and a field of view of 1 to 150 degrees; move the camera"
     )]
     Camera(String),
-    /// There are no shapes, as in a table of trials.
-    #[error("no shapes of an arm or objects are known, so there is nothing to draw; give a recording or a data set")]
+    /// There are no shapes, as in a table of trials, or no frames.
+    #[error("no shapes of an arm or no frames are known, so there is nothing to draw; give a recording or a data set")]
     NoBodies,
     /// The file cannot be encoded or written.
     #[error("the picture cannot be written: {0}")]

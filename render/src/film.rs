@@ -5,10 +5,10 @@ use gif::{Encoder, Frame, Repeat};
 use rayon::prelude::*;
 use underbrush_recording::Recording;
 
-use crate::{RenderError, Size, Stage};
+use crate::{Camera, RenderError, Size, Stage};
 
 /// Pictures that are drawn before they are written: some for each core, few enough to hold them.
-const AT_ONCE: usize = 64;
+const AT_ONCE: usize = 16;
 /// Pictures, evenly spaced, for which the palette is chosen, from every n-th pixel. `color_quant` calls 10 a good balance of time
 /// and quality.
 const TYPICAL: usize = 6;
@@ -39,14 +39,15 @@ pub struct Film {
     pub size: Size,
     /// Hundredths of a second for which a picture is shown; 1 or more.
     pub delay: u16,
-    /// How many times as fast as in reality it plays.
+    /// How many times as fast as in reality it plays; positive.
     pub speed: f64,
 }
 
 impl Film {
     /// The frames that it shows.
     pub fn frames(&self, recording: &Recording) -> Vec<usize> {
-        let step = 0.01 * f64::from(self.delay) * self.speed * recording.rate_hz;
+        // Not zero, so that there is an end.
+        let step = (0.01 * f64::from(self.delay) * self.speed * recording.rate_hz).max(1e-3);
         let numbers = (0..).map(|picture| (f64::from(picture) * step).round() as usize);
         numbers.take_while(|number| *number < recording.frames.len()).collect()
     }
@@ -56,10 +57,16 @@ impl Film {
     /// changed.
     ///
     /// # Errors
-    /// [`RenderError::Size`] and [`RenderError::Encoding`].
-    pub fn draw(&self, recording: &Recording, stage: &Stage, drawn: impl Fn(usize)) -> Result<Vec<u8>, RenderError> {
-        let (numbers, camera) = (self.frames(recording), stage.camera(self.size.aspect()));
-        let draw = |number: &usize| stage.moment(*number as u32, &recording.frames[*number]).rgb(&camera, self.size);
+    /// All of [`RenderError`].
+    pub fn draw(
+        &self,
+        recording: &Recording,
+        stage: &Stage,
+        camera: &Camera,
+        drawn: impl Fn(usize),
+    ) -> Result<Vec<u8>, RenderError> {
+        let numbers = self.frames(recording);
+        let draw = |number: &usize| stage.moment(*number as u32, &recording.frames[*number]).rgb(camera, self.size);
         let typical = numbers.iter().step_by(numbers.len() / TYPICAL + 1).map(draw);
         let typical = typical.collect::<Result<Vec<_>, _>>()?.concat();
         let pixels: Vec<u8> = typical.chunks_exact(3).flat_map(opaque).collect();

@@ -53,8 +53,11 @@ impl<'a> Stage<'a> {
     /// senses in it, but not below the controller's limit, N.
     ///
     /// # Errors
-    /// As [`Stage::new`].
+    /// As [`Stage::new`], and if the recording has no frames.
     pub fn of(recording: &'a Recording, force_limit_n: Option<f64>) -> Result<Self, RenderError> {
+        if recording.frames.is_empty() {
+            return Err(RenderError::NoBodies);
+        }
         let readings = recording.frames.iter().flat_map(|frame| &frame.taxels);
         let largest_n = readings.map(|reading| reading.sensed_force_n).fold(force_limit_n.unwrap_or(1.0), f64::max);
         let goals: Vec<DVec3> = recording.goals.iter().map(|goal| goal.position_world).collect();

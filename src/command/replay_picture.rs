@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, value_parser};
+use glam::DVec3;
 use serde_json::json;
 use underbrush_recording::disk::remove_leftovers;
 use underbrush_recording::{InputError, Recording};
-use underbrush_render::{Film, Size, Stage, png};
+use underbrush_render::{Camera, Film, Size, Stage, png};
 use underbrush_replay::Source;
 use underbrush_report::replayed::known;
 
@@ -29,6 +30,12 @@ pub struct PictureArguments {
     /// Width and height, 64 to 1280 pixels each [default: 1280x720, of films 640x360]
     #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "out", requires = "file")]
     size: Option<Size>,
+    /// Where the picture is taken from, m, world frame: x, y, z [default: right of the arm, as near as everything fits]
+    #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true, conflicts_with = "out", requires = "file")]
+    eye: Option<DVec3>,
+    /// What is in the middle of the picture, m, world frame: x, y, z [default: the middle of everything]
+    #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true, conflicts_with = "out", requires = "file")]
+    target: Option<DVec3>,
     /// With --video: pictures per second, 1 to 50, each shown for whole hundredths of a second, so that 30 becomes 33
     #[arg(long, value_name = "N", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = 20, value_parser = value_parser!(u16).range(1..=50))]
     fps: u16,
@@ -42,6 +49,12 @@ fn size(text: &str) -> Result<Size, String> {
     let numbers = text.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
     let (width, height) = numbers.ok_or("give width and height in pixels, such as 640x360")?;
     Size { width, height }.check().map_err(|error| error.to_string())
+}
+
+fn place(text: &str) -> Result<DVec3, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(str::parse).collect();
+    let place = numbers.ok().and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
+    place.map(DVec3::from).ok_or_else(|| "give three numbers in m, such as 0.5,-1,0.3".to_owned())
 }
 
 fn speed(text: &str) -> Result<f64, String> {
@@ -102,6 +115,12 @@ impl PictureArguments {
         overwrite.file(path, inputs)
     }
 
+    fn camera(&self, stage: &Stage, size: Size) -> Camera {
+        let standard = stage.camera(size.aspect());
+        let eye_world = self.eye.unwrap_or(standard.eye_world);
+        Camera { eye_world, target_world: self.target.unwrap_or(standard.target_world), ..standard }
+    }
+
     fn still(&self, recording: &Recording, stage: &Stage) -> Result<Vec<u8>, Failure> {
         let size = self.size.unwrap_or(Size { width: 1280, height: 720 });
         let last_s = recording.frames.last().map_or(0.0, |frame| frame.time_s);
@@ -121,8 +140,7 @@ impl PictureArguments {
                 felt.rev().max_by_key(|(_, taxels)| *taxels).map_or(0, |(number, _)| number)
             }
         };
-        let frame = recording.frames.get(number).ok_or_else(|| Failure::usage("the reach has no frames"))?;
-        Ok(png(&stage.moment(number as u32, frame).rgb(&stage.camera(size.aspect()), size)?, size)?)
+        Ok(png(&stage.moment(number as u32, &recording.frames[number]).rgb(&self.camera(stage, size), size)?, size)?)
     }
 
     fn film(&self, recording: &Recording, stage: &Stage) -> Result<(Vec<u8>, usize), Failure> {
@@ -131,7 +149,7 @@ impl PictureArguments {
         let film = Film { size, delay, speed: self.speed };
         let pictures = film.frames(recording).len();
         let bar = progress::bar(pictures as u64, "pictures");
-        let bytes = film.draw(recording, stage, |drawn| bar.inc(drawn as u64))?;
+        let bytes = film.draw(recording, stage, &self.camera(stage, size), |drawn| bar.inc(drawn as u64))?;
         bar.finish_and_clear();
         Ok((bytes, pictures))
     }

@@ -89,6 +89,24 @@ fn reaches_are_drawn() {
     assert_eq!((bytes[16..20].to_vec(), bytes[20..24].to_vec()), (vec![0, 0, 0, 160], vec![0, 0, 0, 90]));
     underbrush!["replay", set, "--reaches", "0", "--still", later, "--size", "160x90", "--time", "0.5"].success();
     assert!(std::fs::read(&later).unwrap() != bytes);
+    let eye = ["--eye", "-0.5,1.5,0.6", "--target", "0.4,0,-0.2", "--force"];
+    underbrush![
+        "replay",
+        set,
+        "--reaches",
+        "0",
+        "--still",
+        later,
+        "--size",
+        "160x90",
+        eye[0],
+        eye[1],
+        eye[2],
+        eye[3],
+        eye[4]
+    ]
+    .success();
+    assert!(std::fs::read(&later).unwrap() != bytes);
     let recording = file("reach.parquet");
     let reach = underbrush!["reach", fixture().trunk_scene(), "--out", recording, "--json"].json();
     let film_of = |options: &str| {
@@ -120,6 +138,9 @@ fn bad_pictures_are_refused() {
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--time", "1e3"].refused(&["--time 1000", "0 to"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--size", "63x90"].refused(&["64 to 1280"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--size", "big"].refused(&["640x360"]);
+    underbrush!["replay", set, "--reaches", "0", "--still", png, "--eye", "1,2"].refused(&["1,2", "0.5,-1,0.3"]);
+    underbrush!["replay", set, "--reaches", "0", "--still", png, "--eye", "0,0,1", "--target", "0,0,0"]
+        .refused(&["another direction for up", "move the camera"]);
     underbrush!["replay", set, "--reaches", "0", "--video", gif, "--fps", "51"].refused(&["51", "--fps", "1..=50"]);
     underbrush!["replay", set, "--reaches", "0", "--video", gif, "--speed", "nan"].refused(&["--speed", "0.1 to 100"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--fps", "5"].refused(&["--fps", "--still"]);

@@ -8,7 +8,7 @@ use super::*;
 use crate::{Film, Stage, png};
 
 /// A short reach past a trunk.
-fn reach() -> Recording {
+pub fn reach() -> Recording {
     let text = "summary = \"A trunk and leaves\"\n[[objects.foam_block]]\ncount = 2\n[[objects.leaf]]\ncount = 2\n\
                 [[objects.trunk]]\ncount = 1\n";
     let plan = ReachPlan::new(Scene::parse("trunk.toml", text.into()).unwrap(), None, 1).unwrap();
@@ -28,7 +28,7 @@ fn films_are_the_same_for_any_number_of_threads() {
     let film = Film { size, delay: 5, speed: 2.0 };
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| film.draw(&recording, &stage, |_| {}).unwrap())
+        pool.install(|| film.draw(&recording, &stage, &camera, |_| {}).unwrap())
     };
     let bytes = with(1);
     assert!(bytes == with(3), "threads change the film");

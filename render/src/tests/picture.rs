@@ -176,9 +176,13 @@ fn no_surface_is_in_its_own_shadow() {
     }
 }
 
-/// Tests that bodies without shapes, as of a table of trials, give an error that says so.
+/// Tests that bodies without shapes, as of a table of trials, and a recording without frames give an error that says so.
 #[test]
 fn nothing_to_draw_is_an_error() {
     let layout = SkinLayout::default();
     assert!(matches!(Stage::new(&[], &[], &layout, 1.0, &[]), Err(RenderError::NoBodies)));
+    let mut recording = super::film::reach();
+    assert!(Stage::of(&recording, None).is_ok());
+    recording.frames.clear();
+    assert!(matches!(Stage::of(&recording, None), Err(RenderError::NoBodies)));
 }
