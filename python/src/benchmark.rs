@@ -8,7 +8,7 @@ use underbrush_experiments::benchmark::{EnteredController, Entry, TestSet, set_f
 use underbrush_experiments::verdict_controller::VerdictControl;
 
 use crate::controller;
-use crate::failure::Failure;
+use crate::failure::{Answer, Failure};
 use crate::generate;
 use crate::interrupt::Stop;
 use crate::json;
@@ -28,7 +28,7 @@ pub fn benchmark<'py>(
     quick: bool,
     progress: Option<Py<PyAny>>,
     jobs: Option<usize>,
-) -> Result<Bound<'py, PyAny>, Failure> {
+) -> Answer<'py> {
     let stop = Arc::new(Stop::default());
     let entry = entry(track, model, controller, verdicts, &stop)?;
     let run = |reported: &Reported| Ok(entry.run(&out, quick, reported)?);

@@ -13,7 +13,7 @@ use underbrush_recording::InputError;
 
 use crate::arguments::{decision, save};
 use crate::array;
-use crate::failure::{Failure, place};
+use crate::failure::{Answer, Failure, place};
 use crate::given;
 use crate::json;
 use crate::online::Online;
@@ -102,19 +102,19 @@ impl PyModel {
 
     /// How each category's model was trained; None for classifiers that are not trained iteratively.
     #[getter]
-    fn training<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn training<'py>(&self, py: Python<'py>) -> Answer<'py> {
         json::to_python(py, &self.model.classifier.training())
     }
 
     /// Priors and thresholds of the model; None if it has none.
     #[getter]
-    fn decision<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn decision<'py>(&self, py: Python<'py>) -> Answer<'py> {
         json::to_python(py, &self.model.decision)
     }
 
     /// Where the model comes from: program, options, data.
     #[getter]
-    fn provenance<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn provenance<'py>(&self, py: Python<'py>) -> Answer<'py> {
         json::to_python(py, &self.model.provenance)
     }
 
@@ -126,19 +126,13 @@ impl PyModel {
     }
 
     /// Scores of whole trials, nats: (trials, categories).
-    fn scores<'py>(&self, py: Python<'py>, trials: &Trials) -> Result<Bound<'py, PyAny>, Failure> {
+    fn scores<'py>(&self, py: Python<'py>, trials: &Trials) -> Answer<'py> {
         let scores = pool::detached(py, None, || Ok(self.model.classifier.scores_of_all(&trials.all())?))?;
         Ok(scores_array(py, scores, self.model.classifier.categories().len())?)
     }
 
     /// Scores after the first k samples of a trial, for ascending k from 1: (len(counts), categories).
-    fn scores_after<'py>(
-        &self,
-        py: Python<'py>,
-        trials: &Trials,
-        trial: usize,
-        counts: Vec<usize>,
-    ) -> Result<Bound<'py, PyAny>, Failure> {
+    fn scores_after<'py>(&self, py: Python<'py>, trials: &Trials, trial: usize, counts: Vec<usize>) -> Answer<'py> {
         let own = &trials.list[place(trial as isize, trials.list.len())?];
         if !counts.is_sorted() || counts.first() == Some(&0) {
             return Err(Failure::argument("counts", format!("{counts:?}"), "ascending numbers from 1", "sort them"));

@@ -13,7 +13,7 @@ use underbrush_sim::reach::MakeController;
 use crate::arm::PyArm;
 use crate::array;
 use crate::controller_input::PyControllerInput;
-use crate::failure::Failure;
+use crate::failure::{Answer, Failure};
 use crate::interrupt::Stop;
 
 /// A controller that ships, to be called from Python.
@@ -45,7 +45,7 @@ impl ShippedController {
     }
 
     /// New equilibrium angles, rad: (joints,).
-    fn __call__<'py>(&self, py: Python<'py>, input: &PyControllerInput) -> Result<Bound<'py, PyAny>, Failure> {
+    fn __call__<'py>(&self, py: Python<'py>, input: &PyControllerInput) -> Answer<'py> {
         let found = input.joint_angle_rad.len();
         if found != self.joints {
             let allowed = format!("that of an arm with {} joints", self.joints);

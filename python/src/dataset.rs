@@ -11,7 +11,7 @@ use underbrush_recording::disk::Dataset;
 
 use crate::arguments::cutting;
 use crate::array;
-use crate::failure::{Failure, place, places};
+use crate::failure::{Answer, Failure, place, places};
 use crate::json;
 use crate::pool::{self, alone};
 use crate::progress::{Reported, watched};
@@ -65,7 +65,7 @@ impl PyDataset {
     }
 
     /// A reach by its number, or a list of reaches by a slice.
-    fn __getitem__<'py>(&self, py: Python<'py>, key: &Bound<'py, PyAny>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn __getitem__<'py>(&self, py: Python<'py>, key: &Bound<'py, PyAny>) -> Answer<'py> {
         if let Ok(slice) = key.cast::<PySlice>() {
             let reaches: Vec<Reach> = places(slice, self.__len__())?.map(|place| self.reach(place)).collect();
             return Ok(reaches.into_pyobject(py)?.into_any());
@@ -82,13 +82,13 @@ impl PyDataset {
 
     /// The reaches: scene, seed, index, controller, frames, outcome, contacts, audit.
     #[getter]
-    fn episodes<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn episodes<'py>(&self, py: Python<'py>) -> Answer<'py> {
         json::to_python(py, &self.dataset.episodes())
     }
 
     /// Where the data come from: program, engine, scenes and arms with their text, seed, controller.
     #[getter]
-    fn provenance<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn provenance<'py>(&self, py: Python<'py>) -> Answer<'py> {
         json::to_python(py, self.dataset.provenance())
     }
 
@@ -106,7 +106,7 @@ impl PyDataset {
 
     /// A column of the frames of all reaches as one array, read only: (frames,) or (frames, width).
     #[pyo3(signature = (name, dtype = None))]
-    fn column<'py>(&self, py: Python<'py>, name: &str, dtype: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn column<'py>(&self, py: Python<'py>, name: &str, dtype: Option<&str>) -> Answer<'py> {
         let single = dtype.map(Column::is_single).transpose()?;
         let reaches: Vec<usize> = (0..self.__len__()).collect();
         let read = || Column::of_reaches(&self.dataset, &reaches, name, single);
@@ -129,7 +129,7 @@ impl PyDataset {
     }
 
     /// The largest contact force of each reach, N: (reaches,).
-    fn peak_contact_forces_n<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn peak_contact_forces_n<'py>(&self, py: Python<'py>) -> Answer<'py> {
         let numbers = alone(py, || Ok(self.dataset.peak_contact_forces_n()?))?;
         Ok(array::lend(py, numbers, &[self.__len__()])?)
     }

@@ -11,7 +11,7 @@ use underbrush_classifier::paper_rule::Scores;
 
 use crate::arguments::decision;
 use crate::classifier::PyModel;
-use crate::failure::Failure;
+use crate::failure::{Answer, Failure};
 use crate::fitting::{Options, estimator_of};
 use crate::given;
 use crate::json;
@@ -42,7 +42,7 @@ pub fn evaluate_trials<'py>(
     decision: Option<&Bound<'py, PyAny>>,
     by_samples: bool,
     jobs: Option<usize>,
-) -> Result<Bound<'py, PyAny>, Failure> {
+) -> Answer<'py> {
     let list = &trials.list;
     let of_folds = [("folds", folds.is_some()), ("group", group.is_some()), ("by_samples", by_samples)];
     let of_fitting = [&of_folds[..], &[("train", train.is_some())]].concat();

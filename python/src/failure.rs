@@ -17,6 +17,9 @@ mod raised {
     pyo3::import_exception!(underbrush._errors, StorageError);
 }
 
+/// An object of Python, or why there is none.
+pub type Answer<'py> = Result<Bound<'py, PyAny>, Failure>;
+
 /// Why a call ends in an exception.
 pub enum Failure {
     /// An exception that Python raised.

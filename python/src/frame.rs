@@ -9,7 +9,7 @@ use underbrush_recording::limits::{self, Limits};
 use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading};
 
 use crate::array;
-use crate::failure::Failure;
+use crate::failure::{Answer, Failure};
 use crate::json;
 use crate::skin::{Skin, patch_index};
 
@@ -154,32 +154,32 @@ impl PyFrame {
 
     /// Pose of the link under a patch, world frame: x, y, z in m, and a quaternion x, y, z, w.
     #[pyo3(signature = (patch = None))]
-    fn patch_pose_world<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn patch_pose_world<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Answer<'py> {
         Ok(array::row(py, self.frame.patch_pose_world[patch_index(&self.layout, patch)?].numbers())?)
     }
 
     /// What each taxel of a patch senses, N: (taxels,).
     #[pyo3(signature = (patch = None))]
-    fn sensed_force_n<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn sensed_force_n<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Answer<'py> {
         Ok(array::row(py, self.of_taxels(patch, 0.0, |reading| reading.sensed_force_n)?)?)
     }
 
     /// Ground truth: the normal force on each taxel of a patch before the sensor, N: (taxels,).
     #[pyo3(signature = (patch = None))]
-    fn true_normal_force_n<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn true_normal_force_n<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Answer<'py> {
         Ok(array::row(py, self.of_taxels(patch, 0.0, |reading| reading.true_normal_force_n)?)?)
     }
 
     /// Ground truth: the object that presses hardest on each taxel of a patch, -1 for none: (taxels,).
     #[pyo3(signature = (patch = None))]
-    fn object<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn object<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Answer<'py> {
         let numbers = self.of_taxels(patch, -1_i32, |reading| reading.object.map_or(-1, i32::from))?;
         Ok(array::copy(py, &numbers, &[numbers.len()])?)
     }
 
     /// Ground truth: the sum of the contact forces on a patch, N, world frame: (3,).
     #[pyo3(signature = (patch = None))]
-    fn contact_force_world<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn contact_force_world<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Answer<'py> {
         Ok(array::row(py, self.frame.contact_force_world[patch_index(&self.layout, patch)?].to_array())?)
     }
 

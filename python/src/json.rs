@@ -7,10 +7,10 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use crate::failure::Failure;
+use crate::failure::{Answer, Failure};
 
 /// A result as Python objects. Numbers that are not finite become `None`, as in JSON.
-pub fn to_python<'py>(py: Python<'py>, result: &impl Serialize) -> Result<Bound<'py, PyAny>, Failure> {
+pub fn to_python<'py>(py: Python<'py>, result: &impl Serialize) -> Answer<'py> {
     Ok(object(py, &value(result)?)?)
 }
 

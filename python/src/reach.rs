@@ -18,7 +18,7 @@ use underbrush_sim::reach::ReachPlan;
 
 use crate::arguments::cutting;
 use crate::controller;
-use crate::failure::{self, Failure, place};
+use crate::failure::{self, Answer, Failure, place};
 use crate::frame::PyFrame;
 use crate::interrupt::Stop;
 use crate::json;
@@ -134,13 +134,7 @@ impl Reach {
     }
 
     /// The column of a patch.
-    fn of_patch<'py>(
-        &self,
-        py: Python<'py>,
-        prefix: &str,
-        patch: Option<&str>,
-        dtype: &str,
-    ) -> Result<Bound<'py, PyAny>, Failure> {
+    fn of_patch<'py>(&self, py: Python<'py>, prefix: &str, patch: Option<&str>, dtype: &str) -> Answer<'py> {
         let layout = self.skin_layout();
         let patch = &layout.patches[patch_index(&layout, patch)?].name;
         self.column(py, &format!("{prefix}.{patch}"), Some(dtype))
@@ -179,7 +173,7 @@ impl Reach {
 
     /// A column of the frames as an array, read only: (frames,) or (frames, width). Every call returns the same array.
     #[pyo3(signature = (name, dtype = None))]
-    fn column<'py>(&self, py: Python<'py>, name: &str, dtype: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn column<'py>(&self, py: Python<'py>, name: &str, dtype: Option<&str>) -> Answer<'py> {
         let single = dtype.map(Column::is_single).transpose()?;
         self.columns
             .get(py, (name, single), || Ok(pool::detached(py, None, || self.read_column(name, single))?.lend(py)?))
@@ -194,41 +188,31 @@ impl Reach {
 
     /// Time since the start of the reach, s: (frames,).
     #[getter]
-    fn time_s<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn time_s<'py>(&self, py: Python<'py>) -> Answer<'py> {
         self.column(py, "time_s", None)
     }
 
     /// Joint angles, rad: (frames, joints).
     #[getter]
-    fn joint_angle_rad<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn joint_angle_rad<'py>(&self, py: Python<'py>) -> Answer<'py> {
         self.column(py, "observation.state", None)
     }
 
     /// Equilibrium angles of the joints' springs, rad: (frames, joints).
     #[getter]
-    fn equilibrium_angle_rad<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn equilibrium_angle_rad<'py>(&self, py: Python<'py>) -> Answer<'py> {
         self.column(py, "action", None)
     }
 
     /// What each taxel of a patch senses, N: (frames, taxels).
     #[pyo3(signature = (patch = None, dtype = "float32"))]
-    fn sensed_force_n<'py>(
-        &self,
-        py: Python<'py>,
-        patch: Option<&str>,
-        dtype: &str,
-    ) -> Result<Bound<'py, PyAny>, Failure> {
+    fn sensed_force_n<'py>(&self, py: Python<'py>, patch: Option<&str>, dtype: &str) -> Answer<'py> {
         self.of_patch(py, "observation.tactile", patch, dtype)
     }
 
     /// Ground truth: the normal force on each taxel of a patch before the sensor, N: (frames, taxels).
     #[pyo3(signature = (patch = None, dtype = "float32"))]
-    fn true_normal_force_n<'py>(
-        &self,
-        py: Python<'py>,
-        patch: Option<&str>,
-        dtype: &str,
-    ) -> Result<Bound<'py, PyAny>, Failure> {
+    fn true_normal_force_n<'py>(&self, py: Python<'py>, patch: Option<&str>, dtype: &str) -> Answer<'py> {
         self.of_patch(py, "truth.normal_force", patch, dtype)
     }
 
@@ -246,19 +230,19 @@ impl Reach {
 
     /// The goals, each with its position, times and outcome.
     #[getter]
-    fn goals<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn goals<'py>(&self, py: Python<'py>) -> Answer<'py> {
         json::to_python(py, &self.recording()?.goals)
     }
 
     /// Ground truth: the objects of the clutter.
     #[getter]
-    fn objects<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn objects<'py>(&self, py: Python<'py>) -> Answer<'py> {
         json::to_python(py, &self.recording()?.objects)
     }
 
     /// Ground truth: the contacts.
     #[getter]
-    fn contacts<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn contacts<'py>(&self, py: Python<'py>) -> Answer<'py> {
         json::to_python(py, &self.recording()?.contacts)
     }
 
@@ -266,7 +250,7 @@ impl Reach {
     /// the frames in which it has moved, and its poses from each of these frames on: x y z in m, quaternion x y z w,
     /// world frame.
     #[getter]
-    fn bodies<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn bodies<'py>(&self, py: Python<'py>) -> Answer<'py> {
         let moving = |body: &Body| -> Result<Value, Failure> {
             let mut own = json::value(body)?;
             own["moved_frames"] = body.track.iter().map(|point| point.frame).collect();
@@ -279,7 +263,7 @@ impl Reach {
 
     /// Residuals of the physics.
     #[getter]
-    fn audit<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn audit<'py>(&self, py: Python<'py>) -> Answer<'py> {
         json::to_python(py, &self.recording()?.audit)
     }
 

@@ -9,7 +9,7 @@ use underbrush_sim::scene::{Scene, shipped_by_name};
 use underbrush_sim::snapshot::Snapshot;
 
 use crate::array;
-use crate::failure::Failure;
+use crate::failure::{Answer, Failure};
 use crate::given;
 use crate::json;
 use crate::pool::{alone, guarded};
@@ -106,7 +106,7 @@ impl PyScene {
     }
 
     /// The keys of the scene file as a dictionary.
-    fn to_dict<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn to_dict<'py>(&self, py: Python<'py>) -> Answer<'py> {
         let text = toml::to_string(&self.table()?).map_err(|error| Failure::Run(error.to_string()))?;
         // Unlike JSON, TOML has infinity.
         Ok(py.import("tomllib")?.call_method1("loads", (text,))?)
@@ -131,7 +131,7 @@ impl PyScene {
 
     /// Draw arm and clutter at the start of a reach, from the side and from above.
     #[pyo3(signature = (seed = 0, index = 0))]
-    fn draw<'py>(&self, py: Python<'py>, seed: u64, index: u64) -> Result<Bound<'py, PyAny>, Failure> {
+    fn draw<'py>(&self, py: Python<'py>, seed: u64, index: u64) -> Answer<'py> {
         Ok(picture(py, self.svg(py, seed, index)?)?)
     }
 

@@ -14,7 +14,7 @@ use underbrush_sim::simulation::Simulation;
 
 use crate::arm::PyArm;
 use crate::array;
-use crate::failure::{Failure, locked};
+use crate::failure::{Answer, Failure, locked};
 use crate::frame::PyFrame;
 use crate::picture::{self, PyCamera};
 use crate::pool::{self, alone};
@@ -120,7 +120,7 @@ impl PySimulation {
 
     /// The goals of the reach, m, world frame: (goals, 3).
     #[getter]
-    fn goals_world<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn goals_world<'py>(&self, py: Python<'py>) -> Answer<'py> {
         let simulation = self.lock()?;
         let goals = simulation.clutter().goals.iter();
         Ok(array::lend_rows(py, goals.flat_map(|goal| goal.to_array()).collect(), 3)?)
@@ -135,7 +135,7 @@ impl PySimulation {
     }
 
     /// Draw arm and clutter as they are now.
-    fn draw<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn draw<'py>(&self, py: Python<'py>) -> Answer<'py> {
         Ok(scene::picture(py, self._repr_svg_()?)?)
     }
 

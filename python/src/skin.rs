@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use underbrush_recording::{Patch, SkinLayout};
 
 use crate::array;
-use crate::failure::Failure;
+use crate::failure::{Answer, Failure};
 use crate::json;
 
 /// The skin of an arm: patches of taxels.
@@ -50,7 +50,7 @@ impl Skin {
 
     /// The patches as recordings store them: name, link and grid, and the place and area of each taxel.
     #[getter]
-    fn layout<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn layout<'py>(&self, py: Python<'py>) -> Answer<'py> {
         json::to_python(py, &*self.layout)
     }
 
@@ -68,14 +68,14 @@ impl Skin {
 
     /// Centres of the taxels, m, in the frame of their link: (taxels, 3).
     #[pyo3(signature = (patch = None))]
-    fn positions_link<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn positions_link<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Answer<'py> {
         let taxels = self.patch(patch)?.taxels.iter();
         Ok(array::lend_rows(py, taxels.flat_map(|taxel| taxel.position_link.to_array()).collect(), 3)?)
     }
 
     /// Outward unit normals of the taxels, in the frame of their link: (taxels, 3).
     #[pyo3(signature = (patch = None))]
-    fn normals_link<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn normals_link<'py>(&self, py: Python<'py>, patch: Option<&str>) -> Answer<'py> {
         let taxels = self.patch(patch)?.taxels.iter();
         Ok(array::lend_rows(py, taxels.flat_map(|taxel| taxel.normal_link.to_array()).collect(), 3)?)
     }

@@ -11,7 +11,7 @@ use underbrush_recording::disk::check_free;
 use underbrush_report::reproduction::Reproduction;
 use underbrush_report::suite_text;
 
-use crate::failure::Failure;
+use crate::failure::{Answer, Failure};
 use crate::json;
 use crate::pool::alone;
 use crate::progress::{Reported, watched};
@@ -19,7 +19,7 @@ use crate::progress::{Reported, watched};
 /// Check a scene, data set, recording, model or table of trials, and say what it holds.
 #[pyfunction]
 #[pyo3(signature = (path, seed = 0))]
-pub fn inspect(py: Python<'_>, path: PathBuf, seed: u64) -> Result<Bound<'_, PyAny>, Failure> {
+pub fn inspect(py: Python<'_>, path: PathBuf, seed: u64) -> Answer<'_> {
     let found = alone(py, || Ok(inspection::inspect(&path, seed)?))?;
     json::to_python(py, &found)
 }
@@ -36,7 +36,7 @@ pub fn check<'py>(
     force: bool,
     progress: Option<Py<PyAny>>,
     jobs: Option<usize>,
-) -> Result<Bound<'py, PyAny>, Failure> {
+) -> Answer<'py> {
     if suites.is_empty() {
         return Err(Failure::argument("suites", "none", "one suite file or more", "name one"));
     }
@@ -73,7 +73,7 @@ pub fn reproduce<'py>(
     force: bool,
     progress: Option<Py<PyAny>>,
     jobs: Option<usize>,
-) -> Result<Bound<'py, PyAny>, Failure> {
+) -> Answer<'py> {
     if !(1..=10_000).contains(&campaigns) {
         return Err(Failure::argument("campaigns", campaigns.to_string(), "1 to 10000", "use 1"));
     }

@@ -19,7 +19,7 @@ use serde_json::Value;
 use underbrush_recording::disk::{self, Batch, Dataset, Rows, Text, Values};
 
 use crate::array::Numbers;
-use crate::failure::Failure;
+use crate::failure::{Answer, Failure};
 
 /// A table. Polars, pyarrow, pandas, DuckDB and others read it through Arrow's C stream interface without a copy.
 #[pyclass(frozen, name = "Table", module = "underbrush._core")]
@@ -139,7 +139,7 @@ impl PyTable {
     }
 
     /// A column of numbers as an array, read only: (rows,) or (rows, width).
-    fn column<'py>(&self, py: Python<'py>, name: &str) -> Result<Bound<'py, PyAny>, Failure> {
+    fn column<'py>(&self, py: Python<'py>, name: &str) -> Answer<'py> {
         Ok(Column::of(&self.batches, name, None)?.lend(py)?)
     }
 
@@ -267,8 +267,8 @@ impl LentColumns {
         &self,
         py: Python<'py>,
         (name, single): (&str, Option<bool>),
-        make: impl FnOnce() -> Result<Bound<'py, PyAny>, Failure>,
-    ) -> Result<Bound<'py, PyAny>, Failure> {
+        make: impl FnOnce() -> Answer<'py>,
+    ) -> Answer<'py> {
         let key = (name.to_owned(), single);
         let known = |columns: &HashMap<_, Py<PyAny>>| columns.get(&key).map(|array| array.clone_ref(py));
         if let Some(array) = known(&self.0.lock().unwrap_or_else(PoisonError::into_inner)) {

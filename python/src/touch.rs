@@ -17,7 +17,7 @@ use underbrush_recording::Recording;
 
 use crate::arguments::save;
 use crate::classifier::other_kind;
-use crate::failure::Failure;
+use crate::failure::{Answer, Failure};
 use crate::json;
 use crate::online::Online;
 use crate::pool;
@@ -89,7 +89,7 @@ impl PyTouchModel {
         threshold_n: Option<f64>,
         limit_wrong: Option<f64>,
         jobs: Option<usize>,
-    ) -> Result<Bound<'py, PyAny>, Failure> {
+    ) -> Answer<'py> {
         let (options, limits) = options(patch, threshold_n, limit_wrong);
         let reaches = Given(reaches.iter().map(Py::get).collect());
         let fit = |examples: &TouchExamples| Ok(examples.fit_within(&limits)?);
@@ -132,13 +132,13 @@ impl PyTouchModel {
 
     /// The costs and limits by which probabilities become verdicts.
     #[getter]
-    fn decision<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn decision<'py>(&self, py: Python<'py>) -> Answer<'py> {
         json::to_python(py, &self.model.decision)
     }
 
     /// Where the model comes from: program, options, data.
     #[getter]
-    fn provenance<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn provenance<'py>(&self, py: Python<'py>) -> Answer<'py> {
         json::to_python(py, &self.model.provenance)
     }
 
@@ -148,7 +148,7 @@ impl PyTouchModel {
     }
 
     /// Judge the frames of reaches with ground truth.
-    fn evaluate<'py>(&self, py: Python<'py>, reaches: Vec<Py<Reach>>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn evaluate<'py>(&self, py: Python<'py>, reaches: Vec<Py<Reach>>) -> Answer<'py> {
         let reaches = Given(reaches.iter().map(Py::get).collect());
         let judge = || judge_touch(self.model.as_ref().clone(), &reaches);
         json::to_python(py, &pool::detached(py, None, judge)?)

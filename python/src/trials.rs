@@ -13,7 +13,7 @@ use underbrush_recording::{Sample, Trial};
 
 use crate::arguments::features;
 use crate::array;
-use crate::failure::{Failure, place, places};
+use crate::failure::{Answer, Failure, place, places};
 use crate::json;
 use crate::pool::alone;
 use crate::sequences::of_sequences;
@@ -107,7 +107,7 @@ impl Trials {
     }
 
     /// A trial by its number; trials by a slice, a list of numbers, or an array of truth values.
-    fn __getitem__<'py>(&self, py: Python<'py>, key: &Bound<'py, PyAny>) -> Result<Bound<'py, PyAny>, Failure> {
+    fn __getitem__<'py>(&self, py: Python<'py>, key: &Bound<'py, PyAny>) -> Answer<'py> {
         if let Ok(slice) = key.cast::<PySlice>() {
             return Ok(Bound::new(py, self.some(places(slice, self.list.len())?))?.into_any());
         }
@@ -178,12 +178,7 @@ impl Trials {
 
     /// One feature of all trials as an array (trials, samples), padded with NaN. Trials longer than `samples` are cut.
     #[pyo3(signature = (feature = "force", samples = None))]
-    fn padded<'py>(
-        &self,
-        py: Python<'py>,
-        feature: &str,
-        samples: Option<usize>,
-    ) -> Result<Bound<'py, PyAny>, Failure> {
+    fn padded<'py>(&self, py: Python<'py>, feature: &str, samples: Option<usize>) -> Answer<'py> {
         let set = FeatureSet::from_names(&[feature])?;
         let longest = self.list.iter().map(|trial| trial.samples.len()).max().unwrap_or(0);
         let width = samples.unwrap_or(longest);

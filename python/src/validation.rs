@@ -5,7 +5,7 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use underbrush_validation::{CHECKS, Check};
 
-use crate::failure::Failure;
+use crate::failure::{Answer, Failure};
 use crate::json;
 use crate::progress::watched;
 
@@ -18,7 +18,7 @@ pub fn validate<'py>(
     only: Option<Vec<String>>,
     tolerance_scale: f64,
     jobs: Option<usize>,
-) -> Result<Bound<'py, PyAny>, Failure> {
+) -> Answer<'py> {
     if !(0.0..=f64::MAX).contains(&tolerance_scale) {
         let found = tolerance_scale.to_string();
         return Err(Failure::argument("tolerance_scale", found, "a number, zero or more", "use 1"));
