@@ -147,9 +147,13 @@ def main():
             print(f"| {constant} | " + " | ".join(f"{cell:+.0f}" for cell in cells) + " |", flush=True)
             groups = []
             for group in range(GROUPS):
-                mine = [figures(*[[row for row in rows if row[0] % GROUPS == group] for rows in side]) for side in sides]
+                try:
+                    mine = [figures(*[[row for row in rows if row[0] % GROUPS == group] for rows in side]) for side in sides]
+                except statistics.StatisticsError:
+                    continue  # A category without trials in this group.
                 groups.append([change(name, mine[0][name], mine[1][name]) for name in names])
-            by_chance.append([statistics.variance(column) / GROUPS for column in zip(*groups)])
+            if len(groups) > 1:
+                by_chance.append([statistics.variance(column) / len(groups) for column in zip(*groups)])
         errors = [statistics.mean(column) ** 0.5 for column in zip(*by_chance)]
         print("| standard error | " + " | ".join(f"{error:.0f}" for error in errors) + " |")
 
