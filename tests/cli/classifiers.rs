@@ -51,7 +51,9 @@ fn every_classifier_is_a_model_like_any_other() {
         train(kind.name, &model);
         let found = underbrush!["inspect", model, "--json"].json();
         let tag = found["classifier"].as_str().unwrap();
-        assert!(kind.name.starts_with(tag), "{tag} for {}", kind.name);
+        // Peak force is naive Bayes with one feature.
+        let of_file = if kind.name == "peak-force" { "naive-bayes" } else { kind.name };
+        assert!(of_file.starts_with(tag), "{tag} for {}", kind.name);
         assert_eq!(found["categories"], serde_json::json!(["leaf", "trunk"]));
         let scores = table::scores(&underbrush!["score", model, table].success());
         let verdicts = table::rows(&underbrush!["classify", model, table].success());
