@@ -127,13 +127,15 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--reaches", type=int, default=16, help="reaches per scene (default 16)")
     parser.add_argument("--seed", type=int, default=7100, help="seed of the reaches; the model's is one more")
+    constants = [*MATERIALS, *ROBOT, *LEAF, *SENSOR]
+    parser.add_argument("--only", nargs="+", choices=constants, default=constants, help="these constants alone")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         model = folder / "model.json"
         run("train", simulate(folder, options, options.seed + 1), "--classifier", "logistic", "--out", model)
         names, by_chance = None, []
-        for constant in [*MATERIALS, *ROBOT, *LEAF, *SENSOR]:
+        for constant in options.only:
             sides = []
             for factor in (1 - SHARE, 1 + SHARE):
                 data = simulate(folder, options, options.seed, constant, factor)
