@@ -256,7 +256,7 @@ fn peak_force_sees_the_peak_alone() {
         let mut trial = of(99, "leaf", peak_n);
         let scores = classifier.scores(&trial).unwrap();
         assert_eq!(scores[0] > scores[1], is_leaf, "{peak_n} N: {scores:?}");
-        trial.samples.push(Sample { time_s: 0.5, force_n: 0.5 * peak_n, ..trial.samples[0].clone() });
+        trial.samples.push(Sample { time_s: 0.5, force_n: 0.5 * peak_n, ..trial.samples[0] });
         assert_eq!(classifier.scores(&trial).unwrap(), scores);
     }
     assert!((kind.estimator)(Some(FeatureSet::new([&MOTION]))).fit(&trials.iter().collect::<Vec<_>>()).is_err());
