@@ -25,13 +25,14 @@ const DRAWS: usize = 500;
 /// Parts of a press that are drawn together, because noise and errors of neighbouring samples belong together.
 const BLOCKS: usize = 25;
 
-/// A bootstrap over so few parts is too narrow: by √(25/24), and by Student's t of 24 degrees of freedom over the normal limit.
+/// The intervals of a bootstrap over so few parts are too narrow. They are widened by √(25/24) and by the ratio of Student's t
+/// with 24 degrees of freedom to the limit of a normal distribution.
 const WIDENED: f64 = 1.0206 * 2.064 / 1.960;
 
 /// Depths over which the pressure under a ball is summed.
 const DEPTHS: usize = 64;
 
-/// Steps of the fit. It needs four to eight.
+/// Limit of the steps of the fit.
 const MAX_STEPS: usize = 50;
 
 /// The largest share of its thickness by which a layer can have been pressed. Beyond, its force has no bound.

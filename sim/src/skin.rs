@@ -11,7 +11,7 @@
 //! taxels that do not cover all of the contact. What the taxels' normals cannot carry (friction, and the sideways rest
 //! on a curved skin) is spread as shear in proportion to pressure, so that the vector sum over the taxels is the
 //! solver's force. If this takes a taxel out of its friction cone, forces are shifted among the pressed taxels, as
-//! little as possible (`sim/src/cone.rs`). This needs cones that together contain the solver's force. It fails if all
+//! little as possible (`sim/src/friction_cone.rs`). This needs cones that together contain the solver's force. It fails if all
 //! pressed taxels lie on one side of the contact's normal, as a single taxel or column may; the shear then stays as it
 //! is.
 

@@ -35,7 +35,8 @@ trial names its reach: trials of one reach resemble each other, so grouping by p
 `--preset paper` follows the paper instead (section V-A: two folds by position, labels from the environment, 20 samples or \
 more). The default recipe is the paper's.
 
-Without --classifier and options about fitting, all classifiers are compared on the same folds, the best first, and the details are those of the paper's hidden Markov models. peak-force is the baseline of contacts: the largest force alone.
+Without --classifier and options about fitting, all classifiers are compared on the same folds, the best first, and the \
+details are those of the paper's hidden Markov models. peak-force is the baseline of contacts: the largest force alone.
 
 Compare an accuracy with the majority baseline, which is reached by always naming the most frequent category, and with the \
 balanced accuracy, the mean recall over the categories that the classifier knows. Uncertain counts as wrong, and so does \

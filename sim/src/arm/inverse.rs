@@ -56,7 +56,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     /// Tests that at least 97 % of 400 points that the end effector can reach are found from one of five other postures, with
-    /// angles within the limits that do reach them. Where the end effector is near the shoulder, some are not.
+    /// angles within the limits that do reach them.
     #[test]
     fn reachable_points_are_found() {
         let arm = Arm::cody().unwrap();

@@ -62,7 +62,7 @@ pub(super) fn indent(cells: &[Cell], layer: &Layer, force: f64) -> Option<Vector
             curvature.cholesky().map(|factor| factor.solve(slope))
         },
         |(pose, ..), step, share| state_at(pose - step * share),
-        // The slope along the way falls, and does not overshoot by more than it was.
+        // A step is accepted if it makes the slope along it smaller.
         |(trial, trial_slope, _), (pose, slope, _)| {
             let way = trial - pose;
             trial_slope.dot(&way).abs() < slope.dot(&way).abs()
