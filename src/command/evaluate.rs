@@ -11,8 +11,8 @@ use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::decision::Decision;
 use underbrush_classifier::estimator::Classifier;
 use underbrush_classifier::evaluate::{
-    Compared, EvaluationReport, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
-    evaluate,
+    Compared, Evaluation, EvaluationReport, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all,
+    cross_validate, evaluate,
 };
 use underbrush_classifier::paper_rule::Scores;
 use underbrush_classifier::registry::CLASSIFIERS;
@@ -158,17 +158,19 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     }
     let mut comparison = None;
     if let Some(folds) = folds.filter(|_| options.estimator.is_open()) {
-        comparison = Some(compare(&trials, folds, &decision));
+        comparison = Some(compare(&trials, folds, &decision, &evaluation));
     }
     let results = EvaluationReport { folds, evaluation, by_samples, by_samples_of_all, comparison };
     output::result(json, &results, || text::of(&results))
 }
 
 /// All classifiers on the same folds, the best first. One that these trials do not suit, for want of a column or of samples, is
-/// left out.
-fn compare(trials: &[Trial], folds: Folds, decision: &Decision) -> Vec<Compared> {
-    let judged = CLASSIFIERS.par_iter().filter_map(|kind| {
-        let evaluation = cross_validate(trials, (kind.estimator)(None).as_ref(), folds, decision).ok()?;
+/// left out. The first of the list has been judged: `first`.
+fn compare(trials: &[Trial], folds: Folds, decision: &Decision, first: &Evaluation) -> Vec<Compared> {
+    let judged = CLASSIFIERS.par_iter().enumerate().filter_map(|(place, kind)| {
+        let own = (place > 0).then(|| cross_validate(trials, (kind.estimator)(None).as_ref(), folds, decision));
+        let own = own.transpose().ok()?;
+        let evaluation = own.as_ref().unwrap_or(first);
         let accuracy = evaluation.confusion.accuracy()?;
         let interval_by_reach = evaluation.accuracy_interval_by_reach;
         Some(Compared { classifier: kind.name, accuracy, interval_by_reach })
