@@ -72,6 +72,54 @@ pub struct Grid {
     pub wraps: bool,
 }
 
+impl Grid {
+    /// The taxels above, below, before and behind a taxel; `None` where the grid ends.
+    ///
+    /// ```
+    /// let grid = underbrush_recording::Grid { rows: 2, columns: 3, wraps: true };
+    /// assert_eq!(grid.neighbours(0), [None, Some(3), Some(2), Some(1)]);
+    /// // Taxels 0 and 2 are neighbours around the sleeve.
+    /// assert_eq!(grid.regions(|taxel| [0, 2, 4].contains(&taxel)), [vec![0, 2], vec![4]]);
+    /// ```
+    pub fn neighbours(&self, taxel: usize) -> [Option<usize>; 4] {
+        let Grid { rows, columns, wraps } = *self;
+        let (row, column) = (taxel / columns, taxel % columns);
+        let at = |row: usize, column: usize| row * columns + column;
+        [
+            (row > 0).then(|| at(row - 1, column)),
+            (row + 1 < rows).then(|| at(row + 1, column)),
+            (column > 0 || wraps).then(|| at(row, (column + columns - 1) % columns)),
+            (column + 1 < columns || wraps).then(|| at(row, (column + 1) % columns)),
+        ]
+    }
+
+    /// The connected taxels in contact: for each region its taxels, ascending; the regions by their first taxel.
+    pub fn regions(&self, is_in_contact: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
+        let mut seen = vec![false; self.rows * self.columns];
+        let mut found = Vec::new();
+        for first in 0..seen.len() {
+            if seen[first] || !is_in_contact(first) {
+                continue;
+            }
+            seen[first] = true;
+            let mut taxels = vec![first];
+            let mut next = 0;
+            while let Some(&taxel) = taxels.get(next) {
+                next += 1;
+                for neighbour in self.neighbours(taxel).into_iter().flatten() {
+                    if !seen[neighbour] && is_in_contact(neighbour) {
+                        seen[neighbour] = true;
+                        taxels.push(neighbour);
+                    }
+                }
+            }
+            taxels.sort_unstable();
+            found.push(taxels);
+        }
+        found
+    }
+}
+
 /// One taxel (tactile pixel) in the frame of its link.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Taxel {

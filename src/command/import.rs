@@ -32,6 +32,9 @@ pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
     let inputs = [&options.file, &options.mapping];
     options.overwrite.table(&options.out, inputs)?;
     let imported = import(&options.file, &Mapping::load(&options.mapping)?)?;
+    if let Some(warning) = &imported.warning {
+        output::remark(format!("warning: {warning}"));
+    }
     let mut categories = BTreeMap::<String, usize>::new();
     for trial in &imported.trials {
         *categories.entry(trial.category.clone().unwrap_or_default()).or_default() += 1;

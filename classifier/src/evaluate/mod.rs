@@ -21,6 +21,7 @@ mod touch_contact;
 mod touch_figures;
 pub mod touch_folds;
 mod touch_object;
+mod touch_stiffness;
 
 pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples, accuracy_by_samples_of_all};
 pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix, Rates};
@@ -41,6 +42,7 @@ pub use stream::{
 pub use threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds};
 pub use touch_figures::{ReachFigures, RightWithin, TouchFigures, TruthFigures};
 pub use touch_object::JudgedObject;
+pub use touch_stiffness::StiffnessFigures;
 
 #[cfg(test)]
 mod tests;

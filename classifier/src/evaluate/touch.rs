@@ -106,7 +106,7 @@ impl TouchEvaluation {
         // By patch and taxel.
         let mut open: BTreeMap<(usize, usize), OpenContact> = BTreeMap::new();
         let mut objects = ObjectJudge::default();
-        for frame in &recording.frames {
+        for (index, frame) in recording.frames.iter().enumerate() {
             classifier.update(frame)?;
             for tracker in classifier.patches() {
                 let (patch, image) = (tracker.image().patch_index(), tracker.image());
@@ -116,7 +116,7 @@ impl TouchEvaluation {
             for taxel in classifier.taxels() {
                 evaluation.judge(&classifier, taxel, &mut open, recording);
             }
-            objects.update(&classifier, frame.time_s, recording);
+            objects.update(&classifier, index, recording);
         }
         evaluation.contacts.extend(open.into_values().filter_map(OpenContact::close));
         evaluation.objects = objects.finish(recording);

@@ -7,6 +7,7 @@ use super::confusion::Accuracy;
 use super::object_figures::{GroupingFigures, ObjectVerdicts, UnknownFigures};
 use super::touch::{CalibrationBin, TouchEvaluation, TouchTally};
 use super::touch_object::JudgedObject;
+use super::touch_stiffness::StiffnessFigures;
 
 /// The figures of a [`TouchEvaluation`]. All shares are from 0 to 1, and `None` if there is nothing to count.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -17,6 +18,8 @@ pub struct TouchFigures {
     pub object_verdicts: Vec<ObjectVerdicts>,
     /// How well contacts are joined to objects; `None` if none was touched.
     pub grouping: Option<GroupingFigures>,
+    /// How well the stiffness of objects that give way is told, by category.
+    pub stiffness: Vec<StiffnessFigures>,
     /// The objects that were felt well enough to be judged: at 0.2 N or more for 0.15 s.
     pub objects: Vec<JudgedObject>,
     /// Verdicts on taxel frames by truth: nothing, the model's categories, then everything else.
@@ -109,6 +112,7 @@ impl TouchFigures {
             unknown: UnknownFigures::of(&evaluation.objects, categories),
             object_verdicts: ObjectVerdicts::of(&evaluation.objects, categories),
             grouping: GroupingFigures::of(&evaluation.objects),
+            stiffness: StiffnessFigures::of(&evaluation.objects),
             objects: evaluation.objects.clone(),
             truths: truths
                 .zip(&evaluation.tallies)

@@ -5,7 +5,10 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use underbrush_recording::Recording;
 
-use crate::touch::{ObjectTouch, Touch, TouchClassifier, TouchObject, Votes, category_of, count_votes};
+use super::touch_stiffness::true_stiffness_n_per_m;
+use crate::touch::{
+    Mobility, ObjectTouch, Stiffness, Touch, TouchClassifier, TouchObject, Votes, category_of, count_votes,
+};
 
 /// Verdicts that stood at some moments of an object: categories, `uncertain` or `unknown`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -34,6 +37,14 @@ pub struct JudgedObject {
     pub flips: usize,
     /// The share of known objects that are as unlike what is known, at its end.
     pub share_beyond: f64,
+    /// Its stiffness as it was told when its force was largest.
+    pub stiffness: Option<Stiffness>,
+    /// Its true stiffness when its force was largest, N/m; `None` if it did not give way.
+    pub true_stiffness_n_per_m: Option<f64>,
+    /// How far it seems to have moved from where it was first felt, at its end, m.
+    pub moved_m: f64,
+    /// What it had done under the push, at its end.
+    pub mobility: Mobility,
     /// Its contacts, as far as they belong to it, and those of them that ended as contacts with something unknown.
     pub contacts: usize,
     /// See `contacts`.
@@ -56,12 +67,14 @@ struct OpenObject {
     votes: Votes,
     /// The last verdict on each of its contacts, by patch and number.
     contacts: BTreeMap<(usize, u64), Touch>,
+    /// The frame in which its force was largest.
+    peak_frame: usize,
     is_judged: bool,
 }
 
 impl ObjectJudge {
-    /// Takes in the verdicts on a frame that was sensed at `time_s`.
-    pub(super) fn update(&mut self, classifier: &TouchClassifier, time_s: f64, recording: &Recording) {
+    /// Takes in the verdicts on a frame of the recording.
+    pub(super) fn update(&mut self, classifier: &TouchClassifier, frame: usize, recording: &Recording) {
         let tracker = classifier.object_tracker();
         for object in tracker.ended() {
             self.close(object.number, recording);
@@ -69,7 +82,7 @@ impl ObjectJudge {
         let categories = classifier.model().categories();
         for (object, own) in tracker.objects().iter().zip(classifier.objects()) {
             let open = self.open.entry(object.number).or_insert_with(|| OpenObject::new(object.number));
-            open.update(object, own, time_s, categories);
+            open.update(object, own, (frame, recording.frames[frame].time_s), categories);
         }
         for region in classifier.regions() {
             if let Some(open) = region.object.and_then(|object| self.open.get_mut(&object)) {
@@ -101,6 +114,7 @@ impl ObjectJudge {
         self.closed.push(JudgedObject {
             truth: truth.name().to_owned(),
             true_object: *true_object,
+            true_stiffness_n_per_m: true_stiffness_n_per_m(recording, open.peak_frame, *true_object),
             contacts: open.contacts.len(),
             contacts_called_unknown: called_unknown,
             force_n: [open.votes.values().sum(), *own_n],
@@ -126,6 +140,10 @@ impl JudgedObject {
             at_end: none(),
             flips: 0,
             share_beyond: 1.0,
+            stiffness: None,
+            true_stiffness_n_per_m: None,
+            moved_m: 0.0,
+            mobility: Mobility::Holds,
             contacts: 0,
             contacts_called_unknown: 0,
             force_n: [0.0; 2],
@@ -136,10 +154,16 @@ impl JudgedObject {
 impl OpenObject {
     fn new(object: u64) -> Self {
         let judged = JudgedObject::new(object);
-        OpenObject { judged, votes: Votes::new(), contacts: BTreeMap::new(), is_judged: false }
+        OpenObject { judged, votes: Votes::new(), contacts: BTreeMap::new(), peak_frame: 0, is_judged: false }
     }
 
-    fn update(&mut self, object: &TouchObject, own: &ObjectTouch, time_s: f64, categories: &[String]) {
+    fn update(
+        &mut self,
+        object: &TouchObject,
+        own: &ObjectTouch,
+        (frame, time_s): (usize, f64),
+        categories: &[String],
+    ) {
         let (judged, verdict) = (&mut self.judged, own.touch.name(categories));
         // Tolerates rounding of the times.
         let since_s = time_s - object.start_s - 1e-6;
@@ -151,6 +175,8 @@ impl OpenObject {
         if object.is_touching && object.course.largest_force_n() > judged.peak_force_n {
             judged.peak_force_n = object.course.largest_force_n();
             verdict.clone_into(&mut judged.at_peak);
+            judged.stiffness = object.course.stiffness();
+            self.peak_frame = frame;
         }
         if verdict != judged.at_end {
             judged.flips += usize::from(since_s > 0.0);
@@ -158,6 +184,7 @@ impl OpenObject {
         }
         if object.is_touching {
             judged.lasted_s = time_s - object.start_s;
+            (judged.moved_m, judged.mobility) = (object.course.moved_m(), object.course.mobility());
         }
         judged.share_beyond = own.share_beyond;
         self.is_judged = object.is_judged();

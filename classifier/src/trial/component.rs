@@ -41,39 +41,8 @@ impl Component {
 ///
 /// The grid must have as many cells as the patch has taxels; `grid.wraps` makes the first and last column neighbours.
 pub(super) fn components(image: &PatchImage, grid: Grid) -> Vec<Component> {
-    let mut seen = vec![false; grid.rows * grid.columns];
-    let mut found = Vec::new();
-    for first in 0..seen.len() {
-        if seen[first] || !image.is_in_contact(first) {
-            continue;
-        }
-        seen[first] = true;
-        let mut taxels = vec![first];
-        let mut next = 0;
-        while let Some(&taxel) = taxels.get(next) {
-            next += 1;
-            for neighbour in neighbours(taxel, grid).into_iter().flatten() {
-                if !seen[neighbour] && image.is_in_contact(neighbour) {
-                    seen[neighbour] = true;
-                    taxels.push(neighbour);
-                }
-            }
-        }
-        taxels.sort_unstable();
-        found.push(measure(image, taxels));
-    }
-    found
-}
-
-pub(super) fn neighbours(taxel: usize, grid: Grid) -> [Option<usize>; 4] {
-    let (row, column) = (taxel / grid.columns, taxel % grid.columns);
-    let at = |row: usize, column: usize| row * grid.columns + column;
-    [
-        (row > 0).then(|| at(row - 1, column)),
-        (row + 1 < grid.rows).then(|| at(row + 1, column)),
-        (column > 0 || grid.wraps).then(|| at(row, (column + grid.columns - 1) % grid.columns)),
-        (column + 1 < grid.columns || grid.wraps).then(|| at(row, (column + 1) % grid.columns)),
-    ]
+    let regions = grid.regions(|taxel| image.is_in_contact(taxel));
+    regions.into_iter().map(|taxels| measure(image, taxels)).collect()
 }
 
 fn measure(image: &PatchImage, taxels: Vec<usize>) -> Component {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use underbrush_recording::{Grid, Recording, Sample};
 
-use super::component::{Component, components, neighbours};
+use super::component::{Component, components};
 use super::image::PatchImage;
 use super::trial_list::{ContactTrial, OpenTrial, TrialList, knows_truth};
 use super::{TrialError, TrialOptions};
@@ -96,7 +96,7 @@ fn associate(tracks: &[Track], found: &[Component], reach_m: f64) -> Vec<Option<
 /// [`TrialError::NoGrid`] if the patch has no grid.
 pub(crate) fn neighbours_of_patch(image: &PatchImage) -> Result<Vec<[Option<usize>; 4]>, TrialError> {
     let grid = grid(image, None)?;
-    Ok((0..image.patch().taxels.len()).map(|taxel| neighbours(taxel, grid)).collect())
+    Ok((0..image.patch().taxels.len()).map(|taxel| grid.neighbours(taxel)).collect())
 }
 
 pub(super) fn grid(image: &PatchImage, wrap: Option<bool>) -> Result<Grid, TrialError> {

@@ -108,7 +108,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
         };
         let category = match columns.category {
             Some(column) => cell(column),
-            None => mapping.trial.category.as_deref().unwrap_or_default(),
+            None => mapping.category(reach, time_s),
         };
         let place = Place { line, reach, category, time_s };
         cutter.push(&place, &readings)?;

@@ -1,11 +1,12 @@
-//! Cuts frames of forces into trials: one for each period during which the force of a taxel stays above the threshold.
+//! Cuts frames of forces into trials: one for each contact of a taxel, or one for what all taxels feel in a reach.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use underbrush_recording::{Category, InputError, Sample, Trial, limits};
+use underbrush_recording::{Category, InputError, Region, Sample, Trial, limits};
 
 use super::Mapping;
+use super::mapping::Cut;
 
 /// The facts about a frame that decide which trial its forces belong to.
 pub(super) struct Place<'a> {
@@ -23,8 +24,15 @@ pub(super) struct Place<'a> {
 pub(super) struct Cutter<'a> {
     path: PathBuf,
     mapping: &'a Mapping,
-    /// The trial of the current contact of each taxel; `None` without contact.
+    /// The trial of the current contact of each taxel, or of all taxels together; `None` without contact.
     open: Vec<Option<Trial>>,
+    /// The forces of this frame, N, and which taxels are in contact.
+    forces_n: Vec<f64>,
+    in_contact: Vec<bool>,
+    /// Whether each taxel was without contact in the frame before.
+    is_interrupted: Vec<bool>,
+    /// With one trial for a reach: number of its samples up to the last contact.
+    until_last_contact: usize,
     done: Vec<Trial>,
     reach: Option<u64>,
     /// The current reach and those before it.
@@ -37,6 +45,19 @@ pub(super) struct Cutter<'a> {
     pub(super) reaches: usize,
 }
 
+/// Room for rounding of times, s.
+const TIME_TOLERANCE_S: f64 = 1e-9;
+
+/// The region of some taxels.
+fn region(forces_n: &[f64], taxels: &[usize]) -> Region {
+    let forces = || taxels.iter().map(|taxel| forces_n[*taxel].max(0.0));
+    Region {
+        taxels: u32::try_from(taxels.len()).unwrap_or(u32::MAX),
+        largest_force_n: forces().fold(0.0, f64::max),
+        force_sum_n: forces().sum(),
+    }
+}
+
 impl<'a> Cutter<'a> {
     /// A cutter for the frames of a file.
     pub(super) fn new(path: &Path, mapping: &'a Mapping) -> Self {
@@ -44,6 +65,10 @@ impl<'a> Cutter<'a> {
             path: path.to_path_buf(),
             mapping,
             open: Vec::new(),
+            forces_n: Vec::new(),
+            in_contact: Vec::new(),
+            is_interrupted: Vec::new(),
+            until_last_contact: 0,
             done: Vec::new(),
             reach: None,
             begun: BTreeSet::new(),
@@ -107,6 +132,9 @@ impl<'a> Cutter<'a> {
             return Err(self.error(line, "number of taxels", readings.len() as f64, allowed, remedy));
         }
         self.open.resize(readings.len().max(self.open.len()), None);
+        self.in_contact.resize(self.open.len(), false);
+        self.is_interrupted.resize(self.open.len(), false);
+        self.forces_n.clear();
         for (taxel, reading) in readings.iter().enumerate() {
             let force_n = self.mapping.force_n(*reading);
             if !limits::FORCE_N.hold(force_n) {
@@ -114,34 +142,94 @@ impl<'a> Cutter<'a> {
                 let field = format!("force of taxel {taxel}");
                 return Err(self.error(line, &field, force_n, limits::FORCE_N.to_string(), remedy));
             }
-            let samples = self.sample(taxel, time_s, force_n);
-            let within = limits::TRIAL_SAMPLES.check(&self.path, "samples", samples as u64);
-            within.map_err(|error| error.at_line(line))?;
+            self.forces_n.push(force_n);
+            let level_n = if self.in_contact[taxel] { self.mapping.release_n } else { self.mapping.threshold_n };
+            self.in_contact[taxel] = force_n > level_n;
         }
+        let samples = match self.mapping.cut {
+            Cut::Contact => self.sample_taxels(time_s),
+            Cut::Reach => self.sample_all(time_s),
+        };
+        let within = limits::TRIAL_SAMPLES.check(&self.path, "samples", samples as u64);
+        within.map_err(|error| error.at_line(line))?;
         self.frames += 1;
         Ok(())
     }
 
-    /// Adds a sample of a taxel, and returns how many its contact has now.
-    fn sample(&mut self, taxel: usize, time_s: f64, force_n: f64) -> usize {
-        if force_n <= self.mapping.threshold_n {
-            let ended = self.open[taxel].take();
-            self.keep(ended);
-            return 0;
+    /// Adds a sample of each taxel in contact, and returns how many the longest contact has now.
+    fn sample_taxels(&mut self, time_s: f64) -> usize {
+        let mut regions: Vec<Option<Region>> = vec![None; self.forces_n.len()];
+        if let Some(grid) = self.mapping.grid {
+            for taxels in grid.regions(|taxel| self.in_contact[taxel]) {
+                let region = region(&self.forces_n, &taxels);
+                taxels.iter().for_each(|taxel| regions[*taxel] = Some(region));
+            }
         }
-        let trial = self.open[taxel].get_or_insert_with(|| Trial {
+        let mut longest = 0;
+        for (taxel, region) in regions.into_iter().enumerate() {
+            let over = |trial: &Trial| {
+                trial.samples.last().is_some_and(|last| time_s - last.time_s > self.mapping.gap_s + TIME_TOLERANCE_S)
+            };
+            let is_in_contact = self.in_contact[taxel];
+            // A contact goes on without interruption, however far apart the frames are.
+            if !is_in_contact || self.is_interrupted[taxel] {
+                let ended = self.open[taxel].take_if(|trial| over(trial));
+                self.keep(ended);
+            }
+            self.is_interrupted[taxel] = !is_in_contact;
+            if !is_in_contact {
+                continue;
+            }
+            let sample = Sample { time_s, force_n: self.forces_n[taxel], motion_m: None, region, touched: None };
+            longest = longest.max(self.add(taxel, Some(taxel as u32), sample));
+        }
+        longest
+    }
+
+    /// Adds a sample of all taxels together from the first contact on, and returns how many there are now. Without contact,
+    /// its region is the strongest taxel.
+    fn sample_all(&mut self, time_s: f64) -> usize {
+        let strongest = (0..self.forces_n.len())
+            .reduce(|best, taxel| if self.forces_n[taxel] > self.forces_n[best] { taxel } else { best });
+        let Some(strongest) = strongest else { return 0 };
+        let mut taxels: Vec<usize> = (0..self.forces_n.len()).filter(|taxel| self.in_contact[*taxel]).collect();
+        let is_contact = !taxels.is_empty();
+        if !is_contact {
+            if self.open[0].is_none() {
+                return 0;
+            }
+            taxels.push(strongest);
+        }
+        let region = Some(region(&self.forces_n, &taxels));
+        let samples = self.add(
+            0,
+            None,
+            Sample { time_s, force_n: self.forces_n[strongest], motion_m: None, region, touched: None },
+        );
+        if is_contact {
+            self.until_last_contact = samples;
+        }
+        samples
+    }
+
+    /// Adds a sample to an open trial or a new one, and returns how many it has now.
+    fn add(&mut self, index: usize, taxel: Option<u32>, sample: Sample) -> usize {
+        let trial = self.open[index].get_or_insert_with(|| Trial {
             trial: 0,
             category: self.category.clone(),
             reach: self.reach,
             patch: self.mapping.trial.patch.clone(),
-            taxel: Some(taxel as u32),
+            taxel,
             samples: Vec::new(),
         });
-        trial.samples.push(Sample { time_s, force_n, motion_m: None, region: None, touched: None });
+        trial.samples.push(sample);
         trial.samples.len()
     }
 
-    fn keep(&mut self, trial: Option<Trial>) {
+    fn keep(&mut self, mut trial: Option<Trial>) {
+        if let Some(trial) = trial.as_mut().filter(|_| self.mapping.cut == Cut::Reach) {
+            trial.samples.truncate(self.until_last_contact);
+        }
         let long_enough = |trial: &Trial| trial.samples.len() >= self.mapping.min_samples;
         self.done.extend(trial.filter(long_enough));
     }
@@ -151,6 +239,7 @@ impl<'a> Cutter<'a> {
             let ended = self.open[taxel].take();
             self.keep(ended);
         }
+        self.in_contact.fill(false);
     }
 
     /// The trials by reach, first sample and taxel, numbered in this order.

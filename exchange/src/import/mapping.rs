@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
 use underbrush_recording::limits::{TEXT_BYTES, short};
-use underbrush_recording::{InputError, Limits, read_text};
+use underbrush_recording::{Grid, InputError, Limits, read_text};
 
 /// Frames per second: from one reading in a hundred seconds to a fast vibration sensor.
 const RATE_HZ: Limits = Limits::new(0.01, 1e5, "Hz");
@@ -17,6 +17,9 @@ const SCALE_N: Limits = Limits::new(1e-9, 1e4, "N");
 const OFFSET_N: Limits = Limits::new(-1e4, 1e4, "N");
 /// Threshold of contact: within the range of forces.
 const THRESHOLD_N: Limits = Limits::new(0.0, 1e4, "N");
+
+/// Longest interruption of a contact: longer ones are two contacts.
+const GAP_S: Limits = Limits::new(0.0, 10.0, "s");
 
 /// The placeholder for the number of a taxel in the name of a column.
 pub(super) const TAXEL: &str = "{taxel}";
@@ -33,6 +36,50 @@ struct MappingFile {
     /// How the forces become trials.
     #[serde(default)]
     trial: TrialTable,
+    /// The grid of the taxels, by which neighbours in contact form a region; its features need it.
+    grid: Option<GridTable>,
+    /// Categories by interval of time, in place of a column.
+    #[serde(default)]
+    label: Vec<Label>,
+}
+
+/// The grid of the taxels. Taxel 0 is in the first row and column, taxel 1 in the next column.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct GridTable {
+    /// Number of rows.
+    rows: u32,
+    /// Number of columns; rows times columns is the number of taxels.
+    columns: u32,
+    /// Whether the last column is a neighbour of the first, as on a closed sleeve.
+    #[serde(default)]
+    wraps: bool,
+}
+
+/// The category of an interval of time.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Label {
+    /// The number of the reach; every reach if not given.
+    pub(super) reach: Option<u64>,
+    /// It begins at this time, s.
+    pub(super) from_s: f64,
+    /// It ends before this time, s.
+    pub(super) to_s: f64,
+    /// The category.
+    pub(super) category: String,
+}
+
+/// What one trial is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Cut {
+    /// What one taxel feels from the beginning of a contact to its end.
+    #[default]
+    Contact,
+    /// What all taxels together feel in one reach, from the first contact to the last: a slide or a grasp. Its force is
+    /// the largest of the taxels, and its region all taxels in contact.
+    Reach,
 }
 
 /// The times of the frames.
@@ -71,6 +118,14 @@ pub(super) struct TrialTable {
     pub(super) patch: Option<String>,
     /// A taxel is in contact while its force is above this, N; 0.03 if not given.
     threshold_n: Option<f64>,
+    /// A contact ends when the force is no longer above this, N; `threshold_n` if not given. A lower value keeps a force
+    /// that varies about the threshold in one trial.
+    release_n: Option<f64>,
+    /// A contact that is interrupted for at most this long goes on, s; 0 if not given.
+    gap_s: Option<f64>,
+    /// What one trial is: `contact`, or `reach` for a slide or a grasp; `contact` if not given.
+    #[serde(default)]
+    cut: Cut,
     /// Trials with fewer samples are left out; 1 if not given.
     min_samples: Option<u32>,
     /// The category of all trials.
@@ -93,8 +148,14 @@ pub struct Mapping {
     per_second: f64,
     /// Newtons per unit of force, and newtons at a reading of zero.
     newton: (f64, f64),
-    /// A taxel is in contact while its force is above this, N.
+    pub(super) grid: Option<Grid>,
+    pub(super) labels: Vec<Label>,
+    pub(super) cut: Cut,
+    /// A contact begins when the force of a taxel is above the first, and ends when it is no longer above the second, N.
     pub(super) threshold_n: f64,
+    pub(super) release_n: f64,
+    /// How long an interruption does not end it, s.
+    pub(super) gap_s: f64,
     /// Trials with fewer samples are left out.
     pub(super) min_samples: usize,
 }
@@ -147,13 +208,19 @@ impl Mapping {
             let fault = InputError::new(path, "mapping", error.message(), allowed, "correct this line");
             fault.at_line(line_of(&text, error.span().unwrap_or_default().start))
         })?;
-        let MappingFile { time, force, trial } = file;
+        let MappingFile { time, force, trial, grid, label } = file;
+        let threshold_n = trial.threshold_n.unwrap_or(0.03);
         let mut mapping = Mapping {
             path: path.to_path_buf(),
             text,
             per_second: 1.0,
             newton: (1.0, force.offset_n.unwrap_or(0.0)),
-            threshold_n: trial.threshold_n.unwrap_or(0.03),
+            grid: grid.map(|own| Grid { rows: own.rows as usize, columns: own.columns as usize, wraps: own.wraps }),
+            labels: label,
+            cut: trial.cut,
+            threshold_n,
+            release_n: trial.release_n.unwrap_or(threshold_n),
+            gap_s: trial.gap_s.unwrap_or(0.0),
             min_samples: trial.min_samples.unwrap_or(1) as usize,
             time,
             force,
@@ -183,6 +250,8 @@ impl Mapping {
             ("force.scale_n", self.force.scale_n, SCALE_N),
             ("force.offset_n", self.force.offset_n, OFFSET_N),
             ("trial.threshold_n", self.trial.threshold_n, THRESHOLD_N),
+            ("trial.release_n", self.trial.release_n, Limits::new(THRESHOLD_N.min, self.threshold_n, "N")),
+            ("trial.gap_s", self.trial.gap_s, GAP_S),
         ];
         for (field, number, limits) in numbers {
             if let Some(number) = number.filter(|number| !limits.hold(*number)) {
@@ -205,6 +274,27 @@ impl Mapping {
                 return Err(self.fault(other, format!("{one}, too"), format!("one of {one} and {other}")));
             }
         }
+        if let Some(Grid { rows, columns, .. }) = self.grid {
+            let taxels = self.force.taxels.unwrap_or(1) as usize;
+            if rows.checked_mul(columns) != Some(taxels) {
+                return Err(self.fault(
+                    "grid.rows",
+                    format!("{rows} x {columns}"),
+                    format!("a grid of {taxels} taxels"),
+                ));
+            }
+        }
+        if let Some(label) = self.labels.iter().find(|own| !(own.from_s < own.to_s)) {
+            let found = format!("{} to {}", short(label.from_s), short(label.to_s));
+            return Err(self.fault("label.to_s", found, "a time after from_s"));
+        }
+        if !self.labels.is_empty() && self.trial.category_from.is_some() {
+            return Err(self.fault(
+                "trial.category_from",
+                "[[label]], too".into(),
+                "one of category_from and [[label]]",
+            ));
+        }
         if self.trial.category.as_deref() == Some("") || self.trial.patch.as_deref() == Some("") {
             let field = if self.trial.patch.as_deref() == Some("") { "trial.patch" } else { "trial.category" };
             return Err(self.fault(field, "an empty name".into(), "a name"));
@@ -217,6 +307,14 @@ impl Mapping {
         let key = field.rsplit('.').next().unwrap_or(field);
         let remedy = format!("change `{key}` in {}", self.path.display());
         InputError::new(&self.path, field, found, allowed, remedy).at_line(line_setting(&self.text, field))
+    }
+
+    /// The category at a time of a reach if a label gives it, or else that of all trials; empty if there is none. The first
+    /// label that holds counts.
+    pub(super) fn category(&self, reach: u64, time_s: f64) -> &str {
+        let holds = |own: &&Label| own.reach.is_none_or(|of| of == reach) && (own.from_s..own.to_s).contains(&time_s);
+        let label = self.labels.iter().find(holds).map(|own| own.category.as_str());
+        label.or(self.trial.category.as_deref()).unwrap_or_default()
     }
 
     /// A time of the file, s.

@@ -1,7 +1,8 @@
 //! Reads contact trials from a CSV file of another robot, as a small mapping file describes
 //! (docs/exchange.md).
 //!
-//! The trials hold what the file holds: the force of each taxel over time. They have no motion, no region and no truth.
+//! The trials hold what the file holds: the force of each taxel over time, and with the taxels' grid the region around it. They
+//! have no motion and no truth.
 
 mod csv_frames;
 mod cutter;
@@ -26,6 +27,8 @@ pub struct Imported {
     pub frames: usize,
     /// Reaches read.
     pub reaches: usize,
+    /// What is suspicious about the trials.
+    pub warning: Option<String>,
 }
 
 /// Cuts trials from a CSV file.
@@ -73,5 +76,18 @@ pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, InputError> {
         let remedy = "check the unit of the mapping, or lower `threshold_n` or `min_samples` there";
         return Err(InputError::new(path, "trials", found, allowed, remedy));
     }
-    Ok(Imported { trials, frames: cutter.frames, reaches: cutter.reaches })
+    let warning = warning(&trials);
+    Ok(Imported { trials, frames: cutter.frames, reaches: cutter.reaches, warning })
+}
+
+/// A warning if half of the trials have a single sample: the force then varies about the threshold, or is raw.
+fn warning(trials: &[Trial]) -> Option<String> {
+    let short = trials.iter().filter(|trial| trial.samples.len() == 1).count();
+    (trials.len() > 1 && 2 * short >= trials.len()).then(|| {
+        format!(
+            "{short} of {} trials have a single sample, as if the force varied about the threshold: raise `threshold_n`, or set \
+             `release_n`, `gap_s` or `min_samples` in the mapping",
+            trials.len()
+        )
+    })
 }

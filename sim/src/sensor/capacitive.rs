@@ -2,7 +2,7 @@
 
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::{FRAME_PERIOD_S, Grid, Patch, math};
+use underbrush_recording::{FRAME_PERIOD_S, Patch, math};
 
 use super::converter::{Converter, Noise};
 use super::options::SensorOptions;
@@ -88,22 +88,9 @@ fn felt(neighbours: &[usize; 4], crosstalk_share: f64, force_n: &[f64], taxel: u
 /// The four neighbours in the patch's grid, around the sleeve if it wraps. Without a grid a taxel has none.
 fn neighbours(patch: &Patch) -> Vec<[usize; 4]> {
     let count = patch.taxels.len();
-    let Some(Grid { rows, columns, wraps }) = patch.grid else {
+    let Some(grid) = patch.grid else {
         return (0..count).map(|taxel| [taxel; 4]).collect();
     };
-    let of = |taxel: usize| {
-        let (row, column) = (taxel / columns, taxel % columns);
-        let or_itself = |exists: bool, next: usize| if exists { next } else { taxel };
-        let first = row * columns;
-        let last = first + columns - 1;
-        let before = if column > 0 { taxel - 1 } else { last };
-        let behind = if column + 1 < columns { taxel + 1 } else { first };
-        [
-            or_itself(row > 0, taxel.wrapping_sub(columns)),
-            or_itself(row + 1 < rows, taxel + columns),
-            or_itself(wraps || column > 0, before),
-            or_itself(wraps || column + 1 < columns, behind),
-        ]
-    };
+    let of = |taxel: usize| grid.neighbours(taxel).map(|next| next.unwrap_or(taxel));
     (0..count).map(of).collect()
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use serde::Serialize;
-use underbrush_classifier::touch::{TouchClassifier, TouchModel};
+use underbrush_classifier::touch::{Mobility, Stiffness, TouchClassifier, TouchModel};
 use underbrush_recording::{Frame, SkinLayout};
 
 use super::super::touch::TouchDecisionArguments;
@@ -85,6 +85,12 @@ struct ObjectLine<'a> {
     samples: usize,
     verdict: &'a str,
     share_beyond: f64,
+    /// Its stiffness where it was touched; left out until it is judged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stiffness: Option<Stiffness>,
+    /// How far it is from where it was first felt, m.
+    moved_m: f64,
+    mobility: Mobility,
 }
 
 impl Reach for Frames {
@@ -117,11 +123,15 @@ impl Reach for Frames {
             probabilities: probabilities(index, 1.0),
             share_beyond: own.share_beyond,
         });
-        let objects = classifier.objects().iter().map(|own| ObjectLine {
+        let felt = classifier.object_tracker().objects();
+        let objects = classifier.objects().iter().zip(felt).map(|(own, felt)| ObjectLine {
             object: own.object,
             samples: own.samples,
             verdict: own.touch.name(categories),
             share_beyond: own.share_beyond,
+            stiffness: felt.course.stiffness().filter(|_| felt.is_judged()),
+            moved_m: felt.course.moved_m(),
+            mobility: felt.course.mobility(),
         });
         json_line(&FrameLine {
             time_s: frame.time_s,

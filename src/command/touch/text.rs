@@ -1,6 +1,6 @@
 //! Results of touch models as text.
 
-use underbrush_classifier::evaluate::{Interval, ReachFigures, TouchFigures, UnknownFigures};
+use underbrush_classifier::evaluate::{Interval, ReachFigures, StiffnessFigures, TouchFigures, UnknownFigures};
 use underbrush_classifier::touch::{FeatureWorth, TouchDecision, TouchRows};
 use underbrush_report::drawing::Rows;
 
@@ -46,12 +46,27 @@ fn number(value: Option<f64>) -> String {
 pub(super) fn evaluation(figures: &TouchFigures) -> String {
     let parts = [
         objects(figures) + &unknown(&figures.unknown),
+        stiffness(&figures.stiffness),
         verdicts(figures) + &by_reach(&figures.by_reach),
         contacts(figures),
         first_right(figures),
         probabilities(figures),
     ];
-    parts.join("\n")
+    parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
+}
+
+/// How well the stiffness of objects is told.
+fn stiffness(figures: &[StiffnessFigures]) -> String {
+    if figures.is_empty() {
+        return String::new();
+    }
+    Rows::of(figures)
+        .column("gave way under 3 N or more", |own| own.truth.as_str())
+        .column("objects", |own| own.objects)
+        .percent("stiffness within half to twice %", 0, |own| own.within_twice)
+        .percent("interval holds it %", 0, |own| own.held)
+        .number("median of told / true", 2, |own| own.median_ratio)
+        .text()
 }
 
 /// What was judged by one model, and how.

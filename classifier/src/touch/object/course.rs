@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::fit::Fit;
+use super::resistance::{Mobility, Place, Stiffness};
 use crate::touch::compress::{COUNT_KNEE, PLAIN, compress, knees};
 use crate::touch::contact_history::{Course, Measure, REGION_FEATURE_COUNT};
 
@@ -58,6 +59,8 @@ pub(super) struct ObjectMeasure {
     contacts: f64,
     span_m: f64,
     strongest: Course,
+    /// The contacts, each with the same weight.
+    path: Fit,
 }
 
 impl ObjectMeasure {
@@ -67,6 +70,7 @@ impl ObjectMeasure {
             self.span_m = self.span_m.max(now.center_world.distance(self.sum.center_world / self.sum.force_n));
         }
         self.contacts += 1.0;
+        self.path.push(now.center_world.truncate(), now.normal_world.truncate(), now.force_n, 1.0);
         self.sum.taxels += now.taxels;
         self.sum.largest_force_n = self.sum.largest_force_n.max(now.largest_force_n);
         self.sum.force_n += now.force_n;
@@ -125,6 +129,10 @@ pub struct ObjectCourse {
     impulse_ns: f64,
     last_s: f64,
     circle: Fit,
+    /// Every sample of every contact with the same weight: all of them, and those up to the largest force.
+    path: Fit,
+    path_to_largest: Fit,
+    place: Place,
 }
 
 impl ObjectCourse {
@@ -141,6 +149,21 @@ impl ObjectCourse {
     /// The largest of these forces so far, N.
     pub fn largest_force_n(&self) -> f64 {
         self.all.largest_force_n()
+    }
+
+    /// Its stiffness where it was touched, when the force was largest; `None` before it was touched.
+    pub fn stiffness(&self) -> Option<Stiffness> {
+        Stiffness::of(&self.path_to_largest)
+    }
+
+    /// How far it is from where it was first felt, horizontally, m. Nine of ten fixed trunks seem to move by less than 2 cm.
+    pub fn moved_m(&self) -> f64 {
+        self.place.moved_m()
+    }
+
+    /// What it has done so far under the push.
+    pub fn mobility(&self) -> Mobility {
+        self.place.mobility()
     }
 
     pub(super) fn count_contact(&mut self) {
@@ -173,9 +196,12 @@ impl ObjectCourse {
         {
             *sum += value;
         }
+        self.path.merge(&frame.path);
         if force_n > self.all.largest_force_n() {
             self.press_at_largest_m = press_m;
+            self.path_to_largest = self.path;
         }
+        self.place.push(now.center_world.truncate(), now.normal_world.truncate(), force_n);
         if let Some(level) = LEVELS_N.iter().rposition(|level| force_n >= *level) {
             let (sums, count) = &mut self.levels[level];
             for (sum, value) in sums.iter_mut().zip([now.taxels, now.largest_force_n / force_n, now.extent_m, press_m])

@@ -16,6 +16,15 @@ pub(super) struct Fit {
     products: [f64; 6],
 }
 
+/// Weighted central moments of a path.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moments {
+    /// Sum of the weights.
+    pub(super) weight: f64,
+    /// Means of the products nn, n·Fn, FnFn, cn, c·Fn, cc less the products of the means.
+    pub(super) values: [f64; 6],
+}
+
 /// What the fit found.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Found {
@@ -55,14 +64,25 @@ impl Fit {
         }
     }
 
-    pub(super) fn found(&self) -> Found {
-        if self.weight <= 0.0 {
-            return Found::default();
-        }
+    /// Adds the samples of another path.
+    pub(super) fn merge(&mut self, other: &Fit) {
+        self.weight += other.weight;
+        self.sums.iter_mut().zip(&other.sums).for_each(|(sum, other)| *sum += *other);
+        self.products.iter_mut().zip(&other.products).for_each(|(sum, other)| *sum += other);
+    }
+
+    /// The central moments; `None` without samples.
+    pub(super) fn moments(&self) -> Option<Moments> {
         let [n, p, c] = self.sums.map(|sum| sum / self.weight);
         let means = [n.dot(n), n.dot(p), p.dot(p), c.dot(n), c.dot(p), c.dot(c)];
-        let moment = |index: usize| self.products[index] / self.weight - means[index];
-        let [nn, np, pp, cn, cp, cc] = [0, 1, 2, 3, 4, 5].map(moment);
+        let values = std::array::from_fn(|index| self.products[index] / self.weight - means[index]);
+        (self.weight > 0.0).then_some(Moments { weight: self.weight, values })
+    }
+
+    pub(super) fn found(&self) -> Found {
+        let Some(Moments { values: [nn, np, pp, cn, cp, cc], .. }) = self.moments() else {
+            return Found::default();
+        };
         let (nn_ridged, pp_ridged) = (nn + RIDGE[0], pp + RIDGE[1]);
         // The normal equations of r and C; their determinant is positive because of the ridge.
         let determinant = nn_ridged * pp_ridged - np * np;

@@ -5,10 +5,12 @@
 //! | contacts that begin near each other are one object | [`ObjectTracker`] |
 //! | the course of an object becomes features | [`ObjectCourse`], [`Fit`](fit::Fit) |
 //! | one forest for each family of auxiliary unknown objects | [`Forest`](crate::forest::Forest) |
+//! | how stiff it is, and whether it gives way | [`Stiffness`], [`Mobility`] |
 //! | scores become the share of known objects that are as unlike | [`UnknownObjects`] |
 
 mod course;
 mod fit;
+mod resistance;
 mod share;
 #[cfg(test)]
 mod tests;
@@ -17,6 +19,7 @@ mod training;
 mod unknown;
 
 pub use course::{OBJECT_FEATURE_COUNT, ObjectCourse};
+pub use resistance::{Mobility, Stiffness};
 pub use tracker::{ObjectTracker, TouchObject};
 pub(super) use training::{ObjectExample, ObjectExamples, fit_unknown};
 pub(crate) use training::{Votes, category_of, count_votes};

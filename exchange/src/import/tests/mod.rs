@@ -1,5 +1,6 @@
 //! Tests of imports.
 
+mod cutting;
 mod text;
 
 use std::path::{Path, PathBuf};

@@ -39,7 +39,7 @@ reach_from = \"run\"
 fn rows_become_trials() {
     let (_folder, path) = file("log.csv");
     written(&path, LOG);
-    let Imported { trials, frames, reaches } = imported(&path, MAPPING).unwrap();
+    let Imported { trials, frames, reaches, .. } = imported(&path, MAPPING).unwrap();
     assert_eq!((frames, reaches), (6, 2));
     let facts: Vec<_> = trials
         .iter()

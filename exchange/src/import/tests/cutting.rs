@@ -1,0 +1,107 @@
+//! How contacts become trials: hysteresis, gaps, whole reaches, grids and labels by interval.
+
+use underbrush_recording::Region;
+
+use super::{file, imported, refused, samples, written};
+
+/// Two taxels in one row, ten frames a second. The first trembles about 0.1 N and is interrupted once for 0.3 s.
+const LOG: &str = "\
+time,f0,f1
+0.0,0.12,0
+0.1,0.08,0.2
+0.2,0.12,0.3
+0.3,0,0
+0.4,0,0
+0.5,0.2,0
+0.6,0,0
+";
+
+fn mapping(trial: &str) -> String {
+    format!("[time]\nfrom = \"time\"\n[force]\nfrom = \"f{{taxel}}\"\ntaxels = 2\n{trial}")
+}
+
+/// For each trial its taxel and the times of its samples, s.
+fn cut(trial: &str) -> Vec<(Option<u32>, Vec<f64>)> {
+    let (_folder, path) = file("log.csv");
+    written(&path, LOG);
+    let found = imported(&path, &mapping(trial)).unwrap();
+    found.trials.iter().map(|own| (own.taxel, samples(own).iter().map(|sample| sample.0).collect())).collect()
+}
+
+/// Tests that without hysteresis a trembling force makes several trials, that `release_n` keeps them together, and that
+/// `gap_s` bridges interruptions that are no longer.
+#[test]
+fn hysteresis_and_gaps_keep_a_contact_together() {
+    let with = |keys: &str| cut(&format!("[trial]\nthreshold_n = 0.1\n{keys}"));
+    let second = (Some(1), vec![0.1, 0.2]);
+    let last = (Some(0), vec![0.5]);
+    assert_eq!(with(""), [(Some(0), vec![0.0]), second.clone(), (Some(0), vec![0.2]), last.clone()]);
+    assert_eq!(with("release_n = 0.05"), [(Some(0), vec![0.0, 0.1, 0.2]), second.clone(), last.clone()]);
+    let bridged = (Some(0), vec![0.0, 0.1, 0.2, 0.5]);
+    assert_eq!(with("release_n = 0.05\ngap_s = 0.3"), [bridged, second.clone()]);
+    assert_eq!(with("release_n = 0.05\ngap_s = 0.2"), [(Some(0), vec![0.0, 0.1, 0.2]), second, last]);
+}
+
+/// Tests that `cut = "reach"` makes one trial of all taxels, from the first contact to the last, with the largest force and the
+/// region of all taxels in contact.
+#[test]
+fn a_whole_reach_can_be_one_trial() {
+    let (_folder, path) = file("log.csv");
+    written(&path, LOG);
+    let found = imported(&path, &mapping("[trial]\nthreshold_n = 0.1\nrelease_n = 0.05\ncut = \"reach\"\n")).unwrap();
+    assert_eq!(found.trials.len(), 1);
+    let trial = &found.trials[0];
+    assert_eq!(trial.taxel, None);
+    assert_eq!(samples(trial), [(0.0, 0.12), (0.1, 0.2), (0.2, 0.3), (0.3, 0.0), (0.4, 0.0), (0.5, 0.2)]);
+    let both = trial.samples[1].region.unwrap();
+    assert_eq!((both.taxels, both.largest_force_n), (2, 0.2));
+    assert!((both.force_sum_n - 0.28).abs() < 1e-12);
+}
+
+/// Tests that neighbours in the grid share a region, and taxels that are none do not.
+#[test]
+fn neighbours_in_contact_form_a_region() {
+    let (_folder, path) = file("log.csv");
+    written(&path, "time,f0,f1,f2\n0,1,2,0\n1,1,0,4\n");
+    let grid = "[grid]\nrows = 1\ncolumns = 3\n";
+    let text = mapping(grid).replace("taxels = 2", "taxels = 3");
+    let region =
+        |text: &str, trial: usize, sample: usize| imported(&path, text).unwrap().trials[trial].samples[sample].region;
+    assert_eq!(region(&text, 0, 0), Some(Region { taxels: 2, largest_force_n: 2.0, force_sum_n: 3.0 }));
+    assert_eq!(region(&text, 0, 1), Some(Region { taxels: 1, largest_force_n: 1.0, force_sum_n: 1.0 }));
+    // Around a sleeve the last column is a neighbour of the first.
+    let wrapped = text.replace("columns = 3", "columns = 3\nwraps = true");
+    assert_eq!(region(&wrapped, 0, 1), Some(Region { taxels: 2, largest_force_n: 4.0, force_sum_n: 5.0 }));
+    let error = refused(&path, &text.replace("columns = 3", "columns = 4"));
+    assert_eq!((error.field.as_str(), error.allowed.as_str()), ("grid.rows", "a grid of 3 taxels"));
+}
+
+/// Tests that labels by interval end contacts where they change, and that what no label covers has the category of all.
+#[test]
+fn labels_hold_from_one_time_to_another() {
+    let (_folder, path) = file("log.csv");
+    written(&path, "time,f0,f1\n0,1,0\n1,1,0\n2,1,0\n3,1,0\n");
+    let label = |from: f64, to: f64, category: &str| {
+        format!("[[label]]\nfrom_s = {from:?}\nto_s = {to:?}\ncategory = \"{category}\"\n")
+    };
+    let text =
+        mapping(&format!("[trial]\ncategory = \"table\"\n{}{}", label(0.0, 1.0, "leaf"), label(1.0, 3.0, "trunk")));
+    let found = imported(&path, &text).unwrap();
+    let categories: Vec<_> =
+        found.trials.iter().map(|own| (own.category.as_deref().unwrap(), own.samples.len())).collect();
+    assert_eq!(categories, [("leaf", 1), ("trunk", 2), ("table", 1)]);
+    let error = refused(&path, &mapping(&label(2.0, 1.0, "leaf")));
+    assert_eq!((error.field.as_str(), error.found.as_str()), ("label.to_s", "2 to 1"));
+}
+
+/// Tests that trials of single samples are pointed out, and others are not.
+#[test]
+fn trials_of_single_samples_are_suspicious() {
+    let (_folder, path) = file("log.csv");
+    written(&path, LOG);
+    let warning = |trial: &str| imported(&path, &mapping(trial)).unwrap().warning;
+    assert!(
+        warning("[trial]\nthreshold_n = 0.1\n").is_some_and(|text| text.starts_with("3 of 4 trials have a single"))
+    );
+    assert_eq!(warning("[trial]\nthreshold_n = 0.1\nrelease_n = 0.05\ngap_s = 0.5\n"), None);
+}
