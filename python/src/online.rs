@@ -13,6 +13,7 @@ use crate::arguments;
 use crate::failure::{Failure, locked};
 use crate::frame::PyFrame;
 use crate::interrupt::Stop;
+use crate::json;
 use crate::python_classifier::PythonClassifier;
 use crate::skin::Skin;
 
@@ -81,6 +82,18 @@ impl Online {
     #[getter]
     fn categories(&self) -> Vec<String> {
         self.categories.clone()
+    }
+
+    /// What is known of the objects that touch the skin, or did so in the last thirty seconds; only with a touch model. Each is
+    /// a dictionary with the keys object (its number), samples, verdict, share_beyond, stiffness (low, median and
+    /// high_n_per_m; missing until it is judged), moved_m and mobility (holds, gives-way, comes-back or stays).
+    fn objects<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+        let state = self.lock()?;
+        let reports = match &state.kind {
+            Kind::Contacts(_) => Vec::new(),
+            Kind::Touch(classifier) => classifier.object_reports().collect(),
+        };
+        json::to_python(py, &reports)
     }
 
     /// Take in the next frame. Returns a dictionary for each taxel in contact, with the keys taxel, samples, verdict

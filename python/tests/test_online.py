@@ -106,7 +106,7 @@ def test_a_classifier_that_raises_ends_the_stream(data: ub.Dataset) -> None:
 
 def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:
     """Tests that a touch model fitted from Python equals the command line's file, that a pickled model gives the same
-    verdicts, and that its probabilities of the known categories add up to 1."""
+    verdicts, that its probabilities of the known categories add up to 1, and that it tells the stiffness of objects."""
     model = ub.TouchModel.fit(list(data))
     command("train", data.path, "--classifier", "touch", "--out", tmp_path / "touch.json")
     assert model.to_json() == (tmp_path / "touch.json").read_text()
@@ -116,6 +116,11 @@ def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:
     taxels = [taxel for frame in first for taxel in frame]
     assert taxels and all(sum(own["probabilities"].values()) == pytest.approx(1.0) for own in taxels)
     assert {own["verdict"] for own in taxels} <= {"nothing", "leaf", "trunk", "uncertain", "unknown"}
+    online = model.online(data.skin)
+    felt = [own for _ in stream(online, reach)[-1:] for own in online.objects()]
+    judged = [own["stiffness"] for own in felt if "stiffness" in own]
+    assert judged and all(own["low_n_per_m"] < own["median_n_per_m"] < own["high_n_per_m"] for own in judged)
+    assert {own["mobility"] for own in felt} <= {"holds", "gives-way", "comes-back", "stays"}
     with pytest.raises(ub.InputError, match="2 reaches"):
         ub.TouchModel.fit([reach])
 

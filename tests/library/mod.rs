@@ -11,3 +11,4 @@ mod ranges;
 mod reach_controller;
 mod scenes;
 mod suites;
+mod table;

@@ -44,7 +44,7 @@ pub use frame::SkinTracker;
 pub use model::{TOUCH_FORMAT, TouchModel};
 pub use object::{Mobility, OBJECT_FEATURE_COUNT, ObjectCourse, ObjectTracker, Stiffness, TouchObject, UnknownObjects};
 pub(crate) use object::{Votes, category_of, count_votes};
-pub use online::{ObjectTouch, RegionTouch, TaxelTouch, TouchClassifier};
+pub use online::{ObjectReport, ObjectTouch, RegionTouch, TaxelTouch, TouchClassifier};
 pub use options::TouchOptions;
 pub use permutation_importance::FeatureWorth;
 pub use region::Region;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use serde::Serialize;
 use underbrush_recording::{Frame, SkinLayout, math};
 
 use super::batch_scores::FeatureRows;
@@ -10,7 +11,7 @@ use super::decision::Touch;
 use super::frame::SkinTracker;
 use super::model::TouchModel;
 use super::network::softmax;
-use super::object::ObjectTracker;
+use super::object::{Mobility, ObjectTracker, Stiffness};
 use super::taxel::{TAXEL_FEATURE_COUNT, TAXEL_KNEES};
 use crate::trial::TrialError;
 
@@ -62,6 +63,26 @@ pub struct ObjectTouch {
     pub share_beyond: f64,
     /// The verdict.
     pub touch: Touch,
+}
+
+/// All that is known of an object, for other programs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ObjectReport<'a> {
+    /// Number of the object in its reach, from 1.
+    pub object: u64,
+    /// Samples in which it was felt well enough to be judged.
+    pub samples: usize,
+    /// The verdict: a category, `uncertain` or `unknown`.
+    pub verdict: &'a str,
+    /// See [`ObjectTouch::share_beyond`].
+    pub share_beyond: f64,
+    /// Its stiffness where it was touched; left out until it is judged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffness: Option<Stiffness>,
+    /// How far it is from where it was first felt, horizontally, m.
+    pub moved_m: f64,
+    /// What it has done so far under the push.
+    pub mobility: Mobility,
 }
 
 /// Tells what touches each taxel, each region and each object, in every frame. Nothing is allocated after the first
@@ -288,6 +309,19 @@ impl TouchClassifier {
     /// [`ObjectTracker::objects`]. The verdict on one that no longer touches the skin stands.
     pub fn objects(&self) -> &[ObjectTouch] {
         &self.objects
+    }
+
+    /// All that is known of each object, in the order of [`TouchClassifier::objects`].
+    pub fn object_reports(&self) -> impl Iterator<Item = ObjectReport<'_>> {
+        self.objects.iter().zip(self.tracker.objects()).map(|(own, felt)| ObjectReport {
+            object: own.object,
+            samples: own.samples,
+            verdict: own.touch.name(self.model.categories()),
+            share_beyond: own.share_beyond,
+            stiffness: felt.course.stiffness().filter(|_| felt.is_judged()),
+            moved_m: felt.course.moved_m(),
+            mobility: felt.course.mobility(),
+        })
     }
 
     /// Probabilities of the known categories for a region, if something known touches it, in the order of

@@ -1,5 +1,6 @@
 //! The mapping file: which numbers of a file are the forces on which taxels, in which unit.
 
+use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
 
 use schemars::{JsonSchema, Schema};
@@ -284,7 +285,7 @@ impl Mapping {
                 ));
             }
         }
-        if let Some(label) = self.labels.iter().find(|own| !(own.from_s < own.to_s)) {
+        if let Some(label) = self.labels.iter().find(|own| own.from_s.partial_cmp(&own.to_s) != Some(Ordering::Less)) {
             let found = format!("{} to {}", short(label.from_s), short(label.to_s));
             return Err(self.fault("label.to_s", found, "a time after from_s"));
         }

@@ -40,7 +40,8 @@ pub(super) fn draw_goals(
     if let Some(goals) = &settings.positions_m {
         return Ok(goals.iter().copied().map(DVec3::from_array).collect());
     }
-    let plants = objects.iter().filter(|placed| placed.object.foam_top().is_none());
+    let is_plant = |placed: &&PlacedObject| placed.object.foam_top().is_none() && !placed.object.is_ground();
+    let plants = objects.iter().filter(is_plant);
     let plants: Vec<Capsule> = plants.map(PlacedObject::bounding_capsule).collect();
     let surroundings = Surroundings::new(&arm.arm, scene.file.workspace.table_height_m, objects);
     let anywhere = (-5.0, 5.0);

@@ -72,6 +72,9 @@ impl Rejections {
             self.overlap += 1;
             return false;
         }
+        if placed.object.is_ground() {
+            return true;
+        }
         let capsule = placed.bounding_capsule();
         if arm.links.iter().any(|link| link.distance(&capsule) < START_CLEARANCE_M) {
             self.arm += 1;
@@ -92,14 +95,14 @@ impl std::fmt::Display for Rejections {
     }
 }
 
-/// Whether one of two objects is foam and the other may stand in it. What passes through foam to the table would nail a
+/// Whether one of two objects is the ground, or foam in which the other may stand. What passes through foam to the table would nail a
 /// free block to the ground, so it stands beside such a block.
 fn may_overlap(a: &PlacedObject, b: &PlacedObject) -> bool {
     let in_foam = |foam: &PlacedObject, other: &PlacedObject| {
         let is_free = foam.object.carrier().is_some();
         foam.object.foam_top().is_some() && other.object.may_stand_in_foam() && !(is_free && other.stands_on.is_none())
     };
-    in_foam(a, b) || in_foam(b, a)
+    a.object.is_ground() || b.object.is_ground() || in_foam(a, b) || in_foam(b, a)
 }
 
 /// A place for an object.

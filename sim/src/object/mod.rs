@@ -18,6 +18,7 @@ pub mod group;
 pub mod leaf;
 pub mod plant;
 pub mod structure;
+pub mod table;
 pub mod trunk;
 #[cfg(test)]
 pub mod wand;
@@ -31,6 +32,8 @@ pub use structure::Structure;
 macro_rules! for_each_object_kind {
     ($apply:ident) => {
         $apply! {
+            /// Table tops, with which the arm and all moving parts of objects collide.
+            table: $crate::object::table::Table,
             /// Stiff stems fixed to the table.
             trunk: $crate::object::trunk::Trunk,
             /// Soft rolls, foreign to the foliage.
@@ -84,6 +87,10 @@ pub trait Object: std::fmt::Debug + Send + Sync {
     fn kind(&self) -> &'static str;
     /// Whether it holds the arm back instead of letting it through. Goals keep clear of it.
     fn is_obstacle(&self) -> bool;
+    /// Whether it lies under all other objects, which stand on it.
+    fn is_ground(&self) -> bool {
+        false
+    }
     /// Whether it may share ground with a foam block: it stands in the foam, or passes through it to the table.
     fn may_stand_in_foam(&self) -> bool;
     /// Its ground area at rest.

@@ -51,6 +51,11 @@ impl Engine {
         self.scene.remove(slot);
     }
 
+    /// Says that an object is the table at this height, m.
+    pub fn has_table(&mut self, height_m: f64) {
+        self.tables_m.push(height_m);
+    }
+
     /// Adds a table whose top is at this height, m, unless there is one already. Only objects that stand free collide
     /// with it.
     pub fn lay_table(&mut self, height_m: f64) {

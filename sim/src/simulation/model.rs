@@ -121,7 +121,9 @@ fn assemblies(objects: &[PlacedObject], structures: &[Structure]) -> (Vec<Assemb
 fn structure(placed: &PlacedObject, clutter: &Clutter) -> Structure {
     let mut structure = placed.object.structure();
     let own = placed.drawn.iter().any(|(name, _)| *name == "friction");
-    if let Some(friction) = clutter.materials.object_friction.filter(|_| !own) {
+    let materials = &clutter.materials;
+    let friction = if placed.object.is_ground() { materials.table_friction } else { materials.object_friction };
+    if let Some(friction) = friction.filter(|_| !own) {
         structure.surface.friction = friction;
     }
     structure

@@ -38,6 +38,9 @@ impl World {
     pub(super) fn new(model: &Model, physics: PhysicsOptions) -> Self {
         let mut engine = Engine::new(physics);
         engine.table_friction = model.clutter.materials.table_friction.unwrap_or(engine.table_friction);
+        for placed in model.clutter.objects.iter().filter(|placed| placed.object.is_ground()) {
+            engine.has_table(placed.foot_world.z);
+        }
         let arm = ArmBodies::insert(&model.arm, &model.arm.start_posture_rad(), &mut engine);
         let mut world = World {
             engine,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use serde::Serialize;
-use underbrush_classifier::touch::{Mobility, Stiffness, TouchClassifier, TouchModel};
+use underbrush_classifier::touch::{ObjectReport, TouchClassifier, TouchModel};
 use underbrush_recording::{Frame, SkinLayout};
 
 use super::super::touch::TouchDecisionArguments;
@@ -45,7 +45,7 @@ struct FrameLine<'a> {
     time_s: f64,
     taxels: Vec<TaxelLine<'a>>,
     regions: Vec<RegionLine<'a>>,
-    objects: Vec<ObjectLine<'a>>,
+    objects: Vec<ObjectReport<'a>>,
 }
 
 #[derive(Serialize)]
@@ -78,21 +78,6 @@ struct RegionLine<'a> {
     share_beyond: f64,
 }
 
-#[derive(Serialize)]
-struct ObjectLine<'a> {
-    object: u64,
-    /// Samples in which it was felt well enough to be judged.
-    samples: usize,
-    verdict: &'a str,
-    share_beyond: f64,
-    /// Its stiffness where it was touched; left out until it is judged.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    stiffness: Option<Stiffness>,
-    /// How far it is from where it was first felt, m.
-    moved_m: f64,
-    mobility: Mobility,
-}
-
 impl Reach for Frames {
     fn answer(&mut self, frame: &Frame) -> Result<String, Failure> {
         self.classifier.update(frame)?;
@@ -123,21 +108,11 @@ impl Reach for Frames {
             probabilities: probabilities(index, 1.0),
             share_beyond: own.share_beyond,
         });
-        let felt = classifier.object_tracker().objects();
-        let objects = classifier.objects().iter().zip(felt).map(|(own, felt)| ObjectLine {
-            object: own.object,
-            samples: own.samples,
-            verdict: own.touch.name(categories),
-            share_beyond: own.share_beyond,
-            stiffness: felt.course.stiffness().filter(|_| felt.is_judged()),
-            moved_m: felt.course.moved_m(),
-            mobility: felt.course.mobility(),
-        });
         json_line(&FrameLine {
             time_s: frame.time_s,
             taxels: taxels.collect(),
             regions: regions.collect(),
-            objects: objects.collect(),
+            objects: classifier.object_reports().collect(),
         })
     }
 }

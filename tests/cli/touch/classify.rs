@@ -13,8 +13,8 @@ fn sum(probabilities: &Value) -> f64 {
     own.map(|probability| probability.as_f64().unwrap()).sum()
 }
 
-/// Tests that every frame is answered, that taxels refer to regions, that probabilities sum to 1, and that verdicts
-/// follow from them by the model's decision.
+/// Tests that every frame is answered, that taxels refer to regions, that probabilities sum to 1, that verdicts follow from
+/// them by the model's decision, and that objects have an interval of their stiffness.
 #[test]
 fn verdicts_follow_from_the_probabilities() {
     let folder = tempfile::tempdir().unwrap();
@@ -23,7 +23,7 @@ fn verdicts_follow_from_the_probabilities() {
     assert_eq!(answers.len(), read_recording(&recording).unwrap().frames.len());
     let decision = &read(&model())["decision"];
     let limit = |key: &str| decision[key].as_f64().unwrap();
-    let mut seen = 0;
+    let (mut seen, mut told) = (0, 0);
     for answer in &answers {
         let place = |own: &Value| (own["patch"].as_str().unwrap().to_owned(), own["contact"].as_u64().unwrap());
         let regions: BTreeMap<(String, u64), &Value> =
@@ -62,8 +62,18 @@ fn verdicts_follow_from_the_probabilities() {
             let expected = if touched == 0 { "nothing".to_owned() } else { of_region(region) };
             assert_eq!(region["verdict"], expected, "{region}");
         }
+        for object in answer["objects"].as_array().unwrap() {
+            let Some(own) = object.get("stiffness") else { continue };
+            let [low, median, high] =
+                ["low", "median", "high"].map(|end| own[format!("{end}_n_per_m")].as_f64().unwrap());
+            assert!(
+                0.0 < low && low < median && median < high && object["moved_m"].as_f64().unwrap() >= 0.0,
+                "{object}"
+            );
+            told += 1;
+        }
     }
-    assert!(seen > 0, "the reach has contacts");
+    assert!(seen > 0 && told > 0, "the reach has contacts");
 }
 
 /// Tests that frames on standard input give the same lines as the recording, byte for byte and for any number of

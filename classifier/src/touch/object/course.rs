@@ -133,6 +133,7 @@ pub struct ObjectCourse {
     path: Fit,
     path_to_largest: Fit,
     place: Place,
+    place_at_largest: Place,
 }
 
 impl ObjectCourse {
@@ -153,10 +154,10 @@ impl ObjectCourse {
 
     /// Its stiffness where it was touched, when the force was largest; `None` before it was touched.
     pub fn stiffness(&self) -> Option<Stiffness> {
-        Stiffness::of(&self.path_to_largest)
+        Stiffness::of(&self.path_to_largest, &self.place_at_largest)
     }
 
-    /// How far it is from where it was first felt, horizontally, m. Nine of ten fixed trunks seem to move by less than 2 cm.
+    /// How far it is from where it was first felt, horizontally, m; within some 2 cm.
     pub fn moved_m(&self) -> f64 {
         self.place.moved_m()
     }
@@ -197,11 +198,12 @@ impl ObjectCourse {
             *sum += value;
         }
         self.path.merge(&frame.path);
+        self.place.push(now.center_world.truncate(), now.normal_world.truncate(), force_n);
         if force_n > self.all.largest_force_n() {
             self.press_at_largest_m = press_m;
             self.path_to_largest = self.path;
+            self.place_at_largest = self.place;
         }
-        self.place.push(now.center_world.truncate(), now.normal_world.truncate(), force_n);
         if let Some(level) = LEVELS_N.iter().rposition(|level| force_n >= *level) {
             let (sums, count) = &mut self.levels[level];
             for (sum, value) in sums.iter_mut().zip([now.taxels, now.largest_force_n / force_n, now.extent_m, press_m])
