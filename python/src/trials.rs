@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyCapsule, PySlice};
+use pyo3::types::{IntoPyDict, PyBytes, PyCapsule, PySlice};
 use underbrush_classifier::DataSource;
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_experiments::model_data;
@@ -77,6 +77,32 @@ impl Trials {
         let (mut list, source) = alone(py, read)?;
         list.retain(|trial| trial.samples.len() >= min_samples);
         Ok(Trials::new(list).cut_from(vec![source]))
+    }
+
+    /// Make trials from a data frame of pandas or Polars with one row per sample and the columns of `to_pandas`: `trial`,
+    /// `time_s` and `force_n`, and as far as they are known `category`, `reach`, `patch`, `taxel`, `motion_m` and those of
+    /// regions. Rows of a trial follow each other in time.
+    #[staticmethod]
+    #[pyo3(signature = (frame, min_samples = 1))]
+    fn from_dataframe(frame: &Bound<'_, PyAny>, min_samples: usize) -> Result<Self, Failure> {
+        let py = frame.py();
+        // The frame goes through a CSV file, whose reader checks every cell.
+        let folder = py.import("tempfile")?.call_method0("TemporaryDirectory")?;
+        let path = folder.getattr("name")?.extract::<PathBuf>()?.join("frame.csv");
+        if frame.hasattr("write_csv")? {
+            frame.call_method1("write_csv", (&path,))?;
+        } else if frame.hasattr("to_csv")? {
+            let options = [("index", false)].into_py_dict(py)?;
+            frame.call_method("to_csv", (&path,), Some(&options))?;
+        } else {
+            let (found, allowed) = (frame.get_type().name()?.to_string(), "a data frame of pandas or Polars");
+            return Err(Failure::argument("frame", found, allowed, "use Trials.from_sequences for arrays"));
+        }
+        let list = alone(py, || Ok(read_trials(&path)?));
+        folder.call_method0("cleanup")?;
+        let mut list = list?;
+        list.retain(|trial| trial.samples.len() >= min_samples);
+        Ok(Trials::new(list))
     }
 
     /// Write the trials as a table (.csv or .parquet). Only with ``force`` is a file overwritten.

@@ -56,6 +56,19 @@ def _fitted(text: str) -> dict[str, Any]:
     return model
 
 
+def test_trials_come_from_data_frames(trials: ub.Trials) -> None:
+    """Tests that trials survive the way through pandas and Polars, that short ones can be left out, and that other objects
+    and missing columns are refused."""
+    assert ub.Trials.from_dataframe(trials.to_pandas()) == trials
+    assert ub.Trials.from_dataframe(trials.to_polars()) == trials
+    assert len(ub.Trials.from_dataframe(trials.to_pandas(), 20)) == sum(trials.lengths >= 20)
+    with pytest.raises(ub.InputError, match="data frame of pandas or Polars"):
+        ub.Trials.from_dataframe([[1.0]])
+    with pytest.raises(ub.InputError, match="force_n"):
+        ub.Trials.from_dataframe(trials.to_pandas().drop(columns="force_n"))
+
+
+
 @pytest.mark.parametrize("name", [name for name, _ in ub.classifiers()])
 def test_models_equal_those_of_the_command_line(name: str, trials: ub.Trials, tmp_path: Path, command) -> None:
     """Tests for every classifier that the model file, the scores and the evaluation from Python equal those of the

@@ -84,7 +84,13 @@ impl<'a> Stage<'a> {
         full_scale_n: f64,
         places_world: &[DVec3],
     ) -> Result<Self, RenderError> {
-        let meshes: Vec<Mesh> = bodies.iter().map(|body| Mesh::of_parts(&body.parts)).collect();
+        let is_table = |body: &Body| match body.owner {
+            BodyOwner::Object(object) => objects.get(usize::from(object)).is_some_and(ObjectRecord::is_table),
+            BodyOwner::Link(_) => false,
+        };
+        // The table is drawn under whatever is seen, whether it is an object or not.
+        let mesh = |body| if is_table(body) { Mesh::default() } else { Mesh::of_parts(&body.parts) };
+        let meshes: Vec<Mesh> = bodies.iter().map(mesh).collect();
         if meshes.iter().all(|mesh| mesh.triangles.is_empty()) {
             return Err(RenderError::NoBodies);
         }
