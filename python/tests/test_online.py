@@ -116,8 +116,11 @@ def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:
     taxels = [taxel for frame in first for taxel in frame]
     assert taxels and all(sum(own["probabilities"].values()) == pytest.approx(1.0) for own in taxels)
     assert {own["verdict"] for own in taxels} <= {"nothing", "leaf", "trunk", "uncertain", "unknown"}
-    online = model.online(data.skin)
-    felt = [own for _ in stream(online, reach)[-1:] for own in online.objects()]
+    felt = []
+    for own in data:
+        online = model.online(data.skin)
+        stream(online, own)
+        felt += online.objects()
     judged = [own["stiffness"] for own in felt if "stiffness" in own]
     assert judged and all(own["low_n_per_m"] < own["median_n_per_m"] < own["high_n_per_m"] for own in judged)
     assert {own["mobility"] for own in felt} <= {"holds", "gives-way", "comes-back", "stays"}
