@@ -21,7 +21,7 @@ fn the_schema_lists_the_keys_of_a_scene() {
     let objects = scene["$defs"]["Objects"]["properties"].as_object().unwrap();
     let mut kinds: Vec<_> = objects.keys().map(String::as_str).collect();
     kinds.sort_unstable();
-    assert_eq!(kinds, ["foam_block", "foam_roll", "leaf", "plant", "trunk", "water_bottle"]);
+    assert_eq!(kinds, ["foam_block", "foam_roll", "leaf", "plant", "table", "trunk", "water_bottle"]);
 }
 
 /// Tests that arm and skin files have schemas, which forbid unknown keys and give ranges.

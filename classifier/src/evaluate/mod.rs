@@ -22,6 +22,7 @@ mod touch_figures;
 pub mod touch_folds;
 mod touch_object;
 mod touch_stiffness;
+mod true_stiffness;
 
 pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples, accuracy_by_samples_of_all};
 pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix, Rates};

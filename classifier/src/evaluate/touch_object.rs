@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use underbrush_recording::Recording;
 
-use super::touch_stiffness::true_stiffness_n_per_m;
+use super::true_stiffness::true_stiffness_n_per_m;
 use crate::touch::{
     Mobility, ObjectTouch, Stiffness, Touch, TouchClassifier, TouchObject, Votes, category_of, count_votes,
 };
