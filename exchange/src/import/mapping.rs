@@ -178,13 +178,17 @@ fn line_of(text: &str, byte: usize) -> usize {
     1 + text.bytes().take(byte).filter(|byte| *byte == b'\n').count()
 }
 
-/// The line, from 1, that sets a key `table.key`; the line of the table if the key is not set, and 1 if there is no
-/// such table.
+/// The line, from 1, that sets a key `table.key`, or `table[N].key` of a list of tables; the line of the table if the key is
+/// not set, and 1 if there is no such table.
 fn line_setting(text: &str, field: &str) -> usize {
     let (table, key) = field.split_once('.').unwrap_or((field, ""));
     let lines = || (1..).zip(text.lines().map(str::trim));
-    let header = format!("[{table}]");
-    let Some((first, _)) = lines().find(|(_, line)| line.starts_with(&header)) else {
+    let of_list = table.strip_suffix(']').and_then(|table| table.split_once('['));
+    let (header, number) = match of_list {
+        Some((table, number)) => (format!("[[{table}]]"), number.parse().unwrap_or(0)),
+        None => (format!("[{table}]"), 0),
+    };
+    let Some((first, _)) = lines().filter(|(_, line)| line.starts_with(&header)).nth(number) else {
         return 1;
     };
     let within = lines().skip(first).take_while(|(_, line)| !line.starts_with('['));
@@ -285,9 +289,11 @@ impl Mapping {
                 ));
             }
         }
-        if let Some(label) = self.labels.iter().find(|own| own.from_s.partial_cmp(&own.to_s) != Some(Ordering::Less)) {
-            let found = format!("{} to {}", short(label.from_s), short(label.to_s));
-            return Err(self.fault("label.to_s", found, "a time after from_s"));
+        let is_empty = |own: &Label| own.from_s.partial_cmp(&own.to_s) != Some(Ordering::Less);
+        if let Some(number) = self.labels.iter().position(is_empty) {
+            let Label { from_s, to_s, .. } = self.labels[number];
+            let found = format!("{} to {}", short(from_s), short(to_s));
+            return Err(self.fault(&format!("label[{number}].to_s"), found, "a time after from_s"));
         }
         if !self.labels.is_empty() && self.trial.category_from.is_some() {
             return Err(self.fault(

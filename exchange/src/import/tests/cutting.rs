@@ -90,8 +90,8 @@ fn labels_hold_from_one_time_to_another() {
     let categories: Vec<_> =
         found.trials.iter().map(|own| (own.category.as_deref().unwrap(), own.samples.len())).collect();
     assert_eq!(categories, [("leaf", 1), ("trunk", 2), ("table", 1)]);
-    let error = refused(&path, &mapping(&label(2.0, 1.0, "leaf")));
-    assert_eq!((error.field.as_str(), error.found.as_str()), ("label.to_s", "2 to 1"));
+    let error = refused(&path, &mapping(&(label(0.0, 1.0, "leaf") + &label(2.0, 1.0, "leaf"))));
+    assert_eq!((error.field.as_str(), error.found.as_str(), error.line), ("label[1].to_s", "2 to 1", Some(12)));
 }
 
 /// Tests that trials of single samples are pointed out, and others are not.
