@@ -1,12 +1,11 @@
-//! What an object does when it is pushed: how stiff it is, and whether it gives way, comes back or slides.
+//! What an object does when it is pushed: how stiff it is, and whether it gives way, comes back or stays.
 //!
 //! Both follow from where the contacts are in the world. Unlike the motion of the skin along its normal, a place does not
 //! drift when a contact slides over taxels whose normals are 15° apart. The pose of the skin is sensed, so the arm's own
 //! compliance does not enter.
 
 use glam::DVec2;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use underbrush_recording::math;
 
 use super::fit::Fit;
@@ -35,7 +34,7 @@ const DISPLACEMENT: (f64, f64) = (5e-3, 0.2);
 
 /// An interval of an object's stiffness where it was touched: force over how far the touched surface had given way when the
 /// force was largest.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Stiffness {
     /// Lower end of an interval that is meant to hold the true stiffness in nine of ten cases, N/m.
     pub low_n_per_m: f64,
@@ -105,7 +104,7 @@ impl Stiffness {
 }
 
 /// What an object has done so far under the skin's push.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mobility {
     /// It has not moved by more than 2 cm. Contacts with fixed posts seem to move by as much, or by more if contacts with other
@@ -158,7 +157,7 @@ pub(super) struct Place {
     last: Mean,
     farthest_m: f64,
     largest_n: f64,
-    /// The largest force since it was farthest away, and the last force, N.
+    /// The last force, N.
     force_n: f64,
 }
 
