@@ -9,8 +9,8 @@ use super::touch_object::JudgedObject;
 /// Objects that were pressed with less say little, N.
 const PRESSED_N: f64 = 3.0;
 
-/// How well the stiffness of the objects of one category is told, of those that were pressed with 3 N or more and gave way by
-/// 1 mm or more.
+/// How well the stiffness of the objects of one category is told. Only objects that were pressed with 3 N or more and gave way
+/// by 1 mm or more count.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct StiffnessFigures {
     /// The category.

@@ -316,8 +316,8 @@ impl Mapping {
         InputError::new(&self.path, field, found, allowed, remedy).at_line(line_setting(&self.text, field))
     }
 
-    /// The category at a time of a reach if a label gives it, or else that of all trials; empty if there is none. The first
-    /// label that holds counts.
+    /// The category at a time of a reach: that of the first label that covers it, or else that of all trials. Empty if neither
+    /// is given.
     pub(super) fn category(&self, reach: u64, time_s: f64) -> &str {
         let holds = |own: &&Label| own.reach.is_none_or(|of| of == reach) && (own.from_s..own.to_s).contains(&time_s);
         let label = self.labels.iter().find(holds).map(|own| own.category.as_str());

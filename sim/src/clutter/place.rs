@@ -95,8 +95,8 @@ impl std::fmt::Display for Rejections {
     }
 }
 
-/// Whether one of two objects is the ground, or foam in which the other may stand. What passes through foam to the table would nail a
-/// free block to the ground, so it stands beside such a block.
+/// Whether one of two objects is the ground, or foam in which the other may stand. What passes through foam to the table
+/// would nail a free block to the ground, so it stands beside such a block.
 fn may_overlap(a: &PlacedObject, b: &PlacedObject) -> bool {
     let in_foam = |foam: &PlacedObject, other: &PlacedObject| {
         let is_free = foam.object.carrier().is_some();

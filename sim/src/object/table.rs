@@ -1,5 +1,5 @@
-//! Table top: what the arm, leaves, rolls and bottles meet below the clutter. A scene has one only if it says so, because the
-//! arm of the paper never comes near the ground.
+//! Table top: what the arm, leaves, rolls and bottles meet below the clutter. A scene has one only if it says so: Cody's arm
+//! stays well above the ground in the scenes of leaves and trunks.
 
 use std::collections::BTreeMap;
 

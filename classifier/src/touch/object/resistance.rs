@@ -28,8 +28,8 @@ const SAMPLES: f64 = 300.0;
 /// stalks, poles and rolls of the auxiliary scenes (seed 72000), so that the interval holds the truth for 90 % of them.
 const TAIL: f64 = 0.03;
 const STRETCH: f64 = 1.6;
-/// Error of the displacement from the first touch to the largest force: this much, m, and this share of it. Choice, on the same
-/// objects.
+/// Error of the displacement from the first touch to the largest force: this much, m, and this share of it. Choice, on the
+/// objects of seed 71000.
 const DISPLACEMENT: (f64, f64) = (5e-3, 0.2);
 
 /// An interval of an object's stiffness where it was touched: force over how far the touched surface had given way when the
