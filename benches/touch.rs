@@ -85,6 +85,7 @@ fn recording(object: usize) -> Recording {
         bodies: vec![],
         goals: vec![],
         contacts: vec![],
+        map: Vec::new(),
         frames: (0..200).map(|index| frame(index, object, 3)).collect(),
         audit: Audit::default(),
     }

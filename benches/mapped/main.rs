@@ -19,7 +19,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use underbrush_experiments::verdict_controller::VerdictControl;
-use underbrush_recording::{Category, FRAME_PERIOD_S, Outcome, Recording};
+use underbrush_recording::{Category, FRAME_PERIOD_S, MappedObstacle, Outcome, Recording};
 use underbrush_sim::controller::mapped::arm_shapes::ArmShapes;
 use underbrush_sim::controller::mapped::planner::{BUDGET, Planner};
 use underbrush_sim::controller::mapped::route::MARGIN_M;
@@ -169,6 +169,10 @@ impl Controller for Swapped {
 
     fn rate_hz(&self) -> f64 {
         self.0.rate_hz()
+    }
+
+    fn map(&self) -> Vec<MappedObstacle> {
+        self.0.map()
     }
 
     fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {

@@ -13,7 +13,7 @@ use underbrush_classifier::touch::{Touch, TouchClassifier, TouchModel};
 use underbrush_recording::disk::Dataset;
 use underbrush_recording::fault::Fault;
 use underbrush_recording::limits::JSON_BYTES;
-use underbrush_recording::{Frame, InputError, read_text};
+use underbrush_recording::{Frame, InputError, MappedObstacle, read_text};
 use underbrush_sim::controller::{
     Allowance, AllowedForces, Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact, Touched,
     Verdict,
@@ -241,6 +241,10 @@ impl Controller for VerdictController {
     fn observe(&mut self, frame: &Frame) {
         self.is_judged = self.classifier.as_mut().is_some_and(|classifier| classifier.update(frame).is_ok());
         self.inner.observe(frame);
+    }
+
+    fn map(&self) -> Vec<MappedObstacle> {
+        self.inner.map()
     }
 
     fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {

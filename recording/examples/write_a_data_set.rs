@@ -125,6 +125,7 @@ fn recording(reach: u64) -> Recording {
             safety_stop: None,
             given_up: None,
         }],
+        map: Vec::new(),
         contacts: vec![Contact {
             link: layout().patches[0].link.clone(),
             patch: Some(0),

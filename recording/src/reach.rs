@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::{Audit, Body, Category, Frame, GoalOutcomes, NamedStop, Outcome, SafetyStop, SkinLayout};
+use crate::{Audit, Body, Category, Frame, GoalOutcomes, MappedObstacle, NamedStop, Outcome, SafetyStop, SkinLayout};
 
 /// One object of the clutter, as ground truth.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -120,6 +120,7 @@ pub struct ContactForces {
 ///     bodies: Vec::new(),
 ///     goals: vec![goal(Outcome::Reached), goal(Outcome::Stuck)],
 ///     contacts: vec![contact(0, 1, 6.0), contact(10, 15, 2.0)],
+///     map: Vec::new(),
 ///     frames: Vec::new(),
 ///     audit: Audit::default(),
 /// };
@@ -153,6 +154,9 @@ pub struct Recording {
     pub goals: Vec<GoalRecord>,
     /// Contacts, sorted by first frame, then patch, link and object.
     pub contacts: Vec<Contact>,
+    /// The controller's map, if it keeps one, sorted by first frame.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub map: Vec<MappedObstacle>,
     /// The samples.
     pub frames: Vec<Frame>,
     /// Residuals of the physics.

@@ -8,7 +8,8 @@ use serde::Serialize;
 use underbrush_classifier::trial::TrialOptions;
 use underbrush_recording::fault::Fault;
 use underbrush_recording::{
-    Audit, Body, Contact, Frame, GoalOutcomes, GoalRecord, Grid, NamedStop, ObjectRecord, Outcome, Pose, Recording,
+    Audit, Body, Contact, Frame, GoalOutcomes, GoalRecord, Grid, MappedObstacle, NamedStop, ObjectRecord, Outcome,
+    Pose, Recording,
 };
 
 use crate::container::{MAX_BYTES, Sections};
@@ -36,6 +37,7 @@ struct Header<'a> {
     fixed: Option<Fixed<'a>>,
     goals: &'a [GoalRecord],
     contacts: Vec<&'a Contact>,
+    map: &'a [MappedObstacle],
     audit: Audit,
     audit_warnings: Vec<String>,
     /// The controller's largest allowed force on a taxel, if the controller is known.
@@ -121,6 +123,7 @@ pub fn pack_from(
         fixed: (from == 0).then(|| Fixed::of(recording)),
         goals: &recording.goals,
         contacts: recording.contacts.iter().filter(goes_on).collect(),
+        map: &recording.map,
         audit: recording.audit,
         audit_warnings: (known.audit_warnings)(&recording.audit, &recording.layout),
         force_limit_n: (known.force_limit_n)(&recording.controller),

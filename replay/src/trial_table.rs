@@ -59,6 +59,7 @@ pub fn reaches(path: &Path, trials: &[Trial]) -> Result<Vec<Recording>, InputErr
             bodies: Vec::new(),
             goals: Vec::new(),
             contacts: Vec::new(),
+            map: Vec::new(),
             audit: Audit::default(),
         })
     };

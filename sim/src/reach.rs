@@ -17,6 +17,7 @@ pub(crate) use steering::Steering;
 mod back_off;
 mod error;
 mod log;
+mod map_log;
 mod monitor;
 mod plan;
 mod rules;
@@ -141,6 +142,7 @@ impl<'a> Reach<'a> {
             frame.equilibrium_angle_rad.copy_from_slice(equilibrium_rad);
             let frame = self.log.record(&self.simulation, frame);
             observer(&self.simulation, frame);
+            self.log.record_map(&self.steering.map());
             let log = &mut self.log;
             self.simulation.step_observed(equilibrium_rad, &mut |step| log.observe_step(step));
             if let Some(outcome) = ended {

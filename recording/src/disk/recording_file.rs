@@ -41,6 +41,7 @@ pub(super) fn without_frames(recording: &Recording) -> Recording {
         bodies: recording.bodies.clone(),
         goals: recording.goals.clone(),
         contacts: recording.contacts.clone(),
+        map: recording.map.clone(),
         frames: Vec::new(),
         audit: recording.audit,
     }

@@ -15,6 +15,7 @@ fn recording(contacts: Vec<Contact>) -> Recording {
         bodies: vec![],
         goals: Vec::new(),
         contacts,
+        map: Vec::new(),
         frames: Vec::new(),
         audit: Audit::default(),
     }

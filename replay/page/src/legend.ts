@@ -67,6 +67,7 @@ export function drawLegend(box: HTMLElement, reach: Reach, palette: Palette, col
   if (!reach.isTable) {
     const cm = 100 * METRES_PER_NEWTON;
     const over = limit === null ? "" : "; red if a taxel is above the limit";
+    if (reach.header.map.length > 0) entries.push(text("cages: the controller's map: dark for what is fixed, blue for what is doubtful, green for what gives way"));
     entries.push(text(`arrows: force on the skin from ${WEAKEST_N} N, ${cm} cm per newton${over}`), text("blue: goal and path of the hand; grid of 10 cm"));
   }
   box.replaceChildren(...entries);

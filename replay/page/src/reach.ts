@@ -57,6 +57,17 @@ export interface Contact {
   mean_force_n: number;
 }
 
+/** An obstacle on the controller's map, as it stood there from one frame to another. */
+export interface MappedObstacle {
+  kind: "fixed" | "doubtful" | "yielding";
+  /** Upper end of its upright axis, m, world frame. */
+  top_world: Vector3;
+  radius_m: number;
+  deviation_m: number;
+  first_frame: number;
+  last_frame: number;
+}
+
 export interface VerdictHeader {
   model: string;
   classifier: string;
@@ -92,6 +103,8 @@ export interface Header {
   bodies: Body[];
   goals: Goal[];
   contacts: Contact[];
+  /** The controller's map; empty if it keeps none. */
+  map: MappedObstacle[];
   audit_warnings: string[];
   force_limit_n: number | null;
   threshold_n: number;
@@ -214,6 +227,11 @@ export class Reach {
 
   patch(taxel: number): Patch {
     return this.header.patches[this.patchOf[taxel]!]!;
+  }
+
+  /** The controller's map in a frame. */
+  mapAt(frame: number): MappedObstacle[] {
+    return this.header.map.filter(({ first_frame, last_frame }) => first_frame <= frame && frame <= last_frame);
   }
 
   /** Whether this is a table of contact trials: sensed forces without an arm, without places and without true forces. */

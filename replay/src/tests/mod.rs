@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 use glam::{DQuat, DVec3};
 use underbrush_recording::disk::write_recording;
 use underbrush_recording::{
-    Audit, Body, BodyOwner, BodyPart, BodyShape, Category, Contact, Frame, GoalRecord, Grid, ObjectRecord, Outcome,
-    Patch, Pose, Recording, SkinLayout, Taxel, TaxelReading,
+    Audit, Body, BodyOwner, BodyPart, BodyShape, Category, Contact, Frame, GoalRecord, Grid, MappedObstacle,
+    ObjectRecord, ObstacleKind, Outcome, Patch, Pose, Recording, SkinLayout, Taxel, TaxelReading,
 };
 
 use crate::{ReplayContext, Source};
@@ -111,6 +111,14 @@ pub fn reach(reach_index: u64, frames: usize) -> Recording {
             last_frame: frames as u32 - 1,
             peak_force_n: 2.0,
             mean_force_n: 2.0,
+        }],
+        map: vec![MappedObstacle {
+            kind: ObstacleKind::Fixed,
+            top_world: DVec3::new(0.41, 0.1, 0.1),
+            radius_m: 0.018,
+            deviation_m: 0.006,
+            first_frame: 8,
+            last_frame: frames as u32 - 1,
         }],
         frames: (0..frames).map(frame).collect(),
         audit: Audit::default(),

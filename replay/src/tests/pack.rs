@@ -95,6 +95,7 @@ fn what_follows_holds_only_what_is_new() {
         assert!(header.get(fixed).is_none(), "{fixed}");
     }
     assert_eq!(header["contacts"][0]["last_frame"], 19);
+    assert_eq!(header["map"][0]["kind"], "fixed");
     let names: Vec<&str> =
         packed.header["sections"].as_array().unwrap().iter().map(|own| own["name"].as_str().unwrap()).collect();
     assert!(!names.iter().any(|name| name.starts_with("taxel_")), "{names:?}");

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use nalgebra::Matrix3xX;
-use underbrush_recording::{Frame, Pose};
+use underbrush_recording::{Frame, MappedObstacle, Pose};
 
 pub mod blind;
 mod kind;
@@ -107,6 +107,11 @@ pub trait Controller: Send {
     /// due. The frame's equilibrium angles are those that were in force until this frame. A frame also holds ground
     /// truth, which a robot would not know.
     fn observe(&mut self, _frame: &Frame) {}
+
+    /// The obstacles on its map, if it keeps one. Their first and last frames do not count.
+    fn map(&self) -> Vec<MappedObstacle> {
+        Vec::new()
+    }
 
     /// Computes new equilibrium angles. Every slice of the input has one entry per joint.
     fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput;

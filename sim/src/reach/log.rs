@@ -1,7 +1,8 @@
 //! The recording of a reach, frame by frame.
 
-use underbrush_recording::{Audit, FRAME_PERIOD_S, Frame, GoalRecord, Recording};
+use underbrush_recording::{Audit, FRAME_PERIOD_S, Frame, GoalRecord, MappedObstacle, Recording};
 
+use super::map_log::MapLog;
 use super::plan::ReachPlan;
 use super::steering::ControlCounts;
 use crate::arm::Arm;
@@ -15,6 +16,7 @@ pub(super) struct ReachLog {
     recording: Recording,
     contacts: ContactLog,
     bodies: BodyLog,
+    map: MapLog,
     auditor: Auditor,
     has_contact_points: bool,
 }
@@ -34,6 +36,7 @@ impl ReachLog {
             bodies: Vec::new(),
             goals: Vec::new(),
             contacts: Vec::new(),
+            map: Vec::new(),
             frames: Vec::new(),
             audit: Audit::default(),
         };
@@ -41,6 +44,7 @@ impl ReachLog {
             recording,
             contacts: ContactLog::default(),
             bodies: BodyLog::new(simulation),
+            map: MapLog::default(),
             auditor: Auditor::new(simulation),
             has_contact_points: plan.scene.file.recording.contact_points,
         }
@@ -58,6 +62,11 @@ impl ReachLog {
         let frames = &mut self.recording.frames;
         frames.push(frame);
         &frames[frames.len() - 1]
+    }
+
+    /// Records the controller's map of the frame that was recorded last.
+    pub(super) fn record_map(&mut self, map: &[MappedObstacle]) {
+        self.map.observe(self.recording.frames.len().saturating_sub(1), map);
     }
 
     /// Audits one engine step.
@@ -83,6 +92,7 @@ impl ReachLog {
     pub(super) fn finish(mut self, arm: &Arm, control: ControlCounts) -> Recording {
         self.recording.bodies = self.bodies.finish();
         self.recording.contacts = self.contacts.finish(|link| arm.links[usize::from(link)].name.clone());
+        self.recording.map = self.map.finish();
         self.recording.audit = Audit {
             controller_steps: control.steps,
             infeasible_controller_steps: control.infeasible,

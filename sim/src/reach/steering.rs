@@ -1,7 +1,7 @@
 //! The controller within a reach: when it is called, its input, and its answers.
 
 use glam::DVec3;
-use underbrush_recording::{FRAME_PERIOD_S, Frame, TaxelReading};
+use underbrush_recording::{FRAME_PERIOD_S, Frame, MappedObstacle, TaxelReading};
 
 use super::error::ReachError;
 use super::plan::ReachPlan;
@@ -41,6 +41,11 @@ impl Steering {
 
     pub(super) fn controller_name(&self) -> &str {
         self.controller.name()
+    }
+
+    /// The controller's map.
+    pub(super) fn map(&self) -> Vec<MappedObstacle> {
+        self.controller.map()
     }
 
     /// Equilibrium angles φ, rad.

@@ -85,6 +85,7 @@ pub(crate) fn recording(frames: &[Drawn]) -> Recording {
         bodies: vec![],
         goals: vec![],
         contacts: vec![],
+        map: Vec::new(),
         frames,
         audit: Audit::default(),
     }

@@ -50,6 +50,7 @@ fn reach() -> Recording {
         bodies: Vec::new(),
         goals: vec![goal(Outcome::Reached), goal(Outcome::Stuck)],
         contacts: vec![contact(0, 2.0), contact(1, 8.0)],
+        map: Vec::new(),
         frames: vec![Frame {
             taxels: vec![
                 reading(0, Some(0), 1.5),

@@ -64,6 +64,13 @@ fn check_header(recording: &Recording) -> Result<(), Violation> {
         check_place(recording, &stop.link, stop.patch, stop.object, field)?;
         finite([stop.force_n], || field(".force_n"))?;
     }
+    for (index, obstacle) in recording.map.iter().enumerate() {
+        let numbers = obstacle.top_world.to_array().into_iter().chain([obstacle.radius_m, obstacle.deviation_m]);
+        finite(numbers, || format!("map[{index}]"))?;
+        let ordered = obstacle.first_frame <= obstacle.last_frame;
+        let field = || format!("map[{index}].last_frame");
+        require(ordered, field, || obstacle.last_frame.to_string(), "first_frame or later")?;
+    }
     for (index, contact) in recording.contacts.iter().enumerate() {
         let field = |name: &str| format!("contacts[{index}].{name}");
         check_place(recording, &contact.link, contact.patch, contact.object, |name| {

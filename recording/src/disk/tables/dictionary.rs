@@ -225,6 +225,23 @@ pub(in crate::disk) const TRUTH_CONTACTS: Table = table::<TruthContact>(
 );
 
 row! {
+    /// A row of [`MAP`].
+    MapRow {
+        episode_index: i64, "", EPISODE;
+        kind: Text, "", "`fixed`, `doubtful` (it stopped the arm) or `yielding` (it gives way and stopped the arm)";
+        top_world: DVec3 = "top_world_{xyz}_m", "m", "upper end of its upright axis, world frame; it stands on the ground";
+        radius_m: f64, "m", "radius";
+        deviation_m: f64, "m", "standard deviation of its place in the direction in which it is known worst";
+        first_frame: i64, "", "first frame in which it stood on the map like this";
+        last_frame: i64, "", "last frame in which it did";
+    }
+}
+
+/// What the controller believes, which is not the truth.
+pub(in crate::disk) const MAP: Table =
+    table::<MapRow>("map", "controller/map", "an obstacle on the controller's map; no rows if the controller has none");
+
+row! {
     /// A row of [`TAXELS`].
     SkinTaxel {
         patch: Text, "", PATCH;
@@ -243,7 +260,7 @@ row! {
 pub(in crate::disk) const TAXELS: Table = table::<SkinTaxel>("taxels", "meta/taxels.parquet", "a taxel");
 
 /// All tables that are described here. LeRobot's own tables in `meta/` are not among them.
-pub(in crate::disk) const TABLES: [&Table; 10] = [
+pub(in crate::disk) const TABLES: [&Table; 11] = [
     &FRAMES,
     &TRUTH_TAXELS,
     &TRUTH_PATCHES,
@@ -253,5 +270,6 @@ pub(in crate::disk) const TABLES: [&Table; 10] = [
     &TRUTH_GOALS,
     &TRUTH_BODIES,
     &TRUTH_POSES,
+    &MAP,
     &TAXELS,
 ];

@@ -5,6 +5,7 @@ pub(super) mod dictionary;
 pub(super) mod episode;
 pub(super) mod episode_table;
 pub(super) mod frames;
+pub(super) mod map_table;
 pub(super) mod tasks;
 pub(super) mod taxel_table;
 pub(super) mod truth_bodies;

@@ -5,8 +5,8 @@ use proptest::prelude::*;
 use proptest::sample::Index;
 
 use crate::{
-    Audit, Body, BodyOwner, BodyPart, BodyShape, Category, Contact, Frame, GoalRecord, Grid, ObjectRecord, Outcome,
-    Patch, Pose, Recording, SafetyStop, SkinLayout, Taxel, TaxelReading,
+    Audit, Body, BodyOwner, BodyPart, BodyShape, Category, Contact, Frame, GoalRecord, Grid, MappedObstacle,
+    ObjectRecord, ObstacleKind, Outcome, Patch, Pose, Recording, SafetyStop, SkinLayout, Taxel, TaxelReading,
 };
 
 /// Any finite number, including −0, subnormals and the largest.
@@ -222,6 +222,16 @@ pub(super) fn any_recording() -> impl Strategy<Value = Recording> {
     any_numbers().prop_map(physical)
 }
 
+/// An obstacle on a map.
+fn obstacle() -> impl Strategy<Value = MappedObstacle> {
+    let kind = prop::sample::select(ObstacleKind::ALL.to_vec());
+    (kind, [number(), number(), number(), number(), number()], any::<[u32; 2]>()).prop_map(|(kind, numbers, [a, b])| {
+        let [x, y, z, radius_m, deviation_m] = numbers;
+        let (first_frame, last_frame) = (a.min(b), a.max(b));
+        MappedObstacle { kind, top_world: DVec3::new(x, y, z), radius_m, deviation_m, first_frame, last_frame }
+    })
+}
+
 /// A recording with any numbers.
 fn any_numbers() -> impl Strategy<Value = Recording> {
     let parts = (
@@ -230,8 +240,9 @@ fn any_numbers() -> impl Strategy<Value = Recording> {
         prop::collection::vec(object(), 0..4),
         prop::collection::vec((goal(), prop::option::of((any::<Index>(), number()))), 0..3),
         0..6usize,
+        prop::collection::vec(obstacle(), 0..3),
     );
-    parts.prop_flat_map(|(patches, joints, objects, goals, frames)| {
+    parts.prop_flat_map(|(patches, joints, objects, goals, frames, map)| {
         let mut layout = SkinLayout { patches };
         for (index, patch) in layout.patches.iter_mut().enumerate() {
             patch.name = format!("patch.{index}");
@@ -276,6 +287,7 @@ fn any_numbers() -> impl Strategy<Value = Recording> {
                     objects: objects.clone(),
                     bodies,
                     goals: goals.collect(),
+                    map: map.clone(),
                     frames,
                     audit,
                 }

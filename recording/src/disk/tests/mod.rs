@@ -21,7 +21,7 @@ use glam::{DQuat, DVec3, Vec3};
 
 use crate::{
     Audit, Body, BodyOwner, BodyPart, BodyShape, Category, Contact, ContactPoint, Frame, GoalRecord, Grid,
-    ObjectRecord, Outcome, Patch, Pose, Recording, SkinLayout, Taxel, TaxelReading,
+    MappedObstacle, ObjectRecord, ObstacleKind, Outcome, Patch, Pose, Recording, SkinLayout, Taxel, TaxelReading,
 };
 
 /// The name of a field in an error, and a change that makes it invalid.
@@ -128,6 +128,14 @@ pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
             outcome: if reach_index.is_multiple_of(2) { Outcome::Reached } else { Outcome::Stuck },
             safety_stop: None,
             given_up: None,
+        }],
+        map: vec![MappedObstacle {
+            kind: ObstacleKind::Fixed,
+            top_world: DVec3::new(0.4, offset, 0.1),
+            radius_m: 0.018,
+            deviation_m: 0.006,
+            first_frame: 1,
+            last_frame: 3,
         }],
         contacts: vec![Contact {
             link: "forearm_link".into(),

@@ -9,6 +9,7 @@ import { pushesAt } from "../series.ts";
 import type { CameraKind } from "../state.ts";
 import { Arrows } from "./arrows.ts";
 import { Bodies } from "./bodies.ts";
+import { ControllerMap } from "./map.ts";
 import { Path } from "./path.ts";
 import { prepareWebGL, Quality } from "./quality.ts";
 import { Skin } from "./skin.ts";
@@ -43,6 +44,7 @@ export class View3D {
   readonly #arrows = new Arrows(this.#labels);
   readonly #goal = new Mesh(new OctahedronGeometry(0.016), new MeshBasicMaterial());
   readonly #path = new Path();
+  readonly #map = new ControllerMap();
   #grid: GridHelper | null = null;
   #bodies: Bodies | null = null;
   #skin: Skin | null = null;
@@ -63,7 +65,7 @@ export class View3D {
     this.#renderer.sortObjects = false;
     this.box = element("div", { class: "view-box" }, canvas, this.#labels);
     this.#viewpoint = new Viewpoint(canvas, redraw);
-    this.#scene.add(this.#arrows, this.#goal, this.#path);
+    this.#scene.add(this.#arrows, this.#goal, this.#path, this.#map);
     this.#listen(canvas, picked);
     new ResizeObserver(([entry]) => {
       this.#size = [entry!.contentRect.width, entry!.contentRect.height];
@@ -137,6 +139,7 @@ export class View3D {
     this.#goal.position.fromArray(this.#reach.goalPosition, 3 * frame);
     this.#goal.visible = this.#reach.header.goals.length > 0;
     this.#path.show(frame);
+    this.#map.show(this.#reach, frame, this.#grid?.visible === true ? this.#grid.position.z : null);
     this.#viewpoint.look(shown.camera, new Vector3().fromArray(this.#reach.tip, 7 * frame), this.#path.geometry.boundingSphere!.center);
   }
 
@@ -145,6 +148,7 @@ export class View3D {
     this.#painted = palette;
     this.#renderer.setClearColor(palette.variable("view"));
     this.#arrows.recolour(palette.variable("ink"), palette.variable("over"));
+    this.#map.recolour(palette);
     this.#goal.material.color.set(palette.variable("accent"));
     this.#path.material.color.set(palette.variable("accent"));
     (this.#grid?.material as LineBasicMaterial | undefined)?.color.set(palette.variable("grid"));
@@ -198,6 +202,7 @@ export class View3D {
     return {
       body: (body: number) => this.#bodies?.drawn(body) ?? null,
       hinges: (object: number) => this.#bodies?.hinges(object) ?? null,
+      obstacles: this.#map.count,
       taxel: (taxel: number) => this.#skin?.drawn(taxel) ?? null,
       project,
       pixel,

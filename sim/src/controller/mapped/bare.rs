@@ -6,10 +6,10 @@
 
 use glam::DVec3;
 use nalgebra::{DVector, Vector3};
-use underbrush_recording::{Pose, math};
+use underbrush_recording::{ObstacleKind, Pose, math};
 
 use super::arm_shapes::ArmShapes;
-use super::map::{ObstacleKind, Touch};
+use super::map::Touch;
 use crate::arm::Arm;
 use crate::controller::ControllerInput;
 

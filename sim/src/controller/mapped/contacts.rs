@@ -3,9 +3,10 @@
 
 use glam::DVec3;
 use nalgebra::Vector3;
+use underbrush_recording::ObstacleKind;
 
 use super::arm_shapes::distance_rad;
-use super::map::{ObstacleKind, Touch};
+use super::map::Touch;
 use crate::controller::{TaxelContact, Touched};
 
 /// Readings below this are no touch, N: ten times the noise of the skin that ships.

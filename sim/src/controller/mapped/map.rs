@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, RowVector3, Vector3};
 
 use super::arm_shapes::{ArmShapes, horizontal};
 use crate::geometry::Capsule;
-use underbrush_recording::Pose;
+use underbrush_recording::{MappedObstacle, ObstacleKind, Pose};
 
 /// Radius of an obstacle before it is known, and its standard deviation, m. Choice: stems of 2 to 5 cm in diameter, as
 /// thick as a hand that reaches between them minds.
@@ -43,17 +43,6 @@ const ONE_TOUCH_S: f64 = 0.5;
 /// touch.
 const DEEP_M: f64 = 0.02;
 
-/// What an obstacle is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum ObstacleKind {
-    /// Something that gives way and stopped the arm nevertheless. It is forgotten with the goal.
-    Yielding,
-    /// Something that stopped the arm and may or may not be fixed.
-    Doubtful,
-    /// Something fixed.
-    Fixed,
-}
-
 /// A touch of the skin: the middle of some contacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
@@ -69,7 +58,7 @@ pub struct Touch {
 
 /// An upright obstacle.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MappedObstacle {
+pub struct Obstacle {
     /// What it is.
     pub kind: ObstacleKind,
     /// x and y of the axis in the world frame and radius, m.
@@ -95,11 +84,11 @@ pub struct Caution {
     pub is_low: bool,
 }
 
-impl MappedObstacle {
+impl Obstacle {
     /// The obstacle after its first touch.
     fn new(touch: &Touch) -> Self {
         let [radius_m, deviation_m] = RADIUS_M;
-        let mut own = MappedObstacle {
+        let mut own = Obstacle {
             kind: touch.kind,
             mean_m: Vector3::new(touch.position_world.x, touch.position_world.y, radius_m),
             covariance_m2: Matrix3::from_diagonal(&Vector3::new(
@@ -180,13 +169,13 @@ const DEPTH_M: f64 = 2.0;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Map {
     /// The obstacles, the one that was touched last at the end.
-    pub obstacles: Vec<MappedObstacle>,
+    pub obstacles: Vec<Obstacle>,
 }
 
 impl Map {
     /// A map that knows these upright obstacles exactly from the start.
     pub fn knowing(known: impl IntoIterator<Item = Capsule>) -> Self {
-        let obstacle = |capsule: Capsule| MappedObstacle {
+        let obstacle = |capsule: Capsule| Obstacle {
             kind: ObstacleKind::Fixed,
             mean_m: Vector3::new(capsule.end.x, capsule.end.y, capsule.radius_m),
             covariance_m2: Matrix3::zeros(),
@@ -198,18 +187,30 @@ impl Map {
         Map { obstacles: known.into_iter().map(obstacle).collect() }
     }
 
+    /// The obstacle that a touch belongs to.
+    fn at(&self, touch: &Touch) -> Option<usize> {
+        let place = DVec2::new(touch.position_world.x, touch.position_world.y);
+        let gaps_m = self.obstacles.iter().map(|own| own.axis_world().distance(place) - own.radius_m());
+        let nearest = gaps_m.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.filter(|(_, gap_m)| *gap_m < SAME_M).map(|(index, _)| index)
+    }
+
+    /// Takes in that what is touched has given way.
+    pub(super) fn give_way(&mut self, touch: &Touch) {
+        if let Some(index) = self.at(touch) {
+            self.obstacles[index].has_given_way |= !self.obstacles[index].is_known;
+        }
+    }
+
+    /// Forgets what is fixed and was not known from the start.
+    pub(super) fn forget_fixed(&mut self) {
+        self.obstacles.retain(|own| own.is_known || own.kind != ObstacleKind::Fixed);
+    }
+
     /// Takes in a touch; returns whether it tells something new. What stopped the arm has not given way.
     pub fn learn(&mut self, touch: &Touch, has_stopped: bool) -> bool {
-        let gap_m = |own: &MappedObstacle| {
-            let place = DVec2::new(touch.position_world.x, touch.position_world.y);
-            own.axis_world().distance(place) - own.radius_m()
-        };
-        let nearest = (0..self.obstacles.len())
-            .map(|index| (index, gap_m(&self.obstacles[index])))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .filter(|(_, gap_m)| *gap_m < SAME_M);
-        let Some((index, _)) = nearest else {
-            self.obstacles.push(MappedObstacle::new(touch));
+        let Some(index) = self.at(touch) else {
+            self.obstacles.push(Obstacle::new(touch));
             return true;
         };
         if self.obstacles[index].is_known {
@@ -218,7 +219,7 @@ impl Map {
         let mut own = self.obstacles.remove(index);
         if own.has_given_way {
             // It is where it was touched last, wherever the arm has pushed it.
-            let moved = MappedObstacle { has_given_way: !has_stopped, ..MappedObstacle::new(touch) };
+            let moved = Obstacle { has_given_way: !has_stopped, ..Obstacle::new(touch) };
             self.obstacles.push(moved);
             return has_stopped;
         }
@@ -258,7 +259,7 @@ impl Map {
     /// Takes in that the arm is in a posture. An obstacle cannot be where the arm is: one that it feels has given way, and
     /// one that it does not feel has moved or was never there, and is forgotten.
     pub fn visit(&mut self, shapes: &ArmShapes, link_poses: &[Pose], top_m: f64, time_s: f64) {
-        let is_felt = |own: &MappedObstacle| time_s - own.touched_s < ONE_TOUCH_S;
+        let is_felt = |own: &Obstacle| time_s - own.touched_s < ONE_TOUCH_S;
         self.obstacles.retain_mut(|own| {
             let core = Capsule { radius_m: (own.radius_m() - DEEP_M).max(0.0), ..own.capsule(Caution::NONE, top_m) };
             let low = Capsule { end: core.end.with_z(own.touched_height_m.min(core.end.z)), ..core };
@@ -277,6 +278,25 @@ impl Map {
     pub fn capsules(&self, caution: Caution, top_m: f64) -> Vec<Capsule> {
         let obstacles = self.obstacles.iter().filter(|own| !own.has_given_way);
         obstacles.map(|own| own.capsule(caution, top_m)).collect()
+    }
+}
+
+impl Map {
+    /// The obstacles as a recording describes them. What has given way is none.
+    pub(super) fn described(&self, top_m: f64) -> Vec<MappedObstacle> {
+        let obstacles = self.obstacles.iter().filter(|own| !own.has_given_way);
+        let describe = |own: &Obstacle| {
+            let capsule = own.capsule(Caution::NONE, top_m);
+            MappedObstacle {
+                kind: own.kind,
+                top_world: capsule.end + DVec3::Z * capsule.radius_m,
+                radius_m: capsule.radius_m,
+                deviation_m: own.covariance_m2.fixed_view::<2, 2>(0, 0).symmetric_eigenvalues().max().max(0.0).sqrt(),
+                first_frame: 0,
+                last_frame: 0,
+            }
+        };
+        obstacles.map(describe).collect()
     }
 }
 

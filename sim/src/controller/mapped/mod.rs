@@ -8,16 +8,20 @@
 //! usual limit are obstacles from the first touch; others only if they stop the arm. Without verdicts, whatever stops
 //! the arm is an obstacle.
 
+use std::borrow::Cow;
 use std::collections::VecDeque;
 
-use underbrush_recording::Pose;
+use underbrush_recording::{MappedObstacle, Pose};
 
 use self::arm_shapes::{ArmShapes, largest_change_rad};
 use self::bare::BareSurface;
 use self::contacts::{judged, largest_share};
 use self::map::Map;
 use self::pursuit::Pursuit;
-use super::{ControlStatus, Controller, ControllerInput, ControllerOutput, Intent, ModelPredictive, Preset};
+use self::trust::Trust;
+use super::{
+    ControlStatus, Controller, ControllerInput, ControllerOutput, Intent, ModelPredictive, Preset, TaxelContact,
+};
 use crate::arm::Arm;
 use crate::geometry::Capsule;
 
@@ -31,6 +35,7 @@ mod pursuit;
 pub mod route;
 #[cfg(test)]
 mod tests;
+mod trust;
 mod turning;
 
 /// The planned posture waits for an arm that is this far behind it, rad: with Cody's joints about the torque of 3 N at the
@@ -77,6 +82,7 @@ pub struct Mapped {
     step_rad: Vec<f64>,
     map: Map,
     knows_all: bool,
+    trust: Trust,
     time_s: f64,
     plans: u64,
     trail: VecDeque<Vec<f64>>,
@@ -101,6 +107,7 @@ impl Mapped {
             preset,
             map: Map::default(),
             knows_all: false,
+            trust: Trust::default(),
             time_s: 0.0,
             plans: 0,
             trail: VecDeque::new(),
@@ -116,6 +123,27 @@ impl Mapped {
     /// What it has on its map.
     pub fn map(&self) -> &Map {
         &self.map
+    }
+
+    /// The contacts, with their verdicts as far as these are believed. What was called fixed and gives way is no obstacle.
+    fn believed<'a>(&mut self, contacts: &'a [TaxelContact]) -> Cow<'a, [TaxelContact]> {
+        let usual_n = self.preset.force_limit_n;
+        let was_given = self.trust.is_given();
+        for touch in self.trust.take_in(&judged(contacts, usual_n, self.knows_all), usual_n, self.time_s) {
+            self.map.give_way(&touch);
+        }
+        if self.trust.is_given() {
+            return Cow::Borrowed(contacts);
+        }
+        if was_given {
+            self.map.forget_fixed();
+        }
+        let blind = |contact: &TaxelContact| TaxelContact {
+            allowed_force_n: contact.allowed_force_n.filter(|_| contact.verdict.is_none()),
+            verdict: None,
+            ..contact.clone()
+        };
+        contacts.iter().map(blind).collect()
     }
 
     /// Equilibrium angles for this instant, and what the controller is about to do.
@@ -214,8 +242,14 @@ impl Controller for Mapped {
         self.preset.rate_hz
     }
 
+    fn map(&self) -> Vec<MappedObstacle> {
+        self.map.described(self.top_m)
+    }
+
     fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
         self.time_s += 1.0 / self.preset.rate_hz;
+        let contacts = self.believed(input.contacts);
+        let input = &ControllerInput { contacts: &contacts, ..input.clone() };
         let poses = self.arm.forward_kinematics(input.joint_angle_rad);
         self.map.visit(&self.shapes, &poses, self.top_m, self.time_s);
         if self.pursuit.as_ref().is_none_or(|own| own.goal != input.goal_position_world) {

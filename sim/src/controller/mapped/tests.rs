@@ -4,13 +4,13 @@ use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
 use nalgebra::Matrix3xX;
-use underbrush_recording::Pose;
+use underbrush_recording::{ObstacleKind, Pose};
 
 use super::arm_shapes::largest_change_rad;
 use super::arm_shapes::{ArmShapes, between};
 use super::bare::BareSurface;
 use super::contacts::{judged, largest_share, touches};
-use super::map::{Caution, Map, ObstacleKind, Touch};
+use super::map::{Caution, Map, Touch};
 use super::path::Path;
 use super::planner::{BUDGET, ForbiddenPostures, NoWay, Planner};
 use super::*;

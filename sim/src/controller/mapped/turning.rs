@@ -1,9 +1,11 @@
 //! What the mapped controller does at a new goal, a touch and a stop: it puts what it felt on the map and plans anew.
 
+use underbrush_recording::ObstacleKind;
+
 use super::Mapped;
 use super::arm_shapes::largest_change_rad;
 use super::contacts::{Judged, touches};
-use super::map::{ObstacleKind, Touch};
+use super::map::Touch;
 use super::path::Path;
 use super::planner::{EVALUATION_S, NoWay};
 use super::pursuit::{FROZEN_RAD, Pursuit};
@@ -116,6 +118,9 @@ impl Mapped {
         let is_graced = self.time_s - own.touched_s < GRACE_S;
         let mut calls = false;
         for (force_n, touch) in touches(contacts, ObstacleKind::Fixed, self.time_s) {
+            if self.trust.wants_to_press(&touch, force_n, usual_n) {
+                continue;
+            }
             let known = self.map.obstacles.len();
             let is_news = self.map.learn(&touch, false);
             let is_new = self.map.obstacles.len() > known;

@@ -14,12 +14,13 @@ use crate::disk::table::read::{ParquetTable, Want};
 use crate::disk::table::row_groups::Footers;
 use crate::disk::table::write::EPISODE_COLUMN;
 use crate::disk::tables::dictionary::{
-    FRAMES, TRUTH_BODIES, TRUTH_CONTACT_POINTS, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES,
-    TRUTH_TAXELS, Table,
+    FRAMES, MAP, TRUTH_BODIES, TRUTH_CONTACT_POINTS, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES,
+    TRUTH_POSES, TRUTH_TAXELS, Table,
 };
 use crate::disk::tables::episode::Episode;
 use crate::disk::tables::episode_table::read_episodes;
 use crate::disk::tables::frames::{FRAME_COLUMNS, Feature, append_frames, features, wanted};
+use crate::disk::tables::map_table::read_map;
 use crate::disk::tables::taxel_table::read_taxels;
 use crate::disk::tables::truth_bodies::read_bodies;
 use crate::disk::tables::truth_contact_points::add_contact_points;
@@ -92,7 +93,7 @@ fn require_version(path: PathBuf, key: &str, known: &str) -> Result<(), DiskErro
 
 /// Whether a file holds frames or the truth about them.
 fn is_large(name: &str) -> bool {
-    name.starts_with("data/") || name.starts_with("truth/")
+    ["data/", "truth/", "controller/"].iter().any(|folder| name.starts_with(folder))
 }
 
 impl Dataset {
@@ -293,6 +294,7 @@ impl Dataset {
             bodies: read_bodies(&rows(&TRUTH_BODIES)?)?,
             goals: read_goals(&rows(&TRUTH_GOALS)?.expect(episode.goals())?, &self.layout)?,
             contacts: read_contacts(&rows(&TRUTH_CONTACTS)?.expect(episode.contacts)?, &self.layout)?,
+            map: Vec::new(),
             frames: Vec::with_capacity(episode.frames),
             audit: episode.audit,
         };
@@ -303,10 +305,16 @@ impl Dataset {
         }
         add_taxels(&rows(&TRUTH_TAXELS)?, &mut recording)?;
         add_patches(&rows(&TRUTH_PATCHES)?, &mut recording)?;
-        // Sets of early builds have no such table.
-        let points = names::table(&TRUTH_CONTACT_POINTS, episode.chunk_index, episode.file_index);
-        if self.checksums.names().any(|name| name == points) {
+        // Sets of early builds do not have these tables.
+        let has = |table: &Table| {
+            let file = names::table(table, episode.chunk_index, episode.file_index);
+            self.checksums.names().any(|name| name == file)
+        };
+        if has(&TRUTH_CONTACT_POINTS) {
             add_contact_points(&rows(&TRUTH_CONTACT_POINTS)?, &mut recording)?;
+        }
+        if has(&MAP) {
+            recording.map = read_map(&rows(&MAP)?)?;
         }
         add_poses(&rows(&TRUTH_POSES)?, &mut recording.bodies)?;
         check_recording(&recording).map_err(|violation| violation.misread(&path))?;

@@ -14,9 +14,10 @@ use crate::disk::table::row::Row;
 use crate::disk::table::write::ParquetFile;
 use crate::disk::tables::description::about_entry;
 use crate::disk::tables::dictionary::{
-    FRAMES, TRUTH_BODIES, TRUTH_CONTACT_POINTS, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES, TRUTH_POSES,
-    TRUTH_TAXELS, Table,
+    FRAMES, MAP, TRUTH_BODIES, TRUTH_CONTACT_POINTS, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES,
+    TRUTH_POSES, TRUTH_TAXELS, Table,
 };
+use crate::disk::tables::map_table::map_rows;
 use crate::disk::tables::truth_bodies::body_rows;
 use crate::disk::tables::truth_contact_points::contact_point_rows;
 use crate::disk::tables::truth_frames::{patch_rows, taxel_rows};
@@ -33,8 +34,8 @@ pub(in crate::disk) const ROWS_PER_GROUP: usize = 4096;
 /// Makes the columns of an episode for a table.
 type ColumnsOf = fn(usize, &Recording) -> Vec<Column>;
 
-/// The tables of ground truth.
-const TRUTH: [(&Table, ColumnsOf); 8] = [
+/// The tables beside the frames: ground truth, and what the controller believed.
+const TRUTH: [(&Table, ColumnsOf); 9] = [
     (&TRUTH_TAXELS, |episode, recording| Row::write(&taxel_rows(episode, recording))),
     (&TRUTH_PATCHES, |episode, recording| Row::write(&patch_rows(episode, recording))),
     (&TRUTH_OBJECTS, |episode, recording| Row::write(&object_rows(episode, recording))),
@@ -43,6 +44,7 @@ const TRUTH: [(&Table, ColumnsOf); 8] = [
     (&TRUTH_GOALS, |episode, recording| Row::write(&goal_rows(episode, recording))),
     (&TRUTH_BODIES, |episode, recording| Row::write(&body_rows(episode, recording))),
     (&TRUTH_POSES, |episode, recording| Row::write(&pose_rows(episode, recording))),
+    (&MAP, |episode, recording| Row::write(&map_rows(episode, recording))),
 ];
 
 /// One file of one table.

@@ -1,0 +1,115 @@
+//! Whether verdicts agree with what the arm feels. An object that is pushed along has given way, one that takes a force
+//! where it is has held, whatever it was called.
+
+use glam::DVec3;
+use underbrush_recording::ObstacleKind;
+
+use super::contacts::{Judged, touches};
+use super::map::Touch;
+
+/// An object that the skin pushes this far has given way, m. Choice: more than a touch seems to move when it slides half
+/// a hand's breadth over taxels whose normals are 15° apart (13 mm).
+const GAVE_WAY_M: f64 = 0.02;
+/// An object that takes this share of the usual limit within this distance, m, has held: with 3 N, it is stiffer than
+/// 190 N/m. Leaves bend at 5 to 50 N/m, and the skin alone gives way by 3 to 5 mm.
+const HELD: f64 = 0.5;
+const HELD_M: f64 = 0.008;
+/// A touch this close to one before, m, and in time, s, is of the same object.
+const SAME_M: f64 = 0.04;
+const SAME_S: f64 = 0.3;
+/// A first touch of a fixed object is pressed on for at most so long before the arm turns round, s.
+const PROBE_S: f64 = 0.4;
+
+/// What the arm felt of an object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Felt {
+    GaveWay,
+    Held,
+}
+
+/// An object in contact.
+#[derive(Clone, Debug)]
+struct Pressed {
+    first: Touch,
+    first_n: f64,
+    last_world: DVec3,
+    last_s: f64,
+    felt: Option<Felt>,
+}
+
+/// How often verdicts were right.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Trust {
+    pressed: Vec<Pressed>,
+    right: usize,
+    wrong: usize,
+    /// Objects that were called fixed and have held.
+    held: usize,
+    is_lost: bool,
+}
+
+impl Trust {
+    /// Takes in the contacts of an instant with their verdicts. Returns the touches that were called fixed and have given
+    /// way just now.
+    pub(super) fn take_in(&mut self, contacts: &[Judged], usual_n: f64, time_s: f64) -> Vec<Touch> {
+        self.pressed.retain(|own| time_s - own.last_s < SAME_S);
+        let mut given_way = Vec::new();
+        for kind in [ObstacleKind::Fixed, ObstacleKind::Yielding] {
+            for (force_n, touch) in touches(contacts, kind, time_s) {
+                let is_same = |own: &&mut Pressed| own.last_world.distance(touch.position_world) < SAME_M;
+                let Some(own) = self.pressed.iter_mut().find(is_same) else {
+                    let last_world = touch.position_world;
+                    self.pressed.push(Pressed {
+                        first: touch,
+                        first_n: force_n,
+                        last_world,
+                        last_s: time_s,
+                        felt: None,
+                    });
+                    continue;
+                };
+                (own.last_world, own.last_s) = (touch.position_world, time_s);
+                if own.felt.is_some() {
+                    continue;
+                }
+                let pushed_m = (touch.position_world - own.first.position_world).dot(own.first.outward_normal_world);
+                if pushed_m > GAVE_WAY_M {
+                    own.felt = Some(Felt::GaveWay);
+                } else if pushed_m < HELD_M
+                    && force_n - own.first_n > HELD * usual_n
+                    && time_s - own.first.time_s < PROBE_S
+                {
+                    own.felt = Some(Felt::Held);
+                }
+                match (own.felt, kind) {
+                    (Some(Felt::Held), ObstacleKind::Fixed) => {
+                        (self.right, self.held) = (self.right + 1, self.held + 1)
+                    }
+                    (Some(Felt::GaveWay), ObstacleKind::Yielding) => self.right += 1,
+                    (Some(_), _) => self.wrong += 1,
+                    (None, _) => {}
+                }
+                if kind == ObstacleKind::Fixed && own.felt == Some(Felt::GaveWay) {
+                    given_way.push(touch);
+                }
+            }
+        }
+        self.is_lost |= self.wrong > self.right;
+        given_way
+    }
+
+    /// Whether verdicts are believed: until they were wrong more often than right.
+    pub(super) fn is_given(&self) -> bool {
+        !self.is_lost
+    }
+
+    /// Whether the arm should press on before it takes a touch for one of a fixed object: it has given way, or no object
+    /// that was called fixed has held yet, and this one may show what it is.
+    pub(super) fn wants_to_press(&self, touch: &Touch, force_n: f64, usual_n: f64) -> bool {
+        let own = self.pressed.iter().find(|own| own.last_world.distance(touch.position_world) < SAME_M);
+        own.is_some_and(|own| match own.felt {
+            Some(felt) => felt == Felt::GaveWay,
+            None => self.held == 0 && force_n < HELD * usual_n && touch.time_s - own.first.time_s < PROBE_S,
+        })
+    }
+}
