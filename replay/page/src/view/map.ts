@@ -53,7 +53,7 @@ export class ControllerMap extends Group {
   }
 
   /** How many obstacles are drawn. */
-  get count(): number {
+  get drawn(): number {
     return this.#cages.filter((own) => own.visible).length;
   }
 }

@@ -202,7 +202,7 @@ export class View3D {
     return {
       body: (body: number) => this.#bodies?.drawn(body) ?? null,
       hinges: (object: number) => this.#bodies?.hinges(object) ?? null,
-      obstacles: this.#map.count,
+      obstacles: this.#map.drawn,
       taxel: (taxel: number) => this.#skin?.drawn(taxel) ?? null,
       project,
       pixel,

@@ -348,3 +348,52 @@ fn bare_contacts_are_found_from_torques() {
     let rest = ControllerInput { equilibrium_angle_rad: &q, ..input };
     assert!(bare.touch(&arm, &poses, &rest, 0.0).is_none());
 }
+
+/// Pushes springs of these stiffnesses, N/m, one after the other along y at 0.05 m/s for a second, all with this verdict.
+/// Returns whether verdicts are believed after each.
+fn pushed(category: (&str, f64), springs_n_per_m: &[f64]) -> Vec<bool> {
+    let mut trust = Trust::default();
+    let mut push = |number: usize, stiffness_n_per_m: f64| {
+        for step in 1..=25 {
+            let time_s = 10.0 * number as f64 + 0.04 * f64::from(step);
+            let pushed_m = 0.002 * f64::from(step);
+            let force_n = 0.35 + stiffness_n_per_m * pushed_m;
+            let position_world = DVec3::Y * pushed_m;
+            // A controller that holds the limit overshoots it.
+            if force_n < 2.0 * category.1 {
+                let felt = TaxelContact { position_world, ..contact(force_n, DVec3::NEG_Y, Some(category)) };
+                trust.take_in(&judged(&[felt], 3.0, false), 3.0, time_s);
+            }
+        }
+        trust.is_given()
+    };
+    springs_n_per_m.iter().enumerate().map(|(number, stiffness)| push(number, *stiffness)).collect()
+}
+
+/// Tests that verdicts that springs confirm are believed, and that wrong ones are not as soon as they are in the majority.
+#[test]
+fn what_is_felt_decides_whether_verdicts_are_believed() {
+    assert_eq!(pushed(("leaf", 6.0), &[10.0, 40.0]), [true, true]);
+    assert_eq!(pushed(("trunk", 1.5), &[400.0, 2000.0]), [true, true]);
+    assert_eq!(pushed(("trunk", 1.5), &[10.0]), [false]);
+    assert_eq!(pushed(("leaf", 6.0), &[10.0, 400.0, 400.0, 10.0]), [true, true, false, false]);
+    // Neither soft nor hard: says nothing.
+    assert_eq!(pushed(("trunk", 1.5), &[150.0, 400.0, 30.0]), [true, true, true]);
+}
+
+/// Tests that the recorded map has obstacles beside trunks that were touched, and none before the first touch.
+#[test]
+fn the_map_is_recorded() {
+    let reaches: Vec<_> = (0..3).map(|index| plan(5).run(index, &mut |_, _| {}).unwrap()).collect();
+    assert!(reaches.iter().any(|reach| !reach.map.is_empty()));
+    for reach in &reaches {
+        assert!(reach.map.is_sorted_by_key(|own| own.first_frame));
+        let touched = reach.contacts.iter().map(|contact| contact.first_frame).min().unwrap_or(u32::MAX);
+        for own in &reach.map {
+            assert!(own.first_frame > touched && own.last_frame < reach.frames.len() as u32, "{own:?}");
+            let distances =
+                reach.objects.iter().map(|object| object.position_world.truncate().distance(own.top_world.truncate()));
+            assert!(distances.fold(f64::INFINITY, f64::min) < 0.08, "{own:?}");
+        }
+    }
+}

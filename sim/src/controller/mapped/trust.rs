@@ -1,5 +1,5 @@
-//! Whether verdicts agree with what the arm feels. An object that is pushed along has given way, one that takes a force
-//! where it is has held, whatever it was called.
+//! Whether verdicts agree with what the arm feels. An object that is pushed along has given way, and one that takes a
+//! force where it is has held, whatever it was called.
 
 use glam::DVec3;
 use underbrush_recording::ObstacleKind;
@@ -10,14 +10,15 @@ use super::map::Touch;
 /// An object that the skin pushes this far has given way, m. Choice: more than a touch seems to move when it slides half
 /// a hand's breadth over taxels whose normals are 15° apart (13 mm).
 const GAVE_WAY_M: f64 = 0.02;
-/// An object that takes this share of the usual limit within this distance, m, has held: with 3 N, it is stiffer than
-/// 190 N/m. Leaves bend at 5 to 50 N/m, and the skin alone gives way by 3 to 5 mm.
+/// An object on which the force rises by this share of the usual limit within this distance, m, has held: with 3 N, it is
+/// stiffer than 190 N/m. Leaves bend at 5 to 50 N/m, and the skin alone gives way by 3 to 5 mm.
 const HELD: f64 = 0.5;
 const HELD_M: f64 = 0.008;
 /// A touch this close to one before, m, and in time, s, is of the same object.
 const SAME_M: f64 = 0.04;
 const SAME_S: f64 = 0.3;
-/// A first touch of a fixed object is pressed on for at most so long before the arm turns round, s.
+/// An object shows within this time whether it holds, s. A first touch of what is called fixed is pressed on for so long
+/// at most.
 const PROBE_S: f64 = 0.4;
 
 /// What the arm felt of an object.
@@ -43,9 +44,32 @@ pub(super) struct Trust {
     pressed: Vec<Pressed>,
     right: usize,
     wrong: usize,
-    /// Objects that were called fixed and have held.
-    held: usize,
+    /// Whether an object that was called fixed has held.
+    has_held: bool,
     is_lost: bool,
+}
+
+impl Pressed {
+    /// Whether a touch is of this object.
+    fn is_touched(&self, touch: &Touch) -> bool {
+        self.last_world.distance(touch.position_world) < SAME_M
+    }
+
+    /// Takes in another touch with its largest force on a taxel, N. Returns what it shows if nothing was known before.
+    fn feel(&mut self, touch: &Touch, force_n: f64, usual_n: f64) -> Option<Felt> {
+        (self.last_world, self.last_s) = (touch.position_world, touch.time_s);
+        if self.felt.is_some() {
+            return None;
+        }
+        let pushed_m = (touch.position_world - self.first.position_world).dot(self.first.outward_normal_world);
+        let is_hard = force_n - self.first_n > HELD * usual_n && touch.time_s - self.first.time_s < PROBE_S;
+        self.felt = match pushed_m {
+            pushed_m if pushed_m > GAVE_WAY_M => Some(Felt::GaveWay),
+            pushed_m if pushed_m < HELD_M && is_hard => Some(Felt::Held),
+            _ => None,
+        };
+        self.felt
+    }
 }
 
 impl Trust {
@@ -54,43 +78,25 @@ impl Trust {
     pub(super) fn take_in(&mut self, contacts: &[Judged], usual_n: f64, time_s: f64) -> Vec<Touch> {
         self.pressed.retain(|own| time_s - own.last_s < SAME_S);
         let mut given_way = Vec::new();
-        for kind in [ObstacleKind::Fixed, ObstacleKind::Yielding] {
+        for kind in [ObstacleKind::Fixed, ObstacleKind::Doubtful, ObstacleKind::Yielding] {
             for (force_n, touch) in touches(contacts, kind, time_s) {
-                let is_same = |own: &&mut Pressed| own.last_world.distance(touch.position_world) < SAME_M;
-                let Some(own) = self.pressed.iter_mut().find(is_same) else {
-                    let last_world = touch.position_world;
-                    self.pressed.push(Pressed {
-                        first: touch,
-                        first_n: force_n,
-                        last_world,
-                        last_s: time_s,
-                        felt: None,
-                    });
+                let Some(own) = self.pressed.iter_mut().find(|own| own.is_touched(&touch)) else {
+                    let (last_world, last_s) = (touch.position_world, time_s);
+                    self.pressed.push(Pressed { first: touch, first_n: force_n, last_world, last_s, felt: None });
                     continue;
                 };
-                (own.last_world, own.last_s) = (touch.position_world, time_s);
-                if own.felt.is_some() {
-                    continue;
-                }
-                let pushed_m = (touch.position_world - own.first.position_world).dot(own.first.outward_normal_world);
-                if pushed_m > GAVE_WAY_M {
-                    own.felt = Some(Felt::GaveWay);
-                } else if pushed_m < HELD_M
-                    && force_n - own.first_n > HELD * usual_n
-                    && time_s - own.first.time_s < PROBE_S
-                {
-                    own.felt = Some(Felt::Held);
-                }
-                match (own.felt, kind) {
+                match (own.feel(&touch, force_n, usual_n), kind) {
+                    (None, _) | (_, ObstacleKind::Doubtful) => {}
                     (Some(Felt::Held), ObstacleKind::Fixed) => {
-                        (self.right, self.held) = (self.right + 1, self.held + 1)
+                        self.right += 1;
+                        self.has_held = true;
+                    }
+                    (Some(Felt::GaveWay), ObstacleKind::Fixed) => {
+                        self.wrong += 1;
+                        given_way.push(touch);
                     }
                     (Some(Felt::GaveWay), ObstacleKind::Yielding) => self.right += 1,
-                    (Some(_), _) => self.wrong += 1,
-                    (None, _) => {}
-                }
-                if kind == ObstacleKind::Fixed && own.felt == Some(Felt::GaveWay) {
-                    given_way.push(touch);
+                    (Some(Felt::Held), ObstacleKind::Yielding) => self.wrong += 1,
                 }
             }
         }
@@ -103,13 +109,18 @@ impl Trust {
         !self.is_lost
     }
 
+    /// Whether what is touched has held.
+    pub(super) fn has_held(&self, touch: &Touch) -> bool {
+        self.pressed.iter().any(|own| own.is_touched(touch) && own.felt == Some(Felt::Held))
+    }
+
     /// Whether the arm should press on before it takes a touch for one of a fixed object: it has given way, or no object
     /// that was called fixed has held yet, and this one may show what it is.
     pub(super) fn wants_to_press(&self, touch: &Touch, force_n: f64, usual_n: f64) -> bool {
-        let own = self.pressed.iter().find(|own| own.last_world.distance(touch.position_world) < SAME_M);
+        let own = self.pressed.iter().find(|own| own.is_touched(touch));
         own.is_some_and(|own| match own.felt {
             Some(felt) => felt == Felt::GaveWay,
-            None => self.held == 0 && force_n < HELD * usual_n && touch.time_s - own.first.time_s < PROBE_S,
+            None => !self.has_held && force_n < HELD * usual_n && touch.time_s - own.first.time_s < PROBE_S,
         })
     }
 }
