@@ -2,8 +2,13 @@
 
 use std::ops::Range;
 
-use glam::{DVec3, Vec3};
-use underbrush_recording::{Body, BodyOwner, BodyShape, Frame, ObjectRecord, Pose, Recording, SkinLayout, TrackPoint};
+use std::f64::consts::TAU;
+
+use glam::{DQuat, DVec3, Vec3};
+use underbrush_recording::{
+    Body, BodyOwner, BodyShape, Frame, MappedObstacle, ObjectRecord, ObstacleKind, Pose, Recording, SkinLayout,
+    TrackPoint, math,
+};
 use underbrush_sim::simulation::Simulation;
 use underbrush_sim::snapshot::{Blade, bodies};
 
@@ -25,6 +30,10 @@ const GOAL_M: f64 = 0.016;
 
 /// The colours of forces end here if nobody knows yet how large they will be, N. Choice: most contacts stay below.
 const LIVE_N: f64 = 5.0;
+/// Obstacles on a map are cages of rods of this radius, m, with so many uprights. They hang down so far, m, or to the table.
+const ROD_M: f64 = 0.0015;
+const UPRIGHTS: usize = 8;
+const CAGE_M: f64 = 0.4;
 /// The camera sees a body at about this many of its poses.
 const POSES: usize = 8;
 
@@ -40,6 +49,7 @@ pub struct Stage<'a> {
     meshes: Vec<Mesh>,
     parts: Vec<Part>,
     layout: &'a SkinLayout,
+    map: &'a [MappedObstacle],
     labels: Vec<String>,
     /// Points of everything that the camera should see, m, world frame.
     seen: Vec<DVec3>,
@@ -67,6 +77,7 @@ impl<'a> Stage<'a> {
             let poses = body.track.iter().rev().step_by(body.track.len() / POSES + 1).map(TrackPoint::pose);
             stage.seen.extend(poses.flat_map(|pose| placed(mesh, pose)));
         }
+        stage.map = &recording.map;
         stage.set_table(&recording.objects);
         Ok(stage)
     }
@@ -121,7 +132,7 @@ impl<'a> Stage<'a> {
         }
         let at_rest = bodies.iter().zip(&meshes).flat_map(|(body, mesh)| placed(mesh, body.rest_pose_world));
         let seen = at_rest.chain(places_world.iter().copied()).collect();
-        let mut stage = Stage { bodies, meshes, parts, layout, labels, seen, table: None, full_scale_n };
+        let mut stage = Stage { bodies, meshes, parts, layout, map: &[], labels, seen, table: None, full_scale_n };
         stage.set_table(objects);
         Ok(stage)
     }
@@ -187,7 +198,34 @@ impl<'a> Stage<'a> {
             }
         }
         self.add_marks(frame, &mut scene);
+        self.add_map(number, &mut scene);
         scene
+    }
+
+    /// The controller's map, as on the replay page.
+    fn add_map(&self, number: u32, scene: &mut Scene) {
+        let ground_m = self.table.as_ref().map(|(_, pose)| pose.position.z + 0.5 * TABLE_M);
+        for own in self.map.iter().filter(|own| (own.first_frame..=own.last_frame).contains(&number)) {
+            let colour = match own.kind {
+                ObstacleKind::Fixed => colour::FIXED,
+                ObstacleKind::Doubtful => colour::GOAL,
+                ObstacleKind::Yielding => colour::YIELDING,
+            };
+            let surface = Surface { kind: Kind::Mark, colour: colour::linear(colour), label: 0 };
+            let foot_m = ground_m.unwrap_or(own.top_world.z - CAGE_M).min(own.top_world.z);
+            let corner = |upright: usize, height_m: f64| {
+                let (sine, cosine) = math::sin_cos(TAU * upright as f64 / UPRIGHTS as f64);
+                own.top_world.with_z(height_m) + DVec3::new(cosine, sine, 0.0) * own.radius_m
+            };
+            for upright in 0..UPRIGHTS {
+                let (top, foot) = (corner(upright, own.top_world.z), corner(upright, foot_m));
+                for end in [foot, corner(upright + 1, own.top_world.z)] {
+                    let rod = BodyShape::Capsule { radius_m: ROD_M, length_m: top.distance(end) };
+                    let turn = DQuat::from_rotation_arc(DVec3::Z, (top - end).normalize_or(DVec3::Z));
+                    scene.add(&Mesh::of(&rod), &Pose::new((top + end) / 2.0, turn), surface);
+                }
+            }
+        }
     }
 
     /// The taxels in the colours of the forces that they sense, and the goal.
