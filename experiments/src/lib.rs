@@ -25,6 +25,7 @@ pub mod online_models;
 mod progress;
 pub mod reach_ends;
 pub mod reaches;
+pub mod resampled;
 pub mod result_cache;
 pub mod results;
 pub mod run_folder;

@@ -145,9 +145,7 @@ impl Search<'_> {
 
 /// The plan of the reaches of a scene, by its path in the experiment file.
 pub fn plan(experiment: &Experiment, source: &str, seed: u64) -> Result<ReachPlan, Fault> {
-    let Some(scene) = experiment.scene(source).cloned() else {
-        return Err(Fault::Usage(format!("{source}: the experiment has no such scene")));
-    };
+    let scene = experiment.scene(source)?.clone();
     Ok(reach_plan(scene, experiment.arm.as_ref(), experiment.file.controller, seed)?)
 }
 

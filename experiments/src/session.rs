@@ -36,7 +36,7 @@ pub struct Session<'a> {
 }
 
 /// The stages of a whole run, in their order.
-const STAGES: [&str; 16] = [
+const STAGES: [&str; 17] = [
     "Training reaches",
     "Trials",
     "Models",
@@ -50,6 +50,7 @@ const STAGES: [&str; 16] = [
     "Truncated trials",
     "Other classifiers",
     "How fast classifiers decide",
+    "Controllers",
     "Other arms and speeds",
     "Ablation",
     "Further campaigns",

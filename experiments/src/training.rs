@@ -87,10 +87,7 @@ pub fn campaign(
 ) -> Result<(Campaign, Labelled), Fault> {
     let (mut scenes, mut labels, mut arms) = (Vec::new(), Vec::new(), BTreeMap::new());
     for (training, reaches) in experiment.file.training.iter().zip(reaches) {
-        let Some(scene) = experiment.scene(&training.scene) else {
-            continue;
-        };
-        let mut scene = scene.clone();
+        let mut scene = experiment.scene(&training.scene)?.clone();
         change(&mut scene.file);
         if let Some(arm) = &experiment.arm {
             arms.insert(scene.name.clone(), arm.clone());

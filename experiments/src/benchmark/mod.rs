@@ -9,7 +9,6 @@ mod frozen;
 mod judged_model;
 mod ranked;
 mod reaching;
-mod resampled;
 mod row;
 #[cfg(test)]
 mod tests;
@@ -31,9 +30,9 @@ use crate::files;
 use crate::progress::Progress;
 use crate::verdict_controller::{TRUTH, VerdictControl};
 
+pub use crate::resampled::Estimate;
 pub use judged_model::JudgedModel;
 pub use reaching::Reaching;
-pub use resampled::Estimate;
 pub use row::{EntryRecord, Figures, Row, SceneRecord, SetRecord};
 pub use transfer::{Transfer, TransferTo};
 pub use verdicts::{ContactCounts, Verdicts, VerdictsAt};

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{Category, Contact, FRAME_PERIOD_S, GoalRecord, ObjectRecord, Outcome};
 
-use super::resampled::Estimate;
+use crate::resampled::Estimate;
 
 /// The figures of the track. Forces are the true forces between one link and one object, on skin and bare parts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

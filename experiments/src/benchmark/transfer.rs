@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::contacts::{Balanced, Contact, Counts, JUDGED_MOMENTS};
 use super::frozen::{OTHER_ARM, SETTINGS};
-use super::resampled::Estimate;
+use crate::resampled::Estimate;
 
 /// The figures of the track.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::contacts::{Balanced, Class, Contact, Counts, JUDGED_MOMENTS};
 use super::frozen::{FOAM_ROLL, MOMENTS, WATER_BOTTLE};
 use super::ranked::Ranked;
-use super::resampled::Estimate;
+use crate::resampled::Estimate;
 
 /// The figures of the track.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -65,6 +65,9 @@ pub struct ExperimentFile {
     /// Verdicts on what touches each taxel, frame by frame; left out if not given.
     #[serde(default)]
     pub verdicts: Option<VerdictSection>,
+    /// Reaches on which controllers are compared. Left out of quick runs, and if not given.
+    #[serde(default)]
+    pub controllers: Option<ControllerSection>,
     /// Arm stiffnesses and hand speeds to train and test at, in addition to the scenes' own. Left out of quick runs.
     #[serde(default)]
     pub settings: Vec<Setting>,
@@ -177,6 +180,16 @@ pub struct VerdictSection {
     /// Number of reaches with `--quick`; a third, rounded up, if not given.
     #[serde(default)]
     pub quick_reaches: Option<u64>,
+}
+
+/// Reaches on which the published controller is compared with the one that maps what it touches.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ControllerSection {
+    /// A scene, relative to this file.
+    pub scene: String,
+    /// Number of reaches.
+    pub reaches: u64,
 }
 
 /// A recipe for hidden Markov models.

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use underbrush_classifier::touch::TouchOptions;
 use underbrush_classifier::trial::{Labels, TrialOptions};
+use underbrush_recording::fault::Fault;
 use underbrush_recording::{Category, InputError};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::scene::{Scene, shipped};
@@ -17,8 +18,8 @@ mod file;
 mod numbers;
 
 pub use file::{
-    AblationName, ChosenOn, ClassifierEntry, EngineeredScene, ExperimentFile, OrderingName, Published,
-    PublishedAccuracy, PublishedSection, PublishedTrials, RecipeName, Setting, TableOneUnit, TestScene,
+    AblationName, ChosenOn, ClassifierEntry, ControllerSection, EngineeredScene, ExperimentFile, OrderingName,
+    Published, PublishedAccuracy, PublishedSection, PublishedTrials, RecipeName, Setting, TableOneUnit, TestScene,
     ThresholdSection, TrainingScene, TrialSection, VerdictSection,
 };
 
@@ -119,9 +120,13 @@ impl Experiment {
         Ok(Experiment { name, file, scenes, arm, hash: hasher.finalize().to_hex().to_string() })
     }
 
-    /// The scene that the file names by this path; `None` if it names no such scene.
-    pub fn scene(&self, name: &str) -> Option<&Scene> {
-        self.scenes.get(name)
+    /// The scene that the file names by this path.
+    ///
+    /// # Errors
+    /// If the file does not name it.
+    pub fn scene(&self, name: &str) -> Result<&Scene, Fault> {
+        let missing = || Fault::Usage(format!("{name}: the experiment has no such scene"));
+        self.scenes.get(name).ok_or_else(missing)
     }
 
     /// The category with the name `label`, if it is the category of an object.
@@ -179,7 +184,8 @@ fn scene_names(file: &ExperimentFile) -> Vec<(&str, &'static str)> {
     let auxiliary = file.verdicts.iter().flat_map(|own| &own.auxiliary);
     let auxiliary = auxiliary.map(|scene| (scene.as_str(), "verdicts.auxiliary"));
     let tests = engineered.chain(general).chain(outlier).chain(second_outlier);
-    training.chain(tests).chain(verdicts).chain(auxiliary).collect()
+    let controllers = file.controllers.iter().map(|own| (own.scene.as_str(), "controllers.scene"));
+    training.chain(tests).chain(verdicts).chain(auxiliary).chain(controllers).collect()
 }
 
 /// The arms that scenes name by file, each once.

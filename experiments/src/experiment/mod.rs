@@ -27,6 +27,7 @@ macro_rules! for_each_experiment {
             truncation: TruncatedAccuracy,
             outliers: OutlierThresholds,
             classifiers: ComparedClassifiers,
+            controllers: ComparedControllers,
             settings: ComparedSettings,
             ablation: AblationResults,
             campaigns: ComparedCampaigns,

@@ -20,13 +20,13 @@ pub struct Estimate {
 
 impl Estimate {
     /// The statistic of all reaches, and its interval. The same reaches give the same interval.
-    pub(super) fn of<R: Sync>(reaches: &[R], statistic: impl Fn(&[&R]) -> Option<f64> + Sync) -> Self {
+    pub(crate) fn of<R: Sync>(reaches: &[R], statistic: impl Fn(&[&R]) -> Option<f64> + Sync) -> Self {
         let groups: [&[R]; 1] = [reaches];
         Estimate::of_groups(&groups, |groups| statistic(&groups[0]))
     }
 
     /// As [`Estimate::of`], for a statistic that depends only on how often each reach was drawn.
-    pub(super) fn of_times(reaches: usize, statistic: impl Fn(&[usize]) -> Option<f64> + Sync) -> Self {
+    pub(crate) fn of_times(reaches: usize, statistic: impl Fn(&[usize]) -> Option<f64> + Sync) -> Self {
         Estimate::of_draws(&[reaches], |drawn| {
             let mut times = vec![0; reaches];
             drawn[0].iter().for_each(|reach| times[*reach] += 1);
@@ -35,7 +35,7 @@ impl Estimate {
     }
 
     /// As [`Estimate::of`], for a statistic of several groups of reaches. Each group is resampled on its own.
-    pub(super) fn of_groups<R: Sync>(groups: &[&[R]], statistic: impl Fn(&[Vec<&R>]) -> Option<f64> + Sync) -> Self {
+    pub(crate) fn of_groups<R: Sync>(groups: &[&[R]], statistic: impl Fn(&[Vec<&R>]) -> Option<f64> + Sync) -> Self {
         let sizes: Vec<usize> = groups.iter().map(|own| own.len()).collect();
         Estimate::of_draws(&sizes, |drawn| {
             let taken = groups.iter().zip(drawn);

@@ -1,0 +1,116 @@
+//! Goals and forces by controller: the published one, and the one that maps what it touches and plans a way round.
+
+use serde::{Deserialize, Serialize};
+use underbrush_recording::disk::DiskError;
+use underbrush_recording::fault::Fault;
+use underbrush_recording::{Category, Outcome, Recording};
+use underbrush_sim::campaign::Job;
+use underbrush_sim::controller::ControllerKind;
+use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::scene::ProgressRule;
+
+use crate::dataset::{each_reach, reach_plan};
+use crate::resampled::Estimate;
+use crate::session::Session;
+use crate::verdict_controller::VerdictControl;
+
+/// The reaches have indices from here on, so that none of them is among the test reaches or those that train verdicts.
+const FIRST_INDEX: u64 = 2000;
+
+/// All controllers on the same reaches.
+#[derive(Serialize, Deserialize)]
+pub struct ComparedControllers {
+    /// Name of the scene; empty if controllers are not compared.
+    pub scene: String,
+    /// Number of reaches of each controller.
+    pub reaches: u64,
+    /// The controllers.
+    pub controllers: Vec<ControllerFigures>,
+}
+
+/// The figures of one controller, with 95 % intervals from resampling whole reaches.
+#[derive(Serialize, Deserialize)]
+pub struct ControllerFigures {
+    /// The controller and what it knows.
+    pub name: String,
+    /// Share of the goals that were reached, from 0 to 1.
+    pub reached: Estimate,
+    /// Seconds of a goal, reached or not.
+    pub goal_s: Estimate,
+    /// Largest force between a link and a trunk in a reach, mean over the reaches, N.
+    pub trunk_peak_n: Estimate,
+    /// Safety stops in all reaches.
+    pub safety_stops: usize,
+}
+
+/// What counts of a reach.
+struct Counted {
+    goals: f64,
+    reached: f64,
+    seconds: f64,
+    trunk_peak_n: f64,
+    safety_stops: usize,
+}
+
+/// Runs the reaches with each controller. A quick run has too few reaches for it.
+pub fn run(session: &Session) -> Result<ComparedControllers, Fault> {
+    let Some(section) = session.experiment.file.controllers.as_ref().filter(|_| !session.quick) else {
+        return Ok(ComparedControllers { scene: String::new(), reaches: 0, controllers: Vec::new() });
+    };
+    let plan = |kind, rule: Option<ProgressRule>| -> Result<ReachPlan, Fault> {
+        let mut scene = session.experiment.scene(&section.scene)?.clone();
+        scene.file.goals.progress = rule.or(scene.file.goals.progress);
+        Ok(reach_plan(scene, session.experiment.arm.as_ref(), Some(kind), session.seed)?)
+    };
+    session.stage("Controllers", || {
+        session.kept("controllers", session.seed, || {
+            let plans = [
+                ("cody-2013", plan(ControllerKind::Cody2013, None)?),
+                ("cody-2013, progress by the path", plan(ControllerKind::Cody2013, Some(ProgressRule::Path))?),
+                ("mapped, blind", plan(ControllerKind::Mapped, None)?),
+                ("mapped, true verdicts", VerdictControl::truth().applied_to(plan(ControllerKind::Mapped, None)?)?),
+            ];
+            let mut controllers = Vec::new();
+            for (name, plan) in plans {
+                let jobs = (0..section.reaches).map(|index| Job { plan: 0, reach_index: FIRST_INDEX + index });
+                let counted = each_reach(&[plan], &jobs.collect::<Vec<_>>(), session.progress, |_, own| {
+                    Ok::<_, DiskError>(Counted::of(&own))
+                })?;
+                controllers.push(ControllerFigures::of(name, &counted));
+            }
+            let scene = session.experiment.scene(&section.scene)?.name.clone();
+            Ok(ComparedControllers { scene, reaches: section.reaches, controllers })
+        })
+    })
+}
+
+impl Counted {
+    fn of(recording: &Recording) -> Self {
+        let outcomes = |wanted| recording.goals.iter().filter(|goal| goal.outcome == wanted).count();
+        Counted {
+            goals: recording.goals.len() as f64,
+            reached: outcomes(Outcome::Reached) as f64,
+            seconds: recording.goals.iter().map(|goal| goal.end_time_s - goal.start_time_s).sum(),
+            trunk_peak_n: recording.contact_forces(Some(Category::TRUNK)).peak_n,
+            safety_stops: outcomes(Outcome::Aborted),
+        }
+    }
+}
+
+impl ControllerFigures {
+    fn of(name: &str, reaches: &[Counted]) -> Self {
+        let sum = |own: &[&Counted], of: fn(&Counted) -> f64| own.iter().map(|own| of(own)).sum::<f64>();
+        let a_goal = |of: fn(&Counted) -> f64| {
+            Estimate::of(reaches, |own| {
+                Some(sum(own, of) / sum(own, |own| own.goals)).filter(|share| share.is_finite())
+            })
+        };
+        ControllerFigures {
+            name: name.into(),
+            reached: a_goal(|own| own.reached),
+            goal_s: a_goal(|own| own.seconds),
+            trunk_peak_n: Estimate::of(reaches, |own| Some(sum(own, |own| own.trunk_peak_n) / own.len() as f64)),
+            safety_stops: reaches.iter().map(|own| own.safety_stops).sum(),
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Goals and forces by controller.
+
+use underbrush_experiments::experiment::controllers::{ComparedControllers, ControllerFigures};
+use underbrush_experiments::resampled::Estimate;
+
+use crate::drawing::{Axis, Cell, Dash, Layer, Point, Rows, Shape, Style, Table, chart};
+use crate::report::Report;
+use crate::style::FIRST;
+
+/// Adds the section.
+pub fn add(report: &mut Report, outcome: &ComparedControllers) {
+    if outcome.controllers.is_empty() {
+        return;
+    }
+    report.section("controllers", "What a map of touched trunks gains");
+    report.page.paragraph(&format!(
+        "{} reaches of {}, the same for all controllers. The published controller pushes on and is stuck. The mapped \
+         one remembers what stopped it, or what is called a trunk, and plans a way round it. A planner that knows all trunks \
+         finds a way to every goal.",
+        outcome.reaches, outcome.scene
+    ));
+    let caption = "Goals that were reached, and the largest force on a trunk in a reach, with 95 % intervals from resampling reaches.";
+    let charts = [
+        compared(outcome, ["controllers-goals", "Goals"], "goals reached / %", 100.0, |own| own.reached),
+        compared(outcome, ["controllers-force", "Force"], "peak on trunks / N", 1.0, |own| own.trunk_peak_n),
+    ];
+    report.page.figure(caption, &charts);
+    report.printed(table(outcome), usize::MAX);
+}
+
+/// A point with its interval for each controller.
+fn compared(
+    outcome: &ComparedControllers,
+    [name, title]: [&str; 2],
+    label: &str,
+    scale: f64,
+    of: fn(&ControllerFigures) -> Estimate,
+) -> String {
+    let points = outcome.controllers.iter().enumerate().filter_map(|(place, own)| {
+        let Estimate { value, interval } = of(own);
+        let interval = interval.map(|[low, high]| (scale * low, scale * high));
+        Some(Point { x: place as f64, y: scale * value?, interval })
+    });
+    let points: Vec<Point> = points.collect();
+    let told = outcome.controllers.iter().zip(&points).map(|(own, point)| format!("{}: {:.1}", own.name, point.y));
+    let description = format!("{label}. {}.", told.collect::<Vec<_>>().join("; "));
+    let names = (1..=outcome.controllers.len()).map(|number| number.to_string());
+    let axes = (Axis::names("controller, by its row in the table", names), Axis::from_zero(label));
+    let style = Style { dash: Dash::Dotted, ..FIRST };
+    chart(name, title, description, axes, vec![Layer::new("", style, Shape::Points(points))])
+}
+
+fn table(outcome: &ComparedControllers) -> Table {
+    let with_interval = |own: Estimate, scale: f64, decimals: usize| match (own.value, own.interval) {
+        (Some(value), Some([low, high])) => {
+            let [value, low, high] = [value, low, high].map(|number| format!("{:.decimals$}", scale * number));
+            Cell::from(format!("{value} ({low} to {high})"))
+        }
+        (value, _) => Cell::optional(value.map(|value| scale * value), decimals),
+    };
+    Rows::of(outcome.controllers.iter().enumerate())
+        .column("", |(place, _)| place + 1)
+        .column("controller", |(_, own)| own.name.as_str())
+        .column("goals / %", |(_, own)| with_interval(own.reached, 100.0, 1))
+        .column("s a goal", |(_, own)| with_interval(own.goal_s, 1.0, 1))
+        .column("peak on trunks / N", |(_, own)| with_interval(own.trunk_peak_n, 1.0, 1))
+        .column("safety stops", |(_, own)| own.safety_stops)
+        .table("controllers", "Controllers on the same reaches")
+}
