@@ -14,7 +14,7 @@ pub const PLATE: &str = "#b9c2ca";
 /// The goal.
 pub const GOAL: &str = "#1f5fbf";
 /// What is fixed on a controller's map, and what gives way; what is doubtful has the colour of the goal.
-pub const FIXED: &str = "#1d242b";
+pub const FIXED: &str = "#1c2329";
 pub const YIELDING: &str = "#1b8a4b";
 /// The table, and the lines on it.
 pub const TABLE: &str = "#d9cfc0";
