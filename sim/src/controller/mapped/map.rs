@@ -269,9 +269,9 @@ impl Map {
         });
     }
 
-    /// Forgets the obstacle that was touched last if it is doubtful; returns whether it was.
-    pub fn forget_doubtful_last(&mut self) -> bool {
-        self.obstacles.pop_if(|last| last.kind == ObstacleKind::Doubtful && !last.is_known).is_some()
+    /// Forgets the obstacle that was touched last unless it is fixed; returns whether it did.
+    pub fn forget_last_unless_fixed(&mut self) -> bool {
+        self.obstacles.pop_if(|last| last.kind != ObstacleKind::Fixed && !last.is_known).is_some()
     }
 
     /// The obstacles as a planner sees them.

@@ -199,7 +199,8 @@ impl Mapped {
             return (hold(phi), Intent::TurningRound);
         }
         if is_near {
-            return (self.near_goal.control(input), Intent::Onward);
+            // Like the rest of the way, this ends by the controller's own judgement of its progress.
+            return (self.near_goal.control(input), Intent::TurningRound);
         }
         if share > TOO_HARD && behind_rad > BEHIND_RAD {
             own.at_steps = (own.at_steps - 1.0).max(0.0);

@@ -56,7 +56,7 @@ impl Mapped {
                 break;
             }
             if !self.map.forget_one() {
-                if !self.map.forget_doubtful_last() {
+                if !self.map.forget_last_unless_fixed() {
                     break;
                 }
                 // Whatever it is, it is not where it seemed to be.
