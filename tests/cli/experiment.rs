@@ -27,7 +27,7 @@ fn tiny(folder: &Path) -> PathBuf {
     folder.join("three-categories.toml")
 }
 
-/// The number of a stage and the number of all, from a line such as "stage 3 of 16: Models".
+/// The number of a stage and the number of all, from a line such as "stage 3 of 17: Models".
 fn stage(line: &str) -> Option<(usize, usize)> {
     let (number, rest) = line.strip_prefix("stage ")?.split_once(" of ")?;
     Some((number.parse().ok()?, rest.split_once(": ")?.0.parse().ok()?))
@@ -43,7 +43,7 @@ fn an_experiment_with_another_arm_and_three_categories_runs() {
     let answer = underbrush!["reproduce", "--experiment", &file, "--out", &out, "--json"];
     // In a pipe, lines tell how far the work is.
     let stages: Vec<(usize, usize)> = answer.stderr.lines().filter_map(stage).collect();
-    assert_eq!(stages.first(), Some(&(1, 16)), "{}", answer.stderr);
+    assert_eq!(stages.first(), Some(&(1, 17)), "{}", answer.stderr);
     assert!(stages.is_sorted_by(|a, b| a.0 < b.0 && a.1 == b.1) && stages.len() > 10, "{stages:?}");
     let summary = answer.json();
     assert_eq!(summary["experiment"], "three-categories");

@@ -4,6 +4,7 @@
 //! README.md                                     the card: how to load the set; columns, units and codes
 //! data/chunk-000/file-000.parquet …             the frames, one row group per episode: what a robot could know
 //! truth/TABLE/chunk-000/file-000.parquet …      ground truth: taxels patches objects contacts goals bodies poses
+//! controller/map/chunk-000/file-000.parquet …   what the controller believed
 //! meta/info.json                                features and totals; written last, so a set without it is unfinished
 //! meta/episodes/chunk-000/file-000.parquet      one row per episode: place of its frames, outcome, audit
 //! meta/tasks.parquet  meta/stats.json           LeRobot's task sentences and statistics

@@ -3,7 +3,7 @@
 use crate::disk::tables::dictionary::Table;
 
 /// Folders that hold only files of the set.
-pub(in crate::disk) const FOLDERS: [&str; 3] = ["data", "truth", "meta"];
+pub(in crate::disk) const FOLDERS: [&str; 4] = ["data", "truth", "controller", "meta"];
 
 pub(in crate::disk) const CARD: &str = "README.md";
 pub(in crate::disk) const INFO: &str = "meta/info.json";

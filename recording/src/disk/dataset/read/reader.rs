@@ -91,7 +91,7 @@ fn require_version(path: PathBuf, key: &str, known: &str) -> Result<(), DiskErro
     Err(InputError::new(path, key, found, known, REMEDY).into())
 }
 
-/// Whether a file holds frames or the truth about them.
+/// Whether a file holds frames, the truth about them, or what the controller believed.
 fn is_large(name: &str) -> bool {
     ["data/", "truth/", "controller/"].iter().any(|folder| name.starts_with(folder))
 }

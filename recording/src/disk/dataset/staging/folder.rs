@@ -131,7 +131,7 @@ fn remove_from(dir: &Path) -> Result<(), DiskError> {
         Folder::Finished => None,
     };
     // What tells that there is a set goes last, so that a removal that was interrupted can be repeated.
-    let order = ["data", "truth", names::CARD, "meta", names::INCOMPLETE];
+    let order = ["data", "truth", "controller", names::CARD, "meta", names::INCOMPLETE];
     if let Some(other) = list(dir)?.into_iter().find(|name| !order.contains(&name.as_str())) {
         let found = format!("{other:?} beside the data set");
         let remedy = "move it away, or choose another folder";
