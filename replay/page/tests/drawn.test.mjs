@@ -223,3 +223,19 @@ test("verdicts are those of the program", async () => {
   assert.deepEqual(page.problems, []);
   await close();
 });
+
+/** Tests that the page draws the controller's map of each frame, and says so in the legend. */
+test("the map of the frame is drawn", async () => {
+  const { recording } = await readRecording("mapped.parquet");
+  assert.ok(recording.map.length > 0);
+  const { page, close } = await openScene("mapped");
+  assert.match(await page.locator("#legend").textContent(), /controller's map/);
+  for (const { first_frame: frame } of recording.map) {
+    for (const at of [frame - 1, frame]) {
+      await seek(page, at);
+      const expected = recording.map.filter(({ first_frame, last_frame }) => first_frame <= at && at <= last_frame).length;
+      assert.equal(await page.evaluate(() => window.underbrushReplay.drawn().obstacles), expected);
+    }
+  }
+  await close();
+});

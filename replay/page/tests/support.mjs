@@ -46,7 +46,7 @@ export async function makeData() {
     await run(PROGRAM, ["generate", "scenes/leaf.toml", "scenes/trunk.toml", "--reaches", "1", "--seed", "1", "--jobs", "1", "--out", file("set")], { cwd: ROOT });
     await run(PROGRAM, ["train", file("set"), "--out", file("model.json"), "--states", "3", "--jobs", "1"], { cwd: ROOT });
   };
-  await Promise.all([...SCENES.map((scene) => reach(scene, scene)), reach("blind", "mixed", "--controller", "blind"), model()]);
+  await Promise.all([...SCENES.map((scene) => reach(scene, scene)), reach("blind", "mixed", "--controller", "blind"), reach("mapped", "trunk", "--controller", "mapped"), model()]);
   // A touch model needs more reaches, and how well it judges does not matter here.
   const reaches = ["set", "leaf.parquet", "trunk.parquet", "mixed.parquet", "blind.parquet"].map(file);
   await run(PROGRAM, ["train", ...reaches, "--classifier", "touch", "--out", file("touch.json"), "--jobs", "2"], { cwd: ROOT });
