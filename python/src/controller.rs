@@ -15,11 +15,12 @@ use crate::array;
 use crate::controller_input::PyControllerInput;
 use crate::failure::{Answer, Failure};
 use crate::interrupt::Stop;
+use crate::scene::PyScene;
 
-/// A controller that ships, to be called from Python.
+/// A controller that ships, to be called from Python. With ``scene`` it knows how high the ground is, as in a reach.
 #[pyclass(frozen, name = "ShippedController", module = "underbrush._core")]
 pub struct ShippedController {
-    controller: Mutex<Box<dyn Controller>>,
+    controller: Mutex<(Box<dyn Controller>, Intent)>,
     /// Its name in recordings.
     #[pyo3(get)]
     name: String,
@@ -32,14 +33,15 @@ pub struct ShippedController {
 #[pymethods]
 impl ShippedController {
     #[new]
-    #[pyo3(signature = (arm, name = "cody-2013"))]
-    fn new(arm: &PyArm, name: &str) -> Result<Self, Failure> {
+    #[pyo3(signature = (arm, name = "cody-2013", *, scene = None))]
+    fn new(arm: &PyArm, name: &str, scene: Option<&PyScene>) -> Result<Self, Failure> {
         let kind = ControllerKind::from_name(name)?;
-        let controller = kind.controller(kind.preset(), &arm.arm);
+        let floor_height_m = scene.map_or(f64::NEG_INFINITY, |own| own.scene.floor_height_m());
+        let controller = kind.controller(kind.preset().above(floor_height_m), &arm.arm);
         Ok(ShippedController {
             name: controller.name().to_owned(),
             rate_hz: controller.rate_hz(),
-            controller: Mutex::new(controller),
+            controller: Mutex::new((controller, Intent::default())),
             joints: arm.arm.joints.len(),
         })
     }
@@ -53,10 +55,23 @@ impl ShippedController {
             return Err(Failure::argument("input", found, allowed, "make the controller for this arm"));
         }
         let angles = {
-            let mut controller = self.controller.lock().unwrap_or_else(PoisonError::into_inner);
-            controller.control(&input.view()).equilibrium_angle_rad
+            let mut own = self.controller.lock().unwrap_or_else(PoisonError::into_inner);
+            let output = own.0.control(&input.view());
+            own.1 = output.intent;
+            output.equilibrium_angle_rad
         };
         Ok(array::copy(py, &angles, &[angles.len()])?)
+    }
+
+    /// What it is about to do after the last call: "onward", "turning round" or "given up: REASON". An own controller
+    /// that calls this one returns it after the angles.
+    #[getter]
+    fn intent(&self) -> String {
+        match &self.controller.lock().unwrap_or_else(PoisonError::into_inner).1 {
+            Intent::Onward => ONWARD.into(),
+            Intent::TurningRound => TURNING_ROUND.into(),
+            Intent::GivenUp(reason) => format!("{GIVEN_UP}{reason}"),
+        }
     }
 }
 
@@ -112,6 +127,9 @@ impl Controller for PythonController {
     }
 }
 
+/// What a controller says if it goes on, and if it turns round.
+const ONWARD: &str = "onward";
+const TURNING_ROUND: &str = "turning round";
 /// Before the reason of a controller that gives a goal up.
 const GIVEN_UP: &str = "given up: ";
 
@@ -121,8 +139,8 @@ const GIVEN_UP: &str = "given up: ";
 /// [`Failure::Input`] for any other text.
 fn intent(text: &str) -> Result<Intent, Failure> {
     match (text, text.strip_prefix(GIVEN_UP)) {
-        ("onward", _) => Ok(Intent::Onward),
-        ("turning round", _) => Ok(Intent::TurningRound),
+        (ONWARD, _) => Ok(Intent::Onward),
+        (TURNING_ROUND, _) => Ok(Intent::TurningRound),
         (_, Some(reason)) => Ok(Intent::GivenUp(reason.to_owned())),
         _ => {
             let allowed = "onward, turning round, or given up: REASON";

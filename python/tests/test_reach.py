@@ -39,6 +39,23 @@ def test_the_shipped_controller_called_from_python_gives_the_same_bytes(tmp_path
         assert files[0].read_bytes() == files[1].read_bytes()
 
 
+def test_the_mapped_controller_called_from_python_moves_the_same() -> None:
+    """Tests that a reach with the mapped controller called through Python, with its scene and its intents, moves as with the
+    controller itself, up to a goal that it gives up."""
+    scene = quick("trunk").changed({"controller": "mapped"})
+
+    class Twin:
+        def __init__(self, arm: ub.Arm) -> None:
+            self.own = ub.ShippedController(arm, "mapped", scene=scene)
+
+        def __call__(self, given: ub.ControllerInput) -> tuple[np.ndarray, str]:
+            return self.own(given), self.own.intent
+
+    shipped, called = ub.reach(scene, seed=3), ub.reach(scene, seed=3, controller=Twin)
+    assert np.array_equal(shipped.joint_angle_rad, called.joint_angle_rad)
+    assert shipped.outcome == called.outcome
+
+
 def test_an_own_controller_moves_the_hand() -> None:
     """Tests that a controller in ten lines of NumPy reaches a goal in free space, and that its name is recorded."""
     scene = ub.Scene.parse('summary = "Free space"\ngoals = { count = 1, x_m = 0.6, y_m = 0.0, z_m = -0.2 }\n', "free.toml")

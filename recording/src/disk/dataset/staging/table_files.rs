@@ -1,4 +1,4 @@
-//! Writes the tables with rows for every episode: `data` and those in `truth/`.
+//! Writes the tables with rows for every episode: `data`, those in `truth/`, and the map of the controller.
 //!
 //! All of them start a new file at the same episode, so that the number of its data file gives the place of
 //! everything about an episode. Rows are written in row groups of bounded size, and each episode is within one row
@@ -26,7 +26,7 @@ use crate::disk::tables::truth_tables::{contact_rows, goal_rows, object_rows};
 use crate::disk::whole_file::create_folder;
 use crate::{Category, Recording};
 
-/// A row group of a table in `truth/` ends with the episode in which it reaches this number of rows. Choice: this many
+/// A row group of a table beside `data` ends with the episode in which it reaches this number of rows. Choice: this many
 /// rows of the widest table are decoded within a few milliseconds, and a row group per episode would take more space
 /// than the few goals in it.
 pub(in crate::disk) const ROWS_PER_GROUP: usize = 4096;
@@ -35,7 +35,7 @@ pub(in crate::disk) const ROWS_PER_GROUP: usize = 4096;
 type ColumnsOf = fn(usize, &Recording) -> Vec<Column>;
 
 /// The tables beside the frames: ground truth, and what the controller believed.
-const TRUTH: [(&Table, ColumnsOf); 9] = [
+const FURTHER: [(&Table, ColumnsOf); 9] = [
     (&TRUTH_TAXELS, |episode, recording| Row::write(&taxel_rows(episode, recording))),
     (&TRUTH_PATCHES, |episode, recording| Row::write(&patch_rows(episode, recording))),
     (&TRUTH_OBJECTS, |episode, recording| Row::write(&object_rows(episode, recording))),
@@ -55,7 +55,7 @@ struct TableFile {
     table: &'static Table,
     /// Created with the first rows, which determine the columns.
     file: Option<ParquetFile>,
-    /// The episodes of the current row group, in `truth/`.
+    /// The episodes of the current row group, beside `data`.
     episodes: Vec<Vec<Column>>,
 }
 
@@ -103,7 +103,7 @@ impl TableFile {
 /// The current files, one of each table.
 struct Files {
     data: TableFile,
-    truth: [TableFile; TRUTH.len()],
+    further: [TableFile; FURTHER.len()],
 }
 
 /// The files of all tables, written one after the other.
@@ -144,7 +144,7 @@ impl<'a> TableFiles<'a> {
         let name = |table: &Table| names::table(table, chunk, number);
         self.files.get_or_insert_with(|| Files {
             data: TableFile::new(self.dir, &FRAMES, name(&FRAMES)),
-            truth: TRUTH.map(|(table, _)| TableFile::new(self.dir, table, name(table))),
+            further: FURTHER.map(|(table, _)| TableFile::new(self.dir, table, name(table))),
         });
         (chunk, number)
     }
@@ -159,10 +159,10 @@ impl<'a> TableFiles<'a> {
         files.data.file(columns, self.categories)?.write_group(batches)
     }
 
-    /// Writes the ground truth of the episode, and ends it.
+    /// Writes the further tables of the episode, and ends it.
     pub(in crate::disk) fn end_episode(&mut self, episode: usize, recording: &Recording) -> Result<(), DiskError> {
         let Some(files) = &mut self.files else { return Ok(()) };
-        for ((_, columns), file) in TRUTH.iter().zip(&mut files.truth) {
+        for ((_, columns), file) in FURTHER.iter().zip(&mut files.further) {
             file.add_episode(columns(episode, recording), self.categories)?;
         }
         Ok(())
@@ -175,7 +175,7 @@ impl<'a> TableFiles<'a> {
             return Ok(Vec::new());
         };
         let mut names = Vec::new();
-        for table in std::iter::once(files.data).chain(files.truth) {
+        for table in std::iter::once(files.data).chain(files.further) {
             if table.file.is_some() {
                 names.push(table.name.clone());
             }
