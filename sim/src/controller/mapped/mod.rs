@@ -199,7 +199,7 @@ impl Mapped {
             return (hold(phi), Intent::TurningRound);
         }
         if is_near {
-            // Like the rest of the way, this ends by the controller's own judgement of its progress.
+            // Here, too, the controller judges its own progress.
             return (self.near_goal.control(input), Intent::TurningRound);
         }
         if share > TOO_HARD && behind_rad > BEHIND_RAD {

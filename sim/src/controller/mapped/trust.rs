@@ -104,7 +104,7 @@ impl Trust {
         given_way
     }
 
-    /// Whether verdicts are believed: until they were wrong more often than right.
+    /// Whether verdicts are believed. They are, until they have been wrong more often than right.
     pub(super) fn is_given(&self) -> bool {
         !self.is_lost
     }
