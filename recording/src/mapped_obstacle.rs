@@ -35,7 +35,7 @@ impl ObstacleKind {
 pub struct MappedObstacle {
     /// What it was taken for.
     pub kind: ObstacleKind,
-    /// The upper end of its axis, m, world frame. It stands on the ground.
+    /// The upper end of its upright axis, m, world frame. The obstacle reaches down to the ground.
     pub top_world: DVec3,
     /// Radius, m.
     pub radius_m: f64,

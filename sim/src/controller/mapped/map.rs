@@ -282,7 +282,7 @@ impl Map {
 }
 
 impl Map {
-    /// The obstacles as a recording describes them. What has given way is none.
+    /// The obstacles in the form that recordings hold, without those that have given way.
     pub(super) fn described(&self, top_m: f64) -> Vec<MappedObstacle> {
         let obstacles = self.obstacles.iter().filter(|own| !own.has_given_way);
         let describe = |own: &Obstacle| {

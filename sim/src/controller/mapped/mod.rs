@@ -125,7 +125,8 @@ impl Mapped {
         &self.map
     }
 
-    /// The contacts, with their verdicts as far as these are believed. What was called fixed and gives way is no obstacle.
+    /// The contacts, without their verdicts once these are not believed any more. Also takes what was called fixed and gives
+    /// way off the map.
     fn believed<'a>(&mut self, contacts: &'a [TaxelContact]) -> Cow<'a, [TaxelContact]> {
         let usual_n = self.preset.force_limit_n;
         let was_given = self.trust.is_given();
