@@ -58,6 +58,7 @@
 
 pub mod any_model;
 pub mod baseline;
+mod boosted;
 pub mod decision;
 mod document;
 mod error;
@@ -67,7 +68,6 @@ mod fault;
 pub mod feature;
 mod file_text;
 pub mod fit_options;
-mod forest;
 pub mod hmm;
 mod hmm_classifier;
 mod model_file;

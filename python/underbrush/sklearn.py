@@ -286,7 +286,7 @@ class LogisticTaxelClassifier(_Baseline):
 
 
 class TreesClassifier(_Baseline):
-    """Extremely randomized trees over statistics of the contact so far.
+    """Gradient-boosted trees over statistics of the contact so far.
 
     ``features=None`` adds the contact region, which only trials have.
     """

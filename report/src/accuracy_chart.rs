@@ -1,6 +1,6 @@
 //! Charts of accuracies in per cent over named places: several series, the majority baseline and published figures.
 
-use crate::drawing::{Axis, Dash, Layer, Point, Shape, Style, chart};
+use crate::drawing::{Axis, Chart, Dash, Layer, Point, Shape, Style};
 use crate::style::{INK, MAJORITY};
 
 /// A chart that is being put together, with its description in words.
@@ -54,9 +54,24 @@ impl AccuracyChart {
         self.layers.push(Layer::new(name, Style::line(INK, Dash::Dotted), Shape::Line(ends.to_vec())));
     }
 
-    /// The chart, whose axis begins at `lowest` per cent or below.
+    /// The chart as an SVG element. Its axis begins at `lowest` per cent or below.
     pub fn svg(self, name: String, title: &str, x: &str, lowest: f64) -> String {
-        let axes = (Axis::names(x, self.places), Axis::spanning("accuracy / %", lowest, 100.0));
-        chart(name, title, self.description, axes, self.layers)
+        self.chart(name, title, x, lowest).svg()
+    }
+
+    /// As [`AccuracyChart::svg`], with a row for each place.
+    pub fn dot_plot(self, name: &str, title: &str, lowest: f64) -> String {
+        self.chart(name.to_owned(), title, "", lowest).dot_plot()
+    }
+
+    fn chart(self, name: String, title: &str, x: &str, lowest: f64) -> Chart {
+        Chart {
+            name,
+            title: title.into(),
+            description: self.description,
+            x: Axis::names(x, self.places),
+            y: Axis::spanning("accuracy / %", lowest, 100.0),
+            layers: self.layers,
+        }
     }
 }

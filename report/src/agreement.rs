@@ -1,9 +1,7 @@
-//! How the cells of a cross-validation table agree with published ones, as text and as charts: for one campaign and for
+//! How the cells of a cross-validation table agree with published ones, as text and as a chart: for one campaign and for
 //! the mean of several.
 
-use underbrush_classifier::feature::FeatureSet;
-use underbrush_experiments::definition::TableOneUnit;
-use underbrush_experiments::table_cell::{CellKey, Ordering, unit_name};
+use underbrush_experiments::table_cell::{CellKey, Ordering};
 
 use crate::accuracy_chart::{AccuracyChart, lowest};
 use crate::drawing::{Rows, Table};
@@ -15,6 +13,7 @@ use crate::text::counted;
 const CLOSE_POINTS: f64 = 3.0;
 
 /// A cell to be compared.
+#[derive(Clone, Copy)]
 pub struct Compared<'a> {
     /// Which cell.
     pub key: &'a CellKey,
@@ -113,27 +112,20 @@ pub fn add_orderings(report: &mut Report, name: &str, caption: &str, own: &[Orde
         return;
     }
     report.page.paragraph(&format!("{caption}:"));
-    report.page.list(&orderings(own));
+    report.page.list(&own.iter().map(|own| ordering(own, report.results.quick)).collect::<Vec<_>>());
     let table = orderings_table(name, caption, own);
     report.print(&table, 5);
     report.numbers(table);
 }
 
-/// Each published ordering as a sentence.
-fn orderings(orderings: &[Ordering]) -> Vec<String> {
-    let sentence = |ordering: &Ordering| {
-        let verdict = match ordering.pairs_holding {
-            all if all == ordering.pairs => "this holds in all".to_owned(),
-            some => format!("this does not hold; it does in {some} of"),
-        };
-        format!(
-            "{} recipe, {}: {verdict} {} pairs of cells",
-            possessive(&ordering.recipe),
-            ordering.statement,
-            ordering.pairs
-        )
+/// A published ordering as a sentence. The few reaches of a quick run cannot decide it.
+fn ordering(own: &Ordering, is_quick: bool) -> String {
+    let verdict = match own.pairs_holding {
+        some if is_quick => format!("a quick run cannot decide this; here it holds in {some} of"),
+        all if all == own.pairs => "this holds in all".to_owned(),
+        some => format!("this does not hold; it does in {some} of"),
     };
-    orderings.iter().map(sentence).collect()
+    format!("{} recipe, {}: {verdict} {} pairs of cells", possessive(&own.recipe), own.statement, own.pairs)
 }
 
 /// The published orderings as a table.
@@ -148,40 +140,27 @@ fn orderings_table(name: &str, caption: &str, orderings: &[Ordering]) -> Table {
         .table(name, caption)
 }
 
-/// Accuracy over the number of states: a chart for each unit and feature set; `suffix` follows each title.
-pub fn charts(table: &str, suffix: &str, cells: &[Compared]) -> Vec<String> {
-    let lowest =
-        lowest(cells.iter().map(|cell| cell.interval.map_or(cell.accuracy, |(low, _)| low.min(cell.accuracy))));
-    let mut charts = Vec::new();
-    for by in [TableOneUnit::Taxel, TableOneUnit::Component] {
-        for features in [FeatureSet::FORCE, FeatureSet::FORCE_AND_MOTION] {
-            let own = cells.iter().filter(|cell| (cell.key.by, cell.key.features) == (by, features));
-            let own: Vec<&Compared> = own.collect();
-            if !own.is_empty() {
-                charts.push(chart(table, &format!("{}, {features}{suffix}", unit_name(by)), &own, lowest));
-            }
-        }
-    }
-    charts
-}
-
-fn chart(table: &str, title: &str, cells: &[&Compared], lowest: f64) -> String {
-    let mut states: Vec<usize> = cells.iter().map(|cell| cell.key.states).collect();
-    states.sort_unstable();
-    states.dedup();
+/// All cells in one chart: a row for each, with a mark for each recipe, the published figure and the majority baseline.
+pub fn dot_plot(name: &str, title: &str, cells: &[Compared]) -> String {
+    let mut names: Vec<String> = cells.iter().map(|cell| cell.key.name()).collect();
     let mut recipes: Vec<&String> = cells.iter().map(|cell| &cell.key.recipe).collect();
+    names.sort();
+    names.dedup();
     recipes.dedup();
-    let place = |cell: &Compared| states.iter().position(|own| *own == cell.key.states).unwrap_or_default();
-    let description = format!("Accuracy in per cent by number of hidden states, {title}.");
-    let mut chart = AccuracyChart::new(description, states.iter().map(usize::to_string).collect());
+    names.sort_by_key(|name| cells.iter().position(|cell| cell.key.name() == *name));
+    let row = |cell: &Compared| names.iter().position(|name| *name == cell.key.name()).unwrap_or_default();
+    let first: Vec<&Compared> = cells.iter().filter(|cell| Some(&&cell.key.recipe) == recipes.first()).collect();
+    let mut chart = AccuracyChart::new(format!("Accuracy in per cent: {title}."), names.clone());
+    let baselines = first.iter().map(|cell| (row(cell), cell.majority_baseline, None));
+    chart.series("majority", style::MAJORITY_MARK, 0.0, baselines);
     for (number, recipe) in recipes.iter().enumerate() {
         let own = cells.iter().filter(|cell| cell.key.recipe == **recipe);
-        let points = own.map(|cell| (place(cell), cell.accuracy, cell.interval));
+        let points = own.map(|cell| (row(cell), cell.accuracy, cell.interval));
         let aside = style::aside(number, recipes.len());
         chart.series(&format!("{} recipe", possessive(recipe)), style::paired(number), aside, points);
     }
-    let first = cells.iter().filter(|cell| Some(&&cell.key.recipe) == recipes.first());
-    chart.series("paper", PUBLISHED, 0.0, first.filter_map(|cell| Some((place(cell), cell.published?, None))));
-    chart.majority(cells.first().map(|cell| cell.majority_baseline));
-    chart.svg(format!("{table}-{}", crate::drawing::slug(title)), title, "hidden states", lowest)
+    chart.series("paper", PUBLISHED, 0.0, first.iter().filter_map(|cell| Some((row(cell), cell.published?, None))));
+    let lowest =
+        lowest(cells.iter().map(|cell| cell.interval.map_or(cell.accuracy, |(low, _)| low.min(cell.accuracy))));
+    chart.dot_plot(name, title, lowest)
 }

@@ -12,6 +12,7 @@ pub mod benchmark_text;
 pub mod category_looks;
 pub mod drawing;
 pub mod junit;
+mod overview;
 pub mod picture;
 pub mod portrait;
 pub mod replay_links;
@@ -28,13 +29,14 @@ pub mod text;
 
 use underbrush_experiments::experiment::training_data::Reaches;
 use underbrush_experiments::results::Results;
+use underbrush_recording::fault::Fault;
 
 use drawing::Rows;
 use report::Report;
 
 /// A report, ready to be written.
 pub struct Written {
-    /// `index.html`, and the folder `csv` beside it.
+    /// `index.html`, its picture, and the folder `csv` beside it.
     pub files: Vec<File>,
     /// Tables for a terminal.
     pub terminal: String,
@@ -45,48 +47,26 @@ pub struct File {
     /// Its path below the report's folder.
     pub path: String,
     /// Its content.
-    pub text: String,
+    pub bytes: Vec<u8>,
 }
 
 impl Written {
     /// The report of some results.
-    pub fn of(results: &Results) -> Self {
+    ///
+    /// # Errors
+    /// If its picture cannot be drawn.
+    pub fn of(results: &Results) -> Result<Self, Fault> {
         let mut report = Report::new(results);
-        in_short(&mut report);
+        let picture = overview::add(&mut report)?;
         section::add_all(&mut report);
         what_was_run(&mut report);
         let terminal = terminal(&report);
-        let page = File { path: "index.html".into(), text: report.page.html() };
+        let file = |path: &str, bytes| File { path: path.to_owned(), bytes };
         let tables =
-            report.tables.iter().map(|table| File { path: format!("csv/{}.csv", table.name), text: table.csv() });
-        Written { files: tables.chain([page]).collect(), terminal }
-    }
-}
-
-/// What the experiment is, and how near its table is to the published one.
-fn in_short(report: &mut Report) {
-    let results = report.results;
-    report.page.section("In short");
-    for (recipe, points) in &results.outcomes.table_one.mean_absolute_difference_points {
-        let recipe = report::possessive(recipe);
-        report.page.paragraph(&format!(
-            "Accuracies of the cross-validation table differ from the published ones by {points:.1} percentage points on \
-             average ({recipe} recipe)."
-        ));
-    }
-    if results.quick {
-        let count = results.outcomes.training_data.reaches.count;
-        report.page.paragraph(&format!(
-            "This is a quick run of {count} training reaches. They are too few to tell whether single figures or their \
-             order agree; a run without --quick has the full number."
-        ));
-    }
-    let introduction = results.definition.file.introduction.trim();
-    if !introduction.is_empty() {
-        report.page.paragraph(introduction);
-    }
-    if report.published().is_some() {
-        report.page.paragraph("Each section gives the paper's result, ours, and the difference.");
+            report.tables.iter().map(|table| file(&format!("csv/{}.csv", table.name), table.csv().into_bytes()));
+        let picture = picture.map(|(path, bytes)| file(path, bytes));
+        let files = tables.chain(picture).chain([file("index.html", report.page.html().into_bytes())]).collect();
+        Ok(Written { files, terminal })
     }
 }
 

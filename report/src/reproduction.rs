@@ -53,10 +53,10 @@ impl Reproduction<'_> {
         write(&out.join("model.json"), text?.as_bytes())?;
         let results = Results::of(&session)?;
         write_json(&out.join("summary.json"), &results)?;
-        let report = Written::of(&results);
+        let report = Written::of(&results)?;
         let folder = out.join("report");
         for file in &report.files {
-            write(&folder.join(&file.path), file.text.as_bytes())?;
+            write(&folder.join(&file.path), &file.bytes)?;
         }
         replay_pages::write(&session, &folder)?;
         Ok((results, report))

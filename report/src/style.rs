@@ -26,6 +26,9 @@ pub const PUBLISHED: Style = Style::marked(INK, Dash::Dotted, Mark::Diamond);
 /// The majority baseline: a line without marks.
 pub const MAJORITY: Style = Style::line("#7a828a", Dash::Dashed);
 
+/// The majority baseline of single points.
+pub const MAJORITY_MARK: Style = Style::marked("#7a828a", Dash::Dotted, Mark::Cross);
+
 /// Series of a chart, in order.
 const SERIES: [Style; 7] = [
     FIRST,

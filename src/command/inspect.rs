@@ -10,7 +10,7 @@ use underbrush_report::picture;
 use underbrush_sim::arm::Arm;
 
 use super::overwrite::Overwrite;
-use super::pictures;
+use super::picture as reach_picture;
 use crate::failure::Failure;
 use crate::output;
 
@@ -46,7 +46,7 @@ pub fn run(options: InspectOptions, json: bool) -> Result<(), Failure> {
         if found.get("chain").is_none() {
             return Err(Failure::usage(format!("{}: --still is for arms", path.display())));
         }
-        pictures::require_svg("--still", "a picture", still)?;
+        reach_picture::require_svg("--still", "a picture", still)?;
         options.overwrite.file(still, [path])?;
         let arm = Arm::load(path)?;
         let caption = format!("{} in its start posture", arm.name);

@@ -17,7 +17,7 @@ pub mod import;
 pub mod inspect;
 pub mod merge;
 mod overwrite;
-mod pictures;
+mod picture;
 pub mod reach;
 pub mod replay;
 mod replay_picture;

@@ -17,7 +17,7 @@ use underbrush_sim::scene::Scene;
 
 use super::decision_arguments::DecisionArguments;
 use super::overwrite::Overwrite;
-use super::pictures::Pictures;
+use super::picture::Picture;
 use super::replay;
 use super::touch::TouchDecisionArguments;
 use super::verdict_arguments::VerdictArguments;
@@ -51,9 +51,6 @@ pub struct ReachOptions {
     /// Write a picture to this file (SVG): the frame in which the most taxels read a force
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// Write the reach as a moving picture in a loop to this file (animated SVG, at most 0.9 MB)
-    #[arg(long, value_name = "FILE.svg")]
-    animation: Option<PathBuf>,
     /// Show the reach in the browser while it is simulated, with buttons to pause and step it
     ///
     /// The page is served on 127.0.0.1 until Ctrl-C. The reach begins when the page is opened.
@@ -122,7 +119,7 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
     let judging = judging.transpose()?;
     let mut inputs = vec![options.scene.clone()];
     inputs.extend(options.verdicts.model().iter().chain(&options.model).cloned());
-    let mut pictures = Pictures::new(options.picture, options.animation, options.overwrite, &inputs)?;
+    let mut picture = Picture::new(options.picture, options.overwrite, &inputs)?;
     if let Some(path) = &options.out {
         if path.extension().is_none_or(|extension| extension != "parquet") {
             return Err(Failure::usage(format!(
@@ -140,7 +137,7 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
     };
     let start = Instant::now();
     let recording = plan.run(options.index, &mut |simulation, frame| {
-        pictures.observe(simulation, frame);
+        picture.observe(simulation, frame);
         if let Some(watched) = &mut watched {
             watched.frame(simulation, frame);
         }
@@ -151,7 +148,7 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
         remove_leftovers(path);
         write_recording(path, &recording)?;
     }
-    pictures.write(&plan.scene.file, &recording)?;
+    picture.write(&plan.scene.file, &recording)?;
     output::remarks(audit::reach_warnings(&recording));
     let f_max_n = plan.controller.preset().map(|preset| preset.force_limit_n);
     let report = Report::of(&recording, &options_of_trials, f_max_n, wall_s)?;

@@ -7,7 +7,7 @@
 //! | [`NaiveBayes`] | Liu et al. \[4\]: naive Bayes, updated online | stream features ([`crate::stream_feature`]) of the taxel |
 //! | [`EchoStateNetwork`] | Soh et al. \[3\]: an online recursive kernel method | force and motion of the taxel, sample by sample |
 //! | [`Logistic`] | no paper; chosen by its accuracy on held-out reaches | stream features of taxel and contact region |
-//! | [`Trees`] | no paper; Geurts, Ernst & Wehenkel, "Extremely randomized trees" (2006) | stream features of taxel and contact region |
+//! | [`Trees`] | no paper; Friedman, "Greedy function approximation: a gradient boosting machine" (2001) | stream features of taxel and contact region |
 //!
 //! Numbers in brackets refer to the paper's list of references. About \[4\] the paper says only that naive Bayes
 //! classified shape and pose while a finger explored. The features are ours.

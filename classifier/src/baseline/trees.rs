@@ -1,4 +1,4 @@
-//! Extremely randomized trees over stream features.
+//! Gradient-boosted trees over stream features.
 
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -7,29 +7,21 @@ use underbrush_recording::{Sample, math};
 
 use super::fitted::{self, Baseline, TrialsByCategory};
 use super::table::Table;
+use crate::boosted::{Boosted, Row};
 use crate::error::{Fault, ModelError};
 use crate::estimator::ClassifierKind;
 use crate::feature::{FeatureSet, SampleFault};
-use crate::forest::{Forest, ForestRow};
 use crate::stream_feature::{Selection, StreamFeatures, TAXEL_AND_REGION};
 
 /// The entry in the list of classifiers.
 pub(crate) const KIND: ClassifierKind = fitted::kind::<Trees>(
     &[],
-    "Extremely randomized trees on the same statistics as logistic; no assumption about their shape",
+    "Gradient-boosted trees on the same statistics as logistic; no assumption about their shape",
     |features| Box::new(Trees { features: features.unwrap_or(TAXEL_AND_REGION) }),
 );
 
-/// Added to probabilities before their logarithm is taken. Choice: half a step of the shares that leaves hold.
-const PROBABILITY: f64 = 2e-3;
-/// A leaf weighs at least as much as this number of rows of the rarer class. Otherwise leaves with rows of the more frequent class
-/// alone would be common, and that class would win where nothing tells the two apart.
-const LEAF_ROWS: f64 = 4.0;
-/// The trees are drawn from this seed, so that the same trials give the same model.
-const SEED: u64 = 0;
-
-/// Extremely randomized trees: for each category, one forest gives the probability that a contact with these stream features
-/// belongs to it and not to another. The probabilities are normalized.
+/// Gradient-boosted trees: for each category, trees give the probability that a contact with these stream features belongs to
+/// it and not to another. The probabilities are normalized.
 ///
 /// Each training contact is used at several times ([`crate::stream_feature::SAMPLE_COUNTS`]), so that scores are meaningful at
 /// any time.
@@ -69,12 +61,12 @@ pub struct Trees {
     pub features: FeatureSet,
 }
 
-/// One forest for each category, in their order.
+/// Trees for each category, in their order.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "TreesParameters")]
 pub(super) struct Parameters {
-    forests: Vec<Forest>,
+    trees: Vec<Boosted>,
 }
 
 impl Baseline for Trees {
@@ -95,25 +87,19 @@ impl Baseline for Trees {
         let selection = Selection::of(self.features);
         let table = Table::of(trials, &selection)?;
         let features: Vec<Vec<f32>> = table.rows.iter().map(|row| single(&row.features)).collect();
-        let forest = |category: usize| {
+        let trees = |category: usize| {
             // The category weighs as much as all others together.
             let share = 1.0 / table.categories as f64;
-            let rows: Vec<ForestRow<'_>> = table
-                .rows
-                .iter()
-                .zip(&features)
-                .map(|(row, features)| {
-                    let is_family = row.category == category;
-                    let weight = row.weight / if is_family { share } else { (1.0 - share).max(share) };
-                    ForestRow { features, is_family, weight }
-                })
-                .collect();
-            let of_class = |is_family: bool| rows.iter().filter(|row| row.is_family == is_family).count().max(1) as f64;
-            let leaf_weight = LEAF_ROWS / of_class(false).min(of_class(true));
-            Forest::fit(&rows, selection.dimension(), leaf_weight, SEED)
+            let rows = table.rows.iter().zip(&features).map(|(row, features)| {
+                let is_family = row.category == category;
+                let weight = row.weight / if is_family { share } else { (1.0 - share).max(share) };
+                Row { features, is_family, weight }
+            });
+            let rows: Vec<Row<'_>> = rows.collect();
+            Boosted::fit(&rows, selection.dimension())
         };
-        let forests = (0..table.categories).into_par_iter().map(forest).collect();
-        Ok((selection, Parameters { forests }))
+        let trees = (0..table.categories).into_par_iter().map(trees).collect();
+        Ok((selection, Parameters { trees }))
     }
 
     fn parameters((_, parameters): &Self::Learned) -> Parameters {
@@ -122,11 +108,11 @@ impl Baseline for Trees {
 
     fn learned(&self, parameters: Parameters, categories: usize) -> Result<Self::Learned, Fault> {
         let selection = Selection::of(self.features);
-        let fits = |forest: &Forest| forest.features() == selection.dimension();
-        if parameters.forests.len() != categories || !parameters.forests.iter().all(fits) {
-            let found = format!("{} forests", parameters.forests.len());
-            let allowed = format!("{categories} forests over {} stream features", selection.dimension());
-            return Err(Fault::new("forests", found, allowed));
+        let fits = |own: &Boosted| own.features() == selection.dimension();
+        if parameters.trees.len() != categories || !parameters.trees.iter().all(fits) {
+            let found = format!("trees of {} categories", parameters.trees.len());
+            let allowed = format!("trees of {categories} categories over {} stream features", selection.dimension());
+            return Err(Fault::new("trees", found, allowed));
         }
         Ok((selection, parameters))
     }
@@ -146,8 +132,8 @@ impl Baseline for Trees {
 
     fn scores(&self, (selection, parameters): &Self::Learned, contact: &StreamFeatures, scores: &mut [f64]) {
         let features = single(&selection.values(contact));
-        for (score, forest) in scores.iter_mut().zip(&parameters.forests) {
-            *score = forest.probability(&features) + PROBABILITY;
+        for (score, trees) in scores.iter_mut().zip(&parameters.trees) {
+            *score = 1.0 / (1.0 + math::exp(-trees.score(&features)));
         }
         let total: f64 = scores.iter().sum();
         scores.iter_mut().for_each(|score| *score = math::ln(*score / total));

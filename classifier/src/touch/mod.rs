@@ -42,7 +42,10 @@ pub use contact_history::{Course, Measure, REGION_FEATURE_COUNT, REGION_FEATURES
 pub use decision::{Touch, TouchDecision};
 pub use frame::SkinTracker;
 pub use model::{TOUCH_FORMAT, TouchModel};
-pub use object::{Mobility, OBJECT_FEATURE_COUNT, ObjectCourse, ObjectTracker, Stiffness, TouchObject, UnknownObjects};
+pub use object::{
+    Mobility, OBJECT_FEATURE_COUNT, ObjectCategories, ObjectCourse, ObjectTracker, Stiffness, TouchObject,
+    UnknownObjects,
+};
 pub(crate) use object::{Votes, category_of, count_votes};
 pub use online::{ObjectReport, ObjectTouch, RegionTouch, TaxelTouch, TouchClassifier};
 pub use options::TouchOptions;

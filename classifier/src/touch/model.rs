@@ -12,7 +12,7 @@ use super::batch_scores::FeatureRows;
 use super::contact_history::REGION_FEATURE_COUNT;
 use super::decision::TouchDecision;
 use super::network::{FITTED, Network, softmax};
-use super::object::UnknownObjects;
+use super::object::{ObjectCategories, UnknownObjects};
 use super::options::TouchOptions;
 use super::taxel::TAXEL_FEATURE_COUNT;
 use crate::document::{Document, Head};
@@ -25,9 +25,9 @@ use crate::{file_text, seal};
 const THRESHOLD_N: Limits = Limits::new(0.0, limits::FORCE_N.max, "N");
 
 /// The format of the file.
-pub const TOUCH_FORMAT: &str = "underbrush-touch/1";
+pub const TOUCH_FORMAT: &str = "underbrush-touch/2";
 
-/// The parts of a touch model: two networks, what finds unknown objects, and a decision. Other keys of a file are skipped.
+/// The parts of a touch model: two networks, what judges objects, and a decision. Other keys of a file are skipped.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(transform = seal::describe)]
 pub struct TouchModel {
@@ -48,6 +48,10 @@ pub struct TouchModel {
     pub(super) touched: Calibrated,
     /// From the features of a touched region to the probabilities of the categories.
     pub(super) category: Calibrated,
+    /// From the features of an object to the probabilities of the categories; left out if few objects were trained on, so that the
+    /// network judges them alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) of_objects: Option<ObjectCategories>,
     /// What finds unknown objects; left out if the model was trained without auxiliary sets.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) unknown: Option<UnknownObjects>,
@@ -141,6 +145,7 @@ impl TouchModel {
         let parts = [
             ("touched", model.touched.is_sound(TAXEL_FEATURE_COUNT, 2)),
             ("category", model.category.is_sound(REGION_FEATURE_COUNT, classes)),
+            ("of_objects", model.of_objects.as_ref().is_none_or(|own| own.is_sound(classes))),
             ("unknown", model.unknown.as_ref().is_none_or(|unknown| unknown.is_sound(classes))),
         ];
         for (part, is_sound) in parts {

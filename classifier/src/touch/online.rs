@@ -11,7 +11,7 @@ use super::decision::Touch;
 use super::frame::SkinTracker;
 use super::model::TouchModel;
 use super::network::softmax;
-use super::object::{Mobility, ObjectTracker, Stiffness};
+use super::object::{Mobility, OBJECT_FEATURE_COUNT, ObjectTracker, Stiffness};
 use super::taxel::{TAXEL_FEATURE_COUNT, TAXEL_KNEES};
 use crate::trial::TrialError;
 
@@ -58,6 +58,8 @@ pub struct ObjectTouch {
     pub object: u64,
     /// Number of samples in which it was felt well enough to be judged, see [`ObjectTracker`].
     pub samples: usize,
+    /// Number of frames in which it touched the skin.
+    pub frames: usize,
     /// The share of known objects that are as unlike all known categories, see [`super::UnknownObjects`]; 1 before it is
     /// judged, or if the model was trained without auxiliary sets.
     pub share_beyond: f64,
@@ -96,9 +98,12 @@ pub struct TouchClassifier {
     regions: Vec<RegionTouch>,
     /// In the order of the tracker's objects.
     objects: Vec<ObjectTouch>,
-    /// For each object in turn, the sums of the log-probabilities of the categories, weighted by force; and these weights.
+    /// For each object in turn, the sums of the network's log-probabilities of the categories, weighted by force; and these
+    /// weights.
     evidence: Vec<f64>,
     weights_n: Vec<f64>,
+    /// For each object in turn, the probabilities of the categories by its own trees; uniform without trees.
+    by_trees: Vec<f64>,
     /// The features of this frame's regions, and of the taxels of one region after the other.
     region_features: FeatureRows<REGION_FEATURE_COUNT>,
     taxel_features: FeatureRows<TAXEL_FEATURE_COUNT>,
@@ -107,8 +112,12 @@ pub struct TouchClassifier {
     touched: Vec<f64>,
 }
 
-/// An object's share is computed anew after each of this many samples: it changes little in between.
+/// An object is judged in each of its first frames, and then in every frame whose number is a multiple of this: the verdict
+/// changes little in between.
 const JUDGED_EVERY: usize = 5;
+/// The share of an object's trees in the logarithms of its probabilities; the rest is the network's, which judges contacts.
+/// Choice, near what a regression on the development seed 5000 gives.
+const TREES_SHARE: f64 = 0.7;
 /// The smallest probability whose logarithm counts.
 const LEAST_PROBABILITY: f64 = 1e-6;
 
@@ -126,6 +135,7 @@ impl TouchClassifier {
             objects: Vec::with_capacity(count),
             evidence: Vec::with_capacity(count * model.categories().len()),
             weights_n: Vec::with_capacity(count),
+            by_trees: Vec::with_capacity(count * model.categories().len()),
             region_features: FeatureRows::with_capacity(count),
             taxel_features: FeatureRows::with_capacity(count),
             probabilities: Vec::with_capacity(count * model.categories().len()),
@@ -180,24 +190,26 @@ impl TouchClassifier {
             }
         }
         for (index, (own, object)) in self.objects.iter_mut().zip(self.tracker.objects()).enumerate() {
-            let samples = object.course.samples();
-            if let Some(unknown) = &self.model.unknown
-                && object.is_judged()
-                && samples != own.samples
-                && samples % JUDGED_EVERY == 0
-            {
-                own.share_beyond = unknown.share_beyond(&object.course);
-            }
-            own.samples = samples;
-            let mut best = (0, f64::NEG_INFINITY);
-            let evidence = &self.evidence[index * count..][..count];
-            for (category, sum) in evidence.iter().enumerate() {
-                if *sum > best.1 {
-                    best = (category, *sum);
+            let (course, places) = (&object.course, index * count..(index + 1) * count);
+            let is_due = course.frames() <= JUDGED_EVERY || course.frames().is_multiple_of(JUDGED_EVERY);
+            let needs_features = self.model.of_objects.is_some() || self.model.unknown.is_some();
+            if course.frames() != own.frames && is_due && needs_features {
+                let features: [f32; OBJECT_FEATURE_COUNT] = course.features();
+                if let Some(categories) = &self.model.of_objects {
+                    categories.probabilities(&features, &mut self.by_trees[places.clone()]);
+                }
+                if let Some(unknown) = self.model.unknown.as_ref().filter(|_| object.is_judged()) {
+                    own.share_beyond = unknown.share_beyond(&features, course.samples());
                 }
             }
+            (own.frames, own.samples) = (course.frames(), course.samples());
+            // The sums of evidence stay; the decision needs the likeliest category and its probability.
             let weight_n = self.weights_n[index].max(f64::MIN_POSITIVE);
-            let others = evidence.iter().map(|sum| math::exp((sum - best.1) / weight_n)).sum::<f64>();
+            let scores =
+                || score(&self.evidence[places.clone()], weight_n, &self.by_trees[places.clone()], &self.model);
+            let best =
+                scores().enumerate().fold((0, f64::NEG_INFINITY), |best, own| if own.1 > best.1 { own } else { best });
+            let others = scores().map(|score| math::exp(score - best.1)).sum::<f64>();
             own.touch = self.model.decision.of(best.0, 1.0 / others, own.share_beyond);
         }
         self.probabilities_of_objects(count);
@@ -208,9 +220,9 @@ impl TouchClassifier {
         for (object, probabilities) in self.tracker.of_region().iter().zip(self.probabilities.chunks_exact_mut(count)) {
             let Some(object) = *object else { continue };
             let weight_n = self.weights_n[object].max(f64::MIN_POSITIVE);
-            let evidence = &self.evidence[object * count..][..count];
-            for (probability, sum) in probabilities.iter_mut().zip(evidence) {
-                *probability = sum / weight_n;
+            let [evidence, by_trees] = [&self.evidence, &self.by_trees].map(|own| &own[object * count..][..count]);
+            for (probability, score) in probabilities.iter_mut().zip(score(evidence, weight_n, by_trees, &self.model)) {
+                *probability = score;
             }
             softmax(probabilities);
         }
@@ -224,19 +236,23 @@ impl TouchClassifier {
             if is_kept {
                 self.objects[kept] = self.objects[index];
                 self.weights_n[kept] = self.weights_n[index];
-                self.evidence.copy_within(index * count..(index + 1) * count, kept * count);
+                for own in [&mut self.evidence, &mut self.by_trees] {
+                    own.copy_within(index * count..(index + 1) * count, kept * count);
+                }
                 kept += 1;
             }
         }
         self.objects.truncate(kept);
         for object in &self.tracker.objects()[kept..] {
             let (object, touch) = (object.number, Touch::Uncertain);
-            self.objects.push(ObjectTouch { object, samples: 0, share_beyond: 1.0, touch });
+            self.objects.push(ObjectTouch { object, samples: 0, frames: 0, share_beyond: 1.0, touch });
         }
         self.weights_n.truncate(kept);
         self.weights_n.resize(self.objects.len(), 0.0);
-        self.evidence.truncate(kept * count);
-        self.evidence.resize(self.objects.len() * count, 0.0);
+        for (own, start) in [(&mut self.evidence, 0.0), (&mut self.by_trees, 1.0 / count as f64)] {
+            own.truncate(kept * count);
+            own.resize(self.objects.len() * count, start);
+        }
     }
 
     /// From the probabilities of this frame to its verdicts.
@@ -330,4 +346,17 @@ impl TouchClassifier {
         let count = self.model.categories().len();
         &self.probabilities[region * count..][..count]
     }
+}
+
+/// The logarithms of an object's probabilities, but for a constant: the mean of the network's, and those of its own trees.
+fn score<'a>(
+    evidence: &'a [f64],
+    weight_n: f64,
+    by_trees: &'a [f64],
+    model: &TouchModel,
+) -> impl Iterator<Item = f64> + use<'a> {
+    let share = if model.of_objects.is_some() { TREES_SHARE } else { 0.0 };
+    let score =
+        move |(sum, own): (&f64, &f64)| (1.0 - share) * sum / weight_n + share * math::ln(own.max(LEAST_PROBABILITY));
+    evidence.iter().zip(by_trees).map(score)
 }

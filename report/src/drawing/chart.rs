@@ -34,10 +34,10 @@ pub struct Chart {
 }
 
 /// Font size, px. On a phone, where a chart is 360 px wide, text of this size is still 10 px tall.
-const FONT: f64 = 15.0;
-const LINE: f64 = 21.0;
+pub(super) const FONT: f64 = 15.0;
+pub(super) const LINE: f64 = 21.0;
 /// Mean width of a letter of a sans-serif font, relative to the font size.
-const LETTER: f64 = 0.54;
+pub(super) const LETTER: f64 = 0.54;
 
 /// A chart as an SVG element, with its horizontal and its vertical axis.
 pub fn chart(
@@ -63,16 +63,8 @@ impl Chart {
         let strips = self.layers.iter().filter(|layer| matches!(layer.shape, Shape::Bands(_)));
         let ticks_top = plot.bottom() + strips_height(strips.count());
         let height = ticks_top + 2.0 * LINE + 8.0;
-        let name = slug(&self.name);
-        let mut svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH:.0} {height:.0}\" role=\"img\" \
-             aria-labelledby=\"{name}-title {name}-desc\" font-family=\"sans-serif\" font-size=\"{FONT}\" fill=\"#222222\">\n\
-             <title id=\"{name}-title\">{}</title>\n<desc id=\"{name}-desc\">{}</desc>\n",
-            escape(&self.title),
-            escape(&self.description)
-        );
+        let mut svg = self.head(height);
         self.patterns(&mut svg);
-        let _ = writeln!(svg, "<text x=\"2\" y=\"{FONT}\" font-weight=\"bold\">{}</text>", escape(&self.title));
         svg.push_str(&legend);
         self.axes(&mut svg, &plot, ticks_top);
         let mut canvas = Canvas::new(&mut svg, &plot);
@@ -80,6 +72,18 @@ impl Chart {
             canvas.layer(layer, &self.fill(index, &layer.style));
         }
         svg + "</svg>\n"
+    }
+
+    /// The beginning of the element: its size, its description, and the title.
+    pub(super) fn head(&self, height: f64) -> String {
+        let name = slug(&self.name);
+        let (title, description) = (escape(&self.title), escape(&self.description));
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH:.0} {height:.0}\" role=\"img\" \
+             aria-labelledby=\"{name}-title {name}-desc\" font-family=\"sans-serif\" font-size=\"{FONT}\" fill=\"#222222\">\n\
+             <title id=\"{name}-title\">{title}</title>\n<desc id=\"{name}-desc\">{description}</desc>\n\
+             <text x=\"2\" y=\"{FONT}\" font-weight=\"bold\">{title}</text>\n"
+        )
     }
 
     /// All y, with the heights of stacked bars and areas.
@@ -132,7 +136,7 @@ impl Chart {
     }
 
     /// Writes the legend, wrapped to the width, and returns its number of rows.
-    fn legend(&self, svg: &mut String) -> f64 {
+    pub(super) fn legend(&self, svg: &mut String) -> f64 {
         let (mut x, mut row) = (2.0, 1.0);
         for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.in_legend()) {
             let width = 44.0 + LETTER * FONT * layer.name.chars().count() as f64;

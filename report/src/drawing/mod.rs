@@ -1,4 +1,4 @@
-//! Tables, charts as SVG, and a report as one HTML page: no scripts, no fonts, nothing from the network.
+//! Tables, charts as SVG, and a report as one HTML page: no fonts, nothing from the network.
 //!
 //! A [`Chart`] can be read on a screen as narrow as a phone's, has a description in words (`<title>`, `<desc>`), and
 //! distinguishes its layers by mark, dash or hatching, never by colour alone. A [`Table`] can be written as text, HTML
@@ -7,6 +7,7 @@
 mod axis;
 mod canvas;
 mod chart;
+mod dot_plot;
 mod layer;
 mod markup;
 mod page;

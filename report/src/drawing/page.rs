@@ -23,31 +23,47 @@ use super::table::Table;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Page {
     title: String,
-    contents: Vec<(String, String)>,
     body: String,
+    /// Whether a section is open, which the next one, or the end of the page, closes.
+    in_section: bool,
 }
 
-/// One column of readable width, with figures in as many columns as there is room for. In print, a section is kept
-/// together if it fits. A table that is too wide for the page scrolls; its caption does not.
+/// One column of readable width, with figures in as many columns as there is room for. A table that is too wide for the page
+/// scrolls; its caption does not. Where people prefer dark pages, charts are inverted; turning their hues back keeps the colours.
 const STYLE: &str = "\
-:root { color-scheme: light }
-body { font: 1rem/1.5 system-ui, sans-serif; color: #1d2126; background: #ffffff; margin: 0 auto; padding: 1rem; max-width: 64rem }
-h1 { font-size: 1.7rem; line-height: 1.2 } h2 { font-size: 1.3rem; margin-top: 2.5rem; border-bottom: 1px solid #c8ced4 }
-p, ul { max-width: 44rem }
-a { color: #0b57a4 } nav ul { columns: 18rem; padding-left: 1.2rem }
+:root { color-scheme: light dark; --ink: #1d2126; --page: #ffffff; --faint: #3c444c; --line: #c8ced4; --card: #f3f5f7; --link: #0b57a4 }
+body { font: 1rem/1.5 system-ui, sans-serif; color: var(--ink); background: var(--page); margin: 0 auto; padding: 1rem; max-width: 64rem }
+h1 { font-size: 1.7rem; line-height: 1.2 } h2 { font-size: 1.2rem; display: inline } h3 { font-size: 1rem; margin: 0 }
+p, ul { max-width: 44rem } a { color: var(--link) } .lead { font-size: 1.2rem; max-width: 54rem }
+details { border-top: 1px solid var(--line); padding: .55rem 0 } summary { cursor: pointer }
+.first { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 26rem), 1fr)); gap: 1.2rem; align-items: center }
+.first img { width: 100%; height: auto; display: block; border-radius: .4rem }
+.cards { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 18rem), 1fr)); gap: 1rem; margin: 1.2rem 0 }
+.cards section { background: var(--card); border-radius: .4rem; padding: .8rem 1rem } .cards ul { padding-left: 1.1rem; margin: .4rem 0 0 }
 .scroll { overflow-x: auto } table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums }
 caption { text-align: left; font-weight: 600; padding-bottom: .3rem; max-width: min(44rem, calc(100vw - 2rem)) }
-th, td { padding: .2rem .45rem; border-bottom: 1px solid #e2e6ea; text-align: left; vertical-align: top; white-space: nowrap }
+th, td { padding: .2rem .45rem; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; white-space: nowrap }
 th { border-bottom: 2px solid #8a939c; font-weight: 600; white-space: normal; vertical-align: bottom }
 th.number, td.number { text-align: right }
-figure { margin: 1.2rem 0 } figcaption { max-width: 44rem; color: #3c444c }
+figure { margin: 1.2rem 0 } figcaption { max-width: 44rem; color: var(--faint) }
 .charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 25rem), 1fr)); gap: 1rem }
 .charts.one { display: block; max-width: 36rem } svg { width: 100%; height: auto; display: block }
 .paper { border-left: 4px solid #c98a00; padding-left: .8rem; max-width: 43rem }
+@media (prefers-color-scheme: dark) {
+:root { --ink: #e4e7ea; --page: #141414; --faint: #b4bbc2; --line: #3a4046; --card: #1f2225; --link: #7db7f0 }
+svg { filter: invert(.92) hue-rotate(180deg) } }
 @media (max-width: 40rem) { table { font-size: .85rem } th, td { padding: .2rem .25rem } td:not(.number) { white-space: normal }
 td:first-child:not(.number) { min-width: 7rem } }
-@media print { body { max-width: none; padding: 0; font-size: 10pt } figure, table { break-inside: avoid } h2 { break-after: avoid }
-.scroll { overflow: visible } .charts { grid-template-columns: 1fr 1fr } .charts.one { max-width: 14cm } a { color: inherit } }
+@media print { :root { color-scheme: light } body { max-width: none; padding: 0; font-size: 10pt } figure, table { break-inside: avoid }
+summary { break-after: avoid } .scroll { overflow: visible } .charts { grid-template-columns: 1fr 1fr } .charts.one { max-width: 14cm } a { color: inherit } }
+";
+
+/// Opens the section that an address names, and all of them in print.
+const SCRIPT: &str = "\
+const show = () => document.getElementById(location.hash.slice(1))?.closest('details')?.setAttribute('open', '');
+addEventListener('hashchange', show);
+addEventListener('beforeprint', () => document.querySelectorAll('details').forEach(own => own.setAttribute('open', '')));
+show();
 ";
 
 impl Page {
@@ -56,11 +72,38 @@ impl Page {
         Page { title: title.into(), ..Page::default() }
     }
 
-    /// Begins a section, which is listed in the contents at the top.
+    /// Begins a section. It is folded: its heading is shown until a reader opens it.
     pub fn section(&mut self, heading: &str) {
-        let name = slug(heading);
-        let _ = writeln!(self.body, "<h2 id=\"{name}\">{}</h2>", escape(heading));
-        self.contents.push((name, heading.to_owned()));
+        self.end_section();
+        let (name, heading) = (slug(heading), escape(heading));
+        let _ = writeln!(self.body, "<details><summary><h2 id=\"{name}\">{heading}</h2></summary>");
+        self.in_section = true;
+    }
+
+    fn end_section(&mut self) {
+        if std::mem::take(&mut self.in_section) {
+            self.body += "</details>\n";
+        }
+    }
+
+    /// What the page says first, in large letters.
+    pub fn lead(&mut self, text: &str) {
+        let _ = writeln!(self.body, "<p class=\"lead\">{}</p>", escape(text));
+    }
+
+    /// Charts and pictures side by side, without a caption.
+    pub fn side_by_side(&mut self, parts: &[String]) {
+        let parts: Vec<String> = parts.iter().map(|part| format!("<div>{part}</div>")).collect();
+        let _ = writeln!(self.body, "<div class=\"first\">\n{}</div>", parts.join("\n"));
+    }
+
+    /// Cards with a heading and a list of statements. A card without statements is left out.
+    pub fn cards(&mut self, cards: &[(&str, Vec<String>)]) {
+        let cards = cards.iter().filter(|(_, statements)| !statements.is_empty()).map(|(heading, statements)| {
+            let heading = escape(heading);
+            format!("<section><h3>{heading}</h3>{}</section>", list(statements))
+        });
+        let _ = writeln!(self.body, "<div class=\"cards\">\n{}</div>", cards.collect::<Vec<_>>().join("\n"));
     }
 
     /// A paragraph.
@@ -80,8 +123,7 @@ impl Page {
 
     /// A list of statements.
     pub fn list(&mut self, items: &[String]) {
-        let items: Vec<String> = items.iter().map(|item| format!("<li>{}</li>", escape(item))).collect();
-        let _ = writeln!(self.body, "<ul>\n{}\n</ul>", items.join("\n"));
+        self.body += &list(items);
     }
 
     /// A table, with a link to its CSV file in the folder `csv` beside the page.
@@ -126,20 +168,19 @@ impl Page {
     }
 
     /// The whole page.
-    pub fn html(&self) -> String {
-        let title = escape(&self.title);
-        let contents: Vec<String> = self
-            .contents
-            .iter()
-            .map(|(name, heading)| format!("<li><a href=\"#{name}\">{}</a></li>", escape(heading)))
-            .collect();
+    pub fn html(mut self) -> String {
+        self.end_section();
+        let (title, body) = (escape(&self.title), self.body);
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{title}</title>\n\
-             <style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n<nav aria-label=\"Contents\"><ul>\n{}\n</ul></nav>\n\
-             <main>\n{}</main>\n</body>\n</html>\n",
-            contents.join("\n"),
-            self.body
+             <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<h1>{title}</h1>\n{body}</main>\n\
+             <script>\n{SCRIPT}</script>\n</body>\n</html>\n"
         )
     }
+}
+
+fn list(items: &[String]) -> String {
+    let items: Vec<String> = items.iter().map(|item| format!("<li>{}</li>", escape(item))).collect();
+    format!("<ul>\n{}\n</ul>\n", items.join("\n"))
 }

@@ -231,10 +231,13 @@ fn no_peak_is_lost() {
 
 #[test]
 fn a_page_is_well_formed_and_escapes() {
-    // Tests that text cannot break out of the page, every section is in the contents, and tables link to their numbers.
+    // Tests that text cannot break out of the page, every section is folded with its own address, a card without statements is left
+    // out, and tables link to their numbers.
     let mut page = Page::new("Leaf <or> trunk");
+    page.cards(&[("Agrees", vec!["1 < 2".into()]), ("Does not", Vec::new())]);
     page.section("Table I & more");
     page.paragraph("a < b");
+    page.section("What was run");
     let mut table = Table::new("table_1", "Accuracy", &["by", "%"]);
     table.rows.push(vec!["<script>".into(), Cell::Number(81.4, 1)]);
     page.table(&table);
@@ -242,9 +245,35 @@ fn a_page_is_well_formed_and_escapes() {
     let html = page.html();
     let document = html.strip_prefix("<!DOCTYPE html>\n").unwrap();
     let elements = elements(document);
-    assert!(!elements.iter().any(|element| element.0 == "script"));
+    let count = |name: &str| elements.iter().filter(|element| element.0 == name).count();
+    assert_eq!(["script", "h3", "details", "summary"].map(count), [1, 1, 2, 2]);
     let links: Vec<&str> = elements.iter().filter_map(|element| attribute(element, "href")).collect();
-    assert_eq!(links, ["#table-i-more", "csv/table_1.csv"]);
+    assert_eq!(links, ["csv/table_1.csv"]);
     assert!(elements.iter().any(|element| attribute(element, "id") == Some("table-i-more")));
     assert!(elements.iter().any(|element| element.0 == "td" && element.2 == "<script>"));
+}
+
+/// Tests that a dot plot has a row for each name, with marks where their values are along the axis, and whiskers between the ends of
+/// intervals.
+#[test]
+fn a_dot_plot_has_a_row_for_each_name() {
+    let points =
+        [(0.0, 25.0), (1.0, 75.0), (1.0, 50.0)].map(|(x, y)| Point { x, y, interval: Some((y - 10.0, y + 10.0)) });
+    let style = Style::marked("#000000", Dash::Dotted, Mark::Circle);
+    let layer = Layer::new("here", style, Shape::Points(points.to_vec()));
+    let axes = (Axis::names("", ["first", "second"]), Axis::spanning("accuracy / %", 0.0, 100.0));
+    let chart = chart(axes.0, axes.1, vec![layer]);
+    let elements = elements(&chart.dot_plot());
+    let number = |element: &Element, name: &str| attribute(element, name).unwrap().parse::<f64>().unwrap();
+    let circles =
+        elements.iter().filter(|element| element.0 == "circle").map(|own| (number(own, "cx"), number(own, "cy")));
+    // The first one is in the legend.
+    let marks: Vec<(f64, f64)> = circles.skip(1).collect();
+    assert!((marks[2].0 - 0.5 * (marks[0].0 + marks[1].0)).abs() < 0.11, "half-way between 25 and 75: {marks:?}");
+    assert_eq!(marks[1].1, marks[2].1);
+    let rows: Vec<f64> =
+        ["first", "second"].map(|name| number(elements.iter().find(|own| own.2 == name).unwrap(), "y")).into();
+    assert!((rows[1] - rows[0] - (marks[1].1 - marks[0].1)).abs() < 0.11, "{rows:?}, {marks:?}");
+    let whiskers = elements.iter().filter(|element| attribute(element, "stroke-width") == Some("1.6"));
+    assert_eq!(whiskers.count(), 3);
 }

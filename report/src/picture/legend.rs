@@ -22,8 +22,8 @@ fn square(fill: &str) -> String {
     format!("<rect x=\"-7\" y=\"-7\" width=\"14\" height=\"14\" fill=\"{fill}\"/>")
 }
 
-/// Every kind of mark in the picture. `sized` says whether a taxel's mark grows with its force.
-fn entries(snapshot: &Snapshot, looks: &CategoryLooks, layout: &SkinLayout, sized: bool) -> Vec<Entry> {
+/// Every kind of mark in the picture.
+fn entries(snapshot: &Snapshot, looks: &CategoryLooks, layout: &SkinLayout) -> Vec<Entry> {
     let mut entries = Vec::new();
     let mut add = |mark: String, text: &str| {
         entries.push(Entry { mark, text: text.into() });
@@ -53,7 +53,7 @@ fn entries(snapshot: &Snapshot, looks: &CategoryLooks, layout: &SkinLayout, size
     if felt().any(|reading| reading.object.is_none()) {
         add(taxel_mark(DVec2::ZERO, 1.0, "#ffffff"), "taxel that reports a force though it touches nothing");
     }
-    if sized && felt().next().is_some() {
+    if felt().next().is_some() {
         add(taxel_mark(DVec2::ZERO, 0.05, "#ffffff"), "a taxel that reports 0.05 N");
         add(taxel_mark(DVec2::ZERO, 1.0, "#ffffff"), "1 N");
         add(taxel_mark(DVec2::ZERO, 5.0, "#ffffff"), "5 N");
@@ -61,17 +61,16 @@ fn entries(snapshot: &Snapshot, looks: &CategoryLooks, layout: &SkinLayout, size
     entries
 }
 
-/// Writes the legend, starting at `top`, and returns its height, px. `sized` says whether a taxel's mark grows with its
-/// force.
+/// Writes the legend, starting at `top`, and returns its height, px.
 pub fn legend(
     svg: &mut String,
-    (snapshot, looks, sized): (&Snapshot, &CategoryLooks, bool),
+    (snapshot, looks): (&Snapshot, &CategoryLooks),
     layout: &SkinLayout,
     (left, width): (f64, f64),
     top: f64,
 ) -> f64 {
     let (mut x, mut row) = (left, 0.0);
-    for Entry { mark, text } in entries(snapshot, looks, layout, sized) {
+    for Entry { mark, text } in entries(snapshot, looks, layout) {
         let wide = 42.0 + LETTER * FONT * text.chars().count() as f64;
         if x > left && x + wide > left + width {
             (x, row) = (left, row + 1.0);

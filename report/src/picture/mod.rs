@@ -1,8 +1,7 @@
 //! Pictures of one moment of a reach, as SVG: arm, clutter and the taxels that feel something, from the side and from
-//! above. `draw` shows the whole scene, `close_ups` the surroundings of marked taxels, and `animate` several moments in
-//! a loop. `still` shows an arm alone, with all its taxels.
+//! above. `draw` shows the whole scene, `close_ups` the surroundings of marked taxels, and `still` an arm alone, with all its
+//! taxels.
 
-mod animation;
 mod blade;
 mod close_up;
 mod legend;
@@ -18,7 +17,6 @@ use underbrush_recording::{Category, SkinLayout};
 use underbrush_sim::scene::Workspace;
 use underbrush_sim::snapshot::Snapshot;
 
-pub use animation::animate;
 pub use close_up::{TaxelMark, close_ups};
 use panel::{PANELS, Panel, View};
 pub use still::still;
@@ -49,8 +47,8 @@ pub fn draw(
     let mut body = String::new();
     let mut y = 8.0;
     y += legend::paragraph(&mut body, caption, (8.0, WIDTH - 16.0), y);
-    y += legend::legend(&mut body, (snapshot, &looks, true), layout, (8.0, WIDTH - 16.0), y) + LINE;
-    let views = views(std::slice::from_ref(snapshot), workspace, WIDTH - LEFT - RIGHT);
+    y += legend::legend(&mut body, (snapshot, &looks), layout, (8.0, WIDTH - 16.0), y) + LINE;
+    let views = views(snapshot, workspace, WIDTH - LEFT - RIGHT);
     let height = panels(&mut body, y, views, Some(workspace), |body, panel, view| {
         panel.shapes(body, view, snapshot, &looks);
         panel.felt(body, view, (snapshot, &looks), layout, objects);
@@ -86,10 +84,9 @@ fn panels(
     y - LINE
 }
 
-/// The view of each panel. It contains arm, objects, goal and workspace at all these moments, and its edges are rounded
-/// outwards to 10 cm. Both panels have the same scale and the same x axis.
-fn views(snapshots: &[Snapshot], workspace: &Workspace, width_px: f64) -> Vec<View> {
-    let mut points: Vec<(DVec3, f64)> = snapshots.iter().flat_map(extent).collect();
+/// The view of each panel. It contains arm, objects, goal and workspace, and its edges are rounded outwards to 10 cm. Both panels have the same scale and the same x axis.
+fn views(snapshot: &Snapshot, workspace: &Workspace, width_px: f64) -> Vec<View> {
+    let mut points = extent(snapshot);
     for (x, y) in [(0, 0), (1, 1)] {
         let corner = DVec3::new(workspace.x_m[x], workspace.y_m[y], workspace.table_height_m);
         points.push((corner, 0.0));

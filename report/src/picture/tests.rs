@@ -88,7 +88,7 @@ fn the_frame_holds_arm_and_scene() {
     ] {
         let (snapshot, _) = moment(hand, goal);
         let workspace = Workspace::default();
-        let views = views(std::slice::from_ref(&snapshot), &workspace, 500.0);
+        let views = views(&snapshot, &workspace, 500.0);
         for (panel, view) in PANELS.iter().zip(&views) {
             let size = view.size_px();
             assert!(size.x <= 500.01 && size.y <= MAX_HEIGHT + 0.01, "{view:?}");
@@ -160,28 +160,4 @@ fn a_leaf_is_a_smooth_curve_through_its_hinges() {
     let y: Vec<f64> = above.chunks(2).map(|pair| pair[1]).collect();
     let width = y.iter().copied().fold(f64::MIN, f64::max) - y.iter().copied().fold(f64::MAX, f64::min);
     assert!((width - 50.0).abs() < 0.2, "{width} px");
-}
-
-/// Tests that an animation moves only the shapes that move, shows the taxels only while they report a force, and is
-/// well-formed.
-#[test]
-fn an_animation_shows_the_moments_in_turn() {
-    let (mut first, layout) = moment([0.8, 0.0, 0.2], [0.7, -0.2, -0.3]);
-    first.frame.taxels.clear();
-    let (second, _) = moment([0.6, 0.1, 0.2], [0.7, -0.2, -0.3]);
-    let objects = [Category::TRUNK];
-    let draw = |moments: &[Snapshot]| animate(moments, &layout, &objects, &Workspace::default(), "two moments");
-    let svg = draw(&[first.clone(), second]).unwrap();
-    let text = words(&svg);
-    assert!(text.contains("two moments") && text.contains("goal of the moment"));
-    assert!(!text.contains("5 N"), "all marks have the same size: {text}");
-    let animated = |style: &str| svg.lines().filter(|line| line.contains(style) && line.contains("<animate")).count();
-    let arm = format!("stroke=\"{}\"", panel::ARM);
-    assert_eq!(animated(&arm), 2, "the arm moves in both panels");
-    assert_eq!(animated("stroke-width=\"2\" stroke-linejoin"), 0, "the leaf stands still");
-    let dots: Vec<&str> = svg.lines().filter(|line| line.contains(panel::RIM) && line.contains("<animate")).collect();
-    assert!(!dots.is_empty() && dots.iter().all(|line| line.contains("values=\"M0 0;M")), "{dots:?}");
-    let still = draw(&[first.clone(), first]).unwrap();
-    assert!(!still.lines().any(|line| line.contains(&arm) && line.contains("<animate")), "nothing moves");
-    assert!(draw(&[]).is_none());
 }

@@ -17,15 +17,10 @@ pub fn add(report: &mut Report, outcome: &ComparedCampaigns) {
     report.section("campaigns", "Cross-validation over several campaigns");
     let count = campaigns.seeds.len();
     report.page.paragraph(&format!(
-        "Means of {count} independent campaigns, each with its own clutter, goals and noise; whiskers are one standard deviation \
-         over campaigns."
+        "Means of {count} independent campaigns, each with its own clutter, goals and noise."
     ));
     let what = |recipe: &str| format!("In the mean of {count} campaigns, with the {recipe} recipe");
     let recipes = agreement::add_sentences(report, &compared, what);
-    report.page.figure(
-        "The mean of all campaigns, with published figures and the majority baseline.",
-        &agreement::charts("campaigns", ", mean of campaigns", &compared),
-    );
     let caption = "The paper's orderings on the mean campaign";
     agreement::add_orderings(report, "campaign_orderings", caption, &campaigns.orderings);
     for recipe in &recipes {
@@ -42,7 +37,8 @@ pub fn add(report: &mut Report, outcome: &ComparedCampaigns) {
     }
 }
 
-fn compared(cell: &CampaignCell) -> Compared<'_> {
+/// The cell, to be compared with the published one. Its interval is one standard deviation.
+pub fn compared(cell: &CampaignCell) -> Compared<'_> {
     let Figures { accuracy: own, balanced_accuracy, majority_baseline } = &cell.figures.all;
     let deviation = own.standard_deviation.unwrap_or(0.0);
     Compared {

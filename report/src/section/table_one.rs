@@ -25,12 +25,6 @@ pub fn add(report: &mut Report, outcome: &TableOne) {
     report.page.paragraphs(choices(report));
     report.page.paragraph(&baselines(report, &outcome.table_1));
     let recipes = agreement::add_sentences(report, &compared, |recipe| format!("With the {recipe} recipe"));
-    let (name_here, with) = match report.published().is_some() {
-        true => (name.as_str(), "the paper's figures and the majority baseline"),
-        false => ("Accuracy", "the majority baseline"),
-    };
-    let caption = format!("{name_here} with {with}; whiskers are 95 % intervals by reach.");
-    report.page.figure(&caption, &agreement::charts("table-1", "", &compared));
     for recipe in &recipes {
         // The page has a table for each recipe; the file has all cells.
         let table = of_recipe(&name, &outcome.table_1, recipe);
@@ -43,7 +37,8 @@ pub fn add(report: &mut Report, outcome: &TableOne) {
     agreement::add_orderings(report, "orderings", "The paper's orderings", &outcome.orderings);
 }
 
-fn compared(cell: &Cell) -> Compared<'_> {
+/// The cell, to be compared with the published one.
+pub fn compared(cell: &Cell) -> Compared<'_> {
     Compared {
         key: &cell.key,
         accuracy: cell.accuracy.accuracy,

@@ -20,7 +20,7 @@ pub struct TouchDecisionArguments {
     #[arg(long, value_name = "P", value_parser = share)]
     unknown_share: Option<f64>,
     /// Cost of an uncertain verdict relative to that of a wrong category: a category is named if its probability is
-    /// above 1 minus this [default: as in the model, 0.2 after training]
+    /// above 1 minus this [default: as in the model, 0.3 after training]
     #[arg(long, value_name = "COST", value_parser = share)]
     cost_of_uncertain: Option<f64>,
 }

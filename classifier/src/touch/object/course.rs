@@ -142,6 +142,11 @@ impl ObjectCourse {
         self.samples
     }
 
+    /// Number of frames in which it touched the skin.
+    pub fn frames(&self) -> usize {
+        self.all.samples()
+    }
+
     /// Sensed force in the last frame in which it touched the skin, N.
     pub fn force_n(&self) -> f64 {
         self.all.now().force_n

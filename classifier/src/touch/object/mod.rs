@@ -4,10 +4,12 @@
 //! |---|---|
 //! | contacts that begin near each other are one object | [`ObjectTracker`] |
 //! | the course of an object becomes features | [`ObjectCourse`], [`Fit`](fit::Fit) |
-//! | one forest for each family of auxiliary unknown objects | [`Forest`](crate::forest::Forest) |
+//! | which known category it is | [`ObjectCategories`] |
+//! | boosted trees for each category, and for each family of auxiliary unknown objects | [`Boosted`](crate::boosted::Boosted) |
 //! | how stiff it is, and whether it gives way | [`Stiffness`], [`Mobility`] |
 //! | scores become the share of known objects that are as unlike | [`UnknownObjects`] |
 
+mod category;
 mod course;
 mod fit;
 mod resistance;
@@ -18,9 +20,10 @@ mod tracker;
 mod training;
 mod unknown;
 
+pub use category::ObjectCategories;
 pub use course::{OBJECT_FEATURE_COUNT, ObjectCourse};
 pub use resistance::{Mobility, Stiffness};
 pub use tracker::{ObjectTracker, TouchObject};
-pub(super) use training::{ObjectExample, ObjectExamples, fit_unknown};
+pub(super) use training::{ObjectExample, ObjectExamples, fit_categories, fit_unknown};
 pub(crate) use training::{Votes, category_of, count_votes};
 pub use unknown::UnknownObjects;

@@ -2,18 +2,22 @@
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
 use underbrush_recording::{Category, Recording};
 
+use super::category::ObjectCategories;
 use super::course::OBJECT_FEATURE_COUNT;
 use super::tracker::{ObjectTracker, TouchObject};
 use super::unknown::{self, Calibration, FAMILIES, Family, UnknownObjects};
+use crate::boosted::{Boosted, Row};
 use crate::error::ModelError;
-use crate::forest::{Forest, ForestRow};
 use crate::touch::frame::SkinTracker;
 
 /// An object gives a row after each of these numbers of samples, and at its end.
 const SAMPLES: [usize; 7] = [15, 30, 60, 120, 240, 480, 960];
-/// Parts into which reaches are divided. Each part is judged by forests that are fitted to the others.
+/// And after each of these numbers of frames, so that its category is learnt from the beginning as well.
+const EARLY_FRAMES: [usize; 9] = [1, 2, 3, 5, 10, 20, 30, 50, 100];
+/// Parts into which reaches are divided. Each part is judged by trees that are fitted to the others.
 const FOLDS: usize = 5;
 /// A family needs this many objects: fewer in each part would say little.
 const FEWEST: usize = 10;
@@ -25,6 +29,8 @@ pub(in crate::touch) struct ObjectExample {
     pub(in crate::touch) category: &'static str,
     /// Numbers of samples and features at some times.
     rows: Vec<(usize, [f32; OBJECT_FEATURE_COUNT])>,
+    /// Features after [`EARLY_FRAMES`].
+    early: Vec<[f32; OBJECT_FEATURE_COUNT]>,
 }
 
 /// Collects the objects of a recording.
@@ -46,6 +52,9 @@ impl ObjectExamples {
         }
         for object in objects.objects().iter().filter(|object| object.is_touching) {
             let (_, example) = self.open.entry(object.number).or_insert_with(ObjectExample::open);
+            if EARLY_FRAMES.contains(&object.course.frames()) {
+                example.early.push(object.course.features());
+            }
             if object.is_judged() {
                 // The last row stands for the object as it is now, until it has its own row.
                 let samples = object.course.samples();
@@ -83,12 +92,17 @@ impl ObjectExamples {
 
 impl ObjectExample {
     fn open() -> (Votes, Self) {
-        (Votes::new(), ObjectExample { category: "", rows: Vec::new() })
+        (Votes::new(), ObjectExample { category: "", rows: Vec::new(), early: Vec::new() })
     }
 
-    fn forest_rows(&self, is_family: bool, weight: f64) -> impl Iterator<Item = ForestRow<'_>> {
+    /// The features at all times.
+    pub(super) fn all_rows(&self) -> impl Iterator<Item = &[f32; OBJECT_FEATURE_COUNT]> {
+        self.early.iter().chain(self.rows.iter().map(|(_, features)| features))
+    }
+
+    fn judged_rows(&self, is_family: bool, weight: f64) -> impl Iterator<Item = Row<'_>> {
         let weight = weight / self.rows.len() as f64;
-        self.rows.iter().map(move |(_, features)| ForestRow { features, is_family, weight })
+        self.rows.iter().map(move |(_, features)| Row { features, is_family, weight })
     }
 }
 
@@ -114,6 +128,18 @@ pub(crate) fn count_votes(
             }
         }
     }
+}
+
+/// Fits what tells the categories of objects apart to the objects of reaches of data sets and of auxiliary sets; `None` if there
+/// are few.
+pub(in crate::touch) fn fit_categories(
+    known: &[&[ObjectExample]],
+    auxiliary: &[&[ObjectExample]],
+    categories: &[String],
+) -> Option<ObjectCategories> {
+    let objects = Objects::of(known, auxiliary, categories);
+    let known: Vec<_> = objects.known.iter().map(|(category, _, own)| (*category, *own)).collect();
+    ObjectCategories::fit(&known, categories.len())
 }
 
 /// Fits what finds unknown objects to the objects of reaches of data sets and of auxiliary sets, for a model with these
@@ -150,8 +176,7 @@ pub(in crate::touch) fn fit_unknown(
     }
     let families: Vec<&str> = counts.keys().copied().collect();
     let fit = |fold: Option<usize>| objects.fit(&families, categories, fold);
-    // One part after the other, because the trees of each forest are fitted side by side.
-    let held_out: Vec<Vec<Family>> = (0..FOLDS).map(|fold| fit(Some(fold))).collect();
+    let held_out: Vec<Vec<Family>> = (0..FOLDS).into_par_iter().map(|fold| fit(Some(fold))).collect();
     let calibrations = |stage: usize| {
         let scores = |category| objects.scores(category, stage, &held_out);
         Calibration::of(&(0..categories.len()).map(scores).collect::<Vec<_>>(), families.len())
@@ -185,10 +210,10 @@ impl<'a> Objects<'a> {
         objects
     }
 
-    /// One forest for each family, fitted to all parts but this one.
+    /// Trees for each family, fitted to all parts but this one.
     fn fit(&self, families: &[&str], categories: &[String], without: Option<usize>) -> Vec<Family> {
         let known: Vec<_> = self.known.iter().filter(|(_, fold, _)| Some(*fold) != without).collect();
-        let family = |(index, name): (usize, &&str)| {
+        let family = |name: &&str| {
             let own = self.families.iter().filter(|(fold, own)| own.category == *name && Some(*fold) != without);
             let family: Vec<&ObjectExample> = own.map(|(_, own)| *own).collect();
             let mut count = vec![0.0; categories.len()];
@@ -197,20 +222,20 @@ impl<'a> Objects<'a> {
             // The known objects together count as much as the family, each category the same, each of its objects too.
             let rows = known
                 .iter()
-                .flat_map(|(category, _, own)| own.forest_rows(false, 1.0 / (categories * count[*category])));
-            let own_rows = family.iter().flat_map(|own| own.forest_rows(true, 1.0 / family.len() as f64));
-            let rows: Vec<ForestRow<'_>> = rows.chain(own_rows).collect();
-            let forest = Forest::fit(&rows, OBJECT_FEATURE_COUNT, 0.0, index as u64);
-            Family { name: (*name).to_owned(), objects: family.len(), forest }
+                .flat_map(|(category, _, own)| own.judged_rows(false, 1.0 / (categories * count[*category])));
+            let own_rows = family.iter().flat_map(|own| own.judged_rows(true, 1.0 / family.len() as f64));
+            let rows: Vec<Row<'_>> = rows.chain(own_rows).collect();
+            let trees = Boosted::fit(&rows, OBJECT_FEATURE_COUNT);
+            Family { name: (*name).to_owned(), objects: family.len(), trees }
         };
-        families.iter().enumerate().map(family).collect()
+        families.iter().map(family).collect()
     }
 
-    /// The scores of the known objects of a category at the end of a stage, each by forests that were fitted to other reaches.
+    /// The scores of the known objects of a category at the end of a stage, each by trees that were fitted to other reaches.
     fn scores(&self, category: usize, stage: usize, held_out: &[Vec<Family>]) -> Vec<Vec<f64>> {
         let scores = |(_, fold, object): &(usize, usize, &ObjectExample)| -> Option<Vec<f64>> {
             let (_, features) = object.rows.iter().rfind(|(samples, _)| unknown::stage(*samples) == stage)?;
-            Some(held_out[*fold].iter().map(|own| own.score(features)).collect())
+            Some(held_out[*fold].iter().map(|own| own.trees.score(features)).collect())
         };
         self.known.iter().filter(|(own, ..)| *own == category).filter_map(scores).collect()
     }

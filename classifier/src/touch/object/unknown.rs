@@ -1,7 +1,7 @@
 //! The decision whether an object is unlike all known categories.
 //!
 //! Novelty alone finds few unknown objects, so auxiliary unknown objects of several families, such as soft rolls or free
-//! cylinders, surround the known categories in stiffness, size and mobility. For each family one forest tells the known
+//! cylinders, surround the known categories in stiffness, size and mobility. For each family boosted trees tell the known
 //! categories from it; the logarithm of the odds of the family is the score. Among the known objects of held-out reaches, in
 //! which each category counts the same, a score has a rank. Each family gets the same budget of false alarms: the least rank
 //! over the families counts. Its rank among the held-out objects of a category is the share of them that are as unlike (a
@@ -11,12 +11,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::math;
 
-use super::course::{OBJECT_FEATURE_COUNT, ObjectCourse};
+use super::course::OBJECT_FEATURE_COUNT;
 use super::share::Shares;
-use crate::forest::Forest;
+use crate::boosted::Boosted;
 
-/// Added to probabilities before their odds are taken, so that none is infinite.
-const PROBABILITY: f64 = 2e-3;
 /// The largest number of families. Choice.
 pub(super) const FAMILIES: usize = 32;
 
@@ -28,7 +26,7 @@ pub(super) struct Family {
     pub(super) name: String,
     /// Number of these objects.
     pub(super) objects: usize,
-    pub(super) forest: Forest,
+    pub(super) trees: Boosted,
 }
 
 /// An object is compared with held-out ones that were felt for as long: for fewer than the first of these numbers of samples,
@@ -92,13 +90,13 @@ impl UnknownObjects {
         self.families.iter().map(|family| family.name.as_str())
     }
 
-    /// The share of known objects that are at least as unlike all known categories as the object with this course. Nothing is
-    /// allocated.
-    pub fn share_beyond(&self, course: &ObjectCourse) -> f64 {
-        let (features, calibrations) = (course.features(), &self.stages[stage(course.samples())]);
+    /// The share of known objects that are at least as unlike all known categories as the object with these features, which was
+    /// felt well enough in this many samples. Nothing is allocated.
+    pub fn share_beyond(&self, features: &[f32], samples: usize) -> f64 {
+        let calibrations = &self.stages[stage(samples)];
         let mut scores = [0.0; FAMILIES];
         for (score, family) in scores.iter_mut().zip(&self.families) {
-            *score = family.score(&features);
+            *score = family.trees.score(features);
         }
         let unlike = unlike(calibrations, &scores[..self.families.len()]);
         calibrations.iter().map(|own| own.all.beyond(unlike)).fold(0.0, f64::max)
@@ -109,15 +107,7 @@ impl UnknownObjects {
             own.families.len() == self.families.len() && own.families.iter().chain([&own.all]).all(Shares::is_sound)
         };
         (1..=FAMILIES).contains(&self.families.len())
-            && self.families.iter().all(|family| family.forest.features() == OBJECT_FEATURE_COUNT)
+            && self.families.iter().all(|family| family.trees.features() == OBJECT_FEATURE_COUNT)
             && self.stages.iter().all(|own| own.len() == categories && own.iter().all(calibration))
-    }
-}
-
-impl Family {
-    /// The logarithm of the odds of the family.
-    pub(super) fn score(&self, features: &[f32]) -> f64 {
-        let family = self.forest.probability(features);
-        math::ln((family + PROBABILITY) / (1.0 - family + PROBABILITY))
     }
 }

@@ -1,4 +1,4 @@
-//! Forests in model files: as text of a few megabytes.
+//! Trees in model files: as text of a few megabytes.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -13,8 +13,8 @@ const LEAF: u8 = u8::MAX;
 pub(super) enum Node {
     /// Rows go to the left if the feature is at most this part of its range.
     Cut { feature: u8, cut: u16, right: u32 },
-    /// The share of the family.
-    Leaf(u8),
+    /// What the tree adds.
+    Leaf(i16),
 }
 
 /// The smallest and the largest value of a feature, divided into 65,535 steps for cuts.
@@ -42,26 +42,27 @@ impl Span {
     }
 }
 
-/// The trees of a forest.
+/// Trees and their features.
 #[derive(Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Packed {
     /// The smallest and the largest value of each feature.
     pub(super) spans: Vec<Span>,
-    /// The nodes of each tree in depth-first order, in Base64. A cut has three bytes: the number of its feature, and in two
-    /// bytes, the lower one first, which part of 65,535 of the feature's range goes to the left. A leaf has two: 255, and
-    /// which part of 255 is the share of the family.
+    /// The nodes of each tree in depth-first order, in Base64, three bytes each. Of a cut: the number of its feature, and in two
+    /// bytes, the lower one first, which part of 65,535 of the feature's range goes to the left. Of a leaf: 255, and in two bytes,
+    /// the lower one first, how many ten-thousandths it adds to the log-odds, as a signed number.
     trees: Vec<String>,
 }
 
 impl Packed {
     pub(super) fn of(spans: Vec<Span>, trees: &[Vec<Node>]) -> Self {
         let bytes = |node: &Node| match *node {
-            Node::Leaf(share) => vec![LEAF, share],
-            Node::Cut { feature, cut, .. } => {
-                let [low, high] = cut.to_le_bytes();
-                vec![feature, low, high]
-            }
+            Node::Leaf(step) => (LEAF, step.to_le_bytes()),
+            Node::Cut { feature, cut, .. } => (feature, cut.to_le_bytes()),
+        };
+        let bytes = |node: &Node| {
+            let (first, [low, high]) = bytes(node);
+            [first, low, high]
         };
         let text = |tree: &Vec<Node>| STANDARD.encode(tree.iter().flat_map(bytes).collect::<Vec<u8>>());
         Packed { trees: trees.iter().map(text).collect(), spans }
@@ -83,26 +84,26 @@ impl Packed {
 
 /// The nodes of a tree over this many features; `None` if the bytes are not one whole tree.
 fn tree(bytes: &[u8], features: usize) -> Option<Vec<Node>> {
-    let (mut nodes, mut bytes) = (Vec::new(), bytes.iter().copied());
+    let (nodes_bytes, rest) = bytes.as_chunks::<3>();
+    let mut nodes: Vec<Node> = Vec::new();
     // Cuts whose right child has not come yet.
     let mut open: Vec<usize> = Vec::new();
-    loop {
-        match bytes.next()? {
-            LEAF => {
-                nodes.push(Node::Leaf(bytes.next()?));
-                let Some(parent) = open.pop() else { break };
-                let next = u32::try_from(nodes.len()).ok()?;
-                if let Node::Cut { right, .. } = &mut nodes[parent] {
-                    *right = next;
-                }
+    for (index, &[first, low, high]) in nodes_bytes.iter().enumerate() {
+        if index > 0 && matches!(nodes[index - 1], Node::Leaf(_)) {
+            let parent = open.pop()?;
+            if let Node::Cut { right, .. } = &mut nodes[parent] {
+                *right = u32::try_from(index).ok()?;
             }
+        }
+        nodes.push(match first {
+            LEAF => Node::Leaf(i16::from_le_bytes([low, high])),
             feature if usize::from(feature) < features => {
-                open.push(nodes.len());
-                let cut = u16::from_le_bytes([bytes.next()?, bytes.next()?]);
-                nodes.push(Node::Cut { feature, cut, right: 0 });
+                open.push(index);
+                Node::Cut { feature, cut: u16::from_le_bytes([low, high]), right: 0 }
             }
             _ => return None,
-        }
+        });
     }
-    bytes.next().is_none().then_some(nodes)
+    let is_whole = rest.is_empty() && open.is_empty() && matches!(nodes.last(), Some(Node::Leaf(_)));
+    is_whole.then_some(nodes)
 }

@@ -1,0 +1,242 @@
+//! Gradient-boosted trees (Friedman 2001) that tell one class, the *family*, from all else: a family of unknown objects from
+//! known ones, or one category from the others.
+//!
+//! Each tree is fitted to the gradient of the logistic loss at the sum of the earlier ones, by its second-order expansion: a
+//! leaf adds Σ g / (Σ h + λ), shrunk, with the gradient g = w (y − p) and the curvature h = w p (1 − p) of each row, and a cut is
+//! the one that gains most of Σ² g / (Σ h + λ). Cuts are sought between quantiles of each feature. Nothing is drawn, so the same
+//! rows give the same trees.
+
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use underbrush_recording::math;
+
+use packed::{Node, Packed, Span};
+
+mod packed;
+#[cfg(test)]
+mod tests;
+
+/// Number of trees, and the share of its step that each of them takes. Choices, as common: more and smaller steps gain little.
+const TREES: usize = 200;
+const RATE: f64 = 0.06;
+/// Leaves are at most this deep and have at least this many rows, or a tenth of all rows if these are few. Choices: interactions of
+/// four features, and no leaf for a single object.
+const DEPTH: usize = 4;
+const LEAF_ROWS: usize = 20;
+/// Added to the curvature of a leaf, in rows of mean weight, so that leaves that are sure of themselves stay finite.
+const RIDGE: f64 = 1.0;
+/// Cuts of a feature that are tried. Choice: 64 cost half as much as 128 and find as much.
+const CUTS: usize = 64;
+/// Leaves hold whole multiples of this log-odds.
+const UNIT: f64 = 1e-4;
+
+/// A row to fit to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Row<'a> {
+    pub(crate) features: &'a [f32],
+    pub(crate) is_family: bool,
+    pub(crate) weight: f64,
+}
+
+/// Trees whose sum is the log-odds of a family.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(try_from = "Packed", into = "Packed")]
+pub(crate) struct Boosted {
+    /// One for each feature.
+    spans: Vec<Span>,
+    trees: Vec<Vec<Node>>,
+}
+
+impl Boosted {
+    /// Fits trees to rows with this many features. Both classes should weigh the same, because the sum begins at even odds. The
+    /// result is the same for any number of threads.
+    pub(crate) fn fit(rows: &[Row<'_>], features: usize) -> Self {
+        let columns: Vec<Column> = (0..features).into_par_iter().map(|feature| Column::of(rows, feature)).collect();
+        let mean = rows.iter().map(|row| row.weight).sum::<f64>() / rows.len().max(1) as f64;
+        let mut boosting = Boosting {
+            columns: &columns,
+            targets: rows.iter().map(|row| (f64::from(u8::from(row.is_family)), row.weight / mean)).collect(),
+            scores: vec![0.0; rows.len()],
+            slopes: vec![[0.0; 2]; rows.len()],
+            leaf_rows: LEAF_ROWS.min(rows.len() / 10).max(1),
+        };
+        let trees = (0..TREES).map(|_| boosting.tree()).collect();
+        Boosted { trees, spans: columns.iter().map(|column| column.span).collect() }
+    }
+
+    /// The number of features.
+    pub(crate) fn features(&self) -> usize {
+        self.spans.len()
+    }
+
+    /// The logarithm of the odds of the family.
+    pub(crate) fn score(&self, features: &[f32]) -> f64 {
+        let steps: i64 = self.trees.iter().map(|tree| i64::from(self.step(tree, features))).sum();
+        UNIT * steps as f64
+    }
+
+    fn step(&self, tree: &[Node], features: &[f32]) -> i16 {
+        let mut node = 0;
+        loop {
+            match tree[node] {
+                Node::Leaf(step) => return step,
+                Node::Cut { feature, cut, right } => {
+                    let feature = usize::from(feature);
+                    let is_left = features[feature] <= self.spans[feature].at(cut);
+                    node = if is_left { node + 1 } else { right as usize };
+                }
+            }
+        }
+    }
+}
+
+impl From<Boosted> for Packed {
+    fn from(boosted: Boosted) -> Self {
+        Packed::of(boosted.spans, &boosted.trees)
+    }
+}
+
+impl TryFrom<Packed> for Boosted {
+    type Error = &'static str;
+
+    fn try_from(packed: Packed) -> Result<Self, Self::Error> {
+        Ok(Boosted { trees: packed.trees()?, spans: packed.spans })
+    }
+}
+
+/// A feature of all rows.
+struct Column {
+    span: Span,
+    /// Ascending; a row goes to the left of a cut if its feature is at most this.
+    cuts: Vec<u16>,
+    /// For each row, how many cuts are below its feature.
+    bins: Vec<u8>,
+}
+
+impl Column {
+    fn of(rows: &[Row<'_>], feature: usize) -> Self {
+        let mut values: Vec<f32> = rows.iter().map(|row| row.features[feature]).collect();
+        values.sort_unstable_by(f32::total_cmp);
+        let span = Span(values.first().copied().unwrap_or_default(), values.last().copied().unwrap_or_default());
+        values.dedup();
+        // Between neighbouring values, evenly spaced among them, so that rare large values are told apart as well.
+        let step = (values.len() as f64 / (CUTS + 1) as f64).max(1.0);
+        let places = (1..=CUTS).map(|place| (place as f64 * step) as usize).filter(|place| *place < values.len());
+        let mut cuts: Vec<u16> = places.map(|place| span.nearest(0.5 * (values[place - 1] + values[place]))).collect();
+        cuts.dedup();
+        let bin = |row: &Row<'_>| cuts.partition_point(|cut| span.at(*cut) < row.features[feature]) as u8;
+        Column { span, bins: rows.iter().map(bin).collect(), cuts }
+    }
+}
+
+/// Trees that are being fitted.
+struct Boosting<'a> {
+    columns: &'a [Column],
+    /// The class and the weight of each row.
+    targets: Vec<(f64, f64)>,
+    scores: Vec<f64>,
+    /// The gradient and the curvature of each row.
+    slopes: Vec<[f64; 2]>,
+    leaf_rows: usize,
+}
+
+impl Boosting<'_> {
+    fn tree(&mut self) -> Vec<Node> {
+        for ((slopes, (class, weight)), score) in self.slopes.iter_mut().zip(&self.targets).zip(&self.scores) {
+            let probability = 1.0 / (1.0 + math::exp(-score));
+            *slopes = [weight * (class - probability), weight * probability * (1.0 - probability)];
+        }
+        let mut tree = Vec::new();
+        self.grow(&mut tree, &mut (0..self.scores.len() as u32).collect::<Vec<_>>(), DEPTH);
+        tree
+    }
+
+    fn grow(&mut self, tree: &mut Vec<Node>, rows: &mut [u32], depth: usize) {
+        let all = rows.iter().fold(Slopes::default(), |sum, row| sum.with(self.slopes[*row as usize]));
+        let node = tree.len();
+        match (depth > 0).then(|| self.cut(rows, all)).flatten() {
+            Some((feature, cut)) => {
+                let column = &self.columns[feature];
+                let left = divide(rows, |row| usize::from(column.bins[row as usize]) <= cut);
+                let cut = column.cuts[cut];
+                tree.push(Node::Leaf(0));
+                let (low, high) = rows.split_at_mut(left);
+                self.grow(tree, low, depth - 1);
+                tree[node] = Node::Cut { feature: feature as u8, cut, right: tree.len() as u32 };
+                self.grow(tree, high, depth - 1);
+            }
+            None => {
+                let step = (RATE * all.slope / (all.curvature + RIDGE) / UNIT).round() as i16;
+                tree.push(Node::Leaf(step));
+                rows.iter().for_each(|row| self.scores[*row as usize] += UNIT * f64::from(step));
+            }
+        }
+    }
+
+    /// The feature and the number of the cut that gains most; `None` if no cut gains anything and leaves enough rows.
+    fn cut(&self, rows: &[u32], all: Slopes) -> Option<(usize, usize)> {
+        if rows.len() < 2 * self.leaf_rows {
+            return None;
+        }
+        let best_of = |(feature, column): (usize, &Column)| {
+            let mut bins = [Slopes::default(); CUTS + 1];
+            for row in rows {
+                let bin = &mut bins[usize::from(column.bins[*row as usize])];
+                *bin = bin.with(self.slopes[*row as usize]);
+            }
+            let mut left = Slopes::default();
+            let mut best = (all.gain(), feature, None);
+            for (cut, bin) in bins.iter().take(column.cuts.len()).enumerate() {
+                left = left.and(bin, 1.0);
+                let right = all.and(&left, -1.0);
+                let gain = left.gain() + right.gain();
+                if left.rows.min(right.rows) >= self.leaf_rows as f64 && gain > best.0 {
+                    best = (gain, feature, Some(cut));
+                }
+            }
+            best
+        };
+        let best: Vec<_> = self.columns.par_iter().enumerate().map(best_of).collect();
+        let (_, feature, cut) = best.into_iter().reduce(|best, other| if other.0 > best.0 { other } else { best })?;
+        Some((feature, cut?))
+    }
+}
+
+/// Sums over rows.
+#[derive(Clone, Copy, Default)]
+struct Slopes {
+    slope: f64,
+    curvature: f64,
+    rows: f64,
+}
+
+impl Slopes {
+    fn with(self, [slope, curvature]: [f64; 2]) -> Self {
+        Slopes { slope: self.slope + slope, curvature: self.curvature + curvature, rows: self.rows + 1.0 }
+    }
+
+    fn and(self, other: &Slopes, sign: f64) -> Self {
+        Slopes {
+            slope: self.slope + sign * other.slope,
+            curvature: self.curvature + sign * other.curvature,
+            rows: self.rows + sign * other.rows,
+        }
+    }
+
+    fn gain(self) -> f64 {
+        self.slope * self.slope / (self.curvature + RIDGE)
+    }
+}
+
+/// Puts the rows that go to the left first, and returns how many there are.
+fn divide(rows: &mut [u32], is_left: impl Fn(u32) -> bool) -> usize {
+    let mut left = 0;
+    for index in 0..rows.len() {
+        if is_left(rows[index]) {
+            rows.swap(left, index);
+            left += 1;
+        }
+    }
+    left
+}

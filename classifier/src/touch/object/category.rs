@@ -1,0 +1,59 @@
+//! Which known category an object belongs to.
+
+use rayon::prelude::*;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::course::OBJECT_FEATURE_COUNT;
+use super::training::ObjectExample;
+use crate::boosted::{Boosted, Row};
+use crate::touch::network::softmax;
+
+/// Each category needs this many objects: trees that are fitted to fewer say little.
+const FEWEST: usize = 40;
+
+/// For each category, trees that tell it from the others by what the skin has sensed of an object. Of two categories, only the
+/// second has trees.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(transparent)]
+pub struct ObjectCategories(Vec<Boosted>);
+
+impl ObjectCategories {
+    /// Fits trees to objects with the indices of their categories; `None` if a category has few, or is the only one.
+    pub(super) fn fit(objects: &[(usize, &ObjectExample)], categories: usize) -> Option<Self> {
+        let mut counts = vec![0_usize; categories];
+        objects.iter().for_each(|(category, _)| counts[*category] += 1);
+        if categories < 2 || counts.iter().any(|count| *count < FEWEST) {
+            return None;
+        }
+        let trees = |own: usize| {
+            let rows = objects.iter().flat_map(|(category, object)| {
+                let is_family = *category == own;
+                // The category counts as much as all others together, each of these the same, and each object too.
+                let share = if is_family { 1.0 } else { 1.0 / (categories - 1) as f64 };
+                let weight = share / (counts[*category] * object.all_rows().count()) as f64;
+                object.all_rows().map(move |features| Row { features, is_family, weight })
+            });
+            Boosted::fit(&rows.collect::<Vec<_>>(), OBJECT_FEATURE_COUNT)
+        };
+        Some(ObjectCategories((usize::from(categories == 2)..categories).into_par_iter().map(trees).collect()))
+    }
+
+    /// Writes the probabilities of the categories. Nothing is allocated.
+    pub(in crate::touch) fn probabilities(&self, features: &[f32], probabilities: &mut [f64]) {
+        let first = probabilities.len() - self.0.len();
+        for (score, trees) in probabilities[first..].iter_mut().zip(&self.0) {
+            *score = trees.score(features);
+        }
+        if first == 1 {
+            probabilities[0] = 0.0;
+        }
+        softmax(probabilities);
+    }
+
+    pub(in crate::touch) fn is_sound(&self, categories: usize) -> bool {
+        categories > 1
+            && self.0.len() == categories - usize::from(categories == 2)
+            && self.0.iter().all(|trees| trees.features() == OBJECT_FEATURE_COUNT)
+    }
+}

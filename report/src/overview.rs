@@ -1,0 +1,208 @@
+//! The first screen: how near the results are to the published ones, what agrees, what does not, and why.
+
+use underbrush_experiments::experiment::moments::Moment;
+use underbrush_experiments::table_cell::{Ordering, unit_name};
+use underbrush_render::{RenderError, Size, Stage, png};
+
+use crate::agreement::{self, Compared};
+use crate::replayed::known;
+use crate::report::Report;
+use crate::section::{campaigns, moments, table_one};
+
+/// The picture of a moment, beside the page.
+const PICTURE: &str = "moment.png";
+/// As wide as half the page on a screen with two pixels for one.
+const SIZE: Size = Size { width: 960, height: 640 };
+/// Trials per reach that differ by less than this factor count as agreeing.
+const SIMILAR: f64 = 1.25;
+
+/// What is compared: the means of all campaigns, or else the only campaign.
+struct Comparison<'a> {
+    /// The cells of the first recipe.
+    first: Vec<Compared<'a>>,
+    all: Vec<Compared<'a>>,
+    orderings: Vec<&'a Ordering>,
+    /// Name of the unit and the category, number of trials per reach here, and the published one.
+    trials: Vec<(String, f64, Option<f64>)>,
+    /// Name, accuracy, balanced accuracy and majority baseline of each classifier, per cent.
+    classifiers: Vec<(&'a str, [f64; 3])>,
+    /// What the figures are, after the name of the table.
+    of_what: String,
+    whiskers: &'static str,
+}
+
+impl<'a> Comparison<'a> {
+    fn of(report: &Report<'a>) -> Self {
+        let outcomes = &report.results.outcomes;
+        let trials_name = |unit, category: &str| format!("{} trials of {category}", unit_name(unit));
+        let mut own = match &outcomes.campaigns.campaigns {
+            Some(own) => Comparison {
+                first: Vec::new(),
+                all: own.table_1.iter().map(campaigns::compared).collect(),
+                orderings: own.orderings.iter().collect(),
+                trials: (own.trials_per_reach.iter())
+                    .map(|row| (trials_name(row.by, &row.category), row.per_reach.mean, row.paper))
+                    .collect(),
+                classifiers: (own.classifiers.iter())
+                    .map(|own| (own.classifier.as_str(), &own.figures.all))
+                    .map(|(name, all)| (name, [&all.accuracy, &all.balanced_accuracy, &all.majority_baseline]))
+                    .map(|(name, figures)| (name, figures.map(|own| own.mean)))
+                    .collect(),
+                of_what: format!("mean of {} campaigns", own.seeds.len()),
+                whiskers: "one standard deviation of the campaigns",
+            },
+            None => Comparison {
+                first: Vec::new(),
+                all: outcomes.table_one.table_1.iter().map(table_one::compared).collect(),
+                orderings: outcomes.table_one.orderings.iter().collect(),
+                trials: (outcomes.training_data.trials_per_reach.iter())
+                    .map(|row| (trials_name(row.by, &row.category), row.per_reach, row.paper))
+                    .collect(),
+                classifiers: (outcomes.classifiers.classifiers.iter())
+                    .map(|own| (own.classifier.as_str(), &own.accuracy))
+                    .map(|(name, own)| (name, [own.accuracy, own.balanced_accuracy, own.majority_baseline]))
+                    .collect(),
+                of_what: "one campaign".to_owned(),
+                whiskers: "95 % intervals over reaches",
+            },
+        };
+        let recipe = own.all.first().map(|cell| cell.key.recipe.clone());
+        own.first = own.all.iter().filter(|cell| Some(&cell.key.recipe) == recipe.as_ref()).copied().collect();
+        own.orderings.retain(|ordering| Some(&ordering.recipe) == recipe.as_ref());
+        own
+    }
+}
+
+/// Adds the first screen, and returns the picture that it shows: its file name, and the file.
+pub fn add(report: &mut Report) -> Result<Option<(&'static str, Vec<u8>)>, RenderError> {
+    let (comparison, results) = (Comparison::of(report), report.results);
+    let name = report.figure_name("table_one", "Cross-validation");
+    report.page.lead(&lead(&comparison, &name));
+    let introduction = results.definition.file.introduction.trim();
+    if !introduction.is_empty() {
+        report.page.paragraph(introduction);
+    }
+    let Comparison { of_what, whiskers, .. } = &comparison;
+    let title = format!("{name}: {of_what}, with {whiskers}");
+    let mut parts = vec![agreement::dot_plot("table-1", &title, &comparison.all)];
+    let moment = results.outcomes.moments.all().next();
+    if let Some(moment) = moment {
+        let address = crate::drawing::escape(&moments::address(moment, 0));
+        parts.push(format!(
+            "<a href=\"{address}\"><img src=\"{PICTURE}\" width=\"{}\" height=\"{}\" alt=\"The arm among the clutter of scene {}\"/>\
+             Replay this reach in 3-D</a>",
+            SIZE.width,
+            SIZE.height,
+            crate::drawing::escape(&moment.scene)
+        ));
+    }
+    report.page.side_by_side(&parts);
+    let (agrees, differs) = compare(&comparison, results.quick);
+    report.page.cards(&[
+        ("Agrees with the paper", agrees),
+        ("Does not agree", differs),
+        ("Why", why(report, &comparison)),
+    ]);
+    moment.map(|moment| Ok((PICTURE, picture(moment)?))).transpose()
+}
+
+/// How close the table is to the paper, and how good the best classifier is.
+fn lead(comparison: &Comparison, name: &str) -> String {
+    let pairs = comparison.first.iter().filter_map(|cell| Some((cell.accuracy - cell.published?).abs()));
+    let differences: Vec<f64> = pairs.collect();
+    let best = comparison.classifiers.iter().max_by(|a, b| a.1[1].total_cmp(&b.1[1]));
+    let best = best.map(|(name, [accuracy, balanced, majority])| {
+        format!(
+            "The best classifier, {name}, is right on {accuracy:.1} % of the taxel trials (balanced {balanced:.1} %, majority \
+             baseline {majority:.1} %)."
+        )
+    });
+    let near = (!differences.is_empty()).then(|| {
+        let mean = differences.iter().sum::<f64>() / differences.len() as f64;
+        format!("{name} differs from the paper's by {mean:.1} points on average ({}).", comparison.of_what)
+    });
+    near.into_iter().chain(best).collect::<Vec<_>>().join(" ")
+}
+
+/// What agrees with the published figures, and what does not.
+fn compare(comparison: &Comparison, is_quick: bool) -> (Vec<String>, Vec<String>) {
+    let (mut agrees, mut differs) = (Vec::new(), Vec::new());
+    let pairs: Vec<(&Compared, f64)> =
+        comparison.first.iter().filter_map(|cell| Some((cell, cell.published?))).collect();
+    let is_within = |(cell, published): &&(&Compared, f64)| {
+        let reach = if cell.covers { 1.0 } else { 2.0 };
+        let within = |(low, high): (f64, f64)| {
+            (cell.accuracy - published).abs()
+                <= reach * if *published < cell.accuracy { cell.accuracy - low } else { high - cell.accuracy }
+        };
+        cell.interval.is_some_and(within)
+    };
+    let (within, all) = (pairs.iter().filter(is_within).count(), pairs.len());
+    let what =
+        if pairs.iter().all(|(cell, _)| cell.covers) { "95 % interval" } else { "interval of two standard deviations" };
+    if within > 0 {
+        agrees.push(format!("{within} of {all} accuracies of the paper lie within the {what} of those here."));
+    }
+    let difference = |(cell, published): &(&Compared, f64)| cell.accuracy - published;
+    let farthest = pairs.iter().max_by(|a, b| difference(a).abs().total_cmp(&difference(b).abs()));
+    if let Some(pair) = farthest.filter(|_| within < all) {
+        differs.push(format!(
+            "{} of {all} lie outside. The farthest is {}: {:.1} % here, {:.1} % in the paper.",
+            all - within,
+            pair.0.key.name(),
+            pair.0.accuracy,
+            pair.1
+        ));
+    }
+    for ordering in comparison.orderings.iter().filter(|_| !is_quick) {
+        let side = if ordering.holds { &mut agrees } else { &mut differs };
+        let Ordering { statement, pairs_holding, pairs, .. } = ordering;
+        side.push(format!("The paper says that {statement}: so it is in {pairs_holding} of {pairs} pairs."));
+    }
+    for (name, here, published) in &comparison.trials {
+        let Some(published) = published else { continue };
+        let ratio = here / published;
+        let side = if (1.0 / SIMILAR..SIMILAR).contains(&ratio) { &mut agrees } else { &mut differs };
+        side.push(format!("{ratio:.2} times the paper's number of {name} per reach."));
+    }
+    (agrees, differs)
+}
+
+/// What decides the level of the accuracies: trials that nothing touched, and the number of reaches.
+fn why(report: &Report, comparison: &Comparison) -> Vec<String> {
+    let mut why = Vec::new();
+    let outcomes = &report.results.outcomes;
+    let rows = &outcomes.training_data.trials_per_reach;
+    let (trials, untouched) = rows.iter().fold((0, 0), |sum, row| (sum.0 + row.trials, sum.1 + row.untouched));
+    let recipe = comparison.first.first().map(|cell| &cell.key.recipe);
+    let cells = outcomes.table_one.table_1.iter().filter(|cell| Some(&cell.key.recipe) == recipe);
+    let parts = cells.filter_map(|cell| Some([cell.accuracy.touched.as_ref()?, cell.accuracy.untouched.as_ref()?]));
+    let parts: Vec<[f64; 2]> = parts.map(|parts| parts.map(|part| part.accuracy)).collect();
+    if !parts.is_empty() {
+        let [touched, nothing] = [0, 1].map(|side| parts.iter().map(|own| own[side]).sum::<f64>() / parts.len() as f64);
+        why.push(format!(
+            "Nothing touched the skin in {:.0} % of the trials of seed {}: they are readings of the sensor alone, labelled by their \
+             scene as on the robot. {nothing:.0} % of them are classified as labelled, and {touched:.0} % of the others (means \
+             over the cells of the table).",
+            100.0 * untouched as f64 / trials.max(1) as f64,
+            report.results.seed
+        ));
+    }
+    if report.results.quick {
+        why.push(format!(
+            "This is a quick run of {} training reaches, so its intervals are wide, and it cannot decide the paper's orderings. A \
+             run without --quick has the full number.",
+            outcomes.training_data.reaches.count
+        ));
+    }
+    why
+}
+
+/// A picture of the moment that the replay opens at.
+fn picture(moment: &Moment) -> Result<Vec<u8>, RenderError> {
+    let recording = &moment.recording;
+    let stage = Stage::of(recording, (known().force_limit_n)(&recording.controller))?;
+    let time_s = moment.snapshot.frame.time_s;
+    let number = recording.frames.partition_point(|frame| frame.time_s < time_s - 1e-9).min(recording.frames.len() - 1);
+    png(&stage.moment(number as u32, &recording.frames[number]).rgb(&stage.camera(SIZE.aspect()), SIZE)?, SIZE)
+}
