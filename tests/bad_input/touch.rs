@@ -29,7 +29,7 @@ fn broken_models() {
         (
             "/format",
             json!("underbrush-touch/9"),
-            ["format: found underbrush-touch/9", "allowed: underbrush-touch/2", "use a touch model"],
+            ["format: found underbrush-touch/9", "allowed: underbrush-touch/1", "use a touch model"],
         ),
         ("/categories", json!(["trunk", "leaf"]), ["categories: found trunk, leaf", "in alphabetical order", remedy]),
         ("/decision/nothing_above", json!(1.5), ["decision.nothing_above: found 1.5", "0 to 1", remedy]),
@@ -54,7 +54,7 @@ fn broken_models() {
 fn broken_text() {
     let text = std::fs::read_to_string(model()).unwrap();
     let line = |part: &str, text: &str| text.lines().position(|line| line.contains(part)).unwrap() + 1;
-    let allowed = "a model file of format underbrush-touch/2";
+    let allowed = "a model file of format underbrush-touch/1";
     let wrong = text.replacen("\"threshold_n\": 0.03", "\"threshold_n\": \"little\"", 1);
     assert_ne!(wrong, text);
     refuses_text(&wrong, Some(line("little", &wrong)), &["options.threshold_n", "little", allowed]);
@@ -73,7 +73,7 @@ fn a_touch_model_is_no_model_of_trials() {
     let fault = Fault {
         file: &touch,
         line: None,
-        parts: &["format: found underbrush-touch/2", "allowed: underbrush-model/1", "use this model with classify"],
+        parts: &["format: found underbrush-touch/1", "allowed: underbrush-model/1", "use this model with classify"],
     };
     fault.check(&underbrush!["score", touch, table]);
     fault.check(&underbrush!["train", table, "--start", touch, "--out", out]);

@@ -67,7 +67,7 @@ fn blake3_of(set: &Path) -> String {
 fn verdicts_without_a_touch_model_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
-    let of_trials = ["format: found underbrush-model/1", "allowed: underbrush-touch/2", "train --classifier touch"];
+    let of_trials = ["format: found underbrush-model/1", "allowed: underbrush-touch/1", "train --classifier touch"];
     underbrush!["reach", scene, "--verdicts", fixture().model()].refused(&of_trials);
     underbrush!["reach", scene, "--verdicts", folder.path().join("none.json")].refused(&["none.json", "touch model"]);
 }

@@ -25,7 +25,7 @@ use crate::{file_text, seal};
 const THRESHOLD_N: Limits = Limits::new(0.0, limits::FORCE_N.max, "N");
 
 /// The format of the file.
-pub const TOUCH_FORMAT: &str = "underbrush-touch/2";
+pub const TOUCH_FORMAT: &str = "underbrush-touch/1";
 
 /// The parts of a touch model: two networks, what judges objects, and a decision. Other keys of a file are skipped.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -52,8 +52,9 @@ pub struct TouchModel {
     /// network judges them alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) of_objects: Option<ObjectCategories>,
-    /// What finds unknown objects; left out if the model was trained without auxiliary sets.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// What finds unknown objects; left out if the model was trained without auxiliary sets. The key differs from that of earlier
+    /// builds, whose trees this program does not know.
+    #[serde(default, rename = "unknown_objects", skip_serializing_if = "Option::is_none")]
     pub(super) unknown: Option<UnknownObjects>,
 }
 
@@ -146,7 +147,7 @@ impl TouchModel {
             ("touched", model.touched.is_sound(TAXEL_FEATURE_COUNT, 2)),
             ("category", model.category.is_sound(REGION_FEATURE_COUNT, classes)),
             ("of_objects", model.of_objects.as_ref().is_none_or(|own| own.is_sound(classes))),
-            ("unknown", model.unknown.as_ref().is_none_or(|unknown| unknown.is_sound(classes))),
+            ("unknown_objects", model.unknown.as_ref().is_none_or(|unknown| unknown.is_sound(classes))),
         ];
         for (part, is_sound) in parts {
             if !is_sound {

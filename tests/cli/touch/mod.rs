@@ -90,7 +90,7 @@ fn the_model_is_the_same_for_any_number_of_threads() {
         assert!(count.as_u64().unwrap() > 0, "{rows}");
     }
     let model = read(path);
-    assert_eq!(model["format"], "underbrush-touch/2");
+    assert_eq!(model["format"], "underbrush-touch/1");
     assert_eq!(model["decision"], report["decision"]);
 }
 

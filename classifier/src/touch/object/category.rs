@@ -5,7 +5,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::course::OBJECT_FEATURE_COUNT;
-use super::training::ObjectExample;
 use crate::boosted::{Boosted, Row};
 use crate::touch::network::softmax;
 
@@ -19,20 +18,21 @@ const FEWEST: usize = 40;
 pub struct ObjectCategories(Vec<Boosted>);
 
 impl ObjectCategories {
-    /// Fits trees to objects with the indices of their categories; `None` if a category has few, or is the only one.
-    pub(super) fn fit(objects: &[(usize, &ObjectExample)], categories: usize) -> Option<Self> {
+    /// Fits trees to objects: the index of the category of each, and its features at some times. `None` if a category has few
+    /// objects, or is the only one.
+    pub(super) fn fit(objects: &[(usize, Vec<&[f32; OBJECT_FEATURE_COUNT]>)], categories: usize) -> Option<Self> {
         let mut counts = vec![0_usize; categories];
         objects.iter().for_each(|(category, _)| counts[*category] += 1);
         if categories < 2 || counts.iter().any(|count| *count < FEWEST) {
             return None;
         }
         let trees = |own: usize| {
-            let rows = objects.iter().flat_map(|(category, object)| {
+            let rows = objects.iter().flat_map(|(category, times)| {
                 let is_family = *category == own;
                 // The category counts as much as all others together, each of these the same, and each object too.
                 let share = if is_family { 1.0 } else { 1.0 / (categories - 1) as f64 };
-                let weight = share / (counts[*category] * object.all_rows().count()) as f64;
-                object.all_rows().map(move |features| Row { features, is_family, weight })
+                let weight = share / (counts[*category] * times.len()) as f64;
+                times.iter().map(move |features| Row { features: features.as_slice(), is_family, weight })
             });
             Boosted::fit(&rows.collect::<Vec<_>>(), OBJECT_FEATURE_COUNT)
         };

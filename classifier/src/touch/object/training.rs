@@ -96,7 +96,7 @@ impl ObjectExample {
     }
 
     /// The features at all times.
-    pub(super) fn all_rows(&self) -> impl Iterator<Item = &[f32; OBJECT_FEATURE_COUNT]> {
+    fn all_rows(&self) -> impl Iterator<Item = &[f32; OBJECT_FEATURE_COUNT]> {
         self.early.iter().chain(self.rows.iter().map(|(_, features)| features))
     }
 
@@ -138,7 +138,7 @@ pub(in crate::touch) fn fit_categories(
     categories: &[String],
 ) -> Option<ObjectCategories> {
     let objects = Objects::of(known, auxiliary, categories);
-    let known: Vec<_> = objects.known.iter().map(|(category, _, own)| (*category, *own)).collect();
+    let known: Vec<_> = objects.known.iter().map(|(category, _, own)| (*category, own.all_rows().collect())).collect();
     ObjectCategories::fit(&known, categories.len())
 }
 

@@ -120,7 +120,7 @@ fn files_are_exact_and_checked() {
     let text = model.save_string().unwrap();
     assert_eq!(TouchModel::from_json("touch.json", &text).unwrap(), model);
     for (from, to, place) in [
-        ("underbrush-touch/2", "underbrush-touch/9", "format"),
+        ("underbrush-touch/1", "underbrush-touch/9", "format"),
         ("\"leaf\"", "\"zebra\"", "categories"),
         ("\"threshold_n\"", "\"threshold\"", "options"),
         ("\"unknown_share\": 0.05", "\"unknown_share\": 2", "decision.unknown_share"),
