@@ -138,7 +138,7 @@ def test_auxiliary_reaches_are_unknown_objects(data: ub.Dataset, tmp_path, comma
     file = tmp_path / "touch.json"
     command("train", data.path, "--classifier", "touch", "--auxiliary", posts.path, "--out", file)
     own, other = json.loads(model.to_json()), json.loads(file.read_text())
-    assert own["unknown"] == other["unknown"] and own["unknown"]["families"][0]["name"] == "post"
+    assert own["unknown_objects"] == other["unknown_objects"] and own["unknown_objects"]["families"][0]["name"] == "post"
     assert "posts" in json.dumps(own["provenance"])
     with pytest.raises(ub.InputError, match="no unknown objects"):
         ub.TouchModel.fit(list(data), auxiliary=list(data))

@@ -16,9 +16,9 @@ pub fn add(report: &mut Report, outcome: &ComparedCampaigns) {
     let compared: Vec<Compared> = campaigns.table_1.iter().map(compared).collect();
     report.section("campaigns", "Cross-validation over several campaigns");
     let count = campaigns.seeds.len();
-    report.page.paragraph(&format!(
-        "Means of {count} independent campaigns, each with its own clutter, goals and noise."
-    ));
+    report
+        .page
+        .paragraph(&format!("Means of {count} independent campaigns, each with its own clutter, goals and noise."));
     let what = |recipe: &str| format!("In the mean of {count} campaigns, with the {recipe} recipe");
     let recipes = agreement::add_sentences(report, &compared, what);
     let caption = "The paper's orderings on the mean campaign";
