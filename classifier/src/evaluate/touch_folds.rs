@@ -8,7 +8,7 @@ use underbrush_recording::Recording;
 use super::error::EvaluateError;
 use super::touch::TouchEvaluation;
 use super::touch_figures::TouchFigures;
-use crate::touch::{FeatureWorth, TouchDecision, TouchExamples, TouchModel, TouchOptions};
+use crate::touch::{TouchDecision, TouchExamples, TouchModel, TouchOptions};
 use crate::trial::{TrialError, require_truth};
 
 /// The verdicts of touch models on reaches with ground truth, summarized.
@@ -26,9 +26,6 @@ pub struct TouchReport {
     /// Shares of right and wrong verdicts.
     #[serde(flatten)]
     pub figures: TouchFigures,
-    /// What each feature is worth; empty without cross-validation.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub feature_worth: Vec<FeatureWorth>,
 }
 
 /// Reaches that can be read several times.
@@ -102,14 +99,13 @@ impl Judged {
         })
     }
 
-    fn report(self, folds: Option<usize>, reaches: usize, feature_worth: Vec<FeatureWorth>) -> TouchReport {
+    fn report(self, folds: Option<usize>, reaches: usize) -> TouchReport {
         TouchReport {
             folds,
             reaches,
             figures: TouchFigures::of(&self.verdicts, &self.categories),
             categories: self.categories,
             decisions: self.decisions,
-            feature_worth,
         }
     }
 }
@@ -121,7 +117,7 @@ impl Judged {
 pub fn judge_touch<R: ReadReaches>(model: TouchModel, reaches: &R) -> Result<TouchReport, R::Error> {
     let mut judged = Judged::with_categories_of(&model);
     judged.add(model, reaches, &|_| true)?;
-    Ok(judged.report(None, reaches.count(), Vec::new()))
+    Ok(judged.report(None, reaches.count()))
 }
 
 /// Checks a number of folds, which can be done before the reaches are read.
@@ -171,5 +167,5 @@ pub fn cross_validate_touch<R: ReadReaches>(
         judged.get_or_insert_with(|| Judged::with_categories_of(&model)).add(model, reaches, &own)?;
     }
     let judged = judged.ok_or_else(|| refused(EvaluateError::FoldCount { found: folds }))?;
-    Ok(judged.report(Some(folds), count, examples.feature_worth()))
+    Ok(judged.report(Some(folds), count))
 }

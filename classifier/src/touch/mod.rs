@@ -32,7 +32,6 @@ mod networks;
 mod object;
 mod online;
 mod options;
-mod permutation_importance;
 mod region;
 mod risk;
 mod taxel;
@@ -49,7 +48,6 @@ pub use object::{
 pub(crate) use object::{Votes, category_of, count_votes};
 pub use online::{ObjectReport, ObjectTouch, RegionTouch, TaxelTouch, TouchClassifier};
 pub use options::TouchOptions;
-pub use permutation_importance::FeatureWorth;
 pub use region::Region;
 pub use risk::RiskLimits;
 pub use taxel::{TAXEL_FEATURE_COUNT, TAXEL_FEATURES, TaxelCourse};

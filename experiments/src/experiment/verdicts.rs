@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use underbrush_classifier::evaluate::touch::{TouchEvaluation, TouchTally};
 use underbrush_classifier::evaluate::{Accuracy, TouchFigures, UnknownFigures};
-use underbrush_classifier::touch::{FeatureWorth, TouchExamples};
+use underbrush_classifier::touch::TouchExamples;
 use underbrush_recording::Recording;
 use underbrush_recording::disk::DiskError;
 use underbrush_recording::fault::Fault;
@@ -62,8 +62,6 @@ pub struct Verdicts {
     pub second_outlier: Option<UnknownFigures>,
     /// Verdicts on taxel frames of known categories, by test scene.
     pub scenes: Vec<SceneFigures>,
-    /// What each feature is worth to the networks, on held-out reaches.
-    pub feature_worth: Vec<FeatureWorth>,
     /// Number of reaches. The networks were fitted to all of them except the held-out part.
     pub training_reaches: usize,
     /// All verdicts on the held-out reaches.
@@ -139,7 +137,6 @@ pub fn run(session: &Session) -> Result<VerdictFigures, Fault> {
             outlier: unknown(&tests.outlier)?,
             second_outlier: unknown(&tests.second_outlier)?,
             scenes: known.iter().filter_map(|(scene, own)| SceneFigures::of(scene, &own.known())).collect(),
-            feature_worth: examples.feature_worth(),
             training_reaches: recordings.len(),
             held_out: all,
             categories,

@@ -30,11 +30,6 @@ pub fn add(report: &mut Report, outcome: &VerdictFigures) {
     let caption = "How often the likeliest class was true, against its probability; on the dotted line probabilities mean what \
                    they say.";
     report.page.figure(caption, &[calibration_chart(&verdicts.held_out.calibration)]);
-    report.page.paragraph(
-        "What a feature is worth is how much worse the probabilities are if its values are shuffled among the rows of held-out \
-         reaches. A feature that others can stand in for is worth little by this measure.",
-    );
-    report.table(feature_worth(verdicts));
     report.numbers(calibration_table(&verdicts.held_out.calibration));
 }
 
@@ -86,16 +81,6 @@ fn figures(verdicts: &Verdicts) -> Table {
         .column("held-out reaches", |(_, value, decimals, _)| Cell::optional(value, decimals))
         .column("of", |(.., of)| of)
         .table("verdicts", "Verdicts on held-out reaches")
-}
-
-/// What each feature is worth.
-fn feature_worth(verdicts: &Verdicts) -> Table {
-    Rows::of(&verdicts.feature_worth)
-        .column("network", |own| own.network)
-        .column("feature", |own| own.feature)
-        .number("rise of log loss / nats", 4, |own| own.log_loss_rise_nats)
-        .percent("fall of balanced accuracy / %", 2, |own| own.balanced_accuracy_fall)
-        .table("verdict_features", "What each feature is worth")
 }
 
 fn scenes(verdicts: &Verdicts) -> Table {

@@ -63,7 +63,7 @@ pub fn evaluate(
     output::result(json, &report, || {
         text::evaluation(&report.figures)
             + &match report.folds {
-                Some(folds) => text::feature_worth(&report.feature_worth) + &text::folds(report.reaches, folds),
+                Some(folds) => text::folds(report.reaches, folds),
                 None => report.decisions.iter().map(|own| text::reaches(report.reaches, own)).collect(),
             }
     })

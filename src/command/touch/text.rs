@@ -1,7 +1,7 @@
 //! Results of touch models as text.
 
 use underbrush_classifier::evaluate::{Interval, ReachFigures, StiffnessFigures, TouchFigures, UnknownFigures};
-use underbrush_classifier::touch::{FeatureWorth, TouchDecision, TouchRows};
+use underbrush_classifier::touch::{TouchDecision, TouchRows};
 use underbrush_report::drawing::Rows;
 
 use crate::output;
@@ -74,26 +74,9 @@ pub(super) fn reaches(reaches: usize, own: &TouchDecision) -> String {
     format!("{}. {}", output::counted(reaches, "reach", "reaches"), decision(own))
 }
 
-/// How many features of each network are shown; the JSON has all.
-const FEATURES_SHOWN: usize = 6;
-
-/// What the most valuable features of each network are worth.
-pub(super) fn feature_worth(worth: &[FeatureWorth]) -> String {
-    let of_network = |own: &FeatureWorth, before: &[FeatureWorth]| {
-        before.iter().filter(|other| other.network == own.network).count() < FEATURES_SHOWN
-    };
-    let shown = worth.iter().enumerate().filter(|(index, own)| of_network(own, &worth[..*index]));
-    let rows = Rows::of(shown.map(|(_, own)| own))
-        .column("network", |own| own.network)
-        .column("feature", |own| own.feature)
-        .number("rise of log loss if shuffled / nats", 4, |own| own.log_loss_rise_nats)
-        .percent("fall of balanced accuracy / %", 2, |own| own.balanced_accuracy_fall);
-    format!("\n{}", rows.text())
-}
-
 /// What was cross-validated.
 pub(super) fn folds(reaches: usize, folds: usize) -> String {
-    format!("{reaches} reaches in {folds} folds; each fold is judged by a model fitted to the others\n")
+    format!("\n{reaches} reaches in {folds} folds; each fold is judged by a model fitted to the others\n")
 }
 
 /// How well unknown objects are found, by the model's own decision.
