@@ -49,7 +49,7 @@ impl<'a> Comparison<'a> {
                     .map(|(name, figures)| (name, figures.map(|own| own.mean)))
                     .collect(),
                 of_what: format!("mean of {} campaigns", own.seeds.len()),
-                whiskers: "one standard deviation of the campaigns",
+                whiskers: "± one standard deviation",
             },
             None => Comparison {
                 first: Vec::new(),
@@ -63,7 +63,7 @@ impl<'a> Comparison<'a> {
                     .map(|(name, own)| (name, [own.accuracy, own.balanced_accuracy, own.majority_baseline]))
                     .collect(),
                 of_what: "one campaign".to_owned(),
-                whiskers: "95 % intervals over reaches",
+                whiskers: "95 % intervals",
             },
         };
         let recipe = own.all.first().map(|cell| cell.key.recipe.clone());
@@ -83,7 +83,7 @@ pub fn add(report: &mut Report) -> Result<Option<(&'static str, Vec<u8>)>, Rende
         report.page.paragraph(introduction);
     }
     let Comparison { of_what, whiskers, .. } = &comparison;
-    let title = format!("{name}: {of_what}, with {whiskers}");
+    let title = format!("{name}, {of_what}, {whiskers}");
     let mut parts = vec![agreement::dot_plot("table-1", &title, &comparison.all)];
     let moment = results.outcomes.moments.all().next();
     if let Some(moment) = moment {
@@ -157,7 +157,10 @@ fn compare(comparison: &Comparison, is_quick: bool) -> (Vec<String>, Vec<String>
     for ordering in comparison.orderings.iter().filter(|_| !is_quick) {
         let side = if ordering.holds { &mut agrees } else { &mut differs };
         let Ordering { statement, pairs_holding, pairs, .. } = ordering;
-        side.push(format!("The paper says that {statement}: so it is in {pairs_holding} of {pairs} pairs."));
+        side.push(match ordering.holds {
+            true => format!("As in the paper, {statement} (in all {pairs} pairs of cells)."),
+            false => format!("In the paper {statement}; here in {pairs_holding} of {pairs} pairs of cells."),
+        });
     }
     for (name, here, published) in &comparison.trials {
         let Some(published) = published else { continue };
