@@ -142,12 +142,14 @@ fn orderings_table(name: &str, caption: &str, orderings: &[Ordering]) -> Table {
 
 /// All cells in one chart: a row for each, with a mark for each recipe, the published figure and the majority baseline.
 pub fn dot_plot(name: &str, title: &str, cells: &[Compared]) -> String {
-    let mut names: Vec<String> = cells.iter().map(|cell| cell.key.name()).collect();
+    let mut names: Vec<String> = Vec::new();
+    for name in cells.iter().map(|cell| cell.key.name()) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
     let mut recipes: Vec<&String> = cells.iter().map(|cell| &cell.key.recipe).collect();
-    names.sort();
-    names.dedup();
     recipes.dedup();
-    names.sort_by_key(|name| cells.iter().position(|cell| cell.key.name() == *name));
     let row = |cell: &Compared| names.iter().position(|name| *name == cell.key.name()).unwrap_or_default();
     let first: Vec<&Compared> = cells.iter().filter(|cell| Some(&&cell.key.recipe) == recipes.first()).collect();
     let mut chart = AccuracyChart::new(format!("Accuracy in per cent: {title}."), names.clone());

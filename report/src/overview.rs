@@ -1,5 +1,7 @@
 //! The first screen: how near the results are to the published ones, what agrees, what does not, and why.
 
+use std::collections::BTreeMap;
+
 use underbrush_experiments::experiment::moments::Moment;
 use underbrush_experiments::table_cell::{Ordering, unit_name};
 use underbrush_render::{RenderError, Size, Stage, png};
@@ -22,6 +24,8 @@ struct Comparison<'a> {
     first: Vec<Compared<'a>>,
     all: Vec<Compared<'a>>,
     orderings: Vec<&'a Ordering>,
+    /// By recipe: the mean difference from the published cells, points.
+    points: &'a BTreeMap<String, f64>,
     /// Name of the unit and the category, number of trials per reach here, and the published one.
     trials: Vec<(String, f64, Option<f64>)>,
     /// Name, accuracy, balanced accuracy and majority baseline of each classifier, per cent.
@@ -40,6 +44,7 @@ impl<'a> Comparison<'a> {
                 first: Vec::new(),
                 all: own.table_1.iter().map(campaigns::compared).collect(),
                 orderings: own.orderings.iter().collect(),
+                points: &own.mean_absolute_difference_points,
                 trials: (own.trials_per_reach.iter())
                     .map(|row| (trials_name(row.by, &row.category), row.per_reach.mean, row.paper))
                     .collect(),
@@ -55,6 +60,7 @@ impl<'a> Comparison<'a> {
                 first: Vec::new(),
                 all: outcomes.table_one.table_1.iter().map(table_one::compared).collect(),
                 orderings: outcomes.table_one.orderings.iter().collect(),
+                points: &outcomes.table_one.mean_absolute_difference_points,
                 trials: (outcomes.training_data.trials_per_reach.iter())
                     .map(|row| (trials_name(row.by, &row.category), row.per_reach, row.paper))
                     .collect(),
@@ -108,8 +114,6 @@ pub fn add(report: &mut Report) -> Result<Option<(&'static str, Vec<u8>)>, Rende
 
 /// How close the table is to the paper, and how good the best classifier is.
 fn lead(comparison: &Comparison, name: &str) -> String {
-    let pairs = comparison.first.iter().filter_map(|cell| Some((cell.accuracy - cell.published?).abs()));
-    let differences: Vec<f64> = pairs.collect();
     let best = comparison.classifiers.iter().max_by(|a, b| a.1[1].total_cmp(&b.1[1]));
     let best = best.map(|(name, [accuracy, balanced, majority])| {
         format!(
@@ -117,9 +121,9 @@ fn lead(comparison: &Comparison, name: &str) -> String {
              baseline {majority:.1} %)."
         )
     });
-    let near = (!differences.is_empty()).then(|| {
-        let mean = differences.iter().sum::<f64>() / differences.len() as f64;
-        format!("{name} differs from the paper's by {mean:.1} points on average ({}).", comparison.of_what)
+    let points = comparison.first.first().and_then(|cell| comparison.points.get(&cell.key.recipe));
+    let near = points.map(|points| {
+        format!("{name} differs from the paper's by {points:.1} points on average ({}).", comparison.of_what)
     });
     near.into_iter().chain(best).collect::<Vec<_>>().join(" ")
 }
@@ -131,11 +135,8 @@ fn compare(comparison: &Comparison, is_quick: bool) -> (Vec<String>, Vec<String>
         comparison.first.iter().filter_map(|cell| Some((cell, cell.published?))).collect();
     let is_within = |(cell, published): &&(&Compared, f64)| {
         let reach = if cell.covers { 1.0 } else { 2.0 };
-        let within = |(low, high): (f64, f64)| {
-            (cell.accuracy - published).abs()
-                <= reach * if *published < cell.accuracy { cell.accuracy - low } else { high - cell.accuracy }
-        };
-        cell.interval.is_some_and(within)
+        let wide = |end: f64| cell.accuracy + reach * (end - cell.accuracy);
+        cell.interval.is_some_and(|(low, high)| (wide(low)..=wide(high)).contains(published))
     };
     let (within, all) = (pairs.iter().filter(is_within).count(), pairs.len());
     let what =

@@ -9,7 +9,7 @@ use super::example::Examples;
 use super::held_out::{HeldOut, HeldOutRegion, Judged, lapses, nothing_above, sharpness, wrong_above};
 use super::model::{Calibrated, TOUCH_FORMAT, TouchModel};
 use super::networks::{category_network, touched_network};
-use super::object::{ObjectExample, fit_categories, fit_unknown};
+use super::object::{ObjectExample, fit_objects};
 use super::risk::RiskLimits;
 use super::training_rows::{FOLDS, TouchExamples};
 use crate::error::ModelError;
@@ -73,8 +73,7 @@ impl TouchExamples {
         let decision =
             TouchDecision { nothing_above: nothing_above(&taxels, touched.sharpness), ..TouchDecision::default() };
         let [known, auxiliary] = [&self.reaches, &self.auxiliary].map(|reaches| objects(reaches));
-        let of_objects = fit_categories(&known, &auxiliary, &categories);
-        let unknown = fit_unknown(&known, &auxiliary, &categories)?;
+        let (of_objects, unknown) = fit_objects(&known, &auxiliary, &categories)?;
         Ok(TouchModel {
             format: TOUCH_FORMAT.into(),
             options: self.options.clone(),

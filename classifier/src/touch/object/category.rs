@@ -57,3 +57,40 @@ impl ObjectCategories {
             && self.0.iter().all(|trees| trees.features() == OBJECT_FEATURE_COUNT)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Objects of these categories, with features after two times: the first feature is the category, the others are nothing.
+    fn fit(categories: usize, of_each: usize) -> Option<ObjectCategories> {
+        let features: Vec<[f32; OBJECT_FEATURE_COUNT]> = (0..categories)
+            .map(|category| std::array::from_fn(|index| if index == 0 { category as f32 } else { 0.0 }))
+            .collect();
+        let object = |number: usize| (number % categories, vec![&features[number % categories]; 2]);
+        ObjectCategories::fit(&(0..categories * of_each).map(object).collect::<Vec<_>>(), categories)
+    }
+
+    /// Tests that objects of two and of three categories get theirs, with probabilities that sum to one.
+    #[test]
+    fn objects_get_their_category() {
+        for categories in [2, 3] {
+            let fitted = fit(categories, FEWEST).unwrap();
+            assert!(fitted.is_sound(categories) && !fitted.is_sound(categories + 1));
+            for own in 0..categories {
+                let mut features = [0.0; OBJECT_FEATURE_COUNT];
+                features[0] = own as f32;
+                let mut found = vec![0.0; categories];
+                fitted.probabilities(&features, &mut found);
+                assert!(found[own] > 0.9 && (found.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{own}: {found:?}");
+            }
+        }
+    }
+
+    /// Tests that nothing is fitted to too few objects, or to a single category.
+    #[test]
+    fn few_objects_are_not_enough() {
+        assert_eq!(fit(2, FEWEST - 1), None);
+        assert_eq!(fit(1, FEWEST), None);
+    }
+}

@@ -24,6 +24,6 @@ pub use category::ObjectCategories;
 pub use course::{OBJECT_FEATURE_COUNT, ObjectCourse};
 pub use resistance::{Mobility, Stiffness};
 pub use tracker::{ObjectTracker, TouchObject};
-pub(super) use training::{ObjectExample, ObjectExamples, fit_categories, fit_unknown};
+pub(super) use training::{ObjectExample, ObjectExamples, fit_objects};
 pub(crate) use training::{Votes, category_of, count_votes};
 pub use unknown::UnknownObjects;

@@ -130,29 +130,21 @@ pub(crate) fn count_votes(
     }
 }
 
-/// Fits what tells the categories of objects apart to the objects of reaches of data sets and of auxiliary sets; `None` if there
-/// are few.
-pub(in crate::touch) fn fit_categories(
+/// Fits what tells the categories of objects apart, and what finds unknown ones, to the objects of reaches of data sets and of
+/// auxiliary sets, for a model with these categories. The first is `None` if there are few objects, the second if the auxiliary
+/// sets are empty.
+pub(in crate::touch) fn fit_objects(
     known: &[&[ObjectExample]],
     auxiliary: &[&[ObjectExample]],
     categories: &[String],
-) -> Option<ObjectCategories> {
+) -> Result<(Option<ObjectCategories>, Option<UnknownObjects>), ModelError> {
     let objects = Objects::of(known, auxiliary, categories);
-    let known: Vec<_> = objects.known.iter().map(|(category, _, own)| (*category, own.all_rows().collect())).collect();
-    ObjectCategories::fit(&known, categories.len())
+    let rows: Vec<_> = objects.known.iter().map(|(category, _, own)| (*category, own.all_rows().collect())).collect();
+    let unknown = if auxiliary.is_empty() { None } else { Some(fit_unknown(&objects, categories)?) };
+    Ok((ObjectCategories::fit(&rows, categories.len()), unknown))
 }
 
-/// Fits what finds unknown objects to the objects of reaches of data sets and of auxiliary sets, for a model with these
-/// categories; `None` if the auxiliary sets are empty.
-pub(in crate::touch) fn fit_unknown(
-    known: &[&[ObjectExample]],
-    auxiliary: &[&[ObjectExample]],
-    categories: &[String],
-) -> Result<Option<UnknownObjects>, ModelError> {
-    if auxiliary.is_empty() {
-        return Ok(None);
-    }
-    let objects = Objects::of(known, auxiliary, categories);
+fn fit_unknown(objects: &Objects<'_>, categories: &[String]) -> Result<UnknownObjects, ModelError> {
     let counts: BTreeMap<&str, usize> = objects.families.iter().fold(BTreeMap::new(), |mut counts, (_, own)| {
         *counts.entry(own.category).or_default() += 1;
         counts
@@ -181,7 +173,7 @@ pub(in crate::touch) fn fit_unknown(
         let scores = |category| objects.scores(category, stage, &held_out);
         Calibration::of(&(0..categories.len()).map(scores).collect::<Vec<_>>(), families.len())
     };
-    Ok(Some(UnknownObjects { stages: std::array::from_fn(calibrations), families: fit(None) }))
+    Ok(UnknownObjects { stages: std::array::from_fn(calibrations), families: fit(None) })
 }
 
 /// The objects that are fitted to, with the part that their reach is in.
