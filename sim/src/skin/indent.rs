@@ -28,6 +28,8 @@ impl Cell {
 /// Relative regularization of the tilts, so that a point contact, whose tilt no taxel resists, has a unique solution.
 /// The scale is the stiffness against depth at a lever arm of 1 cm; a patch's own resistance to tilt is far larger.
 const TILT_COST: f64 = 1e-4;
+/// Trials for the share of a step: a bisection alone would need as many for 2⁻³⁰.
+const MAX_TRIALS: usize = 30;
 
 /// Depth and tilts of a rigid shape that is pressed on the cells of a layer with `force` (N) through the origin; `None` if
 /// there are no cells.
@@ -41,13 +43,30 @@ pub(super) fn indent(cells: &[Cell], layer: &Layer, force: f64) -> Option<Vector
         let mut slope = cost * pose - load;
         let mut curvature = cost;
         for cell in cells {
-            let (pressed, rate) = layer.pressed(cell.depth(&pose));
-            if pressed > 0.0 {
+            let depth = cell.depth(&pose);
+            if depth > 0.0 {
+                let (pressed, rate) = layer.pressed(depth);
                 slope += cell.place * (cell.stiffness * cell.share * pressed);
                 curvature += cell.place * cell.place.transpose() * (cell.stiffness * cell.share * rate);
             }
         }
         (pose, slope, curvature)
+    };
+    // The slope of the energy along a way from a pose, and its own slope, after a share of the way.
+    let along = |pose: &Vector3<f64>, way: &Vector3<f64>, share: f64| {
+        let there = pose + way * share;
+        let resistance = cost * way;
+        let (mut slope, mut curvature) = (resistance.dot(&there) - load.dot(way), resistance.dot(way));
+        for cell in cells {
+            let depth = cell.depth(&there);
+            if depth > 0.0 {
+                let (pressed, rate) = layer.pressed(depth);
+                let on_way = cell.place.dot(way) * cell.stiffness * cell.share;
+                slope += on_way * pressed;
+                curvature += on_way * cell.place.dot(way) * rate;
+            }
+        }
+        (slope, curvature)
     };
     // Where the shape is, or, if it presses no cell there, deep enough to press one, so that the first Newton step has a slope.
     let depth = if nearest < 0.0 { 0.0 } else { nearest + force / stiffness };
@@ -55,13 +74,14 @@ pub(super) fn indent(cells: &[Cell], layer: &Layer, force: f64) -> Option<Vector
     let (pose, ..) = minimize(
         start,
         50,
-        |(_, slope, curvature)| {
+        |(pose, slope, curvature)| {
             if slope.amax() <= 1e-9 * force {
                 return None;
             }
-            curvature.cholesky().map(|factor| factor.solve(slope))
+            let way = -curvature.cholesky()?.solve(slope);
+            Some(way * share_of_way(slope.dot(&way), |share| along(pose, &way, share)))
         },
-        |(pose, ..), step, share| state_at(pose - step * share),
+        |(pose, ..), way, share| state_at(pose + way * share),
         // A step is accepted if it makes the slope along it smaller.
         |(trial, trial_slope, _), (pose, slope, _)| {
             let way = trial - pose;
@@ -69,4 +89,27 @@ pub(super) fn indent(cells: &[Cell], layer: &Layer, force: f64) -> Option<Vector
         },
     );
     Some(pose)
+}
+
+/// The share of a Newton step after which the slope along it is at most half as steep as at its start. While few cells are
+/// pressed hardly anything resists the tilts, so the whole step may lead a thousand times too far. `along` returns the slope
+/// after a share, which rises, and its derivative. Newton's method within a bracket, from the whole step.
+fn share_of_way(at_start: f64, along: impl Fn(f64) -> (f64, f64)) -> f64 {
+    let (mut low, mut high, mut share) = (0.0, 1.0, 1.0);
+    for _ in 0..MAX_TRIALS {
+        let (slope, rate) = along(share);
+        if slope.abs() <= 0.5 * at_start.abs() {
+            break;
+        }
+        if slope > 0.0 {
+            high = share;
+        } else if share == 1.0 {
+            break;
+        } else {
+            low = share;
+        }
+        let next = share - slope / rate;
+        share = if low < next && next < high { next } else { 0.5 * (low + high) };
+    }
+    share
 }
