@@ -3,8 +3,8 @@
 //! Nothing here depends on the engine. [`crate::simulation`] brings shapes together with the poses, Jacobians and mass
 //! matrices of [`crate::dynamics`]. `docs/physics.md` derives the method.
 
+mod block_matrix;
 pub mod chord;
-mod envelope;
 pub mod law;
 pub mod layer;
 pub mod nearest;

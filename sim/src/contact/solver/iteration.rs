@@ -23,8 +23,11 @@ impl Solver {
         self.residual.resize(size, 0.0);
         self.impulse.resize(size, 0.0);
         self.step.resize(size, 0.0);
-        self.shape_matrix();
-        self.turn_columns();
+        let shared = self.patches.iter().filter_map(|patch| match &patch.sides {
+            [Some(a), Some(b)] => Some([a.block, b.block]),
+            _ => None,
+        });
+        self.matrix.reset(self.blocks.iter().map(|block| block.size), shared);
         self.read_speeds(false);
         for patch in &mut self.patches {
             patch.before = split(&patch.speeds).1;

@@ -17,7 +17,7 @@
 
 use nalgebra::Vector3;
 
-use super::envelope::Envelope;
+use super::block_matrix::BlockMatrix;
 use super::law::{Law, NormalSpeeds, Response, SlipSpeeds};
 use super::patch::Node;
 use super::stop::Stop;
@@ -98,8 +98,8 @@ pub struct Solver {
     blocks: Vec<Block>,
     mass: Vec<f64>,
     columns: Vec<[f64; ROWS]>,
-    /// The same side by side, row by row, so that sums over columns are vector instructions.
-    rows: Vec<f64>,
+    /// For one side of a patch: its columns times the patch's stiffness, transposed and not, row by row.
+    pushed: [Vec<f64>; 2],
     nodes: Vec<Node>,
     patches: Vec<Patch>,
     stops: Vec<Stop>,
@@ -108,9 +108,7 @@ pub struct Solver {
     impulse: Vec<f64>,
     residual: Vec<f64>,
     step: Vec<f64>,
-    /// For each block, the first block that it shares a patch with; the block itself if there is none before it.
-    first_block: Vec<usize>,
-    matrix: Envelope,
+    matrix: BlockMatrix,
 }
 
 impl Solver {

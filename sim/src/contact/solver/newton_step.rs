@@ -8,47 +8,15 @@ use super::{Patch, ROWS, Solver, split};
 const MAX_SEARCH: usize = 20;
 
 impl Solver {
-    /// Sets the shape of the matrix. A row begins at the first block that shares a patch with the row's own block.
-    pub(super) fn shape_matrix(&mut self) {
-        let first = &mut self.first_block;
-        first.clear();
-        first.extend(0..self.blocks.len());
-        for patch in &self.patches {
-            if let [Some(a), Some(b)] = &patch.sides {
-                let (low, high) = (a.block.min(b.block), a.block.max(b.block));
-                first[high] = first[high].min(low);
-            }
-        }
-        let blocks = &self.blocks;
-        let rows = blocks.iter().zip(first.iter());
-        let columns = rows.flat_map(|(block, first)| std::iter::repeat_n(blocks[*first].offset, block.size));
-        self.matrix.reset(columns);
-    }
-
-    /// Writes the columns of each side row by row.
-    pub(super) fn turn_columns(&mut self) {
-        self.rows.resize(ROWS * self.columns.len(), 0.0);
-        for side in self.patches.iter().flat_map(|patch| patch.sides.iter().flatten()) {
-            let size = self.blocks[side.block].size;
-            let rows = &mut self.rows[ROWS * side.columns..][..ROWS * size];
-            for (at, column) in self.columns[side.columns..][..size].iter().enumerate() {
-                for (row, entry) in column.iter().enumerate() {
-                    rows[row * size + at] = *entry;
-                }
-            }
-        }
-    }
-
     /// Assembles the matrix M + Σ Jᵀ (−∂λ/∂v) J. With `is_coupled`, friction changes with the normal impulse, which
     /// makes the matrix unsymmetric.
     pub(super) fn assemble(&mut self, is_coupled: bool) {
         self.matrix.clear();
-        for block in &self.blocks {
+        for (index, block) in self.blocks.iter().enumerate() {
             for row in 0..block.size {
-                let mass = &self.mass[block.mass + row * block.size..][..=row];
-                let at = block.offset + row;
-                for entries in self.matrix.row_and_column_mut(at, block.offset) {
-                    entries.copy_from_slice(mass);
+                let mass = &self.mass[block.mass + row * block.size..][..block.size];
+                for entries in self.matrix.entries_mut(index, index, row).into_iter().flatten() {
+                    entries[..block.size].copy_from_slice(mass);
                 }
             }
         }
@@ -58,20 +26,24 @@ impl Solver {
                 continue;
             }
             for own in patch.sides.iter().flatten() {
-                let own_block = self.blocks[own.block];
-                for row in 0..own_block.size {
-                    let column = &self.columns[own.columns + row];
-                    let sides = [stiffness.transposed_times(column), stiffness.times(column)];
-                    for other in patch.sides.iter().flatten() {
-                        if other.block > own.block {
-                            continue;
+                // Side by side for all rows of the block: Jᵀ times the stiffness, for its rows and for its columns.
+                let width = self.matrix.width(own.block);
+                let own_columns = &self.columns[own.columns..][..self.blocks[own.block].size];
+                for (pushed, side) in self.pushed.iter_mut().zip([Stiffness::transposed_times, Stiffness::times]) {
+                    pushed.clear();
+                    pushed.resize(ROWS * width, 0.0);
+                    for (at, column) in own_columns.iter().enumerate() {
+                        for (row, entry) in side(&stiffness, column).into_iter().enumerate() {
+                            pushed[row * width + at] = entry;
                         }
-                        let other_block = self.blocks[other.block];
-                        let width = if other.block == own.block { row + 1 } else { other_block.size };
-                        let rows = &self.rows[ROWS * other.columns..][..ROWS * other_block.size];
-                        let targets = self.matrix.row_and_column_mut(own_block.offset + row, other_block.offset);
-                        for (target, pushed) in targets.into_iter().zip(&sides) {
-                            add_products(&mut target[..width], pushed, rows);
+                    }
+                }
+                for other in patch.sides.iter().flatten().filter(|other| other.block <= own.block) {
+                    let other_columns = &self.columns[other.columns..][..self.blocks[other.block].size];
+                    for (at, column) in other_columns.iter().enumerate() {
+                        let targets = self.matrix.entries_mut(own.block, other.block, at);
+                        for (target, pushed) in targets.into_iter().flatten().zip(&self.pushed) {
+                            add_products(target, column, pushed);
                         }
                     }
                 }
@@ -79,8 +51,9 @@ impl Solver {
         }
         for stop in &self.stops {
             let (_, stiffness) = stop.response(stop.sign * self.velocity[stop.index], self.step_s);
-            let [row, _] = self.matrix.row_and_column_mut(stop.index, stop.index);
-            row[0] += stiffness;
+            if let Some(entry) = self.matrix.diagonal_mut(stop.index) {
+                *entry += stiffness;
+            }
         }
     }
 
@@ -151,17 +124,17 @@ impl Solver {
     }
 }
 
-/// Adds to each entry the product of `pushed` with its column, of which `rows` holds the rows one after the other.
-fn add_products(entries: &mut [f64], pushed: &[f64; ROWS], rows: &[f64]) {
-    let (size, count) = (rows.len() / ROWS, entries.len());
-    let [a, b, c, d, e, f]: [&[f64]; ROWS] = std::array::from_fn(|row| &rows[row * size..][..count]);
-    for at in 0..count {
-        entries[at] += pushed[0] * a[at]
-            + pushed[1] * b[at]
-            + pushed[2] * c[at]
-            + pushed[3] * d[at]
-            + pushed[4] * e[at]
-            + pushed[5] * f[at];
+/// Adds to each entry the product of its column of `pushed`, whose rows are one after the other, with `column`.
+fn add_products(entries: &mut [f64], column: &[f64; ROWS], pushed: &[f64]) {
+    let width = entries.len();
+    let [a, b, c, d, e, f]: [&[f64]; ROWS] = std::array::from_fn(|row| &pushed[row * width..][..width]);
+    for at in 0..width {
+        entries[at] += column[0] * a[at]
+            + column[1] * b[at]
+            + column[2] * c[at]
+            + column[3] * d[at]
+            + column[4] * e[at]
+            + column[5] * f[at];
     }
 }
 

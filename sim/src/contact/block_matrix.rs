@@ -1,0 +1,293 @@
+//! LU factorization of a matrix of blocks, of which only those are stored that are not zero.
+
+/// Entries of a block that are computed side by side. The compiler turns loops over so many into vector instructions.
+const LANES: usize = 4;
+
+/// The rows and columns of one block on the diagonal.
+#[derive(Clone, Copy, Debug)]
+struct Block {
+    /// Its first row and column.
+    start: usize,
+    size: usize,
+    /// The size, rounded up to whole lanes.
+    width: usize,
+    /// Where the values of its rows begin.
+    base: usize,
+}
+
+/// A square matrix with a symmetric pattern of blocks. The factorization does not pivot.
+#[derive(Clone, Debug, Default)]
+pub struct BlockMatrix {
+    blocks: Vec<Block>,
+    /// Row by row, where the values of each block begin; `None` where all are zero, also in the factors.
+    places: Vec<Option<usize>>,
+    /// The rows of each block, column by column. The diagonal is here.
+    lower: Vec<f64>,
+    /// The columns of each block, row by row. Within a block on the diagonal, an entry counts only above the diagonal here,
+    /// and only below it in `lower`.
+    upper: Vec<f64>,
+    /// What a block of the factorization is computed from: where the values of its own row are, those of the other row, and
+    /// their number.
+    terms: Vec<(usize, usize, usize)>,
+}
+
+impl BlockMatrix {
+    /// Sets the sizes of the blocks and the pairs that are not zero beside the diagonal, and all values to zero.
+    pub fn reset(&mut self, sizes: impl IntoIterator<Item = usize>, pairs: impl IntoIterator<Item = [usize; 2]>) {
+        self.blocks.clear();
+        let mut start = 0;
+        for size in sizes {
+            self.blocks.push(Block { start, size, width: size.next_multiple_of(LANES), base: 0 });
+            start += size;
+        }
+        let count = self.blocks.len();
+        self.places.clear();
+        self.places.resize(count * count, None);
+        for [a, b] in pairs {
+            self.places[a.max(b) * count + a.min(b)] = Some(0);
+        }
+        let mut end = 0;
+        for own in 0..count {
+            self.blocks[own].base = end;
+            for other in 0..=own {
+                let has = |row: usize, column: usize| self.places[row * count + column].is_some();
+                if own == other || has(own, other) || (0..other).any(|before| has(own, before) && has(other, before)) {
+                    self.places[own * count + other] = Some(end);
+                    end += self.blocks[other].size * self.blocks[own].width;
+                }
+            }
+        }
+        for values in [&mut self.lower, &mut self.upper] {
+            values.clear();
+            values.resize(end, 0.0);
+        }
+    }
+
+    /// Sets all values to zero.
+    pub fn clear(&mut self) {
+        self.lower.fill(0.0);
+        self.upper.fill(0.0);
+    }
+
+    /// The size of a block, rounded up to whole lanes.
+    pub fn width(&self, block: usize) -> usize {
+        self.blocks[block].width
+    }
+
+    fn place(&self, own: usize, other: usize) -> Option<usize> {
+        self.places[own * self.blocks.len() + other]
+    }
+
+    /// The entries of one column of the block `other` in the rows of the block `own`, and those of one row of `other` in the
+    /// columns of `own`; zeros fill the last lanes. `other` is the same block or an earlier one. `None` if all are zero.
+    pub fn entries_mut(&mut self, own: usize, other: usize, at: usize) -> Option<[&mut [f64]; 2]> {
+        let width = self.width(own);
+        let from = self.place(own, other)? + at * width;
+        Some([&mut self.lower[from..from + width], &mut self.upper[from..from + width]])
+    }
+
+    /// An entry of the diagonal.
+    pub fn diagonal_mut(&mut self, index: usize) -> Option<&mut f64> {
+        let own = self.blocks.partition_point(|block| block.start <= index) - 1;
+        let at = index - self.blocks[own].start;
+        let from = self.place(own, own)? + at * self.width(own);
+        self.lower.get_mut(from + at)
+    }
+
+    /// Replaces the matrix by its factors: L with ones on its diagonal below, U above, and the reciprocals of U's
+    /// diagonal on the diagonal. Returns whether all of U's diagonal is positive, as it is for a positive definite
+    /// matrix.
+    pub fn factorize(&mut self) -> bool {
+        let mut terms = std::mem::take(&mut self.terms);
+        let is_positive = (0..self.blocks.len()).all(|own| {
+            for other in 0..own {
+                if let Some(place) = self.place(own, other) {
+                    self.find_terms(own, other, &mut terms);
+                    self.eliminate(own, other, place, &terms);
+                }
+            }
+            self.find_terms(own, own, &mut terms);
+            self.factorize_diagonal(own, &terms)
+        });
+        self.terms = terms;
+        is_positive
+    }
+
+    /// Both rows have values in these blocks before `other`.
+    fn find_terms(&self, own: usize, other: usize, terms: &mut Vec<(usize, usize, usize)>) {
+        terms.clear();
+        let places = |before| self.place(own, before).zip(self.place(other, before));
+        let common = (0..other).filter_map(|before| places(before).map(|(mine, theirs)| (mine, theirs, before)));
+        terms.extend(common.map(|(mine, theirs, before)| (mine, theirs, self.blocks[before].size)));
+    }
+
+    /// Computes the factors in a block beside the diagonal.
+    fn eliminate(&mut self, own: usize, other: usize, place: usize, terms: &[(usize, usize, usize)]) {
+        let (width, base) = (self.blocks[own].width, self.blocks[own].base);
+        let Block { size, width: stride, .. } = self.blocks[other];
+        let Some(diagonal) = self.place(other, other) else { return };
+        let (lower_above, lower) = self.lower.split_at_mut(base);
+        let (upper_above, upper) = self.upper.split_at_mut(base);
+        for column in 0..size {
+            let inverse = lower_above[diagonal + column * stride + column];
+            for lanes in (0..width).step_by(LANES) {
+                let mut sums = [[0.0; LANES]; 2];
+                for (mine, theirs, count) in terms.iter().copied().chain([(place, diagonal, column)]) {
+                    for before in 0..count {
+                        let factor = theirs + before * stride + column;
+                        let from = mine - base + before * width + lanes;
+                        add(&mut sums[0], upper_above[factor], &lower[from..from + LANES]);
+                        add(&mut sums[1], lower_above[factor], &upper[from..from + LANES]);
+                    }
+                }
+                let here = place - base + column * width + lanes;
+                for lane in 0..LANES {
+                    lower[here + lane] = (lower[here + lane] - sums[0][lane]) * inverse;
+                    upper[here + lane] -= sums[1][lane];
+                }
+            }
+        }
+    }
+
+    /// Computes the factors in a block on the diagonal.
+    fn factorize_diagonal(&mut self, own: usize, terms: &[(usize, usize, usize)]) -> bool {
+        let Block { size, width, .. } = self.blocks[own];
+        let Some(place) = self.place(own, own) else { return false };
+        let (lower, upper) = (&mut self.lower, &mut self.upper);
+        for row in 0..size {
+            // Entries of earlier rows and columns are not needed.
+            for lanes in (row / LANES * LANES..width).step_by(LANES) {
+                let mut sums = [[0.0; LANES]; 2];
+                for (mine, _, count) in terms.iter().copied().chain([(place, place, row)]) {
+                    for from in (mine..).step_by(width).take(count) {
+                        let range = from + lanes..from + lanes + LANES;
+                        add(&mut sums[0], upper[from + row], &lower[range.clone()]);
+                        add(&mut sums[1], lower[from + row], &upper[range]);
+                    }
+                }
+                let here = place + row * width + lanes;
+                for lane in 0..LANES {
+                    lower[here + lane] -= sums[0][lane];
+                    upper[here + lane] -= sums[1][lane];
+                }
+            }
+            let here = place + row * width;
+            let pivot = lower[here + row];
+            if pivot <= 0.0 {
+                return false;
+            }
+            let inverse = 1.0 / pivot;
+            lower[here + row + 1..here + size].iter_mut().for_each(|entry| *entry *= inverse);
+            lower[here + row] = inverse;
+        }
+        true
+    }
+
+    /// Solves for the right-hand side `x` in place. The matrix must have been factorized.
+    pub fn solve(&self, x: &mut [f64]) {
+        for (own, block) in self.blocks.iter().enumerate() {
+            let (before, right) = x.split_at_mut(block.start);
+            for (entries, at) in self.row(own) {
+                subtract(right, before[at], &self.lower[entries..entries + block.size]);
+            }
+            for (row, entries) in self.on_diagonal(own) {
+                let (above, below) = right.split_at_mut(row + 1);
+                subtract(below, above[row], &self.lower[entries + row + 1..entries + block.size]);
+            }
+        }
+        for (own, block) in self.blocks.iter().enumerate().rev() {
+            let (before, right) = x.split_at_mut(block.start);
+            for (row, entries) in self.on_diagonal(own).rev() {
+                let known = dot(&self.upper[entries + row + 1..entries + block.size], &right[row + 1..]);
+                right[row] = (right[row] - known) * self.lower[entries + row];
+            }
+            for (entries, at) in self.row(own) {
+                before[at] -= dot(&self.upper[entries..entries + block.size], right);
+            }
+        }
+    }
+
+    /// Where the entries of a block's rows before the diagonal are, and their columns.
+    fn row(&self, own: usize) -> impl Iterator<Item = (usize, usize)> {
+        let width = self.blocks[own].width;
+        let stored = (0..own).filter_map(move |other| Some((self.place(own, other)?, self.blocks[other])));
+        stored.flat_map(move |(place, other)| (0..other.size).map(move |at| (place + at * width, other.start + at)))
+    }
+
+    /// The rows of a block on the diagonal, and where their entries are.
+    fn on_diagonal(&self, own: usize) -> impl DoubleEndedIterator<Item = (usize, usize)> {
+        let Block { size, width, .. } = self.blocks[own];
+        let place = self.place(own, own).unwrap_or_default();
+        (0..size).map(move |row| (row, place + row * width))
+    }
+}
+
+/// Adds the multiple of some entries.
+fn add(sums: &mut [f64; LANES], factor: f64, entries: &[f64]) {
+    for (sum, entry) in sums.iter_mut().zip(entries) {
+        *sum += factor * entry;
+    }
+}
+
+/// Subtracts the multiple of some entries.
+fn subtract(from: &mut [f64], factor: f64, entries: &[f64]) {
+    for (value, entry) in from.iter_mut().zip(entries) {
+        *value -= factor * entry;
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{DMatrix, DVector};
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Tests solutions against nalgebra's dense LU, for random matrices of blocks with random sizes and patterns.
+        #[test]
+        fn solutions_are_those_of_the_dense_matrix(
+            sizes in prop::collection::vec(1..8usize, 1..6),
+            are_pairs in prop::collection::vec(prop::bool::ANY, 36),
+            values in prop::collection::vec(-1.0..1.0f64, 40 * 40),
+            right in prop::collection::vec(-1.0..1.0f64, 40),
+        ) {
+            let starts: Vec<usize> = (0..=sizes.len()).map(|end| sizes[..end].iter().sum()).collect();
+            let pairs: Vec<[usize; 2]> = (0..sizes.len())
+                .flat_map(|own| (0..own).map(move |other| [own, other]))
+                .filter(|[own, other]| are_pairs[6 * own + other])
+                .collect();
+            let size = starts[sizes.len()];
+            let mut dense = DMatrix::<f64>::identity(size, size) * 200.0;
+            let mut matrix = BlockMatrix::default();
+            matrix.reset(sizes.iter().copied(), pairs.iter().copied());
+            for [own, other] in (0..sizes.len()).map(|own| [own, own]).chain(pairs) {
+                for at in 0..sizes[other] {
+                    let [lower, upper] = matrix.entries_mut(own, other, at).unwrap();
+                    for place in 0..sizes[own] {
+                        let (row, column) = (starts[own] + place, starts[other] + at);
+                        if row != column {
+                            dense[(row, column)] = values[row * size + column];
+                            dense[(column, row)] = values[column * size + row];
+                        }
+                        (lower[place], upper[place]) = (dense[(row, column)], dense[(column, row)]);
+                    }
+                }
+            }
+            for index in 0..size {
+                *matrix.diagonal_mut(index).unwrap() += 1.0;
+                dense[(index, index)] += 1.0;
+            }
+            let mut found = right[..size].to_vec();
+            prop_assert!(matrix.factorize());
+            matrix.solve(&mut found);
+            let expected = dense.lu().solve(&DVector::from_row_slice(&right[..size])).unwrap();
+            for (found, expected) in found.iter().zip(expected.iter()) {
+                prop_assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+            }
+        }
+    }
+}
