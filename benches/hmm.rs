@@ -32,9 +32,7 @@ fn press(category: &str, force_n: f64, number: u64) -> Trial {
             Sample {
                 time_s: f64::from(index) * 0.01,
                 force_n: force_n * (3.0 * phase).min(1.0) * (4.0 * (1.0 - phase)).min(1.0) * ripple,
-                motion_m: None,
-                region: None,
-                touched: None,
+                ..Sample::default()
             }
         })
         .collect();

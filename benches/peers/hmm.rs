@@ -110,13 +110,7 @@ fn read(text: &str) -> Result<Vec<Trial>, Box<dyn Error>> {
                 samples: Vec::new(),
             });
         }
-        let sample = Sample {
-            time_s: cells[time_s].parse()?,
-            force_n: cells[force_n].parse()?,
-            motion_m: None,
-            region: None,
-            touched: None,
-        };
+        let sample = Sample { time_s: cells[time_s].parse()?, force_n: cells[force_n].parse()?, ..Sample::default() };
         if let Some(open) = trials.last_mut() {
             open.samples.push(sample);
         }

@@ -35,7 +35,7 @@
 //!         .map(|t| {
 //!             let time_s = f64::from(t) * 0.01;
 //!             let force_n = stiffness_n_per_m * 0.05 * time_s * (1.0 + 0.2 * (k as f64 + 0.7 * f64::from(t)).sin());
-//!             Sample { time_s, force_n, motion_m: None, region: None, touched: None }
+//!             Sample { time_s, force_n, ..Sample::default() }
 //!         })
 //!         .collect();
 //!     Trial { trial: k, category: category.map(str::to_owned), reach: None, patch: None, taxel: None, samples }

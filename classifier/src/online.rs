@@ -44,6 +44,12 @@ pub enum OnlineError {
         /// The patch.
         patch: String,
     },
+    /// A feature is a channel, which frames do not have.
+    #[error("{feature} is a column of a table of trials, and frames have none; use a model without {feature}")]
+    NoChannel {
+        /// Name of the feature.
+        feature: &'static str,
+    },
 }
 
 /// Which taxels are classified, and how.
@@ -104,9 +110,7 @@ pub struct TaxelVerdict {
 ///     let sample = |t: u32| Sample {
 ///         time_s: 0.01 * f64::from(t),
 ///         force_n: force_n + 0.01 * (k as f64 + f64::from(t)),
-///         motion_m: None,
-///         region: None,
-///         touched: None,
+///         ..Sample::default()
 ///     };
 ///     Trial { trial: k, category: Some(category.into()), samples: (0..20).map(sample).collect(), ..Trial::default() }
 /// };
@@ -158,10 +162,13 @@ impl OnlineClassifier {
     ///
     /// # Errors
     /// [`OnlineError`] if the patch is unknown, the threshold, the priors or the rule does not fit, or a feature
-    /// describes the contact region and the patch has no grid.
+    /// describes the contact region and the patch has no grid, or is a channel.
     pub fn new(classifier: &dyn Classifier, layout: &SkinLayout, options: &OnlineOptions) -> Result<Self, OnlineError> {
         let categories = classifier.categories();
         let image = PatchImage::new(layout, options.patch.as_deref(), options.threshold_n)?;
+        if let Some(feature) = classifier.features().channels().next() {
+            return Err(OnlineError::NoChannel { feature: feature.name });
+        }
         let no_region = |feature| OnlineError::NoRegion { feature, patch: image.patch().name.clone() };
         let regions = match classifier.features().of_region().next() {
             None => None,
@@ -243,7 +250,7 @@ impl OnlineClassifier {
             force_n: self.image.sensed_force_n(taxel),
             motion_m: Some(contact.travel.to(position_world)),
             region: self.regions.as_ref().and_then(|regions| regions.of(taxel)),
-            touched: None,
+            ..Sample::default()
         };
         let pushed = self.scorer.push(slot, &sample);
         contact.scored = pushed.map_err(|fault| OnlineError::BadSample { taxel, fault })?;

@@ -26,9 +26,7 @@ fn trial(forces_n: &[f64]) -> Trial {
     let sample = |(index, force_n): (usize, &f64)| Sample {
         time_s: 0.01 * index as f64,
         force_n: *force_n,
-        motion_m: None,
-        region: None,
-        touched: None,
+        ..Sample::default()
     };
     Trial {
         trial: 1,

@@ -30,8 +30,7 @@ fn trials() -> Vec<Trial> {
             trials.push(Trial { trial, category, reach: None, patch: None, taxel: None, samples: Vec::new() });
         }
         let number = |column: usize| cells[column].parse::<f64>().unwrap();
-        let sample =
-            Sample { time_s: number(2), force_n: number(3), motion_m: Some(number(4)), region: None, touched: None };
+        let sample = Sample { time_s: number(2), force_n: number(3), motion_m: Some(number(4)), ..Sample::default() };
         trials.last_mut().unwrap().samples.push(sample);
     }
     trials

@@ -10,15 +10,10 @@ use crate::failure::Failure;
 /// One sample of the sequence with this name.
 ///
 /// # Errors
-/// [`Failure::Input`] for features that a sequence cannot hold, and for an area that is no number of taxels.
+/// [`Failure::Input`] for an area that is no number of taxels.
 fn sample(name: &str, set: &FeatureSet, numbers: &[f64], place: usize) -> Result<Sample, Failure> {
-    let mut sample = Sample {
-        time_s: place as f64 * underbrush_recording::FRAME_PERIOD_S,
-        force_n: 0.0,
-        motion_m: None,
-        region: None,
-        touched: None,
-    };
+    let mut sample =
+        Sample { time_s: place as f64 * underbrush_recording::FRAME_PERIOD_S, force_n: 0.0, ..Sample::default() };
     let mut region = Region { taxels: 1, largest_force_n: 0.0, force_sum_n: 0.0 };
     for (feature, number) in set.iter().zip(numbers) {
         match feature.column {
@@ -35,9 +30,7 @@ fn sample(name: &str, set: &FeatureSet, numbers: &[f64], place: usize) -> Result
             "region_taxels" => region.taxels = *number as u32,
             "region_largest_force_n" => region.largest_force_n = *number,
             "region_force_sum_n" => region.force_sum_n = *number,
-            other => {
-                return Err(Failure::argument("features", other, "force, motion", "give trials instead of sequences"));
-            }
+            column => sample.channels.push(column, *number),
         }
     }
     if set.of_region().next().is_some() {

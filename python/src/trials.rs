@@ -8,7 +8,7 @@ use pyo3::types::{IntoPyDict, PyBytes, PyCapsule, PySlice};
 use underbrush_classifier::DataSource;
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_experiments::model_data;
-use underbrush_recording::disk::{check_free, read_trials, trial_table, write_trials};
+use underbrush_recording::disk::{channel_names, check_free, read_trials, trial_table, write_trials_with};
 use underbrush_recording::{Sample, Trial};
 
 use crate::arguments::features;
@@ -110,7 +110,7 @@ impl Trials {
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> Result<(), Failure> {
         alone(py, || {
             check_free(&path, force)?;
-            Ok(write_trials(&path, self.list.iter().cloned())?)
+            Ok(write_trials_with(&path, &channel_names(&self.list), self.list.iter().cloned())?)
         })
     }
 

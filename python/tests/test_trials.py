@@ -68,6 +68,23 @@ def test_trials_come_from_data_frames(trials: ub.Trials) -> None:
         ub.Trials.from_dataframe(trials.to_pandas().drop(columns="force_n"))
 
 
+def test_any_column_is_a_feature(trials: ub.Trials, tmp_path: Path) -> None:
+    """Tests that a further column of a data frame is a channel: it comes back as sequences, padded and in files, and a
+    classifier uses it."""
+    frame = trials.to_pandas()
+    frame["shear"] = frame.force_n * np.where(frame.category == "leaf", -1.0, 1.0)
+    with_shear = ub.Trials.from_dataframe(frame)
+    both = with_shear.sequences(["force", "column:shear"])
+    assert all(np.array_equal(abs(own[:, 0]), abs(own[:, 1])) for own in both)
+    with_shear.save(tmp_path / "shear.parquet")
+    again = ub.Trials.load(tmp_path / "shear.parquet")
+    assert np.array_equal(again.padded("column:shear"), with_shear.padded("column:shear"), equal_nan=True)
+    model = ub.fit(with_shear, "naive-bayes", features=["column:shear"])
+    assert (np.array(model.predict(with_shear)) == np.array(with_shear.categories)).mean() > 0.95
+    sequences = ub.Trials.from_sequences([own[:, 1] for own in both], features=["column:shear"])
+    assert model.predict(sequences) == model.predict(with_shear)
+
+
 
 @pytest.mark.parametrize("name", [name for name, _ in ub.classifiers()])
 def test_models_equal_those_of_the_command_line(name: str, trials: ub.Trials, tmp_path: Path, command) -> None:

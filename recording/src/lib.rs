@@ -10,6 +10,7 @@
 pub mod audit;
 pub mod body;
 pub mod category;
+pub mod channels;
 pub mod contact_point;
 #[cfg(feature = "disk")]
 pub mod disk;
@@ -29,6 +30,7 @@ pub mod trial;
 pub use audit::{Audit, AuditCount, AuditField};
 pub use body::{Body, BodyOwner, BodyPart, BodyShape, TrackPoint};
 pub use category::Category;
+pub use channels::Channels;
 pub use contact_point::ContactPoint;
 pub use frame::{FRAME_PERIOD_S, Frame, Pose, TaxelReading};
 pub use input_error::InputError;

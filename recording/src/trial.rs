@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::Channels;
 use crate::limits::{self, Limits, short};
 
 /// One sample of a trial.
@@ -9,12 +10,12 @@ use crate::limits::{self, Limits, short};
 /// ```
 /// use underbrush_recording::Sample;
 ///
-/// let sample = Sample { time_s: 0.3, force_n: 1.2, motion_m: None, region: None, touched: None };
+/// let sample = Sample { time_s: 0.3, force_n: 1.2, ..Sample::default() };
 /// assert!(sample.fault().is_none());
 /// let (column, found, _) = Sample { force_n: f64::NAN, ..sample }.fault().expect("NaN is no force");
 /// assert_eq!((column, found.as_str()), ("force_n", "NaN"));
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// Time, s: since the start of the reach in data sets, from any origin in tables of other programs.
     pub time_s: f64,
@@ -31,6 +32,9 @@ pub struct Sample {
     /// input of a classifier.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub touched: Option<bool>,
+    /// What else was measured, for tables of other robots.
+    #[serde(default, skip_serializing_if = "Channels::is_empty")]
+    pub channels: Channels,
 }
 
 /// A contact region (paper, section III) at one instant: connected taxels in contact, whichever objects press them.
@@ -73,6 +77,9 @@ impl Sample {
                 return Some((column, short(value), limits.to_string()));
             }
         }
+        if let Some((_, number)) = self.channels.iter().find(|(_, number)| !number.is_finite()) {
+            return Some(("channels", number.to_string(), "finite numbers".into()));
+        }
         let region = self.region?;
         let (column, allowed) = region.fault()?;
         Some((column, format!("{region:?}"), allowed))
@@ -112,7 +119,7 @@ impl Region {
 /// ```
 /// use underbrush_recording::{Sample, Trial};
 ///
-/// let sample = |time_s, touched| Sample { time_s, force_n: 0.5, motion_m: None, region: None, touched };
+/// let sample = |time_s, touched| Sample { time_s, force_n: 0.5, touched, ..Sample::default() };
 /// let trial = Trial { samples: vec![sample(0.0, Some(false)), sample(0.01, None)], ..Trial::default() };
 /// // The second sample may have been a contact.
 /// assert_eq!(trial.touched(), None);

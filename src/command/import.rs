@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 use underbrush_exchange::import::{Mapping, import};
-use underbrush_recording::disk::write_trials;
+use underbrush_recording::disk::{channel_names, write_trials_with};
 
 use super::overwrite::Overwrite;
 use crate::failure::Failure;
@@ -41,7 +41,7 @@ pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
     }
     let (trials, frames, reaches) = (imported.trials.len(), imported.frames, imported.reaches);
     let samples: usize = imported.trials.iter().map(|trial| trial.samples.len()).sum();
-    write_trials(&options.out, imported.trials)?;
+    write_trials_with(&options.out, &channel_names(&imported.trials), imported.trials)?;
     let file = options.out.display().to_string();
     // The empty name is for trials without a category.
     let written = json!({

@@ -84,6 +84,38 @@ fn trials_through_csv_are_those_of_the_data_set() {
     ]);
 }
 
+/// Tests that a channel of a log goes through import, training and evaluation: two categories differ in shear alone, so force
+/// does not tell them apart and shear does; and that a live stream, which has no channels, is refused.
+#[test]
+fn a_channel_of_a_log_is_a_feature() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, table, model] = ["log.csv", "trials.csv", "model.json"].map(|name| folder.path().join(name));
+    let mut log = "run,what,force,shear\n".to_owned();
+    for run in 0..20 {
+        let (what, shear) = if run % 2 == 0 { ("leaf", -0.2) } else { ("trunk", 0.2) };
+        for frame in 0..30 {
+            let force = if frame == 0 { 0.0 } else { 1.0 + 0.1 * f64::from((run / 2 + frame) % 5) };
+            log += &format!("{run},{what},{force},{}\n", shear + 0.02 * f64::from(frame % 4));
+        }
+    }
+    std::fs::write(&file, log).unwrap();
+    let text = "[time]\nrate_hz = 100\n[force]\nfrom = \"force\"\n[trial]\ncategory_from = \"what\"\nreach_from = \"run\"\n\
+                [[channel]]\nname = \"shear_n\"\nfrom = \"shear\"\n";
+    let map = mapping(folder.path(), text);
+    underbrush!["import", file, "--mapping", map, "--out", table].success();
+    let accuracy = |features: &str| {
+        let arguments = ["--classifier", "trees", "--features", features];
+        let [a, b, c, d] = arguments;
+        underbrush!["train", table, "--out", model, a, b, c, d, "--force"].success();
+        underbrush!["evaluate", table, "--model", model, "--json"].json()["accuracy"].as_f64().unwrap()
+    };
+    assert!(accuracy("force") <= 0.5);
+    assert_eq!(accuracy("force,column:shear_n"), 1.0);
+    underbrush!["classify", model, "-"].refused(&["column:shear_n", "a column of a table of trials"]);
+    underbrush!["train", table, "--out", model, "--features", "column:slip", "--force"]
+        .refused(&["has no slip, which the feature column:slip needs"]);
+}
+
 /// Tests that an error in the mapping shows its line, and that a log that does not exist is named.
 #[test]
 fn what_cannot_be_imported_is_refused() {

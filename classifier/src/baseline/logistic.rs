@@ -55,7 +55,7 @@ const PENALTY: Limits = Limits::new(1e-12, 1e6, "nats");
 ///             force_n: newtons * f64::from(k) + 0.01 * number as f64,
 ///             motion_m: Some(0.001 * f64::from(k)),
 ///             region: Some(Region { taxels: 2, largest_force_n: newtons * 30.0, force_sum_n: newtons * 40.0 }),
-///             touched: None,
+///             ..Sample::default()
 ///         })
 ///         .collect(),
 /// };

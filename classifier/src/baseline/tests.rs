@@ -21,7 +21,7 @@ fn press(number: u64, category: &str, newtons_per_s: f64, taxels: u32, length: u
             force_n,
             motion_m: Some(0.1 * time_s),
             region: Some(Region { taxels, largest_force_n: 1.5 * force_n, force_sum_n: f64::from(taxels) * force_n }),
-            touched: None,
+            ..Sample::default()
         }
     });
     Trial {
@@ -148,7 +148,7 @@ fn windows_are_padded_with_their_last_sample() {
     let short = press(1000, "leaf", 3.0, 3, 10);
     let mut held = short.clone();
     for k in 10..90 {
-        let mut sample = short.samples[9];
+        let mut sample = short.samples[9].clone();
         sample.time_s = 0.01 * f64::from(k);
         held.samples.push(sample);
     }
@@ -256,7 +256,7 @@ fn peak_force_sees_the_peak_alone() {
         let mut trial = of(99, "leaf", peak_n);
         let scores = classifier.scores(&trial).unwrap();
         assert_eq!(scores[0] > scores[1], is_leaf, "{peak_n} N: {scores:?}");
-        trial.samples.push(Sample { time_s: 0.5, force_n: 0.5 * peak_n, ..trial.samples[0] });
+        trial.samples.push(Sample { time_s: 0.5, force_n: 0.5 * peak_n, ..trial.samples[0].clone() });
         assert_eq!(classifier.scores(&trial).unwrap(), scores);
     }
     assert!((kind.estimator)(Some(FeatureSet::new([&MOTION]))).fit(&trials.iter().collect::<Vec<_>>()).is_err());

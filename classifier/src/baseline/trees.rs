@@ -39,7 +39,7 @@ pub(crate) const KIND: ClassifierKind = fitted::kind::<Trees>(
 ///     reach: None,
 ///     patch: None,
 ///     taxel: None,
-///     samples: vec![Sample { time_s: 0.01, force_n: newtons, motion_m: None, region: None, touched: None }],
+///     samples: vec![Sample { time_s: 0.01, force_n: newtons, ..Sample::default() }],
 /// };
 /// let of = |k: u32| {
 ///     let force_n = 0.1 * f64::from(k);

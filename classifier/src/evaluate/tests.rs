@@ -71,8 +71,7 @@ fn trials(leaves: u64, trunks: u64) -> Vec<Trial> {
                     time_s: 0.01 * k,
                     force_n,
                     motion_m: Some(speed * 0.01 * k * wobble(k + 0.5)),
-                    region: None,
-                    touched: None,
+                    ..Sample::default()
                 }
             })
             .collect();

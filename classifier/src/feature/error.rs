@@ -88,6 +88,12 @@ pub enum FeatureError {
         /// Name of the feature.
         found: &'static str,
     },
+    /// More features than a classifier can have.
+    #[error("too many features are listed; list at most {allowed}")]
+    TooMany {
+        /// The largest number of features.
+        allowed: usize,
+    },
     /// An empty list.
     #[error("no features are listed; list at least one of {}", known())]
     NoFeatures,
@@ -95,5 +101,5 @@ pub enum FeatureError {
 
 /// The names of all features, as a list in a sentence.
 fn known() -> String {
-    FEATURES.map(|feature| feature.name).join(", ")
+    format!("{}, and column:NAME for any column of a table of trials", FEATURES.map(|feature| feature.name).join(", "))
 }

@@ -1,9 +1,12 @@
 //! The list of features that a classifier can use of each sample.
 
 use std::cmp::Ordering;
+use std::collections::BTreeMap;
 use std::fmt;
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use underbrush_recording::limits::{self, Limits};
+use underbrush_recording::plain_text::is_plain;
 use underbrush_recording::{Region, Sample};
 
 /// One number per sample: its name, its range with the unit, and how it is read.
@@ -18,8 +21,8 @@ pub struct Feature {
     pub limits: Limits,
     /// Factor that scales typical values to about one, for classifiers that do not standardize their input.
     pub to_order_one: f64,
-    /// Reads it from a sample; `None` if the sample has no such value.
-    pub read: fn(&Sample) -> Option<f64>,
+    /// Reads the value of the column from a sample; `None` if the sample has no such value.
+    pub(super) read: fn(&Sample, column: &str) -> Option<f64>,
     /// Whether it describes the contact region. If so, live data need a patch whose taxels form a grid.
     pub of_region: bool,
 }
@@ -31,7 +34,7 @@ pub const FORCE: Feature = Feature {
     description: "sensed force, N: of the taxel, or the largest in the component",
     limits: limits::FORCE_N,
     to_order_one: 1.0,
-    read: |sample| Some(sample.force_n),
+    read: |sample, _| Some(sample.force_n),
     of_region: false,
 };
 
@@ -42,7 +45,7 @@ pub const MOTION: Feature = Feature {
     description: "contact motion, m: how far the contact has travelled since it began",
     limits: limits::MOTION_M,
     to_order_one: 100.0,
-    read: |sample| sample.motion_m,
+    read: |sample, _| sample.motion_m,
     of_region: false,
 };
 
@@ -53,7 +56,7 @@ pub const AREA: Feature = Feature {
     description: "contact area: number of taxels in the contact region",
     limits: limits::REGION_TAXELS,
     to_order_one: 0.1,
-    read: |sample| region(sample, |region| f64::from(region.taxels)),
+    read: |sample, _| region(sample, |region| f64::from(region.taxels)),
     of_region: true,
 };
 
@@ -64,7 +67,7 @@ pub const REGION_MAX_FORCE: Feature = Feature {
     description: "largest sensed force in the contact region, N",
     limits: limits::REGION_LARGEST_FORCE_N,
     to_order_one: 1.0,
-    read: |sample| region(sample, |region| region.largest_force_n),
+    read: |sample, _| region(sample, |region| region.largest_force_n),
     of_region: true,
 };
 
@@ -75,21 +78,64 @@ pub const REGION_FORCE_SUM: Feature = Feature {
     description: "sum of the sensed forces in the contact region, N",
     limits: limits::REGION_FORCE_SUM_N,
     to_order_one: 0.1,
-    read: |sample| region(sample, |region| region.force_sum_n),
+    read: |sample, _| region(sample, |region| region.force_sum_n),
     of_region: true,
 };
 
-/// All features. To add one, write its entry above and name it here.
+/// All features but channels. To add one, write its entry above and name it here.
 pub const FEATURES: [&Feature; 5] = [&FORCE, &MOTION, &AREA, &REGION_MAX_FORCE, &REGION_FORCE_SUM];
 
 fn region(sample: &Sample, read: fn(&Region) -> f64) -> Option<f64> {
     sample.region.as_ref().map(read)
 }
 
+/// What the name of a channel begins with.
+pub(super) const CHANNEL: &str = "column:";
+
+/// The channels that were named so far. A feature lives as long as the program, so that sets of features can be copied.
+static CHANNELS: LazyLock<Mutex<BTreeMap<String, &'static Feature>>> = LazyLock::new(Mutex::default);
+
 impl Feature {
-    /// The feature with this name or column.
+    /// The feature with this name or column, or with `column:NAME` that of the column NAME of a table of trials
+    /// ([`underbrush_recording::Channels`]).
     pub fn find(name: &str) -> Option<&'static Feature> {
-        FEATURES.into_iter().find(|feature| feature.name == name || feature.column == name)
+        let column = name.strip_prefix(CHANNEL);
+        let listed = FEATURES.into_iter().find(|feature| match column {
+            Some(column) => feature.column == column,
+            None => feature.name == name || feature.column == name,
+        });
+        listed.or_else(|| column.filter(|column| !column.is_empty() && is_plain(column)).map(Feature::channel))
+    }
+
+    fn channel(column: &str) -> &'static Feature {
+        let mut channels = CHANNELS.lock().unwrap_or_else(PoisonError::into_inner);
+        channels.entry(column.to_owned()).or_insert_with(|| {
+            let name: &'static str = Box::leak(format!("{CHANNEL}{column}").into_boxed_str());
+            Box::leak(Box::new(Feature {
+                name,
+                column: &name[CHANNEL.len()..],
+                description: "a channel of a table of trials",
+                limits: Limits::new(f64::MIN, f64::MAX, ""),
+                to_order_one: 1.0,
+                read: |sample, column| sample.channels.get(column),
+                of_region: false,
+            }))
+        })
+    }
+
+    /// Its value in a sample; `None` if the sample has no such value.
+    pub fn read(&self, sample: &Sample) -> Option<f64> {
+        (self.read)(sample, self.column)
+    }
+
+    /// Whether it is a channel of a table of trials, of which the project knows no more than the name.
+    pub fn is_channel(&self) -> bool {
+        self.name.starts_with(CHANNEL)
+    }
+
+    /// Its name in files of models.
+    pub fn key(&self) -> &'static str {
+        if self.is_channel() { self.name } else { self.column }
     }
 }
 

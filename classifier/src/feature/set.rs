@@ -10,12 +10,13 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use underbrush_recording::{Sample, Trial};
 
 use super::error::{FeatureError, SampleFault};
-use super::list::{FEATURES, FORCE, Feature, MOTION};
+use super::list::{CHANNEL, FEATURES, FORCE, Feature, MOTION};
 use super::observations::Observations;
 
 /// The features that a classifier uses, in order: one or more, each listed once.
 ///
-/// As text, the names are joined by `+`, as in `force+motion`. Commas are read as well.
+/// As text, the names are joined by `+`, as in `force+motion`. Commas are read as well. `column:NAME` is the column NAME of a
+/// table of trials, whatever it holds.
 ///
 /// ```
 /// use underbrush_classifier::feature::FeatureSet;
@@ -28,8 +29,11 @@ use super::observations::Observations;
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FeatureSet {
     /// The features come first, then `None`.
-    features: [Option<&'static Feature>; FEATURES.len()],
+    features: [Option<&'static Feature>; MOST],
 }
+
+/// Most features of a set.
+const MOST: usize = 24;
 
 impl FeatureSet {
     /// Force alone, N (paper, section IV-C and IV-D).
@@ -39,7 +43,7 @@ impl FeatureSet {
 
     /// A set that is known when the program is compiled. The caller makes sure that no feature is listed twice.
     pub(crate) const fn new<const N: usize>(listed: [&'static Feature; N]) -> Self {
-        let mut features = [None; FEATURES.len()];
+        let mut features = [None; MOST];
         let mut index = 0;
         while index < N {
             features[index] = Some(listed[index]);
@@ -53,15 +57,17 @@ impl FeatureSet {
     /// # Errors
     /// [`FeatureError`] if a name is unknown or given twice, or there is none.
     pub fn from_names<S: AsRef<str>>(names: &[S]) -> Result<FeatureSet, FeatureError> {
-        let mut features = [None; FEATURES.len()];
+        let mut features = [None; MOST];
         for (index, name) in names.iter().enumerate() {
             let name = name.as_ref();
             let feature = Feature::find(name).ok_or_else(|| FeatureError::Unknown { found: name.to_owned() })?;
-            // A list longer than [`FEATURES`] must repeat a feature, so every valid list fits.
             if features.contains(&Some(feature)) {
                 return Err(FeatureError::Repeated { found: feature.name });
             }
-            features[index] = Some(feature);
+            let Some(place) = features.get_mut(index) else {
+                return Err(FeatureError::TooMany { allowed: MOST });
+            };
+            *place = Some(feature);
         }
         match features[0] {
             None => Err(FeatureError::NoFeatures),
@@ -79,9 +85,9 @@ impl FeatureSet {
         self.iter().map(|feature| feature.name).collect()
     }
 
-    /// Columns as in trial tables and model files.
+    /// Names as in model files: the columns of trial tables, and channels as `column:NAME`.
     pub fn columns(&self) -> Vec<&'static str> {
-        self.iter().map(|feature| feature.column).collect()
+        self.iter().map(Feature::key).collect()
     }
 
     /// Number of features.
@@ -92,6 +98,11 @@ impl FeatureSet {
     /// Whether a feature is in the set.
     pub fn contains(&self, feature: &Feature) -> bool {
         self.iter().any(|own| own == feature)
+    }
+
+    /// The channels, which only tables of trials have.
+    pub fn channels(&self) -> impl Iterator<Item = &'static Feature> {
+        self.iter().filter(|feature| feature.is_channel())
     }
 
     /// The features that describe the contact region.
@@ -106,7 +117,7 @@ impl FeatureSet {
     /// [`SampleFault`] if the sample lacks a feature, or one is NaN or infinite.
     pub fn read(&self, sample: &Sample, values: &mut [f64]) -> Result<(), SampleFault> {
         for (feature, place) in self.iter().zip(values) {
-            let value = (feature.read)(sample).ok_or(SampleFault::Missing(feature))?;
+            let value = feature.read(sample).ok_or(SampleFault::Missing(feature))?;
             if !value.is_finite() {
                 let column = feature.column;
                 return Err(SampleFault::NotFinite { column, value });
@@ -200,7 +211,9 @@ fn known_names() -> Vec<&'static str> {
 /// The JSON Schema of a list of features that [`FeatureSet::from_names`] reads.
 pub(crate) fn feature_list_schema(_: &mut SchemaGenerator) -> Schema {
     let names = known_names();
-    json_schema!({ "type": "array", "items": { "enum": names }, "minItems": 1, "uniqueItems": true })
+    let channel = json_schema!({ "type": "string", "pattern": format!("^{CHANNEL}.+") });
+    let item = json_schema!({ "anyOf": [{ "enum": names }, channel] });
+    json_schema!({ "type": "array", "items": item, "minItems": 1, "uniqueItems": true })
 }
 
 impl JsonSchema for FeatureSet {
@@ -209,7 +222,7 @@ impl JsonSchema for FeatureSet {
     }
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let name = format!(r"\s*({})\s*", known_names().join("|"));
+        let name = format!(r"\s*({}|{CHANNEL}[^+,]+)\s*", known_names().join("|"));
         json_schema!({
             "description": "One or more features, none twice, joined by `+`.",
             "type": "string",

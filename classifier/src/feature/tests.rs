@@ -6,13 +6,7 @@ fn trial(samples: &[(f64, Option<f64>)]) -> Trial {
     let samples = samples
         .iter()
         .enumerate()
-        .map(|(k, &(force_n, motion_m))| Sample {
-            time_s: k as f64 * 0.01,
-            force_n,
-            motion_m,
-            region: None,
-            touched: None,
-        })
+        .map(|(k, &(force_n, motion_m))| Sample { time_s: k as f64 * 0.01, force_n, motion_m, ..Sample::default() })
         .collect();
     Trial { trial: 7, category: None, reach: None, patch: None, taxel: None, samples }
 }
@@ -52,7 +46,7 @@ fn bad_lists_are_refused() {
 #[test]
 fn every_feature_reads_its_own_column() {
     let region = Region { taxels: 3, largest_force_n: 4.0, force_sum_n: 5.0 };
-    let sample = Sample { time_s: 0.0, force_n: 1.0, motion_m: Some(2.0), region: Some(region), touched: None };
+    let sample = Sample { time_s: 0.0, force_n: 1.0, motion_m: Some(2.0), region: Some(region), ..Sample::default() };
     let expected = [
         ("force_n", 1.0),
         ("motion_m", 2.0),
@@ -60,16 +54,16 @@ fn every_feature_reads_its_own_column() {
         ("region_largest_force_n", 4.0),
         ("region_force_sum_n", 5.0),
     ];
-    let found: Vec<_> = FEATURES.iter().map(|feature| (feature.column, (feature.read)(&sample).unwrap())).collect();
+    let found: Vec<_> = FEATURES.iter().map(|feature| (feature.column, feature.read(&sample).unwrap())).collect();
     assert_eq!(found, expected);
     for feature in FEATURES {
         assert_eq!(Feature::find(feature.name), Some(feature));
         assert_eq!(Feature::find(feature.column), Some(feature));
         let unit = feature.limits.unit.to_lowercase();
         assert!(feature.column.ends_with(&unit), "{} in {unit}", feature.column);
-        let bare = Sample { motion_m: None, region: None, ..sample };
-        assert_eq!((feature.read)(&bare).is_some(), feature.name == "force");
-        assert!(feature.limits.hold((feature.read)(&sample).unwrap()));
+        let bare = Sample { motion_m: None, region: None, ..sample.clone() };
+        assert_eq!(feature.read(&bare).is_some(), feature.name == "force");
+        assert!(feature.limits.hold(feature.read(&sample).unwrap()));
     }
 }
 
@@ -124,4 +118,24 @@ fn scaling_gives_zero_mean_and_unit_deviation() {
         Scaling::fit(FeatureSet::FORCE, constant.iter()),
         Err(FeatureError::Constant { feature: "force_n".into() })
     );
+}
+
+/// Tests how channels are named: as features and in files `column:NAME`, a known column by its feature, and nothing without a
+/// name.
+#[test]
+fn any_column_can_be_a_feature() {
+    let set: FeatureSet = "force,column:shear x [N]".parse().unwrap();
+    assert_eq!(
+        (set.to_string().as_str(), set.columns()),
+        ("force+column:shear x [N]", vec!["force_n", "column:shear x [N]"])
+    );
+    assert_eq!(FeatureSet::from_names(&set.columns()), Ok(set));
+    let channels = [("shear x [N]", -2.0)].into_iter().collect();
+    let mut values = [0.0; 2];
+    set.read(&Sample { force_n: 1.0, channels, ..Sample::default() }, &mut values).unwrap();
+    assert_eq!(values, [1.0, -2.0]);
+    assert_eq!("column:force_n".parse(), Ok(FeatureSet::FORCE));
+    assert!("column:".parse::<FeatureSet>().is_err());
+    let many: Vec<String> = (0..25).map(|index| format!("column:c{index}")).collect();
+    assert_eq!(FeatureSet::from_names(&many), Err(FeatureError::TooMany { allowed: 24 }));
 }

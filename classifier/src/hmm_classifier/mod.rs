@@ -55,9 +55,7 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
 ///         .map(|k| Sample {
 ///             time_s: 0.01 * f64::from(k),
 ///             force_n: newtons * f64::from(k) * (1.0 + 0.01 * number as f64),
-///             motion_m: None,
-///             region: None,
-///             touched: None,
+///             ..Sample::default()
 ///         })
 ///         .collect(),
 /// };

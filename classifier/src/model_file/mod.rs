@@ -44,8 +44,7 @@ use crate::{file_text, seal};
 ///             time_s: 0.01 * f64::from(k),
 ///             force_n: newtons * f64::from(k) + 0.01 * number as f64,
 ///             motion_m: Some(0.001 * f64::from(k)),
-///             region: None,
-///             touched: None,
+///             ..Sample::default()
 ///         })
 ///         .collect(),
 /// };

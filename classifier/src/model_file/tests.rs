@@ -16,7 +16,7 @@ fn trials() -> Vec<Trial> {
                 force_n,
                 motion_m: Some(0.05 * time_s * (1.0 + (number % 3) as f64)),
                 region: Some(Region { taxels: 1 + k % 3, largest_force_n: 1.5 * force_n, force_sum_n: 2.0 * force_n }),
-                touched: None,
+                ..Sample::default()
             }
         };
         Trial {
@@ -56,6 +56,51 @@ fn every_classifier_is_saved_and_loaded_bit_for_bit() {
             let scores = |model: &Model| model.classifier.scores_after(trial, &[1, 4, 9, 99]).unwrap();
             assert_eq!(scores(&loaded), scores(&model), "{}", kind.name);
         }
+    }
+}
+
+/// Trials of equal forces. Only a channel tells the categories apart.
+fn trials_with_shear() -> Vec<Trial> {
+    let press = |number: u32| {
+        let is_leaf = number.is_multiple_of(2);
+        let sample = |k: u32| Sample {
+            time_s: 0.01 * f64::from(k),
+            force_n: 1.0 + 0.1 * f64::from(k % 3),
+            motion_m: Some(0.0),
+            channels: [("shear", if is_leaf { -1.0 } else { 1.0 } + 0.3 * f64::from(number + k).sin())]
+                .into_iter()
+                .collect(),
+            ..Sample::default()
+        };
+        let category = if is_leaf { "leaf" } else { "trunk" };
+        let samples = (0..12).map(sample).collect();
+        Trial { trial: number.into(), category: Some(category.into()), samples, ..Trial::default() }
+    };
+    (0..20).map(press).collect()
+}
+
+/// Tests that every classifier that takes features tells categories apart by a channel alone, and does so after it was saved
+/// and loaded.
+#[test]
+fn a_channel_can_decide() {
+    let trials = trials_with_shear();
+    let features = "force,column:shear".parse().unwrap();
+    // These two see nothing but forces.
+    for kind in CLASSIFIERS.into_iter().filter(|kind| !["nearest-mean", "peak-force"].contains(&kind.name)) {
+        let estimator = (kind.estimator)(Some(features));
+        let model = Model::new(estimator.fit(&trials.iter().collect::<Vec<_>>()).unwrap());
+        let text = model.save_string().unwrap();
+        let loaded = Model::from_json("m.json", &text).unwrap();
+        assert_eq!(loaded.classifier.features(), features, "{}", kind.name);
+        let right = trials.iter().filter(|trial| {
+            let scores = loaded.classifier.scores_after(trial, &[12]).unwrap();
+            let verdict = if scores[0][0] > scores[0][1] { "leaf" } else { "trunk" };
+            trial.category.as_deref() == Some(verdict)
+        });
+        assert_eq!(right.count(), trials.len(), "{}", kind.name);
+        let bare = Trial { samples: vec![Sample::default()], ..Trial::default() };
+        let error = loaded.classifier.scores_after(&bare, &[1]).unwrap_err().to_string();
+        assert!(error.contains("has no shear, which the feature column:shear needs"), "{}: {error}", kind.name);
     }
 }
 

@@ -2,7 +2,7 @@
 //! while the contact lasts.
 //!
 //! An update costs the same for every sample and never looks ahead. Forces, motions and rates span decades, from grazes
-//! to full contacts, so they are compressed logarithmically.
+//! to full contacts, so they are compressed logarithmically. Channels are not, as their units are unknown.
 
 use underbrush_recording::{Sample, Trial};
 
@@ -45,6 +45,9 @@ pub const STREAM_FEATURES: [(&str, &[&Feature]); 27] = [
     ("mean share of region's largest force", &[&FORCE, &REGION_MAX_FORCE]),
 ];
 
+/// The stream features of each channel, in the channel's own unit.
+pub const CHANNEL_FEATURES: [&str; 6] = ["last", "first", "largest", "smallest", "mean", "deviation"];
+
 /// The features of a sample that stream features of taxel and contact region are computed from.
 pub const TAXEL_AND_REGION: FeatureSet =
     FeatureSet::new([&FORCE, &MOTION, &AREA, &REGION_MAX_FORCE, &REGION_FORCE_SUM]);
@@ -62,12 +65,16 @@ pub const SAMPLE_COUNTS: [usize; 9] = [1, 2, 3, 6, 12, 25, 50, 100, 200];
 /// let selection = Selection::of(FeatureSet::FORCE);
 /// assert!(selection.names().any(|name| name == "slope of force over time"));
 /// assert!(!selection.names().any(|name| name == "slope of force over motion"));
+/// let selection = Selection::of("column:shear_n".parse()?);
+/// assert_eq!(selection.names().last().as_deref(), Some("deviation of shear_n"));
+/// # Ok::<(), underbrush_classifier::feature::FeatureError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selection {
     inputs: FeatureSet,
     /// Indices in [`STREAM_FEATURES`].
     chosen: Vec<usize>,
+    channels: Vec<&'static Feature>,
 }
 
 impl Selection {
@@ -75,12 +82,13 @@ impl Selection {
     pub fn of(inputs: FeatureSet) -> Self {
         let computable = |index: &usize| STREAM_FEATURES[*index].1.iter().all(|needed| inputs.contains(needed));
         let chosen = (0..STREAM_FEATURES.len()).filter(computable).collect();
-        Selection { inputs, chosen }
+        Selection { inputs, chosen, channels: inputs.channels().collect() }
     }
 
     /// The one with this name alone, if it can be computed.
     pub fn only(mut self, name: &str) -> Self {
         self.chosen.retain(|index| STREAM_FEATURES[*index].0 == name);
+        self.channels.clear();
         self
     }
 
@@ -91,12 +99,16 @@ impl Selection {
 
     /// Number of stream features.
     pub fn dimension(&self) -> usize {
-        self.chosen.len()
+        self.chosen.len() + self.channels.len() * CHANNEL_FEATURES.len()
     }
 
     /// Names of the stream features, in order.
-    pub fn names(&self) -> impl Iterator<Item = &'static str> {
-        self.chosen.iter().map(|index| STREAM_FEATURES[*index].0)
+    pub fn names(&self) -> impl Iterator<Item = String> {
+        let of_channels = self
+            .channels
+            .iter()
+            .flat_map(|channel| CHANNEL_FEATURES.iter().map(|name| format!("{name} of {}", channel.column)));
+        self.chosen.iter().map(|index| STREAM_FEATURES[*index].0.to_owned()).chain(of_channels)
     }
 
     /// Adds the next sample of a contact.
@@ -110,14 +122,19 @@ impl Selection {
             let (column, value) = ("time_s", sample.time_s);
             return Err(SampleFault::NotFinite { column, value });
         }
-        state.push(sample);
+        // All channels were read above.
+        state.push(sample, self.channels.iter().map(|channel| channel.read(sample).unwrap_or_default()));
         Ok(())
     }
 
     /// The values of the stream features after the samples so far.
     pub fn values(&self, state: &StreamFeatures) -> Vec<f64> {
         let all = state.values();
-        self.chosen.iter().map(|index| all[*index]).collect()
+        let own = self.chosen.iter().map(|index| all[*index]);
+        let mut values: Vec<f64> = own.chain(state.channels().flatten()).collect();
+        // Before the first sample.
+        values.resize(self.dimension(), 0.0);
+        values
     }
 
     /// The values for a trial after each of these numbers of samples, which must be ascending and at least 1. A number

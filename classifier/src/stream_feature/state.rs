@@ -2,7 +2,7 @@
 
 use underbrush_recording::{Sample, math};
 
-use super::STREAM_FEATURES;
+use super::{CHANNEL_FEATURES, STREAM_FEATURES};
 
 /// Values well below a knee are only multiplied by a factor; values above it are compressed logarithmically. Choice:
 /// forces near the contact threshold, motions of a tenth of a millimetre, rates that such changes give between two
@@ -67,8 +67,30 @@ impl Course {
     }
 }
 
+/// Running statistics of a channel, in its own unit: its sign and scale mean something that is not known here.
+#[derive(Clone, Debug, Default)]
+struct ChannelCourse {
+    last: f64,
+    first: f64,
+    largest: f64,
+    smallest: f64,
+    moments: Moments,
+}
+
+impl ChannelCourse {
+    fn push(&mut self, count: f64, number: f64) {
+        if count == 1.0 {
+            (self.first, self.largest, self.smallest) = (number, number, number);
+        }
+        self.last = number;
+        self.largest = self.largest.max(number);
+        self.smallest = self.smallest.min(number);
+        self.moments.push(count, number);
+    }
+}
+
 /// Running statistics of one contact; empty before its first sample.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct StreamFeatures {
     count: f64,
     start_s: f64,
@@ -86,14 +108,19 @@ pub struct StreamFeatures {
     sum_n: f64,
     mean_sum_n: f64,
     mean_share: f64,
+    channels: Vec<ChannelCourse>,
 }
 
 impl StreamFeatures {
-    /// Adds the next sample. Missing motion counts as zero and a missing region is skipped: a `Selection` refuses such
-    /// samples if a selected feature depends on them.
-    pub fn push(&mut self, sample: &Sample) {
+    /// Adds the next sample and its numbers in some channels, which are the same for all samples. Missing motion counts as
+    /// zero and a missing region is skipped: a `Selection` refuses such samples if a selected feature depends on them.
+    pub fn push(&mut self, sample: &Sample, channels: impl ExactSizeIterator<Item = f64>) {
         self.count += 1.0;
         let count = self.count;
+        self.channels.resize_with(channels.len(), ChannelCourse::default);
+        for (course, number) in self.channels.iter_mut().zip(channels) {
+            course.push(count, number);
+        }
         let motion_m = sample.motion_m.unwrap_or(0.0);
         if count == 1.0 {
             self.start_s = sample.time_s;
@@ -116,6 +143,15 @@ impl StreamFeatures {
         self.mean_sum_n += (self.sum_n - self.mean_sum_n) / count;
         let share = if largest_n > 0.0 { sample.force_n / largest_n } else { 0.0 };
         self.mean_share += (share - self.mean_share) / count;
+    }
+
+    /// The stream features of each channel after the samples so far, in the order of [`CHANNEL_FEATURES`].
+    pub fn channels(&self) -> impl Iterator<Item = [f64; CHANNEL_FEATURES.len()]> {
+        let count = self.count.max(1.0);
+        self.channels.iter().map(move |course| {
+            let deviation = (course.moments.squares.max(0.0) / count).sqrt();
+            [course.last, course.first, course.largest, course.smallest, course.moments.mean, deviation]
+        })
     }
 
     /// All stream features after the samples so far, in the order of [`STREAM_FEATURES`]; zeros before the first

@@ -11,7 +11,7 @@ fn trial(rows: &[Row]) -> Trial {
         force_n,
         motion_m: Some(motion_m),
         region: Some(Region { taxels, largest_force_n, force_sum_n }),
-        touched: None,
+        ..Sample::default()
     });
     Trial { trial: 3, category: None, reach: None, patch: None, taxel: None, samples: samples.collect() }
 }

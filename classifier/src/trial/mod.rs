@@ -203,6 +203,7 @@ pub fn taxel_trials(recording: &Recording, options: &TrialOptions) -> Result<Vec
                 motion_m: Some(trial.travel.to(position_world)),
                 region: regions.as_ref().and_then(|regions| regions.of(taxel)),
                 touched: knows_truth(recording).then(|| image.is_touched(taxel)),
+                ..Sample::default()
             };
             trial.push(sample, image.object(taxel));
         }

@@ -47,6 +47,7 @@ pub fn component_trials(recording: &Recording, options: &TrialOptions) -> Result
                 motion_m: Some(trial.travel.to(center_world)),
                 region: Some(component.region()),
                 touched: knows_truth(recording).then_some(component.touched),
+                ..Sample::default()
             };
             trial.push(sample, component.object);
             tracks.push(Track { trial, center_world });

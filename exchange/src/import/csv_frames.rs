@@ -7,7 +7,7 @@ use underbrush_recording::{InputError, read_bytes};
 
 use super::Mapping;
 use super::cutter::{Cutter, Place};
-use super::mapping::TAXEL;
+use super::mapping::{Channel, TAXEL};
 
 /// The indices of the columns.
 struct Columns {
@@ -15,6 +15,8 @@ struct Columns {
     forces: Vec<usize>,
     category: Option<usize>,
     reach: Option<usize>,
+    /// For each channel, the columns of the taxels, or one for all.
+    channels: Vec<Vec<usize>>,
 }
 
 /// The line, from 1, of a row. The parser counts from where it began to look for the row, so line breaks before it are
@@ -58,7 +60,16 @@ impl Columns {
                 return Err(mapping.fault("force.taxels", "nothing".into(), allowed));
             }
         };
+        let channel = |(number, own): (usize, &Channel)| {
+            let field = format!("channel[{number}].from");
+            if !own.from.contains(TAXEL) {
+                return Ok(vec![place(&field, &own.from)?]);
+            }
+            (0..forces.len()).map(|taxel| place(&field, &own.from.replace(TAXEL, &taxel.to_string()))).collect()
+        };
+        let channels = mapping.channels.iter().enumerate().map(channel).collect::<Result<_, _>>()?;
         Ok(Columns {
+            channels,
             time: optional("time.from", &mapping.time.from)?,
             forces,
             category: optional("trial.category_from", &mapping.trial.category_from)?,
@@ -83,6 +94,7 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
     let columns = Columns::find(path, mapping, &names)?;
     let mut row = csv::StringRecord::new();
     let mut readings = vec![0.0; columns.forces.len()];
+    let mut channels: Vec<Vec<Option<f64>>> = vec![Vec::new(); columns.channels.len()];
     // Frames of the reach so far, for times that follow from the rate.
     let (mut reach_before, mut number) = (None, 0u64);
     while reader.read_record(&mut row).map_err(unreadable)? {
@@ -110,8 +122,14 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
             Some(column) => cell(column),
             None => mapping.category(reach, time_s),
         };
+        for (numbers, columns) in channels.iter_mut().zip(&columns.channels) {
+            numbers.clear();
+            numbers.extend(
+                columns.iter().map(|column| cell(*column).parse().ok().filter(|number: &f64| number.is_finite())),
+            );
+        }
         let place = Place { line, reach, category, time_s };
-        cutter.push(&place, &readings)?;
+        cutter.push(&place, &readings, &channels)?;
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use underbrush_recording::{Category, InputError, Region, Sample, Trial, limits};
 
@@ -84,8 +85,14 @@ impl<'a> Cutter<'a> {
         InputError::new(&self.path, field, limits::short(found), allowed, remedy).at_line(line)
     }
 
-    /// Adds a frame with the reading of each taxel, in the file's unit.
-    pub(super) fn push(&mut self, place: &Place, readings: &[f64]) -> Result<(), InputError> {
+    /// Adds a frame with the reading of each taxel, in the file's unit, and the numbers of each channel: one for each taxel or
+    /// one for all.
+    pub(super) fn push(
+        &mut self,
+        place: &Place,
+        readings: &[f64],
+        channels: &[Vec<Option<f64>>],
+    ) -> Result<(), InputError> {
         if self.reach != Some(place.reach) {
             if !self.begun.insert(place.reach) {
                 let found = format!("{}, a reach that ended before", place.reach);
@@ -147,8 +154,8 @@ impl<'a> Cutter<'a> {
             self.in_contact[taxel] = force_n > level_n;
         }
         let samples = match self.mapping.cut {
-            Cut::Contact => self.sample_taxels(time_s),
-            Cut::Reach => self.sample_all(time_s),
+            Cut::Contact => self.sample_taxels(time_s, channels),
+            Cut::Reach => self.sample_all(time_s, channels),
         };
         let within = limits::TRIAL_SAMPLES.check(&self.path, "samples", samples as u64);
         within.map_err(|error| error.at_line(line))?;
@@ -157,7 +164,7 @@ impl<'a> Cutter<'a> {
     }
 
     /// Adds a sample of each taxel in contact, and returns how many the longest contact has now.
-    fn sample_taxels(&mut self, time_s: f64) -> usize {
+    fn sample_taxels(&mut self, time_s: f64, channels: &[Vec<Option<f64>>]) -> usize {
         let mut regions: Vec<Option<Region>> = vec![None; self.forces_n.len()];
         if let Some(grid) = self.mapping.grid {
             for taxels in grid.regions(|taxel| self.in_contact[taxel]) {
@@ -180,7 +187,7 @@ impl<'a> Cutter<'a> {
             if !is_in_contact {
                 continue;
             }
-            let sample = Sample { time_s, force_n: self.forces_n[taxel], motion_m: None, region, touched: None };
+            let sample = self.sample(time_s, taxel, region, channels);
             longest = longest.max(self.add(taxel, Some(taxel as u32), sample));
         }
         longest
@@ -188,7 +195,7 @@ impl<'a> Cutter<'a> {
 
     /// Adds a sample of all taxels together from the first contact on, and returns how many there are now. Without contact,
     /// its region is the strongest taxel.
-    fn sample_all(&mut self, time_s: f64) -> usize {
+    fn sample_all(&mut self, time_s: f64, channels: &[Vec<Option<f64>>]) -> usize {
         let strongest = (0..self.forces_n.len())
             .reduce(|best, taxel| if self.forces_n[taxel] > self.forces_n[best] { taxel } else { best });
         let Some(strongest) = strongest else { return 0 };
@@ -201,15 +208,20 @@ impl<'a> Cutter<'a> {
             taxels.push(strongest);
         }
         let region = Some(region(&self.forces_n, &taxels));
-        let samples = self.add(
-            0,
-            None,
-            Sample { time_s, force_n: self.forces_n[strongest], motion_m: None, region, touched: None },
-        );
+        let sample = self.sample(time_s, strongest, region, channels);
+        let samples = self.add(0, None, sample);
         if is_contact {
             self.until_last_contact = samples;
         }
         samples
+    }
+
+    /// What a taxel feels and its channels.
+    fn sample(&self, time_s: f64, taxel: usize, region: Option<Region>, channels: &[Vec<Option<f64>>]) -> Sample {
+        let numbers = channels.iter().map(|numbers| *numbers.get(taxel).or(numbers.first())?);
+        let named = self.mapping.channels.iter().zip(numbers);
+        let channels = named.filter_map(|(own, number)| Some((Arc::clone(&own.name), number?))).collect();
+        Sample { time_s, force_n: self.forces_n[taxel], region, channels, ..Sample::default() }
     }
 
     /// Adds a sample to an open trial or a new one, and returns how many it has now.

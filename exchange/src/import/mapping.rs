@@ -2,10 +2,13 @@
 
 use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
+use underbrush_recording::disk::TRIAL_COLUMNS;
 use underbrush_recording::limits::{TEXT_BYTES, short};
+use underbrush_recording::plain_text::is_plain;
 use underbrush_recording::{Grid, InputError, Limits, read_text};
 
 /// Frames per second: from one reading in a hundred seconds to a fast vibration sensor.
@@ -42,6 +45,20 @@ struct MappingFile {
     /// Categories by interval of time, in place of a column.
     #[serde(default)]
     label: Vec<Label>,
+    /// What else was measured, such as shear or temperature; `--features column:NAME` uses it.
+    #[serde(default)]
+    channel: Vec<Channel>,
+}
+
+/// A further column of the trials, in the unit of the file.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Channel {
+    /// Its name in the trials.
+    pub(super) name: Arc<str>,
+    /// The column of each taxel, with `{taxel}` in place of its number from 0, or one column for all taxels. A cell without a
+    /// number means that nothing was measured there.
+    pub(super) from: String,
 }
 
 /// The grid of the taxels. Taxel 0 is in the first row and column, taxel 1 in the next column.
@@ -151,6 +168,7 @@ pub struct Mapping {
     newton: (f64, f64),
     pub(super) grid: Option<Grid>,
     pub(super) labels: Vec<Label>,
+    pub(super) channels: Vec<Channel>,
     pub(super) cut: Cut,
     /// A contact begins when the force of a taxel is above the first, and ends when it is no longer above the second, N.
     pub(super) threshold_n: f64,
@@ -213,7 +231,7 @@ impl Mapping {
             let fault = InputError::new(path, "mapping", error.message(), allowed, "correct this line");
             fault.at_line(line_of(&text, error.span().unwrap_or_default().start))
         })?;
-        let MappingFile { time, force, trial, grid, label } = file;
+        let MappingFile { time, force, trial, grid, label, channel } = file;
         let threshold_n = trial.threshold_n.unwrap_or(0.03);
         let mut mapping = Mapping {
             path: path.to_path_buf(),
@@ -222,6 +240,7 @@ impl Mapping {
             newton: (1.0, force.offset_n.unwrap_or(0.0)),
             grid: grid.map(|own| Grid { rows: own.rows as usize, columns: own.columns as usize, wraps: own.wraps }),
             labels: label,
+            channels: channel,
             cut: trial.cut,
             threshold_n,
             release_n: trial.release_n.unwrap_or(threshold_n),
@@ -287,6 +306,15 @@ impl Mapping {
                     format!("{rows} x {columns}"),
                     format!("a grid of {taxels} taxels"),
                 ));
+            }
+        }
+        for (number, own) in self.channels.iter().enumerate() {
+            let field = format!("channel[{number}].name");
+            if own.name.is_empty() || !is_plain(&own.name) || TRIAL_COLUMNS.contains(&&*own.name) {
+                return Err(self.fault(&field, format!("{:?}", own.name), "a name that no column of trials has"));
+            }
+            if self.channels[..number].iter().any(|before| before.name == own.name) {
+                return Err(self.fault(&field, format!("{:?} again", own.name), "one channel of each name"));
             }
         }
         let is_empty = |own: &Label| own.from_s.partial_cmp(&own.to_s) != Some(Ordering::Less);

@@ -148,9 +148,8 @@ mod tests {
                 .map(|index| Sample {
                     time_s: 0.01 * index as f64,
                     force_n: index as f64,
-                    motion_m: None,
-                    region: None,
                     touched: Some(true),
+                    ..Sample::default()
                 })
                 .collect(),
         };

@@ -20,7 +20,7 @@ fn settings_are_tested_on_clutter_that_was_not_trained_on() {
                     largest_force_n: force_n,
                     force_sum_n: force_n,
                 }),
-                touched: None,
+                ..underbrush_recording::Sample::default()
             }
         };
         underbrush_recording::Trial {

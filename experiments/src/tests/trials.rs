@@ -5,8 +5,7 @@ use crate::experiment::training_data::per_reach;
 use crate::training::Trials;
 
 fn trial(category: &str, touched: &[bool]) -> Trial {
-    let sample =
-        |touched: &bool| Sample { time_s: 0.0, force_n: 0.1, motion_m: None, region: None, touched: Some(*touched) };
+    let sample = |touched: &bool| Sample { time_s: 0.0, force_n: 0.1, touched: Some(*touched), ..Sample::default() };
     Trial {
         trial: 0,
         category: Some(category.into()),

@@ -37,6 +37,6 @@ pub use recording_file::{is_recording, read_recording, recording_columns, record
 pub use table::batch::Batch;
 pub use table::column::{Column, Rows, Text, Values};
 pub use tables::episode::Episode;
-pub use trials::{read_trials, trial_table, write_trials};
+pub use trials::{COLUMNS as TRIAL_COLUMNS, channel_names, read_trials, trial_table, write_trials, write_trials_with};
 pub use unfinished::abandon_unfinished_files;
 pub use whole_file::{remove_leftovers, write_file};

@@ -12,9 +12,7 @@ fn trial(number: u64, reach: u64, taxel: u32, category: &str, first: u32, last: 
     let sample = |index: u32| Sample {
         time_s: 36_000.0 + f64::from(index) * FRAME_PERIOD_S,
         force_n: 1.0 + f64::from(index),
-        motion_m: None,
-        region: None,
-        touched: None,
+        ..Sample::default()
     };
     Trial {
         trial: number,

@@ -145,7 +145,7 @@ fn the_caption_of_a_moment_names_its_mark() {
 /// Tests that the curves of example trials are in the categories' own styles.
 #[test]
 fn the_trial_figure_draws_it_in_its_own_style() {
-    let sample = |time_s| Sample { time_s, force_n: 1.0, motion_m: None, region: None, touched: None };
+    let sample = |time_s| Sample { time_s, force_n: 1.0, ..Sample::default() };
     let example = |label: &str| Example {
         category: label.into(),
         trial: 0,

@@ -14,9 +14,8 @@ fn trial(number: u64, category: &str, length: usize, touched: bool) -> Trial {
             ("trunk", 2..) => 2.0,
             _ => 1.0,
         },
-        motion_m: None,
-        region: None,
         touched: Some(touched),
+        ..Sample::default()
     });
     Trial {
         trial: number,

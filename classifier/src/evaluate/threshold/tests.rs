@@ -151,9 +151,7 @@ fn thresholds_of_whole_trials_are_late_sample_by_sample() {
         reach: None,
         patch: None,
         taxel: None,
-        samples: (0..10)
-            .map(|k| Sample { time_s: 0.01 * f64::from(k), force_n, motion_m: None, region: None, touched: None })
-            .collect(),
+        samples: (0..10).map(|k| Sample { time_s: 0.01 * f64::from(k), force_n, ..Sample::default() }).collect(),
     };
     let leaves = (0..12).map(|n| trial(n, "leaf", if n % 4 == 0 { 0.5 } else { -1.0 }));
     let trunks = (12..24).map(|n| trial(n, "trunk", 1.0));

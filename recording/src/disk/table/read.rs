@@ -81,6 +81,16 @@ impl ParquetTable {
         usize::try_from(self.footer.row_group(group).num_rows()).unwrap_or(0)
     }
 
+    /// The columns with one number in each row.
+    pub(in crate::disk) fn number_columns(&self) -> Vec<String> {
+        let columns = self.footer.file_metadata().schema_descr().columns().iter();
+        let has_numbers = |column: &&Arc<ColumnDescriptor>| {
+            let is_number = type_of(column).is_some_and(|kind| !matches!(kind, Type::Bool | Type::Text));
+            is_number && column.max_rep_level() == 0 && column.path().parts().len() == 1
+        };
+        columns.filter(has_numbers).map(|column| column.name().to_owned()).collect()
+    }
+
     /// All rows in batches, up to the first error, with the columns that `want` names.
     pub(in crate::disk) fn batches<'a>(&'a self, want: &'a dyn Fn(&str) -> Want) -> Batches<'a> {
         Batches { table: self, want, group: 0, left: 0, columns: Vec::new() }

@@ -6,7 +6,7 @@ use super::COLUMNS;
 use super::collect::Row;
 use crate::limits::{self, Limits, short};
 use crate::plain_text::{PLAIN, is_plain};
-use crate::{Category, InputError, Region, Sample};
+use crate::{Category, Channels, InputError, Region, Sample};
 
 /// A double holds every whole number up to this one.
 const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
@@ -29,6 +29,21 @@ pub(super) struct Cells<'a> {
     pub(super) line: usize,
     /// The cells.
     pub(super) cells: [Cell<'a>; COLUMNS.len()],
+    /// What the other columns hold.
+    pub(super) channels: Channels,
+}
+
+impl Cell<'_> {
+    /// The number of a channel; `None` for anything else, as other columns may hold what they like.
+    pub(super) fn channel(self) -> Option<f64> {
+        let number = match self {
+            Cell::Missing | Cell::Flag(_) => None,
+            Cell::Whole(number) => Some(number as f64),
+            Cell::Number(number) => Some(number),
+            Cell::Text(text) => text.trim().parse().ok(),
+        };
+        number.filter(|number: &f64| number.is_finite())
+    }
 }
 
 impl<'a> Cells<'a> {
@@ -121,7 +136,7 @@ impl<'a> Cells<'a> {
     }
 
     /// The row with its types.
-    pub(super) fn row(&self) -> Result<Row, InputError> {
+    pub(super) fn row(self) -> Result<Row, InputError> {
         let time_s = self.number(5, limits::TIME_S)?;
         let force_n = self.number(6, limits::FORCE_N)?;
         let sample = Sample {
@@ -130,6 +145,7 @@ impl<'a> Cells<'a> {
             motion_m: self.number(7, limits::MOTION_M)?,
             region: self.region()?,
             touched: self.flag(11)?,
+            channels: Channels::default(),
         };
         Ok(Row {
             line: self.line,
@@ -138,7 +154,7 @@ impl<'a> Cells<'a> {
             reach: self.whole(2)?,
             patch: self.text(3)?,
             taxel: self.whole(4)?,
-            sample,
+            sample: Sample { channels: self.channels, ..sample },
         })
     }
 

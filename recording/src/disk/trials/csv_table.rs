@@ -1,10 +1,11 @@
 //! Trials as CSV (RFC 4180, UTF-8, with a header line).
 
 use std::path::Path;
+use std::sync::Arc;
 
 use super::cell::{Cell, Cells};
 use super::collect::Collector;
-use super::{COLUMNS, TrialRow, place_columns, push};
+use super::{COLUMNS, TrialRow, channel_column, channel_columns, place_columns, push};
 use crate::disk::table::row::Row;
 use crate::disk::{DiskError, whole_file};
 use crate::limits::CSV_BYTES;
@@ -45,6 +46,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
     let header = reader.headers().map_err(|error| refused(path, &text, error))?;
     let names: Vec<String> = header.iter().map(|name| name.trim().to_string()).collect();
     let places = place_columns(path, &names)?;
+    let others = channel_columns(&names);
     let mut collector = Collector::default();
     let mut record = csv::StringRecord::new();
     while reader.read_record(&mut record).map_err(|error| refused(path, &text, error))? {
@@ -53,20 +55,30 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
             Some(text) => Cell::Text(text),
         };
         let line = record.position().map_or(0, |position| line_of(&text, position));
-        collector.push(path, Cells { path, line, cells: places.map(cell) }.row()?)?;
+        let channels =
+            others.iter().filter_map(|(name, place)| Some((Arc::clone(name), cell(Some(*place)).channel()?)));
+        let channels = channels.collect();
+        collector.push(path, Cells { path, line, cells: places.map(cell), channels }.row()?)?;
     }
     Ok(collector.finish())
 }
 
 /// Writes a table. Numbers are the shortest text that gives the same double when read.
-pub(super) fn write(path: &Path, trials: &mut dyn Iterator<Item = Result<Trial, DiskError>>) -> Result<(), DiskError> {
+pub(super) fn write(
+    path: &Path,
+    channels: &[Arc<str>],
+    trials: &mut dyn Iterator<Item = Result<Trial, DiskError>>,
+) -> Result<(), DiskError> {
     let failed = |error: csv::Error| DiskError::io(path, "write")(error.into());
     let mut writer = csv::Writer::from_writer(whole_file::begin(path)?);
-    writer.write_record(COLUMNS).map_err(failed)?;
+    let names: Vec<&str> = COLUMNS.into_iter().chain(channels.iter().map(|name| &**name)).collect();
+    writer.write_record(names).map_err(failed)?;
     for trial in trials {
+        let trial = trial?;
         let mut rows = Vec::new();
-        push(&mut rows, &trial?);
-        let columns = TrialRow::write(&rows);
+        push(&mut rows, &trial);
+        let mut columns = TrialRow::write(&rows);
+        columns.extend(channels.iter().map(|name| channel_column(name, [&trial])));
         for row in 0..rows.len() {
             writer.write_record(columns.iter().map(|column| column.shown(row))).map_err(failed)?;
         }

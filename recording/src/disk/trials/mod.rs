@@ -2,7 +2,7 @@
 //!
 //! The columns `trial`, `time_s` and `force_n` are required. `category`, `reach`, `patch`, `taxel`, `motion_m`,
 //! `touched` and, all three together, `region_taxels`, `region_largest_force_n` and `region_force_sum_n` are
-//! optional. Other columns are ignored. `touched` is ground truth, `true` or `false`: whether an object truly pressed
+//! optional. Other columns of numbers are channels ([`crate::Channels`]), and further columns are ignored. `touched` is ground truth, `true` or `false`: whether an object truly pressed
 //! the taxel in that sample ([`crate::Sample::touched`]). Rows of a trial need not be adjacent. Trials are in the
 //! order of their first rows.
 
@@ -13,11 +13,12 @@ mod parquet_table;
 
 use std::collections::BTreeSet;
 use std::path::Path;
+use std::sync::Arc;
 
 use super::DiskError;
 use super::check::{Violation, require};
 use super::table::batch::Batch;
-use super::table::column::Text;
+use super::table::column::{Column, Rows, Text};
 use super::table::row::{Row, row};
 use super::whole_file::remove_leftovers;
 use crate::disk::tables::dictionary::Table;
@@ -71,8 +72,8 @@ pub(in crate::disk) const TRIALS: Table = Table {
     columns: || TrialRow::COLUMNS.to_vec(),
 };
 
-/// The names of the columns in the order in which they are written.
-const COLUMNS: [&str; TrialRow::COLUMNS.len()] = {
+/// The names of the columns in the order in which they are written; channels follow them.
+pub const COLUMNS: [&str; TrialRow::COLUMNS.len()] = {
     let mut names = [""; TrialRow::COLUMNS.len()];
     let mut place = 0;
     while place < names.len() {
@@ -127,6 +128,32 @@ fn place_columns(path: &Path, names: &[String]) -> Result<[Option<usize>; COLUMN
     Ok(places)
 }
 
+/// The columns that may hold channels, with their positions: the others, except those whose name occurs twice.
+fn channel_columns(names: &[String]) -> Vec<(Arc<str>, usize)> {
+    let is_once = |name: &&String| names.iter().filter(|other| other == name).count() == 1;
+    let others = names.iter().enumerate().filter(|(_, name)| !COLUMNS.contains(&name.as_str()) && is_once(name));
+    others.map(|(place, name)| (name.as_str().into(), place)).collect()
+}
+
+/// The names of the channels of some trials, in the order in which they occur.
+pub fn channel_names(trials: &[Trial]) -> Vec<Arc<str>> {
+    let mut names: Vec<Arc<str>> = Vec::new();
+    for (name, _) in trials.iter().flat_map(|trial| &trial.samples).flat_map(|sample| sample.channels.iter()) {
+        if !names.contains(name) {
+            names.push(Arc::clone(name));
+        }
+    }
+    names
+}
+
+/// A channel of all samples of some trials.
+fn channel_column<'a>(name: &str, trials: impl IntoIterator<Item = &'a Trial>) -> Column {
+    let samples = trials.into_iter().flat_map(|trial| &trial.samples);
+    let numbers: Vec<Option<f64>> = samples.map(|sample| sample.channels.get(name)).collect();
+    let column = Column::of(name, numbers.iter().map(|number| number.unwrap_or_default()));
+    Column { rows: Rows::Optional(numbers.iter().map(Option::is_some).collect()), ..column }
+}
+
 /// Reads a table of trials. The extension `.csv` or `.parquet` decides the format.
 ///
 /// Numbers must be within [`crate::limits`], and times must strictly increase within a trial. `category`, `reach`,
@@ -155,14 +182,14 @@ pub fn read_trials(path: impl AsRef<Path>) -> Result<Vec<Trial>, DiskError> {
 /// # Errors
 /// [`DiskError::Unwritable`] for a trial that [`read_trials`] would refuse or confuse with another (no samples, times
 /// that do not increase, numbers outside [`crate::limits`], an empty name, a category called `uncertain`, a trial number
-/// used twice);
+/// used twice, a channel that the first trial does not have);
 /// [`DiskError::Io`] and [`DiskError::Encode`] if the file cannot be written.
 ///
 /// ```
 /// use underbrush_recording::disk::{read_trials, write_trials};
 /// use underbrush_recording::{Sample, Trial};
 ///
-/// let sample = |time_s, force_n| Sample { time_s, force_n, motion_m: None, region: None, touched: None };
+/// let sample = |time_s, force_n| Sample { time_s, force_n, ..Sample::default() };
 /// let samples = vec![sample(0.0, 0.3), sample(0.01, 0.7)];
 /// let trials = [Trial { trial: 5, category: Some("leaf".into()), samples, ..Trial::default() }];
 /// let folder = tempfile::tempdir()?;
@@ -174,17 +201,31 @@ pub fn read_trials(path: impl AsRef<Path>) -> Result<Vec<Trial>, DiskError> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_trials(path: impl AsRef<Path>, trials: impl IntoIterator<Item = Trial>) -> Result<(), DiskError> {
+    let mut trials = trials.into_iter().peekable();
+    let channels = trials.peek().map(|first| channel_names(std::slice::from_ref(first))).unwrap_or_default();
+    write_trials_with(path, &channels, trials)
+}
+
+/// As [`write_trials`], with these channels ([`channel_names`]) instead of those of the first trial.
+///
+/// # Errors
+/// As [`write_trials`].
+pub fn write_trials_with(
+    path: impl AsRef<Path>,
+    channels: &[Arc<str>],
+    trials: impl IntoIterator<Item = Trial>,
+) -> Result<(), DiskError> {
     let path = path.as_ref();
     let mut numbers = BTreeSet::new();
-    let mut checked = trials.into_iter().map(|trial| match check(&trial, &mut numbers) {
+    let mut checked = trials.into_iter().map(|trial| match check(&trial, channels, &mut numbers) {
         Ok(()) => Ok(trial),
         Err(violation) => Err(violation.unwritable(path)),
     });
     let format = format_of(path)?;
     remove_leftovers(path);
     match format {
-        Format::Csv => csv_table::write(path, &mut checked),
-        Format::Parquet => parquet_table::write(path, &mut checked),
+        Format::Csv => csv_table::write(path, channels, &mut checked),
+        Format::Parquet => parquet_table::write(path, channels, &mut checked),
     }
 }
 
@@ -193,7 +234,7 @@ pub fn trial_table(trials: &[Trial]) -> Batch {
     parquet_table::batch(trials)
 }
 
-fn check(trial: &Trial, numbers: &mut BTreeSet<u64>) -> Result<(), Violation> {
+fn check(trial: &Trial, channels: &[Arc<str>], numbers: &mut BTreeSet<u64>) -> Result<(), Violation> {
     let field = |name: &str| format!("trial {}, {name}", trial.trial);
     let new = numbers.insert(trial.trial);
     require(new, || field("trial"), || "the number of an earlier trial".into(), "unique numbers")?;
@@ -206,6 +247,11 @@ fn check(trial: &Trial, numbers: &mut BTreeSet<u64>) -> Result<(), Violation> {
         if let Some(allowed) = text.as_deref().and_then(name_fault) {
             require(false, || field(name), || format!("{text:?}"), allowed)?;
         }
+    }
+    for name in channel_names(std::slice::from_ref(trial)) {
+        let is_free = is_plain(&name) && !name.is_empty() && !COLUMNS.contains(&&*name);
+        let allowed = "the name of a channel of the table, which no other column has";
+        require(is_free && channels.contains(&name), || field("channels"), || format!("{name:?}"), allowed)?;
     }
     require(!trial.samples.is_empty(), || field("samples"), || "none".into(), "at least one sample")?;
     for sample in &trial.samples {

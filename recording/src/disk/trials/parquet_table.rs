@@ -1,10 +1,11 @@
 //! Trials as Parquet, as written by this program, pandas, Polars or DuckDB.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use super::cell::{Cell, Cells};
 use super::collect::Collector;
-use super::{COLUMNS, TOUCHED, TRIALS, TrialRow, place_columns, push};
+use super::{COLUMNS, TOUCHED, TRIALS, TrialRow, channel_column, channel_columns, channel_names, place_columns, push};
 use crate::disk::table::batch::Batch;
 use crate::disk::table::column::{Column, Values};
 use crate::disk::table::read::{ParquetTable, Want};
@@ -20,20 +21,29 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
     // Tables of other programs do not contain a hash.
     seal::check_if_sealed(path)?;
     let fields = table.footer.file_metadata().schema().get_fields().iter();
-    place_columns(path, &fields.map(|field| field.name().to_owned()).collect::<Vec<_>>())?;
+    let names: Vec<String> = fields.map(|field| field.name().to_owned()).collect();
+    place_columns(path, &names)?;
+    let others = channel_columns(&table.number_columns());
     let want = |name: &str| {
-        if COLUMNS.contains(&name) { Want::All } else { Want::Nothing }
+        let is_wanted = COLUMNS.contains(&name) || others.iter().any(|(other, _)| **other == *name);
+        if is_wanted { Want::All } else { Want::Nothing }
     };
     let mut collector = Collector::default();
     let mut line = 0;
     for batch in table.batches(&want) {
         let batch = batch?;
-        batch.columns.iter().try_for_each(|column| check_type(path, column))?;
-        let columns = COLUMNS.map(|name| batch.columns.iter().find(|column| column.name == name));
+        let named = |name: &str| batch.columns.iter().find(|column| column.name == name);
+        let columns = COLUMNS.map(named);
+        columns.iter().flatten().try_for_each(|column| check_type(path, column))?;
+        let others = others.iter().filter_map(|(name, _)| Some((name, named(name)?)));
+        let others: Vec<(&Arc<str>, &Column)> = others.collect();
         for row in 0..batch.rows {
             line += 1;
             let cells = columns.map(|column| column.map_or(Cell::Missing, |column| cell(column, row)));
-            collector.push(path, Cells { path, line, cells }.row()?)?;
+            let channels =
+                others.iter().filter_map(|(name, column)| Some((Arc::clone(name), cell(column, row).channel()?)));
+            let channels = channels.collect();
+            collector.push(path, Cells { path, line, cells, channels }.row()?)?;
         }
     }
     Ok(collector.finish())
@@ -75,26 +85,39 @@ fn cell(column: &Column, row: usize) -> Cell<'_> {
 pub(super) fn batch(trials: &[Trial]) -> Batch {
     let mut rows = Vec::new();
     trials.iter().for_each(|trial| push(&mut rows, trial));
-    let columns = TrialRow::write(&rows);
+    let mut columns = TrialRow::write(&rows);
+    columns.extend(channel_names(trials).iter().map(|name| channel_column(name, trials)));
     let about = about(&[&TRIALS], &columns, &[]);
     Batch::in_memory("the trials", columns, about)
 }
 
 /// Writes a table, as one row group.
-pub(super) fn write(path: &Path, trials: &mut dyn Iterator<Item = Result<Trial, DiskError>>) -> Result<(), DiskError> {
-    let none = TrialRow::write(&[]);
+pub(super) fn write(
+    path: &Path,
+    channels: &[Arc<str>],
+    trials: &mut dyn Iterator<Item = Result<Trial, DiskError>>,
+) -> Result<(), DiskError> {
+    let columns = |rows: &[TrialRow], trials: &[Trial]| {
+        let mut columns = TrialRow::write(rows);
+        columns.extend(channels.iter().map(|name| channel_column(name, trials)));
+        columns
+    };
+    let none = columns(&[], &[]);
     let mut file = ParquetFile::create(path, &none, vec![about_entry(&[&TRIALS], &none, &[]), seal::unsealed()])?;
     let mut batches = std::iter::from_fn(|| {
-        let mut rows = Vec::new();
+        let (mut rows, mut written) = (Vec::new(), Vec::new());
         while rows.len() < ROWS_PER_BATCH {
             match trials.next() {
-                Some(Ok(trial)) => push(&mut rows, &trial),
+                Some(Ok(trial)) => {
+                    push(&mut rows, &trial);
+                    written.push(trial);
+                }
                 Some(Err(error)) => return Some(Err(error)),
                 None if rows.is_empty() => return None,
                 None => break,
             }
         }
-        Some(Ok(TrialRow::write(&rows)))
+        Some(Ok(columns(&rows, &written)))
     });
     file.write_group(&mut batches)?;
     file.close()

@@ -43,7 +43,7 @@ fn a_table_of_another_hand_is_understood() {
                 y,1e-1, 0.50,2,,0.002\r\n\
                 \"z,z\",-0.7,0.01,7.0,3,\r\n";
     let trial = |trial, taxel, samples| Trial { trial, category: None, reach: None, patch: None, taxel, samples };
-    let sample = |time_s, force_n, motion_m| Sample { time_s, force_n, motion_m, region: None, touched: None };
+    let sample = |time_s, force_n, motion_m| Sample { time_s, force_n, motion_m, ..Sample::default() };
     let expected = vec![
         trial(7, Some(3), vec![sample(0.0, 0.5, None), sample(0.01, -0.7, None)]),
         trial(2, None, vec![sample(0.5, 0.1, Some(0.002))]),
@@ -192,4 +192,17 @@ fn numbers_out_of_range_are_refused() {
     ] {
         assert!(read(column, cell).is_ok(), "{cell} in {}", names[column]);
     }
+}
+
+/// Tests that only numbers become channels, and only in columns whose name occurs once.
+#[test]
+fn other_columns_of_text_are_ignored() {
+    let text =
+        "trial,time_s,force_n,shear,who,twice,twice\n1,0.0,0.5,0.2,Ann,1,2\n1,0.1,0.5,,Bob,1,2\n1,0.2,0.5,inf,7,1,2\n";
+    let trials = read_text(text).unwrap();
+    let channels = |index: usize| -> Vec<(String, f64)> {
+        trials[0].samples[index].channels.iter().map(|(name, number)| (name.to_string(), number)).collect()
+    };
+    assert_eq!([channels(0), channels(1)], [vec![("shear".to_owned(), 0.2)], vec![]]);
+    assert_eq!(channels(2), [("who".to_owned(), 7.0)]);
 }

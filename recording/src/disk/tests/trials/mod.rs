@@ -45,6 +45,7 @@ fn any_trials() -> impl Strategy<Value = Vec<Trial>> {
         motion_m,
         region,
         touched,
+        ..Sample::default()
     };
     let name = || prop::option::of("\\PC{1,8}");
     let facts = (name(), prop::option::of(any::<u64>()), name(), prop::option::of(any::<u32>()));
@@ -107,7 +108,7 @@ fn other_extensions_and_absent_files_are_refused() {
 /// Tests that each rule for tables of trials is checked before the file appears.
 #[test]
 fn trials_that_could_not_be_read_back_are_not_written() {
-    let sample = Sample { time_s: 0.0, force_n: 1.0, motion_m: None, region: None, touched: None };
+    let sample = Sample { time_s: 0.0, force_n: 1.0, ..Sample::default() };
     let good =
         Trial { trial: 1, category: Some("leaf".into()), reach: None, patch: None, taxel: None, samples: vec![sample] };
     let changes: [Change<Trial>; 9] = [
@@ -121,7 +122,7 @@ fn trials_that_could_not_be_read_back_are_not_written() {
         ("trial 2, region_force_sum_n", |trial| {
             trial.samples[0].region = Some(Region { taxels: 2, largest_force_n: 1.0, force_sum_n: 0.5 });
         }),
-        ("trial 2, time_s", |trial| trial.samples.push(trial.samples[0])),
+        ("trial 2, time_s", |trial| trial.samples.push(trial.samples[0].clone())),
     ];
     let folder = tempfile::tempdir().unwrap();
     for (expected, change) in changes {
@@ -134,6 +135,35 @@ fn trials_that_could_not_be_read_back_are_not_written() {
                 other => panic!("{expected}: {other:?}"),
             }
             assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left behind");
+        }
+    }
+}
+
+/// Tests that other columns of numbers come back as channels from both formats, with gaps, and that a channel that the first
+/// trial lacks, or with the name of another column, is refused.
+#[test]
+fn channels_come_back() {
+    let sample = |time_s, channels: &[(&str, f64)]| Sample {
+        time_s,
+        force_n: 1.0,
+        channels: channels.iter().copied().collect(),
+        ..Sample::default()
+    };
+    let trial = |trial, samples| Trial { trial, samples, ..Trial::default() };
+    let first = trial(1, vec![sample(0.0, &[("shear x, N", -0.25)]), sample(0.01, &[("slip", 1e-300)])]);
+    let trials = [first.clone(), trial(2, vec![sample(0.0, &[("shear x, N", 3.0), ("slip", 0.5)])])];
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["trials.csv", "trials.parquet"] {
+        let path = folder.path().join(name);
+        write_trials(&path, trials.clone()).unwrap();
+        assert_eq!(read_trials(&path).unwrap(), trials, "{name}");
+        for bad in [("other", 1.0), ("reach", 1.0), ("slip", f64::NAN)] {
+            let written = write_trials(&path, [first.clone(), trial(2, vec![sample(0.0, &[bad])])]);
+            let field = "trial 2, channels";
+            assert!(
+                matches!(&written, Err(DiskError::Unwritable { field: found, .. }) if found == field),
+                "{written:?}"
+            );
         }
     }
 }
