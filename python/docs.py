@@ -18,6 +18,7 @@ import underbrush.mcap
 import underbrush.ros2
 import underbrush.rerun
 import underbrush.sklearn
+import underbrush.video
 
 HEAD = """# Python: all calls
 
@@ -67,6 +68,7 @@ def page() -> str:
         ("underbrush.hdf5", underbrush.hdf5, ["export", "csv_of"]),
         ("underbrush.mcap", underbrush.mcap, ["export", "csv_of"]),
         ("underbrush.ros2", underbrush.ros2, ["export"]),
+        ("underbrush.video", underbrush.video, ["film", "lerobot"]),
         ("underbrush.gym", underbrush.gym, ["ReachEnv", "ReachVectorEnv"]),
     ]
     for title, module, names in modules:

@@ -1,13 +1,17 @@
-//! Pictures of running simulations.
+//! Pictures of running simulations and of reaches.
+
+use std::borrow::Borrow;
 
 use glam::DVec3;
 use pyo3::prelude::*;
-use underbrush_recording::Frame;
-use underbrush_render::{Camera, Size, Stage};
+use rayon::prelude::*;
+use underbrush_recording::{Frame, Recording};
+use underbrush_render::{Camera, RenderError, Scene, Size, Stage};
 use underbrush_sim::simulation::Simulation;
 
 use crate::array;
 use crate::failure::Failure;
+use crate::pool;
 
 /// Where a picture is taken from: two places, m, and a direction that is up in the picture, world frame, and the angle between
 /// the upper and the lower edge of the picture, degrees.
@@ -40,14 +44,61 @@ pub fn draw<'py>(
     let size = Size { width, height };
     let (scene, standard, _) = Stage::now(simulation, frame, size.check()?.aspect())?;
     let camera = camera.map_or(standard, |camera| camera.0);
-    let picture = match kind {
-        "rgb" => array::copy(py, &py.detach(|| scene.rgb(&camera, size))?, &[height, width, 3])?,
-        "depth" => array::copy(py, &py.detach(|| scene.depth_and_labels(&camera, size))?.0, &[height, width])?,
-        "segmentation" => array::copy(py, &py.detach(|| scene.depth_and_labels(&camera, size))?.1, &[height, width])?,
+    pixels(py, &[0], |_| &scene, (&camera, size), kind, vec![height, width])
+}
+
+/// Pictures of some frames of a reach as one array, drawn on all cores.
+pub fn draw_frames<'py>(
+    py: Python<'py>,
+    (recording, frames): (&Recording, &[usize]),
+    (width, height): (usize, usize),
+    camera: Option<&PyCamera>,
+    kind: &str,
+) -> Result<Bound<'py, PyAny>, Failure> {
+    if let Some(beyond) = frames.iter().find(|frame| **frame >= recording.frames.len()) {
+        let allowed = format!("0 to {}", recording.frames.len().saturating_sub(1));
+        return Err(Failure::argument("frames", beyond.to_string(), allowed, "choose frames of the reach"));
+    }
+    let size = Size { width, height };
+    let aspect = size.check()?.aspect();
+    let stage = Stage::of(recording, None)?;
+    let camera = camera.map_or_else(|| stage.camera(aspect), |camera| camera.0);
+    let moment = |number: usize| stage.moment(number as u32, &recording.frames[number]);
+    pixels(py, frames, moment, (&camera, size), kind, vec![frames.len(), height, width])
+}
+
+/// What a camera sees at some moments, one after the other, drawn on all cores.
+fn pixels<'py, Moment: Borrow<Scene>>(
+    py: Python<'py>,
+    numbers: &[usize],
+    moment: impl Fn(usize) -> Moment + Sync,
+    (camera, size): (&Camera, Size),
+    kind: &str,
+    mut shape: Vec<usize>,
+) -> Result<Bound<'py, PyAny>, Failure> {
+    let depth_and_labels = |number: usize| moment(number).borrow().depth_and_labels(camera, size);
+    Ok(match kind {
+        "rgb" => {
+            shape.push(3);
+            array::copy(py, &each(py, numbers, |number| moment(number).borrow().rgb(camera, size))?, &shape)?
+        }
+        "depth" => array::copy(py, &each(py, numbers, |number| Ok(depth_and_labels(number)?.0))?, &shape)?,
+        "segmentation" => array::copy(py, &each(py, numbers, |number| Ok(depth_and_labels(number)?.1))?, &shape)?,
         other => {
             let allowed = "\"rgb\", \"depth\" or \"segmentation\"";
             return Err(Failure::argument("kind", format!("{other:?}"), allowed, "choose one of these"));
         }
-    };
-    Ok(picture)
+    })
+}
+
+/// The pixels of all pictures.
+fn each<T: Send + Clone>(
+    py: Python<'_>,
+    numbers: &[usize],
+    draw: impl Fn(usize) -> Result<Vec<T>, RenderError> + Sync,
+) -> Result<Vec<T>, Failure> {
+    let drawn = pool::detached(py, None, || {
+        Ok(numbers.par_iter().map(|number| draw(*number)).collect::<Result<Vec<Vec<T>>, RenderError>>()?)
+    })?;
+    Ok(drawn.concat())
 }

@@ -176,7 +176,7 @@ impl OnlineScorer for PythonScorer {
     }
 
     fn push(&mut self, contact: usize, sample: &Sample) -> Result<bool, SampleFault> {
-        self.samples[contact].push(*sample);
+        self.samples[contact].push(sample.clone());
         self.pushed.push(contact);
         Ok(true)
     }

@@ -14,6 +14,7 @@ use underbrush_recording::disk::{
     Dataset, check_free, read_recording, recording_columns, recording_table, remove_leftovers, write_recording,
 };
 use underbrush_recording::{Body, Recording, SkinLayout};
+use underbrush_render::Stage;
 use underbrush_sim::reach::ReachPlan;
 
 use crate::arguments::cutting;
@@ -22,6 +23,7 @@ use crate::failure::{self, Answer, Failure, place};
 use crate::frame::PyFrame;
 use crate::interrupt::Stop;
 use crate::json;
+use crate::picture::{self, PyCamera};
 use crate::pool::{self, alone};
 use crate::progress::watched;
 use crate::scene::scene;
@@ -214,6 +216,27 @@ impl Reach {
     #[pyo3(signature = (patch = None, dtype = "float32"))]
     fn true_normal_force_n<'py>(&self, py: Python<'py>, patch: Option<&str>, dtype: &str) -> Answer<'py> {
         self.of_patch(py, "truth.normal_force", patch, dtype)
+    }
+
+    /// Pictures of some frames, seen from a camera: those of ``Simulation.render``, with one more axis for the frames. They are
+    /// drawn on all cores. Without a camera it is one that sees all that moves in the reach.
+    #[pyo3(signature = (frames, width = 640, height = 360, *, camera = None, kind = "rgb"))]
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
+        frames: Vec<usize>,
+        width: usize,
+        height: usize,
+        camera: Option<&PyCamera>,
+        kind: &str,
+    ) -> Answer<'py> {
+        picture::draw_frames(py, (&*self.recording()?, &frames), (width, height), camera, kind)
+    }
+
+    /// What the numbers of a segmentation mean, as in ``Simulation.labels``.
+    #[getter]
+    fn labels(&self) -> Result<Vec<String>, Failure> {
+        Ok(Stage::of(&*self.recording()?, None)?.labels().to_vec())
     }
 
     /// The skin.

@@ -104,7 +104,7 @@ impl PictureArguments {
             return Ok(());
         };
         let (ending, remedy) = match self.video {
-            Some(_) => ("gif", "choose such a name; ffmpeg -i FILE.gif FILE.mp4 makes other films of it"),
+            Some(_) => ("gif", "choose such a name; `python -m underbrush.video film` writes .mp4 and .webp"),
             None => ("png", "choose such a name"),
         };
         if path.extension().is_none_or(|own| !own.eq_ignore_ascii_case(ending)) {

@@ -134,7 +134,7 @@ fn bad_pictures_are_refused() {
         .refused(&["nothing to draw", "a recording"]);
     underbrush!["replay", set, "--reaches", "0", "--still", gif].refused(&["a.gif", ".png"]);
     let mp4 = folder.path().join("a.mp4");
-    underbrush!["replay", set, "--reaches", "0", "--video", mp4].refused(&["a.mp4", ".gif", "ffmpeg"]);
+    underbrush!["replay", set, "--reaches", "0", "--video", mp4].refused(&["a.mp4", ".gif", "underbrush.video"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--time", "1e3"].refused(&["--time 1000", "0 to"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--size", "63x90"].refused(&["64 to 1280"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--size", "big"].refused(&["640x360"]);

@@ -1,0 +1,119 @@
+"""Pictures and films of reaches, and data sets with a camera, decoded again."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import underbrush as ub
+import underbrush.video
+
+av = pytest.importorskip("av")
+pq = pytest.importorskip("pyarrow.parquet")
+
+CAMERA = ub.Camera((0.9, -1.5, 0.7), (0.55, -0.05, -0.15))
+
+
+def _decoded(path: Path) -> tuple[list[float], NDArray[np.uint8]]:
+    """The times of the pictures of a film, s, and the pictures."""
+    with av.open(str(path)) as file:
+        frames = list(file.decode(video=0))
+    return [float(frame.time) for frame in frames], np.array([frame.to_ndarray(format="rgb24") for frame in frames])
+
+
+def _webp(path: Path) -> list[int]:
+    """The durations of the pictures of an animated WebP, ms, from its chunks (developers.google.com/speed/webp)."""
+    content, place, found = path.read_bytes(), 12, []
+    while place < len(content):
+        size = int.from_bytes(content[place + 4 : place + 8], "little")
+        if content[place : place + 4] == b"ANMF":
+            found.append(int.from_bytes(content[place + 20 : place + 23], "little"))
+        place += 8 + size + size % 2
+    return found
+
+
+def _difference(found: NDArray[np.uint8], drawn: NDArray[np.uint8]) -> float:
+    """The mean difference of two pictures, of 255."""
+    return float(np.abs(found.astype(float) - drawn).mean())
+
+
+def test_a_frame_is_drawn_in_colour_depth_and_labels(data: ub.Dataset) -> None:
+    """Tests the shapes, that the background is infinitely far and has label 0, that the arm is seen, and that a frame beyond
+    the end is refused."""
+    reach = data[0]
+    size = {"width": 96, "height": 64, "camera": CAMERA}
+    colours = reach.render([0, len(reach) - 1], **size)
+    depth, labels = (reach.render([0, len(reach) - 1], kind=kind, **size) for kind in ("depth", "segmentation"))
+    assert colours.shape == (2, 64, 96, 3) and depth.shape == labels.shape == (2, 64, 96)
+    assert np.array_equal(np.isinf(depth), labels == 0)
+    seen = {reach.labels[label] for label in np.unique(labels)}
+    assert any(label.startswith("link ") for label in seen) and any(label.startswith("object ") for label in seen)
+    assert not np.array_equal(colours[0], colours[1])
+    with pytest.raises(ub.InputError, match=f"found {len(reach)}; allowed: 0 to {len(reach) - 1}"):
+        reach.render([len(reach)])
+
+
+def test_a_film_shows_the_frames(data: ub.Dataset, tmp_path: Path) -> None:
+    """Tests that a film at twice the speed has a picture for each 80 ms of the reach, and shows what `render` draws, within
+    the loss of the encoder: up to 2 of 255 by rounding, and at edges half the resolution of colours."""
+    reach = data[0]
+    options: dict[str, Any] = {"speed": 2, "size": (128, 96), "camera": CAMERA}
+    count = underbrush.video.film(reach, tmp_path / "film.mp4", **options)
+    times, pictures = _decoded(tmp_path / "film.mp4")
+    assert count == len(pictures) == (len(reach) - 1) // 8 + 1
+    assert np.allclose(np.diff(times), 0.04, atol=1e-3)
+    middle = count // 2
+    drawn = reach.render([8 * middle], 128, 96, camera=CAMERA)[0]
+    others = reach.render([0, 8 * (count - 1)], 128, 96, camera=CAMERA)
+    assert _difference(pictures[middle], drawn) < min(6.0, *(_difference(pictures[middle], other) for other in others))
+    assert underbrush.video.film(reach, tmp_path / "film.webp", **options) == count
+    assert _webp(tmp_path / "film.webp") == [40] * count
+
+
+def test_what_cannot_be_filmed_is_refused(data: ub.Dataset, tmp_path: Path) -> None:
+    """Tests the errors for another ending, odd sizes, and a rate that does not divide that of the data set; nothing is left."""
+    with pytest.raises(ub.InputError, match=r"film\.avi"):
+        underbrush.video.film(data[0], tmp_path / "film.avi")
+    with pytest.raises(ub.InputError, match="97 x 64"):
+        underbrush.video.film(data[0], tmp_path / "film.mp4", size=(97, 64))
+    arguments = ["lerobot", str(data.path), "--out", str(tmp_path / "set"), "--fps"]
+    assert underbrush.video.main([*arguments, "30"]) == 2
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_camera_is_added_to_a_data_set(data: ub.Dataset, tmp_path: Path) -> None:
+    """Tests that every fourth frame is kept with its numbers and its picture, and what LeRobot's loader relies on: the bounds
+    of the episodes, the times of the films, and the statistics of the pictures."""
+    out = tmp_path / "set"
+    count = underbrush.video.lerobot(data.path, out, CAMERA, size=(96, 64))
+    info = json.loads((out / "meta" / "info.json").read_text())
+    table = pq.read_table(out / "data" / "chunk-000" / "file-000.parquet")
+    episodes = pq.read_table(out / "meta" / "episodes" / "chunk-000" / "file-000.parquet").to_pylist()
+    assert (info["fps"], info["total_frames"], len(table), len(episodes)) == (25, count, count, len(data))
+    assert table["index"].to_pylist() == list(range(count))
+    key = "observation.images.front"
+    assert info["features"][key]["shape"] == [64, 96, 3]
+    assert set(info["features"]) == {*table.column_names, key}
+    end = 0
+    for row, reach in zip(episodes, (data[index] for index in range(len(data)))):
+        assert row["dataset_from_index"] == end
+        end = row["dataset_to_index"]
+        kept = table.slice(row["dataset_from_index"], row["length"])
+        assert np.array_equal(np.array(kept["action"].to_pylist()), reach.column("action")[::4])
+        path = info["video_path"].format(video_key=key, chunk_index=0, file_index=row[f"videos/{key}/file_index"])
+        times, pictures = _decoded(out / path)
+        # LeRobot's loader looks for a picture within 0.1 ms.
+        assert np.allclose(times, kept["timestamp"].to_numpy(), atol=1e-4)
+        assert row[f"videos/{key}/to_timestamp"] == pytest.approx(times[-1] + 0.04)
+        assert _difference(pictures[-1], reach.render([4 * (len(times) - 1)], 96, 64, camera=CAMERA)[0]) < 6.0
+        mean = np.ravel(row[f"stats/{key}/mean"])
+        assert np.allclose(mean, pictures.mean((0, 1, 2)) / 255, atol=0.03)
+    assert end == count
+    statistics: dict[str, Any] = json.loads((out / "meta" / "stats.json").read_text())
+    assert set(statistics) == set(info["features"])
+    assert np.array(statistics[key]["std"]).shape == (3, 1, 1)

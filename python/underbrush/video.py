@@ -1,0 +1,323 @@
+"""Films of reaches, and data sets with camera pictures that LeRobot loads.
+
+    python -m underbrush.video film reach.parquet --out reach.mp4
+    python -m underbrush.video lerobot my-set --out my-set-video --fps 25
+
+Needs PyAV and pyarrow: ``pip install 'underbrush[video]'``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core, _export
+from ._errors import InputError
+
+# Pictures that are drawn at once: enough for all cores, few enough to hold them.
+_AT_ONCE = 64
+# Every so many pictures, and pixels along each edge, enter the statistics of a camera.
+_SAMPLED_PICTURES, _SAMPLED_PIXELS = 5, 4
+_QUANTILES = {"q01": 1, "q10": 10, "q50": 50, "q90": 90, "q99": 99}
+# Where the camera of a data set is if nothing else is said, m: it sees the clutter of the shipped scenes.
+_EYE, _TARGET = (0.9, -1.5, 0.7), (0.55, -0.05, -0.15)
+_KINDS = {
+    ".mp4": ("mp4", "libx264", "yuv420p", {"crf": "20"}),
+    ".webp": ("webp", "libwebp_anim", "yuva420p", {"quality": "85", "loop": "0"}),
+}
+
+
+def _av() -> Any:
+    try:
+        import av
+    except ImportError as error:
+        raise ImportError("underbrush.video needs PyAV: pip install 'underbrush[video]'") from error
+    return av
+
+
+def _fault(field: str, found: object, allowed: str, remedy: str) -> InputError:
+    return InputError(f"{field}: found {found}; allowed: {allowed}; {remedy}", field=field)
+
+
+def _pictures(
+    reach: _core.Reach, numbers: Sequence[int], size: tuple[int, int], camera: _core.Camera | None
+) -> Iterator[NDArray[np.uint8]]:
+    """The pictures of these frames, one by one."""
+    for start in range(0, len(numbers), _AT_ONCE):
+        yield from reach.render(numbers[start : start + _AT_ONCE], *size, camera=camera)
+
+
+def _encode(path: Path, kind: str, pictures: Iterable[NDArray[np.uint8]], fps: int, size: tuple[int, int], **options: str) -> str:
+    """Writes pictures as a film, and returns the name of its codec."""
+    av = _av()
+    container, codec, pixels, standard = _KINDS[kind]
+    with av.open(str(path), "w", format=container) as file:
+        stream = file.add_stream(codec, rate=fps, options=standard | options)
+        stream.width, stream.height = size
+        stream.pix_fmt = pixels
+        for picture in pictures:
+            file.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+        file.mux(stream.encode(None))
+        return str(stream.codec_context.codec.canonical_name)
+
+
+def _check_size(size: tuple[int, int]) -> None:
+    if size[0] % 2 or size[1] % 2:
+        raise _fault("size", f"{size[0]} x {size[1]}", "even numbers of pixels", "films have colours for every second pixel")
+
+
+def film(
+    reach: _core.Reach,
+    path: str | os.PathLike[str],
+    *,
+    fps: int = 25,
+    speed: float = 1.0,
+    size: tuple[int, int] = (640, 360),
+    camera: _core.Camera | None = None,
+    force: bool = False,
+) -> int:
+    """Write a film of a reach. Its bytes depend on the version of the encoder.
+
+    Parameters
+    ----------
+    reach : Reach
+        The reach.
+    path : path
+        File to write: ``.mp4`` (H.264) or ``.webp``.
+    fps : int
+        Pictures per second.
+    speed : float
+        How many times as fast as in reality it plays.
+    size : tuple of two int
+        Width and height in pixels, even.
+    camera : Camera or None
+        Without one, all that moves in the reach is seen.
+    force : bool
+        Whether a file that exists is overwritten.
+
+    Returns
+    -------
+    int
+        Number of pictures.
+
+    Raises
+    ------
+    InputError
+        For another ending, and for numbers out of range.
+    """
+    path = Path(path)
+    kind = path.suffix.lower()
+    if kind not in _KINDS:
+        raise _fault("path", repr(path.name), f"a name that ends in {' or '.join(_KINDS)}", "choose such a name")
+    if not 1 <= fps <= 100 or not 0.1 <= speed <= 100:
+        raise _fault("fps, speed", f"{fps}, {speed}", "1 to 100, and 0.1 to 100", "choose such numbers")
+    _check_size(size)
+    rate_hz = 1 / float(reach.time_s[1] - reach.time_s[0]) if len(reach) > 1 else 1.0
+    step = speed * rate_hz / fps
+    numbers = [round(index * step) for index in range(int((len(reach) - 1) / step) + 1)]
+    with _export.whole(path, force) as temporary:
+        _encode(temporary, kind, _pictures(reach, numbers, size, camera), fps, size)
+    return len(numbers)
+
+
+def _rows(column: Any) -> NDArray[Any]:
+    """A column of numbers or of lists of one length, as (rows, numbers)."""
+    flat = np.asarray(column.combine_chunks().flatten()) if str(column.type).startswith("fixed_size_list") else column.to_numpy()
+    return np.asarray(flat).reshape(len(column), -1)
+
+
+def _statistics(values: NDArray[Any]) -> dict[str, list[Any]]:
+    """Statistics along the first axis, with LeRobot's names."""
+    own = values.astype(np.float64)
+    found = {"min": own.min(0), "max": own.max(0), "mean": own.mean(0), "std": own.std(0)}
+    found |= {name: np.percentile(own, percent, axis=0) for name, percent in _QUANTILES.items()}
+    return {name: value.tolist() for name, value in found.items()} | {"count": [len(own)]}
+
+
+def _of_pictures(pixels: list[NDArray[np.uint8]]) -> dict[str, list[Any]]:
+    """Statistics of the colours of some pictures, from 0 to 1, of shape (3, 1, 1); `count` is the number of pictures."""
+    colours = np.concatenate([own.reshape(-1, 3) for own in pixels]) / 255
+    found = {name: np.reshape(value, (3, 1, 1)).tolist() for name, value in _statistics(colours).items() if name != "count"}
+    return found | {"count": [len(pixels)]}
+
+
+class _Camera:
+    """The films of one camera."""
+
+    def __init__(self, folder: Path, name: str, size: tuple[int, int], fps: int, camera: _core.Camera) -> None:
+        self.folder, self.key, self.size, self.fps, self.camera = folder, f"observation.images.{name}", size, fps, camera
+        self.path = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
+        self.codec = ""
+        self.sampled: list[list[NDArray[np.uint8]]] = []
+
+    def write(self, episode: int, reach: _core.Reach, numbers: Sequence[int], per_chunk: int) -> dict[str, Any]:
+        """Writes the film of an episode and returns where it is."""
+        chunk, file = divmod(episode, per_chunk)
+        path = self.folder / self.path.format(video_key=self.key, chunk_index=chunk, file_index=file)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        sampled: list[NDArray[np.uint8]] = []
+
+        def seen() -> Iterator[NDArray[np.uint8]]:
+            for index, picture in enumerate(_pictures(reach, numbers, self.size, self.camera)):
+                if index % _SAMPLED_PICTURES == 0:
+                    sampled.append(picture[::_SAMPLED_PIXELS, ::_SAMPLED_PIXELS])
+                yield picture
+
+        # Every second picture can be decoded without the others, as in LeRobot's own films.
+        self.codec = _encode(path, ".mp4", seen(), self.fps, self.size, g="2")
+        self.sampled.append(sampled)
+        where = {"chunk_index": chunk, "file_index": file, "from_timestamp": 0.0, "to_timestamp": len(numbers) / self.fps}
+        return {f"videos/{self.key}/{name}": value for name, value in where.items()}
+
+    def feature(self) -> dict[str, Any]:
+        width, height = self.size
+        film = {"height": height, "width": width, "codec": self.codec, "pix_fmt": "yuv420p", "fps": self.fps, "channels": 3}
+        about = {f"video.{name}": value for name, value in film.items()} | {"video.is_depth_map": False, "has_audio": False}
+        return {"dtype": "video", "shape": [height, width, 3], "names": ["height", "width", "channels"], "info": about}
+
+
+def lerobot(
+    data: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    camera: _core.Camera,
+    *,
+    name: str = "front",
+    fps: int = 25,
+    size: tuple[int, int] = (320, 240),
+) -> int:
+    """Write a data set with the pictures of a camera, in the LeRobotDataset v3.0 layout.
+
+    It holds what a robot senses, without ground truth, at the rate of the camera: every n-th frame of the reaches.
+
+    Parameters
+    ----------
+    data : path
+        A data set.
+    out : path
+        Folder to write. It must not exist.
+    camera : Camera
+        Where the pictures are taken from.
+    name : str
+        Name of the camera; the feature is ``observation.images.NAME``.
+    fps : int
+        Frames per second; a divisor of the data set's rate.
+    size : tuple of two int
+        Width and height in pixels, even.
+
+    Returns
+    -------
+    int
+        Number of frames.
+
+    Raises
+    ------
+    InputError
+        If the rate is no divisor, or a size is odd.
+    """
+    try:
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+    except ImportError as error:
+        raise ImportError("underbrush.video needs pyarrow: pip install 'underbrush[video]'") from error
+    data, out = Path(data), Path(out)
+    dataset = _core.Dataset(data)
+    info = json.loads((data / "meta" / "info.json").read_text())
+    _check_size(size)
+    if fps < 1 or info["fps"] % fps:
+        allowed = ", ".join(str(rate) for rate in range(1, int(info["fps"]) + 1) if info["fps"] % rate == 0)
+        raise _fault("fps", fps, allowed, "choose a divisor of the data set's rate")
+    _core._check_free(out, False)
+    every = int(info["fps"]) // fps
+    folder = out.with_name(f".{out.name}.{os.getpid()}")
+    (folder / "meta" / "episodes" / "chunk-000").mkdir(parents=True)
+    try:
+        films = _Camera(folder, name, size, fps, camera)
+        files = sorted((data / "data").rglob("*.parquet"))
+        frames = pa.concat_tables([pq.read_table(file) for file in files])
+        frames = frames.filter(pa.array(frames["frame_index"].to_numpy() % every == 0))
+        columns = {column: frames[column] for column in frames.column_names}
+        numbers = frames["frame_index"].to_numpy() // every
+        columns["frame_index"] = pa.array(numbers)
+        columns["timestamp"] = pa.array((numbers / fps).astype(np.float32))
+        columns["index"] = pa.array(np.arange(len(numbers)))
+        table = pa.table(columns)
+        path = folder / info["data_path"].format(chunk_index=0, file_index=0)
+        path.parent.mkdir(parents=True)
+        pq.write_table(table, path, compression="zstd")
+        episode_of = table["episode_index"].to_numpy()
+        episodes = pa.concat_tables([pq.read_table(file) for file in sorted((data / "meta" / "episodes").rglob("*.parquet"))])
+        rows = episodes.select([own for own in episodes.column_names if not own.startswith("stats/")]).to_pylist()
+        features = {own: feature for own, feature in info["features"].items() if own in columns}
+        values = {own: _rows(table[own]) for own in features}
+        for row in rows:
+            episode = row["episode_index"]
+            own = np.flatnonzero(episode_of == episode)
+            place = films.write(episode, dataset[episode], (numbers[own] * every).tolist(), info["chunks_size"])
+            row.update(place, length=len(own), dataset_from_index=int(own[0]), dataset_to_index=int(own[-1]) + 1)
+            row.update({f"{kind}/{number}": 0 for kind in ("data", "meta/episodes") for number in ("chunk_index", "file_index")})
+            found = {feature: _statistics(values[feature][own]) for feature in features}
+            found[films.key] = _of_pictures(films.sampled[-1])
+            row.update({f"stats/{feature}/{kind}": value for feature, kinds in found.items() for kind, value in kinds.items()})
+        pq.write_table(pa.Table.from_pylist(rows), folder / "meta" / "episodes" / "chunk-000" / "file-000.parquet")
+        statistics = {feature: _statistics(values[feature]) for feature in features}
+        statistics[films.key] = _of_pictures([picture for sampled in films.sampled for picture in sampled])
+        (folder / "meta" / "stats.json").write_text(json.dumps(statistics))
+        info.update(total_frames=len(numbers), fps=fps, video_path=films.path, features=features | {films.key: films.feature()})
+        (folder / "meta" / "info.json").write_text(json.dumps(info, indent=2))
+        for kept in ("tasks.parquet", "provenance.json"):
+            shutil.copy(data / "meta" / kept, folder / "meta" / kept)
+        folder.rename(out)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    return len(numbers)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """The command line: ``python -m underbrush.video --help``."""
+    formatter = argparse.ArgumentDefaultsHelpFormatter
+    parser = argparse.ArgumentParser(prog="python -m underbrush.video", description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True)
+    films = commands.add_parser("film", help="write a film of a reach", formatter_class=formatter)
+    films.add_argument("data", type=Path, help="recording (.parquet) or data set (folder)")
+    films.add_argument("--index", type=int, default=0, help="reach of the data set")
+    films.add_argument("--out", required=True, type=Path, help=".mp4 or .webp")
+    films.add_argument("--fps", type=int, default=25, help="pictures per second")
+    films.add_argument("--speed", type=float, default=1.0, help="how many times as fast as in reality it plays")
+    films.add_argument("--size", type=int, nargs=2, default=(640, 360), metavar=("W", "H"), help="pixels")
+    films.add_argument("--force", action="store_true", help="overwrite a file that exists")
+    sets = commands.add_parser("lerobot", help="write a data set with camera pictures", formatter_class=formatter)
+    sets.add_argument("data", type=Path, help="data set (folder)")
+    sets.add_argument("--out", required=True, type=Path, help="folder to write")
+    sets.add_argument("--fps", type=int, default=25, help="frames per second, a divisor of the data set's rate")
+    sets.add_argument("--name", default="front", help="name of the camera")
+    sets.add_argument("--size", type=int, nargs=2, default=(320, 240), metavar=("W", "H"), help="pixels")
+    sets.add_argument("--eye", type=float, nargs=3, default=_EYE, metavar=("X", "Y", "Z"), help="place of the camera, m")
+    sets.add_argument("--target", type=float, nargs=3, default=_TARGET, metavar=("X", "Y", "Z"), help="the middle of its pictures, m")
+    sets.add_argument("--fov", type=float, default=40.0, metavar="DEG", help="angle between upper and lower edge, degrees")
+    options = parser.parse_args(arguments)
+
+    def run() -> None:
+        size = (options.size[0], options.size[1])
+        if options.command == "film":
+            reach = _core.Dataset(options.data)[options.index] if options.data.is_dir() else _core.Reach.load(options.data)
+            count = film(reach, options.out, fps=options.fps, speed=options.speed, size=size, force=options.force)
+            print(f"{count} pictures in {options.out}")
+        else:
+            camera = _core.Camera(options.eye, options.target, vertical_fov_deg=options.fov)
+            count = lerobot(options.data, options.out, camera, name=options.name, fps=options.fps, size=size)
+            print(f"{count} frames in {options.out}")
+
+    return _export.status(run)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
