@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use underbrush_experiments::contact_trials;
 use underbrush_recording::disk::{Dataset, is_folder, is_recording, is_there, read_recording, read_trials};
-use underbrush_recording::{Category, InputError, Recording, Trial};
+use underbrush_recording::{InputError, Trial};
 use underbrush_sim::controller::ControllerKind;
 
 use crate::failure::Failure;
@@ -87,11 +87,6 @@ pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Fai
         trials.retain(|trial| trial.samples.len() >= arguments.min_samples());
         Ok(trials)
     }
-}
-
-/// The categories of a recording's objects, by index.
-pub fn object_categories(recording: &Recording) -> Vec<Category> {
-    recording.objects.iter().map(|object| object.category).collect()
 }
 
 /// Reads the name of a controller.

@@ -23,7 +23,7 @@ use failure::Failure;
 /// Shown after the list of commands: what to try first, and what a script has to know.
 const FIRST_STEPS: &str = "\
 First steps:
-  underbrush reach mixed --picture reach.svg                Simulate one reach and draw it
+  underbrush reach mixed --picture reach.png                Simulate one reach and draw it
   underbrush reproduce --quick                              The paper's experiments, small
 
 From data to a classifier:

@@ -100,7 +100,7 @@ fn untouched<'a>(
         let which = if reaches == 1 { "the reach".into() } else { format!("any of the {reaches} reaches") };
         format!(
             "warning: nothing touched the skin in any frame of {which}; put skin on links that come among the objects, or \
-             objects where the skin comes (`underbrush inspect ARM.toml --still arm.svg` shows it)"
+             objects where the skin comes (`underbrush inspect ARM.toml --still arm.png` shows it)"
         )
     })
 }

@@ -4,6 +4,7 @@ use std::borrow::Borrow;
 
 use glam::DVec3;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use rayon::prelude::*;
 use underbrush_recording::{Frame, Recording};
 use underbrush_render::{Camera, RenderError, Scene, Size, Stage};
@@ -12,6 +13,9 @@ use underbrush_sim::simulation::Simulation;
 use crate::array;
 use crate::failure::Failure;
 use crate::pool;
+
+/// Size of the pictures that notebooks show.
+const SHOWN: Size = Size { width: 800, height: 450 };
 
 /// Where a picture is taken from: two places, m, and a direction that is up in the picture, world frame, and the angle between
 /// the upper and the lower edge of the picture, degrees.
@@ -45,6 +49,18 @@ pub fn draw<'py>(
     let (scene, standard, _) = Stage::now(simulation, frame, size.check()?.aspect())?;
     let camera = camera.map_or(standard, |camera| camera.0);
     pixels(py, &[0], |_| &scene, (&camera, size), kind, vec![height, width])
+}
+
+/// A simulation as it is now, as an object of the class in `underbrush/_picture.py`.
+pub fn shown<'py>(py: Python<'py>, png: Vec<u8>) -> PyResult<Bound<'py, PyAny>> {
+    py.import("underbrush._picture")?.call_method1("Picture", (PyBytes::new(py, &png),))
+}
+
+/// A simulation as it is now, as PNG.
+pub fn png(simulation: &Simulation) -> Result<Vec<u8>, Failure> {
+    let goal = simulation.clutter().goals.first().copied().unwrap_or_default();
+    let (scene, camera, _) = Stage::now(simulation, &simulation.frame(0, goal), SHOWN.aspect())?;
+    Ok(underbrush_render::png(&scene.rgb(&camera, SHOWN)?, SHOWN)?)
 }
 
 /// Pictures of some frames of a reach as one array, drawn on all cores.

@@ -3,26 +3,21 @@
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::{Scene, shipped_by_name};
-use underbrush_sim::snapshot::Snapshot;
 
 use crate::array;
 use crate::failure::{Answer, Failure};
 use crate::given;
 use crate::json;
+use crate::picture;
 use crate::pool::{alone, guarded};
 
 /// A scene: the ranges from which the clutter of every reach is drawn.
 #[pyclass(frozen, name = "Scene", module = "underbrush._core")]
 pub struct PyScene {
     pub scene: Scene,
-}
-
-/// A picture as an object of the class in `underbrush/_picture.py`.
-pub fn picture(py: Python<'_>, svg: String) -> PyResult<Bound<'_, PyAny>> {
-    py.import("underbrush._picture")?.call_method1("Picture", (svg,))
 }
 
 /// A scene from a `Scene`, the name of one that ships, or the path of a file.
@@ -39,20 +34,6 @@ pub fn scene(value: &Bound<'_, PyAny>) -> Result<Scene, Failure> {
         Failure::argument("scene", found, allowed, "give one of them")
     })?;
     Ok(Scene::open(path)?)
-}
-
-/// A drawing (SVG) of a simulation in its present state.
-pub fn drawn(plan: &ReachPlan, simulation: &underbrush_sim::simulation::Simulation, caption: &str) -> String {
-    let goal = simulation.clutter().goals.first().copied().unwrap_or_default();
-    let frame = simulation.frame(0, goal);
-    let categories: Vec<_> = simulation.clutter().objects.iter().map(|placed| placed.category).collect();
-    underbrush_report::picture::draw(
-        &Snapshot::take(simulation, &frame),
-        &plan.arm.skin.layout,
-        &categories,
-        &plan.scene.file.workspace,
-        caption,
-    )
 }
 
 /// Puts changes into a table: tables are merged, everything else is replaced.
@@ -129,14 +110,14 @@ impl PyScene {
         Ok(PyScene { scene: Scene::parse(path, text)? })
     }
 
-    /// Draw arm and clutter at the start of a reach, from the side and from above.
+    /// Draw arm and clutter at the start of a reach.
     #[pyo3(signature = (seed = 0, index = 0))]
     fn draw<'py>(&self, py: Python<'py>, seed: u64, index: u64) -> Answer<'py> {
-        Ok(picture(py, self.svg(py, seed, index)?)?)
+        Ok(picture::shown(py, self.png(py, seed, index)?)?)
     }
 
-    fn _repr_svg_(&self, py: Python<'_>) -> Result<String, Failure> {
-        self.svg(py, 0, 0)
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyBytes>, Failure> {
+        Ok(PyBytes::new(py, &self.png(py, 0, 0)?))
     }
 
     /// What stands around the arm in a reach, and its goals (m, world frame).
@@ -168,12 +149,8 @@ impl PyScene {
 }
 
 impl PyScene {
-    fn svg(&self, py: Python<'_>, seed: u64, index: u64) -> Result<String, Failure> {
-        alone(py, || {
-            let plan = ReachPlan::new(self.scene.clone(), None, seed)?;
-            let caption = format!("{}, seed {seed}, reach {index}: the start", self.scene.file.summary);
-            Ok(drawn(&plan, &plan.simulation(index)?, &caption))
-        })
+    fn png(&self, py: Python<'_>, seed: u64, index: u64) -> Result<Vec<u8>, Failure> {
+        alone(py, || picture::png(&ReachPlan::new(self.scene.clone(), None, seed)?.simulation(index)?))
     }
 
     fn table(&self) -> Result<toml::Table, Failure> {

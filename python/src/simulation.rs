@@ -136,7 +136,7 @@ impl PySimulation {
 
     /// Draw arm and clutter as they are now.
     fn draw<'py>(&self, py: Python<'py>) -> Answer<'py> {
-        Ok(scene::picture(py, self._repr_svg_()?)?)
+        Ok(picture::shown(py, picture::png(&*self.lock()?)?)?)
     }
 
     /// A picture of arm and clutter as they are now, as an array that may be written. ``"rgb"``: (height, width, 3), uint8, with
@@ -165,11 +165,8 @@ impl PySimulation {
         Ok(Stage::now(&simulation, &frame, 1.0)?.2)
     }
 
-    fn _repr_svg_(&self) -> Result<String, Failure> {
-        let simulation = self.lock()?;
-        let time_s = simulation.report().time_s();
-        let caption = format!("{}: {time_s:.2} s after the start", self.plan.scene.file.summary);
-        Ok(scene::drawn(&self.plan, &simulation, &caption))
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyBytes>, Failure> {
+        Ok(PyBytes::new(py, &picture::png(&*self.lock()?)?))
     }
 
     fn __repr__(&self) -> String {

@@ -16,7 +16,7 @@ def test_only_force_overwrites(data: ub.Dataset, trials: ub.Trials, tmp_path: Pa
         "model.json": ub.fit(trials, "naive-bayes"),
         "reach.parquet": data[0],
         "page.html": ub.replay(data, [0]),
-        "scene.svg": ub.Scene("leaf").draw(),
+        "scene.png": ub.Scene("leaf").draw(),
     }
     for name, kind in kinds.items():
         path = tmp_path / name

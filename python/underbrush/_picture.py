@@ -11,20 +11,20 @@ from . import _export
 
 @dataclass(frozen=True, repr=False)
 class Picture:
-    """A picture (SVG), shown inline in a notebook.
+    """A picture (PNG), shown inline in a notebook.
 
     Attributes
     ----------
-    svg : str
-        The text of the picture.
+    png : bytes
+        The file.
     """
 
-    svg: str
+    png: bytes
 
-    def _repr_svg_(self) -> str:
-        return self.svg
+    def _repr_png_(self) -> bytes:
+        return self.png
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write the picture to a file. Only with ``force`` is a file overwritten."""
         with _export.whole(Path(path), force) as temporary:
-            temporary.write_text(self.svg, encoding="utf-8")
+            temporary.write_bytes(self.png)

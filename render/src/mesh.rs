@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use underbrush_recording::{BodyPart, BodyShape, math};
+use underbrush_sim::blade::Blade;
 use underbrush_sim::geometry::convex_hull;
-use underbrush_sim::snapshot::Blade;
 
 /// Corners of a quarter of a circle with a radius of one centimetre, and most of any circle. They grow with the root of the
 /// radius, so that outlines are off by less than 0.8 mm.

@@ -9,8 +9,10 @@ use underbrush_recording::{
     Body, BodyOwner, BodyShape, Frame, MappedObstacle, ObjectRecord, ObstacleKind, Pose, Recording, SkinLayout,
     TrackPoint, math,
 };
+use underbrush_sim::arm::Arm;
+use underbrush_sim::blade::Blade;
+use underbrush_sim::body_log::{BodyLog, link_bodies};
 use underbrush_sim::simulation::Simulation;
-use underbrush_sim::snapshot::{Blade, bodies};
 
 use crate::camera::bounds;
 use crate::mesh::Mesh;
@@ -147,10 +149,27 @@ impl<'a> Stage<'a> {
         frame: &Frame,
         aspect: f64,
     ) -> Result<(Scene, Camera, Vec<String>), RenderError> {
-        let (bodies, clutter) = (bodies(simulation), simulation.clutter());
+        let (bodies, clutter) = (BodyLog::now(simulation).finish(), simulation.clutter());
         let layout = &simulation.arm().skin.layout;
         let stage = Stage::new(&bodies, &clutter.records(), layout, LIVE_N, &clutter.goals)?;
         Ok((stage.moment(u32::MAX, frame), stage.camera(aspect), stage.labels))
+    }
+
+    /// An arm alone in its start posture, with its taxels and a mark at its end effector.
+    ///
+    /// # Errors
+    /// [`RenderError::NoBodies`].
+    pub fn arm(arm: &Arm, aspect: f64) -> Result<(Scene, Camera), RenderError> {
+        let poses = arm.forward_kinematics(&arm.start_posture_rad());
+        let bodies = link_bodies(arm, &poses);
+        let (layout, surfaces) = (&arm.skin.layout, &arm.skin.surfaces);
+        let frame = Frame {
+            patch_pose_world: surfaces.iter().map(|surface| poses[surface.link]).collect(),
+            goal_position_world: arm.end_effector_pose(&poses).position,
+            ..Frame::blank(surfaces.len())
+        };
+        let stage = Stage::new(&bodies, &[], layout, LIVE_N, &[frame.goal_position_world])?;
+        Ok((stage.moment(0, &frame), stage.camera(aspect)))
     }
 
     /// Puts a table under the objects, wide enough for everything that is seen.

@@ -1,7 +1,7 @@
 //! Charts, tables, sentences and pictures of the results of the simulator and the experiments.
 //!
 //! [`Written::of`] makes a report from the results of a run: [`section`] has a file for each experiment, and
-//! [`drawing`] has the charts, tables and pages that they use. [`picture`] draws arm and clutter, [`portrait`] objects
+//! [`drawing`] has the charts, tables and pages that they use. [`portrait`] draws objects
 //! pressed on the skin, and [`junit`] writes the results of regression suites for CI systems.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -13,7 +13,6 @@ pub mod category_looks;
 pub mod drawing;
 pub mod junit;
 mod overview;
-pub mod picture;
 pub mod portrait;
 pub mod replay_links;
 mod replay_pages;
@@ -36,7 +35,7 @@ use report::Report;
 
 /// A report, ready to be written.
 pub struct Written {
-    /// `index.html`, its picture, and the folder `csv` beside it.
+    /// `index.html`, its pictures, and the folder `csv` beside it.
     pub files: Vec<File>,
     /// Tables for a terminal.
     pub terminal: String,
@@ -54,7 +53,7 @@ impl Written {
     /// The report of some results.
     ///
     /// # Errors
-    /// If its picture cannot be drawn.
+    /// If a picture cannot be drawn.
     pub fn of(results: &Results) -> Result<Self, Fault> {
         let mut report = Report::new(results);
         let picture = overview::add(&mut report)?;
@@ -64,8 +63,9 @@ impl Written {
         let file = |path: &str, bytes| File { path: path.to_owned(), bytes };
         let tables =
             report.tables.iter().map(|table| file(&format!("csv/{}.csv", table.name), table.csv().into_bytes()));
-        let picture = picture.map(|(path, bytes)| file(path, bytes));
-        let files = tables.chain(picture).chain([file("index.html", report.page.html().into_bytes())]).collect();
+        let moments = section::moments::pictures(&results.outcomes.moments)?;
+        let pictures = picture.into_iter().chain(moments).map(|(path, bytes)| file(&path, bytes));
+        let files = tables.chain(pictures).chain([file("index.html", report.page.html().into_bytes())]).collect();
         Ok(Written { files, terminal })
     }
 }

@@ -80,7 +80,7 @@ impl<'a> Comparison<'a> {
 }
 
 /// Adds the first screen, and returns the picture that it shows: its file name, and the file.
-pub fn add(report: &mut Report) -> Result<Option<(&'static str, Vec<u8>)>, RenderError> {
+pub fn add(report: &mut Report) -> Result<Option<(String, Vec<u8>)>, RenderError> {
     let (comparison, results) = (Comparison::of(report), report.results);
     let name = report.figure_name("table_one", "Cross-validation");
     report.page.lead(&lead(&comparison, &name));
@@ -109,7 +109,7 @@ pub fn add(report: &mut Report) -> Result<Option<(&'static str, Vec<u8>)>, Rende
         ("Does not agree", differs),
         ("Why", why(report, &comparison)),
     ]);
-    moment.map(|moment| Ok((PICTURE, picture(moment)?))).transpose()
+    moment.map(|moment| Ok((PICTURE.to_owned(), picture(moment)?))).transpose()
 }
 
 /// How close the table is to the paper, and how good the best classifier is.
@@ -206,7 +206,6 @@ fn why(report: &Report, comparison: &Comparison) -> Vec<String> {
 fn picture(moment: &Moment) -> Result<Vec<u8>, RenderError> {
     let recording = &moment.recording;
     let stage = Stage::of(recording, (known().force_limit_n)(&recording.controller))?;
-    let time_s = moment.snapshot.frame.time_s;
-    let number = recording.frames.partition_point(|frame| frame.time_s < time_s - 1e-9).min(recording.frames.len() - 1);
-    png(&stage.moment(number as u32, &recording.frames[number]).rgb(&stage.camera(SIZE.aspect()), SIZE)?, SIZE)
+    let scene = stage.moment(moment.frame_index as u32, moment.frame());
+    png(&scene.rgb(&stage.camera(SIZE.aspect()), SIZE)?, SIZE)
 }

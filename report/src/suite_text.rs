@@ -84,7 +84,7 @@ fn why(result: &SuiteResult, scene: &SceneResult, bound: &BoundResult) -> String
         let (seed, controller) = (result.seed, &scene.controller);
         text += &format!(
             "  look at reach {index}, where it is {value}:\n  underbrush reach {file} --seed {seed} --index {index} --controller \
-             {controller} --picture reach.svg\n"
+             {controller} --picture reach.png\n"
         );
     }
     text

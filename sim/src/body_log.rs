@@ -1,8 +1,24 @@
 //! The poses of all links and bodies during a reach, as a recording stores them.
 
-use underbrush_recording::{Body, BodyOwner, BodyPart};
+use underbrush_recording::{Body, BodyOwner, BodyPart, Pose};
 
+use crate::arm::{Arm, Link};
 use crate::simulation::{FrameReport, Simulation};
+
+/// The links of an arm at these poses.
+pub fn link_bodies(arm: &Arm, poses_world: &[Pose]) -> Vec<Body> {
+    let body = |(link, pose): (&Link, &Pose)| Body {
+        owner: BodyOwner::Link(link.name.clone()),
+        parts: link
+            .colliders
+            .iter()
+            .map(|part| BodyPart { shape: part.shape.clone(), pose_body: part.pose_link })
+            .collect(),
+        rest_pose_world: *pose,
+        track: Vec::new(),
+    };
+    arm.links.iter().zip(poses_world).map(body).collect()
+}
 
 /// Follows all bodies, frame by frame.
 #[derive(Clone)]
@@ -16,20 +32,7 @@ pub struct BodyLog {
 impl BodyLog {
     /// The bodies of a simulation at its start.
     pub fn new(simulation: &Simulation) -> Self {
-        let (arm, report) = (simulation.arm(), simulation.report());
-        let links = arm.links.iter().zip(&report.link_pose_world);
-        let mut bodies: Vec<Body> = links
-            .map(|(link, pose)| Body {
-                owner: BodyOwner::Link(link.name.clone()),
-                parts: link
-                    .colliders
-                    .iter()
-                    .map(|part| BodyPart { shape: part.shape.clone(), pose_body: part.pose_link })
-                    .collect(),
-                rest_pose_world: *pose,
-                track: Vec::new(),
-            })
-            .collect();
+        let mut bodies = link_bodies(simulation.arm(), &simulation.report().link_pose_world);
         let mut places = Vec::new();
         for object in 0..simulation.clutter().objects.len() {
             let rest = simulation.rest_pose_world(object).iter();

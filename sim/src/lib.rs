@@ -16,7 +16,8 @@
 
 pub mod arm;
 pub mod audit;
-mod body_log;
+pub mod blade;
+pub mod body_log;
 pub mod campaign;
 pub mod clutter;
 pub mod contact;
@@ -39,5 +40,4 @@ pub mod seed;
 pub mod sensor;
 pub mod simulation;
 pub mod skin;
-pub mod snapshot;
 mod toml_text;

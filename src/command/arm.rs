@@ -20,7 +20,7 @@ use crate::output;
 ///   underbrush arm skin robot.toml --link forearm --pitch-mm 10 --patch forearm --prune
 ///   underbrush reach robot.trunks.toml
 ///
-/// `underbrush inspect robot.toml --still robot.svg` lists joints, links and patches, and draws them.
+/// `underbrush inspect robot.toml --still robot.png` lists joints, links and patches, and draws them.
 #[derive(Args)]
 #[command(verbatim_doc_comment)]
 pub struct ArmOptions {

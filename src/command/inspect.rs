@@ -6,11 +6,10 @@ use clap::Args;
 use serde_json::{Value, json};
 use underbrush_experiments::inspection;
 use underbrush_experiments::torque_balance::torque_balance;
-use underbrush_report::picture;
 use underbrush_sim::arm::Arm;
 
 use super::overwrite::Overwrite;
-use super::picture as reach_picture;
+use super::picture;
 use crate::failure::Failure;
 use crate::output;
 
@@ -25,8 +24,8 @@ pub struct InspectOptions {
     /// For a data set: also check that the joint torques and the stored contacts explain the motion of the arm
     #[arg(long)]
     audit: bool,
-    /// For an arm: draw it in its start posture, with its taxels, to this file (SVG)
-    #[arg(long, value_name = "FILE.svg")]
+    /// For an arm: draw it in its start posture, with its taxels, to this file (PNG)
+    #[arg(long, value_name = "FILE.png")]
     still: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
@@ -46,11 +45,8 @@ pub fn run(options: InspectOptions, json: bool) -> Result<(), Failure> {
         if found.get("chain").is_none() {
             return Err(Failure::usage(format!("{}: --still is for arms", path.display())));
         }
-        reach_picture::require_svg("--still", "a picture", still)?;
-        options.overwrite.file(still, [path])?;
-        let arm = Arm::load(path)?;
-        let caption = format!("{} in its start posture", arm.name);
-        output::write_file(still, picture::still(&arm, &caption).as_bytes())?;
+        picture::check_png(still, options.overwrite, [path])?;
+        picture::write_arm(&Arm::load(path)?, still)?;
     }
     output::result(json, &found, || text(&found, 0))
 }

@@ -20,7 +20,6 @@ mod overwrite;
 mod picture;
 pub mod reach;
 pub mod replay;
-mod replay_picture;
 pub mod reproduce;
 pub mod schema;
 pub mod score;

@@ -1,64 +1,193 @@
-//! The picture of a reach.
+//! Pictures and films of reaches and arms, without a browser: `--still`, `--picture` and `--video`.
 
 use std::path::{Path, PathBuf};
 
-use underbrush_recording::{Frame, Recording};
-use underbrush_report::picture;
-use underbrush_sim::scene::SceneFile;
-use underbrush_sim::simulation::Simulation;
-use underbrush_sim::snapshot::Snapshot;
+use clap::{Args, value_parser};
+use glam::DVec3;
+use serde_json::json;
+use underbrush_recording::disk::remove_leftovers;
+use underbrush_recording::{InputError, Recording};
+use underbrush_render::{Camera, Film, Size, Stage, png};
+use underbrush_replay::Source;
+use underbrush_report::replayed::known;
+use underbrush_sim::arm::Arm;
 
 use super::overwrite::Overwrite;
 use crate::failure::Failure;
-use crate::{input, output};
+use crate::{output, progress};
 
-/// The file to write, and the moment to draw in it.
-pub struct Picture {
-    path: Option<PathBuf>,
-    /// The frame in which the most taxels read a force.
-    fullest: Option<Snapshot>,
+/// Size of a picture if nothing else is said.
+const SIZE: Size = Size { width: 1280, height: 720 };
+
+/// The options of pictures and films of `underbrush replay`.
+#[derive(Args)]
+pub struct PictureArguments {
+    /// Draw one moment of a reach to this file, without a browser
+    #[arg(long, value_name = "FILE.png", group = "file", conflicts_with_all = ["model", "port", "no_open"])]
+    still: Option<PathBuf>,
+    /// Draw a reach as a film that plays in a loop to this file, without a browser
+    #[arg(long, value_name = "FILE.gif", group = "file", conflicts_with_all = ["model", "port", "no_open"])]
+    video: Option<PathBuf>,
+    /// With --still: the moment, s after the start [default: when the most taxels read a force]
+    #[arg(long, value_name = "S", requires = "still", conflicts_with_all = ["out", "video"])]
+    time: Option<f64>,
+    /// Width and height, 64 to 1280 pixels each [default: 1280x720, of films 640x360]
+    #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "out", requires = "file")]
+    size: Option<Size>,
+    /// Where the picture is taken from, m, world frame: x, y, z [default: right of the arm, as near as everything fits]
+    #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true, conflicts_with = "out", requires = "file")]
+    eye: Option<DVec3>,
+    /// What is in the middle of the picture, m, world frame: x, y, z [default: the middle of everything]
+    #[arg(long, value_name = "X,Y,Z", value_parser = place, allow_hyphen_values = true, conflicts_with = "out", requires = "file")]
+    target: Option<DVec3>,
+    /// With --video: pictures per second, 1 to 50, each shown for whole hundredths of a second, so that 30 becomes 33
+    #[arg(long, value_name = "N", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = 20, value_parser = value_parser!(u16).range(1..=50))]
+    fps: u16,
+    /// With --video: how many times as fast as in reality it plays, 0.1 to 100
+    #[arg(long, value_name = "X", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = 1.0, value_parser = speed)]
+    speed: f64,
 }
 
-impl Picture {
-    /// A picture without a moment yet.
-    ///
-    /// # Errors
-    /// If the file is not SVG, is there already and may not be overwritten, or cannot be written.
-    pub fn new(path: Option<PathBuf>, overwrite: Overwrite, inputs: &[PathBuf]) -> Result<Self, Failure> {
-        if let Some(path) = &path {
-            require_svg("--picture", "a picture", path)?;
-            overwrite.file(path, inputs)?;
-        }
-        Ok(Picture { path, fullest: None })
+/// Reads a size such as 640x360.
+fn size(text: &str) -> Result<Size, String> {
+    let numbers = text.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
+    let (width, height) = numbers.ok_or("give width and height in pixels, such as 640x360")?;
+    Size { width, height }.check().map_err(|error| error.to_string())
+}
+
+fn place(text: &str) -> Result<DVec3, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(str::parse).collect();
+    let place = numbers.ok().and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
+    place.map(DVec3::from).ok_or_else(|| "give three numbers in m, such as 0.5,-1,0.3".to_owned())
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    let speed = text.parse().ok().filter(|speed| (0.1..=100.0).contains(speed));
+    speed.ok_or_else(|| "give a number from 0.1 to 100".to_owned())
+}
+
+impl PictureArguments {
+    /// Draws a picture or a film of one of the reaches, if one is asked for; false if not. Its file is checked before.
+    pub fn run(&self, source: &Source, chosen: &[usize], json: bool) -> Result<bool, Failure> {
+        let Some(path) = self.file() else {
+            return Ok(false);
+        };
+        let reaches = source.reaches().len();
+        let number = match chosen {
+            [] if reaches == 1 => 0,
+            [one] => *one,
+            _ => {
+                let text = format!("a picture shows one reach; choose one of {reaches} with --reaches N, from 0");
+                return Err(Failure::usage(text));
+            }
+        };
+        let recording = source.recording(number)?;
+        let stage = Stage::of(&recording, (known().force_limit_n)(&recording.controller))?;
+        let (bytes, frames) = match self.video {
+            None => (self.still(&recording, &stage)?, 1),
+            Some(_) => self.film(&recording, &stage)?,
+        };
+        remove_leftovers(path);
+        output::write_file(path, &bytes)?;
+        let (bytes, path) = (bytes.len(), path.display().to_string());
+        output::result(json, &json!({ "file": path, "pictures": frames, "bytes": bytes }), || {
+            let megabytes = bytes as f64 / 1e6;
+            format!("{path}: {} in {megabytes:.2} MB", output::counted(frames, "picture", "pictures"))
+        })?;
+        Ok(true)
     }
 
-    /// Keeps what the picture needs of a frame.
-    pub fn observe(&mut self, simulation: &Simulation, frame: &Frame) {
-        let fullest = self.fullest.as_ref().map(|snapshot| snapshot.frame.taxels.len());
-        if self.path.is_some() && fullest.is_none_or(|most| frame.taxels.len() > most) {
-            self.fullest = Some(Snapshot::take(simulation, frame));
+    /// The file to write.
+    pub fn file(&self) -> Option<&Path> {
+        self.still.as_deref().or(self.video.as_deref())
+    }
+
+    /// Demands that the file can be written, has the right ending, and that the numbers are within their limits.
+    pub fn check(&self, overwrite: Overwrite, inputs: &[PathBuf]) -> Result<(), Failure> {
+        match (self.file(), &self.video) {
+            (None, _) => Ok(()),
+            (Some(path), None) => check_png(path, overwrite, inputs),
+            (Some(path), Some(_)) => {
+                check_ending(
+                    path,
+                    "gif",
+                    "choose such a name; `python -m underbrush.video film` writes .mp4 and .webp",
+                )?;
+                overwrite.file(path, inputs)
+            }
         }
     }
 
-    /// Writes the file.
-    pub fn write(&self, scene: &SceneFile, recording: &Recording) -> Result<(), Failure> {
-        let (Some(path), Some(snapshot)) = (&self.path, &self.fullest) else { return Ok(()) };
-        let (seed, reach, time_s) = (recording.seed, recording.reach_index, snapshot.frame.time_s);
-        let caption = format!("{}, seed {seed}, reach {reach}: {time_s:.2} s after the start", scene.summary);
-        let categories = input::object_categories(recording);
-        let svg = picture::draw(snapshot, &recording.layout, &categories, &scene.workspace, &caption);
-        output::write_file(path, svg.as_bytes())
+    fn camera(&self, stage: &Stage, size: Size) -> Camera {
+        let standard = stage.camera(size.aspect());
+        let eye_world = self.eye.unwrap_or(standard.eye_world);
+        Camera { eye_world, target_world: self.target.unwrap_or(standard.target_world), ..standard }
+    }
+
+    fn still(&self, recording: &Recording, stage: &Stage) -> Result<Vec<u8>, Failure> {
+        let size = self.size.unwrap_or(SIZE);
+        let last_s = recording.frames.last().map_or(0.0, |frame| frame.time_s);
+        let number = match self.time {
+            Some(time_s) if (0.0..=last_s).contains(&time_s) => {
+                recording.frames.partition_point(|frame| frame.time_s < time_s - 1e-9)
+            }
+            Some(time_s) => {
+                let text = format!(
+                    "--time {time_s}: allowed: 0 to {last_s:.2}, the length of the reach in s; choose a moment of it"
+                );
+                return Err(Failure::usage(text));
+            }
+            None => fullest(recording),
+        };
+        Ok(png(&stage.moment(number as u32, &recording.frames[number]).rgb(&self.camera(stage, size), size)?, size)?)
+    }
+
+    fn film(&self, recording: &Recording, stage: &Stage) -> Result<(Vec<u8>, usize), Failure> {
+        let size = self.size.unwrap_or(Size { width: 640, height: 360 });
+        let delay = (100.0 / f64::from(self.fps)).round() as u16;
+        let film = Film { size, delay, speed: self.speed };
+        let pictures = film.frames(recording).len();
+        let bar = progress::bar(pictures as u64, "pictures");
+        let bytes = film.draw(recording, stage, &self.camera(stage, size), |drawn| bar.inc(drawn as u64))?;
+        bar.finish_and_clear();
+        Ok((bytes, pictures))
     }
 }
 
-/// Demands that the file of an option is SVG.
-///
-/// # Errors
-/// If its name ends otherwise.
-pub fn require_svg(option: &str, what: &str, path: &Path) -> Result<(), Failure> {
-    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg")) {
+/// Demands that the file can be written and is PNG.
+pub fn check_png<'a>(
+    path: &Path,
+    overwrite: Overwrite,
+    inputs: impl IntoIterator<Item = &'a PathBuf>,
+) -> Result<(), Failure> {
+    check_ending(path, "png", "choose such a name")?;
+    overwrite.file(path, inputs)
+}
+
+fn check_ending(path: &Path, ending: &str, remedy: &str) -> Result<(), Failure> {
+    if path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending)) {
         return Ok(());
     }
-    let path = path.display();
-    Err(Failure::usage(format!("{option} {path}: {what} is written as SVG; give a file name that ends in .svg")))
+    let found = format!("{:?}", path.file_name().unwrap_or_default());
+    Err(InputError::new(path, "file name", found, format!("a name that ends in .{ending}"), remedy).into())
+}
+
+/// The first of the frames in which the most taxels read a force.
+fn fullest(recording: &Recording) -> usize {
+    let felt = recording.frames.iter().map(|frame| frame.taxels.len()).enumerate();
+    felt.rev().max_by_key(|(_, taxels)| *taxels).map_or(0, |(number, _)| number)
+}
+
+/// Draws the moment of a reach in which the most taxels read a force.
+pub fn write_fullest(recording: &Recording, path: &Path) -> Result<(), Failure> {
+    let stage = Stage::of(recording, (known().force_limit_n)(&recording.controller))?;
+    let number = fullest(recording);
+    let scene = stage.moment(number as u32, &recording.frames[number]);
+    output::write_file(path, &png(&scene.rgb(&stage.camera(SIZE.aspect()), SIZE)?, SIZE)?)
+}
+
+/// Draws an arm in its start posture.
+pub fn write_arm(arm: &Arm, path: &Path) -> Result<(), Failure> {
+    let (scene, camera) = Stage::arm(arm, SIZE.aspect())?;
+    output::write_file(path, &png(&scene.rgb(&camera, SIZE)?, SIZE)?)
 }

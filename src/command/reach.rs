@@ -17,7 +17,7 @@ use underbrush_sim::scene::Scene;
 
 use super::decision_arguments::DecisionArguments;
 use super::overwrite::Overwrite;
-use super::picture::Picture;
+use super::picture;
 use super::replay;
 use super::touch::TouchDecisionArguments;
 use super::verdict_arguments::VerdictArguments;
@@ -48,7 +48,7 @@ pub struct ReachOptions {
     out: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
-    /// Write a picture to this file (SVG): the frame in which the most taxels read a force
+    /// Write a picture to this file (PNG): the frame in which the most taxels read a force
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
     /// Show the reach in the browser while it is simulated, with buttons to pause and step it
@@ -119,7 +119,9 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
     let judging = judging.transpose()?;
     let mut inputs = vec![options.scene.clone()];
     inputs.extend(options.verdicts.model().iter().chain(&options.model).cloned());
-    let mut picture = Picture::new(options.picture, options.overwrite, &inputs)?;
+    if let Some(path) = &options.picture {
+        picture::check_png(path, options.overwrite, &inputs)?;
+    }
     if let Some(path) = &options.out {
         if path.extension().is_none_or(|extension| extension != "parquet") {
             return Err(Failure::usage(format!(
@@ -137,7 +139,6 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
     };
     let start = Instant::now();
     let recording = plan.run(options.index, &mut |simulation, frame| {
-        picture.observe(simulation, frame);
         if let Some(watched) = &mut watched {
             watched.frame(simulation, frame);
         }
@@ -148,7 +149,9 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
         remove_leftovers(path);
         write_recording(path, &recording)?;
     }
-    picture.write(&plan.scene.file, &recording)?;
+    if let Some(path) = &options.picture {
+        picture::write_fullest(&recording, path)?;
+    }
     output::remarks(audit::reach_warnings(&recording));
     let f_max_n = plan.controller.preset().map(|preset| preset.force_limit_n);
     let report = Report::of(&recording, &options_of_trials, f_max_n, wall_s)?;

@@ -15,7 +15,7 @@ use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
 use super::decision_arguments::DecisionArguments;
 use super::overwrite::Overwrite;
-use super::replay_picture::PictureArguments;
+use super::picture::PictureArguments;
 use super::touch::TouchDecisionArguments;
 use crate::failure::Failure;
 use crate::options;

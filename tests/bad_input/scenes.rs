@@ -15,7 +15,7 @@ fn refuses(text: &str, line: Option<usize>, parts: &[&str]) {
     let outputs = tempfile::tempdir().unwrap();
     let file = scenes::write(folder.path(), "bad.toml", text);
     let fault = Fault { file: &file, line, parts };
-    let [set, recording, picture] = ["set", "reach.parquet", "reach.svg"].map(|name| outputs.path().join(name));
+    let [set, recording, picture] = ["set", "reach.parquet", "reach.png"].map(|name| outputs.path().join(name));
     fault.check(&underbrush!["inspect", file]);
     fault.check(&underbrush!["reach", file, "--out", recording, "--picture", picture]);
     fault.check(&underbrush!["generate", file, "--reaches", "2", "--out", set]);

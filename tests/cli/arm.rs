@@ -98,14 +98,10 @@ fn from_a_urdf_to_a_reach() {
     }
     // Goals are drawn for the first patch, which is not this one.
     assert_eq!(skin("pillar", &[]).json()["rows_and_columns"], json!([15, 12]));
-    let still = folder.path().join("crane.svg");
+    let still = folder.path().join("crane.png");
     let found = underbrush!["inspect", arm, "--still", still, "--json"].json();
     assert_eq!((&found["doubtful"], found["patches"].as_object().unwrap().len()), (&"nothing".into(), 3));
-    let picture = std::fs::read_to_string(&still).unwrap();
-    let picture = roxmltree::Document::parse(&picture).unwrap();
-    let dots = picture.descendants().filter(|node| node.has_tag_name(("http://www.w3.org/2000/svg", "circle"))).count();
-    // Each view shows the taxels that face it: of an upright box, one side of four.
-    assert!(dots as u64 > found["taxels"].as_u64().unwrap() / 4, "{dots} dots");
+    assert!(std::fs::read(&still).unwrap().starts_with(b"\x89PNG"));
     let scene = folder.path().join("crane.trunks.toml");
     let touched = (0..3).map(|seed| underbrush!["reach", scene, "--seed", seed.to_string(), "--json"].json());
     let frames =

@@ -161,9 +161,9 @@ fn a_broken_bound_names_a_reach() {
     // The path has a space and needs quotes.
     let (path, options) = shown.trim().strip_prefix("underbrush reach '").unwrap().split_once("' ").unwrap();
     let mut arguments = vec!["reach".into(), path.into(), "--json".into()];
-    let picture = folder.path().join("reach.svg");
+    let picture = folder.path().join("reach.png");
     arguments.extend(options.split(' ').map(|option| match option {
-        "reach.svg" => picture.clone().into(),
+        "reach.png" => picture.clone().into(),
         option => std::ffi::OsString::from(option),
     }));
     let reach = crate::support::call(arguments, "").json();

@@ -30,7 +30,7 @@ fn calls(folder: &Path) -> Vec<Vec<OsString>> {
     let pieces: Vec<(Vec<OsString>, Vec<OsString>)> = vec![
         (text("train --states 2"), vec![table.clone(), "--out".into(), named("new.json")]),
         (text("reach"), vec![scene.clone(), "--out".into(), named("new.parquet")]),
-        (text("reach"), vec![scene.clone(), "--picture".into(), named("new.svg")]),
+        (text("reach"), vec![scene.clone(), "--picture".into(), named("new.png")]),
         (text("trials"), vec![set.clone(), "--out".into(), named("new.csv")]),
         (text("import"), vec![log.into(), "--mapping".into(), mapping.into(), "--out".into(), named("palm.csv")]),
         (text("evaluate"), vec![table, "--model".into(), model, "--roc".into(), named("roc.csv")]),

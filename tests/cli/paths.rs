@@ -20,7 +20,7 @@ fn any_path_is_read_and_written() {
         folder.join(name)
     };
     let [scene, set, table, binary_table, model] = [".toml", "set", ".csv", "table.parquet", ".json"].map(&named);
-    let [recording, picture] = ["reach.parquet", ".svg"].map(named);
+    let [recording, picture] = ["reach.parquet", ".png"].map(named);
     std::fs::write(&scene, scenes::TRUNKS_AT_FOREARM).unwrap();
     copy_tree(&fixture().dataset(), &set);
     let shown = |answer: crate::support::Answer, key: &str| {

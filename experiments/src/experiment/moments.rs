@@ -7,9 +7,8 @@ use underbrush_classifier::HmmClassifier;
 use underbrush_classifier::decision::{Decision, Rule, Verdict};
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_recording::fault::Fault;
-use underbrush_recording::{Frame, Recording, SkinLayout};
+use underbrush_recording::{Frame, Recording};
 use underbrush_sim::simulation::Simulation;
-use underbrush_sim::snapshot::Snapshot;
 
 use crate::frame_verdicts::{self, Classified};
 use crate::session::Session;
@@ -26,6 +25,13 @@ pub struct ReachMoments {
     pub outlier: Option<Moment>,
 }
 
+impl Moment {
+    /// The frame.
+    pub fn frame(&self) -> &Frame {
+        &self.recording.frames[self.frame_index]
+    }
+}
+
 impl ReachMoments {
     /// Both moments, the general reach first.
     pub fn all(&self) -> impl Iterator<Item = &Moment> {
@@ -33,7 +39,7 @@ impl ReachMoments {
     }
 }
 
-/// Takes both snapshots.
+/// Takes both moments.
 pub fn run(session: &Session) -> Result<ReachMoments, Fault> {
     let (online, models) = (session.once(frame_verdicts::run)?, session.once(online_models::run)?);
     session.stage("Moments of a general and of an outlier reach", || {
@@ -46,10 +52,8 @@ pub fn run(session: &Session) -> Result<ReachMoments, Fault> {
 
 /// Arm, clutter and verdicts at one moment.
 pub struct Moment {
-    /// Arm and clutter.
-    pub snapshot: Snapshot,
-    /// The skin.
-    pub layout: SkinLayout,
+    /// Its index among the frames of the reach.
+    pub frame_index: usize,
     /// Index of the patch that is classified.
     pub patch: usize,
     /// Verdict by taxel of that patch.
@@ -67,7 +71,7 @@ pub struct Moment {
     pub options: OnlineOptions,
 }
 
-/// Runs a classified reach again and takes a snapshot when the most taxels are in contact. The moment is thus chosen by
+/// Runs a classified reach again and judges the frame in which the most taxels are in contact. The moment is thus chosen by
 /// how much there is to see, not by how well it is classified. `None` if there is no such reach.
 fn take(
     session: &Session,
@@ -85,15 +89,13 @@ fn take(
     let Some((chosen, _)) = best else { return Ok(None) };
     let plan = reaches::plan(session.experiment, &shown.source, session.seed)?;
     let options = frame_verdicts::options(session.experiment, rule);
-    let layout = plan.arm.skin.layout.clone();
-    let mut classifier = OnlineClassifier::new(models, &layout, &options)?;
+    let mut classifier = OnlineClassifier::new(models, &plan.arm.skin.layout, &options)?;
     let (mut index, mut taken, mut fault) = (0, None, None);
-    let mut observer = |simulation: &Simulation, frame: &Frame| {
+    let mut observer = |_: &Simulation, frame: &Frame| {
         if index <= chosen && fault.is_none() {
             match classifier.update(frame) {
                 Ok(judged) if index == chosen => {
-                    let verdicts = judged.map(|taxel| (taxel.taxel, taxel.verdict.clone())).collect();
-                    taken = Some((Snapshot::take(simulation, frame), verdicts));
+                    taken = Some(judged.map(|taxel| (taxel.taxel, taxel.verdict.clone())).collect());
                 }
                 Ok(_) => {}
                 Err(error) => fault = Some(error),
@@ -106,11 +108,10 @@ fn take(
     if let Some(error) = fault {
         return Err(error.into());
     }
-    let patch = layout.chosen_patch(session.experiment.file.trials.patch.as_deref()).unwrap_or_default();
-    Ok(taken.map(|(snapshot, verdicts)| Moment {
-        pressed: pressed(&snapshot.frame, patch),
-        snapshot,
-        layout,
+    let patch = recording.layout.chosen_patch(session.experiment.file.trials.patch.as_deref()).unwrap_or_default();
+    Ok(taken.map(|verdicts| Moment {
+        pressed: pressed(&recording.frames[chosen], patch),
+        frame_index: chosen,
         patch,
         verdicts,
         scene: shown.scene.clone(),

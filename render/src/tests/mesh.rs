@@ -2,7 +2,7 @@
 
 use glam::DQuat;
 use std::f64::consts::PI;
-use underbrush_sim::snapshot::{Blade, BladePiece};
+use underbrush_sim::blade::{Blade, BladePiece};
 
 use super::*;
 use crate::mesh::Mesh;

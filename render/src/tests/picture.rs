@@ -186,3 +186,21 @@ fn nothing_to_draw_is_an_error() {
     recording.frames.clear();
     assert!(matches!(Stage::of(&recording, None), Err(RenderError::NoBodies)));
 }
+
+/// Tests that Cody alone shows every link but those inside others, and hundreds of pixels of the taxels' plates.
+#[test]
+fn an_arm_alone_is_seen_with_its_skin() {
+    let arm = underbrush_sim::arm::Arm::cody().unwrap();
+    let size = Size { width: 640, height: 360 };
+    let (scene, camera) = Stage::arm(&arm, size.aspect()).unwrap();
+    let rgb = scene.rgb(&camera, size).unwrap();
+    let plate = colour::shown(colour::linear(colour::PLATE));
+    let plates = rgb.chunks_exact(3).filter(|pixel| **pixel == plate).count();
+    assert!(plates > 500, "{plates}");
+    let (_, labels) = scene.depth_and_labels(&camera, size).unwrap();
+    let seen: std::collections::BTreeSet<u16> = labels.into_iter().filter(|label| *label > 0).collect();
+    // Labels begin with the background and the table.
+    let shapes = arm.links.iter().enumerate().filter(|(_, link)| !link.colliders.is_empty());
+    let expected: std::collections::BTreeSet<u16> = shapes.map(|(link, _)| link as u16 + 2).collect();
+    assert!(seen.is_subset(&expected) && seen.len() >= 4, "{seen:?} of {expected:?}");
+}

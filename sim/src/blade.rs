@@ -1,33 +1,7 @@
-//! Arm and clutter at one instant, as plain capsules and blades for pictures.
+//! Blades of leaves and plants, for pictures: bodies that join end to end.
 
 use glam::DVec3;
-use underbrush_recording::{Body, BodyPart, BodyShape, Category, Frame, Pose};
-
-use crate::body_log::BodyLog;
-use crate::geometry::{Capsule, engine_shape};
-use crate::simulation::Simulation;
-
-/// The arm and the clutter at one instant.
-#[derive(Clone, Debug)]
-pub struct Snapshot {
-    /// The shapes of the links, base first.
-    pub arm: Vec<Capsule>,
-    /// The objects, in the order of the clutter.
-    pub objects: Vec<ObjectShapes>,
-    /// The frame with the state of arm and skin.
-    pub frame: Frame,
-}
-
-/// The shapes of one object.
-#[derive(Clone, Debug)]
-pub struct ObjectShapes {
-    /// Its category.
-    pub category: Category,
-    /// Its shapes, except those of blades.
-    pub capsules: Vec<Capsule>,
-    /// The blades of a leaf or plant.
-    pub blades: Vec<Blade>,
-}
+use underbrush_recording::{BodyPart, BodyShape, Pose};
 
 /// A thin blade that bends at hinges: rigid pieces, each of which begins at the end of the one before it.
 #[derive(Clone, Debug)]
@@ -106,45 +80,6 @@ pub struct BladePiece {
     pub length_m: f64,
 }
 
-impl Snapshot {
-    /// A snapshot of a simulation in the frame `frame`.
-    pub fn take(simulation: &Simulation, frame: &Frame) -> Self {
-        let report = simulation.report();
-        let links = simulation.arm().links.iter().zip(&report.link_pose_world);
-        let arm = links
-            .flat_map(|(link, pose)| link.colliders.iter().map(move |part| (part, pose)))
-            .map(|(part, pose)| part.placed(pose))
-            .map(|placed| Capsule::around(placed.shape.as_ref(), &placed.pose))
-            .collect();
-        let placed = simulation.clutter().objects.iter().zip(&report.objects).enumerate();
-        let objects = placed
-            .map(|(index, (placed, state))| {
-                let poses = if state.active { &state.body_pose_world } else { simulation.rest_pose_world(index) };
-                let bodies = simulation.structure(index).bodies.iter().zip(poses);
-                shapes(placed.category, bodies.map(|(body, pose)| (body.parts.as_slice(), pose)))
-            })
-            .collect();
-        Snapshot { arm, objects, frame: frame.clone() }
-    }
-}
-
-/// All bodies of a simulation, with their poses now as the last of their tracks. At rest the arm is in its start posture.
-pub fn bodies(simulation: &Simulation) -> Vec<Body> {
-    BodyLog::now(simulation).finish()
-}
-
-/// The shapes of an object whose bodies have these parts and poses.
-fn shapes<'a>(category: Category, bodies: impl Iterator<Item = (&'a [BodyPart], &'a Pose)>) -> ObjectShapes {
-    let (mut capsules, mut blades) = (Vec::new(), Vec::<Blade>::new());
-    for (parts, pose) in bodies {
-        if !Blade::join(&mut blades, parts, pose) {
-            let shapes = parts.iter();
-            capsules.extend(shapes.filter_map(|part| capsule(&part.shape, &(*pose * part.pose_body))));
-        }
-    }
-    ObjectShapes { category, capsules, blades }
-}
-
 /// The size of a piece of a blade: one thin box that begins at its hinge and stands along z.
 fn blade_piece(parts: &[BodyPart]) -> Option<DVec3> {
     let [part] = parts else { return None };
@@ -153,9 +88,4 @@ fn blade_piece(parts: &[BodyPart]) -> Option<DVec3> {
     };
     let at_hinge = part.pose_body.position.abs_diff_eq(DVec3::Z * size_m.z / 2.0, 1e-9);
     (size_m.x < 0.2 * size_m.y && at_hinge).then_some(size_m)
-}
-
-fn capsule(shape: &BodyShape, pose_world: &Pose) -> Option<Capsule> {
-    let (shape, pose) = engine_shape(shape)?;
-    Some(Capsule::around(shape.as_ref(), &(*pose_world * pose)))
 }
