@@ -56,7 +56,7 @@ impl Written {
     /// If a picture cannot be drawn.
     pub fn of(results: &Results) -> Result<Self, Fault> {
         let mut report = Report::new(results);
-        let picture = overview::add(&mut report)?;
+        overview::add(&mut report);
         section::add_all(&mut report);
         what_was_run(&mut report);
         let terminal = terminal(&report);
@@ -64,7 +64,7 @@ impl Written {
         let tables =
             report.tables.iter().map(|table| file(&format!("csv/{}.csv", table.name), table.csv().into_bytes()));
         let moments = section::moments::pictures(&results.outcomes.moments)?;
-        let pictures = picture.into_iter().chain(moments).map(|(path, bytes)| file(&path, bytes));
+        let pictures = moments.into_iter().map(|(path, bytes)| file(&path, bytes));
         let files = tables.chain(pictures).chain([file("index.html", report.page.html().into_bytes())]).collect();
         Ok(Written { files, terminal })
     }

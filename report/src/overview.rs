@@ -2,19 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use underbrush_experiments::experiment::moments::Moment;
 use underbrush_experiments::table_cell::{Ordering, unit_name};
-use underbrush_render::{RenderError, Size, Stage, png};
 
 use crate::agreement::{self, Compared};
-use crate::replayed::known;
 use crate::report::Report;
 use crate::section::{campaigns, moments, table_one};
 
-/// The picture of a moment, beside the page.
-const PICTURE: &str = "moment.png";
-/// As wide as half the page on a screen with two pixels for one.
-const SIZE: Size = Size { width: 960, height: 640 };
 /// Trials per reach that differ by less than this factor count as agreeing.
 const SIMILAR: f64 = 1.25;
 
@@ -79,8 +72,8 @@ impl<'a> Comparison<'a> {
     }
 }
 
-/// Adds the first screen, and returns the picture that it shows: its file name, and the file.
-pub fn add(report: &mut Report) -> Result<Option<(String, Vec<u8>)>, RenderError> {
+/// Adds the first screen.
+pub fn add(report: &mut Report) {
     let (comparison, results) = (Comparison::of(report), report.results);
     let name = report.figure_name("table_one", "Cross-validation");
     report.page.lead(&lead(&comparison, &name));
@@ -94,13 +87,8 @@ pub fn add(report: &mut Report) -> Result<Option<(String, Vec<u8>)>, RenderError
     let moment = results.outcomes.moments.all().next();
     if let Some(moment) = moment {
         let address = crate::drawing::escape(&moments::address(moment, 0));
-        parts.push(format!(
-            "<a href=\"{address}\"><img src=\"{PICTURE}\" width=\"{}\" height=\"{}\" alt=\"The arm among the clutter of scene {}\"/>\
-             Replay this reach in 3-D</a>",
-            SIZE.width,
-            SIZE.height,
-            crate::drawing::escape(&moment.scene)
-        ));
+        let image = moments::image(moment, 0);
+        parts.push(format!("<a href=\"{address}\">{image}Replay this reach in 3-D</a>"));
     }
     report.page.side_by_side(&parts);
     let (agrees, differs) = compare(&comparison, results.quick);
@@ -109,7 +97,6 @@ pub fn add(report: &mut Report) -> Result<Option<(String, Vec<u8>)>, RenderError
         ("Does not agree", differs),
         ("Why", why(report, &comparison)),
     ]);
-    moment.map(|moment| Ok((PICTURE.to_owned(), picture(moment)?))).transpose()
 }
 
 /// How close the table is to the paper, and how good the best classifier is.
@@ -200,12 +187,4 @@ fn why(report: &Report, comparison: &Comparison) -> Vec<String> {
         ));
     }
     why
-}
-
-/// A picture of the moment that the replay opens at.
-fn picture(moment: &Moment) -> Result<Vec<u8>, RenderError> {
-    let recording = &moment.recording;
-    let stage = Stage::of(recording, (known().force_limit_n)(&recording.controller))?;
-    let scene = stage.moment(moment.frame_index as u32, moment.frame());
-    png(&scene.rgb(&stage.camera(SIZE.aspect()), SIZE)?, SIZE)
 }

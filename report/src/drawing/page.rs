@@ -37,7 +37,7 @@ h1 { font-size: 1.7rem; line-height: 1.2 } h2 { font-size: 1.2rem; display: inli
 p, ul { max-width: 44rem } a { color: var(--link) } .lead { font-size: 1.2rem; max-width: 54rem }
 details { border-top: 1px solid var(--line); padding: .55rem 0 } summary { cursor: pointer }
 .first { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 26rem), 1fr)); gap: 1.2rem; align-items: center }
-.first img { width: 100%; height: auto; display: block; border-radius: .4rem }
+img { width: 100%; height: auto; display: block; border-radius: .4rem }
 .cards { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 18rem), 1fr)); gap: 1rem; margin: 1.2rem 0 }
 .cards section { background: var(--card); border-radius: .4rem; padding: .8rem 1rem } .cards ul { padding-left: 1.1rem; margin: .4rem 0 0 }
 .scroll { overflow-x: auto } table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums }

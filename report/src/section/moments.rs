@@ -1,9 +1,7 @@
 //! One moment of a general reach and of an outlier reach, with the verdicts on their taxels (Figs. 12 and 14).
 
-use glam::DVec3;
 use underbrush_experiments::experiment::moments::{Moment, ReachMoments};
-use underbrush_recording::{Patch, Pose, Taxel};
-use underbrush_render::{Camera, RenderError, Size, Stage, png};
+use underbrush_render::{RenderError, Size, Stage, png};
 
 use crate::category_looks::CategoryLooks;
 use crate::drawing::{Mark, escape, slug};
@@ -11,10 +9,8 @@ use crate::replayed::known;
 use crate::report::Report;
 use crate::{replay_links, skin_map};
 
-/// Half as wide as the page on a screen with two pixels for one.
-const SIZE: Size = Size { width: 960, height: 720 };
-/// What is seen around the taxels in contact, m.
-const AROUND_M: f64 = 0.08;
+/// As wide as half the page on a screen with two pixels for one.
+const SIZE: Size = Size { width: 960, height: 640 };
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ReachMoments) {
@@ -43,24 +39,25 @@ fn add_moment(report: &mut Report, moment: &Moment, place: usize) {
     let looks = &report.looks;
     let Moment { scene, reach_index, verdicts, pressed, .. } = moment;
     let (time_s, taxels) = (moment.frame().time_s, verdicts.len());
-    let Size { width, height } = SIZE;
-    let picture = format!(
-        "<img src=\"{}\" width=\"{width}\" height=\"{height}\" alt=\"The patch {} with {taxels} taxels in contact\"/>",
-        file(moment, place),
-        escape(&patch.name)
-    );
     let labels = report.results.definition.labels();
     let skin = format!("{}-skin", slug(scene));
-    let charts = [picture, skin_map::svg(&skin, (&patch.name, grid), (&labels, looks), verdicts, pressed)];
+    let charts = [image(moment, place), skin_map::svg(&skin, (&patch.name, grid), (&labels, looks), verdicts, pressed)];
     let untouched = verdicts.keys().filter(|taxel| !pressed.contains(taxel)).count();
     let marks = marks_in_words(&labels, looks);
     let caption = format!(
         "Scene {scene}, draw {reach_index}, {time_s:.2} s after the start: the moment with the most taxels in contact. The \
-         picture shows the forces that they sense, the map of the skin the verdicts. {marks}. Grey marks of the same shapes are \
+         picture shows sensed forces as colours of the skin, and the map of the skin shows the verdicts. {marks}. Grey marks of the same shapes are \
          untouched taxels (spurious readings, creep, crosstalk): {untouched} of {taxels} here."
     );
     report.page.figure(&caption, &charts);
     report.page.link(&address(moment, place), "Replay this moment in 3-D");
+}
+
+/// A moment's picture on the page.
+pub fn image(moment: &Moment, place: usize) -> String {
+    let Size { width, height } = SIZE;
+    let (file, scene) = (file(moment, place), escape(&moment.scene));
+    format!("<img src=\"{file}\" width=\"{width}\" height=\"{height}\" alt=\"The arm among the clutter of scene {scene}\"/>")
 }
 
 /// The file of a moment's picture, beside the page.
@@ -73,28 +70,13 @@ fn file(moment: &Moment, place: usize) -> String {
 /// # Errors
 /// If one cannot be drawn.
 pub fn pictures(outcome: &ReachMoments) -> Result<Vec<(String, Vec<u8>)>, RenderError> {
-    outcome.all().enumerate().map(|(place, moment)| Ok((file(moment, place), close_up(moment)?))).collect()
-}
-
-/// The taxels in contact, seen from where their skin faces.
-fn close_up(moment: &Moment) -> Result<Vec<u8>, RenderError> {
-    let recording = &moment.recording;
-    let frame = moment.frame();
-    let stage = Stage::of(recording, (known().force_limit_n)(&recording.controller))?;
-    let patch = recording.layout.patches.get(moment.patch).zip(frame.patch_pose_world.get(moment.patch));
-    let felt = |(patch, pose): (&Patch, &Pose)| -> Vec<(DVec3, DVec3)> {
-        let taxels = moment.verdicts.keys().filter_map(|taxel| patch.taxels.get(*taxel));
-        let place = |own: &Taxel| (pose.transform_point(own.position_link), pose.transform_vector(own.normal_link));
-        taxels.map(place).collect()
+    let drawn = |(place, moment): (usize, &Moment)| {
+        let recording = &moment.recording;
+        let stage = Stage::of(recording, (known().force_limit_n)(&recording.controller))?;
+        let scene = stage.moment(moment.frame_index as u32, moment.frame());
+        Ok((file(moment, place), png(&scene.rgb(&stage.camera(SIZE.aspect()), SIZE)?, SIZE)?))
     };
-    let felt = patch.map(felt).unwrap_or_default();
-    let outwards: DVec3 = felt.iter().map(|(_, normal)| *normal).sum();
-    // Not from below the table.
-    let direction = outwards.normalize_or(DVec3::NEG_Y).with_z(outwards.z.max(0.4));
-    let around = felt.iter().flat_map(|(place, _)| [*place - DVec3::splat(AROUND_M), *place + DVec3::splat(AROUND_M)]);
-    let seen: Vec<DVec3> = around.collect();
-    let camera = if seen.is_empty() { stage.camera(SIZE.aspect()) } else { Camera::around(&seen, direction, SIZE.aspect()) };
-    png(&stage.moment(moment.frame_index as u32, frame).rgb(&camera, SIZE)?, SIZE)
+    outcome.all().enumerate().map(drawn).collect()
 }
 
 /// Says in words which mark stands for which verdict.
