@@ -357,10 +357,10 @@ pub fn simulate(
     if let Some(make) = own {
         plan = plan.with_controller(move |arm| make(arm));
     }
-    if let Some(model) = verdicts {
-        if let Some(verdicts) = VerdictControl::named(&model)? {
-            plan = verdicts.applied_to(plan)?;
-        }
+    if let Some(model) = verdicts
+        && let Some(verdicts) = VerdictControl::named(&model)?
+    {
+        plan = verdicts.applied_to(plan)?;
     }
     let run = |_: &_| Ok(plan.run_until(index, &mut |_, _| {}, &|| stop.is_set())?);
     Ok(Reach::of_recording(watched(py, None, &stop, None, run)?))

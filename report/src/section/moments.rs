@@ -57,7 +57,9 @@ fn add_moment(report: &mut Report, moment: &Moment, place: usize) {
 pub fn image(moment: &Moment, place: usize) -> String {
     let Size { width, height } = SIZE;
     let (file, scene) = (file(moment, place), escape(&moment.scene));
-    format!("<img src=\"{file}\" width=\"{width}\" height=\"{height}\" alt=\"The arm among the clutter of scene {scene}\"/>")
+    format!(
+        "<img src=\"{file}\" width=\"{width}\" height=\"{height}\" alt=\"The arm among the clutter of scene {scene}\"/>"
+    )
 }
 
 /// The file of a moment's picture, beside the page.
