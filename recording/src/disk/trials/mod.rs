@@ -68,7 +68,7 @@ fn push(rows: &mut Vec<TrialRow>, trial: &Trial) {
 pub(in crate::disk) const TRIALS: Table = Table {
     name: "trials",
     path: "a table of contact trials",
-    row: "a sample of a trial; the columns `trial`, `time_s` and `force_n` are required",
+    row: "a sample of a trial; the columns `trial`, `time_s` and `force_n` are required, and further columns of numbers are channels",
     columns: || TrialRow::COLUMNS.to_vec(),
 };
 
