@@ -113,3 +113,27 @@ fn share_of_way(at_start: f64, along: impl Fn(f64) -> (f64, f64)) -> f64 {
     }
     share
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::share_of_way;
+
+    proptest! {
+        /// Tests, for slopes that rise in pieces from −1 and grow up to a million times steeper at each of four places, that the share found
+        /// leaves at most half of the slope, or is the whole step where the slope is still negative.
+        #[test]
+        fn half_of_the_slope_is_left(places in prop::array::uniform4(0.0..1.0f64), powers in prop::array::uniform4(-1.0..6.0f64)) {
+            let along = |share: f64| {
+                let pressed = places.iter().zip(&powers).filter(|(place, _)| share > **place);
+                let rates = pressed.map(|(place, power)| (10f64.powf(*power), share - place));
+                rates.fold((0.1 * share - 1.0, 0.1), |(slope, rate), (own, way)| (slope + own * way, rate + own))
+            };
+            let share = share_of_way(-1.0, along);
+            prop_assert!((0.0..=1.0).contains(&share));
+            let left = along(share).0;
+            prop_assert!(left.abs() <= 0.5 || (share == 1.0 && left < 0.0), "{left} after {share}");
+        }
+    }
+}
