@@ -56,8 +56,8 @@ def _pictures(
         yield from reach.render(numbers[start : start + _AT_ONCE], *size, camera=camera)
 
 
-def _encode(path: Path, kind: str, pictures: Iterable[NDArray[np.uint8]], fps: int, size: tuple[int, int], **options: str) -> str:
-    """Writes pictures as a film, and returns the name of its codec."""
+def _encode(path: Path, kind: str, pictures: Iterable[NDArray[np.uint8]], fps: int, size: tuple[int, int], **options: str) -> None:
+    """Writes pictures as a film."""
     av = _av()
     container, codec, pixels, standard = _KINDS[kind]
     with av.open(str(path), "w", format=container) as file:
@@ -67,7 +67,6 @@ def _encode(path: Path, kind: str, pictures: Iterable[NDArray[np.uint8]], fps: i
         for picture in pictures:
             file.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
         file.mux(stream.encode(None))
-        return str(stream.codec_context.codec.canonical_name)
 
 
 def _check_size(size: tuple[int, int]) -> None:
@@ -156,7 +155,6 @@ class _Camera:
     def __init__(self, folder: Path, name: str, size: tuple[int, int], fps: int, camera: _core.Camera) -> None:
         self.folder, self.key, self.size, self.fps, self.camera = folder, f"observation.images.{name}", size, fps, camera
         self.path = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
-        self.codec = ""
         self.sampled: list[list[NDArray[np.uint8]]] = []
 
     def write(self, episode: int, reach: _core.Reach, numbers: Sequence[int], per_chunk: int) -> dict[str, Any]:
@@ -173,14 +171,14 @@ class _Camera:
                 yield picture
 
         # Every second picture can be decoded without the others, as in LeRobot's own films.
-        self.codec = _encode(path, ".mp4", seen(), self.fps, self.size, g="2")
+        _encode(path, ".mp4", seen(), self.fps, self.size, g="2")
         self.sampled.append(sampled)
         where = {"chunk_index": chunk, "file_index": file, "from_timestamp": 0.0, "to_timestamp": len(numbers) / self.fps}
         return {f"videos/{self.key}/{name}": value for name, value in where.items()}
 
     def feature(self) -> dict[str, Any]:
         width, height = self.size
-        film = {"height": height, "width": width, "codec": self.codec, "pix_fmt": "yuv420p", "fps": self.fps, "channels": 3}
+        film = {"height": height, "width": width, "codec": "h264", "pix_fmt": "yuv420p", "fps": self.fps, "channels": 3}
         about = {f"video.{name}": value for name, value in film.items()} | {"video.is_depth_map": False, "has_audio": False}
         return {"dtype": "video", "shape": [height, width, 3], "names": ["height", "width", "channels"], "info": about}
 
