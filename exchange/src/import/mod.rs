@@ -12,6 +12,7 @@ mod tests;
 
 use std::path::Path;
 
+use underbrush_recording::disk::channel_names;
 use underbrush_recording::{InputError, Trial};
 
 use cutter::Cutter;
@@ -76,7 +77,7 @@ pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, InputError> {
         let remedy = "check the unit of the mapping, or lower `threshold_n` or `min_samples` there";
         return Err(InputError::new(path, "trials", found, allowed, remedy));
     }
-    let warning = warning(&trials);
+    let warning = warning(&trials).or_else(|| without_numbers(&trials, mapping));
     Ok(Imported { trials, frames: cutter.frames, reaches: cutter.reaches, warning })
 }
 
@@ -90,4 +91,11 @@ fn warning(trials: &[Trial]) -> Option<String> {
             trials.len()
         )
     })
+}
+
+/// A warning if a channel of the mapping has no number in any sample, as a column of text.
+fn without_numbers(trials: &[Trial], mapping: &Mapping) -> Option<String> {
+    let found = channel_names(trials);
+    let name = &mapping.channels.iter().find(|own| !found.contains(&own.name))?.name;
+    Some(format!("the channel {name} has no number in any trial: check `from` of its [[channel]] in the mapping"))
 }

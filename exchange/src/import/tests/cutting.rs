@@ -106,12 +106,12 @@ fn trials_of_single_samples_are_suspicious() {
     assert_eq!(warning("[trial]\nthreshold_n = 0.1\nrelease_n = 0.05\ngap_s = 0.5\n"), None);
 }
 
-/// Tests that channels follow the taxels, one for each or one for all, that a cell without a number is a gap, and which names
-/// are refused.
+/// Tests that channels follow the taxels, one for each or one for all, that a cell without a number is a gap, that a column
+/// without any is warned of, and which names are refused.
 #[test]
 fn channels_follow_the_taxels() {
     let (_folder, path) = file("log.csv");
-    written(&path, "time,f0,f1,s0,s1,heat\n0,1,2,0.1,-0.2,30\n1,1,0,,0.4,31\n");
+    written(&path, "time,f0,f1,s0,s1,heat\n0,1,2,0.1,-0.2,30\n1,1,1,,0.4,31\n");
     let channel = |name: &str, from: &str| format!("[[channel]]\nname = \"{name}\"\nfrom = \"{from}\"\n");
     let text = mapping(&(channel("shear", "s{taxel}") + &channel("temperature", "heat")));
     let found = imported(&path, &text).unwrap();
@@ -123,6 +123,10 @@ fn channels_follow_the_taxels() {
     assert_eq!(channels(0, 0), [("shear".to_owned(), 0.1), temperature(30.0)]);
     assert_eq!(channels(0, 1), [temperature(31.0)]);
     assert_eq!(channels(1, 0), [("shear".to_owned(), -0.2), temperature(30.0)]);
+    assert_eq!(found.warning, None);
+    written(&path, "time,f0,f1,heat\n0,1,2,warm\n1,1,1,hot\n");
+    let of_text = imported(&path, &mapping(&channel("temperature", "heat"))).unwrap();
+    assert!(of_text.warning.is_some_and(|text| text.contains("channel temperature has no number")));
     for (bad, field) in [
         (channel("force_n", "heat"), "channel[0].name"),
         (channel("shear", "heat") + &channel("shear", "heat"), "channel[1].name"),
