@@ -25,7 +25,7 @@ pub struct PictureArguments {
     /// Draw one moment of a reach to this file, without a browser
     #[arg(long, value_name = "FILE.png", group = "file", conflicts_with_all = ["model", "port", "no_open"])]
     still: Option<PathBuf>,
-    /// Draw a reach as a film that plays in a loop to this file, without a browser
+    /// Write a film of a reach to this file, without a browser. It plays in a loop
     #[arg(long, value_name = "FILE.gif", group = "file", conflicts_with_all = ["model", "port", "no_open"])]
     video: Option<PathBuf>,
     /// With --still: the moment, s after the start [default: when the most taxels read a force]
@@ -139,7 +139,7 @@ impl PictureArguments {
             }
             None => fullest(recording),
         };
-        Ok(png(&stage.moment(number as u32, &recording.frames[number]).rgb(&self.camera(stage, size), size)?, size)?)
+        moment(recording, stage, number, &self.camera(stage, size), size)
     }
 
     fn film(&self, recording: &Recording, stage: &Stage) -> Result<(Vec<u8>, usize), Failure> {
@@ -181,9 +181,20 @@ fn fullest(recording: &Recording) -> usize {
 /// Draws the moment of a reach in which the most taxels read a force.
 pub fn write_fullest(recording: &Recording, path: &Path) -> Result<(), Failure> {
     let stage = Stage::of(recording, (known().force_limit_n)(&recording.controller))?;
-    let number = fullest(recording);
+    let picture = moment(recording, &stage, fullest(recording), &stage.camera(SIZE.aspect()), SIZE)?;
+    output::write_file(path, &picture)
+}
+
+/// A frame of a reach as PNG.
+fn moment(
+    recording: &Recording,
+    stage: &Stage,
+    number: usize,
+    camera: &Camera,
+    size: Size,
+) -> Result<Vec<u8>, Failure> {
     let scene = stage.moment(number as u32, &recording.frames[number]);
-    output::write_file(path, &png(&scene.rgb(&stage.camera(SIZE.aspect()), SIZE)?, SIZE)?)
+    Ok(png(&scene.rgb(camera, size)?, size)?)
 }
 
 /// Draws an arm in its start posture.

@@ -128,7 +128,7 @@ impl Feature {
         (self.read)(sample, self.column)
     }
 
-    /// Whether it is a channel of a table of trials, of which the project knows no more than the name.
+    /// Whether it is a channel: a column of a table of trials about which only the name is known.
     pub fn is_channel(&self) -> bool {
         self.name.starts_with(CHANNEL)
     }

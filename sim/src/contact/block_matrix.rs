@@ -247,7 +247,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Tests solutions against nalgebra's dense LU, for random matrices of blocks with random sizes and patterns.
+        /// Tests solutions against nalgebra's dense LU, for random block matrices with random sizes and patterns.
         #[test]
         fn solutions_are_those_of_the_dense_matrix(
             sizes in prop::collection::vec(1..8usize, 1..6),

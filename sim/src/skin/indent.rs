@@ -28,7 +28,7 @@ impl Cell {
 /// Relative regularization of the tilts, so that a point contact, whose tilt no taxel resists, has a unique solution.
 /// The scale is the stiffness against depth at a lever arm of 1 cm; a patch's own resistance to tilt is far larger.
 const TILT_COST: f64 = 1e-4;
-/// Trials for the share of a step: a bisection alone would need as many for 2⁻³⁰.
+/// The largest number of trials for the share of a step. Bisection alone reaches a share of 2⁻³⁰ with them.
 const MAX_TRIALS: usize = 30;
 
 /// Depth and tilts of a rigid shape that is pressed on the cells of a layer with `force` (N) through the origin; `None` if
