@@ -8,6 +8,7 @@ use pyo3::types::PyBytes;
 use rayon::prelude::*;
 use underbrush_recording::{Frame, Recording};
 use underbrush_render::{Camera, RenderError, Scene, Size, Stage};
+use underbrush_sim::scene::SceneCamera;
 use underbrush_sim::simulation::Simulation;
 
 use crate::array;
@@ -18,22 +19,37 @@ use crate::pool;
 const SHOWN: Size = Size { width: 800, height: 450 };
 
 /// Where a picture is taken from: two places, m, and a direction that is up in the picture, world frame, and the angle between
-/// the upper and the lower edge of the picture, degrees.
+/// the upper and the lower edge of the picture, degrees. A link can carry it; then all of this is in the link's frame. Films that
+/// it takes are ``size_px`` large.
 #[pyclass(frozen, name = "Camera", module = "underbrush._core")]
-pub struct PyCamera(Camera);
+pub struct PyCamera(pub SceneCamera);
 
 #[pymethods]
 impl PyCamera {
     #[new]
-    #[pyo3(signature = (eye_world, target_world, up_world = [0.0, 0.0, 1.0], vertical_fov_deg = 32.0))]
-    fn new(eye_world: [f64; 3], target_world: [f64; 3], up_world: [f64; 3], vertical_fov_deg: f64) -> Self {
-        let [eye_world, target_world, up_world] = [eye_world, target_world, up_world].map(DVec3::from);
-        PyCamera(Camera { eye_world, target_world, up_world, vertical_fov_deg })
+    #[pyo3(signature = (eye_m, target_m, up = [0.0, 0.0, 1.0], vertical_fov_deg = 32.0, *, link = None, size_px = [320, 240]))]
+    fn new(
+        eye_m: [f64; 3],
+        target_m: [f64; 3],
+        up: [f64; 3],
+        vertical_fov_deg: f64,
+        link: Option<String>,
+        size_px: [usize; 2],
+    ) -> Self {
+        let [eye_m, target_m, up] = [eye_m, target_m, up].map(DVec3::from);
+        PyCamera(SceneCamera { name: String::new(), link, eye_m, target_m, up, vertical_fov_deg, size_px })
+    }
+
+    /// Width and height of films, pixels.
+    #[getter]
+    fn size_px(&self) -> (usize, usize) {
+        self.0.size_px.into()
     }
 
     fn __repr__(&self) -> String {
-        let Camera { eye_world, target_world, up_world, vertical_fov_deg } = self.0;
-        format!("Camera({eye_world}, {target_world}, {up_world}, {vertical_fov_deg})")
+        let SceneCamera { link, eye_m, target_m, up, vertical_fov_deg, size_px, .. } = &self.0;
+        let link = link.as_ref().map_or("None".to_owned(), |link| format!("{link:?}"));
+        format!("Camera({eye_m}, {target_m}, {up}, {vertical_fov_deg}, link={link}, size_px={size_px:?})")
     }
 }
 
@@ -46,9 +62,8 @@ pub fn draw<'py>(
     kind: &str,
 ) -> Result<Bound<'py, PyAny>, Failure> {
     let size = Size { width, height };
-    let (scene, standard, _) = Stage::now(simulation, frame, size.check()?.aspect())?;
-    let camera = camera.map_or(standard, |camera| camera.0);
-    pixels(py, &[0], |_| &scene, (&camera, size), kind, vec![height, width])
+    let (scene, camera, _) = Stage::now(simulation, frame, camera.map(|camera| &camera.0), size.check()?.aspect())?;
+    pixels(py, &[0], |_| Ok((&scene, camera)), size, kind, vec![height, width])
 }
 
 /// A simulation as it is now, as an object of the class in `underbrush/_picture.py`.
@@ -59,7 +74,7 @@ pub fn shown<'py>(py: Python<'py>, png: Vec<u8>) -> PyResult<Bound<'py, PyAny>> 
 /// A simulation as it is now, as PNG.
 pub fn png(simulation: &Simulation) -> Result<Vec<u8>, Failure> {
     let goal = simulation.clutter().goals.first().copied().unwrap_or_default();
-    let (scene, camera, _) = Stage::now(simulation, &simulation.frame(0, goal), SHOWN.aspect())?;
+    let (scene, camera, _) = Stage::now(simulation, &simulation.frame(0, goal), None, SHOWN.aspect())?;
     Ok(underbrush_render::png(&scene.rgb(&camera, SHOWN)?, SHOWN)?)
 }
 
@@ -78,25 +93,30 @@ pub fn draw_frames<'py>(
     let size = Size { width, height };
     let aspect = size.check()?.aspect();
     let stage = Stage::of(recording, None)?;
-    let camera = camera.map_or_else(|| stage.camera(aspect), |camera| camera.0);
-    let moment = |number: usize| stage.moment(number as u32, &recording.frames[number]);
-    pixels(py, frames, moment, (&camera, size), kind, vec![frames.len(), height, width])
+    let standard = stage.camera(aspect);
+    let moment = |number: usize| {
+        let camera = camera.map_or(Ok(standard), |camera| stage.scene_camera(&camera.0, number as u32))?;
+        Ok((stage.moment(number as u32, &recording.frames[number]), camera))
+    };
+    pixels(py, frames, moment, size, kind, vec![frames.len(), height, width])
 }
 
 /// What a camera sees at some moments, one after the other, drawn on all cores.
 fn pixels<'py, Moment: Borrow<Scene>>(
     py: Python<'py>,
     numbers: &[usize],
-    moment: impl Fn(usize) -> Moment + Sync,
-    (camera, size): (&Camera, Size),
+    moment: impl Fn(usize) -> Result<(Moment, Camera), RenderError> + Sync,
+    size: Size,
     kind: &str,
     mut shape: Vec<usize>,
 ) -> Result<Bound<'py, PyAny>, Failure> {
-    let depth_and_labels = |number: usize| moment(number).borrow().depth_and_labels(camera, size);
+    let colours = |number: usize| moment(number).and_then(|(scene, camera)| scene.borrow().rgb(&camera, size));
+    let depth_and_labels =
+        |number: usize| moment(number).and_then(|(scene, camera)| scene.borrow().depth_and_labels(&camera, size));
     Ok(match kind {
         "rgb" => {
             shape.push(3);
-            array::copy(py, &each(py, numbers, |number| moment(number).borrow().rgb(camera, size))?, &shape)?
+            array::copy(py, &each(py, numbers, colours)?, &shape)?
         }
         "depth" => array::copy(py, &each(py, numbers, |number| Ok(depth_and_labels(number)?.0))?, &shape)?,
         "segmentation" => array::copy(py, &each(py, numbers, |number| Ok(depth_and_labels(number)?.1))?, &shape)?,

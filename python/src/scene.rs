@@ -1,5 +1,6 @@
 //! Scenes: what could stand around the arm.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
@@ -11,7 +12,7 @@ use crate::array;
 use crate::failure::{Answer, Failure};
 use crate::given;
 use crate::json;
-use crate::picture;
+use crate::picture::{self, PyCamera};
 use crate::pool::{alone, guarded};
 
 /// A scene: the ranges from which the clutter of every reach is drawn.
@@ -84,6 +85,13 @@ impl PyScene {
     #[getter]
     fn text(&self) -> &str {
         &self.scene.text
+    }
+
+    /// The cameras of the scene file by their names.
+    #[getter]
+    fn cameras(&self) -> BTreeMap<String, PyCamera> {
+        let cameras = self.scene.file.cameras.iter();
+        cameras.map(|camera| (camera.name.clone(), PyCamera(camera.clone()))).collect()
     }
 
     /// The keys of the scene file as a dictionary.

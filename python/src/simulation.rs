@@ -162,7 +162,7 @@ impl PySimulation {
     fn labels(&self) -> Result<Vec<String>, Failure> {
         let simulation = self.lock()?;
         let frame = self.frame(&simulation).frame;
-        Ok(Stage::now(&simulation, &frame, 1.0)?.2)
+        Ok(Stage::now(&simulation, &frame, None, 1.0)?.2)
     }
 
     fn _repr_png_<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyBytes>, Failure> {

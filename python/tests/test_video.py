@@ -16,7 +16,7 @@ import underbrush.video
 av = pytest.importorskip("av")
 pq = pytest.importorskip("pyarrow.parquet")
 
-CAMERA = ub.Camera((0.9, -1.5, 0.7), (0.55, -0.05, -0.15))
+CAMERA = ub.Camera((0.9, -1.5, 0.7), (0.55, -0.05, -0.15), size_px=(96, 64))
 
 
 def _decoded(path: Path) -> tuple[list[float], NDArray[np.uint8]]:
@@ -90,7 +90,7 @@ def test_a_camera_is_added_to_a_data_set(data: ub.Dataset, tmp_path: Path) -> No
     """Tests that every fourth frame is kept with its numbers and its picture, and what LeRobot's loader relies on: the bounds
     of the episodes, the times of the films, and the statistics of the pictures."""
     out = tmp_path / "set"
-    count = underbrush.video.lerobot(data.path, out, CAMERA, size=(96, 64))
+    count = underbrush.video.lerobot(data.path, out, {"front": CAMERA})
     info = json.loads((out / "meta" / "info.json").read_text())
     table = pq.read_table(out / "data" / "chunk-000" / "file-000.parquet")
     episodes = pq.read_table(out / "meta" / "episodes" / "chunk-000" / "file-000.parquet").to_pylist()
@@ -117,3 +117,34 @@ def test_a_camera_is_added_to_a_data_set(data: ub.Dataset, tmp_path: Path) -> No
     statistics: dict[str, Any] = json.loads((out / "meta" / "stats.json").read_text())
     assert set(statistics) == set(info["features"])
     assert np.array(statistics[key]["std"]).shape == (3, 1, 1)
+
+
+def test_the_cameras_of_a_scene_take_the_pictures(tmp_path: Path) -> None:
+    """Tests that a data set of a scene with two cameras gets the pictures of both, that the one which a link carries sees the
+    link at the same place of the picture in every frame, and what is refused: a second scene with other cameras, and links
+    and names of cameras that do not exist."""
+    cameras = [
+        {"name": "front", "eye_m": [0.9, -1.5, 0.7], "target_m": [0.55, -0.05, -0.15], "size_px": [96, 64]},
+        {"name": "hand", "link": "forearm", "eye_m": [0.25, 0, 0.13], "target_m": [0, 0, 0.13], "size_px": [64, 64]},
+    ]
+    one_goal = {"goals": {"count": 1}}
+    scene = ub.Scene("trunk").changed(one_goal | {"cameras": cameras})
+    assert list(scene.cameras) == ["front", "hand"] and scene.cameras["hand"].size_px == (64, 64)
+    data = ub.generate(scene, 1, tmp_path / "one", seed=1, progress=False)
+    count = underbrush.video.lerobot(data.path, tmp_path / "pictures")
+    info = json.loads((tmp_path / "pictures" / "meta" / "info.json").read_text())
+    shapes = {name: feature["shape"] for name, feature in info["features"].items() if "images" in name}
+    assert shapes == {"observation.images.front": [64, 96, 3], "observation.images.hand": [64, 64, 3]}
+    assert info["total_frames"] == count
+    reach = data[0]
+    label = reach.labels.index("link forearm")
+    seen = reach.render([0, len(reach) - 1], 64, 64, camera=scene.cameras["hand"], kind="segmentation") == label
+    assert seen[0].any() and (seen[0] != seen[1]).mean() < 0.02
+    assert not np.array_equal(*reach.render([0, len(reach) - 1], 64, 64, camera=scene.cameras["hand"]))
+    other = ub.generate([scene, ub.Scene("leaf").changed(one_goal)], 1, tmp_path / "two", seed=1, progress=False)
+    with pytest.raises(ub.InputError, match="the same names and sizes as in trunk"):
+        underbrush.video.lerobot(other.path, tmp_path / "refused")
+    with pytest.raises(ub.InputError, match="found the link \"thumb\""):
+        reach.render([0], camera=ub.Camera((1, 0, 0), (0, 0, 0), link="thumb"))
+    film = ["film", str(data.path), "--out", str(tmp_path / "film.mp4"), "--size", "96", "64", "--camera"]
+    assert [underbrush.video.main([*film, name]) for name in ("back", "front")] == [2, 0]

@@ -76,6 +76,8 @@ class Scene:
     def summary(self) -> str: ...
     @property
     def text(self) -> str: ...
+    @property
+    def cameras(self) -> dict[str, Camera]: ...
     def to_dict(self) -> _Json: ...
     def changed(self, changes: _Json, name: str | None = None) -> Scene: ...
     def draw(self, seed: int = 0, index: int = 0) -> Picture: ...
@@ -186,11 +188,16 @@ class Simulation:
 class Camera:
     def __new__(
         cls,
-        eye_world: Sequence[float],
-        target_world: Sequence[float],
-        up_world: Sequence[float] = ...,
+        eye_m: Sequence[float],
+        target_m: Sequence[float],
+        up: Sequence[float] = ...,
         vertical_fov_deg: float = 32.0,
+        *,
+        link: str | None = None,
+        size_px: Sequence[int] = ...,
     ) -> Self: ...
+    @property
+    def size_px(self) -> tuple[int, int]: ...
 
 def step_many(
     simulations: Sequence[Simulation], equilibrium_rad: ArrayLike, jobs: int | None = None

@@ -13,7 +13,7 @@ import json
 import os
 import shutil
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +28,8 @@ _AT_ONCE = 64
 # Every so many pictures, and pixels along each edge, enter the statistics of a camera.
 _SAMPLED_PICTURES, _SAMPLED_PIXELS = 5, 4
 _QUANTILES = {"q01": 1, "q10": 10, "q50": 50, "q90": 90, "q99": 99}
-# Where the camera of a data set is if nothing else is said, m: it sees the clutter of the shipped scenes.
-_EYE, _TARGET = (0.9, -1.5, 0.7), (0.55, -0.05, -0.15)
+# Where the camera of a data set is if its scenes have none, m: it sees the clutter of the shipped scenes.
+_EYE, _TARGET, _FIELD_DEG = (0.9, -1.5, 0.7), (0.55, -0.05, -0.15), 40.0
 _KINDS = {
     ".mp4": ("mp4", "libx264", "yuv420p", {"crf": "20"}),
     ".webp": ("webp", "libwebp_anim", "yuva420p", {"quality": "85", "loop": "0"}),
@@ -150,10 +150,11 @@ def _of_pictures(pixels: list[NDArray[np.uint8]]) -> dict[str, list[Any]]:
 
 
 class _Camera:
-    """The films of one camera."""
+    """The films of one camera: the same name and size in all scenes."""
 
-    def __init__(self, folder: Path, name: str, size: tuple[int, int], fps: int, camera: _core.Camera) -> None:
-        self.folder, self.key, self.size, self.fps, self.camera = folder, f"observation.images.{name}", size, fps, camera
+    def __init__(self, folder: Path, name: str, fps: int, of_scene: Mapping[str, _core.Camera]) -> None:
+        self.folder, self.key, self.fps, self.of_scene = folder, f"observation.images.{name}", fps, of_scene
+        self.size = next(iter(of_scene.values())).size_px
         self.path = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
         self.sampled: list[list[NDArray[np.uint8]]] = []
 
@@ -165,7 +166,7 @@ class _Camera:
         sampled: list[NDArray[np.uint8]] = []
 
         def seen() -> Iterator[NDArray[np.uint8]]:
-            for index, picture in enumerate(_pictures(reach, numbers, self.size, self.camera)):
+            for index, picture in enumerate(_pictures(reach, numbers, self.size, self.of_scene[reach.scene])):
                 if index % _SAMPLED_PICTURES == 0:
                     sampled.append(picture[::_SAMPLED_PIXELS, ::_SAMPLED_PIXELS])
                 yield picture
@@ -183,18 +184,34 @@ class _Camera:
         return {"dtype": "video", "shape": [height, width, 3], "names": ["height", "width", "channels"], "info": about}
 
 
+def _cameras(dataset: _core.Dataset, given: Mapping[str, _core.Camera] | None) -> dict[str, dict[str, _core.Camera]]:
+    """The cameras by their names, each by the names of scenes: those given, else those of the scenes, else one."""
+    texts = {own["name"]: own["file"]["text"] for own in dataset.provenance["scenes"]}
+    scenes = {name: dict(given or _core.Scene.parse(text, f"{name}.toml").cameras) for name, text in texts.items()}
+    if not any(scenes.values()):
+        scenes = {name: {"front": _core.Camera(_EYE, _TARGET, vertical_fov_deg=_FIELD_DEG)} for name in scenes}
+    first, *others = scenes.items()
+    sizes = {name: camera.size_px for name, camera in first[1].items()}
+    for name, cameras in others:
+        found = {name: camera.size_px for name, camera in cameras.items()}
+        if found != sizes:
+            remedy = "give the cameras with `cameras`, or a data set of one scene"
+            raise _fault("cameras", f"{found} in {name}", f"the same names and sizes as in {first[0]}, {sizes}", remedy)
+    for size in sizes.values():
+        _check_size(size)
+    return {name: {scene: cameras[name] for scene, cameras in scenes.items()} for name in sizes}
+
+
 def lerobot(
     data: str | os.PathLike[str],
     out: str | os.PathLike[str],
-    camera: _core.Camera,
+    cameras: Mapping[str, _core.Camera] | None = None,
     *,
-    name: str = "front",
     fps: int = 25,
-    size: tuple[int, int] = (320, 240),
 ) -> int:
-    """Write a data set with the pictures of a camera, in the LeRobotDataset v3.0 layout.
+    """Write a data set with the pictures of cameras, in the LeRobotDataset v3.0 layout.
 
-    It holds what a robot senses, without ground truth, at the rate of the camera: every n-th frame of the reaches.
+    It holds what a robot senses, without ground truth, at the rate of the cameras: every n-th frame of the reaches.
 
     Parameters
     ----------
@@ -202,14 +219,11 @@ def lerobot(
         A data set.
     out : path
         Folder to write. It must not exist.
-    camera : Camera
-        Where the pictures are taken from.
-    name : str
-        Name of the camera; the feature is ``observation.images.NAME``.
+    cameras : dict of str to Camera, optional
+        The cameras by their names; their features are ``observation.images.NAME``. Without them those of the scene files, or
+        else one, ``front``, which sees the clutter of the shipped scenes. Width and height of a camera are even.
     fps : int
         Frames per second; a divisor of the data set's rate.
-    size : tuple of two int
-        Width and height in pixels, even.
 
     Returns
     -------
@@ -219,7 +233,8 @@ def lerobot(
     Raises
     ------
     InputError
-        If the rate is no divisor, or a size is odd.
+        If the rate is no divisor, a size is odd, a link that carries a camera is not known, or the scenes of the data set have
+        different cameras.
     """
     try:
         import pyarrow as pa
@@ -229,7 +244,7 @@ def lerobot(
     data, out = Path(data), Path(out)
     dataset = _core.Dataset(data)
     info = json.loads((data / "meta" / "info.json").read_text())
-    _check_size(size)
+    chosen = _cameras(dataset, cameras)
     if fps < 1 or info["fps"] % fps:
         allowed = ", ".join(str(rate) for rate in range(1, int(info["fps"]) + 1) if info["fps"] % rate == 0)
         raise _fault("fps", fps, allowed, "choose a divisor of the data set's rate")
@@ -238,7 +253,7 @@ def lerobot(
     folder = out.with_name(f".{out.name}.{os.getpid()}")
     (folder / "meta" / "episodes" / "chunk-000").mkdir(parents=True)
     try:
-        films = _Camera(folder, name, size, fps, camera)
+        films = [_Camera(folder, name, fps, of_scene) for name, of_scene in chosen.items()]
         files = sorted((data / "data").rglob("*.parquet"))
         frames = pa.concat_tables([pq.read_table(file) for file in files])
         frames = frames.filter(pa.array(frames["frame_index"].to_numpy() % every == 0))
@@ -259,17 +274,20 @@ def lerobot(
         for row in rows:
             episode = row["episode_index"]
             own = np.flatnonzero(episode_of == episode)
-            place = films.write(episode, dataset[episode], (numbers[own] * every).tolist(), info["chunks_size"])
-            row.update(place, length=len(own), dataset_from_index=int(own[0]), dataset_to_index=int(own[-1]) + 1)
+            reach, seen = dataset[episode], (numbers[own] * every).tolist()
+            for film in films:
+                row.update(film.write(episode, reach, seen, info["chunks_size"]))
+            row.update(length=len(own), dataset_from_index=int(own[0]), dataset_to_index=int(own[-1]) + 1)
             row.update({f"{kind}/{number}": 0 for kind in ("data", "meta/episodes") for number in ("chunk_index", "file_index")})
             found = {feature: _statistics(values[feature][own]) for feature in features}
-            found[films.key] = _of_pictures(films.sampled[-1])
+            found |= {film.key: _of_pictures(film.sampled[-1]) for film in films}
             row.update({f"stats/{feature}/{kind}": value for feature, kinds in found.items() for kind, value in kinds.items()})
         pq.write_table(pa.Table.from_pylist(rows), folder / "meta" / "episodes" / "chunk-000" / "file-000.parquet")
         statistics = {feature: _statistics(values[feature]) for feature in features}
-        statistics[films.key] = _of_pictures([picture for sampled in films.sampled for picture in sampled])
+        statistics |= {film.key: _of_pictures([picture for sampled in film.sampled for picture in sampled]) for film in films}
         (folder / "meta" / "stats.json").write_text(json.dumps(statistics))
-        info.update(total_frames=len(numbers), fps=fps, video_path=films.path, features=features | {films.key: films.feature()})
+        features |= {film.key: film.feature() for film in films}
+        info.update(total_frames=len(numbers), fps=fps, video_path=films[0].path, features=features)
         (folder / "meta" / "info.json").write_text(json.dumps(info, indent=2))
         for kept in ("tasks.parquet", "provenance.json"):
             shutil.copy(data / "meta" / kept, folder / "meta" / kept)
@@ -291,27 +309,42 @@ def main(arguments: list[str] | None = None) -> int:
     films.add_argument("--fps", type=int, default=25, help="pictures per second")
     films.add_argument("--speed", type=float, default=1.0, help="how many times as fast as in reality it plays")
     films.add_argument("--size", type=int, nargs=2, default=(640, 360), metavar=("W", "H"), help="pixels")
+    films.add_argument("--camera", default=argparse.SUPPRESS, metavar="NAME", help="camera of the scene file; for a data set")
     films.add_argument("--force", action="store_true", help="overwrite a file that exists")
     sets = commands.add_parser("lerobot", help="write a data set with camera pictures", formatter_class=formatter)
     sets.add_argument("data", type=Path, help="data set (folder)")
     sets.add_argument("--out", required=True, type=Path, help="folder to write")
     sets.add_argument("--fps", type=int, default=25, help="frames per second, a divisor of the data set's rate")
-    sets.add_argument("--name", default="front", help="name of the camera")
-    sets.add_argument("--size", type=int, nargs=2, default=(320, 240), metavar=("W", "H"), help="pixels")
-    sets.add_argument("--eye", type=float, nargs=3, default=_EYE, metavar=("X", "Y", "Z"), help="place of the camera, m")
-    sets.add_argument("--target", type=float, nargs=3, default=_TARGET, metavar=("X", "Y", "Z"), help="the middle of its pictures, m")
-    sets.add_argument("--fov", type=float, default=40.0, metavar="DEG", help="angle between upper and lower edge, degrees")
+    place: dict[str, Any] = {"type": float, "nargs": 3, "metavar": ("X", "Y", "Z")}
+    sets.add_argument("--eye", **place, default=argparse.SUPPRESS, help="place of a camera instead of those of the scene files, m, world frame")
+    sets.add_argument("--target", **place, default=_TARGET, help="with --eye: the middle of its pictures, m, world frame")
+    sets.add_argument("--fov", type=float, default=_FIELD_DEG, metavar="DEG", help="with --eye: angle between upper and lower edge")
+    sets.add_argument("--size", type=int, nargs=2, default=(320, 240), metavar=("W", "H"), help="with --eye: pixels")
+    sets.add_argument("--name", default="front", help="with --eye: name of the camera")
     options = parser.parse_args(arguments)
 
     def run() -> None:
         size = (options.size[0], options.size[1])
         if options.command == "film":
-            reach = _core.Dataset(options.data)[options.index] if options.data.is_dir() else _core.Reach.load(options.data)
-            count = film(reach, options.out, fps=options.fps, speed=options.speed, size=size, force=options.force)
+            dataset = _core.Dataset(options.data) if options.data.is_dir() else None
+            reach = dataset[options.index] if dataset else _core.Reach.load(options.data)
+            camera = None
+            if "camera" in options:
+                cameras = _cameras(dataset, None) if dataset else {}
+                if options.camera not in cameras:
+                    allowed = ", ".join(cameras) or "none of a recording, which does not know its scene"
+                    raise _fault("--camera", options.camera, allowed, "choose one of these, or leave it out")
+                camera = cameras[options.camera][reach.scene]
+            count = film(
+                reach, options.out, fps=options.fps, speed=options.speed, size=size, camera=camera, force=options.force
+            )
             print(f"{count} pictures in {options.out}")
         else:
-            camera = _core.Camera(options.eye, options.target, vertical_fov_deg=options.fov)
-            count = lerobot(options.data, options.out, camera, name=options.name, fps=options.fps, size=size)
+            cameras = None
+            if "eye" in options:
+                own = _core.Camera(options.eye, options.target, vertical_fov_deg=options.fov, size_px=size)
+                cameras = {options.name: own}
+            count = lerobot(options.data, options.out, cameras, fps=options.fps)
             print(f"{count} frames in {options.out}")
 
     return _export.status(run)

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use underbrush_recording::math;
+use underbrush_sim::scene::limits::FIELD_DEG;
 
 use crate::{RenderError, Size};
 
@@ -9,7 +10,7 @@ use crate::{RenderError, Size};
 pub const NEAREST_M: f32 = 0.02;
 
 /// Angle between the upper and the lower edge of a picture, degrees. Choice: between those of the eye and of a portrait.
-const FIELD_DEG: f64 = 32.0;
+const STANDARD_DEG: f64 = 32.0;
 
 /// A pinhole camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +41,7 @@ impl Camera {
         let back = direction.normalize_or(DVec3::X);
         let right = DVec3::Z.cross(back).normalize_or(DVec3::X);
         let up = back.cross(right);
-        let half = 0.5 * FIELD_DEG.to_radians();
+        let half = 0.5 * STANDARD_DEG.to_radians();
         // Leaves a margin of a twentieth.
         let tangent = 0.95 * math::sin(half) / math::cos(half);
         let (mut target, mut distance_m) = (points_world.iter().sum::<DVec3>() / points_world.len() as f64, 1.0);
@@ -55,7 +56,7 @@ impl Camera {
             target += right * off.x + up * off.y;
         }
         let eye_world = target + back * distance_m;
-        Camera { eye_world, target_world: target, up_world: DVec3::Z, vertical_fov_deg: FIELD_DEG }
+        Camera { eye_world, target_world: target, up_world: DVec3::Z, vertical_fov_deg: STANDARD_DEG }
     }
 
     /// The axes of the camera, for a picture with this many points for each pixel along each axis.
@@ -69,7 +70,7 @@ impl Camera {
         let across = line.normalize_or_zero().cross(self.up_world.normalize_or_zero());
         let near = [self.eye_world, self.target_world, self.up_world].iter().all(|at| at.abs().max_element() <= 1e3);
         let good = near && line.length() > 1e-3 && across.length() > 1e-6;
-        if !good || !(1.0..=150.0).contains(&self.vertical_fov_deg) {
+        if !good || !FIELD_DEG.hold(self.vertical_fov_deg) {
             return Err(RenderError::Camera(format!("{self:?}")));
         }
         let (forward, right) = (line.normalize(), across.normalize());

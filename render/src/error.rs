@@ -2,17 +2,13 @@
 
 use thiserror::Error;
 use underbrush_recording::fault::Fault;
-
-/// Smallest and largest width and height of a picture.
-const SIDE: [usize; 2] = [64, 1280];
+use underbrush_sim::scene::limits::PICTURE_PX;
 
 /// Why a picture cannot be drawn.
 #[derive(Debug, Error)]
 pub enum RenderError {
     /// The size is not allowed.
-    #[error(
-        "{} x {} pixels; allowed: {} to {} in each direction; choose such a size", .0.width, .0.height, SIDE[0], SIDE[1]
-    )]
+    #[error("{} x {} pixels; allowed: {PICTURE_PX} in each direction; choose such a size", .0.width, .0.height)]
     Size(Size),
     /// The camera sees nothing, or it is not said which way is up.
     #[error(
@@ -20,6 +16,14 @@ pub enum RenderError {
          between them, and a field of view of 1 to 150 degrees; move the camera"
     )]
     Camera(String),
+    /// The camera is carried by a link that is not known.
+    #[error("camera: found the link {link:?}; allowed: {links}; name one of them")]
+    Link {
+        /// The link.
+        link: String,
+        /// The links that are known.
+        links: String,
+    },
     /// There are no shapes, as in a table of trials, or no frames.
     #[error("no shapes of an arm or no frames are known, so there is nothing to draw; give a recording or a data set")]
     NoBodies,
@@ -52,7 +56,7 @@ impl Size {
     /// # Errors
     /// [`RenderError::Size`].
     pub fn check(self) -> Result<Self, RenderError> {
-        let fits = [self.width, self.height].iter().all(|side| (SIDE[0]..=SIDE[1]).contains(side));
+        let fits = [self.width, self.height].iter().all(|side| PICTURE_PX.hold(*side as f64));
         if fits { Ok(self) } else { Err(RenderError::Size(self)) }
     }
 

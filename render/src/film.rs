@@ -52,7 +52,7 @@ impl Film {
         numbers.take_while(|number| *number < recording.frames.len()).collect()
     }
 
-    /// Draws a reach as a GIF that plays in a loop, on the threads of the current rayon pool. Calls `drawn` with the number of
+    /// Draws a reach, seen from the camera that `camera` gives for each frame, as a GIF that plays in a loop, on the threads of the current rayon pool. Calls `drawn` with the number of
     /// further pictures whenever some are done. All pictures share one palette, so that nothing flickers, and hold only what has
     /// changed.
     ///
@@ -62,11 +62,14 @@ impl Film {
         &self,
         recording: &Recording,
         stage: &Stage,
-        camera: &Camera,
+        camera: impl Fn(u32) -> Result<Camera, RenderError> + Sync,
         drawn: impl Fn(usize),
     ) -> Result<Vec<u8>, RenderError> {
         let numbers = self.frames(recording);
-        let draw = |number: &usize| stage.moment(*number as u32, &recording.frames[*number]).rgb(camera, self.size);
+        let draw = |number: &usize| {
+            let moment = stage.moment(*number as u32, &recording.frames[*number]);
+            moment.rgb(&camera(*number as u32)?, self.size)
+        };
         let typical = numbers.iter().step_by(numbers.len() / TYPICAL + 1).map(draw);
         let typical = typical.collect::<Result<Vec<_>, _>>()?.concat();
         let pixels: Vec<u8> = typical.chunks_exact(3).flat_map(opaque).collect();

@@ -12,6 +12,7 @@ use underbrush_recording::{
 use underbrush_sim::arm::Arm;
 use underbrush_sim::blade::Blade;
 use underbrush_sim::body_log::{BodyLog, link_bodies};
+use underbrush_sim::scene::SceneCamera;
 use underbrush_sim::simulation::Simulation;
 
 use crate::camera::bounds;
@@ -139,20 +140,22 @@ impl<'a> Stage<'a> {
         Ok(stage)
     }
 
-    /// A running simulation as it is now: everything in it, a camera that stays where it is while the simulation runs, and the
-    /// labels. The colours of forces end at 5 N.
+    /// A running simulation as it is now: everything in it, the camera of a scene or else one that sees everything and stays where
+    /// it is while the simulation runs, and the labels. The colours of forces end at 5 N.
     ///
     /// # Errors
-    /// [`RenderError::NoBodies`].
+    /// [`RenderError::NoBodies`] and [`RenderError::Link`].
     pub fn now(
         simulation: &Simulation,
         frame: &Frame,
+        camera: Option<&SceneCamera>,
         aspect: f64,
     ) -> Result<(Scene, Camera, Vec<String>), RenderError> {
         let (bodies, clutter) = (BodyLog::now(simulation).finish(), simulation.clutter());
         let layout = &simulation.arm().skin.layout;
         let stage = Stage::new(&bodies, &clutter.records(), layout, LIVE_N, &clutter.goals)?;
-        Ok((stage.moment(u32::MAX, frame), stage.camera(aspect), stage.labels))
+        let camera = camera.map_or_else(|| Ok(stage.camera(aspect)), |camera| stage.scene_camera(camera, u32::MAX))?;
+        Ok((stage.moment(u32::MAX, frame), camera, stage.labels))
     }
 
     /// An arm alone in its start posture, with its taxels and a mark at its end effector.
@@ -192,6 +195,32 @@ impl<'a> Stage<'a> {
     /// A camera that sees everything, for a picture with this ratio of width to height.
     pub fn camera(&self, aspect: f64) -> Camera {
         Camera::around(&self.seen, DIRECTION, aspect)
+    }
+
+    /// A camera of a scene, as it is in the frame with this number.
+    ///
+    /// # Errors
+    /// [`RenderError::Link`] if no link of this name carries it.
+    pub fn scene_camera(&self, camera: &SceneCamera, number: u32) -> Result<Camera, RenderError> {
+        let pose = match &camera.link {
+            None => Pose::IDENTITY,
+            Some(link) => {
+                let links = || {
+                    self.bodies.iter().filter_map(|body| match &body.owner {
+                        BodyOwner::Link(name) => Some((body, name.as_str())),
+                        BodyOwner::Object(_) => None,
+                    })
+                };
+                let carrier = links().find(|(_, name)| name == link).map(|(body, _)| body.pose_world(number));
+                carrier.ok_or_else(|| {
+                    let links: Vec<&str> = links().map(|(_, name)| name).collect();
+                    RenderError::Link { link: link.clone(), links: links.join(", ") }
+                })?
+            }
+        };
+        let [eye_world, target_world] = [camera.eye_m, camera.target_m].map(|place| pose.transform_point(place));
+        let up_world = pose.orientation * camera.up;
+        Ok(Camera { eye_world, target_world, up_world, vertical_fov_deg: camera.vertical_fov_deg })
     }
 
     /// Everything as it is in the frame with this number, with the skin as this frame says.

@@ -144,6 +144,13 @@ impl Source {
         })
     }
 
+    /// The text of the scene of a reach of a data set; of other reaches it is not known.
+    pub fn scene_text(&self, number: usize) -> Option<&str> {
+        let Some(Place::Dataset { input, .. }) = self.places.get(number) else { return None };
+        let mut scenes = self.datasets[*input].provenance().scenes.iter();
+        scenes.find(|scene| scene.name == self.reaches[number].scene).map(|scene| scene.file.text.as_str())
+    }
+
     /// The bytes of a reach for the page.
     ///
     /// # Errors

@@ -7,10 +7,11 @@ use glam::DVec3;
 use serde_json::json;
 use underbrush_recording::disk::remove_leftovers;
 use underbrush_recording::{InputError, Recording};
-use underbrush_render::{Camera, Film, Size, Stage, png};
+use underbrush_render::{Camera, Film, RenderError, Size, Stage, png};
 use underbrush_replay::Source;
 use underbrush_report::replayed::known;
 use underbrush_sim::arm::Arm;
+use underbrush_sim::scene::{Scene, SceneCamera};
 
 use super::overwrite::Overwrite;
 use crate::failure::Failure;
@@ -31,7 +32,10 @@ pub struct PictureArguments {
     /// With --still: the moment, s after the start [default: when the most taxels read a force]
     #[arg(long, value_name = "S", requires = "still", conflicts_with_all = ["out", "video"])]
     time: Option<f64>,
-    /// Width and height, 64 to 1280 pixels each [default: 1280x720, of films 640x360]
+    /// Take the picture with this camera of the scene file. Recordings do not know their scene; data sets do
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["out", "eye", "target"], requires = "file")]
+    camera: Option<String>,
+    /// Width and height, 64 to 1280 pixels each [default: 1280x720, of films 640x360, of a camera its own]
     #[arg(long, value_name = "WxH", value_parser = size, conflicts_with = "out", requires = "file")]
     size: Option<Size>,
     /// Where the picture is taken from, m, world frame: x, y, z [default: right of the arm, as near as everything fits]
@@ -83,9 +87,10 @@ impl PictureArguments {
         };
         let recording = source.recording(number)?;
         let stage = Stage::of(&recording, (known().force_limit_n)(&recording.controller))?;
+        let camera = self.scene_camera(&recording.scene, source.scene_text(number))?;
         let (bytes, frames) = match self.video {
-            None => (self.still(&recording, &stage)?, 1),
-            Some(_) => self.film(&recording, &stage)?,
+            None => (self.still(&recording, &stage, camera.as_ref())?, 1),
+            Some(_) => self.film(&recording, &stage, camera.as_ref())?,
         };
         remove_leftovers(path);
         output::write_file(path, &bytes)?;
@@ -118,14 +123,34 @@ impl PictureArguments {
         }
     }
 
-    fn camera(&self, stage: &Stage, size: Size) -> Camera {
-        let standard = stage.camera(size.aspect());
-        let eye_world = self.eye.unwrap_or(standard.eye_world);
-        Camera { eye_world, target_world: self.target.unwrap_or(standard.target_world), ..standard }
+    /// The camera of the scene file that is asked for.
+    fn scene_camera(&self, scene: &str, text: Option<&str>) -> Result<Option<SceneCamera>, Failure> {
+        let Some(name) = &self.camera else { return Ok(None) };
+        let refused = |allowed: &str| Failure::usage(format!("--camera {name}: allowed: {allowed}"));
+        let text = text.ok_or_else(|| refused("nothing here; give a data set, or use --eye and --target"))?;
+        let cameras = Scene::parse(scene, text.to_owned())?.file.cameras;
+        let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
+        let named = cameras.iter().find(|camera| camera.name == *name).cloned();
+        let none = || refused(&format!("the cameras of the scene {scene} ({}); choose one of them", names.join(", ")));
+        named.ok_or_else(none).map(Some)
     }
 
-    fn still(&self, recording: &Recording, stage: &Stage) -> Result<Vec<u8>, Failure> {
-        let size = self.size.unwrap_or(SIZE);
+    /// The size of the pictures, and where they are taken from in each frame.
+    fn view<'a>(
+        &'a self,
+        stage: &'a Stage,
+        camera: Option<&'a SceneCamera>,
+        default: Size,
+    ) -> (Size, impl Fn(u32) -> Result<Camera, RenderError> + Sync + 'a) {
+        let own = camera.map(|camera| Size { width: camera.size_px[0], height: camera.size_px[1] });
+        let size = self.size.or(own).unwrap_or(default);
+        let standard = stage.camera(size.aspect());
+        let eye_world = self.eye.unwrap_or(standard.eye_world);
+        let free = Camera { eye_world, target_world: self.target.unwrap_or(standard.target_world), ..standard };
+        (size, move |number| camera.map_or(Ok(free), |camera| stage.scene_camera(camera, number)))
+    }
+
+    fn still(&self, recording: &Recording, stage: &Stage, camera: Option<&SceneCamera>) -> Result<Vec<u8>, Failure> {
         let last_s = recording.frames.last().map_or(0.0, |frame| frame.time_s);
         let number = match self.time {
             Some(time_s) if (0.0..=last_s).contains(&time_s) => {
@@ -139,16 +164,22 @@ impl PictureArguments {
             }
             None => fullest(recording),
         };
-        moment(recording, stage, number, &self.camera(stage, size), size)
+        let (size, camera) = self.view(stage, camera, SIZE);
+        moment(recording, stage, number, &camera(number as u32)?, size)
     }
 
-    fn film(&self, recording: &Recording, stage: &Stage) -> Result<(Vec<u8>, usize), Failure> {
-        let size = self.size.unwrap_or(Size { width: 640, height: 360 });
+    fn film(
+        &self,
+        recording: &Recording,
+        stage: &Stage,
+        camera: Option<&SceneCamera>,
+    ) -> Result<(Vec<u8>, usize), Failure> {
+        let (size, camera) = self.view(stage, camera, Size { width: 640, height: 360 });
         let delay = (100.0 / f64::from(self.fps)).round() as u16;
         let film = Film { size, delay, speed: self.speed };
         let pictures = film.frames(recording).len();
         let bar = progress::bar(pictures as u64, "pictures");
-        let bytes = film.draw(recording, stage, &self.camera(stage, size), |drawn| bar.inc(drawn as u64))?;
+        let bytes = film.draw(recording, stage, camera, |drawn| bar.inc(drawn as u64))?;
         bar.finish_and_clear();
         Ok((bytes, pictures))
     }

@@ -55,6 +55,26 @@ fn negative_rigidity() {
     refuses(&format!("{HEAD}{LEAF}flexural_rigidity_n_m2 = -0.01\n"), Some(8), &parts);
 }
 
+/// Tests that cameras without a usable name, place, direction, angle or size are refused, and so are two of one name and one on a
+/// link that the arm does not have.
+#[test]
+fn bad_cameras() {
+    let camera = |name: &str, further: &str| format!("[[cameras]]\nname = \"{name}\"\neye_m = [1, 0, 0]\n{further}\n");
+    let at = "target_m = [0, 0, 0]";
+    for (text, line, parts) in [
+        (camera("a b", at), 4, ["cameras[0].name: found \"a b\"", "letters, digits, - and _"]),
+        (camera("a", "target_m = [0, nan, 0]"), 6, ["cameras[0].target_m: found NaN", "numbers from -5 to 5 m"]),
+        (camera("a", "target_m = [1, 0, 0]"), 6, ["cameras[0].target_m", "at least 1 mm from eye_m"]),
+        (camera("a", &format!("{at}\nup = [2, 0, 0]")), 7, ["cameras[0].up", "another direction"]),
+        (camera("a", &format!("{at}\nvertical_fov_deg = 180")), 7, ["vertical_fov_deg: found 180", "allowed: 1 to 150 degrees"]),
+        (camera("a", &format!("{at}\nsize_px = [320, 2000]")), 7, ["size_px: found 2000", "allowed: 64 to 1280 pixels"]),
+        (camera("a", &format!("{at}\nlink = \"thumb\"")), 7, ["cameras[0].link: found \"thumb\"", "forearm, wrist"]),
+        (camera("a", at) + &camera("a", at), 8, ["cameras[1].name: found \"a\"", "no other camera"]),
+    ] {
+        refuses(&format!("{HEAD}{text}"), Some(line), &parts);
+    }
+}
+
 /// Tests that NaN is refused as a value, in a range and as a standard deviation.
 #[test]
 fn not_a_number() {

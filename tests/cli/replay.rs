@@ -2,7 +2,7 @@
 
 use super::touch;
 use crate::support::fixture::fixture;
-use crate::support::{call, underbrush};
+use crate::support::{call, scenes, underbrush};
 
 /// Tests that the chosen reaches of a data set are written with verdicts to one file, and that the size of this file is
 /// reported.
@@ -107,6 +107,16 @@ fn reaches_are_drawn() {
     ]
     .success();
     assert!(std::fs::read(&later).unwrap() != bytes);
+    // The camera of a scene file has a size of its own.
+    let text = std::fs::read_to_string(fixture().trunk_scene()).unwrap();
+    let camera =
+        "\n[[cameras]]\nname = \"hand\"\nlink = \"forearm\"\neye_m = [0, 0.14, 0.22]\ntarget_m = [0, 0.02, -0.2]\n";
+    let filmed = scenes::write(folder.path(), "filmed.toml", &(text + camera + "size_px = [80, 64]\n"));
+    let own = file("own");
+    underbrush!["generate", filmed, "--reaches", "1", "--out", own].success();
+    underbrush!["replay", own, "--still", later, "--camera", "hand", "--force"].success();
+    assert_eq!(std::fs::read(&later).unwrap()[16..24], [0, 0, 0, 80, 0, 0, 0, 64]);
+    underbrush!["replay", own, "--still", later, "--camera", "eye", "--force"].refused(&["filmed (hand)"]);
     let recording = file("reach.parquet");
     let reach = underbrush!["reach", fixture().trunk_scene(), "--out", recording, "--json"].json();
     let film_of = |options: &str| {
@@ -138,6 +148,7 @@ fn bad_pictures_are_refused() {
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--time", "1e3"].refused(&["--time 1000", "0 to"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--size", "63x90"].refused(&["64 to 1280"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--size", "big"].refused(&["640x360"]);
+    underbrush!["replay", set, "--reaches", "0", "--still", png, "--camera", "hand"].refused(&["--camera hand", "()"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--eye", "1,2"].refused(&["1,2", "0.5,-1,0.3"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--eye", "0,0,1", "--target", "0,0,0"]
         .refused(&["another direction for up", "move the camera"]);

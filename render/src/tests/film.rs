@@ -28,7 +28,7 @@ fn films_are_the_same_for_any_number_of_threads() {
     let film = Film { size, delay: 5, speed: 2.0 };
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| film.draw(&recording, &stage, &camera, |_| {}).unwrap())
+        pool.install(|| film.draw(&recording, &stage, |_| Ok(camera), |_| {}).unwrap())
     };
     let bytes = with(1);
     assert!(bytes == with(3), "threads change the film");
@@ -65,7 +65,7 @@ fn a_simulation_is_drawn_like_its_recording() {
     let mut angles = plan.arm.start_posture_rad();
     let size = Size { width: 120, height: 90 };
     let goal = simulation.clutter().goals[0];
-    let (_, first, _) = Stage::now(&simulation, &simulation.frame(0, goal), size.aspect()).unwrap();
+    let (_, first, _) = Stage::now(&simulation, &simulation.frame(0, goal), None, size.aspect()).unwrap();
     for _ in 0..60 {
         so_far.observe(&simulation, &simulation.frame(0, goal));
         angles.iter_mut().for_each(|angle| *angle += 0.004);
@@ -74,7 +74,7 @@ fn a_simulation_is_drawn_like_its_recording() {
     let frame = simulation.frame(0, goal);
     so_far.observe(&simulation, &frame);
     let recording = so_far.recording().unwrap();
-    let (now, camera, labels) = Stage::now(&simulation, &frame, size.aspect()).unwrap();
+    let (now, camera, labels) = Stage::now(&simulation, &frame, None, size.aspect()).unwrap();
     assert_eq!(camera, first);
     let stage = Stage::of(&recording, None).unwrap();
     assert_eq!(labels, stage.labels());

@@ -118,7 +118,7 @@ impl ReachPlan {
     /// As [`ReachPlan::new`], with an arm that was already read instead of the one that the scene names.
     ///
     /// # Errors
-    /// When the scene's sensor options do not fit the arm's skin.
+    /// When the scene's sensor options do not fit the arm's skin, or the arm lacks a link that carries a camera.
     pub fn with_arm(
         scene: Scene,
         mut arm: Arm,
@@ -127,6 +127,7 @@ impl ReachPlan {
     ) -> Result<ReachPlan, InputError> {
         arm.scale_stiffness(scene.file.robot.stiffness_scale);
         scene.sensor_fault(scene.file.sensor.fault_on(&arm.skin.layout))?;
+        scene.check_links_of_cameras(&arm)?;
         let kind = controller.unwrap_or(scene.file.controller);
         let robot = scene.file.robot;
         let preset = kind.preset().at_hand_speed(robot.hand_speed_scale).with_force_limit(robot.force_limit_scale);

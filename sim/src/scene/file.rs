@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::limits;
+use super::{SceneCamera, limits};
 use crate::controller::ControllerKind;
 use crate::materials::MaterialsSection;
 use crate::object::{Group, Specification, for_each_object_kind};
@@ -47,6 +47,9 @@ pub struct SceneFile {
     /// The objects, in groups: `[[objects.leaf]]`, `[[objects.trunk]]`, `[[objects.foam_block]]` and others.
     #[serde(default)]
     pub objects: Objects,
+    /// From where pictures of the reaches are taken.
+    #[serde(default)]
+    pub cameras: Vec<SceneCamera>,
     /// Constants of the contact between arm and objects, to be set or drawn for each reach.
     #[serde(default)]
     pub materials: MaterialsSection,

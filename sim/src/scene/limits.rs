@@ -36,3 +36,9 @@ pub const PATIENCE_S: Limits = Limits::new(0.1, 1000.0, "s");
 /// Objects in one group and in the whole scene: frames store an object's index in 16 bits, and far fewer fill the
 /// table.
 pub const OBJECTS: Limits = Limits::new(0.0, 10_000.0, "objects");
+
+/// Angle between the upper and the lower edge of a picture: from a telescope to the widest lens that draws straight lines.
+pub const FIELD_DEG: Limits = Limits::new(1.0, 150.0, "degrees");
+
+/// Width and height of a picture: below 64 nothing can be told apart, and the renderer is made for pictures of up to 1280.
+pub const PICTURE_PX: Limits = Limits::new(64.0, 1280.0, "pixels");

@@ -9,17 +9,20 @@ use underbrush_recording::limits::{TEXT_BYTES, short};
 use underbrush_recording::plain_text::{PLAIN, is_plain};
 use underbrush_recording::{FRAME_PERIOD_S, InputError, read_text};
 
+use crate::arm::Arm;
 use crate::materials::{MaterialFile, MaterialsSection};
 use crate::range::{Limited, PLACE_M, YAW_DEG};
 use crate::sensor::Fault;
 use crate::toml_text::{key_at, line_of, sets_key};
 use content::objects_hash;
 
+mod camera;
 mod content;
 mod file;
 pub mod limits;
 mod shipped;
 
+pub use camera::SceneCamera;
 pub use file::{Goals, Objects, PhysicsSection, ProgressRule, RobotSection, SceneFile, Workspace};
 pub use shipped::{shipped, shipped_by_name};
 
@@ -170,6 +173,7 @@ impl Scene {
             self.check_quantity("goals", &Limited { name, quantity, limits: anywhere })?;
         }
         self.check_positions()?;
+        self.check_cameras()?;
         for limited in file.materials.quantities() {
             self.check_quantity("materials", &limited)?;
         }
@@ -187,6 +191,30 @@ impl Scene {
             Some(coordinate) => Err(self.fault(place, short(*coordinate), format!("coordinates from {PLACE_M}"))),
             None => Ok(()),
         }
+    }
+
+    fn check_cameras(&self) -> Result<(), InputError> {
+        let cameras = &self.file.cameras;
+        for (number, camera) in cameras.iter().enumerate() {
+            let is_taken = cameras[..number].iter().any(|other| other.name == camera.name);
+            let taken = || ("name".into(), format!("{:?}", camera.name), "a name that no other camera has".into());
+            if let Some((key, found, allowed)) = camera.fault().or_else(|| is_taken.then(taken)) {
+                return Err(self.fault(&format!("cameras[{number}].{key}"), found, allowed));
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that the arm has the links that carry cameras.
+    pub(crate) fn check_links_of_cameras(&self, arm: &Arm) -> Result<(), InputError> {
+        let names: Vec<&str> = arm.links.iter().map(|link| link.name.as_str()).collect();
+        for (number, camera) in self.file.cameras.iter().enumerate() {
+            if let Some(link) = camera.link.as_ref().filter(|link| !names.contains(&link.as_str())) {
+                let allowed = format!("a link of the arm that is not joined rigidly to another: {}", names.join(", "));
+                return Err(self.fault(&format!("cameras[{number}].link"), format!("{link:?}"), allowed));
+            }
+        }
+        Ok(())
     }
 
     /// Checks the numbers that depend on no others.
