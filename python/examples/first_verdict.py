@@ -17,6 +17,10 @@ verdicts = [own["verdict"] for index in range(len(reach)) for own in online.upda
 print(Counter(verdicts))
 
 # %%
+# The moment in which the arm touched the most. The taxels have the colours of the forces that they sense.
+reach.draw()
+
+# %%
 found = ub.evaluate(trials, ub.Options())
 print(f"accuracy {found['accuracy']:.3f}, majority baseline {found['majority_baseline']:.3f}")
 assert set(verdicts) <= {"leaf", "trunk", "uncertain"}

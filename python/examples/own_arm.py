@@ -17,3 +17,6 @@ scene = ub.Scene(folder / "foliage.toml").changed({"goals": {"count": 1, "retrie
 reach = ub.reach(scene, seed=1)
 print(reach, "touched", sorted({contact["link"] for contact in reach.contacts}))
 assert reach.skin == arm.skin
+
+# %%
+reach.draw()

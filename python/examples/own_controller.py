@@ -35,5 +35,9 @@ for controller in ("cody-2013", "blind", Gentle):
     print(f"{reach.controller}: {reach.outcome} in {reach.time_s[-1]:.1f} s, at most {force_n:.1f} N")
 
 # %%
+# The last of these reaches.
+reach.draw()
+
+# %%
 data = ub.generate(scene, reaches=2, out=Path(tempfile.mkdtemp()) / "gentle", seed=1, controller=Gentle)
 assert data.provenance["controller"] == "gentle"

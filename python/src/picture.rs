@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rayon::prelude::*;
 use underbrush_recording::{Frame, Recording};
-use underbrush_render::{Camera, RenderError, Scene, Size, Stage};
+use underbrush_render::{Camera, RenderError, Scene, Size, Stage, fullest};
 use underbrush_sim::scene::SceneCamera;
 use underbrush_sim::simulation::Simulation;
 
@@ -71,11 +71,27 @@ pub fn shown<'py>(py: Python<'py>, png: Vec<u8>) -> PyResult<Bound<'py, PyAny>> 
     py.import("underbrush._picture")?.call_method1("Picture", (PyBytes::new(py, &png),))
 }
 
+/// A frame of a reach as PNG, or else the first of those in which the most taxels read a force.
+pub fn png_of(recording: &Recording, frame: Option<usize>) -> Result<Vec<u8>, Failure> {
+    let stage = Stage::of(recording, None)?;
+    let number = frame.unwrap_or_else(|| fullest(recording));
+    let moment = stage.moment(number as u32, frame_of(recording, number)?);
+    Ok(underbrush_render::png(&moment.rgb(&stage.camera(SHOWN.aspect()), SHOWN)?, SHOWN)?)
+}
+
 /// A simulation as it is now, as PNG.
 pub fn png(simulation: &Simulation) -> Result<Vec<u8>, Failure> {
     let goal = simulation.clutter().goals.first().copied().unwrap_or_default();
     let (scene, camera, _) = Stage::now(simulation, &simulation.frame(0, goal), None, SHOWN.aspect())?;
     Ok(underbrush_render::png(&scene.rgb(&camera, SHOWN)?, SHOWN)?)
+}
+
+/// A frame of a reach, by a number that a user gave.
+fn frame_of(recording: &Recording, number: usize) -> Result<&Frame, Failure> {
+    recording.frames.get(number).ok_or_else(|| {
+        let allowed = format!("0 to {}", recording.frames.len().saturating_sub(1));
+        Failure::argument("frames", number.to_string(), allowed, "choose frames of the reach")
+    })
 }
 
 /// Pictures of some frames of a reach as one array, drawn on all cores.
@@ -86,10 +102,7 @@ pub fn draw_frames<'py>(
     camera: Option<&PyCamera>,
     kind: &str,
 ) -> Result<Bound<'py, PyAny>, Failure> {
-    if let Some(beyond) = frames.iter().find(|frame| **frame >= recording.frames.len()) {
-        let allowed = format!("0 to {}", recording.frames.len().saturating_sub(1));
-        return Err(Failure::argument("frames", beyond.to_string(), allowed, "choose frames of the reach"));
-    }
+    frames.iter().try_for_each(|number| frame_of(recording, *number).map(|_| ()))?;
     let size = Size { width, height };
     let aspect = size.check()?.aspect();
     let stage = Stage::of(recording, None)?;

@@ -233,6 +233,16 @@ impl Reach {
         picture::draw_frames(py, (&*self.recording()?, &frames), (width, height), camera, kind)
     }
 
+    /// Draw a frame, or else the first of those in which the most taxels read a force.
+    #[pyo3(signature = (frame = None))]
+    fn draw<'py>(&self, py: Python<'py>, frame: Option<usize>) -> Answer<'py> {
+        Ok(picture::shown(py, picture::png_of(&*self.recording()?, frame)?)?)
+    }
+
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyBytes>, Failure> {
+        Ok(PyBytes::new(py, &picture::png_of(&*self.recording()?, None)?))
+    }
+
     /// What the numbers of a segmentation mean, as in ``Simulation.labels``.
     #[getter]
     fn labels(&self) -> Result<Vec<String>, Failure> {

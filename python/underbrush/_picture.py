@@ -21,6 +21,9 @@ class Picture:
 
     png: bytes
 
+    def __repr__(self) -> str:
+        return f"Picture({len(self.png)} bytes)"
+
     def _repr_png_(self) -> bytes:
         return self.png
 

@@ -22,4 +22,4 @@ pub use camera::Camera;
 pub use error::{RenderError, Size};
 pub use film::{Film, png};
 pub use scene::Scene;
-pub use stage::Stage;
+pub use stage::{Stage, fullest};

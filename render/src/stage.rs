@@ -299,6 +299,12 @@ impl<'a> Stage<'a> {
     }
 }
 
+/// The number of the first of the frames in which the most taxels read a force.
+pub fn fullest(recording: &Recording) -> usize {
+    let felt = recording.frames.iter().map(|frame| frame.taxels.len()).enumerate();
+    felt.rev().max_by_key(|(_, taxels)| *taxels).map_or(0, |(number, _)| number)
+}
+
 /// The points of a mesh at this pose.
 fn placed(mesh: &Mesh, pose: Pose) -> impl Iterator<Item = DVec3> {
     mesh.vertices.iter().map(move |(place, _)| pose.transform_point(*place))

@@ -7,7 +7,7 @@ use glam::DVec3;
 use serde_json::json;
 use underbrush_recording::disk::remove_leftovers;
 use underbrush_recording::{InputError, Recording};
-use underbrush_render::{Camera, Film, RenderError, Size, Stage, png};
+use underbrush_render::{Camera, Film, RenderError, Size, Stage, fullest, png};
 use underbrush_replay::Source;
 use underbrush_report::replayed::known;
 use underbrush_sim::arm::Arm;
@@ -201,12 +201,6 @@ fn check_ending(path: &Path, ending: &str, remedy: &str) -> Result<(), Failure> 
     }
     let found = format!("{:?}", path.file_name().unwrap_or_default());
     Err(InputError::new(path, "file name", found, format!("a name that ends in .{ending}"), remedy).into())
-}
-
-/// The first of the frames in which the most taxels read a force.
-fn fullest(recording: &Recording) -> usize {
-    let felt = recording.frames.iter().map(|frame| frame.taxels.len()).enumerate();
-    felt.rev().max_by_key(|(_, taxels)| *taxels).map_or(0, |(number, _)| number)
 }
 
 /// Draws the moment of a reach in which the most taxels read a force.
