@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import inspect
 import sys
+import typing
 from pathlib import Path
 from types import ModuleType
 
@@ -15,6 +16,7 @@ import underbrush.distributed
 import underbrush.gym
 import underbrush.hdf5
 import underbrush.mcap
+import underbrush.results
 import underbrush.ros2
 import underbrush.rerun
 import underbrush.sklearn
@@ -44,6 +46,9 @@ def described(name: str, found: object, level: str) -> str:
 
 
 def of_class(name: str, found: type) -> str:
+    if typing.is_typeddict(found):
+        keys = [f"* `{key}`: `{inspect.formatannotation(own)}`" for key, own in found.__annotations__.items()]
+        return f"### `{name}`\n\n{inspect.getdoc(found)}\n\n" + "\n".join(keys).replace("underbrush.results.", "") + "\n"
     parts = [described(name, found, "###")]
     for member, value in sorted(vars(found).items()):
         if member.startswith("_") and member != "__call__":
@@ -71,6 +76,8 @@ def page() -> str:
         ("underbrush.video", underbrush.video, ["film", "lerobot"]),
         ("underbrush.gym", underbrush.gym, ["ReachEnv", "ReachVectorEnv"]),
     ]
+    of_results = [name for name, found in vars(underbrush.results).items() if typing.is_typeddict(found)]
+    modules.append(("underbrush.results", underbrush.results, of_results))
     for title, module, names in modules:
         parts.append(f"## `{title}`\n\n{inspect.getdoc(module)}\n")
         for name in names:

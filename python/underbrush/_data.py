@@ -16,7 +16,8 @@ from . import _core
 def html_of(dataset: _core.Dataset) -> str:
     """A table of the first reaches of a data set, for notebooks."""
     keys = ("scene", "frames", "outcome", "contacts")
-    rows = ([number, *(episode[key] for key in keys)] for number, episode in enumerate(dataset.episodes[:50]))
+    episodes = dataset.episodes[:50]
+    rows = ([number, own["scene"], own["frames"], own["outcome"], own["contacts"]] for number, own in enumerate(episodes))
     cells = ("".join(f"<td>{html.escape(str(cell), quote=False)}</td>" for cell in row) for row in rows)
     header = "".join(f"<th>{name}</th>" for name in ("reach", *keys))
     caption = f"<caption>{len(dataset)} reaches in {html.escape(str(dataset.path), quote=False)}</caption>"

@@ -1,0 +1,234 @@
+"""Types of the dictionaries that calls return, for editors and type checkers. Places are in m, world frame; times in s, forces in N."""
+
+from typing import Any, Literal, NotRequired, TypeAlias, TypedDict
+
+
+class Interval(TypedDict):
+    """A 95 % interval, from 0 to 1."""
+
+    low: float
+    high: float
+
+
+class StiffnessInterval(TypedDict):
+    """What is known of a stiffness, N/m: median and 95 % interval."""
+
+    low_n_per_m: float
+    median_n_per_m: float
+    high_n_per_m: float
+
+
+class TaxelVerdict(TypedDict):
+    """The verdict on a taxel in contact, of a model of trials or of a touch model."""
+
+    taxel: int
+    samples: int
+    """How many frames of its contact were seen."""
+    verdict: str
+    """The name of a category, "uncertain", or of a touch model "unknown" or "nothing"."""
+    scores: NotRequired[dict[str, float]]
+    """Of a model of trials: a score for each category, nats."""
+    patch: NotRequired[str]
+    contact: NotRequired[int]
+    """Of a touch model: the number of the contact that the taxel belongs to."""
+    nothing: NotRequired[float]
+    """Of a touch model: the probability that nothing touches."""
+    probabilities: NotRequired[dict[str, float]]
+
+
+Mobility: TypeAlias = Literal["holds", "gives-way", "comes-back", "stays"]
+"""What an object has done under the push."""
+
+
+class TouchedObject(TypedDict):
+    """What a touch model knows of an object that touches the skin."""
+
+    object: int
+    samples: int
+    verdict: str
+    share_beyond: float
+    """The share of known objects that are as unlike what is known."""
+    stiffness: NotRequired[StiffnessInterval]
+    """Missing until it is judged."""
+    moved_m: float
+    mobility: Mobility
+
+
+class Goal(TypedDict):
+    """A goal of a reach."""
+
+    position_world: list[float]
+    start_time_s: float
+    end_time_s: float
+    outcome: str
+    safety_stop: Any
+    given_up: NotRequired[str]
+    """Why the controller gave it up."""
+
+
+class SceneObject(TypedDict):
+    """Ground truth: an object of the clutter."""
+
+    kind: str
+    category: str
+    position_world: list[float]
+    parameters: dict[str, float]
+
+
+class Contact(TypedDict):
+    """Ground truth: a contact of a link with an object, from its first frame to its last."""
+
+    first_frame: int
+    last_frame: int
+    link: str
+    patch: int | None
+    object: int
+    mean_force_n: float
+    peak_force_n: float
+
+
+class Audit(TypedDict):
+    """Residuals of the physics of a reach."""
+
+    controller_steps: int
+    failed_controller_steps: int
+    infeasible_controller_steps: int
+    deepest_penetration_m: float
+    energy_residual: float
+    integrator_energy_share: float
+    largest_contact_residual: float
+    largest_force_residual: float
+    largest_frame_force_jump_n: float
+    largest_moment_residual_m: float
+    largest_static_residual: float
+    largest_step_force_jump_n: float
+    overlap_without_patch_m: float
+    rest_frames: int
+
+
+class Episode(TypedDict):
+    """A reach of a data set."""
+
+    scene: str
+    seed: int
+    reach_index: int
+    controller: str
+    task: str
+    frames: int
+    outcome: str
+    goal_outcomes: dict[str, int]
+    safety_stop: Any
+    contacts: int
+    objects: int
+    touched_frames: dict[str, int]
+    audit: Audit
+    chunk_index: int
+    file_index: int
+    first_index: int
+
+
+class CategoryFigures(TypedDict):
+    """How well the trials of one category are told."""
+
+    category: str
+    trials: int
+    correct: int
+    uncertain: int
+    outlier: int
+    recall: float | None
+    recall_interval: Interval | None
+    precision: float | None
+    f1: float | None
+
+
+class Prediction(TypedDict):
+    """The verdict on a trial that its model was not fitted on."""
+
+    trial: int
+    reach: int
+    fold: int
+    category: str
+    samples: int
+    scores: list[float]
+    verdict: Any
+    touched: bool | None
+
+
+class Evaluation(TypedDict):
+    """What a cross-validation found."""
+
+    accuracy: float
+    accuracy_interval_by_reach: Interval | None
+    accuracy_interval_by_trial: Interval
+    balanced_accuracy: float
+    majority_baseline: float
+    by_touch: dict[str, Any]
+    categories: list[CategoryFigures]
+    confusion: dict[str, Any]
+    folds: dict[str, Any]
+    predictions: list[Prediction]
+    training: NotRequired[list[dict[str, Any]]]
+
+
+class JudgedObject(TypedDict):
+    """An object that was touched: the verdicts that stood at some moments, beside the truth."""
+
+    reach: int
+    object: int
+    truth: str
+    true_object: int
+    lasted_s: float
+    peak_force_n: float
+    after_100_ms: str
+    after_300_ms: str
+    at_peak: str
+    at_end: str
+    flips: int
+    share_beyond: float
+    stiffness: StiffnessInterval | None
+    true_stiffness_n_per_m: float | None
+    moved_m: float
+    mobility: Mobility
+    contacts: int
+    contacts_called_unknown: int
+
+
+class UnknownObjects(TypedDict):
+    """How many unknown objects and contacts were found, and how many known ones were called unknown."""
+
+    unknown_objects: int
+    found_objects: int
+    found_interval: Interval | None
+    found_objects_at_peak: int
+    known_objects: int
+    false_alarm_objects: int
+    false_alarm_interval: Interval | None
+    unknown_contacts: int
+    found_contacts: int
+    known_contacts: int
+    false_alarm_contacts: int
+    roc_area: float | None
+
+
+class TouchEvaluation(TypedDict):
+    """How well a touch model judged some reaches."""
+
+    categories: list[str]
+    reaches: int
+    objects: list[JudgedObject]
+    object_verdicts: list[dict[str, Any]]
+    grouping: dict[str, Any]
+    unknown: UnknownObjects
+    stiffness: list[dict[str, Any]]
+    truths: list[dict[str, Any]]
+    contacts_after_tenth_second: dict[str, Any] | None
+    contacts_at_end: dict[str, Any] | None
+    by_reach: dict[str, Any] | None
+    decisions: list[dict[str, Any]]
+    brier_score: float | None
+    calibration: list[dict[str, Any]]
+    expected_calibration_error: float | None
+    first_right_verdict: list[dict[str, Any]]
+    median_samples_until_right: int | None
+    spurious_called_nothing: float | None
+    touches_lost: float | None
