@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from . import _core, _export
 from ._errors import InputError
+from .results import SceneObject
 
 # The root frame, which is the parent of all others.
 _WORLD = "world"
@@ -158,7 +159,7 @@ def _joint_state(nanoseconds: int, names: Sequence[str], *numbers: NDArray[np.fl
     return b"\0\1\0\0" + message
 
 
-def _frame_names(bodies: Sequence[dict[str, Any]], objects: Sequence[dict[str, Any]]) -> list[str]:
+def _frame_names(bodies: Sequence[dict[str, Any]], objects: Sequence[SceneObject]) -> list[str]:
     """The frame of each body: the name of its link, or the kind and number of its object and its number in the object."""
     names, counts = [], [0] * len(objects)
     for owner in (body["owner"] for body in bodies):
@@ -216,7 +217,7 @@ def _entity(name: str, frame: str, nanoseconds: int = 0, **own: Any) -> dict[str
     return {**start, **empty, **own}
 
 
-def _scene(bodies: Sequence[dict[str, Any]], objects: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def _scene(bodies: Sequence[dict[str, Any]], objects: Sequence[SceneObject]) -> dict[str, Any]:
     """All bodies, each as one entity that moves with its frame."""
     entities = []
     for body, frame in zip(bodies, _frame_names(bodies, objects)):
@@ -326,7 +327,7 @@ class _Transforms:
     def __init__(
         self,
         bodies: Sequence[dict[str, Any]],
-        objects: Sequence[dict[str, Any]],
+        objects: Sequence[SceneObject],
         patches: Sequence[dict[str, Any]],
     ) -> None:
         # A link may have the name of the root frame, which has no parent.

@@ -340,11 +340,11 @@ def main(arguments: list[str] | None = None) -> int:
             )
             print(f"{count} pictures in {options.out}")
         else:
-            cameras = None
+            own = None
             if "eye" in options:
-                own = _core.Camera(options.eye, options.target, vertical_fov_deg=options.fov, size_px=size)
-                cameras = {options.name: own}
-            count = lerobot(options.data, options.out, cameras, fps=options.fps)
+                place = _core.Camera(options.eye, options.target, vertical_fov_deg=options.fov, size_px=size)
+                own = {str(options.name): place}
+            count = lerobot(options.data, options.out, own, fps=options.fps)
             print(f"{count} frames in {options.out}")
 
     return _export.status(run)
