@@ -103,6 +103,24 @@ def test_forces_become_csv(data: ub.Dataset, tmp_path: Path) -> None:
     assert underbrush.hdf5.csv_of(path, table, "data/demo_3/obs/tactile_forearm", force=True) == 1
 
 
+def test_channels_become_columns(data: ub.Dataset, tmp_path: Path) -> None:
+    """Tests that a dataset of several numbers and one of a single number become columns beside the forces."""
+    path, table = tmp_path / "reaches.hdf5", tmp_path / "log.csv"
+    underbrush.hdf5.export([data[0]], path)
+    with h5py.File(path, "a") as file:
+        file["data/demo_0/obs/heat"] = np.linspace(20.0, 21.0, len(data[0]))
+    channels = [part for text in ("angle=data/*/obs/joint_pos", "heat=data/*/obs/heat") for part in ("--channel", text)]
+    forces = ["--forces", "data/*/obs/tactile_forearm", "--out", str(table)]
+    assert underbrush.hdf5.main(["csv", str(path), *forces, *channels]) == 0
+    with open(table, newline="", encoding="utf-8") as text:
+        header, *rows = csv.reader(text)
+    first = 1 + data.skin.taxels("forearm")
+    assert header[first:] == [*(f"angle_{joint}" for joint in range(7)), "heat"]
+    numbers = np.array([row[first:] for row in rows], dtype=float)
+    assert np.array_equal(numbers[:, -1], np.linspace(20.0, 21.0, len(data[0])))
+    assert np.allclose(numbers[:, :-1], data[0].joint_angle_rad, atol=1e-6)
+
+
 def test_what_is_not_in_the_file_is_named(tmp_path: Path) -> None:
     """Tests that missing datasets, other types and shapes, and files that are not HDF5 are errors that say so."""
     path, out = tmp_path / "log.h5", tmp_path / "log.csv"
@@ -117,7 +135,9 @@ def test_what_is_not_in_the_file_is_named(tmp_path: Path) -> None:
         ({"forces": "run/a"}, "'run/a', which is no dataset"),
         ({"forces": "run/a/text"}, "of shape \\(1,\\); allowed: numbers"),
         ({"forces": "run/a/cube"}, "of shape \\(2, 2, 2\\)"),
-        ({"forces": "run/*/force"}, "3 taxels in b; allowed: 2"),
+        ({"forces": "run/*/force"}, "\\(3, 3\\) numbers in b; allowed: \\(3, 2\\)"),
+        ({"forces": "run/a/force", "channels": {"heat": "run/a/short"}}, "run/a/short: found \\(2, 1\\)"),
+        ({"forces": "run/a/force", "channels": {"time": "run/a/short"}}, "names other than reach, time"),
         ({"forces": "run/a/force", "times": "run/a/short"}, "one time for each frame"),
         ({"forces": "run/a/force", "category": "label"}, "category: found 'label'"),
     ]

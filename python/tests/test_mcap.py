@@ -15,6 +15,7 @@ import underbrush as ub
 import underbrush.mcap
 
 mcap = pytest.importorskip("mcap.reader")
+mcap_writer = pytest.importorskip("mcap.writer")
 ros2 = pytest.importorskip("mcap_ros2.decoder")
 
 
@@ -251,6 +252,35 @@ def test_logs_become_csv(reach: ub.Reach, path: Path, tmp_path: Path) -> None:
         assert out.read_text().startswith("time,force_0,force_1,")
 
 
+def test_channels_hold_the_last_message(reach: ub.Reach, path: Path, tmp_path: Path) -> None:
+    """Tests that topics at their own rates become columns: one number under its name, several with their numbers, and nothing
+    before the first message."""
+    out = tmp_path / "log.csv"
+    arguments = ["csv", str(path), "--topic", "/skin/forearm", "--field", "sensed_force_n", "--out", str(out)]
+    assert underbrush.mcap.main([*arguments, "--channel", "torque=/joint_states:effort"]) == 0
+    header, *rows = out.read_text().splitlines()
+    taxels = reach.skin.taxels("forearm")
+    assert header.split(",")[taxels + 1 :] == [f"torque_{joint}" for joint in range(len(reach.joint_names))]
+    assert np.array_equal([row.split(",")[taxels + 1 :] for row in rows], reach.column("observation.torque").astype(str))
+    slow = tmp_path / "slow.mcap"
+    with open(slow, "wb") as file:
+        writer: Any = mcap_writer.Writer(file)
+        writer.start()
+        schema = writer.register_schema("numbers", "jsonschema", b"{}")
+        topics = {topic: writer.register_channel(topic, "json", schema) for topic in ("/force", "/heat")}
+        for topic, time, value in (
+            ("/force", 0, [1.0, 2.0]),
+            ("/force", 1, [3.0, 4.0]),
+            ("/heat", 1, 20.5),
+            ("/heat", 2, 21.5),
+            ("/force", 3, [5.0, 6.0]),
+        ):
+            writer.add_message(topics[topic], time * 10**9, json.dumps({"data": value}).encode(), time * 10**9)
+        writer.finish()
+    assert underbrush.mcap.csv_of(slow, out, "/force", channels={"heat": ("/heat", "data")}, force=True) == 3
+    assert out.read_text().splitlines() == ["time,force_0,force_1,heat", "0.0,1.0,2.0,", "1.0,3.0,4.0,20.5", "3.0,5.0,6.0,21.5"]
+
+
 def test_logs_without_the_forces_are_refused(path: Path, tmp_path: Path) -> None:
     """Tests that a wrong topic or field and a file that is cut are errors which say what there is."""
     out = tmp_path / "log.csv"
@@ -260,6 +290,11 @@ def test_logs_without_the_forces_are_refused(path: Path, tmp_path: Path) -> None
         underbrush.mcap.csv_of(path, out, "/skin/forearm", "depth")
     with pytest.raises(ub.InputError, match="'name', which has no numbers"):
         underbrush.mcap.csv_of(path, out, "/joint_states", "name")
+    with pytest.raises(ub.InputError, match="'/heat'; allowed: .*/skin/forearm"):
+        underbrush.mcap.csv_of(path, out, "/joint_states", "effort", channels={"heat": ("/heat", "data")})
+    with pytest.raises(ub.InputError, match="another name"):
+        underbrush.mcap.csv_of(path, out, "/joint_states", "effort", channels={"time": ("/joint_states", "position")})
+    assert underbrush.mcap.main(["csv", str(path), "--topic", "/joint_states", "--out", str(out), "--channel", "heat"]) == 2
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(path.read_bytes()[:-1000])
     with pytest.raises(ub.InputError, match="cut.mcap"):

@@ -6,7 +6,7 @@ import argparse
 import contextlib
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 
 from . import _core
@@ -64,3 +64,9 @@ def status(run: Callable[[], object]) -> int:
         print(f"error: {error}", file=sys.stderr)
         return 1 if isinstance(error, OSError) else 2
     return 0
+
+
+def column_names(sizes: Mapping[str, int]) -> list[str]:
+    """The columns of a log in CSV: the forces of the taxels, and the numbers of each channel, which may be one."""
+    alone = {name for name, size in sizes.items() if size == 1 and name != "force"}
+    return [name if name in alone else f"{name}_{index}" for name, size in sizes.items() for index in range(size)]

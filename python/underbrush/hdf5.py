@@ -14,7 +14,7 @@ import json
 import os
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -140,12 +140,14 @@ def csv_of(
     *,
     times: str | None = None,
     category: str | None = None,
+    channels: Mapping[str, str] | None = None,
     force: bool = False,
 ) -> int:
     """Write the forces in an HDF5 file as CSV, which ``underbrush import`` reads with a mapping.
 
     The columns are ``reach``, ``time`` (if ``times`` is given), ``category`` (if given), and ``force_0``, ``force_1``, …
-    for the taxels. Numbers come back the same.
+    for the taxels, then those of the channels: their name for a single number, or else ``NAME_0``, ``NAME_1``, …. Numbers come
+    back the same.
 
     Parameters
     ----------
@@ -158,6 +160,8 @@ def csv_of(
         Path of the dataset of times, also with ``*``.
     category : str, optional
         Name of a text attribute of the reach's group.
+    channels : dict of str to str, optional
+        Further columns by their names: paths of datasets with as many frames, also with ``*``.
     force : bool
         Overwrite a file that exists.
 
@@ -172,28 +176,35 @@ def csv_of(
         If something is not in the file, or has another shape or type, or if ``out`` exists and ``force`` is not set.
     """
     h5py = _h5py()
-    given = [name for name, wanted in (("time", times), ("category", category)) if wanted is not None]
+    given = [name for name, own in (("time", times), ("category", category)) if own is not None]
+    wanted = {"force": forces} | dict(channels or {})
+    if set(channels or {}) & {"reach", "time", "category", "force"}:
+        raise _fault(path, "channels", ", ".join(channels or {}), "names other than reach, time, category and force")
     with _opened(h5py, path) as file, _export.whole(Path(out), force) as temporary:
         with open(temporary, "w", newline="", encoding="utf-8") as text:
             rows = csv.writer(text)
             groups = _groups(file, path, forces)
-            taxels = None
+            sizes: dict[str, int] = {}
             for number, group in enumerate(groups):
-                table = np.atleast_2d(_numbers(h5py, file, path, forces, group).T).T
-                if taxels is None:
-                    taxels = table.shape[1]
-                    rows.writerow(["reach", *given, *(f"force_{taxel}" for taxel in range(taxels))])
-                if table.shape[1] != taxels:
-                    raise _fault(path, forces, f"{table.shape[1]} taxels in {group}", f"{taxels}, as in the first reach")
-                columns: list[list[Any]] = [[number] * len(table)]
+                tables = {name: _numbers(h5py, file, path, own, group) for name, own in wanted.items()}
+                tables = {name: np.atleast_2d(own.T).T for name, own in tables.items()}
+                frames = len(tables["force"])
+                if not sizes:
+                    sizes = {name: table.shape[1] for name, table in tables.items()}
+                    rows.writerow(["reach", *given, *_export.column_names(sizes)])
+                for name, table in tables.items():
+                    if table.shape != (frames, sizes[name]):
+                        found, allowed = f"{table.shape} numbers in {group}", f"({frames}, {sizes[name]}), as in the first reach"
+                        raise _fault(path, wanted[name], found, allowed)
+                columns: list[list[Any]] = [[number] * frames]
                 if times is not None:
                     own = _numbers(h5py, file, path, times, group)
-                    if own.shape != (len(table),):
-                        raise _fault(path, times, f"shape {own.shape}", f"({len(table)},), one time for each frame")
+                    if own.shape != (frames,):
+                        raise _fault(path, times, f"shape {own.shape}", f"({frames},), one time for each frame")
                     columns.append(own.tolist())
                 if category is not None:
-                    columns.append([_attribute(file, path, forces, category, group)] * len(table))
-                rows.writerows(zip(*columns, *table.T.tolist(), strict=True))
+                    columns.append([_attribute(file, path, forces, category, group)] * frames)
+                rows.writerows(zip(*columns, *(column for table in tables.values() for column in table.T.tolist()), strict=True))
     return len(groups)
 
 
@@ -258,6 +269,8 @@ def main(arguments: list[str] | None = None) -> int:
     log.add_argument("--forces", required=True, help="dataset of frames × taxels; * stands for the group of each reach")
     log.add_argument("--times", help="dataset of the times")
     log.add_argument("--category", help="text attribute of the reach's group")
+    channel = "a further column: a dataset with as many frames; may be given more than once"
+    log.add_argument("--channel", action="append", default=[], metavar="NAME=DATASET", help=channel)
     log.add_argument("--out", required=True, type=Path, help="CSV file to write")
     log.add_argument("--force", action="store_true", help="overwrite a file that exists")
     options = parser.parse_args(arguments)
@@ -266,7 +279,10 @@ def main(arguments: list[str] | None = None) -> int:
         if options.command == "export":
             export(_export.reaches_in(options.data, options.out)[1], options.out, force=options.force)
         else:
-            given = {"times": options.times, "category": options.category, "force": options.force}
+            channels = dict(text.partition("=")[::2] for text in options.channel)
+            if not all(name and own for name, own in channels.items()):
+                raise _fault("--channel", "text", repr(options.channel), "NAME=DATASET")
+            given = {"times": options.times, "category": options.category, "channels": channels, "force": options.force}
             csv_of(options.log, options.out, options.forces, **given)
 
     return _export.status(run)

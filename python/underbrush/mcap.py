@@ -15,9 +15,10 @@ import json
 import re
 import struct
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from itertools import combinations
 from os import PathLike
+from itertools import chain, groupby
 from pathlib import Path
 from typing import Any
 
@@ -399,11 +400,18 @@ def export(
 
 
 def csv_of(
-    path: str | PathLike[str], out: str | PathLike[str], topic: str, field: str = "data", *, force: bool = False
+    path: str | PathLike[str],
+    out: str | PathLike[str],
+    topic: str,
+    field: str = "data",
+    *,
+    channels: Mapping[str, tuple[str, str]] | None = None,
+    force: bool = False,
 ) -> int:
     """Write the forces in an MCAP file as CSV, which ``underbrush import`` reads with a mapping.
 
-    The columns are ``time`` (s since the first message of the topic) and ``force_0``, ``force_1``, … for the taxels.
+    The columns are ``time`` (s since the first message of the topic) and ``force_0``, ``force_1``, … for the taxels, then those of
+    the channels: their name for a single number, or else ``NAME_0``, ``NAME_1``, ….
 
     Parameters
     ----------
@@ -414,13 +422,16 @@ def csv_of(
     field : str
         Where a message has its numbers: names joined by dots, which lead to a list or a single number, such as ``data`` of
         the arrays of ``std_msgs`` or ``wrench.force.z``. For ``foxglove.Grid`` the name of a field of its cells.
+    channels : dict of str to (str, str), optional
+        Further columns by their names: topic and field. A row has the numbers of the last message until then; before the first
+        one its cells are empty.
     force : bool
         Overwrite a file that exists.
 
     Returns
     -------
     int
-        The number of messages.
+        The number of messages of forces.
 
     Raises
     ------
@@ -428,19 +439,44 @@ def csv_of(
         If something is not in the file, or has another shape or type, or if ``out`` exists and ``force`` is not set.
     """
     rows = 0
+    columns = {"force": (topic, field)} | dict(channels or {})
+    if "force" in (channels or {}) or "time" in columns:
+        raise _fault(path, "channels", "a channel named force or time", "another name")
+    sizes = _sizes(path, columns)
+    latest: dict[str, list[float] | list[str]] = {name: [""] * size for name, size in sizes.items()}
     with open(path, "rb") as file, _export.whole(Path(out), force) as temporary:
         with open(temporary, "w", newline="", encoding="utf-8") as text:
-            writer, taxels, start = csv.writer(text), 0, 0
-            for nanoseconds, message in _messages(file, path, topic):
-                forces_n = _numbers(path, message, field)
-                if rows == 0:
-                    taxels, start = len(forces_n), nanoseconds
-                    writer.writerow(["time", *(f"force_{taxel}" for taxel in range(taxels))])
-                if len(forces_n) != taxels:
-                    raise _fault(path, f"{topic}, message {rows + 1}", f"{len(forces_n)} taxels", f"{taxels}, as in the first message")
-                writer.writerow([(nanoseconds - start) / 10**9, *forces_n])
-                rows += 1
+            writer, start = csv.writer(text), 0
+            writer.writerow(["time", *_export.column_names(sizes)])
+            found = _messages(file, path, {own for own, _ in columns.values()})
+            # Of messages of one time, those of the forces come last.
+            moments = (sorted(own, key=lambda own: own[1] == topic) for _, own in groupby(found, key=lambda own: own[0]))
+            for nanoseconds, of_topic, message in chain.from_iterable(moments):
+                for name, (own, own_field) in columns.items():
+                    if own == of_topic:
+                        numbers = _numbers(path, message, own_field)
+                        if len(numbers) != sizes[name]:
+                            allowed = f"{sizes[name]}, as in the first message"
+                            raise _fault(path, f"{own}, {own_field}", f"{len(numbers)} numbers", allowed)
+                        latest[name] = numbers
+                if of_topic == topic:
+                    start = nanoseconds if rows == 0 else start
+                    writer.writerow([(nanoseconds - start) / 10**9, *(cell for cells in latest.values() for cell in cells)])
+                    rows += 1
     return rows
+
+
+def _sizes(path: str | PathLike[str], columns: Mapping[str, tuple[str, str]]) -> dict[str, int]:
+    """How many numbers each field has in the first message of its topic."""
+    sizes: dict[str, int] = {}
+    with open(path, "rb") as file:
+        for _, of_topic, message in _messages(file, path, {topic for topic, _ in columns.values()}):
+            for name, (topic, field) in columns.items():
+                if topic == of_topic and name not in sizes:
+                    sizes[name] = len(_numbers(path, message, field))
+            if len(sizes) == len(columns):
+                break
+    return {name: sizes.get(name, 1) for name in columns}
 
 
 def _fault(path: object, field: str, found: str, allowed: str) -> InputError:
@@ -449,8 +485,8 @@ def _fault(path: object, field: str, found: str, allowed: str) -> InputError:
     return InputError(message, file=str(path), field=field, found=found, allowed=allowed, remedy=remedy)
 
 
-def _messages(file: Any, path: object, topic: str) -> Iterator[tuple[int, Any]]:
-    """The times, ns, and messages of a topic in their order."""
+def _messages(file: Any, path: object, topics: Set[str]) -> Iterator[tuple[int, str, Any]]:
+    """The times, ns, topics and messages of some topics in the order of their times."""
     try:
         from mcap.exceptions import McapError
         from mcap.reader import make_reader
@@ -460,18 +496,18 @@ def _messages(file: Any, path: object, topic: str) -> Iterator[tuple[int, Any]]:
     try:
         reader: Any = make_reader(file, validate_crcs=True)
         summary = reader.get_summary()
-        topics = sorted({channel.topic for channel in summary.channels.values()}) if summary else []
-        if topic not in topics:
-            raise _fault(path, "topic", repr(topic), ", ".join(topics) or "a complete file with topics")
+        known = sorted({channel.topic for channel in summary.channels.values()}) if summary else []
+        for topic in sorted(topics - set(known)):
+            raise _fault(path, "topic", repr(topic), ", ".join(known) or "a complete file with topics")
         decoders, decoded = DecoderFactory(), {}
-        for schema, channel, message in reader.iter_messages([topic]):
+        for schema, channel, message in reader.iter_messages(sorted(topics)):
             if channel.id not in decoded:
                 decoder = decoders.decoder_for(channel.message_encoding, schema)
                 decoded[channel.id] = json.loads if channel.message_encoding == "json" else decoder
             decode = decoded[channel.id]
             if decode is None:
-                raise _fault(path, topic, f"messages of encoding {channel.message_encoding}", "JSON, or ROS 2 in CDR")
-            yield message.log_time, decode(message.data)
+                raise _fault(path, channel.topic, f"messages of encoding {channel.message_encoding}", "JSON, or ROS 2 in CDR")
+            yield message.log_time, channel.topic, decode(message.data)
     except (McapError, ValueError, struct.error, EOFError) as error:
         if isinstance(error, InputError):
             raise
@@ -515,13 +551,22 @@ def main(arguments: list[str] | None = None) -> int:
     log.add_argument("log", type=Path, help="MCAP file")
     log.add_argument("--topic", required=True, help="topic of the forces")
     log.add_argument("--field", default="data", help="where a message has them, such as wrench.force.z [default: data]")
+    channel = "a further column, such as torque_z=/wrench:wrench.torque.z; may be given more than once"
+    log.add_argument("--channel", action="append", default=[], metavar="NAME=TOPIC:FIELD", help=channel)
     log.add_argument("--out", required=True, type=Path, help="CSV file to write")
     log.add_argument("--force", action="store_true", help="overwrite a file that exists")
     options = parser.parse_args(arguments)
 
     def run() -> None:
         if options.command == "csv":
-            csv_of(options.log, options.out, options.topic, options.field, force=options.force)
+            channels: dict[str, tuple[str, str]] = {}
+            for text in options.channel:
+                name, _, where = text.partition("=")
+                topic, _, field = where.rpartition(":")
+                if not (name and topic and field):
+                    raise _fault("--channel", "text", repr(text), "NAME=TOPIC:FIELD")
+                channels[name] = (topic, field)
+            csv_of(options.log, options.out, options.topic, options.field, channels=channels, force=options.force)
             return
         count, reaches = _export.reaches_in(options.data, options.out)
         export(next(reaches) if count == 1 else reaches, options.out, force=options.force)
