@@ -1,12 +1,13 @@
 //! `underbrush import`: cuts contact trials from a file of a real robot.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::json;
 use underbrush_exchange::import::{Mapping, import};
-use underbrush_recording::disk::{channel_names, write_trials_with};
+use underbrush_recording::Recording;
+use underbrush_recording::disk::{channel_names, check_free, write_recording, write_trials_with};
 
 use super::overwrite::Overwrite;
 use crate::failure::Failure;
@@ -20,8 +21,9 @@ pub struct ImportOptions {
     /// Mapping (TOML): which numbers are the forces on which taxels, in which unit. docs/exchange.md describes it
     #[arg(long, value_name = "FILE")]
     mapping: PathBuf,
-    /// Table of trials to write, `.csv` or `.parquet`, for train, classify, evaluate and score
-    #[arg(long, value_name = "FILE")]
+    /// Table of trials to write, `.csv` or `.parquet`, for train, classify, evaluate and score. Or, if the mapping says where
+    /// the taxels are, a folder for recordings of the reaches, for train --classifier touch and for replay
+    #[arg(long, value_name = "FILE or FOLDER")]
     out: PathBuf,
     #[command(flatten)]
     overwrite: Overwrite,
@@ -30,8 +32,17 @@ pub struct ImportOptions {
 /// Writes the table.
 pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
     let inputs = [&options.file, &options.mapping];
-    options.overwrite.table(&options.out, inputs)?;
-    let imported = import(&options.file, &Mapping::load(&options.mapping)?)?;
+    let mapping = Mapping::load(&options.mapping)?;
+    let is_table = options.out.extension().is_some();
+    if is_table {
+        options.overwrite.table(&options.out, inputs)?;
+    } else {
+        mapping.require_skin()?;
+        // A folder that is there may hold other files.
+        check_free(&options.out, false)?;
+        output::create_parents(&options.out)?;
+    }
+    let imported = import(&options.file, &mapping)?;
     if let Some(warning) = &imported.warning {
         output::remark(format!("warning: {warning}"));
     }
@@ -41,7 +52,11 @@ pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
     }
     let (trials, frames, reaches) = (imported.trials.len(), imported.frames, imported.reaches);
     let samples: usize = imported.trials.iter().map(|trial| trial.samples.len()).sum();
-    write_trials_with(&options.out, &channel_names(&imported.trials), imported.trials)?;
+    if is_table {
+        write_trials_with(&options.out, &channel_names(&imported.trials), imported.trials)?;
+    } else {
+        write_recordings(&options.out, &imported.recordings)?;
+    }
     let file = options.out.display().to_string();
     // The empty name is for trials without a category.
     let written = json!({
@@ -61,4 +76,22 @@ pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
             named.collect::<Vec<_>>().join(", ")
         )
     })
+}
+
+/// Writes a folder of recordings, which has its name only when all are there.
+fn write_recordings(folder: &Path, recordings: &[Recording]) -> Result<(), Failure> {
+    let failed = |error: std::io::Error| Failure::usage(format!("{}: cannot be written: {error}", folder.display()));
+    let name = folder.file_name().unwrap_or_default().to_string_lossy();
+    let temporary = folder.with_file_name(format!(".{name}.{}", std::process::id()));
+    std::fs::create_dir(&temporary).map_err(failed)?;
+    let write = |recording: &Recording| {
+        write_recording(temporary.join(format!("reach-{:06}.parquet", recording.reach_index)), recording)
+    };
+    let written = recordings.iter().try_for_each(write).map_err(Failure::from);
+    let written = written.and_then(|()| std::fs::rename(&temporary, folder).map_err(failed));
+    if written.is_err() {
+        // What is left of it is not worth a second error.
+        let _ = std::fs::remove_dir_all(&temporary);
+    }
+    written
 }

@@ -66,8 +66,16 @@ fn bad_cameras() {
         (camera("a", "target_m = [0, nan, 0]"), 6, ["cameras[0].target_m: found NaN", "numbers from -5 to 5 m"]),
         (camera("a", "target_m = [1, 0, 0]"), 6, ["cameras[0].target_m", "at least 1 mm from eye_m"]),
         (camera("a", &format!("{at}\nup = [2, 0, 0]")), 7, ["cameras[0].up", "another direction"]),
-        (camera("a", &format!("{at}\nvertical_fov_deg = 180")), 7, ["vertical_fov_deg: found 180", "allowed: 1 to 150 degrees"]),
-        (camera("a", &format!("{at}\nsize_px = [320, 2000]")), 7, ["size_px: found 2000", "allowed: 64 to 1280 pixels"]),
+        (
+            camera("a", &format!("{at}\nvertical_fov_deg = 180")),
+            7,
+            ["vertical_fov_deg: found 180", "allowed: 1 to 150 degrees"],
+        ),
+        (
+            camera("a", &format!("{at}\nsize_px = [320, 2000]")),
+            7,
+            ["size_px: found 2000", "allowed: 64 to 1280 pixels"],
+        ),
         (camera("a", &format!("{at}\nlink = \"thumb\"")), 7, ["cameras[0].link: found \"thumb\"", "forearm, wrist"]),
         (camera("a", at) + &camera("a", at), 8, ["cameras[1].name: found \"a\"", "no other camera"]),
     ] {

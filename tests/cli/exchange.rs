@@ -6,7 +6,7 @@ use underbrush_recording::Trial;
 use underbrush_recording::disk::read_trials;
 
 use crate::support::fixture::fixture;
-use crate::support::underbrush;
+use crate::support::{call, underbrush};
 
 /// What an import can know about a trial: reach, taxel, and the time (µs) and force (N) of every sample. Times that are
 /// computed from the rate may differ by rounding, so they are rounded to whole microseconds.
@@ -114,6 +114,55 @@ fn a_channel_of_a_log_is_a_feature() {
     underbrush!["classify", model, "-"].refused(&["column:shear_n", "a column of a table of trials"]);
     underbrush!["train", table, "--out", model, "--features", "column:slip", "--force"]
         .refused(&["has no slip, which the feature column:slip needs"]);
+}
+
+/// Tests that labelled reaches of a pad, with one of noise alone, become recordings from which a touch model learns both
+/// categories and the noise. Leaves press one taxel weakly, trunks four of them hard.
+#[test]
+fn touch_learns_from_a_labelled_log() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, taxels, felt, model] =
+        ["log.csv", "taxels.csv", "felt", "model.json"].map(|name| folder.path().join(name));
+    let places =
+        (0..16).map(|taxel| format!("{},{},0,0,0,1,1e-4\n", 0.01 * f64::from(taxel % 4), 0.01 * f64::from(taxel / 4)));
+    let header = "x_m,y_m,z_m,normal_x,normal_y,normal_z,area_m2\n".to_owned();
+    std::fs::write(&taxels, header + &places.collect::<String>()).unwrap();
+    let columns: Vec<String> = (0..16).map(|taxel| format!("f{taxel}")).collect();
+    let mut log = format!("run,what,{}\n", columns.join(","));
+    for run in 0..24 {
+        let (what, pressed, force) =
+            [("leaf", vec![5], 0.2), ("trunk", vec![5, 6, 9, 10], 2.0), ("nothing", vec![0], 0.05)][run % 3].clone();
+        for frame in 0..60 {
+            let own = |taxel| {
+                if frame % 30 > 4 && pressed.contains(&taxel) {
+                    force + 0.001 * f64::from((frame + taxel) % 7)
+                } else {
+                    0.0
+                }
+            };
+            let forces: Vec<String> = (0..16).map(|taxel| own(taxel).to_string()).collect();
+            log += &format!("{run},{what},{}\n", forces.join(","));
+        }
+    }
+    std::fs::write(&file, log).unwrap();
+    let text = "[time]\nrate_hz = 100\n[force]\nfrom = \"f{taxel}\"\ntaxels = 16\n[grid]\nrows = 4\ncolumns = 4\n\
+                [trial]\npatch = \"pad\"\ncategory_from = \"what\"\nreach_from = \"run\"\n";
+    underbrush!["import", file, "--mapping", mapping(folder.path(), text), "--out", felt]
+        .refused(&["skin.taxels", "the file of the taxels' places"]);
+    let map = mapping(folder.path(), &format!("{text}[skin]\ntaxels = \"taxels.csv\"\n"));
+    underbrush!["import", file, "--mapping", map, "--out", felt].success();
+    underbrush!["import", file, "--mapping", map, "--out", felt].refused(&["felt"]);
+    let recordings = || (0..24).map(|run| felt.join(format!("reach-{run:06}.parquet")).into());
+    let with = |command: &str, options: &[&std::ffi::OsStr]| {
+        let first = [command.into()].into_iter().chain(recordings());
+        call(first.chain(options.iter().map(|own| own.into())).collect(), "")
+    };
+    with("train", &["--classifier".as_ref(), "touch".as_ref(), "--out".as_ref(), model.as_os_str()]).success();
+    let found = with("evaluate", &["--model".as_ref(), model.as_os_str(), "--json".as_ref()]).json();
+    for truth in found["truths"].as_array().unwrap().iter().filter(|truth| truth["taxel_frames"] != 0) {
+        assert!(truth["right"].as_f64().unwrap() > 0.9, "{truth}");
+    }
+    assert_eq!(found["contacts_at_end"]["accuracy"], 1.0);
 }
 
 /// Tests that an error in the mapping shows its line, and that a log that does not exist is named.

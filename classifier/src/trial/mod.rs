@@ -118,8 +118,8 @@ pub enum TrialError {
         /// The names that exist.
         known: Vec<String>,
     },
-    /// A recording that lists no objects, as one of a real robot: every reading would count as spurious.
-    #[error("reach {reach} of {scene} lists no objects, so it has no ground truth; leave it out")]
+    /// A recording that lists neither objects nor bodies, as one of a real robot: every reading would count as spurious.
+    #[error("reach {reach} of {scene} lists neither objects nor bodies, so it has no ground truth; leave it out")]
     NoTruth {
         /// The index of the reach.
         reach: u64,
@@ -167,7 +167,7 @@ pub enum TrialError {
 /// # Errors
 /// [`TrialError::NoTruth`].
 pub(crate) fn require_truth(recording: &Recording) -> Result<(), TrialError> {
-    if recording.objects.is_empty() {
+    if !knows_truth(recording) {
         return Err(TrialError::NoTruth { reach: recording.reach_index, scene: recording.scene.clone() });
     }
     Ok(())

@@ -27,9 +27,10 @@ fn environment(recording: &Recording) -> Option<Category> {
     categories.all(|category| category == first).then_some(first)
 }
 
-/// Whether a recording contains ground truth. A recording of a real robot lists no objects and does not.
+/// Whether a recording contains ground truth. A recording of a real robot lists neither objects nor bodies and does not; where
+/// bodies are known, there may truly be no objects.
 pub(super) fn knows_truth(recording: &Recording) -> bool {
-    !recording.objects.is_empty()
+    !recording.objects.is_empty() || !recording.bodies.is_empty()
 }
 
 /// A trial that is still in contact.

@@ -8,6 +8,7 @@ use underbrush_recording::{InputError, read_bytes};
 use super::Mapping;
 use super::cutter::{Cutter, Place};
 use super::mapping::{Channel, TAXEL};
+use super::recorder::Recorder;
 
 /// The indices of the columns.
 struct Columns {
@@ -17,6 +18,8 @@ struct Columns {
     reach: Option<usize>,
     /// For each channel, the columns of the taxels, or one for all.
     channels: Vec<Vec<usize>>,
+    /// Place and orientation of the skin.
+    pose: Option<[usize; 7]>,
 }
 
 /// The line, from 1, of a row. The parser counts from where it began to look for the row, so line breaks before it are
@@ -68,7 +71,16 @@ impl Columns {
             (0..forces.len()).map(|taxel| place(&field, &own.from.replace(TAXEL, &taxel.to_string()))).collect()
         };
         let channels = mapping.channels.iter().enumerate().map(channel).collect::<Result<_, _>>()?;
+        let mut pose = None;
+        if let Some(wanted) = mapping.skin.as_ref().and_then(|skin| skin.pose_from.as_ref()) {
+            let mut columns = [0; 7];
+            for (column, name) in columns.iter_mut().zip(wanted) {
+                *column = place("skin.pose_from", name)?;
+            }
+            pose = Some(columns);
+        }
         Ok(Columns {
+            pose,
             channels,
             time: optional("time.from", &mapping.time.from)?,
             forces,
@@ -78,8 +90,13 @@ impl Columns {
     }
 }
 
-/// Hands all rows of the file to the cutter.
-pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Result<(), InputError> {
+/// Hands all rows of the file to the cutter and, if the skin is known, to the recorder.
+pub(super) fn read(
+    path: &Path,
+    mapping: &Mapping,
+    cutter: &mut Cutter,
+    mut recorder: Option<&mut Recorder>,
+) -> Result<(), InputError> {
     if mapping.time.from.is_none() && mapping.time.rate_hz.is_none() {
         return Err(mapping.fault("time.from", "nothing".into(), "the column of the times, or `rate_hz`"));
     }
@@ -129,6 +146,22 @@ pub(super) fn read(path: &Path, mapping: &Mapping, cutter: &mut Cutter) -> Resul
             );
         }
         let place = Place { line, reach, category, time_s };
+        if let Some(recorder) = recorder.as_deref_mut() {
+            let mut pose = None;
+            if let Some(columns) = columns.pose {
+                let numbers = pose.insert([0.0; 7]);
+                for (number, column) in numbers.iter_mut().zip(columns) {
+                    let cell = parsed(column)?;
+                    *number = Some(cell)
+                        .filter(|cell| cell.abs() <= 1e3)
+                        .ok_or_else(|| wrong(column, "a number up to 1000"))?;
+                }
+                if numbers[3..].iter().map(|number| number * number).sum::<f64>() < 0.25 {
+                    return Err(wrong(columns[6], "a quaternion of unit length"));
+                }
+            }
+            recorder.push(&place, &readings, pose)?;
+        }
         cutter.push(&place, &readings, &channels)?;
     }
     Ok(())

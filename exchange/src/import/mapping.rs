@@ -42,6 +42,8 @@ struct MappingFile {
     trial: TrialTable,
     /// The grid of the taxels, by which neighbours in contact form a region; its features need it.
     grid: Option<GridTable>,
+    /// Where the taxels are, for recordings, which the classifier `touch` is trained on.
+    skin: Option<SkinTable>,
     /// Categories by interval of time, in place of a column.
     #[serde(default)]
     label: Vec<Label>,
@@ -72,6 +74,18 @@ struct GridTable {
     /// Whether the last column is a neighbour of the first, as on a closed sleeve.
     #[serde(default)]
     wraps: bool,
+}
+
+/// Where the taxels are.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SkinTable {
+    /// CSV file, relative to the mapping, with a row for each taxel in the order of their numbers: `x_m`, `y_m`, `z_m`, the outward
+    /// normal `normal_x`, `normal_y`, `normal_z`, and `area_m2`.
+    pub(super) taxels: PathBuf,
+    /// Columns with the pose of the frame of these places in the world: x, y and z in m, and the quaternion x, y, z, w. Without
+    /// them the skin does not move.
+    pub(super) pose_from: Option<[String; 7]>,
 }
 
 /// The category of an interval of time.
@@ -167,6 +181,7 @@ pub struct Mapping {
     /// Newtons per unit of force, and newtons at a reading of zero.
     newton: (f64, f64),
     pub(super) grid: Option<Grid>,
+    pub(super) skin: Option<SkinTable>,
     pub(super) labels: Vec<Label>,
     pub(super) channels: Vec<Channel>,
     pub(super) cut: Cut,
@@ -231,7 +246,7 @@ impl Mapping {
             let fault = InputError::new(path, "mapping", error.message(), allowed, "correct this line");
             fault.at_line(line_of(&text, error.span().unwrap_or_default().start))
         })?;
-        let MappingFile { time, force, trial, grid, label, channel } = file;
+        let MappingFile { time, force, trial, grid, skin, label, channel } = file;
         let threshold_n = trial.threshold_n.unwrap_or(0.03);
         let mut mapping = Mapping {
             path: path.to_path_buf(),
@@ -239,6 +254,7 @@ impl Mapping {
             per_second: 1.0,
             newton: (1.0, force.offset_n.unwrap_or(0.0)),
             grid: grid.map(|own| Grid { rows: own.rows as usize, columns: own.columns as usize, wraps: own.wraps }),
+            skin,
             labels: label,
             channels: channel,
             cut: trial.cut,
@@ -342,6 +358,20 @@ impl Mapping {
         let key = field.rsplit('.').next().unwrap_or(field);
         let remedy = format!("change `{key}` in {}", self.path.display());
         InputError::new(&self.path, field, found, allowed, remedy).at_line(line_setting(&self.text, field))
+    }
+
+    /// Demands that the mapping says where the taxels are, which recordings need.
+    ///
+    /// # Errors
+    /// If it does not.
+    pub fn require_skin(&self) -> Result<(), InputError> {
+        let missing = || self.fault("skin.taxels", "nothing".into(), "the file of the taxels' places, for recordings");
+        self.skin.as_ref().map(|_| ()).ok_or_else(missing)
+    }
+
+    /// A path that the mapping gives, relative to its folder.
+    pub(super) fn beside(&self, path: &Path) -> PathBuf {
+        self.path.with_file_name("").join(path)
     }
 
     /// The category at a time of a reach: that of the first label that covers it, or else that of all trials. Empty if neither

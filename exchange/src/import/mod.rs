@@ -2,20 +2,22 @@
 //! (docs/exchange.md).
 //!
 //! The trials hold what the file holds: the force of each taxel over time, and with the taxels' grid the region around it. They
-//! have no motion and no truth.
+//! have no motion and no truth. With the places of the taxels the reaches become recordings, too.
 
 mod csv_frames;
 mod cutter;
 mod mapping;
+mod recorder;
 #[cfg(test)]
 mod tests;
 
 use std::path::Path;
 
 use underbrush_recording::disk::channel_names;
-use underbrush_recording::{InputError, Trial};
+use underbrush_recording::{InputError, Recording, Trial};
 
 use cutter::Cutter;
+use recorder::Recorder;
 
 pub use mapping::{Mapping, mapping_schema};
 
@@ -24,6 +26,8 @@ pub use mapping::{Mapping, mapping_schema};
 pub struct Imported {
     /// The trials.
     pub trials: Vec<Trial>,
+    /// The reaches as recordings, with the labels in place of ground truth, if the mapping says where the taxels are.
+    pub recordings: Vec<Recording>,
     /// Frames read.
     pub frames: usize,
     /// Reaches read.
@@ -66,7 +70,9 @@ pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, InputError> {
         };
         return Err(InputError::new(path, "file name", format!("extension {extension:?}"), ".csv", remedy));
     }
-    csv_frames::read(path, mapping, &mut cutter)?;
+    let mut recorder = Recorder::new(path, mapping)?;
+    csv_frames::read(path, mapping, &mut cutter, recorder.as_mut())?;
+    let recordings = recorder.map_or_else(Vec::new, Recorder::finish);
     let trials = cutter.finish();
     if trials.is_empty() {
         let found = format!("none in {} frames", cutter.frames);
@@ -78,7 +84,7 @@ pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, InputError> {
         return Err(InputError::new(path, "trials", found, allowed, remedy));
     }
     let warning = warning(&trials).or_else(|| without_numbers(&trials, mapping));
-    Ok(Imported { trials, frames: cutter.frames, reaches: cutter.reaches, warning })
+    Ok(Imported { trials, recordings, frames: cutter.frames, reaches: cutter.reaches, warning })
 }
 
 /// A warning if half of the trials have a single sample: the force then varies about the threshold, or is raw.

@@ -1,6 +1,7 @@
 //! Tests of imports.
 
 mod cutting;
+mod recordings;
 mod text;
 
 use std::path::{Path, PathBuf};

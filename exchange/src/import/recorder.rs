@@ -1,0 +1,212 @@
+//! Makes recordings of the frames of a log, with what the mapping says of the skin. Labels take the place of ground truth.
+
+use std::path::Path;
+
+use glam::{DQuat, DVec3};
+use underbrush_recording::limits::{MAX_TAXELS, TEXT_BYTES, short};
+use underbrush_recording::{
+    Body, BodyOwner, Category, Contact, Frame, InputError, ObjectRecord, Patch, Pose, Recording, SkinLayout, Taxel,
+    TaxelReading, read_bytes,
+};
+
+use super::Mapping;
+use super::cutter::Place;
+
+/// The name of frames in which nothing presses, whatever the skin reads.
+const NOTHING: &str = "nothing";
+/// The columns of the file of taxels.
+const TAXEL_COLUMNS: [&str; 7] = ["x_m", "y_m", "z_m", "normal_x", "normal_y", "normal_z", "area_m2"];
+
+/// Takes frames one after another and makes a recording of each reach.
+pub(super) struct Recorder<'a> {
+    mapping: &'a Mapping,
+    layout: SkinLayout,
+    /// The log. Its name takes the place of the scene.
+    path: &'a Path,
+    reaches: Vec<Recording>,
+    /// The category of the frame before, and its object.
+    label: String,
+    object: Option<u16>,
+}
+
+impl<'a> Recorder<'a> {
+    /// A recorder with the taxels of the mapping's file; `None` if the mapping does not say where the taxels are.
+    pub(super) fn new(path: &'a Path, mapping: &'a Mapping) -> Result<Option<Self>, InputError> {
+        let Some(skin) = &mapping.skin else { return Ok(None) };
+        let name = mapping.trial.patch.clone().unwrap_or_else(|| "skin".into());
+        let taxels = read_taxels(&mapping.beside(&skin.taxels))?;
+        let expected = mapping.force.taxels.unwrap_or(1) as usize;
+        if taxels.len() != expected {
+            let found = format!("{} rows in {}", taxels.len(), skin.taxels.display());
+            return Err(mapping.fault("skin.taxels", found, format!("a row for each of {expected} taxels")));
+        }
+        let layout = SkinLayout { patches: vec![Patch { link: name.clone(), name, grid: mapping.grid, taxels }] };
+        Ok(Some(Recorder { mapping, layout, path, reaches: Vec::new(), label: String::new(), object: None }))
+    }
+
+    /// Adds a frame with the reading of each taxel, in the file's unit, and the pose of the skin: place, m, and quaternion x, y,
+    /// z, w.
+    pub(super) fn push(&mut self, place: &Place, readings: &[f64], pose: Option<[f64; 7]>) -> Result<(), InputError> {
+        if self.reaches.last().is_none_or(|last| last.reach_index != place.reach) {
+            self.reaches.push(self.empty(place.reach));
+            self.label.clear();
+            self.object = None;
+        }
+        let Some(reach) = self.reaches.last_mut() else { return Ok(()) };
+        let forces_n = readings.iter().map(|reading| self.mapping.force_n(*reading).max(0.0));
+        let pressed_n = |force_n: f64| if force_n > self.mapping.threshold_n { force_n } else { 0.0 };
+        if place.category.is_empty() && forces_n.clone().any(|force_n| pressed_n(force_n) > 0.0) {
+            let remedy = format!("name it in the log or in a [[label]], or call it `{NOTHING}` if nothing pressed");
+            let allowed = format!("the category of what presses, or `{NOTHING}`");
+            let fault = InputError::new(self.path, "category", "a frame with forces and none", allowed, remedy);
+            return Err(fault.at_line(place.line));
+        }
+        if self.label != place.category {
+            self.label = place.category.to_owned();
+            self.object = None;
+            if !self.label.is_empty() && self.label != NOTHING {
+                let Some(category) = Category::named(&self.label) else {
+                    let allowed = "up to 24 lower-case letters, digits and _, which begin with a letter";
+                    let found = format!("{:?}", self.label);
+                    let fault = InputError::new(self.path, "category", found, allowed, "give it another name");
+                    return Err(fault.at_line(place.line));
+                };
+                self.object = u16::try_from(reach.objects.len()).ok();
+                reach.objects.push(ObjectRecord {
+                    kind: self.label.clone(),
+                    category,
+                    position_world: DVec3::ZERO,
+                    parameters: Default::default(),
+                });
+            }
+        }
+        let pressed = |force_n: f64| self.object.filter(|_| pressed_n(force_n) > 0.0);
+        let reading = |(taxel, force_n): (usize, f64)| TaxelReading {
+            taxel: taxel as u16,
+            sensed_force_n: force_n,
+            true_normal_force_n: pressed(force_n).map_or(0.0, |_| force_n),
+            object: pressed(force_n),
+            ..TaxelReading::default()
+        };
+        let taxels: Vec<TaxelReading> =
+            (forces_n.enumerate().filter(|(_, force_n)| *force_n > 0.0).map(reading)).collect();
+        let number = reach.frames.len() as u32;
+        let force_n: f64 = taxels.iter().map(|own| own.true_normal_force_n).sum();
+        if let Some(object) = self.object.filter(|_| force_n > 0.0) {
+            add_contact(&mut reach.contacts, object, number, force_n, &self.layout);
+        }
+        let pose = pose.map_or(Pose::IDENTITY, |[x, y, z, qx, qy, qz, qw]| {
+            Pose::new(DVec3::new(x, y, z), DQuat::from_xyzw(qx, qy, qz, qw).normalize())
+        });
+        let zeros = || vec![0.0];
+        reach.frames.push(Frame {
+            time_s: place.time_s,
+            patch_pose_world: vec![pose],
+            end_effector_pose_world: pose,
+            taxels,
+            joint_angle_rad: zeros(),
+            joint_velocity_rad_per_s: zeros(),
+            equilibrium_angle_rad: zeros(),
+            joint_torque_nm: zeros(),
+            ..Frame::blank(1)
+        });
+        Ok(())
+    }
+
+    /// A reach without frames. Files need a joint: one that does not move.
+    fn empty(&self, reach_index: u64) -> Recording {
+        Recording {
+            scene: self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            controller: "unknown".into(),
+            seed: 0,
+            reach_index,
+            rate_hz: 1.0,
+            joint_names: vec!["fixed".into()],
+            layout: self.layout.clone(),
+            objects: Vec::new(),
+            // The labels are the truth, even if they say that nothing presses: the link is known, and there are no objects.
+            bodies: vec![Body {
+                owner: BodyOwner::Link(self.layout.patches[0].link.clone()),
+                parts: Vec::new(),
+                rest_pose_world: Pose::IDENTITY,
+                track: Vec::new(),
+            }],
+            goals: Vec::new(),
+            contacts: Vec::new(),
+            map: Vec::new(),
+            frames: Vec::new(),
+            audit: Default::default(),
+        }
+    }
+
+    /// The recordings, at the rate of the mapping, or else that of most of their frames. Times begin at 0.
+    pub(super) fn finish(mut self) -> Vec<Recording> {
+        for reach in &mut self.reaches {
+            let mut steps_s: Vec<f64> = reach.frames.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
+            steps_s.sort_by(f64::total_cmp);
+            let median_s = steps_s.get(steps_s.len() / 2).copied();
+            reach.rate_hz = self.mapping.time.rate_hz.or(median_s.map(|step_s| 1.0 / step_s)).unwrap_or(1.0);
+            let start_s = reach.frames.first().map_or(0.0, |frame| frame.time_s);
+            reach.frames.iter_mut().for_each(|frame| frame.time_s -= start_s);
+        }
+        self.reaches
+    }
+}
+
+/// Goes on with the last contact, if it is with the same object and had not ended, or begins one.
+fn add_contact(contacts: &mut Vec<Contact>, object: u16, frame: u32, force_n: f64, layout: &SkinLayout) {
+    let goes_on = |last: &&mut Contact| last.object == object && last.last_frame + 1 == frame;
+    if let Some(last) = contacts.last_mut().filter(goes_on) {
+        let frames = f64::from(frame - last.first_frame);
+        last.mean_force_n += (force_n - last.mean_force_n) / (frames + 1.0);
+        last.peak_force_n = last.peak_force_n.max(force_n);
+        last.last_frame = frame;
+        return;
+    }
+    contacts.push(Contact {
+        link: layout.patches[0].link.clone(),
+        patch: Some(0),
+        object,
+        first_frame: frame,
+        last_frame: frame,
+        peak_force_n: force_n,
+        mean_force_n: force_n,
+    });
+}
+
+/// Reads the places of taxels.
+fn read_taxels(path: &Path) -> Result<Vec<Taxel>, InputError> {
+    let text =
+        read_bytes(path, &TEXT_BYTES, "a CSV file with a row for each taxel", "check `skin.taxels` of the mapping")?;
+    let fault = |field: &str, found: String, allowed: &str| {
+        InputError::new(path, field, found, allowed, "correct the file of the taxels")
+    };
+    let unreadable = |error: csv::Error| fault("CSV", error.to_string(), "rows with as many cells as the header");
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(&text[..]);
+    let names = reader.headers().map_err(unreadable)?.clone();
+    let mut columns = [0; 7];
+    for (column, name) in columns.iter_mut().zip(TAXEL_COLUMNS) {
+        let missing = || fault("columns", names.iter().collect::<Vec<_>>().join(", "), &TAXEL_COLUMNS.join(", "));
+        *column = names.iter().position(|own| own == name).ok_or_else(missing)?;
+    }
+    let mut taxels = Vec::new();
+    for (index, row) in reader.records().enumerate().take(MAX_TAXELS + 1) {
+        let (row, line) = (row.map_err(unreadable)?, index + 2);
+        let mut numbers = [0.0; 7];
+        for ((number, column), name) in numbers.iter_mut().zip(columns).zip(TAXEL_COLUMNS) {
+            let cell = row.get(column).unwrap_or_default();
+            let parsed = cell.parse().ok().filter(|number: &f64| number.is_finite() && number.abs() <= 1e3);
+            let wrong = || fault(name, format!("{cell:?}"), "a number up to 1000").at_line(line);
+            *number = parsed.ok_or_else(wrong)?;
+        }
+        let [x, y, z, normal_x, normal_y, normal_z, area_m2] = numbers;
+        let normal = DVec3::new(normal_x, normal_y, normal_z);
+        let Some(normal_link) = normal.try_normalize().filter(|_| area_m2 > 0.0) else {
+            let found = format!("{normal}, {}", short(area_m2));
+            return Err(fault("normal, area_m2", found, "a normal that is not zero, and an area above 0").at_line(line));
+        };
+        let tangent_link = normal_link.any_orthonormal_vector();
+        taxels.push(Taxel { position_link: DVec3::new(x, y, z), normal_link, tangent_link, area_m2 });
+    }
+    Ok(taxels)
+}

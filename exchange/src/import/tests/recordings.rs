@@ -1,0 +1,80 @@
+//! Tests of recordings from logs with labels.
+
+use underbrush_recording::disk::{read_recording, write_recording};
+use underbrush_recording::{Category, Pose};
+
+use super::*;
+
+const TAXELS: &str = "x_m,y_m,z_m,normal_x,normal_y,normal_z,area_m2\n0,0,0,0,0,2,1e-4\n0.01,0,0,0,0,1,1e-4\n";
+const LOG: &str = "run,s,f0,f1,px,py,pz,qx,qy,qz,qw,label\n\
+    0,5.00,0,0,1,2,3,0,0,0,1,\n\
+    0,5.01,0.5,0.01,1,2,3,0,0,0,1,leaf\n\
+    0,5.02,0.7,0.2,1,2,4,0,0,0.7071067811865476,0.7071067811865476,leaf\n\
+    0,5.03,0,0,1,2,4,0,0,0,1,leaf\n\
+    0,5.04,0.4,0,1,2,4,0,0,0,1,reed\n\
+    1,0,0.3,0,1,2,3,0,0,0,1,nothing\n";
+const MAPPING: &str = "[time]\nfrom = \"s\"\n[force]\nfrom = \"f{taxel}\"\ntaxels = 2\n\
+    [skin]\ntaxels = \"taxels.csv\"\npose_from = [\"px\", \"py\", \"pz\", \"qx\", \"qy\", \"qz\", \"qw\"]\n\
+    [trial]\npatch = \"palm\"\ncategory_from = \"label\"\nreach_from = \"run\"\n";
+
+/// Imports a log beside a file of taxels.
+fn recorded(log: &str, taxels: &str, mapping: &str) -> Result<Imported, InputError> {
+    let (folder, path) = file("log.csv");
+    written(&folder.path().join("taxels.csv"), taxels);
+    imported(&written(&path, log), mapping)
+}
+
+/// Tests that each reach becomes a recording that files can hold: taxels and poses of the log, times from 0, labels as objects,
+/// contacts of adjacent frames, and readings below the threshold or under the label `nothing` that nothing presses on.
+#[test]
+fn labelled_reaches_become_recordings() {
+    let found = recorded(LOG, TAXELS, MAPPING).unwrap();
+    let [first, second] = &found.recordings[..] else { panic!("{} recordings", found.recordings.len()) };
+    let patch = &first.layout.patches[0];
+    assert_eq!(
+        (patch.name.as_str(), patch.taxels[0].normal_link.z, patch.taxels[1].position_link.x),
+        ("palm", 1.0, 0.01)
+    );
+    assert!((first.rate_hz - 100.0).abs() < 1e-6 && (first.frames[4].time_s - 0.04).abs() < 1e-9);
+    let categories: Vec<Category> = first.objects.iter().map(|object| object.category).collect();
+    assert_eq!(categories, [Category::LEAF, Category::named("reed").unwrap()]);
+    let told: Vec<Vec<(u16, Option<u16>)>> =
+        first.frames.iter().map(|frame| frame.taxels.iter().map(|own| (own.taxel, own.object)).collect()).collect();
+    assert_eq!(
+        told,
+        [vec![], vec![(0, Some(0)), (1, None)], vec![(0, Some(0)), (1, Some(0))], vec![], vec![(0, Some(1))]]
+    );
+    let contacts: Vec<_> = first.contacts.iter().map(|own| (own.object, own.first_frame, own.last_frame)).collect();
+    assert_eq!(contacts, [(0, 1, 2), (1, 4, 4)]);
+    let (peak_n, mean_n) = (first.contacts[0].peak_force_n, first.contacts[0].mean_force_n);
+    assert!((peak_n - 0.9).abs() < 1e-12 && (mean_n - 0.7).abs() < 1e-12);
+    // A quarter turn about z takes the second taxel along x to along y.
+    let pose: Pose = first.frames[2].patch_pose_world[0];
+    let taxel = pose.transform_point(patch.taxels[1].position_link);
+    assert!((taxel - glam::DVec3::new(1.0, 2.01, 4.0)).length() < 1e-12, "{taxel}");
+    assert_eq!((second.objects.len(), second.contacts.len(), second.frames[0].taxels[0].object), (0, 0, None));
+    let (_folder, path) = file("reach.parquet");
+    write_recording(&path, first).unwrap();
+    assert_eq!(read_recording(&path).unwrap().contacts, first.contacts);
+}
+
+/// Tests that a frame with forces and no label, a category that objects cannot have, and taxels that do not fit are refused with
+/// what is allowed; and that a mapping without the places of the taxels gives no recordings.
+#[test]
+fn what_is_no_recording_is_refused() {
+    for (log, taxels, parts) in [
+        (LOG.replace("0,leaf", "0,").replacen("1,leaf", "1,", 1), TAXELS.into(), ["category", "or `nothing`"]),
+        (LOG.replace("reed", "Reed grass"), TAXELS.into(), ["\"Reed grass\"", "lower-case letters"]),
+        (LOG.replace("0,0,0,1,reed", "0,0,0,0,reed"), TAXELS.into(), ["qw", "a quaternion of unit length"]),
+        (LOG.into(), TAXELS.replace("0.01,0,0,0,0,1,1e-4\n", ""), ["skin.taxels: found 1 rows", "each of 2 taxels"]),
+        (LOG.into(), TAXELS.replace("0,0,2,1e-4", "0,0,0,1e-4"), ["normal, area_m2", "a normal that is not zero"]),
+        (LOG.into(), TAXELS.replace("area_m2", "area"), ["columns: found x_m", "normal_z, area_m2"]),
+        (LOG.into(), TAXELS.replace("0.01", "far"), ["x_m: found \"far\"", "a number up to 1000"]),
+    ] {
+        let log: String = log;
+        let error = recorded(&log, &taxels, MAPPING).unwrap_err().to_string();
+        assert!(parts.iter().all(|part| error.contains(part)), "{error}");
+    }
+    let flat = MAPPING.replace("[skin]\ntaxels = \"taxels.csv\"\n", "").replace("pose_from", "# pose_from");
+    assert!(recorded(LOG, TAXELS, &flat).unwrap().recordings.is_empty());
+}
