@@ -11,6 +11,7 @@ use underbrush_recording::disk::{
     ArmText, Dataset, FileText, is_folder, is_recording, is_there, read_recording, read_trials,
 };
 use underbrush_recording::fault::Fault;
+use underbrush_sim::arm::wedge::{Wedge, wedges};
 use underbrush_sim::arm::{Arm, ArmAtStart, is_arm_file};
 use underbrush_sim::clutter::Clutter;
 use underbrush_sim::reach::ReachPlan;
@@ -103,7 +104,7 @@ fn arm(arm: &Arm) -> Result<Value, Fault> {
         (patch.name.as_str(), json!({"link": patch.link, "taxels": patch.taxels.len(), "grid": grid}))
     });
     let tip = ArmAtStart::of(arm).end_effector_world;
-    let doubts = arm.skin_doubts();
+    let doubts: Vec<String> = arm.skin_doubts().into_iter().chain(wedges(arm).iter().map(wedge)).collect();
     Ok(json!({
         "arm": arm.name,
         "base": arm.links[0].name,
@@ -114,6 +115,20 @@ fn arm(arm: &Arm) -> Result<Value, Fault> {
         "doubtful": if doubts.is_empty() { "nothing".into() } else { doubts.join("; ") },
         "check": "sound",
     }))
+}
+
+/// What a wedge does, in words.
+fn wedge(own: &Wedge) -> String {
+    let [first, second] = &own.links;
+    format!(
+        "{first} and {second} close like scissors as {} turns: at {:.0} degrees, what is {:.0} mm from its axis is held in an opening of \
+         {:.0} degrees and pressed with up to {:.0} N; a sphere or hull on the link between them closes it",
+        own.joint,
+        own.joint_deg,
+        1e3 * own.lever_m,
+        own.opening_deg,
+        own.force_n
+    )
 }
 
 /// Rounded to a tenth.

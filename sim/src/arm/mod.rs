@@ -31,6 +31,7 @@ mod source;
 mod start;
 mod urdf;
 mod urdf_text;
+pub mod wedge;
 
 pub use at_start::{ArmAtStart, SkinAlongArm};
 pub use skin::Skin;
