@@ -22,7 +22,7 @@ pub const FRAME_PERIOD_S: f64 = 0.01;
 /// assert!(tip_world.distance(DVec3::new(0.5, 0.1, 0.0)) < 1e-12);
 /// assert!(link.inverse_transform_point(tip_world).distance(DVec3::X * 0.1) < 1e-12);
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
     /// Origin, m.
     pub position: DVec3,
@@ -82,12 +82,6 @@ impl Pose {
     }
 }
 
-impl Default for Pose {
-    fn default() -> Self {
-        Pose::IDENTITY
-    }
-}
-
 /// `outer * inner` is the pose, in the outer frame, of a frame whose pose in the local frame is `inner`.
 impl Mul for Pose {
     type Output = Pose;
@@ -119,7 +113,7 @@ pub struct TaxelReading {
 }
 
 /// One sample of a reach.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
     /// Time since the start of the reach, s.
     pub time_s: f64,
@@ -161,18 +155,9 @@ impl Frame {
     /// ```
     pub fn blank(patches: usize) -> Self {
         Frame {
-            time_s: 0.0,
-            joint_angle_rad: Vec::new(),
-            joint_velocity_rad_per_s: Vec::new(),
-            equilibrium_angle_rad: Vec::new(),
-            joint_torque_nm: Vec::new(),
-            end_effector_pose_world: Pose::IDENTITY,
-            goal_position_world: DVec3::ZERO,
-            goal_index: 0,
             patch_pose_world: vec![Pose::IDENTITY; patches],
             contact_force_world: vec![DVec3::ZERO; patches],
-            taxels: Vec::new(),
-            contact_points: Vec::new(),
+            ..Frame::default()
         }
     }
 }

@@ -217,7 +217,7 @@ macro_rules! row {
     (name $field:ident $name:literal) => { $name };
     ($(#[$doc:meta])* $row:ident { $($field:ident: $type:ty $(= $name:literal)?, $unit:literal, $what:expr;)* }) => {
         $(#[$doc])*
-        #[derive(Clone, Debug)]
+        #[derive(Clone, Debug, Default)]
         pub(in crate::disk) struct $row {
             $(pub(in crate::disk) $field: $type,)*
         }

@@ -354,15 +354,7 @@ pub(in crate::disk) fn reading_of(recording: &mut Recording, place: Place, taxel
     let key = (place.patch as u16, taxel as u16);
     let found = taxels.binary_search_by_key(&key, |reading| (reading.patch, reading.taxel));
     let position = found.unwrap_or_else(|position| {
-        let silent = TaxelReading {
-            patch: key.0,
-            taxel: key.1,
-            true_normal_force_n: 0.0,
-            true_shear_force_n: [0.0; 2],
-            sensed_force_n: 0.0,
-            object: None,
-        };
-        taxels.insert(position, silent);
+        taxels.insert(position, TaxelReading { patch: key.0, taxel: key.1, ..TaxelReading::default() });
         position
     });
     &mut taxels[position]

@@ -21,46 +21,30 @@ fn bare_row(episode: usize, index: usize, body: &Body, recording: &Recording) ->
         link: link.map(Into::into),
         object_index: object.map(Into::into),
         category: known.map(|object| object.category.name().into()),
-        shape: None,
-        size: None,
-        radius_m: None,
-        length_m: None,
-        points_m: None,
-        position_body: DVec3::ZERO,
-        orientation_body: glam::DQuat::IDENTITY,
         rest_position_world: body.rest_pose_world.position,
         rest_orientation_world: body.rest_pose_world.orientation,
+        ..TruthBody::default()
     }
 }
 
 /// The row of a shape of a body.
 fn with_part(row: TruthBody, part: &BodyPart) -> TruthBody {
-    let mut row =
-        TruthBody { position_body: part.pose_body.position, orientation_body: part.pose_body.orientation, ..row };
-    let shape = match &part.shape {
-        BodyShape::Sphere { radius_m } => {
-            row.radius_m = Some(*radius_m);
-            "sphere"
-        }
-        BodyShape::Cylinder { radius_m, length_m } => {
-            (row.radius_m, row.length_m) = (Some(*radius_m), Some(*length_m));
-            "cylinder"
-        }
-        BodyShape::Capsule { radius_m, length_m } => {
-            (row.radius_m, row.length_m) = (Some(*radius_m), Some(*length_m));
-            "capsule"
-        }
-        BodyShape::Box { size_m } => {
-            row.size = Some(*size_m);
-            "box"
-        }
+    let row = TruthBody { position_body: part.pose_body.position, orientation_body: part.pose_body.orientation, ..row };
+    let (shape, row) = match &part.shape {
+        BodyShape::Sphere { radius_m } => ("sphere", TruthBody { radius_m: Some(*radius_m), ..row }),
+        BodyShape::Cylinder { radius_m, length_m } => ("cylinder", round(row, *radius_m, *length_m)),
+        BodyShape::Capsule { radius_m, length_m } => ("capsule", round(row, *radius_m, *length_m)),
+        BodyShape::Box { size_m } => ("box", TruthBody { size: Some(*size_m), ..row }),
         BodyShape::Hull { points_m } => {
-            row.points_m = Some(points_m.iter().flat_map(DVec3::to_array).collect());
-            "hull"
+            let points_m = points_m.iter().flat_map(DVec3::to_array).collect();
+            ("hull", TruthBody { points_m: Some(points_m), ..row })
         }
     };
-    row.shape = Some(shape.into());
-    row
+    TruthBody { shape: Some(shape.into()), ..row }
+}
+
+fn round(row: TruthBody, radius_m: f64, length_m: f64) -> TruthBody {
+    TruthBody { radius_m: Some(radius_m), length_m: Some(length_m), ..row }
 }
 
 /// An episode's bodies.
