@@ -34,15 +34,18 @@ pub(super) struct Cells<'a> {
 }
 
 impl Cell<'_> {
-    /// The number of a channel; `None` for anything else, as other columns may hold what they like.
-    pub(super) fn channel(self) -> Option<f64> {
-        let number = match self {
+    fn number(self) -> Option<f64> {
+        match self {
             Cell::Missing | Cell::Flag(_) => None,
             Cell::Whole(number) => Some(number as f64),
             Cell::Number(number) => Some(number),
             Cell::Text(text) => text.trim().parse().ok(),
-        };
-        number.filter(|number: &f64| number.is_finite())
+        }
+    }
+
+    /// The number of a channel; `None` for anything else, as other columns may hold what they like.
+    pub(super) fn channel(self) -> Option<f64> {
+        self.number().filter(|number| number.is_finite())
     }
 }
 
@@ -59,38 +62,34 @@ impl<'a> Cells<'a> {
         InputError::new(self.path, COLUMNS[column], found, allowed, remedy).at_line(self.line)
     }
 
+    /// What a cell holds, if anything. It is an error if `found` is `None` and the cell is not empty.
+    fn present<T>(&self, column: usize, found: Option<T>, allowed: impl ToString) -> Result<Option<T>, InputError> {
+        match (found, self.cells[column]) {
+            (None, Cell::Missing) => Ok(None),
+            (None, _) => Err(self.error(column, &allowed.to_string())),
+            (found, _) => Ok(found),
+        }
+    }
+
     /// A number within these limits.
     fn number(&self, column: usize, limits: Limits) -> Result<Option<f64>, InputError> {
-        let number = match self.cells[column] {
-            Cell::Missing => return Ok(None),
-            Cell::Whole(number) => Some(number as f64),
-            Cell::Number(number) => Some(number),
-            Cell::Flag(_) => None,
-            Cell::Text(text) => text.trim().parse().ok(),
-        };
-        match number.filter(|number| limits.hold(*number)) {
-            Some(number) => Ok(Some(number)),
-            None => Err(self.error(column, &format!("a number from {limits}"))),
-        }
+        let number = self.cells[column].number().filter(|number| limits.hold(*number));
+        self.present(column, number, format_args!("a number from {limits}"))
     }
 
     /// A whole number. `3.0` is allowed, because pandas converts integer columns with gaps to floating point.
     fn whole<T: TryFrom<i128>>(&self, column: usize) -> Result<Option<T>, InputError> {
         let of_float = |number: f64| (number.abs() <= LARGEST_EXACT && number.fract() == 0.0).then_some(number as i128);
         let number = match self.cells[column] {
-            Cell::Missing => return Ok(None),
             Cell::Whole(number) => Some(number),
             Cell::Number(number) => of_float(number),
-            Cell::Flag(_) => None,
+            Cell::Missing | Cell::Flag(_) => None,
             Cell::Text(text) => {
                 let text = text.trim();
                 text.parse().ok().or_else(|| text.parse().ok().and_then(of_float))
             }
         };
-        match number.and_then(|number| T::try_from(number).ok()) {
-            Some(number) => Ok(Some(number)),
-            None => Err(self.error(column, "a whole number, 0 or more")),
-        }
+        self.present(column, number.and_then(|number| T::try_from(number).ok()), "a whole number, 0 or more")
     }
 
     fn text(&self, column: usize) -> Result<Option<String>, InputError> {
@@ -119,7 +118,6 @@ impl<'a> Cells<'a> {
     /// A truth value. 1 and 0 are allowed, because pandas converts truth values with gaps to floating point.
     fn flag(&self, column: usize) -> Result<Option<bool>, InputError> {
         let flag = match self.cells[column] {
-            Cell::Missing => return Ok(None),
             Cell::Flag(flag) => Some(flag),
             Cell::Text(text) if text.trim().eq_ignore_ascii_case("true") => Some(true),
             Cell::Text(text) if text.trim().eq_ignore_ascii_case("false") => Some(false),
@@ -129,10 +127,7 @@ impl<'a> Cells<'a> {
                 _ => None,
             },
         };
-        match flag {
-            Some(flag) => Ok(Some(flag)),
-            None => Err(self.error(column, "true or false")),
-        }
+        self.present(column, flag, "true or false")
     }
 
     /// The row with its types.
