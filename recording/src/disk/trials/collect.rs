@@ -17,6 +17,24 @@ pub(super) struct Row {
     pub(super) sample: Sample,
 }
 
+impl Row {
+    fn require_same<T: PartialEq + ToString>(
+        &self,
+        path: &Path,
+        column: &str,
+        own: &Option<T>,
+        before: &Option<T>,
+    ) -> Result<(), InputError> {
+        if own == before {
+            return Ok(());
+        }
+        let [found, before] = [own, before].map(|value| value.as_ref().map_or("nothing".to_string(), T::to_string));
+        let allowed = format!("{before}, as in earlier rows of trial {}", self.trial);
+        let remedy = "give all rows of a trial the same value, or give each value its own trial number";
+        Err(InputError::new(path, column, found, allowed, remedy).at_line(self.line))
+    }
+}
+
 /// Trials in the order of their first rows.
 #[derive(Default)]
 pub(super) struct Collector {
@@ -28,7 +46,6 @@ pub(super) struct Collector {
 impl Collector {
     /// Adds a row to its trial.
     pub(super) fn push(&mut self, path: &Path, row: Row) -> Result<(), InputError> {
-        let sample = row.sample;
         self.rows += 1;
         limits::TABLE_ROWS.check(path, "rows", self.rows)?;
         let Some(&place) = self.places.get(&row.trial) else {
@@ -39,38 +56,22 @@ impl Collector {
                 reach: row.reach,
                 patch: row.patch,
                 taxel: row.taxel,
-                samples: vec![sample],
+                samples: vec![row.sample],
             });
             return Ok(());
         };
         let trial = &mut self.trials[place];
-        let differs = |column: &str, found: String, before: String| {
-            let allowed = format!("{before}, as in earlier rows of trial {}", row.trial);
-            let remedy = "give all rows of a trial the same value, or give each value its own trial number";
-            Err(InputError::new(path, column, found, allowed, remedy).at_line(row.line))
-        };
-        fn shown<T: ToString>(value: &Option<T>) -> String {
-            value.as_ref().map_or("nothing".to_string(), T::to_string)
-        }
-        if trial.category != row.category {
-            return differs("category", shown(&row.category), shown(&trial.category));
-        }
-        if trial.reach != row.reach {
-            return differs("reach", shown(&row.reach), shown(&trial.reach));
-        }
-        if trial.patch != row.patch {
-            return differs("patch", shown(&row.patch), shown(&trial.patch));
-        }
-        if trial.taxel != row.taxel {
-            return differs("taxel", shown(&row.taxel), shown(&trial.taxel));
-        }
-        let before = trial.samples.last().map_or(f64::NEG_INFINITY, |sample| sample.time_s);
-        if sample.time_s <= before {
+        row.require_same(path, "category", &row.category, &trial.category)?;
+        row.require_same(path, "reach", &row.reach, &trial.reach)?;
+        row.require_same(path, "patch", &row.patch, &trial.patch)?;
+        row.require_same(path, "taxel", &row.taxel, &trial.taxel)?;
+        let (time_s, before) = (row.sample.time_s, trial.samples.last().map_or(f64::NEG_INFINITY, |last| last.time_s));
+        if time_s <= before {
             let allowed = format!("more than {before}, the previous time in trial {}", row.trial);
             let remedy = "sort the rows of each trial by time and delete duplicates";
-            return Err(InputError::new(path, "time_s", sample.time_s.to_string(), allowed, remedy).at_line(row.line));
+            return Err(InputError::new(path, "time_s", time_s.to_string(), allowed, remedy).at_line(row.line));
         }
-        trial.samples.push(sample);
+        trial.samples.push(row.sample);
         let samples = limits::TRIAL_SAMPLES.check(path, "samples", trial.samples.len() as u64);
         samples.map_err(|error| error.at_line(row.line))
     }
