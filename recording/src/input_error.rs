@@ -52,11 +52,10 @@ impl InputError {
         InputError { file, line: None, field, found, allowed, remedy, storage: false }
     }
 
-    /// The same error with its line (from 1).
+    /// The same error with its line (from 1), or with none if it is not known.
     #[must_use]
-    pub fn at_line(mut self, line: usize) -> Self {
-        self.line = Some(line);
-        self
+    pub fn at_line(self, line: impl Into<Option<usize>>) -> Self {
+        InputError { line: line.into(), ..self }
     }
 }
 

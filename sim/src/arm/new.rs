@@ -284,12 +284,8 @@ fn find_mesh(new: &NewArm, filename: &str, line: Option<usize>) -> Result<PathBu
     }
     let searched: Vec<String> = places.iter().map(|place| place.display().to_string()).collect();
     let found = format!("{filename}, which is not in {}", searched.join(", nor "));
-    let fault =
-        InputError::new(&new.urdf, "mesh filename", found, "a mesh that is there", "give --package NAME=FOLDER");
-    Err(match line {
-        Some(line) => fault.at_line(line),
-        None => fault,
-    })
+    let allowed = "a mesh that is there";
+    Err(InputError::new(&new.urdf, "mesh filename", found, allowed, "give --package NAME=FOLDER").at_line(line))
 }
 
 /// The path of a file from the folder of the arm file, with slashes on every machine; absolute if there is none.

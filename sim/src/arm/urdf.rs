@@ -443,10 +443,7 @@ impl<'a> Reader<'a> {
     fn fault(&self, element: &str, name: &str, field: &str, found: impl Display, allowed: &str) -> InputError {
         let place = format!("{element} {name}");
         let place = if field.is_empty() { place } else { format!("{place}, {field}") };
-        let fault = self.source.fault(place, found, allowed, REMEDY);
-        match self.elements.line(element, name, field) {
-            Some(line) => fault.at_line(line),
-            None => fault,
-        }
+        let line = self.elements.line(element, name, field);
+        self.source.fault(place, found, allowed, REMEDY).at_line(line)
     }
 }

@@ -33,8 +33,7 @@ fn refused(path: &Path, text: &[u8], error: csv::Error) -> DiskError {
                 other => (format!("{other:?}"), "CSV with a header line".to_string()),
             };
             let remedy = "correct the line, or save the table again as CSV in UTF-8";
-            let error = InputError::new(path, "row", found, allowed, remedy);
-            line.map_or(error.clone(), |line| error.at_line(line)).into()
+            InputError::new(path, "row", found, allowed, remedy).at_line(line).into()
         }
     }
 }
