@@ -59,6 +59,12 @@ impl fmt::Display for Limits {
     }
 }
 
+/// The first number that is not within its limits: its key, the number, and what is allowed, as text.
+pub fn first_outside<K>(numbers: impl IntoIterator<Item = (K, f64, Limits)>) -> Option<(K, String, String)> {
+    let outside = numbers.into_iter().find(|(_, value, limits)| !limits.hold(*value));
+    outside.map(|(key, value, limits)| (key, short(value), limits.to_string()))
+}
+
 /// A number as text, with an exponent if it would otherwise be long.
 pub fn short(value: f64) -> String {
     if value == 0.0 || (1e-5..1e7).contains(&value.abs()) { value.to_string() } else { format!("{value:e}") }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::Channels;
-use crate::limits::{self, Limits, short};
+use crate::limits::{self, first_outside, short};
 
 /// One sample of a trial.
 ///
@@ -65,17 +65,10 @@ const ROUNDING: f64 = 1e-4;
 impl Sample {
     /// The first number that is out of range: its column in a trials table, what was found and what is allowed.
     pub fn fault(&self) -> Option<(&'static str, String, String)> {
-        let numbers: [(&'static str, Option<f64>, Limits); 3] = [
-            ("time_s", Some(self.time_s), limits::TIME_S),
-            ("force_n", Some(self.force_n), limits::FORCE_N),
-            ("motion_m", self.motion_m, limits::MOTION_M),
-        ];
-        for (column, value, limits) in numbers {
-            if let Some(value) = value
-                && !limits.hold(value)
-            {
-                return Some((column, short(value), limits.to_string()));
-            }
+        let always = [("time_s", self.time_s, limits::TIME_S), ("force_n", self.force_n, limits::FORCE_N)];
+        let motion = self.motion_m.map(|motion_m| ("motion_m", motion_m, limits::MOTION_M));
+        if let Some(fault) = first_outside(always.into_iter().chain(motion)) {
+            return Some(fault);
         }
         if let Some((_, number)) = self.channels.iter().find(|(_, number)| !number.is_finite()) {
             return Some(("channels", number.to_string(), "finite numbers".into()));
@@ -91,14 +84,13 @@ impl Region {
     pub fn fault(&self) -> Option<(&'static str, String)> {
         let taxels = f64::from(self.taxels);
         let (largest, sum) = (self.largest_force_n, self.force_sum_n);
-        for (column, value, limits) in [
+        let numbers = [
             ("region_taxels", taxels, limits::REGION_TAXELS),
             ("region_largest_force_n", largest, limits::REGION_LARGEST_FORCE_N),
             ("region_force_sum_n", sum, limits::REGION_FORCE_SUM_N),
-        ] {
-            if !limits.hold(value) {
-                return Some((column, limits.to_string()));
-            }
+        ];
+        if let Some((column, _, allowed)) = first_outside(numbers) {
+            return Some((column, allowed));
         }
         let max_sum = largest * taxels;
         let holds = sum >= largest * (1.0 - ROUNDING) && sum <= max_sum * (1.0 + ROUNDING);
