@@ -1,11 +1,15 @@
-//! Ground truth per reach: the tables `truth/objects`, `truth/goals` and `truth/contacts`.
+//! The tables of a reach that are lists of what a recording holds: objects, goals, contacts, contact points and poses of the
+//! ground truth, and the controller's map.
 
 use crate::disk::DiskError;
 use crate::disk::table::batch::Batch;
 use crate::disk::table::column::Text;
 use crate::disk::table::row_groups::EpisodeRows;
-use crate::disk::tables::dictionary::{TruthContact, TruthGoal, TruthObject};
-use crate::{Category, Contact, GoalRecord, ObjectRecord, Outcome, Recording, SafetyStop, SkinLayout};
+use crate::disk::tables::dictionary::{MapRow, TruthContact, TruthContactPoint, TruthGoal, TruthObject, TruthPose};
+use crate::{
+    Body, BodyOwner, Category, Contact, ContactPoint, GoalRecord, MappedObstacle, ObjectRecord, ObstacleKind, Outcome,
+    Recording, SafetyStop, SkinLayout, TrackPoint,
+};
 
 /// What the index of an object may be.
 pub(in crate::disk) const OBJECTS: &str = "0 to 32767";
@@ -157,6 +161,125 @@ pub(in crate::disk) fn read_contacts(rows: &EpisodeRows, layout: &SkinLayout) ->
             last_frame: batch.index("last_frame", row.last_frame, COUNTS)?,
             peak_force_n: row.peak_force_n,
             mean_force_n: row.mean_force_n,
+        })
+    })
+}
+
+/// An episode's contacts, frame by frame.
+pub(in crate::disk) fn contact_point_rows(episode: usize, recording: &Recording) -> Vec<TruthContactPoint> {
+    let link = |point: &ContactPoint| match recording.bodies.get(usize::from(point.link)).map(|body| &body.owner) {
+        Some(BodyOwner::Link(name)) => name.as_str().into(),
+        // A checked recording has no other owner there.
+        _ => "".into(),
+    };
+    let row = |frame: usize, point: &ContactPoint| TruthContactPoint {
+        episode_index: episode as i64,
+        frame_index: frame as i64,
+        link: link(point),
+        patch: patch_name(&recording.layout, point.patch),
+        object_index: point.object.into(),
+        body_index: point.body.into(),
+        position_world: point.position_world.to_array(),
+        normal_world: point.normal_world.to_array(),
+        force_world: point.force_world.to_array(),
+        moment_world: point.moment_world.to_array(),
+        slip_world: point.slip_world.to_array(),
+        depth_m: point.depth_m,
+        area_m2: point.area_m2,
+    };
+    let frames = recording.frames.iter().enumerate();
+    frames.flat_map(|(index, frame)| frame.contact_points.iter().map(move |point| row(index, point))).collect()
+}
+
+/// Adds the contacts to an episode's frames.
+pub(in crate::disk) fn add_contact_points(rows: &EpisodeRows, recording: &mut Recording) -> Result<(), DiskError> {
+    for batch in &rows.batches {
+        for row in batch.rows_as::<TruthContactPoint>()? {
+            let owner = BodyOwner::Link(row.link.to_string());
+            let link = recording.bodies.iter().position(|body| body.owner == owner);
+            let link = link.ok_or_else(|| batch.error("link", &*row.link, "the name of a link in truth/bodies"))?;
+            let point = ContactPoint {
+                link: link as u16,
+                patch: patch_index(batch, "patch", row.patch.as_deref(), &recording.layout)?,
+                object: batch.index("object_index", row.object_index, OBJECTS)?,
+                body: batch.index("body_index", row.body_index, OBJECTS)?,
+                position_world: row.position_world.into(),
+                normal_world: row.normal_world.into(),
+                force_world: row.force_world.into(),
+                moment_world: row.moment_world.into(),
+                slip_world: row.slip_world.into(),
+                depth_m: row.depth_m,
+                area_m2: row.area_m2,
+            };
+            let index: u32 = batch.index("frame_index", row.frame_index, COUNTS)?;
+            let frames = recording.frames.len();
+            let frame = recording.frames.get_mut(index as usize).ok_or_else(|| {
+                batch.error("frame_index", index.to_string(), format!("the index of a frame in an episode of {frames}"))
+            })?;
+            frame.contact_points.push(point);
+        }
+    }
+    Ok(())
+}
+
+/// An episode's moving bodies, one after the other: the numbers of one body change little from row to row, which
+/// compresses well.
+pub(in crate::disk) fn pose_rows(episode: usize, recording: &Recording) -> Vec<TruthPose> {
+    let row = |body: usize, point: &TrackPoint| TruthPose {
+        episode_index: episode as i64,
+        body_index: body as i32,
+        frame_index: point.frame.into(),
+        position_world: point.position_world_m,
+        orientation_world: point.orientation_world,
+    };
+    let bodies = recording.bodies.iter().enumerate();
+    bodies.flat_map(|(index, body)| body.track.iter().map(move |point| row(index, point))).collect()
+}
+
+/// Adds the motion to an episode's bodies.
+pub(in crate::disk) fn add_poses(rows: &EpisodeRows, bodies: &mut [Body]) -> Result<(), DiskError> {
+    let count = bodies.len();
+    for batch in &rows.batches {
+        for row in batch.rows_as::<TruthPose>()? {
+            let index = usize::try_from(row.body_index).ok();
+            let body = index.and_then(|index| bodies.get_mut(index)).ok_or_else(|| {
+                batch.error("body_index", row.body_index.to_string(), format!("a body below {count}"))
+            })?;
+            body.track.push(TrackPoint {
+                frame: batch.index("frame_index", row.frame_index, COUNTS)?,
+                position_world_m: row.position_world,
+                orientation_world: row.orientation_world,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// The map of an episode.
+pub(in crate::disk) fn map_rows(episode: usize, recording: &Recording) -> Vec<MapRow> {
+    let row = |obstacle: &MappedObstacle| MapRow {
+        episode_index: episode as i64,
+        kind: obstacle.kind.name().into(),
+        top_world: obstacle.top_world,
+        radius_m: obstacle.radius_m,
+        deviation_m: obstacle.deviation_m,
+        first_frame: obstacle.first_frame.into(),
+        last_frame: obstacle.last_frame.into(),
+    };
+    recording.map.iter().map(row).collect()
+}
+
+/// Reads the map of an episode.
+pub(in crate::disk) fn read_map(rows: &EpisodeRows) -> Result<Vec<MappedObstacle>, DiskError> {
+    rows.read(|batch, row: MapRow| {
+        let kind = ObstacleKind::ALL.into_iter().find(|kind| kind.name() == &*row.kind);
+        Ok(MappedObstacle {
+            kind: kind.ok_or_else(|| batch.error("kind", &*row.kind, "yielding, doubtful or fixed"))?,
+            top_world: row.top_world,
+            radius_m: row.radius_m,
+            deviation_m: row.deviation_m,
+            first_frame: batch.index("first_frame", row.first_frame, COUNTS)?,
+            last_frame: batch.index("last_frame", row.last_frame, COUNTS)?,
         })
     })
 }

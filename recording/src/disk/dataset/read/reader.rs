@@ -20,13 +20,12 @@ use crate::disk::tables::dictionary::{
 use crate::disk::tables::episode::Episode;
 use crate::disk::tables::episode_table::read_episodes;
 use crate::disk::tables::frames::{FRAME_COLUMNS, Feature, append_frames, features, wanted};
-use crate::disk::tables::map_table::read_map;
 use crate::disk::tables::taxel_table::read_taxels;
 use crate::disk::tables::truth_bodies::read_bodies;
-use crate::disk::tables::truth_contact_points::add_contact_points;
 use crate::disk::tables::truth_frames::{add_patches, add_taxels};
-use crate::disk::tables::truth_poses::add_poses;
-use crate::disk::tables::truth_tables::{read_contacts, read_goals, read_objects};
+use crate::disk::tables::truth_tables::{
+    add_contact_points, add_poses, read_contacts, read_goals, read_map, read_objects,
+};
 use crate::{Category, InputError, Recording, SkinLayout};
 
 /// A finished data set on disk. Frames are read reach by reach.

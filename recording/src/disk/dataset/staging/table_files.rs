@@ -17,12 +17,11 @@ use crate::disk::tables::dictionary::{
     FRAMES, MAP, TRUTH_BODIES, TRUTH_CONTACT_POINTS, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES,
     TRUTH_POSES, TRUTH_TAXELS, Table,
 };
-use crate::disk::tables::map_table::map_rows;
 use crate::disk::tables::truth_bodies::body_rows;
-use crate::disk::tables::truth_contact_points::contact_point_rows;
 use crate::disk::tables::truth_frames::{patch_rows, taxel_rows};
-use crate::disk::tables::truth_poses::pose_rows;
-use crate::disk::tables::truth_tables::{contact_rows, goal_rows, object_rows};
+use crate::disk::tables::truth_tables::{
+    contact_point_rows, contact_rows, goal_rows, map_rows, object_rows, pose_rows,
+};
 use crate::disk::whole_file::create_folder;
 use crate::{Category, Recording};
 
