@@ -120,19 +120,14 @@ impl Checksums {
         for name in self.names() {
             self.check_size(dir, name)?;
         }
-        for folder in names::FOLDERS {
-            if !is_there(&dir.join(folder))? {
-                continue;
-            }
-            for name in files_below(dir, folder)? {
-                // Readers of data sets ignore hidden files, and file managers leave some behind.
-                let hidden = name.split('/').any(|part| part.starts_with('.'));
-                if !(hidden || name == names::CHECKSUMS || self.files.contains_key(&name)) {
-                    let remedy = "remove the file if it is yours, or copy the data set again";
-                    let found = "a file that meta/checksums.json does not list";
-                    let allowed = "only the files of the data set";
-                    return Err(InputError::new(dir.join(name), "file", found, allowed, remedy).into());
-                }
+        for name in files_of_set(dir)? {
+            // Readers of data sets ignore hidden files, and file managers leave some behind.
+            let hidden = name.split('/').any(|part| part.starts_with('.'));
+            if !(hidden || name == names::CHECKSUMS || self.files.contains_key(&name)) {
+                let remedy = "remove the file if it is yours, or copy the data set again";
+                let found = "a file that meta/checksums.json does not list";
+                let allowed = "only the files of the data set";
+                return Err(InputError::new(dir.join(name), "file", found, allowed, remedy).into());
             }
         }
         Ok(())
@@ -167,8 +162,19 @@ impl Checksums {
     }
 }
 
+/// The files in the folders of a data set, as paths within the set.
+pub(in crate::disk) fn files_of_set(dir: &Path) -> Result<Vec<String>, DiskError> {
+    let mut names = Vec::new();
+    for folder in names::FOLDERS {
+        if is_there(&dir.join(folder))? {
+            names.extend(files_below(dir, folder)?);
+        }
+    }
+    Ok(names)
+}
+
 /// Paths of the files in a folder of the data set and its subfolders, relative to the set.
-pub(in crate::disk) fn files_below(dir: &Path, folder: &str) -> Result<Vec<String>, DiskError> {
+fn files_below(dir: &Path, folder: &str) -> Result<Vec<String>, DiskError> {
     let path = dir.join(folder);
     let mut names = Vec::new();
     for entry in fs::read_dir(&path).map_err(DiskError::io(&path, "read"))? {

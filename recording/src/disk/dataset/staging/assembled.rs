@@ -20,7 +20,7 @@ use crate::disk::tables::episode::Episode;
 use crate::disk::whole_file::{begin, commit, json_bytes, write_bytes};
 
 /// Everything about the reaches in complete files that the rest of the set depends on.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub(in crate::disk) struct Assembled {
     /// Number of complete files of each table.
     pub(in crate::disk) files: usize,
@@ -28,9 +28,9 @@ pub(in crate::disk) struct Assembled {
     #[serde(skip)]
     pub(in crate::disk) episodes: Vec<Episode>,
     /// Checksums of the lists of episodes, one for each file.
-    lists: Vec<FileSum>,
+    pub(in crate::disk) lists: Vec<FileSum>,
     /// Number of episodes in these lists.
-    listed: usize,
+    pub(in crate::disk) listed: usize,
     /// Number of frames of the episodes.
     pub(in crate::disk) total_frames: usize,
     /// Statistics of the frames.
@@ -92,19 +92,6 @@ fn list_path(dir: &Path, number: usize) -> PathBuf {
 }
 
 impl Assembled {
-    /// The state before the first reach.
-    pub(in crate::disk) fn nothing(statistics: Statistics) -> Self {
-        Assembled {
-            files: 0,
-            episodes: Vec::new(),
-            lists: Vec::new(),
-            listed: 0,
-            total_frames: 0,
-            statistics,
-            checksums: Checksums::default(),
-        }
-    }
-
     /// The progress of an interrupted attempt. `None` if there is no progress, or if any of its files is missing or
     /// damaged; its reaches then count as missing.
     ///

@@ -15,10 +15,9 @@ use super::staged_reach;
 use super::statistics::Statistics;
 use super::table_files::TableFiles;
 use crate::disk::DiskError;
-use crate::disk::dataset::checksums::{FileSum, files_below};
+use crate::disk::dataset::checksums::{FileSum, files_of_set};
 use crate::disk::dataset::info::{FORMAT, Info, ProvenanceFile};
 use crate::disk::dataset::names;
-use crate::disk::input_file::is_there;
 use crate::disk::recording_file::batches;
 use crate::disk::tables::episode::{Episode, Place};
 use crate::disk::tables::episode_table::write_episodes;
@@ -41,7 +40,8 @@ pub(in crate::disk) fn assemble_from(
 ) -> Result<(), DiskError> {
     let (dir, plan) = (staging.dir.as_path(), &staging.plan);
     let features = features(FRAME_COLUMNS, &plan.joint_names, &plan.layout);
-    let mut assembled = Assembled::read(dir)?.unwrap_or_else(|| Assembled::nothing(Statistics::new(&features)));
+    let begun = || Assembled { statistics: Statistics::new(&features), ..Assembled::default() };
+    let mut assembled = Assembled::read(dir)?.unwrap_or_else(begun);
     remove_all_but(dir, assembled.checksums.names().collect())?;
     remove_leftovers(&dir.join(names::CARD));
     for position in 0..assembled.episodes.len() {
@@ -103,17 +103,8 @@ pub(in crate::disk) fn assemble_from(
 
 /// Removes what an earlier, killed attempt has left, except complete files.
 fn remove_all_but(dir: &Path, whole: BTreeSet<&str>) -> Result<(), DiskError> {
-    for folder in names::FOLDERS {
-        if !is_there(&dir.join(folder))? {
-            continue;
-        }
-        for name in files_below(dir, folder)? {
-            if !whole.contains(name.as_str()) {
-                remove_if_there(&dir.join(name))?;
-            }
-        }
-    }
-    Ok(())
+    let names = files_of_set(dir)?.into_iter().filter(|name| !whole.contains(name.as_str()));
+    names.into_iter().try_for_each(|name| remove_if_there(&dir.join(name)))
 }
 
 /// Hashes all other files, then writes the file that makes the set complete.

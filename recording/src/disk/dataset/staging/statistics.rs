@@ -128,7 +128,7 @@ fn pair((bin, samples): (&i32, &u64)) -> (f64, u64) {
 }
 
 /// Statistics of all columns. Once a row has been added, they survive a round trip through JSON unchanged.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug, Default, Serialize, Deserialize)]
 pub(in crate::disk) struct Statistics {
     columns: Vec<(String, ColumnStatistics)>,
 }
