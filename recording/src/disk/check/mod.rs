@@ -20,12 +20,9 @@ use crate::{Audit, Category, Outcome, Recording};
 pub(super) fn check_categories(further: &[Category]) -> Result<(), Violation> {
     for (index, category) in further.iter().enumerate() {
         let clash = |other: &&Category| other.name() == category.name() || other.code() == category.code();
-        require(
-            !category.is_built_in() && !further[..index].iter().any(|other| clash(&other)),
-            || "categories".into(),
-            || format!("\"{}\" with code {}", category.name(), category.code()),
-            "a name and a code that no other category has",
-        )?;
+        let is_new = !category.is_built_in() && !further[..index].iter().any(|other| clash(&other));
+        let found = || format!("\"{}\" with code {}", category.name(), category.code());
+        require(is_new, || "categories".into(), found, "a name and a code that no other category has")?;
     }
     Ok(())
 }
@@ -47,20 +44,14 @@ fn check_header(recording: &Recording) -> Result<(), Violation> {
     for (index, goal) in recording.goals.iter().enumerate() {
         let times = [goal.start_time_s, goal.end_time_s];
         finite(goal.position_world.to_array().into_iter().chain(times), || format!("goals[{index}]"))?;
-        require(
-            goal.given_up.is_none() || goal.outcome == Outcome::Stuck,
-            || format!("goals[{index}].given_up"),
-            || format!("a reason on a goal with the outcome {}", goal.outcome.name()),
-            "none, unless the outcome is stuck",
-        )?;
+        let field = |name: &str| format!("goals[{index}].{name}");
+        let found = |what: &str| format!("{what} on a goal with the outcome {}", goal.outcome.name());
+        let fits = goal.given_up.is_none() || goal.outcome == Outcome::Stuck;
+        require(fits, || field("given_up"), || found("a reason"), "none, unless the outcome is stuck")?;
         let Some(stop) = &goal.safety_stop else { continue };
-        let field = |name: &str| format!("goals[{index}].safety_stop{name}");
-        require(
-            goal.outcome == Outcome::Aborted,
-            || field(""),
-            || format!("one on a goal with the outcome {}", goal.outcome.name()),
-            "none, unless the outcome is aborted",
-        )?;
+        let field = |name: &str| field(&format!("safety_stop{name}"));
+        let fits = goal.outcome == Outcome::Aborted;
+        require(fits, || field(""), || found("one"), "none, unless the outcome is aborted")?;
         check_place(recording, &stop.link, stop.patch, stop.object, field)?;
         finite([stop.force_n], || field(".force_n"))?;
     }
@@ -72,13 +63,11 @@ fn check_header(recording: &Recording) -> Result<(), Violation> {
         require(ordered, field, || obstacle.last_frame.to_string(), "first_frame or later")?;
     }
     for (index, contact) in recording.contacts.iter().enumerate() {
-        let field = |name: &str| format!("contacts[{index}].{name}");
-        check_place(recording, &contact.link, contact.patch, contact.object, |name| {
-            format!("contacts[{index}]{name}")
-        })?;
+        let field = |name: &str| format!("contacts[{index}]{name}");
+        check_place(recording, &contact.link, contact.patch, contact.object, field)?;
         let ordered = contact.first_frame <= contact.last_frame;
-        require(ordered, || field("last_frame"), || contact.last_frame.to_string(), "first_frame or later")?;
-        finite([contact.peak_force_n, contact.mean_force_n], || field("peak_force_n and mean_force_n"))?;
+        require(ordered, || field(".last_frame"), || contact.last_frame.to_string(), "first_frame or later")?;
+        finite([contact.peak_force_n, contact.mean_force_n], || field(".peak_force_n and mean_force_n"))?;
     }
     Ok(())
 }
@@ -95,21 +84,13 @@ fn check_place(
     if let Some(patch) = patch {
         let known = recording.layout.patches.get(usize::from(patch));
         require(known.is_some(), || field(".patch"), || patch.to_string(), "the index of a patch of the layout")?;
-        require(
-            known.is_some_and(|patch| patch.link == link),
-            || field(".link"),
-            || format!("{link:?}"),
-            "the link that carries the patch",
-        )?;
+        let carries = known.is_some_and(|patch| patch.link == link);
+        require(carries, || field(".link"), || format!("{link:?}"), "the link that carries the patch")?;
     } else {
         require(!link.is_empty(), || field(".link"), || "no name".into(), "the name of a link")?;
     }
-    require(
-        usize::from(object) < recording.objects.len(),
-        || field(".object"),
-        || object.to_string(),
-        "the index of an object",
-    )
+    let known = usize::from(object) < recording.objects.len();
+    require(known, || field(".object"), || object.to_string(), "the index of an object")
 }
 
 /// Checks a whole recording.

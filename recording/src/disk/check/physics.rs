@@ -48,12 +48,9 @@ fn check_times(recording: &Recording) -> Result<(), Violation> {
         before_s = frame.time_s;
     }
     for (index, goal) in recording.goals.iter().enumerate() {
-        require(
-            goal.start_time_s <= goal.end_time_s,
-            || format!("goals[{index}].end_time_s"),
-            || format!("{} s", goal.end_time_s),
-            "the start time or later",
-        )?;
+        let field = || format!("goals[{index}].end_time_s");
+        let found = || format!("{} s", goal.end_time_s);
+        require(goal.start_time_s <= goal.end_time_s, field, found, "the start time or later")?;
     }
     Ok(())
 }
@@ -86,13 +83,9 @@ fn check_contact_points(frame: &Frame, field: impl Fn(&str) -> String) -> Result
         let largest_n = on_patch().map(|point| point.force_world.as_dvec3().length()).fold(0.0, f64::max);
         let apart_n = (sum - *force).length();
         let found = || format!("{apart_n} N away from the sum of the patch's contact points");
+        let field = || field(&format!("contact_force_world[{patch}]"));
         let allowed = "the sum of the contact points on the patch";
-        require(
-            apart_n <= SUM_TOLERANCE * largest_n,
-            || field(&format!("contact_force_world[{patch}]")),
-            found,
-            allowed,
-        )?;
+        require(apart_n <= SUM_TOLERANCE * largest_n, field, found, allowed)?;
     }
     Ok(())
 }
