@@ -84,7 +84,7 @@ types! {
 }
 
 /// A value that a column can hold.
-pub(in crate::disk) trait Value: Clone + Default {
+pub(in crate::disk) trait Value: Clone + Default + 'static {
     /// Its type.
     const TYPE: Type;
     /// The values of a column, if they are of this type.

@@ -77,7 +77,7 @@ pub(in crate::disk) fn part_names(described: &Described) -> Vec<String> {
 }
 
 /// The type of a field of a row: a value, or several that have a column each.
-pub(in crate::disk) trait Field {
+pub(in crate::disk) trait Field: 'static {
     /// The type of its values.
     const TYPE: Type;
     /// Values in a row of a column.
@@ -86,9 +86,7 @@ pub(in crate::disk) trait Field {
     const OPTIONAL: bool = false;
 
     /// The columns of a field of all rows; `names` are the columns' names.
-    fn write<'a>(fields: impl Iterator<Item = &'a Self> + Clone, names: Vec<String>) -> Vec<Column>
-    where
-        Self: 'a;
+    fn write<'a>(fields: impl Iterator<Item = &'a Self> + Clone, names: Vec<String>) -> Vec<Column>;
 
     /// The field in a row of its columns, which are the next ones and were found to be as described.
     fn read(columns: &mut Iter<&Column>, row: usize) -> Self;
@@ -102,10 +100,7 @@ fn one<T: Value>(columns: &mut Iter<&Column>, row: usize) -> Option<T> {
 impl<T: Value> Field for T {
     const TYPE: Type = T::TYPE;
 
-    fn write<'a>(fields: impl Iterator<Item = &'a Self>, names: Vec<String>) -> Vec<Column>
-    where
-        Self: 'a,
-    {
+    fn write<'a>(fields: impl Iterator<Item = &'a Self>, names: Vec<String>) -> Vec<Column> {
         vec![Column::of(names.concat(), fields.cloned())]
     }
 
@@ -118,10 +113,7 @@ impl<T: Value> Field for Option<T> {
     const TYPE: Type = T::TYPE;
     const OPTIONAL: bool = true;
 
-    fn write<'a>(fields: impl Iterator<Item = &'a Self> + Clone, names: Vec<String>) -> Vec<Column>
-    where
-        Self: 'a,
-    {
+    fn write<'a>(fields: impl Iterator<Item = &'a Self> + Clone, names: Vec<String>) -> Vec<Column> {
         let present = fields.clone().map(Option::is_some).collect();
         let column = Column::of(names.concat(), fields.map(|field| field.clone().unwrap_or_default()));
         vec![Column { rows: Rows::Optional(present), ..column }]
@@ -137,10 +129,7 @@ impl<T: Value> Field for Option<Vec<T>> {
     const WIDTH: Width = Width::List;
     const OPTIONAL: bool = true;
 
-    fn write<'a>(fields: impl Iterator<Item = &'a Self> + Clone, names: Vec<String>) -> Vec<Column>
-    where
-        Self: 'a,
-    {
+    fn write<'a>(fields: impl Iterator<Item = &'a Self> + Clone, names: Vec<String>) -> Vec<Column> {
         let mut values = Vec::new();
         let mut ends = Vec::new();
         for field in fields.clone() {
