@@ -38,7 +38,7 @@ impl Row {
 /// Trials in the order of their first rows.
 #[derive(Default)]
 pub(super) struct Collector {
-    trials: Vec<Trial>,
+    pub(super) trials: Vec<Trial>,
     places: BTreeMap<u64, usize>,
     rows: u64,
 }
@@ -74,10 +74,5 @@ impl Collector {
         trial.samples.push(row.sample);
         let samples = limits::TRIAL_SAMPLES.check(path, "samples", trial.samples.len() as u64);
         samples.map_err(|error| error.at_line(row.line))
-    }
-
-    /// The trials.
-    pub(super) fn finish(self) -> Vec<Trial> {
-        self.trials
     }
 }

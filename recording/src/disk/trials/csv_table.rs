@@ -59,7 +59,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
         let channels = channels.collect();
         collector.push(path, Cells { path, line, cells: places.map(cell), channels }.row()?)?;
     }
-    Ok(collector.finish())
+    Ok(collector.trials)
 }
 
 /// Writes a table. Numbers are the shortest text that gives the same double when read.

@@ -46,7 +46,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
             collector.push(path, Cells { path, line, cells, channels }.row()?)?;
         }
     }
-    Ok(collector.finish())
+    Ok(collector.trials)
 }
 
 /// An error if a column has a type that none of the columns of trials can have.
