@@ -30,6 +30,7 @@ mod friction_cone;
 pub mod geometry;
 pub mod materials;
 mod newton;
+mod numbers;
 pub mod object;
 pub mod physics;
 mod quadrature;
