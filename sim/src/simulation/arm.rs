@@ -35,8 +35,8 @@ impl ArmBodies {
                 solids.push(Solid { link, shape, groups: groups::arm(), surface: arm.surface(link), part: 0 });
             }
         }
-        let slot = engine.insert(Tree::of_arm(arm, posture_rad), solids);
-        let bodies = engine.placed(slot).bodies.iter();
+        let slot = engine.scene.insert(Tree::of_arm(arm, posture_rad), solids);
+        let bodies = engine.scene.placed(slot).bodies.iter();
         let colliders = bodies.flat_map(|body| engine.scene.colliders_of(*body).iter().copied()).collect();
         ArmBodies { slot, colliders }
     }

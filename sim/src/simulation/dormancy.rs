@@ -4,6 +4,7 @@ use rapier3d::parry::bounding_volume::BoundingVolume;
 use rapier3d::parry::query::distance;
 use rapier3d::prelude::ColliderHandle;
 
+use super::mechanism::Mechanism;
 use super::model::Model;
 use super::moving_shapes::{DormancyBuffers, Mover};
 use super::world::World;
@@ -59,29 +60,22 @@ impl World {
                 && !movers.iter().any(is_near)
                 && let Some(mechanism) = self.mechanisms[index].take()
             {
-                self.engine.remove(mechanism.slot);
+                self.engine.scene.remove(mechanism.slot);
             }
         }
     }
 
     /// The collision shapes of the arm and of every object that is not at rest.
     fn movers(&self) -> impl Iterator<Item = Mover> {
-        let mover = |collider: ColliderHandle| Mover {
-            collider,
-            bounds: self
-                .engine
-                .shape(collider)
-                .compute_aabb(&parry_pose(&self.engine.collider_pose(collider)))
-                .loosened(WAKE_M),
+        let (engine, scene) = (&self.engine, &self.engine.scene);
+        let mover = |collider: ColliderHandle| {
+            let bounds = scene.shape(collider).compute_aabb(&parry_pose(&scene.collider_pose(collider)));
+            Mover { collider, bounds: bounds.loosened(WAKE_M) }
         };
-        let arm = self.arm.colliders.iter().copied();
-        let objects = self
-            .mechanisms
-            .iter()
-            .flatten()
-            .filter(|mechanism| mechanism.is_movable(&self.engine) && !mechanism.is_at_rest(&self.engine))
-            .flat_map(|mechanism| mechanism.colliders(&self.engine));
-        arm.chain(objects).map(mover)
+        let moves = |mechanism: &&Mechanism| mechanism.is_movable(engine) && !mechanism.is_at_rest(engine);
+        let moving = self.mechanisms.iter().flatten().filter(moves);
+        let of_objects = moving.flat_map(|mechanism| mechanism.colliders(engine));
+        self.arm.colliders.iter().copied().chain(of_objects).map(mover)
     }
 
     /// Whether a mover is nearer to an object at rest than the waking distance plus a margin.
@@ -90,8 +84,8 @@ impl World {
         mover.bounds.loosened(margin_m).intersects(&outline.aabb(pose))
             // A pair whose distance cannot be computed counts as near.
             && distance(
-                &parry_pose(&self.engine.collider_pose(mover.collider)),
-                self.engine.shape(mover.collider),
+                &parry_pose(&self.engine.scene.collider_pose(mover.collider)),
+                self.engine.scene.shape(mover.collider),
                 pose,
                 outline,
             )

@@ -6,7 +6,7 @@ use underbrush_recording::Pose as WorldPose;
 
 use super::contact_step::ContactStep;
 use super::groups;
-use super::placed::{Placed, PlacedLink, Scene, Solid};
+use super::placed::{PlacedLink, Scene, Solid};
 use crate::contact::surface::Surface;
 use crate::dynamics::Tree;
 use crate::object::TABLE_FRICTION;
@@ -41,16 +41,6 @@ impl Engine {
         }
     }
 
-    /// Adds a tree with its shapes, and returns its slot.
-    pub fn insert(&mut self, tree: Tree, solids: Vec<Solid>) -> usize {
-        self.scene.insert(tree, solids)
-    }
-
-    /// Removes a tree with its shapes.
-    pub fn remove(&mut self, slot: usize) {
-        self.scene.remove(slot);
-    }
-
     /// Says that an object is the table at this height, m.
     pub fn has_table(&mut self, height_m: f64) {
         self.tables_m.push(height_m);
@@ -72,12 +62,7 @@ impl Engine {
             surface: Surface::hard(self.table_friction),
             part: 0,
         };
-        self.insert(Tree::new(WorldPose::from_position(center), false), vec![top]);
-    }
-
-    /// A tree with the bodies of its links.
-    pub fn placed(&self, slot: usize) -> &Placed {
-        self.scene.placed(slot)
+        self.scene.insert(Tree::new(WorldPose::from_position(center), false), vec![top]);
     }
 
     /// A tree.
@@ -88,16 +73,6 @@ impl Engine {
     /// A tree, to set its springs or to push it.
     pub fn tree_mut(&mut self, slot: usize) -> &mut Tree {
         self.scene.tree_mut(slot)
-    }
-
-    /// The shape of a collider.
-    pub fn shape(&self, collider: ColliderHandle) -> &dyn Shape {
-        self.scene.shape(collider)
-    }
-
-    /// The pose of a collider, world frame.
-    pub fn collider_pose(&self, collider: ColliderHandle) -> WorldPose {
-        self.scene.collider_pose(collider)
     }
 
     /// The tree and the link that carry a collider.

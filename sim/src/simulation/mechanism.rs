@@ -51,12 +51,12 @@ impl Mechanism {
             let foot = tree.carry(structure, carrier, carrier_world.inverse() * *foot_world);
             solids.extend(self::solids(structure, foot, number as u16 + 1));
         }
-        Mechanism { slot: engine.insert(tree, solids) }
+        Mechanism { slot: engine.scene.insert(tree, solids) }
     }
 
     /// The colliders of all bodies, in the order of the bodies.
     pub(super) fn colliders(self, engine: &Engine) -> impl Iterator<Item = ColliderHandle> + '_ {
-        let bodies = engine.placed(self.slot).bodies.iter();
+        let bodies = engine.scene.placed(self.slot).bodies.iter();
         bodies.flat_map(|body| engine.scene.colliders_of(*body).iter().copied())
     }
 
@@ -90,19 +90,10 @@ pub(super) fn foot_pose(structure: &Structure, foot_world: DVec3, yaw_rad: f64) 
 /// The shapes of an object whose bodies are the links from `first` on.
 fn solids(structure: &Structure, first: usize, part: u16) -> impl Iterator<Item = Solid> + '_ {
     structure.bodies.iter().enumerate().flat_map(move |(index, body)| {
-        let groups = engine_groups(body.collision_group);
+        let groups = groups::of_object(body.collision_group);
         let shapes = body.parts.iter().filter_map(collider);
         shapes.map(move |shape| Solid { link: first + index, shape, groups, surface: structure.surface, part })
     })
-}
-
-fn engine_groups(group: CollisionGroup) -> InteractionGroups {
-    match group {
-        CollisionGroup::Fixed => groups::fixed(),
-        CollisionGroup::Bendable => groups::bendable(),
-        CollisionGroup::Rooted => groups::rooted(),
-        CollisionGroup::Standing => groups::standing(),
-    }
 }
 
 /// A collision shape in its place on its body; `None` for a hull without volume.

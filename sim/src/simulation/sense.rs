@@ -117,9 +117,9 @@ pub(super) fn sense(
         points.clear();
         points.extend(group.iter().map(|touch| touch.point));
         let skin = &patches[patch];
-        let shape = world.engine.shape(collider);
+        let shape = world.engine.scene.shape(collider);
         let surface = &model.structures[object].surface;
-        let shape_pose = world.link_pose(skin.link).inverse() * world.engine.collider_pose(collider);
+        let shape_pose = world.link_pose(skin.link).inverse() * world.engine.scene.collider_pose(collider);
         for force in skin.spread(points, shape, &shape_pose, surface, spread) {
             loads.add((patch, force.taxel), object as u16, force.normal_force_n, force.shear_link);
         }

@@ -47,6 +47,13 @@ pub struct FreeBody {
     pub may_rotate: bool,
 }
 
+impl FreeBody {
+    /// A body at rest that may rotate.
+    pub fn resting(part: BodyPart, mass_kg: f64, surface: Surface, pose_world: WorldPose) -> Self {
+        FreeBody { part, mass_kg, surface, pose_world, velocity_world: DVec3::ZERO, may_rotate: true }
+    }
+}
+
 /// Bodies and objects in an engine of their own.
 ///
 /// ```
@@ -107,7 +114,7 @@ impl Rig {
     /// Adds a body that cannot move. `None` if its shape has no volume.
     pub fn add_fixed(&mut self, part: &BodyPart, surface: Surface, pose_world: &WorldPose) -> Option<BodyId> {
         let solid = Solid { link: 0, shape: collider(part)?, groups: InteractionGroups::all(), surface, part: 0 };
-        let slot = self.engine.insert(Tree::new(*pose_world, false), vec![solid]);
+        let slot = self.engine.scene.insert(Tree::new(*pose_world, false), vec![solid]);
         self.name(slot).pop()
     }
 
@@ -132,7 +139,7 @@ impl Rig {
             own.velocity = value;
         }
         let solid = Solid { link: 1, shape, groups: InteractionGroups::all(), surface: free.surface, part: 0 };
-        let slot = self.engine.insert(tree, vec![solid]);
+        let slot = self.engine.scene.insert(tree, vec![solid]);
         self.name(slot).pop()
     }
 
@@ -160,6 +167,13 @@ impl Rig {
             tree.push(link, load.force_world, center, load.moment_world);
         }
         self.engine.step();
+    }
+
+    /// Advances by so many steps.
+    pub fn step_times(&mut self, steps: u32) {
+        for _ in 0..steps {
+            self.step();
+        }
     }
 
     /// Makes one engine step in which a second spring, parallel to the joint's own and `ratio` times as stiff, pulls
@@ -225,7 +239,7 @@ impl Rig {
     /// Sum of the normal forces on a body in the last step, N.
     pub fn pressing_force_n(&self, body: BodyId) -> f64 {
         let PlacedLink { slot, link } = self.bodies[body.0];
-        let own = self.engine.scene.colliders_of(self.engine.placed(slot).bodies[link]);
+        let own = self.engine.scene.colliders_of(self.engine.scene.placed(slot).bodies[link]);
         let contacts = self.engine.contact_step.contacts.iter();
         let impulse: f64 = contacts
             .filter(|contact| contact.colliders.iter().any(|collider| own.contains(collider)))

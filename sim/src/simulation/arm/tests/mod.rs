@@ -117,7 +117,7 @@ fn shapes_sit_where_the_files_put_them() {
         let link = arm.link_index(name).unwrap();
         let boxes = bodies.colliders.iter().filter(|own| bodies.link_of(&engine, **own) == Some(link));
         boxes
-            .map(|own| engine.shape(*own).compute_aabb(&parry_pose(&engine.collider_pose(*own))))
+            .map(|own| engine.scene.shape(*own).compute_aabb(&parry_pose(&engine.scene.collider_pose(*own))))
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), bounds| {
                 (low.min(bounds.mins.z), high.max(bounds.maxs.z))
             })
