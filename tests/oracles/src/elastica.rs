@@ -1,5 +1,7 @@
 //! Euler's elastica: a clamped strip under large loads.
 
+use crate::numeric::{bisected, runge_kutta_step};
+
 /// Place of the tip of a clamped strip of unit length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tip {
@@ -29,15 +31,7 @@ pub fn heights_under_tip_load(load: f64) -> Vec<f64> {
 }
 
 fn curvature_at_clamp(load: f64) -> f64 {
-    let (mut low, mut high) = (0.0, load);
-    for _ in 0..100 {
-        let middle = 0.5 * (low + high);
-        if integrate(load, middle, |_| ()).1 < 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    let [low, high] = bisected([0.0, load], 100, |middle| integrate(load, middle, |_| ()).1 < 0.0);
     0.5 * (low + high)
 }
 
@@ -46,15 +40,9 @@ fn integrate(load: f64, curvature: f64, mut see: impl FnMut(f64)) -> (Tip, f64) 
     let step = 1.0 / f64::from(STEPS);
     // (θ, θ′, ∫ sin θ, ∫ cos θ)
     let slope = |state: [f64; 4]| [state[1], -load * state[0].cos(), state[0].sin(), state[0].cos()];
-    let moved = |state: [f64; 4], slope: [f64; 4], by: f64| std::array::from_fn(|i| state[i] + by * slope[i]);
     let mut state = [0.0, curvature, 0.0, 0.0];
     for _ in 0..STEPS {
-        let first = slope(state);
-        let second = slope(moved(state, first, step / 2.0));
-        let third = slope(moved(state, second, step / 2.0));
-        let fourth = slope(moved(state, third, step));
-        state =
-            std::array::from_fn(|i| state[i] + step / 6.0 * (first[i] + 2.0 * second[i] + 2.0 * third[i] + fourth[i]));
+        state = runge_kutta_step(state, step, slope);
         see(state[3]);
     }
     let tip = Tip { sideways: state[2], shortening: 1.0 - state[3] };

@@ -69,9 +69,7 @@ impl StandardLinearSolid {
         let relaxing = self.stiffness * self.relaxing_share;
         PI * amplitude * amplitude * relaxing * phase / (1.0 + phase * phase)
     }
-}
 
-impl StandardLinearSolid {
     /// Force at `time_s` for a displacement that grows at unit speed until `turn_s` and then returns at the same speed.
     /// By Boltzmann's superposition of the relaxation: k∞ x + k₁ τ (1 − e^(−t/τ)) for each of the two ramps.
     pub fn there_and_back_force(&self, turn_s: f64, time_s: f64) -> f64 {

@@ -3,6 +3,8 @@
 
 use std::f64::consts::PI;
 
+use crate::numeric::{bisected, runge_kutta_step};
+
 /// Force, N, of a sphere of radius `radius_m` pressed `depth_m` into the layer: π k R d².
 ///
 /// ```
@@ -80,11 +82,8 @@ impl Layer {
 
     /// The pressure at a depth, Pa, by bisection.
     pub fn pressure_pa(&self, depth_m: f64) -> f64 {
-        let (mut low, mut high) = (0.0, self.ground_n_per_m3 * depth_m.max(0.0));
-        for _ in 0..100 {
-            let middle = 0.5 * (low + high);
-            if self.depth_m(middle) < depth_m { low = middle } else { high = middle }
-        }
+        let all = [0.0, self.ground_n_per_m3 * depth_m.max(0.0)];
+        let [low, high] = bisected(all, 100, |middle| self.depth_m(middle) < depth_m);
         0.5 * (low + high)
     }
 
@@ -136,16 +135,9 @@ pub fn bounce(
         stiffness_n_per_m3 * (elastic + loss_time_s * area * rate.max(0.0))
     };
     let slope = |[depth, rate]: [f64; 2]| [rate, -force_n(depth, rate) / mass_kg];
-    let along = |from: [f64; 2], slope: [f64; 2], step: f64| [from[0] + step * slope[0], from[1] + step * slope[1]];
     let (mut state, mut deepest, mut deepest_at, mut time) = ([0.0, speed_m_per_s], 0.0_f64, 0.0, 0.0);
     loop {
-        let first = slope(state);
-        let second = slope(along(state, first, STEP_S / 2.0));
-        let third = slope(along(state, second, STEP_S / 2.0));
-        let fourth = slope(along(state, third, STEP_S));
-        for index in 0..2 {
-            state[index] += STEP_S / 6.0 * (first[index] + 2.0 * second[index] + 2.0 * third[index] + fourth[index]);
-        }
+        state = runge_kutta_step(state, STEP_S, slope);
         time += STEP_S;
         if state[0] > deepest {
             (deepest, deepest_at) = (state[0], time);

@@ -21,6 +21,7 @@ pub mod elastica;
 pub mod foam;
 pub mod foundation;
 pub mod markov;
+pub mod numeric;
 pub mod order;
 pub mod oscillator;
 pub mod statics;

@@ -2,6 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::numeric::bisected;
+
 /// A damped oscillator with damping ratio below 1.
 ///
 /// ```
@@ -68,16 +70,9 @@ impl Oscillator {
             speed * (-decay * time).exp() * ((damped * time).cos() - decay / damped * (damped * time).sin())
         };
         let turning = (damped / decay).atan() / damped;
-        let (mut low, mut high) = (turning, PI / damped);
-        for _ in 0..60 {
-            let middle = 0.5 * (low + high);
-            if place(middle) + loss_time_s * velocity(middle) > 0.0 {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        (place(turning), -velocity(low))
+        let presses = |time: f64| place(time) + loss_time_s * velocity(time) > 0.0;
+        let [end, _] = bisected([turning, PI / damped], 60, presses);
+        (place(turning), -velocity(end))
     }
 
     /// The oscillator that the θ-method with a step of `step_s` simulates: the eigenvalue s = −ζω₀ ± iω_d becomes the
