@@ -18,10 +18,10 @@
 use glam::{DMat3, DVec2, DVec3};
 use nalgebra::Vector3;
 use parry3d::shape::Shape;
-use underbrush_recording::Pose;
+use underbrush_recording::{Patch, Pose};
 
 use crate::arm::Arm;
-use crate::arm::skin::{FACING_COSINE, corner_m, reach_m};
+use crate::arm::skin::{FACING_COSINE, SurfacePoint, corner_m, reach_m};
 use crate::contact::chord::{Chords, End, Faces, View};
 use crate::contact::surface::Surface;
 use crate::friction_cone::{Carrier, solve_symmetric, within_cones};
@@ -29,19 +29,6 @@ use crate::geometry::signed_distance_m;
 use indent::{Cell, indent};
 
 mod indent;
-
-/// One place on a taxel, link frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SubPoint {
-    /// The taxel, index in its patch.
-    pub taxel: usize,
-    /// Position, m, link frame.
-    pub position_link: DVec3,
-    /// Outward unit normal, link frame.
-    pub normal_link: DVec3,
-    /// Area, m².
-    pub area_m2: f64,
-}
 
 /// One patch of skin, ready for contacts.
 #[derive(Clone, Debug)]
@@ -55,7 +42,7 @@ pub struct SkinPatch {
     /// Distance of each taxel's corners from its centre, m.
     pub corners_m: Vec<f64>,
     /// Sub-points sorted by taxel, the same number for each.
-    pub sub_points: Vec<SubPoint>,
+    pub sub_points: Vec<SurfacePoint>,
     /// Largest distance of a contact point on this skin from the nearest taxel's centre, m.
     pub reach_m: f64,
     /// The layer's compliance and friction.
@@ -108,30 +95,20 @@ const POINTS_PER_SIDE: usize = 4;
 impl SkinPatch {
     /// The patches of an arm's skin, in the layout's order.
     pub fn of_arm(arm: &Arm) -> Vec<SkinPatch> {
-        arm.skin
-            .layout
-            .patches
-            .iter()
-            .enumerate()
-            .map(|(patch, layout)| SkinPatch {
-                link: arm.skin.surfaces[patch].link,
-                centers_link: layout.taxels.iter().map(|taxel| taxel.position_link).collect(),
-                normals_link: layout.taxels.iter().map(|taxel| taxel.normal_link).collect(),
-                corners_m: layout.taxels.iter().map(corner_m).collect(),
-                sub_points: (0..layout.taxels.len())
-                    .flat_map(|taxel| {
-                        arm.skin.surface_points(patch, taxel, POINTS_PER_SIDE).into_iter().map(move |point| SubPoint {
-                            taxel,
-                            position_link: point.position_link,
-                            normal_link: point.normal_link,
-                            area_m2: point.area_m2,
-                        })
-                    })
-                    .collect(),
-                reach_m: reach_m(&layout.taxels),
-                surface: arm.surface(arm.skin.surfaces[patch].link),
-            })
-            .collect()
+        let ready = |(patch, Patch { taxels, .. }): (usize, &Patch)| {
+            let link = arm.skin.surfaces[patch].link;
+            let points = (0..taxels.len()).flat_map(|taxel| arm.skin.surface_points(patch, taxel, POINTS_PER_SIDE));
+            SkinPatch {
+                link,
+                centers_link: taxels.iter().map(|taxel| taxel.position_link).collect(),
+                normals_link: taxels.iter().map(|taxel| taxel.normal_link).collect(),
+                corners_m: taxels.iter().map(corner_m).collect(),
+                sub_points: points.collect(),
+                reach_m: reach_m(taxels),
+                surface: arm.surface(link),
+            }
+        };
+        arm.skin.layout.patches.iter().enumerate().map(ready).collect()
     }
 
     /// Whether a contact presses on this skin and not on the bare shell beside it.
@@ -242,7 +219,7 @@ impl SkinPatch {
         }));
     }
 
-    fn nearby<'a>(&'a self, contacts: &'a [ContactPoint]) -> impl Iterator<Item = &'a SubPoint> {
+    fn nearby<'a>(&'a self, contacts: &'a [ContactPoint]) -> impl Iterator<Item = &'a SurfacePoint> {
         self.sub_points
             .chunks_exact(self.points_per_taxel())
             .zip(&self.centers_link)
@@ -263,7 +240,7 @@ impl SkinPatch {
             let distances = contacts.iter().map(|contact| contact.position_link.distance_squared(position));
             distances.fold(f64::INFINITY, f64::min)
         };
-        let taxel_distance = |points: &[SubPoint]| {
+        let taxel_distance = |points: &[SurfacePoint]| {
             let distances = points.iter().map(|point| squared_distance(point.position_link));
             distances.fold(f64::INFINITY, f64::min)
         };

@@ -3,12 +3,14 @@
 use glam::DVec3;
 use nalgebra::{Matrix3, Vector3};
 use parry3d::shape::SharedShape;
+use underbrush_oracles::numeric::bisected;
 use underbrush_oracles::{foundation, order};
 use underbrush_recording::Pose;
 use underbrush_sim::arm::Arm;
+use underbrush_sim::arm::skin::SurfacePoint;
 use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::object::FRICTION;
-use underbrush_sim::skin::{ContactPoint, SkinPatch, SpreadBuffers, SubPoint};
+use underbrush_sim::skin::{ContactPoint, SkinPatch, SpreadBuffers};
 
 use crate::pressed_arm::FOREARM_RADIUS_M;
 use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
@@ -148,15 +150,7 @@ fn fine_skin(name: &str, pressed: &Pressed, overlap_m3: impl Fn(f64) -> f64) -> 
 
 /// The depth, m, at which `law`, a force that rises with depth, gives `force_n`.
 fn depth_under(force_n: f64, law: impl Fn(f64) -> f64) -> f64 {
-    let (mut low, mut high) = (0.0, 0.01);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if law(middle) < force_n {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    let [low, high] = bisected([0.0, 0.01], 60, |depth_m| law(depth_m) < force_n);
     0.5 * (low + high)
 }
 
@@ -204,7 +198,7 @@ fn patch(stiffness_n_per_m3: f64, pitch_m: f64, radius_m: f64, points: u32) -> S
         let offsets = (0..points).flat_map(move |i| (0..points).map(move |j| (offset(i), offset(j))));
         offsets.map(move |(along, across)| {
             let (position_link, normal_link) = surface(x + along, arc + across);
-            SubPoint { taxel, position_link, normal_link, area_m2: side_m * side_m }
+            SurfacePoint { taxel, position_link, normal_link, area_m2: side_m * side_m }
         })
     });
     SkinPatch {
@@ -235,8 +229,7 @@ fn forearm(simulated: Simulated) -> Found {
     let middle = &taxels[taxels.len() / 2];
     let (along, outward) = (middle.tangent_link, middle.normal_link);
     let around = outward.cross(along);
-    let mut comparisons = Vec::new();
-    for force_n in [2.0, 9.0] {
+    let compare = |force_n: f64| -> Result<Comparison, Fault> {
         // A third of the way to the next taxel along the forearm, so that nothing is symmetric.
         let touched = middle.position_link + along * 0.003;
         let contact = ContactPoint {
@@ -258,17 +251,15 @@ fn forearm(simulated: Simulated) -> Found {
         let side_m = middle.area_m2.sqrt();
         let radii_m = [TRUNK_RADIUS_M, FOREARM_RADIUS_M];
         let expected = taxel_forces_n(stiffness, radii_m, &places, side_m, force_n);
-        comparisons.push(
-            Comparison::of(
-                format!("trunk across the forearm at {force_n} N, largest taxel"),
-                "N",
-                expected.into_iter().fold(0.0, f64::max),
-                found.iter().map(|force| force.normal_force_n).fold(0.0, f64::max),
-            )
-            .relative(0.05, "5 %: sixteen points per taxel, and terms of order d / R, which the law neglects"),
-        );
-    }
-    Ok(comparisons)
+        Ok(Comparison::of(
+            format!("trunk across the forearm at {force_n} N, largest taxel"),
+            "N",
+            expected.into_iter().fold(0.0, f64::max),
+            found.iter().map(|force| force.normal_force_n).fold(0.0, f64::max),
+        )
+        .relative(0.05, "5 %: sixteen points per taxel, and terms of order d / R, which the law neglects"))
+    };
+    [2.0, 9.0].into_iter().map(compare).collect()
 }
 
 /// Winkler's pressure integrated over each square taxel, N, under a trunk with such a depth and tilt that the taxels

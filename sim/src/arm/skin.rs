@@ -62,6 +62,8 @@ pub enum SurfaceForm {
 /// A piece of a taxel's surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePoint {
+    /// The taxel, index in its patch.
+    pub taxel: usize,
     /// Position, m, link frame.
     pub position_link: DVec3,
     /// Outward unit normal, link frame.
@@ -75,7 +77,8 @@ impl Skin {
     /// along the first tangent, then the second. Empty if there is no such taxel.
     pub fn surface_points(&self, patch: usize, taxel: usize, per_side: usize) -> Vec<SurfacePoint> {
         let surface = self.surfaces.get(patch);
-        let taxel = self.layout.patches.get(patch).and_then(|patch| patch.taxels.get(taxel));
+        let number = taxel;
+        let taxel = self.layout.patches.get(patch).and_then(|patch| patch.taxels.get(number));
         let (Some(surface), Some(taxel)) = (surface, taxel) else {
             return Vec::new();
         };
@@ -93,9 +96,10 @@ impl Skin {
                         let normal_link = taxel.normal_link * cos + second_tangent * sin;
                         let center = taxel.position_link - taxel.normal_link * radius_m;
                         let position_link = center + taxel.tangent_link * along + normal_link * radius_m;
-                        SurfacePoint { position_link, normal_link, area_m2 }
+                        SurfacePoint { taxel: number, position_link, normal_link, area_m2 }
                     }
                     SurfaceForm::Points => SurfacePoint {
+                        taxel: number,
                         position_link: taxel.position_link + taxel.tangent_link * along + second_tangent * across,
                         normal_link: taxel.normal_link,
                         area_m2,
