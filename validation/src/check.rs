@@ -120,13 +120,8 @@ pub fn run(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> V
     let jobs: Vec<&Case> = checks.iter().flat_map(|check| check.cases).collect();
     let found = run_all(&jobs, |case| run_case(case, Simulated::AsDescribed), done);
     let mut found = found.into_iter();
-    checks
-        .iter()
-        .map(|check| {
-            let own = found.by_ref().take(check.cases.len()).collect();
-            judge(check, own, tolerance_scale)
-        })
-        .collect()
+    let judged = |check: &&Check| judge(check, found.by_ref().take(check.cases.len()).collect(), tolerance_scale);
+    checks.iter().map(judged).collect()
 }
 
 /// Judges what the cases of a check found. A check without any comparison fails, and so does one with a case that ended

@@ -141,9 +141,7 @@ fn resting(simulated: Simulated) -> Found {
         for mass_kg in [0.005, 1.0] {
             let body_above = above(&body.upper, mass_kg, soft(stiffness, 0.05), body.height_m);
             let (mut rig, upper) = on(RESTING, &body.lower, &body_above)?;
-            for _ in 0..1000 {
-                rig.step();
-            }
+            rig.step_times(1000);
             let depth_m = body.height_m - rig.pose_world(upper).position.z;
             comparisons.push(
                 Comparison::of(
@@ -174,30 +172,24 @@ fn pressed_flat(simulated: Simulated) -> Found {
         thickness_m: THICKNESS_M,
     };
     let [punch, table] = [PUNCH_M, 1.0].map(|side| cuboid(DVec3::new(side, side, 0.04)));
-    let mut comparisons = Vec::new();
-    for mass_kg in [0.5, 2.0, 8.0, 32.0] {
+    let compare = |mass_kg: f64| -> Result<Comparison, Fault> {
         let thickness_m = Some(THICKNESS_M * simulated.with(THICK_LAYER, 1.0, 1.2));
         let surface = Surface { thickness_m, ..soft(STIFFNESS_N_PER_M3, 0.05) };
         let (mut rig, upper) = on(RESTING, &table, &above(&punch, mass_kg, surface, 0.04))?;
-        for _ in 0..1000 {
-            rig.step();
-        }
+        rig.step_times(1000);
         let expected = layer.depth_m(mass_kg * GRAVITY_M_PER_S2 / (PUNCH_M * PUNCH_M));
         let found = 0.04 - rig.pose_world(upper).position.z;
         let name = format!("flat punch of {mass_kg} kg on a layer of 3 mm, depth at rest");
-        comparisons.push(
-            Comparison::of(name, "m", expected, found).relative(1e-3, "0.1 %: the columns of a flat face are alike"),
-        );
-    }
-    Ok(comparisons)
+        Ok(Comparison::of(name, "m", expected, found).relative(1e-3, "0.1 %: the columns of a flat face are alike"))
+    };
+    [0.5, 2.0, 8.0, 32.0].into_iter().map(compare).collect()
 }
 
 /// A trunk pressed into the skin near the wrist, in the middle and near the elbow.
 fn along_the_forearm(simulated: Simulated) -> Found {
     const RADIUS_M: f64 = 0.015;
     let arm = Arm::cody()?;
-    let mut comparisons = Vec::new();
-    for (name, along_m) in [("near the wrist", -0.05), ("in the middle", 0.0), ("near the elbow", 0.07)] {
+    let compare = |(name, along_m): (&str, f64)| -> Result<Comparison, Fault> {
         let mut soft = arm.clone();
         soft.skin.stiffness_n_per_m3 *= simulated.with(STIFF_SKIN, 1.0, 1.3);
         let trunk = Trunk { diameter_m: 2.0 * RADIUS_M, height_m: 0.6 };
@@ -218,22 +210,15 @@ fn along_the_forearm(simulated: Simulated) -> Found {
             thickness_m: arm.skin.thickness_m.unwrap_or(f64::INFINITY),
         };
         let law = layer.force_n([FOREARM_RADIUS_M, RADIUS_M], depth_m);
-        let force_n: f64 = pressed
-            .report()
-            .contacts
-            .iter()
-            .filter(|contact| contact.link == pressed.forearm)
-            .map(|contact| contact.force_world.dot(contact.inward_world))
-            .sum();
-        comparisons.push(
-            Comparison::of(
-                format!("trunk on the forearm {name}, 2π √(R₁R₂) ∫ p dh / sin α"),
-                "N",
-                force_n,
-                law / normal.length(),
-            )
-            .relative(0.05, "5 %: terms of order d / R, a tenth for the trunk, a quarter of which enters"),
-        );
-    }
-    Ok(comparisons)
+        let contacts = pressed.report().contacts.iter().filter(|contact| contact.link == pressed.forearm);
+        let force_n: f64 = contacts.map(|contact| contact.force_world.dot(contact.inward_world)).sum();
+        Ok(Comparison::of(
+            format!("trunk on the forearm {name}, 2π √(R₁R₂) ∫ p dh / sin α"),
+            "N",
+            force_n,
+            law / normal.length(),
+        )
+        .relative(0.05, "5 %: terms of order d / R, a tenth for the trunk, a quarter of which enters"))
+    };
+    [("near the wrist", -0.05), ("in the middle", 0.0), ("near the elbow", 0.07)].into_iter().map(compare).collect()
 }

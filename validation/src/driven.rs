@@ -46,9 +46,7 @@ impl Driven {
 
     /// Displacement of the coordinate after some time without a drive.
     pub fn let_go(&mut self, seconds: f64) -> f64 {
-        for _ in 0..(seconds / Self::STEP_S).round() as usize {
-            self.rig.step();
-        }
+        self.rig.step_times((seconds / Self::STEP_S).round() as u32);
         self.place()
     }
 

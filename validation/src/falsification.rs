@@ -55,14 +55,12 @@ pub fn falsify(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) 
     let jobs: Vec<(&Case, Falsification)> = checks.iter().flat_map(|check| check.cases).flat_map(falsified).collect();
     let found = run_all(&jobs, |(case, wrong)| run_case(case, Simulated::Falsified(*wrong)), done);
     let mut found = found.into_iter();
-    checks
-        .iter()
-        .map(|check| {
-            let cases = check.cases.iter();
-            let own = cases.map(|case| found.by_ref().take(case.falsifications.len()).collect());
-            judge_falsified(check, own.collect(), tolerance_scale)
-        })
-        .collect()
+    let judged = |check: &&Check| {
+        let cases = check.cases.iter();
+        let own = cases.map(|case| found.by_ref().take(case.falsifications.len()).collect());
+        judge_falsified(check, own.collect(), tolerance_scale)
+    };
+    checks.iter().map(judged).collect()
 }
 
 /// Judges what the cases of a check found. `found` has the results of each case under its falsifications, in their

@@ -1,6 +1,7 @@
 //! Check 7: dry friction.
 
 use glam::{DQuat, DVec3};
+use underbrush_oracles::numeric::bisected;
 use underbrush_oracles::statics;
 use underbrush_recording::{BodyPart, BodyShape, Pose};
 use underbrush_sim::arm::Arm;
@@ -154,22 +155,13 @@ fn every_direction(simulated: Simulated) -> Found {
         let mut rig = Rig::new(OPTIONS);
         let floor = cuboid(DVec3::new(10.0, 10.0, 0.1), DVec3::Z * -0.05);
         rig.add_fixed(&floor, surface, &Pose::from_orientation(DQuat::from_rotation_y(slope_rad)));
-        let sliding = rig.add_free(&FreeBody {
-            part: cuboid(DVec3::new(0.12, 0.1, 0.02), DVec3::ZERO),
-            mass_kg: 0.5,
-            surface,
-            pose_world: Pose::from_position(DVec3::Z * 0.01),
-            velocity_world: direction * SPEED_M_PER_S,
-            may_rotate: true,
-        });
+        let block = cuboid(DVec3::new(0.12, 0.1, 0.02), DVec3::ZERO);
+        let resting = FreeBody::resting(block, 0.5, surface, Pose::from_position(DVec3::Z * 0.01));
+        let sliding = rig.add_free(&FreeBody { velocity_world: direction * SPEED_M_PER_S, ..resting });
         let sliding = sliding.ok_or_else(|| Fault::Run("a box without volume".into()))?;
-        for _ in 0..STEPS {
-            rig.step();
-        }
+        rig.step_times(STEPS);
         let before = rig.velocity_world(sliding).with_z(0.0);
-        for _ in 0..STEPS {
-            rig.step();
-        }
+        rig.step_times(STEPS);
         let change = before - rig.velocity_world(sliding).with_z(0.0);
         farthest_rad = farthest_rad.max(change.angle_between(direction));
         let deceleration = change.length() / (f64::from(STEPS) * OPTIONS.step_s);
@@ -199,18 +191,10 @@ fn cuboid(size_m: DVec3, center: DVec3) -> BodyPart {
 
 /// The slope at which a box begins to slide, by bisection.
 fn slip_slope_rad(friction: f64, may_rotate: bool) -> f64 {
-    let (mut holds, mut slips) = (0.1, 0.8);
-    for _ in 0..12 {
-        let slope = 0.5 * (holds + slips);
-        // A box that still slides after one second counts as slipping. At the bound of 5 mm/s, the slope is 0.03° too
-        // steep.
-        let speeds = sliding_speeds(slope, friction, may_rotate);
-        if speeds.last().is_some_and(|speed| *speed > 5e-3) {
-            slips = slope;
-        } else {
-            holds = slope;
-        }
-    }
+    // A box that still slides after one second counts as slipping. At the bound of 5 mm/s, the slope is 0.03° too
+    // steep.
+    let slides = |slope| sliding_speeds(slope, friction, may_rotate).last().is_some_and(|speed| *speed > 5e-3);
+    let [holds, slips] = bisected([0.1, 0.8], 12, |slope| !slides(slope));
     0.5 * (holds + slips)
 }
 
@@ -221,14 +205,9 @@ fn sliding_speeds(slope_rad: f64, friction: f64, may_rotate: bool) -> Vec<f64> {
     let tilt = Pose::from_orientation(DQuat::from_rotation_y(slope_rad));
     let plate = cuboid(DVec3::new(10.0, 1.0, 0.1), DVec3::Z * -0.05);
     rig.add_fixed(&plate, surface, &tilt);
-    let sliding = rig.add_free(&FreeBody {
-        part: cuboid(DVec3::new(0.12, 0.1, 0.04), DVec3::ZERO),
-        mass_kg: 0.5,
-        surface,
-        pose_world: tilt * Pose::from_position(DVec3::Z * 0.02),
-        velocity_world: DVec3::ZERO,
-        may_rotate,
-    });
+    let block = cuboid(DVec3::new(0.12, 0.1, 0.04), DVec3::ZERO);
+    let resting = FreeBody::resting(block, 0.5, surface, tilt * Pose::from_position(DVec3::Z * 0.02));
+    let sliding = rig.add_free(&FreeBody { may_rotate, ..resting });
     let down = tilt.transform_vector(DVec3::X);
     (0..(1.0 / OPTIONS.step_s).round() as usize)
         .map(|_| {

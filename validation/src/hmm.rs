@@ -69,8 +69,7 @@ fn forward(simulated: Simulated) -> Found {
     ];
     let samples = [0.2, 0.0, 0.7, 1.4, 2.2, 2.0, 2.9];
     let observations = Observations::new(1, samples.to_vec())?;
-    let mut comparisons = Vec::new();
-    for (name, parameters) in models {
+    let compare = |(name, parameters): (&str, HmmParameters)| -> Result<Comparison, Fault> {
         let density = |sample: &f64| -> Vec<f64> {
             (0..3)
                 .map(|state| log_normal_density(*sample, parameters.mean[state][0], parameters.covariance[state][0][0]))
@@ -83,12 +82,10 @@ fn forward(simulated: Simulated) -> Found {
         scored.transition[0][1] -= off;
         let model = GaussianHmm::new(scored).map_err(|error| Fault::Run(format!("{error:?}")))?;
         let found = Scorer::from(model).log_probability(ScoreKind::Forward, &observations)?;
-        comparisons.push(
-            Comparison::of(format!("forward score, {name}, 3 states, 7 samples"), "nat", expected, found)
-                .relative(1e-12, "1e-12: rounding of some hundred sums and products"),
-        );
-    }
-    Ok(comparisons)
+        Ok(Comparison::of(format!("forward score, {name}, 3 states, 7 samples"), "nat", expected, found)
+            .relative(1e-12, "1e-12: rounding of some hundred sums and products"))
+    };
+    models.into_iter().map(compare).collect()
 }
 
 /// The model that sequences are drawn from.

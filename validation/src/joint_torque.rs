@@ -8,7 +8,7 @@ use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::trunk::Trunk;
 
 use crate::pressed_arm::{Beside, LEAF, OPTIONS, PressedArm};
-use crate::{Case, Check, Comparison, Falsification, Found, Simulated};
+use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 6.
 pub const CHECK: Check = Check {
@@ -23,13 +23,7 @@ const STIFF_JOINTS: Falsification = Falsification::new("stiffness of the simulat
 fn compare(simulated: Simulated) -> Found {
     let trunk = || -> Box<dyn Object> { Box::new(Trunk { diameter_m: 0.03, height_m: 0.6 }) };
     let leaf = || -> Box<dyn Object> { Box::new(Leaf { loss_factor: 0.3, ..LEAF }) };
-    let mut comparisons = Vec::new();
-    for (name, object, gap_m, force_n) in [
-        ("trunk, 2 N", trunk(), 0.017, 2.0),
-        ("trunk, 9 N", trunk(), 0.017, 9.0),
-        ("leaf, lightly touched", leaf(), 0.005, 9.0),
-        ("leaf, bent far", leaf(), 0.005, 30.0),
-    ] {
+    let compare = |(name, object, gap_m, force_n): (&str, Box<dyn Object>, f64, f64)| -> Result<Comparison, Fault> {
         let arm = Arm::cody()?;
         let mut wrong = arm.clone();
         for joint in &mut wrong.joints {
@@ -48,14 +42,22 @@ fn compare(simulated: Simulated) -> Found {
             let wrench = [point.position_world, point.force_world, point.moment_world].map(|part| part.as_dvec3());
             pressed.arm.add_torque_nm(poses, point.link.into(), wrench, contacts.as_mut_slice());
         }
-        comparisons.push(Comparison {
+        Ok(Comparison {
             residual: (&springs + &contacts).norm() / contacts.norm(),
             ..Comparison::of(format!("joint torques, {name} (norm)"), "Nm", contacts.norm(), springs.norm()).relative(
                 1e-3,
                 "0.1 %: a state of rest has no discretization error; what remains is creep of the contact \
                  under friction",
             )
-        });
-    }
-    Ok(comparisons)
+        })
+    };
+    [
+        ("trunk, 2 N", trunk(), 0.017, 2.0),
+        ("trunk, 9 N", trunk(), 0.017, 9.0),
+        ("leaf, lightly touched", leaf(), 0.005, 9.0),
+        ("leaf, bent far", leaf(), 0.005, 30.0),
+    ]
+    .into_iter()
+    .map(compare)
+    .collect()
 }

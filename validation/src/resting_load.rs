@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3};
 use underbrush_recording::{BodyPart, BodyShape, Pose};
 use underbrush_sim::contact::surface::Surface;
+use underbrush_sim::object::structure;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::test_rig::{FreeBody, Rig};
 
@@ -51,25 +52,14 @@ fn compare(simulated: Simulated) -> Found {
 /// The contact force between the ground and a body that has lain on it for three seconds, N.
 fn resting_load_n(part: BodyPart, mass_kg: f64) -> Result<f64, Fault> {
     let mut rig = Rig::new(OPTIONS);
-    let plate = BodyPart {
-        shape: BodyShape::Box { size_m: DVec3::new(1.0, 1.0, 0.1) },
-        pose_body: Pose::from_position(DVec3::Z * -0.05),
-    };
+    let plate = structure::part(BodyShape::Box { size_m: DVec3::new(1.0, 1.0, 0.1) }, DVec3::Z * -0.05);
     let plate = rig.add_fixed(&plate, Surface::hard(FRICTION), &Pose::IDENTITY);
-    let lying = rig.add_free(&FreeBody {
-        part,
-        mass_kg,
-        surface: Surface::hard(FRICTION),
-        // All three shapes reach 3 cm below their centre.
-        pose_world: Pose::from_position(DVec3::Z * 0.03),
-        velocity_world: DVec3::ZERO,
-        may_rotate: true,
-    });
+    // All three shapes reach 3 cm below their centre.
+    let place = Pose::from_position(DVec3::Z * 0.03);
+    let lying = rig.add_free(&FreeBody::resting(part, mass_kg, Surface::hard(FRICTION), place));
     let (Some(plate), Some(_)) = (plate, lying) else {
         return Err(Fault::Run("a body without volume".into()));
     };
-    for _ in 0..600 {
-        rig.step();
-    }
+    rig.step_times(600);
     Ok(rig.pressing_force_n(plate))
 }

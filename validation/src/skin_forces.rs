@@ -142,14 +142,9 @@ fn collision(simulated: Simulated) -> Found {
 fn lost_momentum(gravity_m_per_s2: f64) -> f64 {
     let mut rig = Rig::new(PhysicsOptions { gravity_m_per_s2, ..OPTIONS });
     let mut body = |position: DVec3, velocity_world: DVec3, mass_kg: f64, shape: BodyShape| {
-        rig.add_free(&FreeBody {
-            part: BodyPart { shape, pose_body: Pose::IDENTITY },
-            mass_kg,
-            surface: Surface::hard(0.4),
-            pose_world: Pose::from_position(position),
-            velocity_world,
-            may_rotate: true,
-        })
+        let part = BodyPart { shape, pose_body: Pose::IDENTITY };
+        let resting = FreeBody::resting(part, mass_kg, Surface::hard(0.4), Pose::from_position(position));
+        rig.add_free(&FreeBody { velocity_world, ..resting })
     };
     let ball = BodyShape::Sphere { radius_m: 0.05 };
     let cuboid = BodyShape::Box { size_m: DVec3::new(0.1, 0.12, 0.14) };
@@ -160,9 +155,7 @@ fn lost_momentum(gravity_m_per_s2: f64) -> f64 {
     let momentum =
         |rig: &Rig, body: Option<BodyId>| body.map_or(DVec3::NAN, |body| rig.velocity_world(body) * rig.mass_kg(body));
     let before = bodies.map(|body| momentum(&rig, body));
-    for _ in 0..200 {
-        rig.step();
-    }
+    rig.step_times(200);
     let after = bodies.map(|body| momentum(&rig, body));
     let given = before[0].distance(after[0]);
     (after[0] + after[1] - before[0] - before[1]).length() / given
