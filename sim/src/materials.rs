@@ -37,7 +37,8 @@ macro_rules! materials {
             /// The ranges that are given, with their names and limits.
             pub fn quantities(&self) -> Vec<Limited<'_>> {
                 let all = [$((stringify!($name), &self.$name, $limits)),+].into_iter();
-                all.filter_map(|(name, range, limits)| Some(Limited::new(name, range.as_ref()?, pair(limits)))).collect()
+                all.filter_map(|(name, range, limits)| Some(Limited { name, quantity: range.as_ref()?, limits: pair(limits) }))
+                    .collect()
             }
 
             /// Draws the constants of a reach.

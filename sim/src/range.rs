@@ -87,13 +87,6 @@ pub struct Limited<'a> {
     pub limits: (f64, f64),
 }
 
-impl<'a> Limited<'a> {
-    /// A range with its key and limits.
-    pub fn new(name: &'static str, quantity: &'a Quantity, limits: (f64, f64)) -> Self {
-        Limited { name, quantity, limits }
-    }
-}
-
 /// How often something of several quantities is drawn again if it is not possible.
 const REDRAWS: usize = 100;
 

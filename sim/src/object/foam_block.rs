@@ -9,7 +9,7 @@ use underbrush_recording::{BodyShape, Category};
 use super::FRICTION;
 use super::group::{Declared, Drawing, Kind};
 use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Maxwell, Spring, Structure, part};
-use super::{EARTH_GRAVITY_M_PER_S2, Footing, Object, StandsOn};
+use super::{EARTH_GRAVITY_M_PER_S2, Footing, Object};
 use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
 use crate::range::{Draw, DrawError};
@@ -58,7 +58,6 @@ impl Kind for FoamBlock {
         },
     ];
     const CATEGORY: Category = Category::BLOCK;
-    const STANDS_ON: StandsOn = StandsOn::Table;
 
     fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {
         let height_m = drawing.quantity("height_m")?;
@@ -170,15 +169,6 @@ impl FoamBlock {
 impl Object for FoamBlock {
     fn kind(&self) -> &'static str {
         "foam_block"
-    }
-
-    /// No: goals lie above it.
-    fn is_obstacle(&self) -> bool {
-        false
-    }
-
-    fn may_stand_in_foam(&self) -> bool {
-        false
     }
 
     fn footprint(&self) -> Footprint {

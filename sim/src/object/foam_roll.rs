@@ -8,7 +8,7 @@ use underbrush_recording::{BodyShape, Category};
 
 use super::group::{Declared, Drawing, Kind, quantities};
 use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Maxwell, Spring, Structure, part};
-use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Object, StandsOn};
+use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Object};
 use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
 use crate::range::{Draw, DrawError, draw_possible};
@@ -47,7 +47,6 @@ impl Kind for FoamRoll {
     const GROUP: (&'static str, &'static str) = ("FoamRollSpecification", "A group of foam rolls in a scene file.");
     const QUANTITIES: &'static [Declared] = Self::DECLARED;
     const CATEGORY: Category = Category::OUTLIER;
-    const STANDS_ON: StandsOn = StandsOn::Table;
 
     fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {
         let group = drawing.group;
@@ -133,10 +132,6 @@ impl Object for FoamRoll {
     /// The arm presses its surface in, but cannot pass it.
     fn is_obstacle(&self) -> bool {
         true
-    }
-
-    fn may_stand_in_foam(&self) -> bool {
-        false
     }
 
     fn footprint(&self) -> Footprint {

@@ -33,7 +33,7 @@ pub trait Kind: Object + Clone + Sized + 'static {
     /// Its ground-truth category, unless a group names another.
     const CATEGORY: Category;
     /// What it must stand on.
-    const STANDS_ON: StandsOn;
+    const STANDS_ON: StandsOn = StandsOn::Table;
 
     /// Draws one object. `footing` is what it stands on.
     ///
@@ -141,7 +141,7 @@ impl<K: Kind> Specification for Group<K> {
 
     fn quantities(&self) -> Vec<Limited<'_>> {
         let ranges = K::QUANTITIES.iter().zip(&self.ranges);
-        ranges.map(|(declared, range)| Limited::new(declared.name, range, declared.limits)).collect()
+        ranges.map(|(Declared { name, limits, .. }, quantity)| Limited { name, quantity, limits: *limits }).collect()
     }
 
     fn draw(

@@ -203,10 +203,6 @@ impl Object for Leaf {
         "leaf"
     }
 
-    fn is_obstacle(&self) -> bool {
-        false
-    }
-
     fn may_stand_in_foam(&self) -> bool {
         true
     }

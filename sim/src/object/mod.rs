@@ -86,13 +86,17 @@ pub trait Object: std::fmt::Debug + Send + Sync {
     /// Its key in the scene file.
     fn kind(&self) -> &'static str;
     /// Whether it holds the arm back instead of letting it through. Goals keep clear of it.
-    fn is_obstacle(&self) -> bool;
+    fn is_obstacle(&self) -> bool {
+        false
+    }
     /// Whether it lies under all other objects, which stand on it.
     fn is_ground(&self) -> bool {
         false
     }
     /// Whether it may share ground with a foam block: it stands in the foam, or passes through it to the table.
-    fn may_stand_in_foam(&self) -> bool;
+    fn may_stand_in_foam(&self) -> bool {
+        false
+    }
     /// Its ground area at rest.
     fn footprint(&self) -> Footprint;
     /// Half its thickness along its own x and y, m, for clearance queries.

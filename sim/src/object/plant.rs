@@ -285,15 +285,29 @@ impl Plant {
         });
         blade.grow(&hinges, end_m, drawn.droop_deg.to_radians(), bodies);
     }
+
+    /// Of the ends of the blades' pieces, at both edges.
+    fn find_extent(&self) -> Extent {
+        let structure = self.structure();
+        let poses = structure.rest_poses(Pose::IDENTITY);
+        let half_m = 0.5 * self.drawn.blade_width_m;
+        let mut extent = Extent { lowest_m: f64::INFINITY, ..Extent::default() };
+        for (body, pose) in structure.bodies.iter().zip(poses).filter(|(body, _)| body.drag.is_some()) {
+            let end_m = 2.0 * body.inertia.center_of_mass_body.z;
+            for side in [-half_m, half_m] {
+                let corner = pose.transform_point(DVec3::new(0.0, side, end_m));
+                extent.radius_m = extent.radius_m.max(corner.truncate().length());
+                extent.lowest_m = extent.lowest_m.min(corner.z);
+                extent.highest_m = extent.highest_m.max(corner.z);
+            }
+        }
+        extent
+    }
 }
 
 impl Object for Plant {
     fn kind(&self) -> &'static str {
         "plant"
-    }
-
-    fn is_obstacle(&self) -> bool {
-        false
     }
 
     fn may_stand_in_foam(&self) -> bool {
@@ -327,26 +341,6 @@ impl Object for Plant {
             self.grow_blade(&pieces, share * self.drawn.height_m, azimuth_rad, &mut bodies);
         }
         Structure { bodies, axisymmetric: false, surface: Surface::hard(FRICTION) }.balanced(EARTH_GRAVITY_M_PER_S2)
-    }
-}
-
-impl Plant {
-    /// Of the ends of the blades' pieces, at both edges.
-    fn find_extent(&self) -> Extent {
-        let structure = self.structure();
-        let poses = structure.rest_poses(Pose::IDENTITY);
-        let half_m = 0.5 * self.drawn.blade_width_m;
-        let mut extent = Extent { lowest_m: f64::INFINITY, ..Extent::default() };
-        for (body, pose) in structure.bodies.iter().zip(poses).filter(|(body, _)| body.drag.is_some()) {
-            let end_m = 2.0 * body.inertia.center_of_mass_body.z;
-            for side in [-half_m, half_m] {
-                let corner = pose.transform_point(DVec3::new(0.0, side, end_m));
-                extent.radius_m = extent.radius_m.max(corner.truncate().length());
-                extent.lowest_m = extent.lowest_m.min(corner.z);
-                extent.highest_m = extent.highest_m.max(corner.z);
-            }
-        }
-        extent
     }
 }
 

@@ -8,7 +8,7 @@ use underbrush_recording::{BodyShape, Category};
 
 use super::group::{Declared, Drawing, Kind, quantities};
 use super::structure::{Body, Structure, part};
-use super::{Footing, Object, StandsOn, TABLE_FRICTION};
+use super::{Footing, Object, TABLE_FRICTION};
 use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
 use crate::range::{Draw, DrawError};
@@ -33,7 +33,6 @@ impl Kind for Table {
     const QUANTITIES: &'static [Declared] = Self::DECLARED;
     /// It belongs to the ground, as foam blocks do.
     const CATEGORY: Category = Category::BLOCK;
-    const STANDS_ON: StandsOn = StandsOn::Table;
 
     fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {
         Self::draw_all(drawing)
@@ -45,16 +44,8 @@ impl Object for Table {
         "table"
     }
 
-    fn is_obstacle(&self) -> bool {
-        false
-    }
-
     fn is_ground(&self) -> bool {
         true
-    }
-
-    fn may_stand_in_foam(&self) -> bool {
-        false
     }
 
     fn footprint(&self) -> Footprint {

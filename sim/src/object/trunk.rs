@@ -7,7 +7,7 @@ use underbrush_recording::{BodyShape, Category};
 
 use super::group::{Declared, Drawing, Kind, quantities};
 use super::structure::{Body, Structure, part};
-use super::{FRICTION, Footing, Object, StandsOn};
+use super::{FRICTION, Footing, Object};
 use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
 use crate::range::{Draw, DrawError, draw_possible};
@@ -30,7 +30,6 @@ impl Kind for Trunk {
     const GROUP: (&'static str, &'static str) = ("TrunkSpecification", "A group of trunks in a scene file.");
     const QUANTITIES: &'static [Declared] = Self::DECLARED;
     const CATEGORY: Category = Category::TRUNK;
-    const STANDS_ON: StandsOn = StandsOn::Table;
 
     fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {
         let group = drawing.group;

@@ -9,7 +9,7 @@ use underbrush_recording::{BodyShape, Category};
 
 use super::group::{Declared, Drawing, Kind, quantities};
 use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Spring, Structure, part};
-use super::{Footing, Object, StandsOn};
+use super::{Footing, Object};
 use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
 use crate::range::{Draw, DrawError};
@@ -30,7 +30,6 @@ impl Kind for Wand {
     const GROUP: (&'static str, &'static str) = ("WandSpecification", "A group of wands.");
     const QUANTITIES: &'static [Declared] = Self::DECLARED;
     const CATEGORY: Category = CATEGORY;
-    const STANDS_ON: StandsOn = StandsOn::Table;
 
     fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {
         Self::draw_all(drawing)
@@ -40,10 +39,6 @@ impl Kind for Wand {
 impl Object for Wand {
     fn kind(&self) -> &'static str {
         "wand"
-    }
-
-    fn is_obstacle(&self) -> bool {
-        false
     }
 
     fn may_stand_in_foam(&self) -> bool {

@@ -8,7 +8,7 @@ use underbrush_recording::{BodyShape, Category};
 
 use super::group::{Declared, Drawing, Kind, quantities};
 use super::structure::{Body, CollisionGroup, Inertia, Joint, Structure, part};
-use super::{Footing, Object, StandsOn, TABLE_FRICTION};
+use super::{Footing, Object, TABLE_FRICTION};
 use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
 use crate::range::{Draw, DrawError, draw_possible};
@@ -55,7 +55,6 @@ impl Kind for WaterBottle {
         ("WaterBottleSpecification", "A group of water bottles in a scene file.");
     const QUANTITIES: &'static [Declared] = Self::DECLARED;
     const CATEGORY: Category = CATEGORY;
-    const STANDS_ON: StandsOn = StandsOn::Table;
 
     fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {
         let group = drawing.group;
@@ -132,10 +131,6 @@ impl Object for WaterBottle {
     /// The arm can push it away, but not pass through it.
     fn is_obstacle(&self) -> bool {
         true
-    }
-
-    fn may_stand_in_foam(&self) -> bool {
-        false
     }
 
     fn footprint(&self) -> Footprint {
