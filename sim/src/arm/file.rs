@@ -120,11 +120,7 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
     for hull in &file.hull {
         add_hull(&source, hull, &mut chain)?;
     }
-    let (end_effector_link, end_effector_pose_link) = chain
-        .frames
-        .get(&file.tip_link)
-        .copied()
-        .ok_or_else(|| source.fault_after(0, "tip_link", &file.tip_link, chain.known_links()))?;
+    let (end_effector_link, end_effector_pose_link) = chain.frame(&source, 0, "tip_link", &file.tip_link)?;
     if end_effector_link + 1 != chain.links.len() {
         let allowed = format!("the last moving link or one that is fixed to it: {}", chain.links_at_end());
         return Err(source.fault_after(0, "tip_link", &file.tip_link, allowed));
@@ -194,12 +190,8 @@ fn join_tables(
             return Err(source.fault_after(start, "joint.name", name, allowed));
         }
         if tables[..number].iter().any(|other| other.get_ref().name == *name) {
-            return Err(source.fault_after(
-                start,
-                "joint.name",
-                format!("a second {name}"),
-                "one table for each joint",
-            ));
+            let found = format!("a second {name}");
+            return Err(source.fault_after(start, "joint.name", found, "one table for each joint"));
         }
     }
     chain
@@ -265,9 +257,7 @@ fn join_table(source: &Source, joint: ChainJoint, table: &Spanned<JointTable>) -
 fn add_hull(source: &Source, table: &Spanned<HullTable>, chain: &mut Chain) -> Result<(), InputError> {
     let start = table.span().start;
     let hull = table.get_ref();
-    let Some((link, pose)) = chain.frames.get(&hull.link).copied() else {
-        return Err(source.fault_after(start, "hull.link", &hull.link, chain.known_links()));
-    };
+    let (link, pose) = chain.frame(source, start, "hull.link", &hull.link)?;
     if hull.points_m.len() > MAX_CORNERS {
         let found = format!("{} points", hull.points_m.len());
         let allowed = format!("at most {MAX_CORNERS} points; leave out those that hardly matter");

@@ -178,28 +178,20 @@ fn patch_taxels(
     if !is_plain(&table.name) {
         return Err(source.fault_after(start, "patch.name", format!("{:?}", table.name), PLAIN));
     }
-    let (form, grid, taxels, offsets) = match (&table.cylinder, &table.points) {
-        (Some(cylinder), None) => {
-            let (form, grid, taxels) = cylinder_taxels(source, cylinder, pose)?;
-            let offsets = vec![cylinder.span().start; taxels.len()];
-            (form, grid, taxels, offsets)
-        }
-        (None, Some(points)) => {
-            let entries = points.get_ref().taxels.iter();
-            let offsets = entries.map(|taxel| taxel.span().start).collect();
-            (SurfaceForm::Points, None, point_taxels(source, points)?, offsets)
-        }
+    let patch = match (&table.cylinder, &table.points) {
+        (Some(cylinder), None) => cylinder_taxels(source, cylinder, pose)?,
+        (None, Some(points)) => point_taxels(source, points)?,
         _ => {
             let allowed = "either [patch.cylinder] or [patch.points]";
             return Err(source.fault_after(start, "patch", format!("both or none in {:?}", table.name), allowed));
         }
     };
-    let count = earlier.taxel_count() + taxels.len();
+    let count = earlier.taxel_count() + patch.taxels.len();
     if !(1..=MAX_TAXELS).contains(&count) {
         let allowed = format!("1 to {MAX_TAXELS} taxels on all patches together");
         return Err(source.fault_after(start, "patch", format!("{count} taxels"), allowed));
     }
-    Ok(PatchTaxels { form, grid, taxels, offsets })
+    Ok(patch)
 }
 
 /// Reads the skin file of an arm with this chain.
@@ -213,10 +205,7 @@ pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputErr
         loss_time_s: file.loss_time_s,
     };
     for table in &file.patch {
-        let Some((link, pose)) = chain.frames.get(&table.get_ref().link).copied() else {
-            let found = &table.get_ref().link;
-            return Err(source.fault_after(table.span().start, "patch.link", found, chain.known_links()));
-        };
+        let (link, pose) = chain.frame(source, table.span().start, "patch.link", &table.get_ref().link)?;
         let PatchTaxels { form, grid, mut taxels, offsets } = patch_taxels(source, table, &skin.layout, &pose)?;
         let table = table.get_ref();
         for taxel in &mut taxels {
@@ -233,11 +222,7 @@ pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputErr
 }
 
 /// Reads the taxels of a cylinder, as [`patch_taxels`] does.
-fn cylinder_taxels(
-    source: &Source,
-    table: &Spanned<CylinderTable>,
-    pose: &Pose,
-) -> Result<(SurfaceForm, Option<Grid>, Vec<Taxel>), InputError> {
+fn cylinder_taxels(source: &Source, table: &Spanned<CylinderTable>, pose: &Pose) -> Result<PatchTaxels, InputError> {
     let start = table.span().start;
     let table = table.get_ref();
     let fault = |key: &str, found: String, allowed: &str| {
@@ -289,16 +274,17 @@ fn cylinder_taxels(
             area_m2: table.taxel_size_m * table.taxel_size_m,
         }
     };
-    let taxels = (0..table.rows).flat_map(|row| angles.iter().map(move |angle| taxel(row, *angle))).collect();
+    let taxels: Vec<_> = (0..table.rows).flat_map(|row| angles.iter().map(move |angle| taxel(row, *angle))).collect();
     let form = SurfaceForm::Cylinder {
         axis_point_link: pose.transform_point(row_0),
         axis_link: pose.orientation * axis,
         radius_m: table.radius_m,
     };
-    Ok((form, Some(Grid { rows: table.rows, columns: angles.len(), wraps: table.wraps }), taxels))
+    let grid = Some(Grid { rows: table.rows, columns: angles.len(), wraps: table.wraps });
+    Ok(PatchTaxels { form, grid, offsets: vec![start; taxels.len()], taxels })
 }
 
-fn point_taxels(source: &Source, table: &Spanned<PointsTable>) -> Result<Vec<Taxel>, InputError> {
+fn point_taxels(source: &Source, table: &Spanned<PointsTable>) -> Result<PatchTaxels, InputError> {
     let start = table.span().start;
     let table = table.get_ref();
     let derived = table.derived_area_limits_m2;
@@ -339,7 +325,8 @@ fn point_taxels(source: &Source, table: &Spanned<PointsTable>) -> Result<Vec<Tax
         let tangent_link = along.reject_from_normalized(normal_link).normalize();
         taxels.push(Taxel { position_link, normal_link, tangent_link, area_m2 });
     }
-    Ok(taxels)
+    let offsets = table.taxels.iter().map(|taxel| taxel.span().start).collect();
+    Ok(PatchTaxels { form: SurfaceForm::Points, grid: None, taxels, offsets })
 }
 
 /// The square of the distance to the nearest taxel that faces the same way (within 90°); infinite if there is none.

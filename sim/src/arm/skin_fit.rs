@@ -67,11 +67,8 @@ pub(super) fn check(source: &Source, offsets: &[usize], patch: &Patch, link: &Li
         let faces_out = surface.facing_cosine(taxel.position_link, taxel.normal_link) > 0.0;
         if !faces_out {
             let found = format!("a normal that points into link {}", link.name);
-            return fault(
-                number,
-                found,
-                "a normal that points out of the link, because nothing presses from inside".into(),
-            );
+            let allowed = "a normal that points out of the link, because nothing presses from inside";
+            return fault(number, found, allowed.into());
         }
     }
     Ok(())

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Display;
 
 use glam::{DMat3, DQuat, DVec3, EulerRot};
-use underbrush_recording::limits::short;
+use underbrush_recording::limits::{first_outside, short};
 use underbrush_recording::plain_text::{PLAIN, is_plain};
 use underbrush_recording::{BodyShape, InputError, Pose};
 
@@ -43,10 +43,19 @@ impl Chain {
         names.join(", ")
     }
 
-    /// The names that a file may use for a link, for error messages.
-    pub(super) fn known_links(&self) -> String {
-        let names: Vec<&str> = self.frames.keys().map(String::as_str).collect();
-        format!("a link of the chain: {}", names.join(", "))
+    /// The link that the URDF's link `name` was merged into, and its pose in that link's frame. The name stands at `field`
+    /// of a file, after byte `offset`.
+    pub(super) fn frame(
+        &self,
+        source: &Source,
+        offset: usize,
+        field: &str,
+        name: &str,
+    ) -> Result<(usize, Pose), InputError> {
+        self.frames.get(name).copied().ok_or_else(|| {
+            let names: Vec<&str> = self.frames.keys().map(String::as_str).collect();
+            source.fault_after(offset, field, name, format!("a link of the chain: {}", names.join(", ")))
+        })
     }
 }
 
@@ -61,6 +70,7 @@ pub(super) struct ChainJoint {
 }
 
 const REMEDY: &str = "correct the URDF";
+const NO_LOOP: &str = "each link once, from the base to the end effector";
 
 /// Reads the chain that starts at `base`.
 pub(super) fn read_chain(source: &Source, base: &str, said: &Said) -> Result<Chain, InputError> {
@@ -86,7 +96,7 @@ pub(super) fn read_chain(source: &Source, base: &str, said: &Said) -> Result<Cha
         let link = reader.join(&frames, chain.links.is_empty())?;
         for (name, pose) in &frames {
             if chain.frames.insert((*name).to_string(), (chain.links.len(), *pose)).is_some() {
-                return Err(reader.link_fault(name, "", "a loop", "each link once, from the base to the end effector"));
+                return Err(reader.link_fault(name, "", "a loop", NO_LOOP));
             }
         }
         chain.links.push(link);
@@ -213,12 +223,7 @@ impl<'a> Reader<'a> {
         while let Some((parent, pose)) = frames.get(next).copied() {
             for joint in self.joints.iter().filter(|joint| joint.is_fixed() && joint.parent == parent) {
                 if frames.iter().any(|(name, _)| *name == joint.child) {
-                    return Err(self.joint_fault(
-                        joint,
-                        "child",
-                        "a loop",
-                        "each link once, from the base to the end effector",
-                    ));
+                    return Err(self.joint_fault(joint, "child", "a loop", NO_LOOP));
                 }
                 frames.push((joint.child, pose * self.joint_origin(joint)?));
             }
@@ -236,12 +241,8 @@ impl<'a> Reader<'a> {
             };
             if let Some((other, _)) = next {
                 let found = format!("{} and {} on the same rigid link", other.name, joint.name);
-                return Err(self.joint_fault(
-                    joint,
-                    "parent",
-                    found,
-                    "a serial chain (hold the joints of side branches by [[held]] in the arm's TOML file)",
-                ));
+                let allowed = "a serial chain (hold the joints of side branches by [[held]] in the arm's TOML file)";
+                return Err(self.joint_fault(joint, "parent", found, allowed));
             }
             next = Some((*joint, *pose * self.joint_origin(joint)?));
         }
@@ -296,8 +297,8 @@ impl<'a> Reader<'a> {
             ("limit.effort", effort, limits::TORQUE_NM),
             ("limit.velocity", velocity, limits::SPEED_RAD_PER_S),
         ];
-        if let Some((field, value, limits)) = values.into_iter().find(|(_, value, limits)| !limits.hold(*value)) {
-            return Err(self.joint_fault(joint, field, short(value), &limits.to_string()));
+        if let Some((field, found, allowed)) = first_outside(values) {
+            return Err(self.joint_fault(joint, field, found, &allowed));
         }
         if limits_rad[0] >= limits_rad[1] {
             let found = format!("{} to {}", limits_rad[0], limits_rad[1]);
@@ -349,12 +350,8 @@ impl<'a> Reader<'a> {
         }
         let mass_kg: f64 = parts.iter().map(|(mass, ..)| mass).sum();
         if mass_kg <= 0.0 && !is_base {
-            return Err(self.link_fault(
-                name,
-                "inertial",
-                "no mass",
-                "an <inertial> with a positive mass, because the link moves",
-            ));
+            let allowed = "an <inertial> with a positive mass, because the link moves";
+            return Err(self.link_fault(name, "inertial", "no mass", allowed));
         }
         let center = parts.iter().map(|(mass, center, _)| *center * *mass).sum::<DVec3>() / mass_kg;
         let center_of_mass_link = if parts.is_empty() { DVec3::ZERO } else { center };
