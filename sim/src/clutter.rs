@@ -127,14 +127,7 @@ impl Clutter {
         };
         // Objects that are placed one by one can block each other although all would fit, and a few objects that all
         // stand to one side leave no goals beyond them. Then everything is drawn again.
-        let mut drawn = attempt();
-        for _ in 1..ATTEMPTS {
-            if drawn.is_ok() {
-                break;
-            }
-            drawn = attempt();
-        }
-        drawn
+        (1..ATTEMPTS).find_map(|_| attempt().ok()).map_or_else(attempt, Ok)
     }
 
     /// The fixed obstacles as upright capsules, m, world frame.

@@ -15,6 +15,8 @@ pub struct ArmAtStart {
     pub end_effector_world: DVec3,
     /// Position of its shoulder, m, world frame.
     pub shoulder_world: DVec3,
+    /// Length of the chain from the shoulder to the end effector, m.
+    pub length_m: f64,
     /// Its first patch of skin, which is the one that is classified by default.
     pub skin: SkinAlongArm,
     /// The arm.
@@ -43,6 +45,7 @@ impl ArmAtStart {
             links: arm.placed_shapes(&poses).collect(),
             end_effector_world,
             shoulder_world: chain[0],
+            length_m: path_length_m(&chain),
             skin: first_patch(arm, &poses, &chain),
             arm: arm.clone(),
         }

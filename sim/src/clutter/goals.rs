@@ -45,7 +45,6 @@ pub(super) fn draw_goals(
     let plants: Vec<Capsule> = plants.map(PlacedObject::bounding_capsule).collect();
     let surroundings = Surroundings::new(&arm.arm, scene.file.workspace.table_height_m, objects);
     let anywhere = (-5.0, 5.0);
-    let length_m = length_m(&arm.arm);
     let mut from = arm.end_effector_world;
     let mut goals = Vec::new();
     for number in 0..settings.count {
@@ -65,7 +64,7 @@ pub(super) fn draw_goals(
             match surroundings.admit(&arm.arm, goal, for_postures) {
                 Admission::Free => return Some(goal),
                 Admission::Blocked(by) => *rejected.blocked.entry(by).or_default() += 1,
-                Admission::NoPosture if arm.shoulder_world.distance(goal) > length_m => rejected.beyond_length += 1,
+                Admission::NoPosture if arm.shoulder_world.distance(goal) > arm.length_m => rejected.beyond_length += 1,
                 Admission::NoPosture => rejected.no_posture += 1,
             }
             None
@@ -99,14 +98,6 @@ impl Rejected {
     fn sought(&self) -> usize {
         self.beyond_length + self.no_posture + self.blocked.values().sum::<usize>()
     }
-}
-
-/// Length of an arm from its first joint to its end effector, m.
-fn length_m(arm: &Arm) -> f64 {
-    let poses = arm.forward_kinematics(&arm.start_posture_rad());
-    let end = arm.end_effector_pose(&poses).position;
-    let joints: Vec<DVec3> = poses[1..].iter().map(|pose| pose.position).chain([end]).collect();
-    joints.windows(2).map(|pair| pair[0].distance(pair[1])).sum()
 }
 
 impl std::fmt::Display for Rejected {
