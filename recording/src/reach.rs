@@ -130,7 +130,7 @@ pub struct ContactForces {
 /// assert_eq!((forces.contacts, forces.peak_n, forces.mean_n), (2, 9.0, 3.0));
 /// assert_eq!(reach.contact_forces(Some(Category::LEAF)).contacts, 0);
 /// ```
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Recording {
     /// Name of the scene.
     pub scene: String,
@@ -221,13 +221,10 @@ impl Recording {
     /// count, since spurious readings and creep are not contact. All are 0 if ground truth is unknown, as on a robot.
     pub fn touched_frames(&self) -> BTreeMap<String, u32> {
         let frames_of = |patch: usize| {
-            let mut spans: Vec<(u32, u32)> = self
-                .contacts
-                .iter()
-                .filter(|contact| contact.patch.is_some_and(|own| usize::from(own) == patch))
-                .filter(|contact| contact.peak_force_n > 0.0)
-                .map(|contact| (contact.first_frame, contact.last_frame))
-                .collect();
+            let on_patch =
+                |contact: &&Contact| contact.patch.map(usize::from) == Some(patch) && contact.peak_force_n > 0.0;
+            let contacts = self.contacts.iter().filter(on_patch);
+            let mut spans: Vec<(u32, u32)> = contacts.map(|own| (own.first_frame, own.last_frame)).collect();
             spans.sort_unstable();
             let (mut frames, mut next) = (0, 0);
             for (first, last) in spans {

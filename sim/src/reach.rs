@@ -59,7 +59,7 @@ impl<'a> Reach<'a> {
         Reach {
             plan,
             stop,
-            log: ReachLog::new(plan, steering.controller_name(), reach_index, &simulation),
+            log: ReachLog::new(plan, steering.controller.name(), reach_index, &simulation),
             steering,
             simulation,
             safety_stop: None,
@@ -84,7 +84,7 @@ impl<'a> Reach<'a> {
                 break;
             }
         }
-        Ok(self.log.finish(&self.plan.arm, self.steering.counts()))
+        Ok(self.log.finish(&self.plan.arm, self.steering.counts))
     }
 
     /// Drives the end effector to a goal. An arm that gets stuck backs off and tries again, as often as the scene
@@ -120,7 +120,7 @@ impl<'a> Reach<'a> {
         observer: &mut Observer,
     ) -> Result<Outcome, ReachError> {
         let mut monitor = Monitor::new(rules, target_world);
-        self.steering.begin();
+        self.steering.intent = Intent::default();
         loop {
             if (self.stop)() {
                 return Err(ReachError::Stopped);
@@ -129,20 +129,20 @@ impl<'a> Reach<'a> {
             let report = self.simulation.report();
             let largest = report.tactile.largest_force();
             let force_n = largest.map_or(0.0, |force| force.force_n);
-            let intent = self.steering.intent();
+            let intent = &self.steering.intent;
             let ended = monitor.observe(report.end_effector_pose_world.position, force_n, intent);
             if let (Some(Outcome::Stuck), Intent::GivenUp(reason)) = (ended, intent) {
                 self.given_up = Some(reason.clone());
             }
             let mut frame = self.simulation.frame(goal.index as u16, goal.position_world);
-            self.steering.observe(&frame);
+            self.steering.controller.observe(&frame);
             self.steering.control(&self.simulation, target_world)?;
-            let equilibrium_rad = self.steering.equilibrium_rad();
+            let equilibrium_rad = &self.steering.equilibrium_rad;
             // The frame holds the angles that the arm is given now.
             frame.equilibrium_angle_rad.copy_from_slice(equilibrium_rad);
             let frame = self.log.record(&self.simulation, frame);
             observer(&self.simulation, frame);
-            self.log.record_map(&self.steering.map());
+            self.log.record_map(&self.steering.controller.map());
             let log = &mut self.log;
             self.simulation.step_observed(equilibrium_rad, &mut |step| log.observe_step(step));
             if let Some(outcome) = ended {

@@ -214,11 +214,10 @@ impl Episode {
                 ActionKind::Waypoint => {
                     let offset = glam::DVec3::new(cut(action[0]), cut(action[1]), cut(action[2]));
                     let target = here + offset * options.largest_waypoint_m;
-                    let goals = &self.simulation.clutter().goals;
-                    let goal_world = goals.get(self.goal).copied().unwrap_or_default();
-                    self.steering.observe(&self.simulation.frame(self.goal as u16, goal_world));
+                    let frame = self.simulation.frame(self.goal as u16, self.goal_world());
+                    self.steering.controller.observe(&frame);
                     self.steering.control(&self.simulation, target)?;
-                    self.equilibrium_rad.copy_from_slice(self.steering.equilibrium_rad());
+                    self.equilibrium_rad.copy_from_slice(&self.steering.equilibrium_rad);
                 }
             }
             let tactile = &self.simulation.step(&self.equilibrium_rad).tactile;

@@ -33,12 +33,7 @@ impl ReachLog {
             joint_names: plan.arm.joints.iter().map(|joint| joint.name.clone()).collect(),
             layout: plan.arm.skin.layout.clone(),
             objects: simulation.clutter().records(),
-            bodies: Vec::new(),
-            goals: Vec::new(),
-            contacts: Vec::new(),
-            map: Vec::new(),
-            frames: Vec::new(),
-            audit: Audit::default(),
+            ..Recording::default()
         };
         ReachLog {
             recording,
@@ -92,7 +87,7 @@ impl ReachLog {
     pub(super) fn finish(mut self, arm: &Arm, control: ControlCounts) -> Recording {
         self.recording.bodies = self.bodies.finish();
         self.recording.contacts = self.contacts.finish(|link| arm.links[usize::from(link)].name.clone());
-        self.recording.map = self.map.finish();
+        self.recording.map = self.map.obstacles;
         self.recording.audit = Audit {
             controller_steps: control.steps,
             infeasible_controller_steps: control.infeasible,

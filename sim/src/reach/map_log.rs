@@ -5,7 +5,7 @@ use underbrush_recording::MappedObstacle;
 /// Follows the map, frame by frame.
 #[derive(Clone, Default)]
 pub(super) struct MapLog {
-    obstacles: Vec<MappedObstacle>,
+    pub(super) obstacles: Vec<MappedObstacle>,
 }
 
 impl MapLog {
@@ -24,10 +24,5 @@ impl MapLog {
                 None => self.obstacles.push(MappedObstacle { first_frame: frame, last_frame: frame, ..*obstacle }),
             }
         }
-    }
-
-    /// All obstacles, sorted by first frame.
-    pub(super) fn finish(self) -> Vec<MappedObstacle> {
-        self.obstacles
     }
 }

@@ -1,7 +1,7 @@
 //! The controller within a reach: when it is called, its input, and its answers.
 
 use glam::DVec3;
-use underbrush_recording::{FRAME_PERIOD_S, Frame, MappedObstacle, TaxelReading};
+use underbrush_recording::{FRAME_PERIOD_S, TaxelReading};
 
 use super::error::ReachError;
 use super::plan::ReachPlan;
@@ -11,12 +11,14 @@ use crate::simulation::Simulation;
 
 /// A controller and the equilibrium angles that it has set.
 pub(crate) struct Steering {
-    controller: Box<dyn Controller>,
+    pub(crate) controller: Box<dyn Controller>,
     /// Whether the controller is told the true categories.
     has_true_verdicts: bool,
-    equilibrium_rad: Vec<f64>,
-    intent: Intent,
-    counts: ControlCounts,
+    /// Equilibrium angles φ, rad.
+    pub(crate) equilibrium_rad: Vec<f64>,
+    /// What the controller said that it is about to do.
+    pub(super) intent: Intent,
+    pub(super) counts: ControlCounts,
 }
 
 /// How often the controller was called, and with what result.
@@ -37,39 +39,6 @@ impl Steering {
             intent: Intent::default(),
             counts: ControlCounts::default(),
         }
-    }
-
-    pub(super) fn controller_name(&self) -> &str {
-        self.controller.name()
-    }
-
-    /// The controller's map.
-    pub(super) fn map(&self) -> Vec<MappedObstacle> {
-        self.controller.map()
-    }
-
-    /// Equilibrium angles φ, rad.
-    pub(crate) fn equilibrium_rad(&self) -> &[f64] {
-        &self.equilibrium_rad
-    }
-
-    /// Begins an attempt at a goal.
-    pub(super) fn begin(&mut self) {
-        self.intent = Intent::default();
-    }
-
-    /// What the controller said that it is about to do.
-    pub(super) fn intent(&self) -> &Intent {
-        &self.intent
-    }
-
-    pub(super) fn counts(&self) -> ControlCounts {
-        self.counts
-    }
-
-    /// Passes a frame to the controller.
-    pub(crate) fn observe(&mut self, frame: &Frame) {
-        self.controller.observe(frame);
     }
 
     /// Calls the controller if it is due in this frame, and applies the equilibrium angles that it returns.
