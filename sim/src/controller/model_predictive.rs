@@ -21,7 +21,7 @@ use nalgebra::{DMatrix, DVector, Matrix3xX, RowDVector, Vector3};
 
 use super::quadratic_program::{Outcome, QuadraticProgram};
 use super::{ControlStatus, Controller, ControllerInput, ControllerOutput, Intent, Preset, TaxelContact};
-use crate::arm::Arm;
+use crate::arm::{Arm, Joint};
 
 /// The controller with one set of parameters, for one arm.
 #[derive(Clone, Debug)]
@@ -43,16 +43,12 @@ impl ModelPredictive {
     /// The controller of an arm.
     pub fn new(preset: Preset, arm: &Arm) -> Self {
         let max_step = preset.equilibrium_step_rad.unwrap_or(f64::INFINITY);
-        let joints = arm
-            .joints
-            .iter()
-            .map(|joint| JointModel {
-                stiffness: joint.model_stiffness_nm_per_rad,
-                limits: joint.controller_limits_rad,
-                step: (joint.slew_limit_rad_per_s / preset.rate_hz).min(max_step),
-            })
-            .collect();
-        ModelPredictive { preset, joints }
+        let model = |joint: &Joint| JointModel {
+            stiffness: joint.model_stiffness_nm_per_rad,
+            limits: joint.controller_limits_rad,
+            step: (joint.slew_limit_rad_per_s / preset.rate_hz).min(max_step),
+        };
+        ModelPredictive { joints: arm.joints.iter().map(model).collect(), preset }
     }
 
     /// The equilibrium angles from which the step starts. They are those given, except that a joint's equilibrium angle

@@ -7,6 +7,7 @@ use super::contact::Contact;
 use super::report::FrameReport;
 
 /// Contacts of one place, added up over the steps of a frame.
+#[derive(Default)]
 struct Sum {
     /// Link, patch, object and body.
     place: (u16, Option<u16>, u16, u16),
@@ -30,7 +31,7 @@ pub(super) fn contact_points(report: &FrameReport, body: impl Fn(&Contact) -> u1
     for (contact, patch) in report.contacts.iter().zip(&report.tactile.contact_patch) {
         let place = (contact.link as u16, *patch, contact.object as u16, body(contact));
         let at = sums.iter().position(|sum| sum.place == place).unwrap_or_else(|| {
-            sums.push(Sum::new(place));
+            sums.push(Sum { place, ..Sum::default() });
             sums.len() - 1
         });
         let position = report.link_pose_world[contact.link].transform_point(contact.position_link);
@@ -49,22 +50,6 @@ pub(super) fn contact_points(report: &FrameReport, body: impl Fn(&Contact) -> u1
 }
 
 impl Sum {
-    fn new(place: (u16, Option<u16>, u16, u16)) -> Self {
-        let zero = DVec3::ZERO;
-        Sum {
-            place,
-            force_n: 0.0,
-            force: zero,
-            weighted: zero,
-            moment: zero,
-            normal: zero,
-            slip: zero,
-            steps: 0.0,
-            depth_m: 0.0,
-            area_m2: 0.0,
-        }
-    }
-
     fn point(&self) -> ContactPoint {
         let (link, patch, object, body) = self.place;
         let position = self.weighted / self.force_n;

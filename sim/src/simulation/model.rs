@@ -61,9 +61,7 @@ impl Model {
             clutter,
         }
     }
-}
 
-impl Model {
     /// The object of an assembly that a link belongs to, and the index of its body.
     pub(super) fn object_of(&self, assembly: usize, link: usize) -> (usize, usize) {
         let objects = &self.assemblies[assembly].objects;

@@ -279,9 +279,7 @@ impl Map {
         let obstacles = self.obstacles.iter().filter(|own| !own.has_given_way);
         obstacles.map(|own| own.capsule(caution, top_m)).collect()
     }
-}
 
-impl Map {
     /// The obstacles in the form that recordings hold, without those that have given way.
     pub(super) fn described(&self, top_m: f64) -> Vec<MappedObstacle> {
         let obstacles = self.obstacles.iter().filter(|own| !own.has_given_way);
