@@ -4,6 +4,8 @@ use underbrush_recording::Pose;
 
 use super::super::Arm;
 use super::super::skin::SurfaceForm;
+use super::super::wedge::wedges;
+use super::altered_cody;
 use super::kinematics::{matrix, modified_dh_frames};
 
 /// Mass (kg), centre of mass (m) and inertia Ixx Iyy Izz Ixy Ixz Iyz (kg m²) in the modified-DH frames, as published.
@@ -140,4 +142,24 @@ fn surface_points_tile_their_taxel() {
         }
     }
     assert!(arm.skin.surface_points(0, 384, 3).is_empty());
+}
+
+/// Tests that the boot closes the cleft at the wrist, and that with a smaller one the cleft between forearm and flipper is found:
+/// its opening is at most twice the angle of friction, its force the wrist's torque at its lever, and its place between the gap
+/// and the rims.
+#[test]
+fn an_open_wrist_is_a_wedge() {
+    assert_eq!(wedges(&Arm::cody().unwrap()), []);
+    let open = altered_cody("cody.urdf", "<sphere radius=\"0.0475\"/>", "<sphere radius=\"0.005\"/>").unwrap();
+    let found = wedges(&open);
+    let [wedge] = &found[..] else { panic!("{found:?}") };
+    assert_eq!(
+        (&wedge.links, &wedge.joint),
+        (&["forearm".to_owned(), "flipper".to_owned()], &"wrist_pitch".to_owned())
+    );
+    let wrist = open.joints.iter().find(|joint| joint.name == "wrist_pitch").unwrap();
+    assert!((wedge.force_n * wedge.lever_m - wrist.torque_limit_nm).abs() < 1e-9, "{wedge:?}");
+    assert!(wedge.opening_deg <= 2.0 * 0.3_f64.atan().to_degrees(), "{wedge:?}");
+    // No nearer to the axis than the gap is, and no farther than the rims.
+    assert!((0.0115..0.0475).contains(&wedge.lever_m), "{wedge:?}");
 }
