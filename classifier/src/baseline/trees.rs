@@ -79,10 +79,6 @@ impl Baseline for Trees {
         self.features
     }
 
-    fn check(&self) -> Result<(), Fault> {
-        Ok(())
-    }
-
     fn learn(&self, trials: &TrialsByCategory) -> Result<Self::Learned, ModelError> {
         let selection = Selection::of(self.features);
         let table = Table::of(trials, &selection)?;

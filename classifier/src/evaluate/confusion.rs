@@ -65,22 +65,15 @@ pub struct AccuracyByTouch {
 
 impl AccuracyByTouch {
     /// Divides predictions of a classifier with the categories `models`; `None` if all of them are unknown.
-    pub(super) fn of<'a>(predictions: impl IntoIterator<Item = &'a Prediction>, models: &[String]) -> Option<Self> {
-        let (mut touched, mut untouched, mut unknown) = (Vec::new(), Vec::new(), Vec::new());
-        for prediction in predictions {
-            match prediction.touched {
-                Some(true) => touched.push(prediction),
-                Some(false) => untouched.push(prediction),
-                None => unknown.push(prediction),
-            }
-        }
-        let accuracy = |part: Vec<&Prediction>| {
-            ConfusionMatrix::of(part.into_iter().map(|own| own.record(models)), models).accuracy()
+    pub(super) fn of(predictions: &[Prediction], models: &[String]) -> Option<Self> {
+        let accuracy = |touched: Option<bool>| {
+            let part = predictions.iter().filter(|own| own.touched == touched);
+            ConfusionMatrix::of(part.map(|own| own.record(models)), models).accuracy()
         };
-        (touched.len() + untouched.len() > 0).then(|| AccuracyByTouch {
-            touched: accuracy(touched),
-            untouched: accuracy(untouched),
-            unknown: accuracy(unknown),
+        predictions.iter().any(|own| own.touched.is_some()).then(|| AccuracyByTouch {
+            touched: accuracy(Some(true)),
+            untouched: accuracy(Some(false)),
+            unknown: accuracy(None),
         })
     }
 }

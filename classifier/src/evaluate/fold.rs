@@ -46,10 +46,7 @@ impl FoldBy {
     /// other; otherwise by position.
     pub fn advised(trials: &[Trial]) -> Self {
         let mut used = trials.iter().filter(|trial| trial.category.as_deref().is_some_and(is_trained));
-        match used.all(|trial| trial.reach.is_some()) {
-            true => FoldBy::Reach,
-            false => FoldBy::Position,
-        }
+        if used.all(|trial| trial.reach.is_some()) { FoldBy::Reach } else { FoldBy::Position }
     }
 }
 
