@@ -11,7 +11,7 @@ use crate::touch::{
 };
 
 /// Verdicts that stood at some moments of an object: categories, `uncertain` or `unknown`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct JudgedObject {
     /// The reach, from 0 in the order in which they were judged.
     pub reach: usize,
@@ -128,25 +128,13 @@ impl JudgedObject {
     pub fn new(object: u64) -> Self {
         let none = || Touch::Uncertain.name(&[]).to_owned();
         JudgedObject {
-            reach: 0,
             object,
-            truth: String::new(),
-            true_object: 0,
-            lasted_s: 0.0,
-            peak_force_n: 0.0,
             after_100_ms: none(),
             after_300_ms: none(),
             at_peak: none(),
             at_end: none(),
-            flips: 0,
             share_beyond: 1.0,
-            stiffness: None,
-            true_stiffness_n_per_m: None,
-            moved_m: 0.0,
-            mobility: Mobility::Holds,
-            contacts: 0,
-            contacts_called_unknown: 0,
-            force_n: [0.0; 2],
+            ..JudgedObject::default()
         }
     }
 }

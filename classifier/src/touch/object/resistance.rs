@@ -104,11 +104,12 @@ impl Stiffness {
 }
 
 /// What an object has done so far under the skin's push.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mobility {
     /// It has not moved by more than 2 cm. Contacts with fixed posts seem to move by as much, or by more if contacts with other
     /// objects are taken for theirs.
+    #[default]
     Holds,
     /// It has moved, and the force has not fallen since.
     GivesWay,
