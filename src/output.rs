@@ -9,7 +9,6 @@ use serde::{Serialize, Serializer};
 use underbrush_recording::disk;
 use underbrush_recording::plain_text::{escaped, is_plain};
 
-use underbrush_report::text;
 pub use underbrush_report::text::counted;
 
 use crate::failure::Failure;
@@ -21,10 +20,15 @@ static RESULT_PRINTED: AtomicBool = AtomicBool::new(false);
 pub fn result<T: Serialize>(json: bool, value: &T, text: impl FnOnce() -> String) -> Result<(), Failure> {
     if json {
         RESULT_PRINTED.store(true, Ordering::Relaxed);
-        lines([serde_json::to_string(value).map_err(|error| Failure::run(error.to_string()))?])
+        lines([json_line(value)?])
     } else {
         lines([text().trim_end().to_string()])
     }
+}
+
+/// A value as a line of JSON.
+pub fn json_line(value: &impl Serialize) -> Result<String, Failure> {
+    serde_json::to_string(value).map_err(|error| Failure::run(error.to_string()))
 }
 
 /// Prints lines on stdout.
@@ -36,9 +40,9 @@ pub fn lines(lines: impl IntoIterator<Item = String>) -> Result<(), Failure> {
     stdout.flush().map_err(Failure::output)
 }
 
-/// Prints a remark on stderr.
+/// Prints a remark on stderr. Errors are ignored: a closed or full stderr must not change the result or the exit status.
 pub fn remark(text: impl AsRef<str>) {
-    say(text.as_ref());
+    let _ = writeln!(std::io::stderr().lock(), "{}", escaped(text.as_ref()));
 }
 
 /// Prints remarks on stderr, one per line.
@@ -49,12 +53,7 @@ pub fn remarks(texts: impl IntoIterator<Item = String>) {
 /// Prints the hint of an interrupted program on stderr, on a new line, because a progress bar or `^C` may be there.
 pub fn interruption(hint: &str) {
     let line_break = if std::io::stderr().is_terminal() { "\n" } else { "" };
-    say(&format!("{line_break}interrupted: {hint}"));
-}
-
-/// Prints a line on stderr. Errors are ignored: a closed or full stderr must not change the result or the exit status.
-fn say(line: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{}", escaped(line));
+    remark(format!("{line_break}interrupted: {hint}"));
 }
 
 /// Prints an error on stderr, and with `json` as one object on stdout. A result that has been printed before stays the
@@ -64,7 +63,7 @@ pub fn error(failure: &Failure, json: bool) {
         // The exit status and stderr tell the same.
         let _ = lines([failure.json()]);
     }
-    say(&failure.report());
+    remark(failure.report());
 }
 
 /// Prints what clap has to say: the help or the version, or an error about the usage. Returns the exit status.
@@ -83,7 +82,7 @@ pub fn usage(answer: &clap::Error) -> u8 {
     if std::env::args_os().all(|argument| is_plain(&argument.to_string_lossy())) {
         let _ = answer.print();
     } else {
-        say(text.trim_end());
+        remark(text.trim_end());
     }
     2
 }
@@ -103,17 +102,6 @@ pub fn create_parents(path: &Path) -> Result<(), Failure> {
     }
     Ok(())
 }
-
-/// A table with these rows.
-pub fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
-    text::table(header, &rows.into_iter().collect::<Vec<_>>())
-}
-
-/// A row of a table.
-macro_rules! cells {
-    ($($cell:expr),* $(,)?) => { vec![$($cell.to_string()),*] };
-}
-pub(crate) use cells;
 
 /// Prints CSV.
 pub fn csv(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Result<(), Failure> {

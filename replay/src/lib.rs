@@ -27,11 +27,12 @@ mod trial_table;
 mod verdicts;
 
 pub use context::ReplayContext;
-pub use judging::{Judging, JudgingModel, VerdictLog, unjudged};
+pub use judging::{Judging, VerdictLog, unjudged};
 pub use live::{Live, PartialReach};
 pub use page::{page_that_fits, single_file};
 pub use server::Server;
 pub use source::{Held, Source, Summary};
+pub use underbrush_classifier::online_model::OnlineModel as JudgingModel;
 pub use verdicts::Verdicts;
 
 #[cfg(test)]

@@ -6,16 +6,15 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use underbrush_classifier::Model;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::decision::{Decision, Judge};
 use underbrush_classifier::evaluate::NOTHING;
-use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
-use underbrush_classifier::touch::{TouchClassifier, TouchModel};
+use underbrush_classifier::online::OnlineOptions;
+use underbrush_classifier::online_model::{OnlineJudge, OnlineModel};
 use underbrush_classifier::trial::PatchImage;
 use underbrush_recording::disk::file_blake3;
 use underbrush_recording::fault::Fault;
-use underbrush_recording::{Category, Frame, InputError, Recording, SkinLayout};
+use underbrush_recording::{Category, Frame, InputError, Recording};
 
 use super::contacts::{Answer, Class, Contact, OpenContact, SILENCE};
 use super::frozen::{PATCH, THRESHOLD_N};
@@ -28,13 +27,11 @@ pub struct JudgedModel {
     pub blake3: String,
     /// Name of its classifier.
     pub classifier: String,
-    model: Followed,
-}
-
-/// A model that can follow reaches.
-enum Followed {
-    Touch(Arc<TouchModel>),
-    OfTrials(Model),
+    model: OnlineModel,
+    /// The classes of its categories.
+    classes: Vec<Class>,
+    /// Tells by how much the scores of a classifier of trials differ.
+    judge: Judge,
 }
 
 impl JudgedModel {
@@ -45,20 +42,20 @@ impl JudgedModel {
     pub fn load(path: &Path) -> Result<Self, Fault> {
         let model = any_model::load(path)?;
         let blake3 = file_blake3(path)?;
-        let (classifier, categories, model) = match model {
+        let (classifier, model) = match model {
             AnyModel::Touch(model) => {
                 if let Some(patch) = model.options().patch.as_deref().filter(|patch| *patch != PATCH) {
                     let remedy = "fit it to that patch";
                     return Err(InputError::new(path, "options.patch", patch, PATCH, remedy).into());
                 }
-                let categories = model.categories().to_vec();
-                ("touch".to_owned(), categories, Followed::Touch(Arc::from(model)))
+                ("touch", OnlineModel::Touch(Arc::from(model)))
             }
             AnyModel::OfTrials(model) => {
-                let own = &model.classifier;
-                (own.name().to_owned(), own.categories(), Followed::OfTrials(model))
+                let options = OnlineOptions::new(Some(PATCH.to_owned()), Some(THRESHOLD_N), Decision::argmax());
+                (model.classifier.name(), OnlineModel::OfTrials(Box::new(model), options))
             }
         };
+        let categories = model.categories();
         let needed = [Category::LEAF, Category::TRUNK].map(Category::name);
         if let Some(missing) = needed.iter().find(|name| !categories.iter().any(|own| own == *name)) {
             let found = format!("no {missing}, only {}", categories.join(", "));
@@ -68,8 +65,10 @@ impl JudgedModel {
         Ok(JudgedModel {
             name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             blake3,
-            classifier,
+            classifier: classifier.to_owned(),
             model,
+            classes: categories.iter().map(|name| class_of(name)).collect(),
+            judge: Decision::argmax().prepare(&categories)?,
         })
     }
 
@@ -78,7 +77,8 @@ impl JudgedModel {
     /// # Errors
     /// If the model cannot judge this skin.
     pub(super) fn contacts(&self, recording: &Recording) -> Result<Vec<Contact>, Fault> {
-        let mut answering = Answering::new(&self.model, &recording.layout)?;
+        let mut judging = self.model.begin(&recording.layout)?;
+        let patch = recording.layout.patch_index(PATCH).unwrap_or_default();
         let mut image = PatchImage::new(&recording.layout, Some(PATCH), THRESHOLD_N)?;
         let taxels = image.patch().taxels.len();
         let mut answers = vec![SILENCE; taxels];
@@ -87,7 +87,7 @@ impl JudgedModel {
         for (index, frame) in recording.frames.iter().enumerate() {
             image.read(index, frame)?;
             answers.fill(SILENCE);
-            answering.answer(frame, &mut answers)?;
+            self.answer(&mut judging, patch, frame, &mut answers)?;
             for (taxel, open) in open.iter_mut().enumerate() {
                 if image.is_in_contact(taxel) {
                     open.get_or_insert_default().push(answers[taxel], image.pressing(taxel, recording));
@@ -99,68 +99,37 @@ impl JudgedModel {
         contacts.extend(open.into_iter().flatten().filter_map(OpenContact::close));
         Ok(contacts)
     }
-}
-
-/// A model that follows a reach.
-enum Answering {
-    /// With the index of the patch that is judged.
-    Touch(Box<TouchClassifier>, usize),
-    OfTrials {
-        online: Box<OnlineClassifier>,
-        judge: Judge,
-        classes: Vec<Class>,
-    },
-}
-
-impl Answering {
-    fn new(model: &Followed, layout: &SkinLayout) -> Result<Self, Fault> {
-        Ok(match model {
-            Followed::Touch(model) => {
-                let patch = layout.patch_index(PATCH).unwrap_or_default();
-                Answering::Touch(Box::new(TouchClassifier::new(Arc::clone(model), layout)?), patch)
-            }
-            Followed::OfTrials(model) => {
-                let (classifier, decision) = (model.classifier.as_ref(), Decision::argmax());
-                let options = OnlineOptions {
-                    patch: Some(PATCH.to_owned()),
-                    threshold_n: THRESHOLD_N,
-                    decision: decision.clone(),
-                };
-                let categories = classifier.categories();
-                Answering::OfTrials {
-                    online: Box::new(OnlineClassifier::new(classifier, layout, &options)?),
-                    judge: decision.prepare(&categories)?,
-                    classes: categories.iter().map(|name| class_of(name)).collect(),
-                }
-            }
-        })
-    }
 
     /// Processes the next frame and writes the answer for each taxel that the model judges.
-    fn answer(&mut self, frame: &Frame, answers: &mut [Answer]) -> Result<(), Fault> {
-        match self {
-            Answering::Touch(classifier, patch) => {
+    fn answer(
+        &self,
+        judging: &mut OnlineJudge,
+        patch: usize,
+        frame: &Frame,
+        answers: &mut [Answer],
+    ) -> Result<(), Fault> {
+        let classes = &self.classes;
+        match judging {
+            OnlineJudge::Touch(classifier) => {
                 classifier.update(frame)?;
-                let model = classifier.model();
-                let classes: Vec<Class> = model.categories().iter().map(|name| class_of(name)).collect();
-                for taxel in classifier.taxels().iter().filter(|taxel| taxel.patch == *patch) {
+                for taxel in classifier.taxels().iter().filter(|taxel| taxel.patch == patch) {
                     let probabilities = classifier.probabilities(taxel.region);
-                    let likeliest = likeliest(&classes, probabilities);
+                    let likeliest = likeliest(classes, probabilities);
                     let is_touch = (1.0 - taxel.nothing) * largest(probabilities) >= taxel.nothing;
                     answers[taxel.taxel] = Answer {
                         likeliest: if is_touch { likeliest } else { Class::Nothing },
-                        trunk: is_trunk(&classes, probabilities),
+                        trunk: is_trunk(classes, probabilities),
                         unlike: -classifier.regions()[taxel.region].share_beyond,
                     };
                 }
             }
-            Answering::OfTrials { online, judge, classes } => {
+            OnlineJudge::OfTrials(online) => {
                 for taxel in online.update(frame)? {
                     answers[taxel.taxel] = Answer {
                         likeliest: likeliest(classes, &taxel.scores),
                         trunk: is_trunk(classes, &taxel.scores),
                         // The paper calls a contact an outlier if the margin between the best two categories is small.
-                        unlike: -judge.margin(&taxel.scores).map_or(0.0, |(_, margin)| margin),
+                        unlike: -self.judge.margin(&taxel.scores).map_or(0.0, |(_, margin)| margin),
                     };
                 }
             }

@@ -3,77 +3,44 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use underbrush_classifier::Model;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::decision::Decision;
 use underbrush_classifier::evaluate::touch::TouchEvaluation;
 use underbrush_classifier::evaluate::{JudgedObject, Stream, StreamTruth, classify_stream, classify_touch_stream};
-use underbrush_classifier::online::{OnlineClassifier, OnlineError, OnlineOptions};
-use underbrush_classifier::touch::{TouchClassifier, TouchModel};
-use underbrush_classifier::trial::TrialOptions;
+use underbrush_classifier::online::{OnlineError, OnlineOptions};
+use underbrush_classifier::online_model::OnlineModel;
 use underbrush_recording::fault::Fault;
-use underbrush_recording::{InputError, Recording, SkinLayout};
+use underbrush_recording::{InputError, Recording};
 
 use super::file::ModelSection;
 use crate::source::Source;
 
-/// A model and how it judges.
-#[derive(Debug)]
-pub(super) enum Judging {
-    /// A classifier of trials, online on each taxel.
-    OfTrials(Box<Model>, OnlineOptions),
-    /// A classifier of frames, which has its own options.
-    Touch(Arc<TouchModel>),
+/// Reads the model; `folder` is the folder of the suite file.
+pub fn load(section: &ModelSection, folder: &Path, source: &Source) -> Result<OnlineModel, Fault> {
+    match any_model::load(&folder.join(&section.file))? {
+        AnyModel::Touch(model) => {
+            refuse_for_touch(section, source)?;
+            Ok(OnlineModel::Touch(Arc::from(model)))
+        }
+        AnyModel::OfTrials(model) => {
+            let mut decision = model.decision.clone().unwrap_or(Decision::argmax());
+            decision.rule = section.rule.unwrap_or(decision.rule);
+            let options = OnlineOptions::new(section.patch.clone(), section.threshold_n, decision);
+            Ok(OnlineModel::OfTrials(Box::new(model), options))
+        }
+    }
 }
 
-impl Judging {
-    /// Reads the model; `folder` is the folder of the suite file.
-    pub fn load(section: &ModelSection, folder: &Path, source: &Source) -> Result<Self, Fault> {
-        match any_model::load(&folder.join(&section.file))? {
-            AnyModel::Touch(model) => {
-                refuse_for_touch(section, source)?;
-                Ok(Judging::Touch(Arc::from(model)))
-            }
-            AnyModel::OfTrials(model) => {
-                let mut decision = model.decision.clone().unwrap_or(Decision::argmax());
-                decision.rule = section.rule.unwrap_or(decision.rule);
-                let options = OnlineOptions {
-                    patch: section.patch.clone(),
-                    threshold_n: section.threshold_n.unwrap_or(TrialOptions::default().threshold_n),
-                    decision,
-                };
-                Ok(Judging::OfTrials(Box::new(model), options))
-            }
+/// Its verdicts on a reach, and the objects that it tells apart there; none for a classifier of trials.
+pub fn judged(model: &OnlineModel, recording: &Recording) -> Result<(Stream, Vec<JudgedObject>), OnlineError> {
+    Ok(match model {
+        OnlineModel::OfTrials(model, options) => {
+            (classify_stream(model.classifier.as_ref(), recording, options, StreamTruth::Object)?, Vec::new())
         }
-    }
-
-    /// Checks that the model can judge this skin.
-    pub fn fits(&self, layout: &SkinLayout) -> Result<(), OnlineError> {
-        match self {
-            Judging::OfTrials(model, options) => {
-                OnlineClassifier::new(model.classifier.as_ref(), layout, options).map(|_| ())
-            }
-            Judging::Touch(model) => Ok(TouchClassifier::new(Arc::clone(model), layout).map(|_| ())?),
+        OnlineModel::Touch(model) => {
+            (classify_touch_stream(model, recording)?, TouchEvaluation::of(model, recording)?.objects)
         }
-    }
-
-    /// Its verdicts on a reach.
-    pub fn stream(&self, recording: &Recording) -> Result<Stream, OnlineError> {
-        match self {
-            Judging::OfTrials(model, options) => {
-                classify_stream(model.classifier.as_ref(), recording, options, StreamTruth::Object)
-            }
-            Judging::Touch(model) => Ok(classify_touch_stream(model, recording)?),
-        }
-    }
-
-    /// The objects that it tells apart in a reach; none for a classifier of trials.
-    pub fn objects(&self, recording: &Recording) -> Result<Vec<JudgedObject>, OnlineError> {
-        match self {
-            Judging::OfTrials(..) => Ok(Vec::new()),
-            Judging::Touch(model) => Ok(TouchEvaluation::of(model, recording)?.objects),
-        }
-    }
+    })
 }
 
 /// Refuses keys that a touch model would ignore.

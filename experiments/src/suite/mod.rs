@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use underbrush_classifier::online_model::OnlineModel;
 use underbrush_recording::fault::Fault;
 use underbrush_recording::{Category, InputError};
 use underbrush_sim::reach::ReachPlan;
@@ -32,7 +33,6 @@ pub use bound::Bound;
 pub use checked::Checked;
 
 use file::{BlessSection, SceneEntry, SuiteFile};
-use judging::Judging;
 use metric::Metric;
 
 /// A suite with its checked file, its scenes and its model.
@@ -49,7 +49,7 @@ pub struct Suite {
     /// The scenes.
     pub scenes: Vec<SuiteScene>,
     /// The model, if the suite names one.
-    model: Option<Judging>,
+    model: Option<OnlineModel>,
     /// The text of the file.
     text: String,
 }
@@ -108,7 +108,7 @@ impl Suite {
         let file: SuiteFile = source.parse("suite")?;
         check::numbers(&file, &source)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let model = file.model.as_ref().map(|own| Judging::load(own, folder, &source));
+        let model = file.model.as_ref().map(|own| judging::load(own, folder, &source));
         let model = model.transpose()?;
         let (mut scenes, mut names) = (Vec::new(), BTreeSet::new());
         for entry in &file.scenes {
@@ -147,12 +147,12 @@ fn scene(
     entry: &SceneEntry,
     folder: &Path,
     source: &Source,
-    model: Option<&Judging>,
+    model: Option<&OnlineModel>,
 ) -> Result<SuiteScene, InputError> {
     let path: PathBuf = folder.join(&entry.scene);
     let plan = ReachPlan::new(Scene::load(path)?, file.controller, file.seed)?;
-    if let Some(judging) = model {
-        judging.fits(&plan.arm.skin.layout).map_err(|error| {
+    if let Some(model) = model {
+        model.begin(&plan.arm.skin.layout).map_err(|error| {
             let file = file.model.as_ref().map_or("", |own| own.file.as_str());
             let allowed = format!("a model, patch, threshold and rule that fit the skin of {}", entry.scene);
             source.field("model.file", file).fault(error.to_string(), allowed)

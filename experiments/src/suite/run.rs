@@ -6,6 +6,7 @@ use underbrush_recording::{GoalOutcomes, Recording};
 use underbrush_sim::campaign::Job;
 use underbrush_sim::reach::ReachPlan;
 
+use super::judging::judged;
 use super::metric::{Measured, Statistic};
 use super::result::{BoundResult, BoundVerdict, ReachValue, SceneResult, SuiteResult};
 use super::{SceneBound, Suite, SuiteScene};
@@ -66,10 +67,10 @@ impl Suite {
     }
 
     fn measure(&self, scene: &SuiteScene, recording: &Recording) -> Result<OneReach, OnlineError> {
-        let stream = self.model.as_ref().map(|judging| judging.stream(recording)).transpose()?;
-        let objects = self.model.as_ref().map(|judging| judging.objects(recording)).transpose()?.unwrap_or_default();
+        let judged = self.model.as_ref().map(|model| judged(model, recording)).transpose()?;
+        let (stream, objects) = judged.unzip();
         let goals = scene.plan.scene.file.goals.count;
-        let measured = Measured { recording, goals, stream: stream.as_ref(), objects: &objects };
+        let measured = Measured { recording, goals, stream: stream.as_ref(), objects: &objects.unwrap_or_default() };
         let values = scene.bounds.iter();
         Ok(OneReach {
             goals: recording.goal_outcomes(),

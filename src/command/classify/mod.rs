@@ -7,12 +7,15 @@ mod online;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::decision::Verdict;
 use underbrush_classifier::hmm::ScoreKind;
+use underbrush_classifier::online::OnlineOptions;
+use underbrush_classifier::online_model::OnlineModel;
 use underbrush_classifier::paper_rule::Scores;
 
 use super::decision_arguments::{DecisionArguments, refuse_for_touch_model};
@@ -22,9 +25,6 @@ use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::options::named;
 use crate::output;
-
-use of_contacts::OfContacts;
-use of_frames::OfFrames;
 
 /// Shown at the end of `underbrush classify --help`.
 const PROTOCOL: &str = "\
@@ -105,15 +105,19 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
         return Err(Failure::usage(message));
     }
     let model = match model {
-        AnyModel::Touch(model) => {
+        AnyModel::Touch(mut model) => {
             options.refuse_for_touch()?;
-            return online::run(&options, &OfFrames::new(*model, &options.touch));
+            model.decision = options.touch.over(model.decision);
+            return online::run(&options, &OnlineModel::Touch(Arc::from(model)));
         }
         AnyModel::OfTrials(model) => score::by_kind(model, &options.model, options.score, "--score")?,
     };
     options.touch.refuse_for_trials()?;
     if options.online || options.reads_stdin() {
-        return online::run(&options, &OfContacts::new(&options, model)?);
+        options.cut.refuse_online()?;
+        let decision = options.decision.decision(&Scores::of_model(&model))?;
+        let settings = OnlineOptions { patch: options.cut.patch(), threshold_n: options.cut.threshold_n(), decision };
+        return online::run(&options, &OnlineModel::OfTrials(Box::new(model), settings));
     }
     let categories = model.classifier.categories();
     let judge = options.decision.decision(&Scores::of_model(&model))?.prepare(&categories)?;

@@ -4,41 +4,38 @@ use std::io::BufRead;
 use std::path::Path;
 use std::time::Instant;
 
-use serde::Serialize;
 use serde_json::json;
+use underbrush_classifier::online_model::{OnlineJudge, OnlineModel};
 use underbrush_exchange::live::{LineError, LineParser, Lines, Message};
 use underbrush_recording::disk::{Dataset, is_folder, is_recording, read_recording, read_trials};
 use underbrush_recording::{Frame, InputError, SkinLayout};
 use underbrush_sim::arm::{self, Arm};
 
-use super::ClassifyOptions;
 use super::latency::Latency;
+use super::{ClassifyOptions, of_contacts, of_frames};
 use crate::failure::Failure;
 use crate::{input, output};
 
-/// A classifier that answers frames.
-pub(super) trait Answers {
-    /// Begins a reach with this skin.
-    fn start(&self, layout: &SkinLayout) -> Result<Box<dyn Reach>, Failure>;
-
-    /// The patches whose poses are needed.
-    fn needs_poses_of(&self, layout: &SkinLayout) -> Vec<usize>;
-}
-
 /// A reach that is being classified.
-pub(super) trait Reach {
-    /// The answer to the next frame: one line of JSON.
-    fn answer(&mut self, frame: &Frame) -> Result<String, Failure>;
+struct Reach<'a> {
+    judge: OnlineJudge,
+    layout: &'a SkinLayout,
+    categories: Vec<String>,
 }
 
-/// A line of JSON.
-pub(super) fn json_line(answer: &impl Serialize) -> Result<String, Failure> {
-    serde_json::to_string(answer).map_err(|error| Failure::run(error.to_string()))
+impl Reach<'_> {
+    /// The answer to the next frame: one line of JSON.
+    fn answer(&mut self, frame: &Frame) -> Result<String, Failure> {
+        match &mut self.judge {
+            OnlineJudge::OfTrials(classifier) => of_contacts::answer(classifier, &self.categories, frame),
+            OnlineJudge::Touch(classifier) => of_frames::answer(classifier, self.layout, frame),
+        }
+    }
 }
 
 /// Prints one line of JSON for each frame.
-pub(super) fn run(options: &ClassifyOptions, classifier: &dyn Answers) -> Result<(), Failure> {
-    let mut online = Online { classifier, latency: Latency::new() };
+pub(super) fn run(options: &ClassifyOptions, model: &OnlineModel) -> Result<(), Failure> {
+    let mut online = Online { model, latency: Latency::new() };
     if options.reads_stdin() {
         let layout = match &options.skin {
             Some(path) => layout_of(path)?,
@@ -92,22 +89,26 @@ fn layout_of(path: &Path) -> Result<SkinLayout, Failure> {
 
 /// What is kept from reach to reach.
 struct Online<'a> {
-    classifier: &'a dyn Answers,
+    model: &'a OnlineModel,
     latency: Latency,
 }
 
 impl Online<'_> {
+    fn start<'a>(&self, layout: &'a SkinLayout) -> Result<Reach<'a>, Failure> {
+        Ok(Reach { judge: self.model.begin(layout)?, layout, categories: self.model.categories() })
+    }
+
     /// Answers the frames of a whole reach.
     fn reach(&mut self, layout: &SkinLayout, frames: &[Frame]) -> Result<(), Failure> {
-        let mut reach = self.classifier.start(layout)?;
-        frames.iter().try_for_each(|frame| self.answer(reach.as_mut(), frame, Instant::now()))
+        let mut reach = self.start(layout)?;
+        frames.iter().try_for_each(|frame| self.answer(&mut reach, frame, Instant::now()))
     }
 
     /// Answers each line before the next is read. A bad line is answered with its error and otherwise ignored; with
     /// `strict` it ends the stream.
     fn stream(&mut self, reader: impl BufRead, layout: &SkinLayout, strict: bool) -> Result<(), Failure> {
-        let mut reach = self.classifier.start(layout)?;
-        let mut parser = LineParser::new(layout.clone(), self.classifier.needs_poses_of(layout));
+        let mut reach = self.start(layout)?;
+        let mut parser = LineParser::new(layout.clone(), self.model.needs_poses_of(layout));
         let mut lines = Lines::new(reader, parser.max_bytes());
         let mut bad_lines = 0_usize;
         loop {
@@ -116,9 +117,9 @@ impl Online<'_> {
             let arrived = Instant::now();
             let Some((number, text)) = line else { break };
             match text.and_then(|text| parser.parse(number, text)) {
-                Ok(Message::Frame(frame)) => self.answer(reach.as_mut(), &frame, arrived)?,
+                Ok(Message::Frame(frame)) => self.answer(&mut reach, &frame, arrived)?,
                 Ok(Message::Reset) => {
-                    reach = self.classifier.start(layout)?;
+                    reach = self.start(layout)?;
                     output::lines([json!({ "line": number, "reset": true }).to_string()])?;
                 }
                 Err(error) => {
@@ -139,7 +140,7 @@ impl Online<'_> {
         Ok(())
     }
 
-    fn answer(&mut self, reach: &mut dyn Reach, frame: &Frame, since: Instant) -> Result<(), Failure> {
+    fn answer(&mut self, reach: &mut Reach<'_>, frame: &Frame, since: Instant) -> Result<(), Failure> {
         output::lines([reach.answer(frame)?])?;
         self.latency.add(since);
         Ok(())

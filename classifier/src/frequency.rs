@@ -1,0 +1,10 @@
+//! How often things occur.
+
+use std::collections::BTreeMap;
+
+/// How often each thing occurs.
+pub fn frequencies<T: Ord>(things: impl IntoIterator<Item = T>) -> BTreeMap<T, usize> {
+    let mut counts = BTreeMap::new();
+    things.into_iter().for_each(|thing| *counts.entry(thing).or_default() += 1);
+    counts
+}
