@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde_json::{Value, json};
-use underbrush_classifier::Model;
 use underbrush_classifier::any_model::{self, AnyModel};
+use underbrush_classifier::{Model, frequencies};
 use underbrush_recording::InputError;
 use underbrush_recording::disk::{
     ArmText, Dataset, FileText, is_folder, is_recording, is_there, read_recording, read_trials,
@@ -62,10 +62,7 @@ pub fn inspect(path: &Path, seed: u64) -> Result<Value, Fault> {
 fn scene(path: &Path, seed: u64) -> Result<Value, Fault> {
     let plan = ReachPlan::new(Scene::open(path)?, None, seed)?;
     let clutter = Clutter::draw(&plan.scene, &ArmAtStart::of(&plan.arm), seed, 0)?;
-    let mut objects: BTreeMap<&str, usize> = BTreeMap::new();
-    for placed in &clutter.objects {
-        *objects.entry(placed.object.kind()).or_default() += 1;
-    }
+    let objects = frequencies(clutter.objects.iter().map(|placed| placed.object.kind()));
     let file = &plan.scene.file;
     let doubts = plan.arm.skin_doubts();
     Ok(json!({
@@ -142,10 +139,7 @@ fn dataset(path: &Path) -> Result<Value, Fault> {
     let episodes = dataset.episodes();
     let peaks_n = dataset.peak_contact_forces_n()?;
     let ends = Ends::of(episodes);
-    let mut scenes: BTreeMap<&str, usize> = BTreeMap::new();
-    for episode in episodes {
-        *scenes.entry(&episode.scene).or_default() += 1;
-    }
+    let scenes = frequencies(episodes.iter().map(|episode| &episode.scene));
     let provenance = dataset.provenance();
     let patches: BTreeMap<&str, usize> =
         dataset.layout().patches.iter().map(|patch| (patch.name.as_str(), patch.taxels.len())).collect();
@@ -203,10 +197,7 @@ fn recording(path: &Path) -> Result<Value, Fault> {
 
 fn trials(path: &Path) -> Result<Value, Fault> {
     let trials = read_trials(path)?;
-    let mut categories: BTreeMap<&str, usize> = BTreeMap::new();
-    for trial in &trials {
-        *categories.entry(trial.category.as_deref().unwrap_or("unknown")).or_default() += 1;
-    }
+    let categories = frequencies(trials.iter().map(|trial| trial.category.as_deref().unwrap_or("unknown")));
     let mut lengths: Vec<usize> = trials.iter().map(|trial| trial.samples.len()).collect();
     lengths.sort_unstable();
     Ok(json!({

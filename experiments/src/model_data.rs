@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 use serde_json::Value;
-use underbrush_classifier::{DataKind, DataSource, Provenance};
+use underbrush_classifier::{DataKind, DataSource, Provenance, frequencies};
 use underbrush_recording::Recording;
 use underbrush_recording::disk::{Dataset, DiskError, Episode, file_blake3, is_folder, is_recording, read_recording};
 
@@ -46,10 +46,7 @@ pub fn of_path(path: &Path) -> Result<DataSource, DiskError> {
 
 /// Some reaches of a data set.
 pub fn of_reaches<'a>(dataset: &Dataset, episodes: impl Iterator<Item = &'a Episode>) -> DataSource {
-    let mut reaches = BTreeMap::new();
-    for episode in episodes {
-        *reaches.entry(episode.scene.clone()).or_default() += 1;
-    }
+    let reaches = frequencies(episodes.map(|episode| episode.scene.clone()));
     DataSource {
         kind: DataKind::DataSet,
         name: name(dataset.dir()),

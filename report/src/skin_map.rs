@@ -3,8 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
-use crate::drawing::{Mark, escape, slug};
+use crate::drawing::{Mark, escape, svg_head};
 use underbrush_classifier::decision::Verdict;
+use underbrush_classifier::frequencies;
 use underbrush_recording::Grid;
 
 use crate::category_looks::CategoryLooks;
@@ -22,7 +23,6 @@ const LEFT: f64 = 30.0;
 /// Baseline of the legend's first row, and the height of a row.
 const LEGEND: f64 = 40.0;
 const LEGEND_ROW: f64 = 22.0;
-const FONT: f64 = 15.0;
 
 /// Draws the taxels of the moment's patch: rows along the forearm, the hand at the top, and columns around it from left
 /// to right. The legend has the `labels` that a classifier can give. `name` is unique on a page.
@@ -33,25 +33,17 @@ pub fn svg(
     verdicts: &BTreeMap<usize, Verdict>,
     pressed: &BTreeSet<usize>,
 ) -> String {
-    let name = slug(name);
     let width = LEFT + grid.columns as f64 * CELL_PX + 6.0;
     let (legend, rows) = legend(labels, looks, width);
     let top = LEGEND + rows as f64 * LEGEND_ROW - 6.0;
     let height = top + grid.rows as f64 * CELL_PX + 28.0;
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    verdicts.values().for_each(|verdict| *counts.entry(verdict.name()).or_default() += 1);
+    let counts = frequencies(verdicts.values().map(Verdict::name));
     let counts: Vec<String> = counts.iter().map(|(name, count)| format!("{name} {count}")).collect();
     let untouched = verdicts.keys().filter(|taxel| !pressed.contains(taxel)).count();
-    let patch = escape(patch);
+    let described =
+        format!("Taxels in contact by verdict: {}; nothing presses on {untouched} of them", counts.join(", "));
     let title = format!("Verdicts on the unrolled {patch}");
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" role=\"img\" \
-         aria-labelledby=\"{name}-title {name}-desc\" font-family=\"sans-serif\" font-size=\"{FONT}\" fill=\"#222222\">\n\
-         <title id=\"{name}-title\">{title}</title>\n\
-         <desc id=\"{name}-desc\">Taxels in contact by verdict: {}; nothing presses on {untouched} of them</desc>\n\
-         <text x=\"2\" y=\"{FONT}\" font-weight=\"bold\">{title}</text>\n",
-        escape(&counts.join(", "))
-    );
+    let mut svg = svg_head(name, &title, &described, [width, height]);
     svg += &legend;
     for taxel in 0..grid.rows * grid.columns {
         let (row, column) = (taxel / grid.columns, taxel % grid.columns);
@@ -67,6 +59,7 @@ pub fn svg(
             svg += &mark.svg(x + CELL_PX / 2.0, y + CELL_PX / 2.0, 8.0, colour);
         }
     }
+    let patch = escape(patch);
     let _ = writeln!(
         svg,
         "<text x=\"{LEFT}\" y=\"{:.1}\">columns, around the {patch}</text>\

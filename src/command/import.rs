@@ -1,10 +1,10 @@
 //! `underbrush import`: cuts contact trials from a file of a real robot.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::json;
+use underbrush_classifier::frequencies;
 use underbrush_exchange::import::{Mapping, import};
 use underbrush_recording::Recording;
 use underbrush_recording::disk::{channel_names, check_free, write_recording, write_trials_with};
@@ -46,10 +46,7 @@ pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
     if let Some(warning) = &imported.warning {
         output::remark(format!("warning: {warning}"));
     }
-    let mut categories = BTreeMap::<String, usize>::new();
-    for trial in &imported.trials {
-        *categories.entry(trial.category.clone().unwrap_or_default()).or_default() += 1;
-    }
+    let categories = frequencies(imported.trials.iter().map(|trial| trial.category.clone().unwrap_or_default()));
     let (trials, frames, reaches) = (imported.trials.len(), imported.frames, imported.reaches);
     let samples: usize = imported.trials.iter().map(|trial| trial.samples.len()).sum();
     if is_table {

@@ -7,6 +7,7 @@ use underbrush_recording::Trial;
 
 use super::error::EvaluateError;
 use crate::estimator::is_trained;
+use crate::frequency::frequencies;
 
 /// What is kept together in a fold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -65,15 +66,10 @@ impl Folds {
     pub fn for_thresholds(trials: &[Trial]) -> Self {
         let used = || trials.iter().filter(|trial| trial.category.as_deref().is_some_and(is_trained));
         let by = FoldBy::advised(trials);
-        let mut units: BTreeMap<&str, usize> = BTreeMap::new();
-        match by {
-            FoldBy::Position => used().for_each(|trial| *units.entry(category(trial)).or_default() += 1),
-            FoldBy::Reach => {
-                let votes = votes(used());
-                let winners = votes.values().filter_map(winner);
-                winners.for_each(|category| *units.entry(category).or_default() += 1);
-            }
-        }
+        let units = match by {
+            FoldBy::Position => frequencies(used().map(category)),
+            FoldBy::Reach => frequencies(votes(used()).values().filter_map(winner)),
+        };
         let min = units.into_values().min().unwrap_or(0);
         Folds { count: min.clamp(2, 5), by }
     }
@@ -107,8 +103,7 @@ impl Folds {
 
     /// The fold of each unit, given their categories.
     fn assign_units(self, units: &[&str], unit: &'static str) -> Result<Vec<usize>, EvaluateError> {
-        let mut count: BTreeMap<&str, usize> = BTreeMap::new();
-        units.iter().for_each(|category| *count.entry(category).or_default() += 1);
+        let count = frequencies(units.iter().copied());
         if let Some((category, &found)) = count.iter().find(|(_, count)| **count < self.count) {
             return Err(EvaluateError::TooFew { category: (*category).to_owned(), found, unit, folds: self.count });
         }

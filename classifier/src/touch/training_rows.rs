@@ -9,6 +9,7 @@ use underbrush_recording::Recording;
 
 use super::example::Examples;
 use super::options::TouchOptions;
+use crate::frequency::frequencies;
 use crate::trial::TrialError;
 
 /// Number of parts into which reaches are divided. Each part is judged by a model that is fitted to the others.
@@ -77,22 +78,15 @@ impl TouchExamples {
 
     /// The categories that a model of these rows knows, in alphabetical order.
     pub fn categories(&self) -> Vec<String> {
-        let mut categories: Vec<String> = self.regions().map(|region| region.category.clone()).collect();
-        categories.sort_unstable();
-        categories.dedup();
-        categories
+        let categories: BTreeSet<String> = self.regions().map(|region| region.category.clone()).collect();
+        categories.into_iter().collect()
     }
 
     /// How many rows there are.
     pub fn rows(&self) -> TouchRows {
-        let mut regions = BTreeMap::new();
-        for region in self.regions() {
-            *regions.entry(region.category.clone()).or_default() += 1;
-        }
-        let mut objects = BTreeMap::new();
-        for object in self.reaches.iter().chain(&self.auxiliary).flat_map(|reach| &reach.objects) {
-            *objects.entry(object.category).or_default() += 1;
-        }
+        let regions = frequencies(self.regions().map(|region| region.category.clone()));
+        let objects = self.reaches.iter().chain(&self.auxiliary).flat_map(|reach| &reach.objects);
+        let objects = frequencies(objects.map(|object| object.category));
         let taxels = self.reaches.iter().flat_map(|reach| &reach.taxels);
         let touched_taxels = taxels.clone().filter(|taxel| taxel.is_touched).count();
         TouchRows {

@@ -11,6 +11,7 @@ use super::tracker::{ObjectTracker, TouchObject};
 use super::unknown::{self, Calibration, FAMILIES, Family, UnknownObjects};
 use crate::boosted::{Boosted, Row};
 use crate::error::ModelError;
+use crate::frequency::frequencies;
 use crate::touch::frame::SkinTracker;
 
 /// An object gives a row after each of these numbers of samples, and at its end.
@@ -145,10 +146,7 @@ pub(in crate::touch) fn fit_objects(
 }
 
 fn fit_unknown(objects: &Objects<'_>, categories: &[String]) -> Result<UnknownObjects, ModelError> {
-    let counts: BTreeMap<&str, usize> = objects.families.iter().fold(BTreeMap::new(), |mut counts, (_, own)| {
-        *counts.entry(own.category).or_default() += 1;
-        counts
-    });
+    let counts = frequencies(objects.families.iter().map(|(_, own)| own.category));
     let few = counts.iter().find(|(_, count)| **count < FEWEST);
     if let Some((found, allowed)) = match few {
         _ if counts.is_empty() => Some((
