@@ -36,40 +36,10 @@ impl Moments {
     }
 }
 
-/// Running statistics of a force.
+/// Running statistics of a force, or of a channel in its own unit, whose sign and scale mean something that is not known
+/// here.
 #[derive(Clone, Copy, Debug, Default)]
-struct Course {
-    first: f64,
-    last: f64,
-    largest: f64,
-    /// Σ |Δ force|, N.
-    variation: f64,
-    largest_step: f64,
-    moments: Moments,
-    /// Sums of the products of the force's deviations with those of time, N s, and of motion, N m.
-    with_time: f64,
-    with_motion: f64,
-}
-
-impl Course {
-    fn push(&mut self, count: f64, force_n: f64, from_mean_time_s: f64, from_mean_motion_m: f64) {
-        if count == 1.0 {
-            (self.first, self.last, self.largest) = (force_n, force_n, force_n);
-        }
-        let step = (force_n - self.last).abs();
-        self.variation += step;
-        self.largest_step = self.largest_step.max(step);
-        self.last = force_n;
-        self.largest = self.largest.max(force_n);
-        self.moments.push(count, force_n);
-        self.with_time += from_mean_time_s * (force_n - self.moments.mean);
-        self.with_motion += from_mean_motion_m * (force_n - self.moments.mean);
-    }
-}
-
-/// Running statistics of a channel, in its own unit: its sign and scale mean something that is not known here.
-#[derive(Clone, Debug, Default)]
-struct ChannelCourse {
+struct ValueCourse {
     last: f64,
     first: f64,
     largest: f64,
@@ -77,15 +47,40 @@ struct ChannelCourse {
     moments: Moments,
 }
 
-impl ChannelCourse {
-    fn push(&mut self, count: f64, number: f64) {
+impl ValueCourse {
+    /// Adds the `count`-th value and returns its difference from the last one, 0 for the first.
+    fn push(&mut self, count: f64, value: f64) -> f64 {
         if count == 1.0 {
-            (self.first, self.largest, self.smallest) = (number, number, number);
+            *self = ValueCourse { last: value, first: value, largest: value, smallest: value, ..*self };
         }
-        self.last = number;
-        self.largest = self.largest.max(number);
-        self.smallest = self.smallest.min(number);
-        self.moments.push(count, number);
+        let step = value - self.last;
+        self.last = value;
+        self.largest = self.largest.max(value);
+        self.smallest = self.smallest.min(value);
+        self.moments.push(count, value);
+        step
+    }
+}
+
+/// Running statistics of a force.
+#[derive(Clone, Copy, Debug, Default)]
+struct Course {
+    value: ValueCourse,
+    /// Σ |Δ force|, N.
+    variation: f64,
+    largest_step: f64,
+    /// Sums of the products of the force's deviations with those of time, N s, and of motion, N m.
+    with_time: f64,
+    with_motion: f64,
+}
+
+impl Course {
+    fn push(&mut self, count: f64, force_n: f64, from_mean_time_s: f64, from_mean_motion_m: f64) {
+        let step = self.value.push(count, force_n).abs();
+        self.variation += step;
+        self.largest_step = self.largest_step.max(step);
+        self.with_time += from_mean_time_s * (force_n - self.value.moments.mean);
+        self.with_motion += from_mean_motion_m * (force_n - self.value.moments.mean);
     }
 }
 
@@ -108,7 +103,7 @@ pub struct StreamFeatures {
     sum_n: f64,
     mean_sum_n: f64,
     mean_share: f64,
-    channels: Vec<ChannelCourse>,
+    channels: Vec<ValueCourse>,
 }
 
 impl StreamFeatures {
@@ -117,7 +112,7 @@ impl StreamFeatures {
     pub fn push(&mut self, sample: &Sample, channels: impl ExactSizeIterator<Item = f64>) {
         self.count += 1.0;
         let count = self.count;
-        self.channels.resize_with(channels.len(), ChannelCourse::default);
+        self.channels.resize_with(channels.len(), ValueCourse::default);
         for (course, number) in self.channels.iter_mut().zip(channels) {
             course.push(count, number);
         }
@@ -172,14 +167,14 @@ impl StreamFeatures {
             let squares = self.motion.squares + count * MOTION_KNEE_M * MOTION_KNEE_M;
             compress(course.with_motion / squares, STIFFNESS_KNEE_N_PER_M)
         };
-        let deviation = |course: &Course| force((course.moments.squares.max(0.0) / count).sqrt());
+        let deviation = |course: &Course| force((course.value.moments.squares.max(0.0) / count).sqrt());
         let motion = |metres: f64| compress(metres, MOTION_KNEE_M);
         [
             math::ln(count),
-            force(self.force.last),
-            force(self.force.first),
-            force(self.force.largest),
-            force(self.force.moments.mean),
+            force(self.force.value.last),
+            force(self.force.value.first),
+            force(self.force.value.largest),
+            force(self.force.value.moments.mean),
             deviation(&self.force),
             rate(&self.force),
             force(self.force.largest_step),
@@ -190,10 +185,10 @@ impl StreamFeatures {
             compress(per_second(self.path_m), SPEED_KNEE_M_PER_S),
             over_time(&self.region),
             over_motion(&self.region),
-            force(self.region.last),
-            force(self.region.first),
-            force(self.region.largest),
-            force(self.region.moments.mean),
+            force(self.region.value.last),
+            force(self.region.value.first),
+            force(self.region.value.largest),
+            force(self.region.value.moments.mean),
             deviation(&self.region),
             rate(&self.region),
             math::ln_1p(self.taxels),
