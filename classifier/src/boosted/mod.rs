@@ -91,20 +91,6 @@ impl Boosted {
     }
 }
 
-impl From<Boosted> for Packed {
-    fn from(boosted: Boosted) -> Self {
-        Packed::of(boosted.spans, &boosted.trees)
-    }
-}
-
-impl TryFrom<Packed> for Boosted {
-    type Error = &'static str;
-
-    fn try_from(packed: Packed) -> Result<Self, Self::Error> {
-        Ok(Boosted { trees: packed.trees()?, spans: packed.spans })
-    }
-}
-
 /// A feature of all rows.
 struct Column {
     span: Span,

@@ -5,6 +5,8 @@ use base64::engine::general_purpose::STANDARD;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Boosted;
+
 /// Stands for no feature: the node is a leaf.
 const LEAF: u8 = u8::MAX;
 
@@ -54,8 +56,8 @@ pub(super) struct Packed {
     trees: Vec<String>,
 }
 
-impl Packed {
-    pub(super) fn of(spans: Vec<Span>, trees: &[Vec<Node>]) -> Self {
+impl From<Boosted> for Packed {
+    fn from(Boosted { trees, spans }: Boosted) -> Self {
         let bytes = |node: &Node| match *node {
             Node::Leaf(step) => (LEAF, step.to_le_bytes()),
             Node::Cut { feature, cut, .. } => (feature, cut.to_le_bytes()),
@@ -67,16 +69,19 @@ impl Packed {
         let text = |tree: &Vec<Node>| STANDARD.encode(tree.iter().flat_map(bytes).collect::<Vec<u8>>());
         Packed { trees: trees.iter().map(text).collect(), spans }
     }
+}
 
-    /// The trees, or what is wrong.
-    pub(super) fn trees(&self) -> Result<Vec<Vec<Node>>, &'static str> {
-        let features = self.spans.len();
+impl TryFrom<Packed> for Boosted {
+    type Error = &'static str;
+
+    fn try_from(Packed { trees, spans }: Packed) -> Result<Self, Self::Error> {
+        let features = spans.len();
         if features >= usize::from(LEAF) {
             return Err("there are too many features");
         }
         let tree = |text: &String| tree(&STANDARD.decode(text).ok()?, features);
-        match self.trees.iter().map(tree).collect::<Option<Vec<_>>>() {
-            Some(trees) if !trees.is_empty() => Ok(trees),
+        match trees.iter().map(tree).collect::<Option<Vec<_>>>() {
+            Some(trees) if !trees.is_empty() => Ok(Boosted { trees, spans }),
             _ => Err("a tree is damaged"),
         }
     }
