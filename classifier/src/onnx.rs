@@ -14,23 +14,19 @@
 //! the window are ignored. The first output of 32-bit floats with one value per category is the answer. An invalid
 //! answer, such as NaN or probabilities that do not sum to 1, is an error.
 
-mod metadata;
-
 use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use rten::{RunOptions, ThreadPool, Value as Tensor, ValueView};
+use rten::{ModelMetadata, RunOptions, ThreadPool, Value as Tensor, ValueView};
 use serde_json::Value;
 use underbrush_recording::limits::JSON_BYTES;
 use underbrush_recording::{InputError, Sample, math, open_regular};
 
 use crate::error::ModelError;
 use crate::estimator::{Classifier, ContactScorer, Independent, OnlineScorer};
-use crate::feature::{FeatureSet, SampleFault};
-
-use metadata::Expected;
+use crate::feature::{FeatureError, FeatureSet, SampleFault};
 
 /// Smaller probabilities count as this, so that no category is impossible.
 const SMALLEST_PROBABILITY: f64 = 1e-9;
@@ -224,5 +220,51 @@ impl ContactScorer for Contact {
             scores.iter_mut().for_each(|score| *score = math::ln(score.max(SMALLEST_PROBABILITY)));
         }
         Ok(())
+    }
+}
+
+/// Largest window, samples. Choice: ten seconds at 100 Hz.
+const LARGEST_WINDOW: usize = 1000;
+
+/// What the metadata say.
+#[derive(Debug)]
+struct Expected {
+    features: FeatureSet,
+    window: usize,
+    categories: Vec<String>,
+    is_probability: bool,
+}
+
+impl Expected {
+    fn read(path: &Path, metadata: &ModelMetadata) -> Result<Self, InputError> {
+        let get = |key: &str| metadata.get(key);
+        let fail = |key: &str, found: &str, allowed: &str| {
+            let remedy = "set the model's metadata_props when you export it";
+            InputError::new(path, format!("metadata {key}"), found.to_owned(), allowed.to_owned(), remedy.to_owned())
+        };
+        let need = |key: &str, allowed: &str| get(key).ok_or_else(|| fail(key, "nothing", allowed));
+        let features = need("underbrush.features", "names of features, separated by commas")?;
+        let window = need("underbrush.window", "a number of samples")?;
+        let categories = need("underbrush.categories", "names in alphabetical order, separated by commas")?;
+        let categories: Vec<String> = categories.split(',').map(|name| name.trim().to_owned()).collect();
+        if categories.len() < 2 || !categories.is_sorted_by(|a, b| a < b) || categories[0].is_empty() {
+            let allowed = "two or more names in alphabetical order, none twice";
+            return Err(fail("underbrush.categories", &categories.join(","), allowed));
+        }
+        Ok(Expected {
+            features: features
+                .parse()
+                .map_err(|error: FeatureError| fail("underbrush.features", features, &error.to_string()))?,
+            window: match window.trim().parse() {
+                Ok(samples) if (1..=LARGEST_WINDOW).contains(&samples) => samples,
+                _ => return Err(fail("underbrush.window", window, "a whole number from 1 to 1000")),
+            },
+            categories,
+            is_probability: match get("underbrush.output") {
+                None | Some("probabilities") => true,
+                Some("log-odds") => false,
+                Some(other) => return Err(fail("underbrush.output", other, "probabilities or log-odds")),
+            },
+        })
     }
 }

@@ -7,8 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{Limits, Sample, math};
 
-use super::file::{self, FITTED, check_table};
-use super::fitted::{self, Baseline, TrialsByCategory};
+use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
 use crate::error::{Fault, ModelError, check_limits};
 use crate::estimator::ClassifierKind;
 use crate::feature::{FeatureError, FeatureSet, SampleFault};
@@ -151,9 +150,9 @@ impl Baseline for EchoStateNetwork {
 
     fn parameters(learned: &Learned) -> Parameters {
         Parameters {
-            recurrent: file::columns(&learned.network.recurrent),
-            inputs: file::columns(&learned.network.inputs),
-            readout: file::columns(&learned.readout),
+            recurrent: fitted::columns(&learned.network.recurrent),
+            inputs: fitted::columns(&learned.network.inputs),
+            readout: fitted::columns(&learned.readout),
         }
     }
 
@@ -164,8 +163,8 @@ impl Baseline for EchoStateNetwork {
         check_table("inputs", inputs, (self.inputs(), units), FITTED)?;
         check_table("readout", readout, (categories, size), FITTED)?;
         let network =
-            Network { recurrent: file::from_columns(units, recurrent), inputs: file::from_columns(units, inputs) };
-        Ok(Learned { network, readout: file::from_columns(size, readout) })
+            Network { recurrent: fitted::from_columns(units, recurrent), inputs: fitted::from_columns(units, inputs) };
+        Ok(Learned { network, readout: fitted::from_columns(size, readout) })
     }
 
     fn begin(&self, learned: &Learned) -> Contact {

@@ -5,8 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{Limits, Sample, math};
 
-use super::file::{self, FITTED, check_table};
-use super::fitted::{self, Baseline, TrialsByCategory};
+use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
 use super::table::{Standardization, Table};
 use crate::error::{Fault, ModelError, check_limits};
 use crate::estimator::ClassifierKind;
@@ -114,7 +113,7 @@ impl Baseline for Logistic {
     }
 
     fn parameters(learned: &Learned) -> Parameters {
-        let weights = file::columns(&learned.weights.transpose());
+        let weights = fitted::columns(&learned.weights.transpose());
         Parameters { standardization: learned.standardization.clone(), weights }
     }
 
@@ -124,7 +123,7 @@ impl Baseline for Logistic {
         let columns = selection.dimension() + 1;
         standardization.check(selection.dimension()).map_err(|fault| fault.within("standardization"))?;
         check_table("weights", &weights, (categories, columns), FITTED)?;
-        Ok(Learned { selection, standardization, weights: file::from_columns(columns, &weights).transpose() })
+        Ok(Learned { selection, standardization, weights: fitted::from_columns(columns, &weights).transpose() })
     }
 
     fn begin(&self, _: &Learned) -> StreamFeatures {

@@ -13,7 +13,6 @@
 //! classified shape and pose while a finger explored. The features are ours.
 
 pub(crate) mod echo_state_network;
-mod file;
 mod fitted;
 pub(crate) mod logistic;
 pub(crate) mod naive_bayes;

@@ -4,8 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{Sample, math};
 
-use super::file::{FITTED, POSITIVE, check_table};
-use super::fitted::{self, Baseline, TrialsByCategory};
+use super::fitted::{self, Baseline, FITTED, POSITIVE, TrialsByCategory, check_table};
 use super::table::{Standardization, Table};
 use crate::error::{Fault, ModelError};
 use crate::estimator::ClassifierKind;

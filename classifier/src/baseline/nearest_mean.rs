@@ -5,8 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{Limits, Sample, Trial};
 
-use super::file::{FITTED, check_table};
-use super::fitted::{self, Baseline, TrialsByCategory};
+use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
 use crate::error::{Fault, ModelError, check_limits};
 use crate::estimator::ClassifierKind;
 use crate::feature::{FeatureError, FeatureSet, SampleFault};

@@ -5,8 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{Limits, Sample, math};
 
-use super::file::{self, FITTED, check_list, check_table};
-use super::fitted::{self, Baseline, TrialsByCategory};
+use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_list, check_table};
 use crate::error::{Fault, ModelError, check_limits};
 use crate::estimator::ClassifierKind;
 use crate::feature::{AREA, FORCE, FeatureSet, MOTION, SampleFault};
@@ -155,9 +154,9 @@ impl Baseline for NearestNeighbours {
         Parameters {
             mean: learned.mean.clone(),
             scale: learned.scale.clone(),
-            components: file::columns(&learned.components),
+            components: fitted::columns(&learned.components),
             category: learned.category_of.clone(),
-            trials: file::columns(&learned.known),
+            trials: fitted::columns(&learned.known),
         }
     }
 
@@ -167,8 +166,8 @@ impl Baseline for NearestNeighbours {
         let of = |category: usize| category_of.iter().filter(|own| **own == category).count();
         Ok(Learned {
             count: (0..categories).map(of).collect(),
-            components: file::from_columns(parameters.mean.len(), &parameters.components),
-            known: file::from_columns(parameters.components.len(), &parameters.trials),
+            components: fitted::from_columns(parameters.mean.len(), &parameters.components),
+            known: fitted::from_columns(parameters.components.len(), &parameters.trials),
             mean: parameters.mean,
             scale: parameters.scale,
             category_of,

@@ -3,8 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::file::{FITTED, POSITIVE, check_list};
-use super::fitted::TrialsByCategory;
+use super::fitted::{FITTED, POSITIVE, TrialsByCategory, check_list};
 use crate::error::{Fault, check_limits};
 use crate::feature::FeatureError;
 use crate::stream_feature::{SAMPLE_COUNTS, Selection};

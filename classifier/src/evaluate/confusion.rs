@@ -6,8 +6,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::Category;
 
 use super::interval::{Interval, wilson};
-use super::prediction::Prediction;
-use super::record::Record;
+use super::prediction::{Prediction, Record};
 use crate::decision::Verdict;
 
 /// Counts of true category against verdict.

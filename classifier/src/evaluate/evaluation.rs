@@ -7,8 +7,7 @@ use serde::Serialize;
 use super::confusion::{AccuracyByTouch, CategoryFigures, ConfusionMatrix};
 use super::error::EvaluateError;
 use super::interval::{BOOTSTRAP_RESAMPLES, Interval, bootstrap_by_reach, wilson};
-use super::prediction::Prediction;
-use super::record::Record;
+use super::prediction::{Prediction, Record};
 use crate::hmm::TrainingHistory;
 
 /// Verdicts on trials with ground truth, and figures computed from them.

@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-use super::record::Record;
+use super::prediction::Record;
 
 /// A 95 % confidence interval of a fraction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -8,11 +8,9 @@ mod error;
 mod evaluation;
 mod evaluation_report;
 mod fold;
-mod held_out;
 mod interval;
 mod object_figures;
 mod prediction;
-mod record;
 mod roc;
 mod stream;
 mod threshold;
@@ -22,7 +20,6 @@ mod touch_figures;
 pub mod touch_folds;
 mod touch_object;
 mod touch_stiffness;
-mod true_stiffness;
 
 pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples, accuracy_by_samples_of_all};
 pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix, Rates};
@@ -31,16 +28,14 @@ pub use error::EvaluateError;
 pub use evaluation::Evaluation;
 pub use evaluation_report::{Compared, EvaluationReport};
 pub use fold::{FoldBy, Folds};
-pub use held_out::HeldOut;
 pub use interval::{Interval, bootstrap_by_reach, wilson};
 pub use object_figures::{GroupingFigures, ObjectVerdicts, UnknownFigures};
-pub use prediction::Prediction;
-pub use record::Record;
+pub use prediction::{Prediction, Record};
 pub use roc::{RocCurve, RocPoint, category_roc, outlier_roc};
 pub use stream::{
     NOTHING, Stream, StreamContact, StreamFrame, StreamTruth, Tally, classify_stream, classify_touch_stream,
 };
-pub use threshold::{ChosenThresholds, ThresholdError, ThresholdTargets, choose_thresholds};
+pub use threshold::{ChosenThresholds, HeldOut, ThresholdError, ThresholdTargets, choose_thresholds};
 pub use touch_figures::{ReachFigures, RightWithin, TouchFigures, TruthFigures};
 pub use touch_object::JudgedObject;
 pub use touch_stiffness::StiffnessFigures;

@@ -1,10 +1,12 @@
 //! Figures on the objects that touch the skin.
 
+use std::collections::BTreeSet;
+
 use serde::Serialize;
 use underbrush_recording::Category;
 
 use super::interval::{BOOTSTRAP_RESAMPLES, Interval, bootstrap_by_reach};
-use super::record::Record;
+use super::prediction::Record;
 use super::roc::RocCurve;
 use super::touch_object::JudgedObject;
 use crate::decision::Verdict;
@@ -137,9 +139,7 @@ impl ObjectVerdicts {
 impl GroupingFigures {
     pub(super) fn of(objects: &[JudgedObject]) -> Option<Self> {
         let [all, own] = objects.iter().fold([0.0; 2], |sum, own| [sum[0] + own.force_n[0], sum[1] + own.force_n[1]]);
-        let mut true_objects: Vec<_> = objects.iter().map(|own| (own.reach, own.true_object)).collect();
-        true_objects.sort_unstable();
-        true_objects.dedup();
+        let true_objects: BTreeSet<_> = objects.iter().map(|own| (own.reach, own.true_object)).collect();
         let (groups, true_objects) = (objects.len(), true_objects.len());
         (all > 0.0).then(|| GroupingFigures { purity: own / all, groups, true_objects })
     }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use underbrush_recording::{Category, Recording};
 
 use super::confusion::{Accuracy, ConfusionMatrix};
-use super::record::Record;
+use super::prediction::Record;
 use super::touch_contact::{JudgedContact, OpenContact};
 use super::touch_object::{JudgedObject, ObjectJudge};
 use crate::touch::{TaxelTouch, Touch, TouchClassifier, TouchModel};

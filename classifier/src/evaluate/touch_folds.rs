@@ -72,6 +72,7 @@ pub fn add_auxiliary<R: ReadReaches>(examples: &mut TouchExamples, reaches: &R) 
 }
 
 /// All verdicts so far.
+#[derive(Default)]
 struct Judged {
     verdicts: TouchEvaluation,
     categories: Vec<String>,
@@ -79,10 +80,6 @@ struct Judged {
 }
 
 impl Judged {
-    fn with_categories_of(model: &TouchModel) -> Self {
-        Judged { verdicts: TouchEvaluation::default(), categories: model.categories().to_vec(), decisions: Vec::new() }
-    }
-
     /// Adds the verdicts of a model on some of the reaches.
     fn add<R: ReadReaches>(
         &mut self,
@@ -115,7 +112,7 @@ impl Judged {
 /// # Errors
 /// If a reach cannot be read, or the model does not fit its skin.
 pub fn judge_touch<R: ReadReaches>(model: TouchModel, reaches: &R) -> Result<TouchReport, R::Error> {
-    let mut judged = Judged::with_categories_of(&model);
+    let mut judged = Judged { categories: model.categories().to_vec(), ..Judged::default() };
     judged.add(model, reaches, &|_| true)?;
     Ok(judged.report(None, reaches.count()))
 }
@@ -149,23 +146,21 @@ pub fn cross_validate_touch<R: ReadReaches>(
 ) -> Result<TouchReport, R::Error> {
     let count = reaches.count();
     check_folds(folds, count).map_err(&refused)?;
-    let categories = examples.categories();
-    let mut judged = None;
+    let mut judged = Judged { categories: examples.categories(), ..Judged::default() };
     for fold in 0..folds {
         let own = |position: usize| position % folds == fold;
         let model = fit(&examples.some(|position| !own(position)))?;
-        if model.categories() != categories {
+        if model.categories() != judged.categories {
             let error = EvaluateError::FewCategories {
                 fold: fold + 1,
                 folds,
                 left: model.categories().to_vec(),
-                all: categories,
+                all: judged.categories,
                 remedy: "use more reaches or another number of folds",
             };
             return Err(refused(error));
         }
-        judged.get_or_insert_with(|| Judged::with_categories_of(&model)).add(model, reaches, &own)?;
+        judged.add(model, reaches, &own)?;
     }
-    let judged = judged.ok_or_else(|| refused(EvaluateError::FoldCount { found: folds }))?;
     Ok(judged.report(Some(folds), count))
 }

@@ -4,8 +4,6 @@
 //! `provenance` and `blake3` mean the same in all files; the other keys belong to the classifier. Unknown keys are
 //! skipped, so users can add their own.
 
-mod decision;
-
 use std::any::Any;
 use std::path::Path;
 
@@ -14,11 +12,11 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use underbrush_recording::limits::JSON_BYTES;
-use underbrush_recording::{InputError, read_text};
+use underbrush_recording::{InputError, Limits, read_text};
 
-use crate::decision::Decision;
+use crate::decision::{Decision, PRIOR, Rule};
 use crate::document::{Document, FORMAT};
-use crate::error::ModelError;
+use crate::error::{Fault, ModelError, check_limits};
 use crate::estimator::{Classifier, ClassifierKind};
 use crate::hmm::ScoreKind;
 use crate::hmm_classifier::{self, HmmClassifier};
@@ -127,7 +125,7 @@ impl Model {
         let classifier = (kind.load)(document)?;
         document.check_names(&classifier.categories())?;
         if let Some(decision) = &head.decision {
-            decision::check(document, decision, &classifier.categories())?;
+            check_decision(document, decision, &classifier.categories())?;
         }
         document.check_seal()?;
         Ok(Model { classifier, decision: head.decision, provenance: head.provenance })
@@ -247,6 +245,37 @@ fn not_hmm(name: &str) -> ModelError {
         found: format!("a model of the classifier {name}"),
         allowed: "hidden Markov models (hmm)".into(),
     }
+}
+
+/// Margins: more than a day at 100 Hz with a hundred nats per sample.
+const MARGIN_NATS: Limits = Limits::new(0.0, 1e9, "nats");
+
+/// Checks that a decision fits the categories and that its numbers are within their ranges.
+fn check_decision(document: &Document, decision: &Decision, categories: &[String]) -> Result<(), InputError> {
+    numbers(decision).map_err(|fault| document.fault(fault.within("decision")))?;
+    decision.prepare(categories).map_err(|error| {
+        let allowed = "priors and thresholds that fit the categories";
+        let remedy = "correct or remove the decision";
+        InputError::new(document.path(), "decision", error.to_string(), allowed, remedy)
+    })?;
+    Ok(())
+}
+
+fn numbers(decision: &Decision) -> Result<(), Fault> {
+    for (category, prior) in &decision.prior {
+        check_limits(format!("prior.{category}"), *prior, PRIOR)?;
+    }
+    let margins = match decision.rule {
+        Rule::Argmax => vec![],
+        Rule::UncertainBelow { margin } => vec![("margin", margin)],
+        Rule::OutlierBand { uncertain_below, category_above } => {
+            vec![("uncertain_below", uncertain_below), ("category_above", category_above)]
+        }
+    };
+    for (key, margin) in margins {
+        check_limits(format!("rule.{key}"), margin, MARGIN_NATS)?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -6,9 +6,10 @@ use rayon::prelude::*;
 
 use super::decision::TouchDecision;
 use super::example::Examples;
-use super::held_out::{HeldOut, HeldOutRegion, Judged, lapses, nothing_above, sharpness, wrong_above};
+use super::held_out::{
+    HeldOut, HeldOutRegion, Judged, category_network, lapses, nothing_above, sharpness, touched_network, wrong_above,
+};
 use super::model::{Calibrated, TOUCH_FORMAT, TouchModel};
-use super::networks::{category_network, touched_network};
 use super::object::{ObjectExample, fit_objects};
 use super::risk::RiskLimits;
 use super::training_rows::{FOLDS, TouchExamples};

@@ -3,9 +3,8 @@
 use underbrush_recording::{Frame, Pose, SkinLayout};
 
 use super::compress::compress;
-use super::motion::Motion;
 use super::options::TouchOptions;
-use super::region::{Region, RegionTracker};
+use super::region::{Motion, Region, RegionTracker};
 use super::taxel::{TAXEL_FEATURE_COUNT, TAXEL_KNEES, TaxelCourse};
 use crate::trial::{PatchImage, TrialError};
 

@@ -3,8 +3,8 @@
 
 use std::collections::BTreeMap;
 
+use super::example::{Examples, TaxelExample};
 use super::network::{Network, Row, softmax};
-use super::networks::{category_network, touched_network};
 use super::risk::Lapse;
 use super::training_rows::TouchExamples;
 use underbrush_recording::math;
@@ -126,4 +126,16 @@ pub(super) fn nothing_above(taxels: &[&Judged], sharpness: f64) -> f64 {
     nothing.sort_by(f64::total_cmp);
     let index = ((1.0 - LOST_SHARE) * nothing.len() as f64) as usize;
     nothing.get(index).copied().unwrap_or(0.5)
+}
+
+pub(super) fn touched_network(reaches: &[&Examples]) -> Network {
+    let rows: Vec<_> = reaches.iter().flat_map(|reach| &reach.taxels).map(TaxelExample::row).collect();
+    Network::fit(&rows, 2)
+}
+
+/// A region counts as often as it has touched taxels, because each of them gets its verdict.
+pub(super) fn category_network(reaches: &[&Examples], categories: &[String]) -> Network {
+    let regions = reaches.iter().flat_map(|reach| &reach.regions);
+    let rows: Vec<_> = regions.map(|region| region.row(categories)).collect();
+    Network::fit(&rows, categories.len())
 }

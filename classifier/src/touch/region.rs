@@ -1,10 +1,9 @@
 //! Contact regions of a patch, followed from frame to frame.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use underbrush_recording::Pose;
 
 use super::contact_history::{Course, Measure};
-use super::motion::Motion;
 use crate::trial::{PatchImage, neighbours_of_patch};
 
 /// A region continues the region of the last frame that gets the most votes. Each taxel votes with its force for the
@@ -214,4 +213,27 @@ fn measure(image: &PatchImage, taxels: &[usize], motion: &Motion, now: &Pose) ->
     measure.center_world = now.transform_point(center_link);
     measure.normal_world = now.transform_vector(normal / measure.force_n);
     measure
+}
+
+/// The motion of a link between two frames, in the axes of the link at the later frame. These are enough for lengths
+/// and for components along normals.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Motion {
+    turn: DMat3,
+    shift_link: DVec3,
+}
+
+impl Motion {
+    pub(super) fn between(before: &Pose, now: &Pose) -> Self {
+        let to_link = now.orientation.inverse();
+        Motion {
+            turn: DMat3::IDENTITY - DMat3::from_quat(to_link * before.orientation),
+            shift_link: to_link * (now.position - before.position),
+        }
+    }
+
+    /// How far a point that is fixed to the link has moved, m.
+    pub(super) fn of(&self, point_link: DVec3) -> DVec3 {
+        self.turn * point_link + self.shift_link
+    }
 }

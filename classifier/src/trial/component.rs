@@ -1,8 +1,9 @@
-//! Connected components of the taxels in contact in one frame.
+//! Connected components of the taxels in contact in one frame, and the contact region around each taxel.
 
 use glam::DVec3;
 use underbrush_recording::{Grid, Region};
 
+use super::TrialError;
 use super::image::PatchImage;
 
 /// One contact region of one frame.
@@ -61,4 +62,56 @@ fn measure(image: &PatchImage, taxels: Vec<usize>) -> Component {
         touched: taxels.iter().any(|&taxel| image.is_touched(taxel)),
         taxels,
     }
+}
+
+/// The contact region of each taxel in contact in the frame last read.
+#[derive(Clone, Debug)]
+pub(crate) struct Regions {
+    grid: Grid,
+    of_taxel: Vec<Option<Region>>,
+}
+
+impl Regions {
+    /// Regions of the patch of an image; `wrap` as in [`super::TrialOptions::wrap`].
+    ///
+    /// # Errors
+    /// [`TrialError::NoGrid`] if the patch has no grid.
+    pub(crate) fn new(image: &PatchImage, wrap: Option<bool>) -> Result<Self, TrialError> {
+        Ok(Regions { grid: grid(image, wrap)?, of_taxel: vec![None; image.patch().taxels.len()] })
+    }
+
+    /// Finds the regions of the frame that the image holds.
+    pub(crate) fn find(&mut self, image: &PatchImage) {
+        self.of_taxel.fill(None);
+        for component in components(image, self.grid) {
+            let region = component.region();
+            for taxel in component.taxels {
+                self.of_taxel[taxel] = Some(region);
+            }
+        }
+    }
+
+    /// The region that a taxel is part of; `None` if it is not in contact.
+    pub(crate) fn of(&self, taxel: usize) -> Option<Region> {
+        self.of_taxel.get(taxel).copied().flatten()
+    }
+}
+
+/// The neighbours of each taxel of an image's patch in its grid.
+///
+/// # Errors
+/// [`TrialError::NoGrid`] if the patch has no grid.
+pub(crate) fn neighbours_of_patch(image: &PatchImage) -> Result<Vec<[Option<usize>; 4]>, TrialError> {
+    let grid = grid(image, None)?;
+    Ok((0..image.patch().taxels.len()).map(|taxel| grid.neighbours(taxel)).collect())
+}
+
+pub(super) fn grid(image: &PatchImage, wrap: Option<bool>) -> Result<Grid, TrialError> {
+    let patch = image.patch();
+    let no_grid = |found: String| TrialError::NoGrid { patch: patch.name.clone(), found };
+    let grid = patch.grid.ok_or_else(|| no_grid("the layout gives none".into()))?;
+    if grid.rows.checked_mul(grid.columns) != Some(patch.taxels.len()) {
+        return Err(no_grid(format!("{} × {} for {} taxels", grid.rows, grid.columns, patch.taxels.len())));
+    }
+    Ok(Grid { wraps: wrap.unwrap_or(grid.wraps), ..grid })
 }

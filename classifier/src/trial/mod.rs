@@ -3,9 +3,7 @@
 
 mod component;
 mod image;
-mod region;
 mod tracking;
-mod travel;
 mod trial_list;
 
 use serde::{Deserialize, Serialize};
@@ -13,12 +11,11 @@ use thiserror::Error;
 use trial_list::{OpenTrial, TrialList, knows_truth};
 use underbrush_recording::{Recording, Sample};
 
+pub(crate) use component::{Regions, neighbours_of_patch};
 pub use image::PatchImage;
-pub(crate) use region::Regions;
 pub use tracking::component_trials;
-pub(crate) use tracking::neighbours_of_patch;
-pub(crate) use travel::Travel;
 pub use trial_list::ContactTrial;
+pub(crate) use trial_list::Travel;
 
 /// What a trial is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

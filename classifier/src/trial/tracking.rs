@@ -1,9 +1,9 @@
 //! Tracking of connected components from frame to frame.
 
 use glam::DVec3;
-use underbrush_recording::{Grid, Recording, Sample};
+use underbrush_recording::{Recording, Sample};
 
-use super::component::{Component, components};
+use super::component::{Component, components, grid};
 use super::image::PatchImage;
 use super::trial_list::{ContactTrial, OpenTrial, TrialList, knows_truth};
 use super::{TrialError, TrialOptions};
@@ -89,23 +89,4 @@ fn associate(tracks: &[Track], found: &[Component], reach_m: f64) -> Vec<Option<
         }
     }
     followed
-}
-
-/// The neighbours of each taxel of an image's patch in its grid.
-///
-/// # Errors
-/// [`TrialError::NoGrid`] if the patch has no grid.
-pub(crate) fn neighbours_of_patch(image: &PatchImage) -> Result<Vec<[Option<usize>; 4]>, TrialError> {
-    let grid = grid(image, None)?;
-    Ok((0..image.patch().taxels.len()).map(|taxel| grid.neighbours(taxel)).collect())
-}
-
-pub(super) fn grid(image: &PatchImage, wrap: Option<bool>) -> Result<Grid, TrialError> {
-    let patch = image.patch();
-    let no_grid = |found: String| TrialError::NoGrid { patch: patch.name.clone(), found };
-    let grid = patch.grid.ok_or_else(|| no_grid("the layout gives none".into()))?;
-    if grid.rows.checked_mul(grid.columns) != Some(patch.taxels.len()) {
-        return Err(no_grid(format!("{} × {} for {} taxels", grid.rows, grid.columns, patch.taxels.len())));
-    }
-    Ok(Grid { wraps: wrap.unwrap_or(grid.wraps), ..grid })
 }

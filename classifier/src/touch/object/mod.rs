@@ -13,7 +13,6 @@ mod category;
 mod course;
 mod fit;
 mod resistance;
-mod share;
 #[cfg(test)]
 mod tests;
 mod tracker;
