@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 
 use rayon::prelude::*;
+use serde::Serialize;
 use serde_json::json;
 use underbrush_recording::disk::{
     ArmText, Dataset, DatasetPlan, DiskError, FileText, PlannedEpisode, Provenance, SceneText, Shard,
@@ -12,13 +13,12 @@ use underbrush_recording::fault::Fault;
 use underbrush_recording::{Category, InputError, Recording};
 use underbrush_sim::arm::{Arm, ArmSource};
 use underbrush_sim::campaign::{self, Job};
-use underbrush_sim::controller::ControllerKind;
-use underbrush_sim::reach::{MakeController, ReachPlan};
+use underbrush_sim::controller::{ControllerKind, Preset};
+use underbrush_sim::reach::{MakeController, ReachPlan, ReachRules};
 use underbrush_sim::scene::Scene;
 
-use crate::controller_parameters::ControllerParameters;
 use crate::progress::Progress;
-use crate::verdict_controller::{VerdictControl, WITH_TRUTH, WITH_VERDICTS, check_model};
+use crate::verdict_controller::{VerdictControl, VerdictParameters, WITH_TRUTH, WITH_VERDICTS, check_model};
 
 mod write;
 
@@ -323,6 +323,27 @@ impl Campaign {
             controller: controller.to_owned(),
             controller_parameters,
             shard: self.shard,
+        }
+    }
+}
+
+/// The parameters of a scene's controller and of the rules that end its reaches, as stored in a data set.
+#[derive(Serialize)]
+struct ControllerParameters<'a> {
+    #[serde(flatten)]
+    preset: Option<&'a Preset>,
+    #[serde(flatten)]
+    rules: &'a ReachRules,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    verdicts: Option<VerdictParameters<'a>>,
+}
+
+impl<'a> ControllerParameters<'a> {
+    fn of(plan: &'a ReachPlan, verdicts: Option<&'a VerdictControl>) -> Self {
+        ControllerParameters {
+            preset: plan.controller.preset(),
+            rules: &plan.rules,
+            verdicts: verdicts.map(|verdicts| verdicts.parameters(&plan.scene)),
         }
     }
 }

@@ -1,12 +1,10 @@
-//! Writing the files of results.
+//! Writing the files of results, and their faults.
 
 use std::path::Path;
 
 use serde::Serialize;
 use underbrush_recording::disk;
 use underbrush_recording::fault::Fault;
-
-use crate::error::{self, storage};
 
 /// Creates a folder with its parents.
 pub fn create_folder(folder: &Path) -> Result<(), Fault> {
@@ -33,5 +31,15 @@ pub fn write(path: &Path, contents: &[u8]) -> Result<(), Fault> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), Fault> {
-    write(path, &serde_json::to_vec_pretty(value).map_err(error::json(path))?)
+    write(path, &serde_json::to_vec_pretty(value).map_err(unwritable(path))?)
+}
+
+/// For `map_err` after calls of the operating system: what could not be `made`, `read` or `removed`.
+pub(crate) fn storage(path: &Path, action: &'static str) -> impl FnOnce(std::io::Error) -> Fault {
+    move |source| Fault::Storage(format!("{}: cannot be {action}: {source}", path.display()))
+}
+
+/// For `map_err` where a result is written as JSON.
+pub(crate) fn unwritable(path: &Path) -> impl Fn(serde_json::Error) -> Fault {
+    move |source| Fault::Run(format!("{}: cannot be written: {source}", path.display()))
 }

@@ -5,7 +5,7 @@ use underbrush_classifier::{HmmClassifier, Model};
 use underbrush_recording::fault::Fault;
 
 use crate::session::Session;
-use crate::{estimators, model_data, training};
+use crate::{model_data, training};
 
 /// Hidden Markov models of force, by the first recipe, fitted to all taxel trials.
 pub struct Models(pub HmmClassifier);
@@ -31,6 +31,6 @@ impl Models {
 /// Fits the models.
 pub fn run(session: &Session) -> Result<Models, Fault> {
     let data = session.once(training::run)?;
-    let recipe = estimators::main_recipe(session.experiment);
+    let recipe = session.experiment.main_recipe();
     session.stage("Models", || Ok(Models(HmmClassifier::train(&data.trials.taxel, &recipe)?.0)))
 }

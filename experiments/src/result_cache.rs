@@ -9,7 +9,6 @@ use serde_json::Value;
 use underbrush_recording::fault::Fault;
 
 use crate::dataset::PROGRAM_VERSION;
-use crate::error;
 use crate::files;
 use crate::progress::Progress;
 
@@ -99,9 +98,8 @@ fn hash(content: &Value) -> String {
 
 /// Writes the content with its hash.
 pub(crate) fn write<T: Serialize>(path: &Path, content: &T) -> Result<(), Fault> {
-    let content = serde_json::to_value(content).map_err(error::json(path))?;
-    let sealed = Sealed { blake3: hash(&content), content };
-    files::write(path, &serde_json::to_vec_pretty(&sealed).map_err(error::json(path))?)
+    let content = serde_json::to_value(content).map_err(files::unwritable(path))?;
+    files::write_json(path, &Sealed { blake3: hash(&content), content })
 }
 
 /// The content of a file that [`write`] has written. A damaged file counts as missing, with a warning.

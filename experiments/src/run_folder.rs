@@ -8,8 +8,7 @@ use underbrush_recording::fault::Fault;
 
 use crate::dataset::PROGRAM_VERSION;
 use crate::definition::Experiment;
-use crate::error::storage;
-use crate::files;
+use crate::files::{self, storage};
 
 /// Everything that decides the reaches of a run.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]

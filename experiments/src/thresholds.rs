@@ -11,7 +11,7 @@ use underbrush_recording::fault::Fault;
 
 use crate::session::Session;
 use crate::training::{self, Trials};
-use crate::{estimators, online_models, reaches};
+use crate::{online_models, reaches};
 
 /// Chosen thresholds and the ROC curves.
 pub struct Thresholds {
@@ -31,7 +31,7 @@ pub fn run(session: &Session) -> Result<Thresholds, Fault> {
         let (experiment, taxel_trials) = (session.experiment, &data.trials.taxel);
         let folds = Folds { count: 2, by: FoldBy::Reach };
         let argmax = Decision::argmax();
-        let held_out = cross_validate(taxel_trials, &estimators::main_recipe(experiment), folds, &argmax)?;
+        let held_out = cross_validate(taxel_trials, &experiment.main_recipe(), folds, &argmax)?;
         let targets = ThresholdTargets {
             false_positive_rate: experiment.file.thresholds.false_positive_rate,
             outlier_prior: experiment.file.thresholds.outlier_prior,

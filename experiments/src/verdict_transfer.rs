@@ -39,32 +39,19 @@ impl VerdictTransfer {
         here: &FoldedReaches,
         nominal: &FoldedReaches,
     ) -> Result<Self, Fault> {
-        let fitted_here = judged(options, here, here)?;
-        let fitted_nominally = judged(options, nominal, here)?;
-        Ok(VerdictTransfer {
-            setting: setting.to_owned(),
-            contacts: fitted_here.as_ref().map_or(0, |own| own.evaluation.contacts.len()),
-            fitted_here: fitted_here.and_then(|own| own.accuracy()),
-            fitted_nominally: fitted_nominally.and_then(|own| own.accuracy()),
-        })
+        let (contacts, fitted_here) = judged(options, here, here)?;
+        let (_, fitted_nominally) = judged(options, nominal, here)?;
+        Ok(VerdictTransfer { setting: setting.to_owned(), fitted_here, fitted_nominally, contacts })
     }
 }
 
-/// Verdicts on both folds.
-struct Judged {
-    evaluation: TouchEvaluation,
-    categories: Vec<String>,
-}
-
-impl Judged {
-    fn accuracy(&self) -> Option<f64> {
-        self.evaluation.accuracy(&self.categories, |contact| contact.at_end)?.balanced_accuracy
-    }
-}
-
-/// Verdicts on each fold of `tested` by networks fitted to the other fold of `fitted`; `None` if there is nothing to
-/// fit to.
-fn judged(options: &TouchOptions, fitted: &FoldedReaches, tested: &FoldedReaches) -> Result<Option<Judged>, Fault> {
+/// Number of contacts in each fold of `tested`, and the balanced accuracy on them of networks fitted to the other fold of
+/// `fitted`; none if there is nothing to fit to.
+fn judged(
+    options: &TouchOptions,
+    fitted: &FoldedReaches,
+    tested: &FoldedReaches,
+) -> Result<(usize, Option<f64>), Fault> {
     let (mut evaluation, mut categories) = (TouchEvaluation::default(), Vec::new());
     for fold in 0..2 {
         let mut examples = TouchExamples::new(options.clone());
@@ -72,12 +59,13 @@ fn judged(options: &TouchOptions, fitted: &FoldedReaches, tested: &FoldedReaches
             examples.add(recording)?;
         }
         let model = match examples.fit() {
-            Err(ModelError::NoCategories { .. } | ModelError::Mismatch { .. }) => return Ok(None),
+            Err(ModelError::NoCategories { .. } | ModelError::Mismatch { .. }) => return Ok((0, None)),
             model => Arc::new(model?),
         };
         categories = model.categories().to_vec();
         let tested = tested.iter().filter(|(own, _)| *own == fold).map(|(_, recording)| recording);
         evaluation.add(TouchEvaluation::of_all(&model, tested)?);
     }
-    Ok(Some(Judged { evaluation, categories }))
+    let accuracy = evaluation.accuracy(&categories, |contact| contact.at_end);
+    Ok((evaluation.contacts.len(), accuracy.and_then(|own| own.balanced_accuracy)))
 }

@@ -8,7 +8,7 @@ use underbrush_recording::{Category, InputError};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::scene::{RobotSection, Scene, limits};
 
-use super::file::{ClassifierEntry, ExperimentFile, Setting, ThresholdSection};
+use super::file::{ClassifierEntry, ExperimentFile, ThresholdSection};
 use crate::source::Source;
 
 /// Checks the rules that the types of the keys do not express.
@@ -143,25 +143,15 @@ pub fn category(scenes: &BTreeMap<String, Scene>, name: &str) -> Option<Category
 
 /// Checks the numbers of states, the thresholds and the settings.
 fn check_limits(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
-    if let Some(states) = file.states.iter().find(|states| !STATES.hold(**states as f64)) {
+    let fault = |name: &str, states: usize, allowed: String| {
         let found = states.to_string();
-        let field = source.field("states", &found);
-        return Err(field.fault(found, format!("numbers from {STATES}")));
+        Err(source.field(name, &found).fault(&found, allowed))
+    };
+    if let Some(states) = file.states.iter().find(|states| !STATES.hold(**states as f64)) {
+        return fault("states", *states, format!("numbers from {STATES}"));
     }
-    check_thresholds(&file.thresholds, source)?;
-    for setting in &file.settings {
-        check_setting(setting, source)?;
-    }
-    for entry in file.classifiers.iter().chain(&file.setting_classifiers) {
-        check_classifier(entry, source)?;
-    }
-    Ok(())
-}
-
-fn check_thresholds(thresholds: &ThresholdSection, source: &Source) -> Result<(), InputError> {
-    let margin = thresholds.uncertain_below_nats;
-    let rate = thresholds.false_positive_rate;
-    let prior = thresholds.outlier_prior;
+    let ThresholdSection { uncertain_below_nats: margin, false_positive_rate: rate, outlier_prior: prior } =
+        file.thresholds;
     for (name, value, holds, allowed) in [
         ("thresholds.uncertain_below_nats", margin, margin.is_finite() && margin >= 0.0, "a finite number from 0"),
         ("thresholds.false_positive_rate", rate, rate > 0.0 && rate < 1.0, "a share over 0 and under 1"),
@@ -171,38 +161,24 @@ fn check_thresholds(thresholds: &ThresholdSection, source: &Source) -> Result<()
             return Err(source.number(name, value).fault(short(value), allowed));
         }
     }
-    Ok(())
-}
-
-/// Checks the arm of a setting as a scene file's `[robot]`, which it replaces.
-fn check_setting(setting: &Setting, source: &Source) -> Result<(), InputError> {
-    // All keys are named here, so that no later one can be forgotten.
-    let RobotSection { stiffness_scale, hand_speed_scale, force_limit_scale } = setting.robot;
-    for (key, value, range) in [
-        ("stiffness_scale", stiffness_scale, limits::STIFFNESS_SCALE),
-        ("hand_speed_scale", hand_speed_scale, limits::HAND_SPEED_SCALE),
-        ("force_limit_scale", force_limit_scale, limits::FORCE_LIMIT_SCALE),
-    ] {
-        if !range.hold(value) {
-            let field = source.number(&format!("settings.robot.{key}"), value);
-            return Err(field.fault(short(value), range.to_string()));
+    for setting in &file.settings {
+        // The arm of a setting replaces a scene file's `[robot]`. All its keys are named here, so that no later one can
+        // be forgotten.
+        let RobotSection { stiffness_scale, hand_speed_scale, force_limit_scale } = setting.robot;
+        for (name, value, range) in [
+            ("settings.robot.stiffness_scale", stiffness_scale, limits::STIFFNESS_SCALE),
+            ("settings.robot.hand_speed_scale", hand_speed_scale, limits::HAND_SPEED_SCALE),
+            ("settings.robot.force_limit_scale", force_limit_scale, limits::FORCE_LIMIT_SCALE),
+        ] {
+            if !range.hold(value) {
+                return Err(source.number(name, value).fault(short(value), range.to_string()));
+            }
+        }
+    }
+    for entry in file.classifiers.iter().chain(&file.setting_classifiers) {
+        if let Some(states) = entry.states.filter(|states| !STATES.hold(*states as f64) || !entry.is_hmm()) {
+            return fault("classifiers.states", states, format!("a number from {STATES}, for hmm alone"));
         }
     }
     Ok(())
-}
-
-/// Whether an entry describes hidden Markov models, which follow the experiment's recipe.
-pub fn is_hmm(entry: &ClassifierEntry) -> bool {
-    entry.method.name == "hmm"
-}
-
-fn check_classifier(entry: &ClassifierEntry, source: &Source) -> Result<(), InputError> {
-    match entry.states {
-        Some(states) if !STATES.hold(states as f64) || !is_hmm(entry) => {
-            let found = states.to_string();
-            let field = source.field("classifiers.states", &found);
-            Err(field.fault(found, format!("a number from {STATES}, for hmm alone")))
-        }
-        _ => Ok(()),
-    }
 }

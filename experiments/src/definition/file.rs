@@ -3,9 +3,10 @@
 use schemars::JsonSchema;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
-use underbrush_classifier::estimator::ClassifierKind;
+use underbrush_classifier::estimator::{ClassifierKind, Estimator};
 use underbrush_classifier::evaluate::ThresholdTargets;
 use underbrush_classifier::feature::FeatureSet;
+use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::scene::RobotSection;
@@ -85,6 +86,13 @@ pub struct ExperimentFile {
     pub published: Option<Published>,
 }
 
+impl ExperimentFile {
+    /// Recipes of the cross-validation table of a full run, or the first one of a quick run.
+    pub fn recipes(&self, quick: bool) -> &[RecipeName] {
+        if quick { &self.recipes[..self.recipes.len().min(1)] } else { &self.recipes }
+    }
+}
+
 fn default_states() -> Vec<usize> {
     vec![10]
 }
@@ -130,6 +138,18 @@ pub struct TrainingScene {
     pub setting_reaches: Option<u64>,
 }
 
+impl TrainingScene {
+    /// Number of reaches of a full run or a quick one.
+    pub fn reaches(&self, quick: bool) -> u64 {
+        if quick { self.quick_reaches.unwrap_or(self.reaches.div_ceil(3)) } else { self.reaches }
+    }
+
+    /// Number of reaches at each setting, at least two and at most as many as in the run itself.
+    pub fn setting_reaches(&self) -> u64 {
+        self.setting_reaches.unwrap_or(self.reaches.div_ceil(2).max(2)).min(self.reaches)
+    }
+}
+
 /// A scene with one category, for online tests.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -141,6 +161,13 @@ pub struct EngineeredScene {
     /// Reaches are drawn until one does what it should, but no more than this many; only one with `--quick`.
     #[serde(default = "default_draws")]
     pub max_draws: u64,
+}
+
+impl EngineeredScene {
+    /// The most reaches that are drawn until one does what it should: one in a quick run.
+    pub fn draws(&self, quick: bool) -> u64 {
+        if quick { 1 } else { self.max_draws }
+    }
 }
 
 fn default_draws() -> u64 {
@@ -164,6 +191,18 @@ pub struct TestScene {
     pub max_draws: u64,
 }
 
+impl TestScene {
+    /// Number of reaches of a full run or a quick one.
+    pub fn reaches(&self, quick: bool) -> usize {
+        if quick { self.quick_reaches.unwrap_or(1) } else { self.reaches }
+    }
+
+    /// The most reaches that are drawn until enough of them do what they should: in a quick run twice as many as are wanted.
+    pub fn draws(&self, quick: bool) -> u64 {
+        if quick { self.max_draws.min(2 * self.reaches(true) as u64) } else { self.max_draws }
+    }
+}
+
 /// What verdicts on each taxel are learned from, in addition to the training scenes.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -180,6 +219,13 @@ pub struct VerdictSection {
     /// Number of reaches with `--quick`; a third, rounded up, if not given.
     #[serde(default)]
     pub quick_reaches: Option<u64>,
+}
+
+impl VerdictSection {
+    /// Number of reaches of a full run or a quick one.
+    pub fn reaches(&self, quick: bool) -> u64 {
+        if quick { self.quick_reaches.unwrap_or(self.reaches.div_ceil(3)) } else { self.reaches }
+    }
 }
 
 /// Reaches on which the published controller is compared with the one that maps what it touches.
@@ -210,6 +256,14 @@ impl RecipeName {
             RecipeName::Modern => "modern",
         }
     }
+
+    /// The recipe with this name.
+    pub fn recipe(self) -> Recipe {
+        match self {
+            RecipeName::Authors => Recipe::authors(),
+            RecipeName::Modern => Recipe::modern(),
+        }
+    }
 }
 
 /// A classifier to compare.
@@ -229,6 +283,25 @@ pub struct ClassifierEntry {
     /// Number of hidden states, for `hmm`; 10 if not given.
     #[serde(default)]
     pub states: Option<usize>,
+}
+
+impl ClassifierEntry {
+    /// Whether it is of hidden Markov models.
+    pub fn is_hmm(&self) -> bool {
+        self.method.name == "hmm"
+    }
+
+    /// The classifier that it describes; `recipe` is for hidden Markov models.
+    pub fn estimator(&self, recipe: &Recipe) -> Box<dyn Estimator> {
+        if !self.is_hmm() {
+            return (self.method.estimator)(self.features);
+        }
+        Box::new(Recipe {
+            states: self.states.unwrap_or(recipe.states),
+            features: self.features.unwrap_or(recipe.features),
+            ..recipe.clone()
+        })
+    }
 }
 
 /// Reads the name of a classifier.
@@ -332,6 +405,20 @@ pub struct Published {
     pub seconds_per_100_taxels: Option<f64>,
     /// What is published on the subject of each section of the report, by the section's name.
     pub sections: std::collections::BTreeMap<String, PublishedSection>,
+}
+
+impl Published {
+    /// The published number of trials per reach.
+    pub fn trials_per_reach(&self, by: TableOneUnit, label: &str) -> Option<f64> {
+        let own = self.trials.iter().find(|own| own.by == by && own.label == label);
+        own.map(|own| own.trials / own.reaches)
+    }
+
+    /// The published accuracy of a cell, per cent.
+    pub fn accuracy_percent(&self, by: TableOneUnit, features: FeatureSet, states: usize) -> Option<f64> {
+        let own = |own: &&PublishedAccuracy| own.by == by && own.features == features && own.states == states;
+        self.accuracy.iter().find(own).map(|own| own.percent)
+    }
 }
 
 /// What a trial is made of.

@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::touch::TouchOptions;
 use underbrush_classifier::trial::{Labels, TrialOptions};
 use underbrush_recording::fault::Fault;
@@ -15,7 +16,6 @@ use crate::source::{self, Field, Source};
 
 mod check;
 mod file;
-mod numbers;
 
 pub use file::{
     AblationName, ChosenOn, ClassifierEntry, ControllerSection, EngineeredScene, ExperimentFile, OrderingName,
@@ -23,7 +23,6 @@ pub use file::{
     ThresholdSection, TrainingScene, TrialSection, VerdictSection,
 };
 
-pub use check::is_hmm;
 use check::{category, check, check_labels, check_patch};
 
 /// An experiment with its checked file and its scenes.
@@ -132,6 +131,16 @@ impl Experiment {
     /// The category with the name `label`, if it is the category of an object.
     pub fn category(&self, label: &str) -> Option<Category> {
         category(&self.scenes, label)
+    }
+
+    /// The first recipe, which is used wherever there is only one.
+    pub fn main_recipe(&self) -> Recipe {
+        self.main_recipe_name().recipe()
+    }
+
+    /// The name of the first recipe.
+    pub fn main_recipe_name(&self) -> RecipeName {
+        self.file.recipes.first().copied().unwrap_or(RecipeName::Authors)
     }
 
     /// The options for extracting trials: labelled by their scene, with at least the file's number of samples.

@@ -10,7 +10,6 @@ use super::table_one;
 use super::training_data::{self, TrialsPerReach};
 use crate::accuracy::{Accuracy, Figures};
 use crate::definition::{AblationName, Experiment, TableOneUnit};
-use crate::estimators;
 use crate::session::Session;
 use crate::table_cell::Cell;
 use crate::training::{self, Trials};
@@ -100,7 +99,7 @@ impl Ablated {
         cells: impl IntoIterator<Item = Cell>,
         trials_per_reach: Vec<TrialsPerReach>,
     ) -> Self {
-        let recipe = estimators::main_recipe_name(experiment).name();
+        let recipe = experiment.main_recipe_name().name();
         let table_1: Vec<Cell> = cells.into_iter().filter(|cell| cell.key.recipe == recipe).collect();
         let of = |unit: TableOneUnit| {
             let own: Vec<&Accuracy> =
@@ -147,7 +146,7 @@ pub fn run(session: &Session) -> Result<AblationResults, Fault> {
                         Trials::of_campaign(experiment, &campaign, session.progress)?
                     }
                 };
-                let recipe = estimators::main_recipe_name(experiment);
+                let recipe = experiment.main_recipe_name();
                 let cells = table_one::evaluate(experiment, &trials, &[recipe])?;
                 let trials_per_reach = training_data::per_reach(experiment, &trials, &reaches);
                 let cells = cells.into_iter().map(|(cell, _)| cell);

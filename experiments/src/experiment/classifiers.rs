@@ -13,7 +13,7 @@ use underbrush_recording::fault::Fault;
 use crate::accuracy::Accuracy;
 use crate::definition::{ClassifierEntry, Experiment};
 use crate::session::Session;
-use crate::{estimators, training};
+use crate::training;
 
 /// All classifiers of the experiment, in the order of its file.
 #[derive(Serialize)]
@@ -88,8 +88,8 @@ fn each<T: Send>(
     experiment: &Experiment,
     work: impl Fn(&ClassifierEntry, &dyn Estimator) -> Result<T, Fault> + Sync,
 ) -> Result<Vec<T>, Fault> {
-    let recipe = estimators::main_recipe(experiment);
-    let one = |entry: &ClassifierEntry| work(entry, estimators::estimator(entry, &recipe).as_ref());
+    let recipe = experiment.main_recipe();
+    let one = |entry: &ClassifierEntry| work(entry, entry.estimator(&recipe).as_ref());
     let found: Vec<Result<T, Fault>> = experiment.file.classifiers.par_iter().map(one).collect();
     found.into_iter().collect()
 }

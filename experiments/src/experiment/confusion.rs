@@ -8,7 +8,6 @@ use underbrush_classifier::feature::FeatureSet;
 use underbrush_recording::fault::Fault;
 
 use super::table_one;
-use crate::estimators;
 use crate::session::Session;
 
 /// Both matrices, in the first recipe.
@@ -26,7 +25,7 @@ pub struct ConfusionMatrices {
 /// Reads both matrices from the cross-validation table.
 pub fn run(session: &Session) -> Result<ConfusionMatrices, Fault> {
     let table = session.once(table_one::run)?;
-    let recipe = estimators::main_recipe_name(session.experiment).name();
+    let recipe = session.experiment.main_recipe_name().name();
     let states = session.experiment.file.states.iter().copied().max().unwrap_or_default();
     let matrix = |features: FeatureSet| {
         let mut cells = table.table_1.iter().zip(&table.evaluations);

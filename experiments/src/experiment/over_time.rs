@@ -6,7 +6,6 @@ use serde::Serialize;
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_recording::fault::Fault;
 
-use crate::estimators;
 use crate::frame_verdicts::{self, Classified, Online, Shares};
 use crate::session::Session;
 
@@ -55,7 +54,7 @@ pub fn run(session: &Session) -> Result<AccuracyOverTime, Fault> {
     let used = by_scene.chain(&online.general).filter_map(|reach| reach.stream.mean_samples_used());
     let used: Vec<f64> = used.collect();
     let shown = online.shown();
-    let recipe = estimators::main_recipe(session.experiment);
+    let recipe = session.experiment.main_recipe();
     Ok(AccuracyOverTime {
         states: recipe.states,
         features: recipe.features,

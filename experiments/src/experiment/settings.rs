@@ -13,7 +13,6 @@ use underbrush_recording::{Recording, Trial};
 
 use crate::accuracy::Accuracy;
 use crate::definition::Experiment;
-use crate::estimators;
 use crate::session::Session;
 use crate::training::{self, Trials};
 use crate::verdict_transfer::{FoldedReaches, VerdictTransfer};
@@ -163,10 +162,10 @@ fn categories(trials: &[Trial]) -> BTreeSet<&str> {
 /// If one half of a setting's reaches has no trial of some category, or fitting or scoring fails.
 pub fn splits(experiment: &Experiment, settings: &[Folded]) -> Result<Vec<Split>, Fault> {
     check_categories(settings)?;
-    let recipe = estimators::main_recipe(experiment);
+    let recipe = experiment.main_recipe();
     let entries = experiment.file.setting_classifiers.iter();
     let all: Vec<(&str, Box<dyn Estimator>)> =
-        entries.map(|entry| (entry.name.as_str(), estimators::estimator(entry, &recipe))).collect();
+        entries.map(|entry| (entry.name.as_str(), entry.estimator(&recipe))).collect();
     let cases: Vec<_> =
         all.iter().flat_map(|classifier| settings.iter().map(move |trained| (classifier, trained))).collect();
     let row = |((classifier, estimator), trained): &(&(&str, Box<dyn Estimator>), &Folded)| {

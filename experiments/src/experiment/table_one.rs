@@ -14,7 +14,6 @@ use underbrush_recording::fault::Fault;
 
 use crate::accuracy::Accuracy;
 use crate::definition::{Experiment, RecipeName, TableOneUnit};
-use crate::estimators;
 use crate::session::Session;
 use crate::table_cell::{self, Cell, CellKey, Ordering};
 use crate::training::{self, Trials};
@@ -67,7 +66,7 @@ pub fn evaluate(
         }
     }
     let case = |(name, by, trials, features, states): (RecipeName, TableOneUnit, &Vec<Trial>, FeatureSet, usize)| {
-        let recipe = Recipe { states, features, ..estimators::recipe(name) };
+        let recipe = Recipe { states, features, ..name.recipe() };
         let evaluation = cross_validate(trials, &recipe, Folds::paper(), &Decision::argmax())?;
         let published = experiment.published();
         let cell = Cell {

@@ -9,7 +9,7 @@ use underbrush_recording::fault::Fault;
 
 use crate::accuracy::Accuracy;
 use crate::session::Session;
-use crate::{estimators, training};
+use crate::training;
 
 /// Accuracy by length and number of states.
 #[derive(Serialize)]
@@ -43,7 +43,7 @@ pub fn run(session: &Session) -> Result<TruncatedAccuracy, Fault> {
     let lengths = std::iter::once(None).chain(file.truncations.iter().copied().map(Some));
     let cases: Vec<(usize, Option<usize>)> =
         lengths.flat_map(|length| states.iter().map(move |states| (*states, length))).collect();
-    let base = estimators::main_recipe(session.experiment);
+    let base = session.experiment.main_recipe();
     let taxel_trials = &data.trials.taxel;
     let case = |(states, max_samples)| {
         let recipe = Recipe { states, max_samples, ..base.clone() };

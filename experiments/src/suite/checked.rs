@@ -40,10 +40,7 @@ impl Checked {
         let mut results = Vec::new();
         for (suite, path) in suites.iter().zip(paths) {
             let result = suite.run(progress)?;
-            results.push(match bless {
-                true => blessed(suite, result, path, progress)?,
-                false => result,
-            });
+            results.push(if bless { blessed(suite, result, path, progress)? } else { result });
         }
         Ok(Checked { passed: results.iter().all(|result| result.passed), suites: results })
     }
