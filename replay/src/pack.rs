@@ -9,7 +9,7 @@ use underbrush_classifier::trial::TrialOptions;
 use underbrush_recording::fault::Fault;
 use underbrush_recording::{
     Audit, Body, Contact, Frame, GoalOutcomes, GoalRecord, Grid, MappedObstacle, NamedStop, ObjectRecord, Outcome,
-    Pose, Recording,
+    Pose, Recording, Taxel,
 };
 
 use crate::container::{MAX_BYTES, Sections};
@@ -60,7 +60,7 @@ struct PatchHeader<'a> {
     name: &'a str,
     link: &'a str,
     grid: Option<Grid>,
-    first_taxel: usize,
+    first_taxel: u32,
     taxels: usize,
 }
 
@@ -156,16 +156,18 @@ impl<'a> Fixed<'a> {
 }
 
 /// The number of the first taxel of each patch.
-fn first_taxels(recording: &Recording) -> Vec<usize> {
-    let mut next = 0;
-    let patches = recording.layout.patches.iter();
-    patches
-        .map(|patch| {
-            let first = next;
-            next += patch.taxels.len();
-            first
-        })
-        .collect()
+fn first_taxels(recording: &Recording) -> Vec<u32> {
+    let patches = &recording.layout.patches;
+    starts(patches.iter().map(|patch| patch.taxels.len())).take(patches.len()).collect()
+}
+
+/// The first row of each of some groups of rows, then the number of all rows.
+fn starts(counts: impl Iterator<Item = usize>) -> impl Iterator<Item = u32> {
+    let ends = counts.scan(0, |end, count| {
+        *end += count as u32;
+        Some(*end)
+    });
+    std::iter::once(0).chain(ends)
 }
 
 /// Adds one row per frame.
@@ -189,28 +191,21 @@ fn add_frames(frames: &[Frame], sections: &mut Sections) {
 /// Adds one row per taxel.
 fn add_taxels(recording: &Recording, sections: &mut Sections) {
     let taxels = || recording.layout.patches.iter().flat_map(|patch| &patch.taxels);
-    let position = taxels().flat_map(|taxel| taxel.position_link.to_array());
-    sections.add_single("taxel_position_link_m", position);
-    let normal = taxels().flat_map(|taxel| taxel.normal_link.to_array());
-    sections.add_single("taxel_normal_link", normal);
-    let tangent = taxels().flat_map(|taxel| taxel.tangent_link.to_array());
-    sections.add_single("taxel_tangent_link", tangent);
+    let each = |read: fn(&Taxel) -> [f64; 3]| taxels().flat_map(read);
+    sections.add_single("taxel_position_link_m", each(|taxel| taxel.position_link.to_array()));
+    sections.add_single("taxel_normal_link", each(|taxel| taxel.normal_link.to_array()));
+    sections.add_single("taxel_tangent_link", each(|taxel| taxel.tangent_link.to_array()));
     sections.add_single("taxel_area_m2", taxels().map(|taxel| taxel.area_m2));
 }
 
 /// Adds one row for each taxel that reads a force or is pressed. The rows of frame f are `reading_start[f]` to
 /// `reading_start[f + 1]`.
-fn add_readings(frames: &[Frame], first_taxels: &[usize], sections: &mut Sections) {
-    let mut end = 0;
-    let starts = frames.iter().map(|frame| {
-        end += frame.taxels.len() as u32;
-        end
-    });
-    sections.add("reading_start", std::iter::once(0).chain(starts));
+fn add_readings(frames: &[Frame], first_taxels: &[u32], sections: &mut Sections) {
+    sections.add("reading_start", starts(frames.iter().map(|frame| frame.taxels.len())));
     let readings = || frames.iter().flat_map(|frame| &frame.taxels);
     let taxel = readings().map(|reading| {
         let first = first_taxels.get(usize::from(reading.patch)).copied();
-        (first.unwrap_or_default() + usize::from(reading.taxel)) as u32
+        first.unwrap_or_default() + u32::from(reading.taxel)
     });
     sections.add("reading_taxel", taxel);
     sections.add_single("reading_sensed_n", readings().map(|reading| reading.sensed_force_n));
@@ -225,12 +220,7 @@ fn add_readings(frames: &[Frame], first_taxels: &[usize], sections: &mut Section
 /// `track_start[b + 1]`, and each pose holds until the next.
 fn add_tracks(bodies: &[Body], from: usize, sections: &mut Sections) {
     let first_new = |body: &'_ Body| body.track.partition_point(|point| (point.frame as usize) < from);
-    let mut end = 0;
-    let starts = bodies.iter().map(|body| {
-        end += (body.track.len() - first_new(body)) as u32;
-        end
-    });
-    sections.add("track_start", std::iter::once(0).chain(starts));
+    sections.add("track_start", starts(bodies.iter().map(|body| body.track.len() - first_new(body))));
     let points = || bodies.iter().flat_map(|body| &body.track[first_new(body)..]);
     sections.add("track_frame", points().map(|point| point.frame));
     let poses = points().flat_map(|point| {

@@ -7,7 +7,7 @@ use underbrush_classifier::touch::{REGION_FEATURE_COUNT, SkinTracker, TaxelTouch
 use crate::container::Sections;
 
 /// Contact regions. The regions of frame f are the rows `starts[f]` to `starts[f + 1]`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct TouchRegions {
     /// For each verdict on a taxel, the index of its region among the regions of the frame.
     of_taxel: Vec<u16>,
@@ -21,23 +21,12 @@ pub(crate) struct TouchRegions {
     features: Vec<f64>,
 }
 
-impl Default for TouchRegions {
-    fn default() -> Self {
-        TouchRegions {
-            of_taxel: Vec::new(),
-            starts: vec![0],
-            contacts: Vec::new(),
-            samples: Vec::new(),
-            taxels: Vec::new(),
-            touched: Vec::new(),
-            codes: Vec::new(),
-            shares_beyond: Vec::new(),
-            features: Vec::new(),
-        }
-    }
-}
-
 impl TouchRegions {
+    /// No frames so far.
+    pub fn new() -> Self {
+        TouchRegions { starts: vec![0], ..TouchRegions::default() }
+    }
+
     /// Adds the regions of the frame that was judged last. `taxels` are its verdicts in the order in which they are stored, and
     /// `code` gives the number of a verdict by its name.
     pub fn push(&mut self, judged: &TouchClassifier, taxels: &[&TaxelTouch], code: impl Fn(&str) -> u8) {

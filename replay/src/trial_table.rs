@@ -5,7 +5,7 @@
 //! shown in 3-D. It has no samples without contact either. Between contacts, frames without forces follow one another
 //! at the period of the samples.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use glam::DVec3;
@@ -118,9 +118,7 @@ fn layout(path: &Path, trials: &[Trial]) -> Result<SkinLayout, InputError> {
 
 /// One object for each category.
 fn objects(path: &Path, trials: &[Trial]) -> Result<Vec<ObjectRecord>, InputError> {
-    let mut names: Vec<&str> = trials.iter().filter_map(|trial| trial.category.as_deref()).collect();
-    names.sort_unstable();
-    names.dedup();
+    let names: BTreeSet<&str> = trials.iter().filter_map(|trial| trial.category.as_deref()).collect();
     let mut codes = (0..=i8::MAX).filter(|code| !Category::BUILT_IN.iter().any(|known| known.code() == *code));
     let object = |name: &str| {
         let category = Category::from_name(name).or_else(|| Category::from_file(name, codes.next()?));

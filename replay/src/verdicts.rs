@@ -121,7 +121,7 @@ impl Verdicts {
             codes: Vec::new(),
             samples: Vec::new(),
             scores: Vec::new(),
-            regions: header.touch.map(|_| TouchRegions::default()),
+            regions: header.touch.map(|_| TouchRegions::new()),
             header,
         }
     }
