@@ -2,7 +2,7 @@
 //!
 //! [`Written::of`] makes a report from the results of a run: [`section`] has a file for each experiment, and
 //! [`drawing`] has the charts, tables and pages that they use. [`portrait`] draws objects
-//! pressed on the skin, and [`junit`] writes the results of regression suites for CI systems.
+//! pressed on the skin, and [`suite_text`] writes the results of regression suites for CI systems.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
@@ -11,7 +11,6 @@ mod agreement;
 pub mod benchmark_text;
 pub mod category_looks;
 pub mod drawing;
-pub mod junit;
 mod overview;
 pub mod portrait;
 pub mod replay_links;

@@ -1,5 +1,6 @@
 //! Results of suites as readable text, and as files for other programs.
 
+use std::fmt::Write as _;
 use std::path::Path;
 
 use underbrush_experiments::files;
@@ -8,8 +9,7 @@ use underbrush_experiments::suite::result::{BoundResult, BoundVerdict, SceneResu
 use underbrush_recording::fault::Fault;
 use underbrush_recording::math;
 
-use crate::drawing::Rows;
-use crate::junit;
+use crate::drawing::{Rows, escape};
 use crate::text::counted;
 
 /// Names of the files that [`write()`] writes.
@@ -22,8 +22,7 @@ pub const FILES: [&str; 2] = ["results.json", "junit.xml"];
 pub fn write(folder: &Path, checked: &Checked) -> Result<(), Fault> {
     let [results, junit] = FILES.map(|name| folder.join(name));
     files::write_json(&results, checked)?;
-    let xml = junit::document(&checked.suites, why);
-    files::write(&junit, xml.as_bytes())
+    files::write(&junit, junit_xml(&checked.suites).as_bytes())
 }
 
 /// A table for each scene, and each broken bound with the reach to look at.
@@ -93,10 +92,7 @@ fn why(result: &SuiteResult, scene: &SceneResult, bound: &BoundResult) -> String
 /// A path as one word of a shell command.
 fn shell_word(path: &str) -> String {
     let plain = |character: char| character.is_alphanumeric() || "/._-+".contains(character);
-    match path.chars().all(plain) {
-        true => path.to_owned(),
-        false => format!("'{}'", path.replace('\'', "'\\''")),
-    }
+    if path.chars().all(plain) { path.to_owned() } else { format!("'{}'", path.replace('\'', "'\\''")) }
 }
 
 /// A number that may be missing.
@@ -115,8 +111,43 @@ fn number(value: f64) -> String {
     }
     let digits = (3.0 - magnitude).max(0.0) as usize;
     let text = format!("{value:.digits$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// The results as JUnit XML, which CI systems show test by test: a `testsuite` for each scene and a `testcase` for each of
+/// its bounds. There are no times, so that the same results give the same bytes.
+fn junit_xml(results: &[SuiteResult]) -> String {
+    let scenes = results.iter().flat_map(|result| &result.scenes);
+    let tests: usize = scenes.map(|scene| scene.bounds.len()).sum();
+    let failures: usize = results.iter().map(|result| result.broken().count()).sum();
+    let mut text = String::from("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
+    let _ = writeln!(text, "<testsuites name=\"underbrush check\" tests=\"{tests}\" failures=\"{failures}\">");
+    for result in results {
+        for scene in &result.scenes {
+            let class = escape(&format!("{}.{}", result.suite, scene.scene));
+            let broken = scene.bounds.iter().filter(|bound| bound.verdict != BoundVerdict::Holds).count();
+            let tests = scene.bounds.len();
+            let _ = writeln!(text, "  <testsuite name=\"{class}\" tests=\"{tests}\" failures=\"{broken}\">");
+            for bound in &scene.bounds {
+                let name = escape(&bound.name);
+                if bound.verdict == BoundVerdict::Holds {
+                    let _ = writeln!(text, "    <testcase classname=\"{class}\" name=\"{name}\"/>");
+                    continue;
+                }
+                let why = why(result, scene, bound);
+                let message = escape(why.lines().next().unwrap_or_default());
+                let _ = writeln!(text, "    <testcase classname=\"{class}\" name=\"{name}\">");
+                let _ = writeln!(text, "      <failure message=\"{message}\">{}</failure>", lines(&why));
+                text.push_str("    </testcase>\n");
+            }
+            text.push_str("  </testsuite>\n");
+        }
     }
+    text.push_str("</testsuites>\n");
+    text
+}
+
+/// Escaped text with its line breaks.
+fn lines(text: &str) -> String {
+    text.lines().map(escape).collect::<Vec<_>>().join("\n")
 }

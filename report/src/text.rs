@@ -18,32 +18,6 @@ pub fn counted<N: Copy + Display + PartialEq + From<u8>>(count: N, one: &str, ma
     format!("{count} {}", if count == N::from(1) { one } else { many })
 }
 
-/// A table of columns padded to their widest entry. The first column is aligned left, the others right.
-///
-/// ```
-/// use underbrush_report::text::table;
-///
-/// let rows = [["leaf", "7"], ["trunk", "12"]].map(|row| row.map(String::from).to_vec());
-/// assert_eq!(table(&["category", "trials"], &rows).lines().last(), Some("trunk         12"));
-/// ```
-pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
-    let width = |column: usize| {
-        let entries = rows.iter().filter_map(|row| row.get(column)).map(|entry| entry.chars().count());
-        entries.chain([header[column].chars().count()]).max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = (0..header.len()).map(width).collect();
-    let line = |row: Vec<&str>| {
-        let cells = row.iter().zip(&widths).enumerate().map(|(column, (cell, width))| {
-            if column == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
-        });
-        cells.collect::<Vec<_>>().join("  ").trim_end().to_string() + "\n"
-    };
-    let mut text = line(header.to_vec());
-    text += &(widths.iter().map(|width| "-".repeat(*width)).collect::<Vec<_>>().join("  ") + "\n");
-    text.extend(rows.iter().map(|row| line(row.iter().map(String::as_str).collect())));
-    text
-}
-
 /// The figures of an audit that pass their bounds as a table, or one line if none does.
 pub fn audit(worst: &BTreeMap<&'static str, Worst>) -> String {
     let passed = worst.iter().filter_map(|(name, worst)| {
@@ -63,14 +37,34 @@ pub fn audit(worst: &BTreeMap<&'static str, Worst>) -> String {
 
 impl<T: Copy> Rows<T> {
     /// The rows as a table for a terminal.
+    ///
+    /// ```
+    /// use underbrush_report::drawing::Rows;
+    ///
+    /// let rows = Rows::of([("leaf", 7_usize), ("trunk", 12)]).column("category", |row| row.0).column("trials", |row| row.1);
+    /// assert_eq!(rows.text().lines().last(), Some("trunk         12"));
+    /// ```
     pub fn text(self) -> String {
         first_columns(&self.table("", ""), usize::MAX)
     }
 }
 
-/// The first columns of a table, for a terminal.
+/// The first columns of a table, for a terminal, each padded to its widest entry. The first column is aligned left, the
+/// others right.
 pub fn first_columns(own: &Table, columns: usize) -> String {
-    let header: Vec<&str> = own.columns.iter().take(columns).map(String::as_str).collect();
-    let rows = own.texts().into_iter().map(|row| row.into_iter().take(columns).collect());
-    table(&header, &rows.collect::<Vec<_>>())
+    let mut lines = [vec![own.columns.clone()], own.texts()].concat();
+    lines.iter_mut().for_each(|line| line.truncate(columns));
+    let width = |column: usize| {
+        let entries = lines.iter().filter_map(|line| line.get(column));
+        entries.map(|entry| entry.chars().count()).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..lines[0].len()).map(width).collect();
+    let padded = |line: &Vec<String>| {
+        let cells = line.iter().zip(&widths).enumerate().map(|(column, (cell, width))| {
+            if column == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+        });
+        cells.collect::<Vec<_>>().join("  ").trim_end().to_string() + "\n"
+    };
+    let rule = widths.iter().map(|width| "-".repeat(*width)).collect::<Vec<_>>().join("  ");
+    padded(&lines[0]) + &rule + "\n" + &lines[1..].iter().map(padded).collect::<String>()
 }

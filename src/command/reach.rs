@@ -11,6 +11,7 @@ use underbrush_experiments::contact_trials;
 use underbrush_experiments::{audit, dataset};
 use underbrush_recording::disk::{remove_leftovers, write_recording};
 use underbrush_recording::{Audit, NamedStop, Recording};
+use underbrush_report::drawing::Rows;
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::{ReachPlan, ReachSoFar};
 use underbrush_sim::scene::Scene;
@@ -24,7 +25,7 @@ use super::verdict_arguments::VerdictArguments;
 use super::watched::Watched;
 use crate::failure::Failure;
 use crate::input;
-use crate::output::{self, cells};
+use crate::output;
 use crate::progress::Shown;
 
 /// ReachOptions of `underbrush reach`.
@@ -123,20 +124,11 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
         picture::check_png(path, options.overwrite, &inputs)?;
     }
     if let Some(path) = &options.out {
-        if path.extension().is_none_or(|extension| extension != "parquet") {
-            return Err(Failure::usage(format!(
-                "--out {}: a recording is written as Parquet; give a file name that ends in .parquet",
-                path.display()
-            )));
-        }
-        options.overwrite.file(path, &inputs)?;
+        options.overwrite.out(path, ("parquet", "a recording is written as Parquet"), &inputs)?;
     }
-    let mut watched = if options.watch {
-        let so_far = ReachSoFar::new(&plan, options.index);
-        Some(Watched::begin(so_far, &plan.arm.skin.layout, judging.as_ref())?)
-    } else {
-        None
-    };
+    let so_far = || ReachSoFar::new(&plan, options.index);
+    let watched = options.watch.then(|| Watched::begin(so_far(), &plan.arm.skin.layout, judging.as_ref()));
+    let mut watched = watched.transpose()?;
     let start = Instant::now();
     let recording = plan.run(options.index, &mut |simulation, frame| {
         if let Some(watched) = &mut watched {
@@ -201,10 +193,12 @@ impl Report {
     }
 
     fn text(&self) -> String {
-        let rows = self.goals.iter().enumerate().map(|(number, goal)| {
-            let [x, y, z] = goal.position_world_m;
-            cells![number + 1, format!("({x:.2}, {y:.2}, {z:.2})"), goal.outcome, format!("{:.1}", goal.seconds)]
-        });
+        let place = |[x, y, z]: [f64; 3]| format!("({x:.2}, {y:.2}, {z:.2})");
+        let goals = Rows::of(self.goals.iter().enumerate())
+            .column("goal", |(number, _)| number + 1)
+            .column("position / m", |(_, goal)| place(goal.position_world_m))
+            .column("outcome", |(_, goal)| goal.outcome)
+            .column("seconds", |(_, goal)| format!("{:.1}", goal.seconds));
         let aborted = self.aborted_by.as_ref().map_or(String::new(), |stop| format!(", then aborted: {stop}"));
         let limit =
             self.f_max_n.map_or(String::new(), |f_max_n| format!("; the controller's f_max is {f_max_n} N a taxel"));
@@ -212,7 +206,7 @@ impl Report {
         let touched: Vec<String> = patches
             .map(|(patch, frames)| format!("{patch} in {}", output::counted(*frames, "frame", "frames")))
             .collect();
-        output::table(&["goal", "position / m", "outcome", "seconds"], rows)
+        goals.text()
             + &format!(
                 "\n{} (seed {}, reach {}, {}): {} of {} goals reached{}\n\
                  {:.1} s of simulated time in {:.2} s: {:.0} times real time on one core\n\

@@ -15,13 +15,14 @@ use underbrush_classifier::{DataKind, HmmClassifier, Model, ModelError, Provenan
 use underbrush_experiments::model_data;
 use underbrush_recording::Trial;
 use underbrush_recording::disk::file_blake3;
+use underbrush_report::drawing::Rows;
 
 use super::estimator_arguments::EstimatorArguments;
 use super::overwrite::Overwrite;
 use super::touch::{self, RiskArguments, SimulatedArguments};
 use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
-use crate::output::{self, cells};
+use crate::output;
 
 /// TrainOptions of `underbrush train`.
 #[derive(Args)]
@@ -226,8 +227,9 @@ fn thresholds(
         ThresholdError::BadTarget { .. } => error.into(),
         _ => about(error.into()),
     })?;
-    for warning in warnings(&chosen) {
-        output::remark(warning);
+    warn(chosen.uncertain, "the held-out trials");
+    if let Some(rates) = &chosen.sample_by_sample {
+        warn(rates.uncertain, "the verdicts given sample by sample while held-out contacts last");
     }
     Ok(Some(chosen))
 }
@@ -235,23 +237,15 @@ fn thresholds(
 /// Choice: thresholds that leave more than this fraction uncertain are useless.
 const NEARLY_ALL: f64 = 0.9;
 
-/// What a user should know before relying on the thresholds.
-fn warnings(chosen: &ChosenThresholds) -> Vec<String> {
-    let mut warnings = Vec::new();
-    let mut warn = |uncertain: f64, of_what: &str| {
-        if uncertain > NEARLY_ALL {
-            warnings.push(format!(
-                "warning: with these thresholds {:.1} % of {of_what} are uncertain; allow a higher \
-                 --false-positive-rate, or use classify --decision argmax",
-                100.0 * uncertain
-            ));
-        }
-    };
-    warn(chosen.uncertain, "the held-out trials");
-    if let Some(rates) = &chosen.sample_by_sample {
-        warn(rates.uncertain, "the verdicts given sample by sample while held-out contacts last");
+/// Prints what a user should know before relying on thresholds that leave this fraction uncertain.
+fn warn(uncertain: f64, of_what: &str) {
+    if uncertain > NEARLY_ALL {
+        output::remark(format!(
+            "warning: with these thresholds {:.1} % of {of_what} are uncertain; allow a higher \
+             --false-positive-rate, or use classify --decision argmax",
+            100.0 * uncertain
+        ));
     }
-    warnings
 }
 
 fn thresholds_text(chosen: Option<&ChosenThresholds>) -> String {
@@ -287,20 +281,20 @@ fn thresholds_text(chosen: Option<&ChosenThresholds>) -> String {
 }
 
 fn text(report: &TrainingReport) -> String {
-    let rows = report.categories.iter().map(|(category, history)| {
-        let ends = |value: Option<&f64>| value.map_or("-".into(), |value| format!("{value:.3}"));
-        let likelihoods = &history.log_likelihood;
-        let stop = match history.stop {
+    let end = |value: Option<&f64>| value.map_or("-".to_owned(), |value| format!("{value:.3}"));
+    let mut text = Rows::of(&report.categories)
+        .column("category", |(category, _)| category.as_str())
+        .column("trials", |(_, own)| own.trials)
+        .column("samples", |(_, own)| own.samples)
+        .column("iterations", |(_, own)| own.log_likelihood.len().saturating_sub(1))
+        .column("log-likelihood at start", |(_, own)| end(own.log_likelihood.first()))
+        .column("at end", |(_, own)| end(own.log_likelihood.last()))
+        .column("stop", |(_, own)| match own.stop {
             Stop::Converged { iteration } => format!("converged at {iteration}"),
             Stop::MaxIterations => "all iterations done".into(),
             Stop::Fell { iteration, by } => format!("fell by {by:.2e} nats at {iteration}"),
-        };
-        let (start, end) = (ends(likelihoods.first()), ends(likelihoods.last()));
-        let iterations = likelihoods.len().saturating_sub(1);
-        cells![category, history.trials, history.samples, iterations, start, end, stop]
-    });
-    let header = ["category", "trials", "samples", "iterations", "log-likelihood at start", "at end", "stop"];
-    let mut text = output::table(&header, rows);
+        })
+        .text();
     for (category, history) in &report.categories {
         if !history.empty_states.is_empty() {
             text +=
@@ -318,7 +312,9 @@ fn skipped_text(skipped: usize) -> String {
 }
 
 fn counts_text(classifier: &str, counts: &Counts) -> String {
-    let rows = counts.categories.iter().map(|(category, count)| cells![category, count.trials, count.samples]);
-    let table = output::table(&["category", "trials", "samples"], rows);
-    format!("Classifier {classifier}\n{table}{}", skipped_text(counts.skipped_trials))
+    let table = Rows::of(&counts.categories)
+        .column("category", |(category, _)| category.as_str())
+        .column("trials", |(_, count)| count.trials)
+        .column("samples", |(_, count)| count.samples);
+    format!("Classifier {classifier}\n{}{}", table.text(), skipped_text(counts.skipped_trials))
 }

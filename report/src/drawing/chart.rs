@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use super::axis::{Axis, Fitted};
+use super::axis::{Axis, Fitted, Scale};
 use super::canvas::{Canvas, LEFT, MARK_RADIUS, Plot, RIGHT, WIDTH, strips_height};
-use super::layer::{Dash, Layer, Shape, Style};
-use super::markup::{escape, slug, svg_text};
+use super::layer::{Dash, Layer, Mark, Shape, Style};
+use super::markup::{FONT, escape, slug, svg_head, svg_text};
 
 /// A chart with its text. Layers are drawn in order.
 ///
@@ -33,11 +33,11 @@ pub struct Chart {
     pub layers: Vec<Layer>,
 }
 
-/// Font size, px. On a phone, where a chart is 360 px wide, text of this size is still 10 px tall.
-pub(super) const FONT: f64 = 15.0;
-pub(super) const LINE: f64 = 21.0;
+const LINE: f64 = 21.0;
 /// Mean width of a letter of a sans-serif font, relative to the font size.
-pub(super) const LETTER: f64 = 0.54;
+const LETTER: f64 = 0.54;
+/// Height of a row of a chart that lies on its side, px.
+const ROW: f64 = 24.0;
 
 /// A chart as an SVG element, with its horizontal and its vertical axis.
 pub fn chart(
@@ -75,15 +75,8 @@ impl Chart {
     }
 
     /// The beginning of the element: its size, its description, and the title.
-    pub(super) fn head(&self, height: f64) -> String {
-        let name = slug(&self.name);
-        let (title, description) = (escape(&self.title), escape(&self.description));
-        format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH:.0} {height:.0}\" role=\"img\" \
-             aria-labelledby=\"{name}-title {name}-desc\" font-family=\"sans-serif\" font-size=\"{FONT}\" fill=\"#222222\">\n\
-             <title id=\"{name}-title\">{title}</title>\n<desc id=\"{name}-desc\">{description}</desc>\n\
-             <text x=\"2\" y=\"{FONT}\" font-weight=\"bold\">{title}</text>\n"
-        )
+    fn head(&self, height: f64) -> String {
+        svg_head(&self.name, &self.title, &self.description, [WIDTH, height])
     }
 
     /// All y, with the heights of stacked bars and areas.
@@ -136,7 +129,7 @@ impl Chart {
     }
 
     /// Writes the legend, wrapped to the width, and returns its number of rows.
-    pub(super) fn legend(&self, svg: &mut String) -> f64 {
+    fn legend(&self, svg: &mut String) -> f64 {
         let (mut x, mut row) = (2.0, 1.0);
         for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.in_legend()) {
             let width = 44.0 + LETTER * FONT * layer.name.chars().count() as f64;
@@ -187,5 +180,46 @@ impl Chart {
             escape(&self.y.label),
             svg_text(WIDTH - RIGHT, ticks_top + 2.0 * LINE, " text-anchor=\"end\"", &self.x.label)
         );
+    }
+
+    /// The chart with a row for each name of its x axis, and y from left to right. Only points are drawn; they are not joined.
+    pub fn dot_plot(&self) -> String {
+        let Scale::Names(names) = &self.x.scale else { return String::new() };
+        let mut legend = String::new();
+        let top = (self.legend(&mut legend) + 1.0) * LINE + 10.0;
+        let bottom = top + ROW * names.len() as f64;
+        let longest = names.iter().map(|name| name.chars().count()).max().unwrap_or_default();
+        let left = 8.0 + LETTER * FONT * longest as f64;
+        let values = Fitted::new(&self.y.scale, self.layers.iter().flat_map(Layer::ys), 6.0).tight();
+        let at = |value: f64| values.share(value).map(|share| left + share * (WIDTH - left - RIGHT));
+        let mut svg = self.head(bottom + 2.0 * LINE + 8.0);
+        svg.push_str(&legend);
+        for (value, label) in &values.ticks {
+            let Some(x) = at(*value) else { continue };
+            let text = svg_text(x, bottom + LINE, " text-anchor=\"middle\"", label);
+            let _ = writeln!(svg, "<path d=\"M{x:.1} {top:.1}V{bottom:.1}\" stroke=\"#d8dce0\"/>{text}");
+        }
+        for (row, name) in names.iter().enumerate() {
+            let y = top + (row as f64 + 0.5) * ROW;
+            svg.push_str(&svg_text(left - 8.0, y + 5.0, " text-anchor=\"end\"", name));
+        }
+        svg.push_str(&svg_text(WIDTH - RIGHT, bottom + 2.0 * LINE, " text-anchor=\"end\"", &self.y.label));
+        for layer in &self.layers {
+            let Shape::Points(points) = &layer.shape else { continue };
+            let colour = layer.style.colour;
+            for point in points {
+                let y = top + (point.x + 0.5) * ROW;
+                let ends = point.interval.and_then(|(low, high)| at(low).zip(at(high)));
+                if let Some((low, high)) = ends {
+                    let whisker = format!("M{low:.1} {y:.1}H{high:.1}m0 -4v8M{low:.1} {:.1}v8", y - 4.0);
+                    let _ =
+                        writeln!(svg, "<path d=\"{whisker}\" stroke=\"{colour}\" stroke-width=\"1.6\" fill=\"none\"/>");
+                }
+                if let Some(x) = at(point.y) {
+                    svg.push_str(&layer.style.mark.unwrap_or(Mark::Circle).svg(x, y, MARK_RADIUS, colour));
+                }
+            }
+        }
+        svg + "</svg>\n"
     }
 }

@@ -1,5 +1,8 @@
 //! What SVG and HTML have in common.
 
+/// Font size, px. On a phone, where a chart is 360 px wide, text of this size is still 10 px tall.
+pub(super) const FONT: f64 = 15.0;
+
 /// Text with the special characters of SVG and HTML as entities. Control characters, which XML does not allow, become
 /// spaces.
 ///
@@ -46,6 +49,17 @@ pub fn svg_text(x: f64, y: f64, attributes: &str, words: &str) -> String {
 /// A rectangle of a picture with its upper left corner and its size, px.
 pub fn svg_rect((x, y): (f64, f64), (width, height): (f64, f64), attributes: &str) -> String {
     format!("<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" {attributes}/>")
+}
+
+/// The start of a picture whose title is shown in its first line and, with the description, read aloud.
+pub fn svg_head(name: &str, title: &str, description: &str, [width, height]: [f64; 2]) -> String {
+    let (name, title, description) = (slug(name), escape(title), escape(description));
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" role=\"img\" \
+         aria-labelledby=\"{name}-title {name}-desc\" font-family=\"sans-serif\" font-size=\"{FONT}\" fill=\"#222222\">\n\
+         <title id=\"{name}-title\">{title}</title>\n<desc id=\"{name}-desc\">{description}</desc>\n\
+         <text x=\"2\" y=\"{FONT}\" font-weight=\"bold\">{title}</text>\n"
+    )
 }
 
 /// A stand-alone picture: an SVG document on white, as wide as the available space but no wider than `width` pixels.

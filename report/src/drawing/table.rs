@@ -201,10 +201,7 @@ impl Table {
             format!("<div class=\"scroll\"><table><caption>{}</caption>\n<thead><tr>", escape(&self.caption));
         // Columns of numbers are aligned right, with their headings and any words in them; columns of text are aligned
         // left.
-        let class = |column: usize| match self.is_numeric(column) {
-            true => " class=\"number\"",
-            false => "",
-        };
+        let class = |column: usize| if self.is_numeric(column) { " class=\"number\"" } else { "" };
         for (column, heading) in self.columns.iter().enumerate() {
             let _ = write!(html, "<th scope=\"col\"{}>{}</th>", class(column), escape(heading));
         }

@@ -92,10 +92,7 @@ pub fn features(entries: &[ClassifierEntry], accuracies: &[(&str, f64)]) -> Opti
             let same_method = entry.method.name == other.method.name;
             if let Some(added) = all.strip_prefix(same.as_slice()).filter(|_| same_method) {
                 let of_region: Vec<&str> = other_seen.of_region().map(|feature| feature.name).collect();
-                let added = match added == of_region {
-                    true => "the contact region".to_owned(),
-                    false => added.join(" and "),
-                };
+                let added = if added == of_region { "the contact region".to_owned() } else { added.join(" and ") };
                 sentences.push(format!(
                     "Adding {added} changes the accuracy of {} by {:+.1} points, to {second:.1} %.",
                     entry.name,

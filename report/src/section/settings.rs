@@ -67,21 +67,17 @@ fn of_classifier(outcome: &ComparedSettings, classifier: &str) -> Table {
             settings.push(&split.tested);
         }
     }
-    let mut columns = vec!["trained at \\ tested at"];
-    columns.extend(&settings);
     let caption =
         format!("{classifier}: accuracy in % with the 95 % interval by reach; after the semicolon, balanced accuracy");
-    let mut table = Table::new("splits", caption, &columns);
     // In a narrow column, lines break before an interval and not within it.
     let text = |split: &Split| {
         let own = &split.accuracy;
         format!("{:.1} ({:.0}\u{2060}–\u{2060}{:.0}); {:.1}", own.accuracy, own.low, own.high, own.balanced_accuracy)
     };
-    for trained in &settings {
-        let cells = own().filter(|split| split.trained == *trained);
-        let row = std::iter::once(Cell::from(*trained)).chain(cells.map(|split| text(split).into()));
-        table.rows.push(row.collect());
-    }
+    let mut table = Rows::of(settings.iter().copied())
+        .column("trained at \\ tested at", |trained| trained)
+        .columns(settings.iter().copied(), |trained| own().filter(move |split| split.trained == trained).map(text))
+        .table("splits", caption);
     // The baseline depends only on the trials that are tested.
     let majority = settings.iter().map(|tested| {
         let tested = own().find(|split| split.tested == *tested);

@@ -1,5 +1,7 @@
 //! Accuracy on truncated trials (Fig. 13).
 
+use std::collections::BTreeSet;
+
 use underbrush_experiments::experiment::truncation::{Truncated, TruncatedAccuracy};
 
 use crate::accuracy_chart::{AccuracyChart, lowest};
@@ -30,10 +32,8 @@ fn length(point: &Truncated) -> String {
 }
 
 fn states(points: &[Truncated]) -> Vec<usize> {
-    let mut states: Vec<usize> = points.iter().map(|point| point.states).collect();
-    states.sort_unstable();
-    states.dedup();
-    states
+    let states: BTreeSet<usize> = points.iter().map(|point| point.states).collect();
+    states.into_iter().collect()
 }
 
 /// Accuracy on whole trials, on the length nearest to 50 samples, and on the shortest.

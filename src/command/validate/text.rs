@@ -2,11 +2,11 @@
 
 use std::fmt::Write;
 
-use underbrush_validation::{Falsified, FalsifiedOutcome, Judged, Outcome, Verdict};
+use underbrush_recording::math;
+use underbrush_report::drawing::Rows;
+use underbrush_validation::{FalsifiedOutcome, FalsifiedRun, Judged, Outcome, Verdict};
 
 use super::{FalsifiedReport, Report};
-use crate::output;
-use underbrush_recording::math;
 
 /// The checks with their tables.
 pub fn described(report: &Report) -> String {
@@ -65,17 +65,19 @@ pub fn falsified(report: &FalsifiedReport) -> String {
 /// The comparisons of one check with wrong parameters. Each is shown with the first parameter that makes it fail, or
 /// with the last one if none does.
 fn broken_comparisons(outcome: &FalsifiedOutcome, tolerance_scale: f64) -> String {
-    let row = |found: &Falsified| -> Option<Vec<String>> {
-        let breaks = |run: &&underbrush_validation::FalsifiedRun| run.judged.verdict == Verdict::Fail;
-        let shown = found.runs.iter().find(breaks).or(found.runs.last())?;
-        let mut cells = values(&shown.judged, tolerance_scale);
-        let by: Vec<String> =
-            found.runs.iter().filter(breaks).map(|run| format!("[{}]", run.falsification + 1)).collect();
-        cells.push(if by.is_empty() { "HOLDS".into() } else { by.join(" ") });
-        Some(cells)
-    };
-    let header = ["", "closed form", "simulated", "residual", "tolerance", "fails with"];
-    output::table(&header, outcome.comparisons.iter().filter_map(row))
+    let breaks = |run: &&FalsifiedRun| run.judged.verdict == Verdict::Fail;
+    let shown = outcome.comparisons.iter().filter_map(|found| {
+        let run = found.runs.iter().find(breaks).or(found.runs.last())?;
+        Some((found, run))
+    });
+    Rows::of(shown)
+        .columns(VALUES, |(_, run)| values(&run.judged, tolerance_scale))
+        .column("fails with", |(found, _)| {
+            let by = found.runs.iter().filter(breaks).map(|run| format!("[{}]", run.falsification + 1));
+            let by = by.collect::<Vec<_>>().join(" ");
+            if by.is_empty() { "HOLDS".into() } else { by }
+        })
+        .text()
 }
 
 /// The table of one check, with the reasons for its tolerances.
@@ -91,24 +93,24 @@ fn comparisons(outcome: &Outcome, tolerance_scale: f64) -> String {
             reasons.push(judged.comparison.reason);
             reasons.len() - 1
         });
-        rows.push(cells(judged, tolerance_scale, reason + 1));
+        rows.push((judged, reason + 1));
     }
-    let header = ["", "closed form", "simulated", "residual", "tolerance", "", "because"];
-    let mut text = output::table(&header, rows);
+    let mut text = Rows::of(rows)
+        .columns(VALUES, |(judged, _)| values(judged, tolerance_scale))
+        .column("", |(judged, _)| word(judged.verdict))
+        .column("because", |(_, reason)| format!("[{reason}]"))
+        .text();
     for (index, reason) in reasons.iter().enumerate() {
         let _ = writeln!(text, "[{}] {reason}", index + 1);
     }
     text
 }
 
-fn cells(judged: &Judged, tolerance_scale: f64, reason: usize) -> Vec<String> {
-    let mut cells = values(judged, tolerance_scale);
-    cells.extend([word(judged.verdict).into(), format!("[{reason}]")]);
-    cells
-}
+/// The headings of [`values`].
+const VALUES: [&str; 5] = ["", "closed form", "simulated", "residual", "tolerance"];
 
 /// Quantity, closed form, simulated value, residual and tolerance.
-fn values(judged: &Judged, tolerance_scale: f64) -> Vec<String> {
+fn values(judged: &Judged, tolerance_scale: f64) -> [String; 5] {
     let comparison = &judged.comparison;
     let name = if comparison.unit.is_empty() {
         comparison.quantity.clone()
@@ -122,7 +124,7 @@ fn values(judged: &Judged, tolerance_scale: f64) -> Vec<String> {
     let small = |value: f64| {
         if comparison.relative && value < 1e-5 { format!("{value:.1e}") } else { error(value) }
     };
-    vec![
+    [
         name,
         number(comparison.expected),
         number(comparison.found),
