@@ -8,14 +8,10 @@ use crate::output;
 /// How to continue after an interruption, if that is possible.
 static HINT: OnceLock<String> = OnceLock::new();
 
-/// Sets the hint that is printed after an interruption. Only the first hint of a process counts.
-pub fn hint(text: impl Into<String>) {
-    let _ = HINT.set(text.into());
-}
-
-/// Sets the hint that `things` are kept in a folder, and `how` to continue the run.
+/// Sets the hint that is printed after an interruption: that `things` are kept in a folder, and `how` to continue the
+/// run. Only the first hint of a process counts.
 pub fn kept(things: &str, folder: &Path, how: &str) {
-    hint(format!("{things} kept in {}; run {how} to go on", folder.display()));
+    let _ = HINT.set(format!("{things} kept in {}; run {how} to go on", folder.display()));
 }
 
 /// Waits for SIGINT, SIGTERM and SIGHUP (the terminal was closed) in a separate thread.

@@ -60,22 +60,13 @@ struct Shared {
     #[arg(long, global = true)]
     json: bool,
     /// Number of threads, at most 1024 [default: all cores]. Results do not depend on it
-    #[arg(long, global = true, value_name = "N", value_parser = jobs)]
+    #[arg(long, global = true, value_name = "N", value_parser = options::number(|jobs| (1..=1024).contains(jobs), JOBS))]
     jobs: Option<usize>,
 }
 
-/// Largest number of threads. Choice: more than any machine has cores, about 800 today. Threads beyond the number of
+/// The numbers of threads that are allowed. Choice: more than any machine has cores, about 800 today. Threads beyond the number of
 /// cores do not help, and each holds a reach in memory.
-const MAX_JOBS: usize = 1024;
-
-fn jobs(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(jobs) if (1..=MAX_JOBS).contains(&jobs) => Ok(jobs),
-        _ => Err(format!(
-            "must be a number from 1 to {MAX_JOBS}; more threads than cores do not help, and each takes memory"
-        )),
-    }
-}
+const JOBS: &str = "must be a number from 1 to 1024; more threads than cores do not help, and each takes memory";
 
 #[derive(Subcommand)]
 enum Command {

@@ -1,4 +1,6 @@
-//! Options that choose one of some names, and which options are given.
+//! Options that choose one of some names, options that are numbers, and which options are given.
+
+use std::str::FromStr;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::Serialize;
@@ -16,6 +18,14 @@ where
     let values = names.iter().map(|(name, help)| PossibleValue::new(*name).help(*help));
     PossibleValuesParser::new(values)
         .try_map(|name| T::deserialize(IntoDeserializer::<Unread>::into_deserializer(name)))
+}
+
+/// Reads a number that is allowed; the text says which numbers are.
+pub fn number<T: FromStr + 'static>(
+    is_allowed: fn(&T) -> bool,
+    allowed: &'static str,
+) -> impl Fn(&str) -> Result<T, String> + Clone + Send + Sync + 'static {
+    move |text| text.parse().ok().filter(is_allowed).ok_or_else(|| allowed.to_owned())
 }
 
 /// The options that are given, as they are written. Each field is an option of its name; what is not given is

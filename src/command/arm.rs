@@ -106,11 +106,7 @@ pub fn run(options: ArmOptions, json: bool) -> Result<(), Failure> {
 
 fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
     let NewOptions { urdf, tip, base, package, hulls, out, overwrite } = options;
-    if out.extension().is_none_or(|extension| extension != "toml") {
-        let out = out.display();
-        return Err(Failure::usage(format!("--out {out}: an arm is a TOML file; give a file name that ends in .toml")));
-    }
-    overwrite.file(&out, [&urdf])?;
+    overwrite.out(&out, ("toml", "an arm is a TOML file"), [&urdf])?;
     let files = new_files(&NewArm {
         urdf: urdf.clone(),
         out: out.clone(),

@@ -46,13 +46,7 @@ struct Report {
 /// Draws the scene and writes the file.
 pub fn run(options: ArrangeOptions, json: bool) -> Result<(), Failure> {
     let ArrangeOptions { scene, seed, index, out, overwrite } = options;
-    if out.extension().is_none_or(|extension| extension != "toml") {
-        let out = out.display();
-        return Err(Failure::usage(format!(
-            "--out {out}: a scene is a TOML file; give a file name that ends in .toml"
-        )));
-    }
-    overwrite.file(&out, std::slice::from_ref(&scene))?;
+    overwrite.out(&out, ("toml", "a scene is a TOML file"), [&scene])?;
     let plan = ReachPlan::new(Scene::open(&scene)?, None, seed)?;
     let clutter = plan.draw(index)?;
     let folder = plan.scene.path.parent().unwrap_or(Path::new("."));

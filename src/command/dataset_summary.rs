@@ -22,7 +22,7 @@ pub(super) struct Summary {
     /// Wall time for making the set, s; `None` if the set was already finished, or was merged.
     wall_s: Option<f64>,
     /// How many goals have a way at all, and how many goals there are; `None` for a set that was not simulated just now.
-    goals_with_a_way: Option<[usize; 2]>,
+    pub(super) goals_with_a_way: Option<(usize, usize)>,
     #[serde(flatten)]
     ends: Ends,
     /// The worst residuals of the audit, each with its reach.
@@ -49,17 +49,12 @@ impl Summary {
         }
     }
 
-    /// The summary with how many goals have a way at all, and how many goals there are.
-    pub(super) fn with_ways(self, (ways, goals): (usize, usize)) -> Self {
-        Summary { goals_with_a_way: Some([ways, goals]), ..self }
-    }
-
     /// Readable text.
     pub(super) fn text(&self) -> String {
         let pace = self.wall_s.map_or(String::new(), |wall_s| {
             format!(" in {wall_s:.0} s ({:.0} times real time)", self.simulated_s / wall_s.max(1e-9))
         });
-        let ways = self.goals_with_a_way.map_or(String::new(), |[ways, goals]| {
+        let ways = self.goals_with_a_way.map_or(String::new(), |(ways, goals)| {
             format!("{ways} of {goals} goals have a way round all fixed obstacles\n")
         });
         format!(

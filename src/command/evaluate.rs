@@ -1,6 +1,5 @@
 //! `underbrush evaluate`: cross-validates a classifier, or evaluates given models on other trials.
 
-mod roc;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -8,16 +7,16 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use rayon::prelude::*;
 use underbrush_classifier::any_model::{self, AnyModel};
-use underbrush_classifier::decision::Decision;
+use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_classifier::estimator::Classifier;
 use underbrush_classifier::evaluate::{
-    Compared, Evaluation, EvaluationReport, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all,
-    cross_validate, evaluate,
+    Compared, Evaluation, EvaluationReport, FoldBy, Folds, RocCurve, accuracy_by_samples, accuracy_by_samples_of_all,
+    category_roc, cross_validate, evaluate, outlier_roc,
 };
 use underbrush_classifier::paper_rule::Scores;
 use underbrush_classifier::registry::CLASSIFIERS;
 use underbrush_experiments::model_data;
-use underbrush_recording::{InputError, Trial};
+use underbrush_recording::{Category, InputError, Trial};
 
 use super::decision_arguments::DecisionArguments;
 use super::estimator_arguments::EstimatorArguments;
@@ -141,7 +140,7 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     };
     let evaluation = evaluation.map_err(|error| about(error.into()))?;
     if let Some(path) = &options.roc {
-        output::write_file(path, &roc::csv(&evaluation, &decision)?)?;
+        output::write_file(path, &roc_csv(&evaluation, &decision)?)?;
     }
     let (mut by_samples, mut by_samples_of_all) = (None, None);
     if let Some(folds) = folds.filter(|_| options.by_samples) {
@@ -245,4 +244,25 @@ fn fitted(options: &EvaluateOptions, path: &Path) -> Result<Box<dyn Classifier>,
     let trials = input::some_trials(path, &options.cut)?;
     let classifier = options.estimator.estimator()?.fit(&trials.iter().collect::<Vec<_>>());
     classifier.map_err(|error| Failure::from(error).about(path))
+}
+
+/// ROC curves as CSV: one row per point of each curve. An empty threshold classifies nothing as positive.
+fn roc_csv(evaluation: &Evaluation, decision: &Decision) -> Result<Vec<u8>, Failure> {
+    let mut rows = Vec::new();
+    let mut add = |positives: &str, curve: Option<RocCurve>| {
+        for point in curve.iter().flat_map(|curve| &curve.points) {
+            let threshold = point.threshold.map_or(String::new(), |threshold| threshold.to_string());
+            let (false_rate, true_rate) = (point.false_positive_rate, point.true_positive_rate);
+            rows.push(vec![positives.to_string(), threshold, false_rate.to_string(), true_rate.to_string()]);
+        }
+    };
+    for category in evaluation.known_categories() {
+        add(category, category_roc(evaluation, category));
+    }
+    if let Rule::OutlierBand { uncertain_below, .. } = decision.rule {
+        let judge = decision.prepare(evaluation.known_categories())?;
+        add(Category::OUTLIER.name(), outlier_roc(evaluation, &judge, uncertain_below));
+    }
+    let header = ["positives", "threshold_nats", "false_positive_rate", "true_positive_rate"];
+    output::csv_bytes(&header, rows)
 }

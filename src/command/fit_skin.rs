@@ -4,12 +4,14 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::TypedValueParser;
 use serde::Serialize;
 use underbrush_exchange::press::{Estimate, PressFit, Punch, fit_press, read_press};
 use underbrush_sim::materials::{Constant, MaterialFile};
 
 use super::overwrite::Overwrite;
 use crate::failure::Failure;
+use crate::options::number;
 use crate::output;
 
 /// Options of `underbrush fit-skin`.
@@ -23,10 +25,10 @@ pub struct FitSkinOptions {
     /// The press test: CSV with the columns time_s, depth_m and force_n
     press: PathBuf,
     /// Area of a flat punch, or of the pad if the punch is larger, cm²
-    #[arg(long, value_name = "CM2", required_unless_present = "ball_radius_mm", value_parser = positive)]
+    #[arg(long, value_name = "CM2", required_unless_present = "ball_radius_mm", value_parser = positive())]
     punch_area_cm2: Option<f64>,
     /// Radius of a ball, mm
-    #[arg(long, value_name = "MM", conflicts_with = "punch_area_cm2", value_parser = positive)]
+    #[arg(long, value_name = "MM", conflicts_with = "punch_area_cm2", value_parser = positive())]
     ball_radius_mm: Option<f64>,
     /// Write C, τ and 1/β to this file of materials (TOML)
     #[arg(long, value_name = "FILE.toml")]
@@ -35,8 +37,8 @@ pub struct FitSkinOptions {
     overwrite: Overwrite,
 }
 
-fn positive(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|value: &f64| value.is_finite() && *value > 0.0).ok_or_else(|| "must be above 0".into())
+fn positive() -> impl TypedValueParser<Value = f64> {
+    number(|value: &f64| value.is_finite() && *value > 0.0, "must be above 0")
 }
 
 #[derive(Serialize)]

@@ -141,7 +141,7 @@ pub fn run(options: GenerateOptions, json: bool) -> Result<(), Failure> {
     output::remarks(audit::warnings(dataset.episodes(), dataset.layout()));
     let mut summary = Summary::of(&dataset, wall_s);
     if wall_s.is_some() {
-        summary = summary.with_ways(campaign.goals_with_a_way()?);
+        summary.goals_with_a_way = Some(campaign.goals_with_a_way()?);
     }
     output::result(json, &summary, || summary.text())
 }

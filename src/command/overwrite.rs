@@ -32,6 +32,20 @@ impl Overwrite {
         output::create_parents(path)
     }
 
+    /// As [`Overwrite::file`], for the file of `--out`, which needs this ending, because of what it is.
+    pub fn out<'a>(
+        self,
+        path: &Path,
+        (ending, what): (&str, &str),
+        inputs: impl IntoIterator<Item = &'a PathBuf>,
+    ) -> Result<(), Failure> {
+        if path.extension().is_none_or(|own| own != ending) {
+            let out = path.display();
+            return Err(Failure::usage(format!("--out {out}: {what}; give a file name that ends in .{ending}")));
+        }
+        self.file(path, inputs)
+    }
+
     /// As [`Overwrite::file`], for a table of trials, whose name ends as [`write_trials`] demands.
     ///
     /// [`write_trials`]: underbrush_recording::disk::write_trials

@@ -15,6 +15,7 @@ use underbrush_sim::scene::{Scene, SceneCamera};
 
 use super::overwrite::Overwrite;
 use crate::failure::Failure;
+use crate::options::number;
 use crate::{output, progress};
 
 /// Size of a picture if nothing else is said.
@@ -48,7 +49,7 @@ pub struct PictureArguments {
     #[arg(long, value_name = "N", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = 20, value_parser = value_parser!(u16).range(1..=50))]
     fps: u16,
     /// With --video: how many times as fast as in reality it plays, 0.1 to 100
-    #[arg(long, value_name = "X", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = 1.0, value_parser = speed)]
+    #[arg(long, value_name = "X", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = 1.0, value_parser = number(|speed| (0.1..=100.0).contains(speed), "give a number from 0.1 to 100"))]
     speed: f64,
 }
 
@@ -63,11 +64,6 @@ fn place(text: &str) -> Result<DVec3, String> {
     let numbers: Result<Vec<f64>, _> = text.split(',').map(str::parse).collect();
     let place = numbers.ok().and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
     place.map(DVec3::from).ok_or_else(|| "give three numbers in m, such as 0.5,-1,0.3".to_owned())
-}
-
-fn speed(text: &str) -> Result<f64, String> {
-    let speed = text.parse().ok().filter(|speed| (0.1..=100.0).contains(speed));
-    speed.ok_or_else(|| "give a number from 0.1 to 100".to_owned())
 }
 
 impl PictureArguments {

@@ -31,12 +31,7 @@ pub const KINDS: [(&str, &str); 2] = [
     ("viterbi", "Log-probability of the best state path"),
 ];
 
-/// Reads a model and chooses its kind of score; `option` names the option that asks for it.
-pub fn load(path: &Path, by: Option<ScoreKind>, option: &str) -> Result<Model, Failure> {
-    by_kind(any_model::load_of_trials(path)?, path, by, option)
-}
-
-/// Chooses the kind of score of a model that was read from `path`.
+/// Chooses the kind of score of a model that was read from `path`; `option` names the option that asks for it.
 pub fn by_kind(mut model: Model, path: &Path, by: Option<ScoreKind>, option: &str) -> Result<Model, Failure> {
     if let Some(kind) = by {
         let name = model.classifier.name();
@@ -61,7 +56,7 @@ struct Row {
 
 /// Prints CSV, one row per category and trial.
 pub fn run(options: ScoreOptions, json: bool) -> Result<(), Failure> {
-    let model = load(&options.model, options.by, "--by")?;
+    let model = by_kind(any_model::load_of_trials(&options.model)?, &options.model, options.by, "--by")?;
     let trials = input::trials(&options.trials, &TrialArguments::default())?;
     let scored = model
         .classifier

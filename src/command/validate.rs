@@ -10,6 +10,7 @@ use underbrush_validation::{CHECKS, Check, FalsifiedOutcome, Fault, Outcome, Ver
 
 use super::overwrite::Overwrite;
 use crate::failure::Failure;
+use crate::options::number;
 use crate::{output, progress};
 
 mod text;
@@ -21,7 +22,7 @@ pub struct ValidateOptions {
     #[arg(long, value_name = "NAME", value_parser = names())]
     only: Vec<String>,
     /// Multiply every tolerance by this factor; 0 makes every comparison fail
-    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = scale)]
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = number(|scale| (0.0..=f64::MAX).contains(scale), "a number, zero or more"))]
     tolerance_scale: f64,
     /// Test the checks themselves: run each with parameters that are wrong on purpose, one at a time. Every comparison
     /// must fail for at least one of them
@@ -60,13 +61,6 @@ struct FalsifiedReport {
 
 fn names() -> PossibleValuesParser {
     PossibleValuesParser::new(CHECKS.iter().map(|check| PossibleValue::new(check.name).help(check.summary)))
-}
-
-fn scale(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(scale) if (0.0..=f64::MAX).contains(&scale) => Ok(scale),
-        _ => Err("a number, zero or more".into()),
-    }
 }
 
 /// Runs the checks and prints the result.

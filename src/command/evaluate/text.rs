@@ -1,6 +1,8 @@
 //! An evaluation as text.
 
-use underbrush_classifier::evaluate::{Accuracy, AccuracyBySamples, Compared, Evaluation, EvaluationReport, FoldBy};
+use underbrush_classifier::evaluate::{
+    Accuracy, AccuracyBySamples, Compared, Evaluation, EvaluationReport, FoldBy, Interval,
+};
 use underbrush_report::drawing::Rows;
 
 /// The whole evaluation.
@@ -48,6 +50,10 @@ fn maybe(fraction: Option<f64>) -> String {
     fraction.map_or("-".into(), percent)
 }
 
+fn interval(ends: Interval) -> String {
+    format!("{}-{}", percent(ends.low), percent(ends.high))
+}
+
 /// An accuracy, balanced accuracy and baseline in one cell.
 fn three(accuracy: f64, balanced: Option<f64>, baseline: f64) -> String {
     format!("{} ({}, {})", percent(accuracy), maybe(balanced), percent(baseline))
@@ -58,9 +64,7 @@ fn comparison(compared: &[Compared]) -> String {
         .column("classifier", |own| own.classifier)
         .column("balanced accuracy %", |own| maybe(own.accuracy.balanced_accuracy))
         .column("accuracy %", |own| percent(own.accuracy.accuracy))
-        .column("95 % by reach", |own| {
-            own.interval_by_reach.map_or("-".into(), |ends| format!("{}-{}", percent(ends.low), percent(ends.high)))
-        })
+        .column("95 % by reach", |own| own.interval_by_reach.map_or("-".into(), interval))
         .column("majority baseline %", |own| percent(own.accuracy.majority_baseline));
     format!("{}\nIn detail, hidden Markov models as in the paper:\n\n", rows.text())
 }
@@ -73,9 +77,7 @@ fn by_samples(series: &[AccuracyBySamples]) -> String {
     let rows = Rows::of(series)
         .column("samples", |own| own.samples.map_or("all".into(), |samples| samples.to_string()))
         .column("accuracy % *", |own| three(own.accuracy, own.balanced_accuracy, own.majority_baseline))
-        .column("95 % by reach", |own| {
-            own.interval_by_reach.map_or("-".into(), |ends| format!("{}-{}", percent(ends.low), percent(ends.high)))
-        })
+        .column("95 % by reach", |own| own.interval_by_reach.map_or("-".into(), interval))
         .when(is_split, |rows| {
             rows.column("touched *", |own| part(own.by_touch.and_then(|split| split.touched)))
                 .column("never touched *", |own| part(own.by_touch.and_then(|split| split.untouched)))
@@ -100,23 +102,19 @@ fn evaluation(evaluation: &Evaluation) -> String {
         .column("category", |own| own.category.as_str())
         .column("trials", |own| own.trials)
         .column("recall %", |own| percent(own.recall))
-        .column("95 % interval", |own| {
-            format!("{}-{}", percent(own.recall_interval.low), percent(own.recall_interval.high))
-        })
+        .column("95 % interval", |own| interval(own.recall_interval))
         .column("precision %", |own| maybe(own.precision))
         .column("F1 %", |own| percent(own.f1))
         .text();
     text += "\n";
     text += &accuracies(evaluation);
-    let by_trial = evaluation.accuracy_interval_by_trial;
     text += &format!(
-        "\naccuracy {} %; 95 % interval {}-{} % as if trials were independent",
+        "\naccuracy {} %; 95 % interval {} % as if trials were independent",
         percent(evaluation.accuracy),
-        percent(by_trial.low),
-        percent(by_trial.high)
+        interval(evaluation.accuracy_interval_by_trial)
     );
     if let Some(by_reach) = evaluation.accuracy_interval_by_reach {
-        text += &format!(", {}-{} % resampling whole reaches", percent(by_reach.low), percent(by_reach.high));
+        text += &format!(", {} % resampling whole reaches", interval(by_reach));
     }
     text
 }

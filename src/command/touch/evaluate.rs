@@ -9,7 +9,7 @@ use underbrush_classifier::evaluate::touch_folds::{
 use underbrush_classifier::touch::{RiskLimits, TouchExamples, TouchModel, TouchOptions};
 
 use super::decision::TouchDecisionArguments;
-use super::{fit, text};
+use super::{text, train};
 use crate::failure::Failure;
 use crate::output;
 use crate::reaches::Reaches;
@@ -38,7 +38,7 @@ pub fn evaluate(
         model
     };
     let fitted = |examples: &TouchExamples, options: &TouchOptions, paths: &[PathBuf]| {
-        fit::fit(examples, options, limits).map(deciding).map_err(|failure| fit::about(failure, paths))
+        train::fit(examples, options, limits).map(deciding).map_err(|failure| train::about(failure, paths))
     };
     let reaches = Reaches::open(paths)?;
     let report = match judge {
@@ -51,7 +51,7 @@ pub fn evaluate(
             // Failures that are about all reaches name the input.
             let refused = |error: EvaluateError| match error {
                 EvaluateError::FoldCount { .. } => error.into(),
-                error => fit::about(error.into(), paths),
+                error => train::about(error.into(), paths),
             };
             // This is checked before the reaches are read.
             check_folds(count, reaches.count()).map_err(refused)?;

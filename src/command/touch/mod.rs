@@ -2,14 +2,11 @@
 
 mod decision;
 mod evaluate;
-mod fit;
-mod risk;
 mod simulated;
 mod text;
 mod train;
 
-pub use decision::TouchDecisionArguments;
+pub use decision::{RiskArguments, TouchDecisionArguments};
 pub use evaluate::{Judge, evaluate};
-pub use risk::RiskArguments;
 pub use simulated::SimulatedArguments;
 pub use train::train;

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use serde_json::json;
+use underbrush_classifier::ModelError;
 use underbrush_classifier::evaluate::touch_folds::{add_auxiliary, touch_examples};
-use underbrush_classifier::touch::{RiskLimits, TouchDecision, TouchOptions, TouchRows};
+use underbrush_classifier::touch::{RiskLimits, TouchDecision, TouchExamples, TouchModel, TouchOptions, TouchRows};
 use underbrush_experiments::model_data;
 
 use super::simulated::SimulatedArguments;
-use super::{fit, text};
+use super::text;
 use crate::failure::Failure;
 use crate::output;
 use crate::reaches::Reaches;
@@ -50,7 +51,7 @@ pub fn train(
     if !auxiliary.is_empty() {
         add_auxiliary(&mut examples, &Reaches::open(auxiliary)?)?;
     }
-    let mut model = fit::fit(&examples, options, limits).map_err(|failure| fit::about(failure, paths))?;
+    let mut model = fit(&examples, options, limits).map_err(|failure| about(failure, paths))?;
     model.warn_of_little_data();
     let sources: Result<Vec<_>, _> = all.iter().map(|path| model_data::of_path(path)).collect();
     model.provenance = model_data::provenance(json!(limits), sources?);
@@ -69,4 +70,33 @@ pub fn train(
             + &text::decision(&trained.decision)
             + &format!("Model written to {}", out.display())
     })
+}
+
+/// A model fitted to these rows.
+pub(super) fn fit(
+    examples: &TouchExamples,
+    options: &TouchOptions,
+    limits: &RiskLimits,
+) -> Result<TouchModel, Failure> {
+    examples.fit_within(limits).map_err(|error| match error {
+        ModelError::NoCategories { .. } => {
+            let patch = options.patch.as_ref();
+            let patch = patch.map_or("the first patch".into(), |name| format!("patch {name}"));
+            Failure::usage(format!(
+                "nothing of a category to fit, such as leaf or trunk, touches {patch} above {} N in {} reaches (blocks and \
+                 outliers are never fitted); lower --threshold-n, choose another --patch, or generate more reaches",
+                options.threshold_n,
+                examples.rows().reaches
+            ))
+        }
+        other => other.into(),
+    })
+}
+
+/// Adds the path of the input to a failure, if there is only one input.
+pub(super) fn about(failure: Failure, paths: &[PathBuf]) -> Failure {
+    match paths {
+        [path] => failure.about(path),
+        _ => failure,
+    }
 }
