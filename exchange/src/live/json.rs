@@ -25,12 +25,6 @@ pub struct Spot<'a> {
     value: &'a Value,
 }
 
-/// An object with its path in the line.
-pub struct Object<'a> {
-    path: String,
-    entries: &'a Map<String, Value>,
-}
-
 /// A value in which no object has a key twice. With two values it would be unclear which one is meant.
 struct Unique(Value);
 
@@ -118,10 +112,20 @@ pub fn parse(text: &str) -> Result<Value, LineError> {
     })
 }
 
-impl<'a> Object<'a> {
-    /// The value of a key; `None` if there is none or it is null.
+impl<'a> Spot<'a> {
+    /// The value of a whole line.
+    pub fn of_line(value: &'a Value) -> Self {
+        Spot { path: String::new(), value }
+    }
+
+    /// The value, if it is an object.
+    pub fn object(self, allowed: &str) -> Result<Self, LineError> {
+        if self.is_object() { Ok(self) } else { Err(self.error(allowed)) }
+    }
+
+    /// The value of a key of an object; `None` if there is none or it is null.
     pub fn get(&self, key: &str) -> Option<Spot<'a>> {
-        let value = self.entries.get(key).filter(|value| !value.is_null())?;
+        let value = self.value.get(key).filter(|value| !value.is_null())?;
         Some(Spot { path: self.path_of(key), value })
     }
 
@@ -134,9 +138,9 @@ impl<'a> Object<'a> {
         })
     }
 
-    /// All keys.
+    /// All keys of an object.
     pub fn keys(&self) -> impl Iterator<Item = &'a String> {
-        self.entries.keys()
+        self.value.as_object().into_iter().flat_map(Map::keys)
     }
 
     /// The error for a key that is not allowed.
@@ -147,19 +151,6 @@ impl<'a> Object<'a> {
     fn path_of(&self, key: &str) -> String {
         let dot = if self.path.is_empty() { "" } else { "." };
         format!("{}{dot}{key}", self.path)
-    }
-}
-
-impl<'a> Spot<'a> {
-    /// The value of a whole line.
-    pub fn of_line(value: &'a Value) -> Self {
-        Spot { path: String::new(), value }
-    }
-
-    /// The value as an object.
-    pub fn object(&self, allowed: &str) -> Result<Object<'a>, LineError> {
-        let entries = self.value.as_object().ok_or_else(|| self.error(allowed))?;
-        Ok(Object { path: self.path.clone(), entries })
     }
 
     /// The value as a list.

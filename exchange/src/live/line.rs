@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use underbrush_recording::limits::{self, Limits};
 use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading};
 
-use super::json::{self, LineError, Object, Spot};
+use super::json::{self, LineError, Spot};
 
 /// The content of a line.
 #[derive(Debug, PartialEq)]
@@ -83,7 +83,7 @@ impl LineParser {
         Ok(Message::Frame(Box::new(Frame { time_s, patch_pose_world, taxels, ..blank })))
     }
 
-    fn time_s(&self, line: &Object<'_>) -> Result<f64, LineError> {
+    fn time_s(&self, line: &Spot<'_>) -> Result<f64, LineError> {
         let spot = line.need("time_s", "the time of the frame in seconds")?;
         let time_s = number(&spot, limits::TIME_S)?;
         match self.last {
@@ -95,7 +95,7 @@ impl LineParser {
     }
 
     /// The readings, sorted by patch and taxel.
-    fn readings(&self, line: &Object<'_>) -> Result<Vec<TaxelReading>, LineError> {
+    fn readings(&self, line: &Spot<'_>) -> Result<Vec<TaxelReading>, LineError> {
         let allowed = "a list of readings, empty where nothing is felt";
         let list = line.need("taxels", allowed)?.list(allowed)?;
         let mut readings = Vec::with_capacity(list.len());
@@ -125,7 +125,7 @@ impl LineParser {
     }
 
     /// The patch of a reading, by name or index. It need not be given if the skin has only one patch.
-    fn patch(&self, reading: &Object<'_>) -> Result<usize, LineError> {
+    fn patch(&self, reading: &Spot<'_>) -> Result<usize, LineError> {
         let patches = &self.layout.patches;
         let known: Vec<String> =
             patches.iter().enumerate().map(|(index, patch)| format!("{index} or {:?}", patch.name)).collect();
@@ -143,7 +143,7 @@ impl LineParser {
     }
 
     /// A pose for each patch. Only those that the models need are read; the others are at the origin.
-    fn poses(&self, line: &Object<'_>) -> Result<Vec<Pose>, LineError> {
+    fn poses(&self, line: &Spot<'_>) -> Result<Vec<Pose>, LineError> {
         let patches = &self.layout.patches;
         let mut poses = vec![Pose::IDENTITY; patches.len()];
         for &needed in &self.poses_of {
@@ -153,7 +153,7 @@ impl LineParser {
     }
 
     /// The pose of a patch.
-    fn pose(&self, line: &Object<'_>, needed: usize) -> Result<Pose, LineError> {
+    fn pose(&self, line: &Spot<'_>, needed: usize) -> Result<Pose, LineError> {
         let patches = &self.layout.patches;
         let name = &patches[needed].name;
         let allowed = format!(
@@ -163,12 +163,11 @@ impl LineParser {
         );
         let spot = line.need("patch_pose_world", &allowed)?;
         let pose = if spot.is_object() {
-            let by_name = spot.object(&allowed)?;
-            if let Some(unknown) = by_name.keys().find(|key| self.layout.patch_index(key).is_none()) {
+            if let Some(unknown) = spot.keys().find(|key| self.layout.patch_index(key).is_none()) {
                 let names: Vec<&str> = patches.iter().map(|patch| patch.name.as_str()).collect();
-                return Err(by_name.unknown(unknown, format!("names of patches: {}", names.join(", "))));
+                return Err(spot.unknown(unknown, format!("names of patches: {}", names.join(", "))));
             }
-            by_name.need(name, &allowed)?
+            spot.need(name, &allowed)?
         } else {
             let list = spot.list(&allowed)?;
             if list.len() != patches.len() {
@@ -176,11 +175,11 @@ impl LineParser {
             }
             list[needed].clone()
         };
-        read_pose(&pose)
+        read_pose(pose)
     }
 }
 
-fn read_pose(spot: &Spot<'_>) -> Result<Pose, LineError> {
+fn read_pose(spot: Spot<'_>) -> Result<Pose, LineError> {
     let allowed = "an object with position and orientation";
     let pose = spot.object(allowed)?;
     let allowed = "x, y and z in metres";
