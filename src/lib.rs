@@ -60,7 +60,7 @@ struct Shared {
     #[arg(long, global = true)]
     json: bool,
     /// Number of threads, at most 1024 [default: all cores]. Results do not depend on it
-    #[arg(long, global = true, value_name = "N", value_parser = options::number(|jobs| (1..=1024).contains(jobs), JOBS))]
+    #[arg(long, global = true, value_name = "N", value_parser = options::number(|jobs: &usize| (1..=1024).contains(jobs), JOBS))]
     jobs: Option<usize>,
 }
 

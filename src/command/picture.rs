@@ -49,7 +49,7 @@ pub struct PictureArguments {
     #[arg(long, value_name = "N", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = 20, value_parser = value_parser!(u16).range(1..=50))]
     fps: u16,
     /// With --video: how many times as fast as in reality it plays, 0.1 to 100
-    #[arg(long, value_name = "X", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = 1.0, value_parser = number(|speed| (0.1..=100.0).contains(speed), "give a number from 0.1 to 100"))]
+    #[arg(long, value_name = "X", requires = "video", conflicts_with_all = ["out", "still"], default_value_t = 1.0, value_parser = number(|speed: &f64| (0.1..=100.0).contains(speed), "give a number from 0.1 to 100"))]
     speed: f64,
 }
 

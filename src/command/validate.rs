@@ -22,7 +22,7 @@ pub struct ValidateOptions {
     #[arg(long, value_name = "NAME", value_parser = names())]
     only: Vec<String>,
     /// Multiply every tolerance by this factor; 0 makes every comparison fail
-    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = number(|scale| (0.0..=f64::MAX).contains(scale), "a number, zero or more"))]
+    #[arg(long, value_name = "X", default_value_t = 1.0, value_parser = number(|scale: &f64| (0.0..=f64::MAX).contains(scale), "a number, zero or more"))]
     tolerance_scale: f64,
     /// Test the checks themselves: run each with parameters that are wrong on purpose, one at a time. Every comparison
     /// must fail for at least one of them

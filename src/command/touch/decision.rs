@@ -27,7 +27,7 @@ pub struct TouchDecisionArguments {
 }
 
 fn share() -> impl TypedValueParser<Value = f64> {
-    number(|value| (0.0..=1.0).contains(value), "must be a number from 0 to 1")
+    number(|value: &f64| (0.0..=1.0).contains(value), "must be a number from 0 to 1")
 }
 
 impl TouchDecisionArguments {
