@@ -25,7 +25,7 @@ macro_rules! options {
 
         impl $options {
             /// The numbers with their keys and limits.
-            fn numbers(&self) -> Vec<$crate::numbers::Number> {
+            pub(crate) fn numbers(&self) -> Vec<$crate::numbers::Number> {
                 vec![$($((stringify!($name), f64::from(self.$name), $limits),)?)+]
             }
         }

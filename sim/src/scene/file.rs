@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::{SceneCamera, limits};
 use crate::controller::ControllerKind;
 use crate::materials::MaterialsSection;
+use crate::numbers::{options, with_limits};
 use crate::object::{Group, Specification, for_each_object_kind};
 use crate::physics::PhysicsOptions;
 use crate::range::{PLACE_M, Quantity, Within};
@@ -73,83 +74,75 @@ fn default_controller() -> ControllerKind {
     ControllerKind::Cody2013
 }
 
-/// Changes to the arm and its controller: a stiffer or softer arm, a faster or slower hand, higher or lower allowed
-/// forces.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct RobotSection {
-    /// Scales the stiffness of every joint and of the controller's model. The damping scales with its square root,
-    /// which keeps the joints' damping ratio (a choice).
-    #[schemars(range(min = limits::STIFFNESS_SCALE.min, max = limits::STIFFNESS_SCALE.max))]
-    pub stiffness_scale: f64,
-    /// Scales how far the controller may move the hand and the equilibrium angles in one step. The joints' own slew
-    /// limits stay as they are.
-    #[schemars(range(min = limits::HAND_SPEED_SCALE.min, max = limits::HAND_SPEED_SCALE.max))]
-    pub hand_speed_scale: f64,
-    /// Scales the force that the controller allows a taxel, f_max. How fast it may rise or fall stays the same.
-    #[schemars(range(min = limits::FORCE_LIMIT_SCALE.min, max = limits::FORCE_LIMIT_SCALE.max))]
-    pub force_limit_scale: f64,
-}
-
-impl Default for RobotSection {
-    /// No change.
-    fn default() -> Self {
-        RobotSection { stiffness_scale: 1.0, hand_speed_scale: 1.0, force_limit_scale: 1.0 }
+options! {
+    /// Changes to the arm and its controller: a stiffer or softer arm, a faster or slower hand, higher or lower allowed
+    /// forces.
+    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+    #[serde(deny_unknown_fields, default)]
+    #[schemars(transform = with_limits(RobotSection::default().numbers()))]
+    pub struct RobotSection {
+        /// Scales the stiffness of every joint and of the controller's model. The damping scales with its square root,
+        /// which keeps the joints' damping ratio (a choice).
+        stiffness_scale: f64 = 1.0, limits::STIFFNESS_SCALE;
+        /// Scales how far the controller may move the hand and the equilibrium angles in one step. The joints' own slew
+        /// limits stay as they are.
+        hand_speed_scale: f64 = 1.0, limits::HAND_SPEED_SCALE;
+        /// Scales the force that the controller allows a taxel, f_max. How fast it may rise or fall stays the same.
+        force_limit_scale: f64 = 1.0, limits::FORCE_LIMIT_SCALE;
     }
 }
 
-/// Where objects may stand, in the world frame: origin at the arm's base, x forward, y left, z up.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Workspace {
-    /// Smallest and largest x of an object's foot, m.
-    pub x_m: [f64; 2],
-    /// Smallest and largest y of an object's foot, m.
-    pub y_m: [f64; 2],
-    /// Height of the table top, m.
-    #[schemars(range(min = PLACE_M.min, max = PLACE_M.max))]
-    pub table_height_m: f64,
-}
-
-impl Default for Workspace {
-    /// Choice: the top of the foam is 50 cm below the shoulder of Cody's right arm. The clutter extends from beside the
-    /// drawn-back hand to the limit of the arm's reach, so that the forearm moves among it and not only the hand.
-    fn default() -> Self {
-        Workspace { x_m: [0.20, 0.75], y_m: [-0.60, 0.20], table_height_m: -0.58 }
+options! {
+    // Choice: the top of the foam is 50 cm below the shoulder of Cody's right arm. The clutter extends from beside the
+    // drawn-back hand to the limit of the arm's reach, so that the forearm moves among it and not only the hand.
+    /// Where objects may stand, in the world frame: origin at the arm's base, x forward, y left, z up.
+    #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
+    #[serde(deny_unknown_fields, default)]
+    #[schemars(transform = with_limits(Workspace::default().numbers()))]
+    pub struct Workspace {
+        /// Smallest and largest x of an object's foot, m.
+        x_m: [f64; 2] = [0.20, 0.75];
+        /// Smallest and largest y of an object's foot, m.
+        y_m: [f64; 2] = [-0.60, 0.20];
+        /// Height of the table top, m.
+        table_height_m: f64 = -0.58, PLACE_M;
     }
 }
 
-/// The goals of a reach: points for the arm's end effector, drawn so that the arm passes through clutter on its way
-/// there.
-#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Goals {
-    /// Number of goals per reach (the paper has "multiple goal positions", section IV-B).
-    #[schemars(range(min = limits::GOALS.min, max = limits::GOALS.max))]
-    pub count: u32,
-    /// How many times an arm that got stuck backs off and tries the same goal again (Jain et al. 2013).
-    #[schemars(range(min = limits::RETRIES.min, max = limits::RETRIES.max))]
-    pub retries: u32,
-    /// How long the arm may make no progress before the goal is given up, s, as by the operator who gives the goals one
-    /// by one (paper, section IV-B). If not given, the rule published with the controller decides when the arm is
-    /// stuck.
-    #[schemars(range(min = limits::PATIENCE_S.min, max = limits::PATIENCE_S.max))]
-    pub patience_s: Option<f64>,
-    /// The goals, m, world frame, in this order. If they are given, none are drawn, and `count` and the ranges below have
-    /// no effect.
-    pub positions_m: Option<Vec<[f64; 3]>>,
-    /// What is progress: `mean-position`, as published, or `path`, by which an arm that turns round makes progress. If not
-    /// given, the rule that belongs to the controller.
-    pub progress: Option<ProgressRule>,
-    /// Coordinate x of a goal (forward), m, world frame.
-    #[schemars(transform = Within((PLACE_M.min, PLACE_M.max)))]
-    pub x_m: Quantity,
-    /// Coordinate y of a goal (left), m, world frame.
-    #[schemars(transform = Within((PLACE_M.min, PLACE_M.max)))]
-    pub y_m: Quantity,
-    /// Coordinate z of a goal (up), m, world frame.
-    #[schemars(transform = Within((PLACE_M.min, PLACE_M.max)))]
-    pub z_m: Quantity,
+options! {
+    // Choice: what Cody's arm can reach in front of its right shoulder, at the height of the foliage but clear of the
+    // foam.
+    /// The goals of a reach: points for the arm's end effector, drawn so that the arm passes through clutter on its way
+    /// there.
+    #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+    #[serde(deny_unknown_fields, default)]
+    #[schemars(transform = with_limits(Goals::default().numbers()))]
+    pub struct Goals {
+        /// Number of goals per reach (the paper has "multiple goal positions", section IV-B).
+        count: u32 = 4, limits::GOALS;
+        /// How many times an arm that got stuck backs off and tries the same goal again (Jain et al. 2013).
+        retries: u32 = 1, limits::RETRIES;
+        /// How long the arm may make no progress before the goal is given up, s, as by the operator who gives the goals one
+        /// by one (paper, section IV-B). If not given, the rule published with the controller decides when the arm is
+        /// stuck.
+        #[schemars(range(min = limits::PATIENCE_S.min, max = limits::PATIENCE_S.max))]
+        patience_s: Option<f64> = None;
+        /// The goals, m, world frame, in this order. If they are given, none are drawn, and `count` and the ranges below have
+        /// no effect.
+        positions_m: Option<Vec<[f64; 3]>> = None;
+        /// What is progress: `mean-position`, as published, or `path`, by which an arm that turns round makes progress. If not
+        /// given, the rule that belongs to the controller.
+        progress: Option<ProgressRule> = None;
+        /// Coordinate x of a goal (forward), m, world frame.
+        #[schemars(transform = Within((PLACE_M.min, PLACE_M.max)))]
+        x_m: Quantity = Quantity::uniform(0.45, 0.75);
+        /// Coordinate y of a goal (left), m, world frame.
+        #[schemars(transform = Within((PLACE_M.min, PLACE_M.max)))]
+        y_m: Quantity = Quantity::uniform(-0.55, 0.20);
+        /// Coordinate z of a goal (up), m, world frame.
+        #[schemars(transform = Within((PLACE_M.min, PLACE_M.max)))]
+        z_m: Quantity = Quantity::uniform(-0.38, -0.16);
+    }
 }
 
 impl Goals {
@@ -173,53 +166,26 @@ pub enum ProgressRule {
 }
 
 impl ProgressRule {
-    /// Whether it is the rule of the path.
-    pub fn is_path(&self) -> bool {
-        *self == ProgressRule::Path
-    }
-
     /// Whether it is the published rule.
     pub(crate) fn is_published(&self) -> bool {
         *self == ProgressRule::MeanPosition
     }
 }
 
-impl Default for Goals {
-    /// Choice: what Cody's arm can reach in front of its right shoulder, at the height of the foliage but clear of the
-    /// foam.
-    fn default() -> Self {
-        Goals {
-            count: 4,
-            retries: 1,
-            patience_s: None,
-            positions_m: None,
-            progress: None,
-            x_m: Quantity::uniform(0.45, 0.75),
-            y_m: Quantity::uniform(-0.55, 0.20),
-            z_m: Quantity::uniform(-0.38, -0.16),
-        }
-    }
-}
-
-/// Time step and other options of the physics engine.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct PhysicsSection {
-    /// Time step, s: 10 ms (the period of the skin) or a whole fraction of it, at least 0.1 ms.
-    #[schemars(range(min = limits::STEP_S.min, max = limits::STEP_S.max))]
-    pub step_s: f64,
-    /// Gravity, m/s².
-    #[schemars(range(min = limits::GRAVITY_M_PER_S2.min, max = limits::GRAVITY_M_PER_S2.max))]
-    pub gravity_m_per_s2: f64,
-    /// Whether objects at rest are left out of the simulation until something comes near them.
-    pub dormancy: bool,
-}
-
-impl Default for PhysicsSection {
-    /// 5 ms: steps of 10 ms make leaves chatter, and steps of 2.5 ms change the figures little at twice the cost.
-    /// `docs/evidence/time-step.md` gives the convergence in the step.
-    fn default() -> Self {
-        PhysicsSection { step_s: 0.005, gravity_m_per_s2: 9.81, dormancy: true }
+options! {
+    // 5 ms: steps of 10 ms make leaves chatter, and steps of 2.5 ms change the figures little at twice the cost.
+    // `docs/evidence/time-step.md` gives the convergence in the step.
+    /// Time step and other options of the physics engine.
+    #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+    #[serde(deny_unknown_fields, default)]
+    #[schemars(transform = with_limits(PhysicsSection::default().numbers()))]
+    pub struct PhysicsSection {
+        /// Time step, s: 10 ms (the period of the skin) or a whole fraction of it, at least 0.1 ms.
+        step_s: f64 = 0.005, limits::STEP_S;
+        /// Gravity, m/s².
+        gravity_m_per_s2: f64 = 9.81, limits::GRAVITY_M_PER_S2;
+        /// Whether objects at rest are left out of the simulation until something comes near them.
+        dormancy: bool = true;
     }
 }
 

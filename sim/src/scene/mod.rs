@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use underbrush_recording::limits::{TEXT_BYTES, short};
+use underbrush_recording::limits::{TEXT_BYTES, first_outside, short};
 use underbrush_recording::plain_text::{PLAIN, is_plain};
 use underbrush_recording::{FRAME_PERIOD_S, InputError, read_text};
 
@@ -219,26 +219,21 @@ impl Scene {
 
     /// Checks the numbers that depend on no others.
     fn check_numbers(&self) -> Result<(), InputError> {
-        let file = &self.file;
-        let (goals, physics, robot) = (&file.goals, &file.physics, &file.robot);
-        let numbers = [
-            ("workspace.table_height_m", file.workspace.table_height_m, PLACE_M),
-            ("robot.stiffness_scale", robot.stiffness_scale, limits::STIFFNESS_SCALE),
-            ("robot.hand_speed_scale", robot.hand_speed_scale, limits::HAND_SPEED_SCALE),
-            ("robot.force_limit_scale", robot.force_limit_scale, limits::FORCE_LIMIT_SCALE),
-            ("goals.count", f64::from(goals.count), limits::GOALS),
-            ("goals.retries", f64::from(goals.retries), limits::RETRIES),
-            ("goals.patience_s", goals.patience_s.unwrap_or(limits::PATIENCE_S.min), limits::PATIENCE_S),
-            ("physics.step_s", physics.step_s, limits::STEP_S),
-            ("physics.gravity_m_per_s2", physics.gravity_m_per_s2, limits::GRAVITY_M_PER_S2),
+        let SceneFile { workspace, robot, goals, physics, .. } = &self.file;
+        let sections = [
+            ("workspace", workspace.numbers()),
+            ("robot", robot.numbers()),
+            ("goals", goals.numbers()),
+            ("goals", goals.patience_s.map(|own_s| ("patience_s", own_s, limits::PATIENCE_S)).into_iter().collect()),
+            ("physics", physics.numbers()),
         ];
-        let mut forces = file.allowed_force_n.iter();
-        if let Some((name, force_n)) = forces.find(|(_, force_n)| !limits::ALLOWED_FORCE_N.hold(**force_n)) {
-            let allowed = limits::ALLOWED_FORCE_N.to_string();
-            return Err(self.fault(&format!("allowed_force_n.{name}"), short(*force_n), allowed));
-        }
-        match numbers.into_iter().find(|(_, value, limits)| !limits.hold(*value)) {
-            Some((key, value, limits)) => Err(self.fault(key, short(value), limits.to_string())),
+        let forces = self.file.allowed_force_n.iter().map(|(name, own_n)| (name, *own_n, limits::ALLOWED_FORCE_N));
+        let of_force = first_outside(forces).map(|own| (format!("allowed_force_n.{}", own.0), own.1, own.2));
+        let mut of_sections = sections.into_iter().filter_map(|(section, numbers)| {
+            first_outside(numbers).map(|(key, found, allowed)| (format!("{section}.{key}"), found, allowed))
+        });
+        match of_force.or_else(|| of_sections.next()) {
+            Some((field, found, allowed)) => Err(self.fault(&field, found, allowed)),
             None => Ok(()),
         }
     }

@@ -16,7 +16,7 @@ use super::planner::{BUDGET, ForbiddenPostures, NoWay, Planner};
 use super::*;
 use crate::controller::{TaxelContact, Touched, Verdict};
 use crate::reach::ReachPlan;
-use crate::scene::Scene;
+use crate::scene::{ProgressRule, Scene};
 use crate::seed::stream;
 use underbrush_recording::Outcome;
 
@@ -306,7 +306,10 @@ fn the_arm_gets_round_trunks() {
     let reached = |plan: &ReachPlan| {
         let reaches: Vec<_> = (0..3).map(|index| plan.run(index, &mut |_, _| {}).unwrap()).collect();
         for goal in reaches.iter().flat_map(|reach| &reach.goals) {
-            assert_eq!(goal.given_up.is_some(), goal.outcome == Outcome::Stuck && plan.rules.progress.is_path());
+            assert_eq!(
+                goal.given_up.is_some(),
+                goal.outcome == Outcome::Stuck && plan.rules.progress == ProgressRule::Path
+            );
         }
         reaches.iter().map(|reach| reach.goal_outcomes().reached).sum::<usize>()
     };
