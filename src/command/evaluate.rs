@@ -13,6 +13,7 @@ use underbrush_classifier::evaluate::{
     Compared, Evaluation, EvaluationReport, FoldBy, Folds, RocCurve, accuracy_by_samples, accuracy_by_samples_of_all,
     category_roc, cross_validate, evaluate, outlier_roc,
 };
+use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::paper_rule::Scores;
 use underbrush_classifier::registry::CLASSIFIERS;
 use underbrush_experiments::model_data;
@@ -163,18 +164,32 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     output::result(json, &results, || text::of(&results))
 }
 
-/// All classifiers on the same folds, the best first. One that these trials do not suit, for want of a column or of samples, is
-/// left out. The first of the list has been judged: `first`.
+/// All classifiers on the same folds, the best first. One whose usual features these trials lack, as those of a log of forces, is
+/// given the features that they have. One that cannot be fitted is left out, and the reason is told. The first of the list has
+/// been judged: `first`.
 fn compare(trials: &[Trial], folds: Folds, decision: &Decision, first: &Evaluation) -> Vec<Compared> {
-    let judged = CLASSIFIERS.par_iter().enumerate().filter_map(|(place, kind)| {
-        let own = (place > 0).then(|| cross_validate(trials, (kind.estimator)(None).as_ref(), folds, decision));
-        let own = own.transpose().ok()?;
+    let available = FeatureSet::of_all(trials);
+    let judged = CLASSIFIERS.par_iter().enumerate().map(|(place, kind)| {
+        let judge = |features| cross_validate(trials, (kind.estimator)(features).as_ref(), folds, decision);
+        let mut features = None;
+        let own = (place > 0).then(|| {
+            judge(None).or_else(|error| {
+                features = available;
+                features.map_or(Err(error), |features| judge(Some(features)))
+            })
+        });
+        let own = own.transpose().map_err(|error| format!("not compared: {}: {error}", kind.name))?;
         let evaluation = own.as_ref().unwrap_or(first);
-        let accuracy = evaluation.confusion.accuracy()?;
+        let accuracy =
+            evaluation.confusion.accuracy().ok_or_else(|| format!("not compared: {}: no trial", kind.name))?;
         let interval_by_reach = evaluation.accuracy_interval_by_reach;
-        Some(Compared { classifier: kind.name, accuracy, interval_by_reach })
+        Ok(Compared { classifier: kind.name, features, accuracy, interval_by_reach })
     });
-    let mut compared: Vec<Compared> = judged.collect();
+    let (mut compared, mut left_out) = (Vec::new(), Vec::new());
+    for own in judged.collect::<Vec<Result<Compared, String>>>() {
+        own.map_or_else(|reason| left_out.push(reason), |own| compared.push(own));
+    }
+    output::remarks(left_out);
     let key = |own: &Compared| own.accuracy.balanced_accuracy.unwrap_or(own.accuracy.accuracy);
     compared.sort_by(|a, b| key(b).total_cmp(&key(a)));
     compared

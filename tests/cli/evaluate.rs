@@ -111,6 +111,29 @@ fn without_a_choice_all_classifiers_are_compared() {
     assert!(compared.iter().any(|own| own["classifier"] == "peak-force") && compared.len() == 8);
 }
 
+/// Tests that a table of forces alone, as of another robot, is judged by all classifiers with the features that it has.
+#[test]
+fn a_table_of_forces_is_judged_by_all_classifiers() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("forces.csv");
+    let mut text = "trial,category,reach,time_s,force_n\n".to_owned();
+    for trial in 0..24 {
+        let (category, peak_n) = if trial % 2 == 0 { ("leaf", 0.3) } else { ("trunk", 2.0) };
+        for sample in 0..30 {
+            let force_n = peak_n * (1.0 + 0.02 * f64::from((trial + sample) % 5));
+            text += &format!("{trial},{category},{},{},{force_n}\n", trial / 2, 0.01 * f64::from(sample));
+        }
+    }
+    std::fs::write(&table, &text).unwrap();
+    let compared = underbrush!["evaluate", table, "--json"].json()["comparison"].clone();
+    let compared = compared.as_array().unwrap();
+    assert_eq!(compared.len(), 8, "{compared:?}");
+    let trees = compared.iter().find(|own| own["classifier"] == "trees").unwrap();
+    assert_eq!((&trees["features"], &trees["balanced_accuracy"]), (&"force".into(), &1.0.into()));
+    let text = underbrush!["evaluate", table].success();
+    assert!(text.contains("trees (force)"), "{text}");
+}
+
 /// Tests that --train fits on the other table only: for hidden Markov models the result equals that of `train`
 /// followed by --model, and the order of the two tables matters.
 #[test]

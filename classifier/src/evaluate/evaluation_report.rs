@@ -7,6 +7,7 @@ use super::confusion::Accuracy;
 use super::evaluation::Evaluation;
 use super::fold::Folds;
 use super::interval::Interval;
+use crate::feature::FeatureSet;
 
 /// An evaluation and how it was done, as the command line prints it and Python returns it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -34,6 +35,9 @@ pub struct EvaluationReport {
 pub struct Compared {
     /// Its name.
     pub classifier: &'static str,
+    /// The features that it was given because the trials lack its usual ones.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub features: Option<FeatureSet>,
     /// Its accuracy over all trials.
     #[serde(flatten)]
     pub accuracy: Accuracy,

@@ -75,6 +75,14 @@ impl FeatureSet {
         }
     }
 
+    /// The built-in features that every sample of these trials has; `None` if there are none.
+    pub fn of_all<'a>(trials: impl IntoIterator<Item = &'a Trial> + Clone) -> Option<FeatureSet> {
+        let samples = || trials.clone().into_iter().flat_map(|trial| &trial.samples);
+        let has = |feature: &&&Feature| samples().all(|sample| feature.read(sample).is_some());
+        let names: Vec<&str> = FEATURES.iter().filter(has).map(|feature| feature.name).collect();
+        FeatureSet::from_names(&names).ok()
+    }
+
     /// The features in order.
     pub fn iter(&self) -> impl Iterator<Item = &'static Feature> {
         self.features.into_iter().flatten()

@@ -61,7 +61,10 @@ fn three(accuracy: f64, balanced: Option<f64>, baseline: f64) -> String {
 
 fn comparison(compared: &[Compared]) -> String {
     let rows = Rows::of(compared)
-        .column("classifier", |own| own.classifier)
+        .column("classifier", |own| match own.features {
+            Some(features) => format!("{} ({features})", own.classifier),
+            None => own.classifier.to_owned(),
+        })
         .column("balanced accuracy %", |own| maybe(own.accuracy.balanced_accuracy))
         .column("accuracy %", |own| percent(own.accuracy.accuracy))
         .column("95 % by reach", |own| own.interval_by_reach.map_or("-".into(), interval))
