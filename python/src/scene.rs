@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
+use underbrush_sim::materials::MaterialFile;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::{Scene, shipped_by_name};
 
@@ -116,6 +117,14 @@ impl PyScene {
             None => self.scene.path.clone(),
         };
         Ok(PyScene { scene: Scene::parse(path, text)? })
+    }
+
+    /// The scene with the constants of contacts from a file of materials, by default those that ship: with ``randomize`` they are
+    /// drawn from their ranges in each reach and stored with the truth, else they have their values.
+    #[pyo3(signature = (path = None, *, randomize = false))]
+    fn with_materials(&self, path: Option<PathBuf>, randomize: bool) -> Result<Self, Failure> {
+        let file = path.map_or_else(MaterialFile::shipped, |path| MaterialFile::load(&path))?;
+        Ok(PyScene { scene: self.scene.with_materials(&file, randomize)? })
     }
 
     /// Draw arm and clutter at the start of a reach.

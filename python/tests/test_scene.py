@@ -38,6 +38,24 @@ def test_infinity_stays_infinity() -> None:
     assert ub.Scene("mixed").changed(scene.to_dict()).to_dict() == scene.to_dict()
 
 
+def test_materials_are_drawn_or_given() -> None:
+    """Tests that the constants of the file that ships enter the scene, that drawn ones are stored with the objects, differ from
+    reach to reach and leave objects and goals where they are, and that a scene takes them once."""
+    scene = ub.Scene("trunk")
+    drawn = scene.with_materials(randomize=True)
+    usual, first, second = scene.clutter(1, 0), drawn.clutter(1, 0), drawn.clutter(1, 1)
+    assert [own["position_world"] for own in first["objects"]] == [own["position_world"] for own in usual["objects"]]
+    assert np.array_equal(first["goals"], usual["goals"])
+    stored = [clutter["objects"][0]["parameters"] for clutter in (usual, first, second)]
+    constants = stored[1].keys() - stored[0].keys()
+    assert "arm_friction" in constants and constants <= stored[2].keys()
+    assert all(stored[1][name] != stored[2][name] for name in constants)
+    given = scene.with_materials().to_dict()["materials"]
+    assert given.keys() == drawn.to_dict()["materials"].keys() and given != drawn.to_dict()["materials"]
+    with pytest.raises(ub.InputError, match="a section of its own"):
+        drawn.with_materials()
+
+
 def test_pictures_are_png(tmp_path: Path) -> None:
     """Tests that scenes and simulations can be drawn as PNG, which a notebook shows, and that both draw the same start."""
     scene = ub.Scene("leaf")
