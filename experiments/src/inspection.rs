@@ -101,7 +101,8 @@ fn arm(arm: &Arm) -> Result<Value, Fault> {
         (patch.name.as_str(), json!({"link": patch.link, "taxels": patch.taxels.len(), "grid": grid}))
     });
     let tip = ArmAtStart::of(arm).end_effector_world;
-    let doubts: Vec<String> = arm.skin_doubts().into_iter().chain(wedges(arm).iter().map(wedge)).collect();
+    let doubts = arm.skin_doubts();
+    let wedges: Vec<String> = wedges(arm).iter().map(wedge).collect();
     Ok(json!({
         "arm": arm.name,
         "base": arm.links[0].name,
@@ -110,6 +111,7 @@ fn arm(arm: &Arm) -> Result<Value, Fault> {
         "patches": patches.collect::<BTreeMap<_, _>>(),
         "taxels": arm.skin.layout.taxel_count(),
         "doubtful": if doubts.is_empty() { "nothing".into() } else { doubts.join("; ") },
+        "wedges": if wedges.is_empty() { "none".into() } else { wedges.join("; ") },
         "check": "sound",
     }))
 }

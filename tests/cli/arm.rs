@@ -101,6 +101,9 @@ fn from_a_urdf_to_a_reach() {
     let still = folder.path().join("crane.png");
     let found = underbrush!["inspect", arm, "--still", still, "--json"].json();
     assert_eq!((&found["doubtful"], found["patches"].as_object().unwrap().len()), (&"nothing".into(), 3));
+    // The beams overlap at their joints, where they close like scissors.
+    let wedges = found["wedges"].as_str().unwrap();
+    assert!(wedges.contains("pillar and boom close like scissors as lift turns"), "{wedges}");
     assert!(std::fs::read(&still).unwrap().starts_with(b"\x89PNG"));
     let scene = folder.path().join("crane.trunks.toml");
     let touched = (0..3).map(|seed| underbrush!["reach", scene, "--seed", seed.to_string(), "--json"].json());
