@@ -52,9 +52,9 @@ impl Film {
         numbers.take_while(|number| *number < recording.frames.len()).collect()
     }
 
-    /// Draws a reach, seen from the camera that `camera` gives for each frame, as a GIF that plays in a loop, on the threads of the current rayon pool. Calls `drawn` with the number of
-    /// further pictures whenever some are done. All pictures share one palette, so that nothing flickers, and hold only what has
-    /// changed.
+    /// Draws a reach as a GIF that plays in a loop, seen from the camera that `camera` gives for each frame, on the threads of the
+    /// current rayon pool. Calls `drawn` with the number of further pictures whenever some are done. All pictures share one palette,
+    /// so that nothing flickers, and hold only what has changed.
     ///
     /// # Errors
     /// All of [`RenderError`].

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 use underbrush_classifier::frequencies;
-use underbrush_exchange::import::{Mapping, import};
+use underbrush_exchange::import::{Mapping, import, import_recordings};
 use underbrush_recording::Recording;
 use underbrush_recording::disk::{channel_names, check_free, write_recording, write_trials_with};
 
@@ -37,11 +37,11 @@ pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
     if is_table {
         options.overwrite.table(&options.out, inputs)?;
     } else {
-        mapping.require_skin()?;
         // A folder that is there may hold other files.
         check_free(&options.out, false)?;
         output::create_parents(&options.out)?;
     }
+    let import = if is_table { import } else { import_recordings };
     let imported = import(&options.file, &mapping)?;
     if let Some(warning) = &imported.warning {
         output::remark(format!("warning: {warning}"));

@@ -360,15 +360,6 @@ impl Mapping {
         InputError::new(&self.path, field, found, allowed, remedy).at_line(line_setting(&self.text, field))
     }
 
-    /// Demands that the mapping says where the taxels are, which recordings need.
-    ///
-    /// # Errors
-    /// If it does not.
-    pub fn require_skin(&self) -> Result<(), InputError> {
-        let missing = || self.fault("skin.taxels", "nothing".into(), "the file of the taxels' places, for recordings");
-        self.skin.as_ref().map(|_| ()).ok_or_else(missing)
-    }
-
     /// A path that the mapping gives, relative to its folder.
     pub(super) fn beside(&self, path: &Path) -> PathBuf {
         self.path.with_file_name("").join(path)

@@ -26,7 +26,7 @@ pub use mapping::{Mapping, mapping_schema};
 pub struct Imported {
     /// The trials.
     pub trials: Vec<Trial>,
-    /// The reaches as recordings, with the labels in place of ground truth, if the mapping says where the taxels are.
+    /// The reaches as recordings, if they were asked for ([`import_recordings`]).
     pub recordings: Vec<Recording>,
     /// Frames read.
     pub frames: usize,
@@ -60,6 +60,18 @@ pub struct Imported {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, InputError> {
+    imported(path, mapping, None)
+}
+
+/// As [`import`], and makes a recording of each reach, in which the labels take the place of ground truth. There may be no trials.
+///
+/// # Errors
+/// As [`import`]; and if the mapping does not say where the taxels are, or a frame with forces has no label.
+pub fn import_recordings(path: &Path, mapping: &Mapping) -> Result<Imported, InputError> {
+    imported(path, mapping, Some(Recorder::new(path, mapping)?))
+}
+
+fn imported(path: &Path, mapping: &Mapping, mut recorder: Option<Recorder>) -> Result<Imported, InputError> {
     let mut cutter = Cutter::new(path, mapping);
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     if extension != "csv" {
@@ -70,11 +82,9 @@ pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, InputError> {
         };
         return Err(InputError::new(path, "file name", format!("extension {extension:?}"), ".csv", remedy));
     }
-    let mut recorder = Recorder::new(path, mapping)?;
     csv_frames::read(path, mapping, &mut cutter, recorder.as_mut())?;
-    let recordings = recorder.map_or_else(Vec::new, Recorder::finish);
     let trials = cutter.finish();
-    if trials.is_empty() {
+    if trials.is_empty() && recorder.is_none() {
         let found = format!("none in {} frames", cutter.frames);
         let allowed = format!(
             "at least one contact above {} N with {} samples or more",
@@ -83,6 +93,7 @@ pub fn import(path: &Path, mapping: &Mapping) -> Result<Imported, InputError> {
         let remedy = "check the unit of the mapping, or lower `threshold_n` or `min_samples` there";
         return Err(InputError::new(path, "trials", found, allowed, remedy));
     }
+    let recordings = recorder.map_or_else(Vec::new, Recorder::finish);
     let warning = warning(&trials).or_else(|| without_numbers(&trials, mapping));
     Ok(Imported { trials, recordings, frames: cutter.frames, reaches: cutter.reaches, warning })
 }

@@ -30,9 +30,12 @@ pub(super) struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    /// A recorder with the taxels of the mapping's file; `None` if the mapping does not say where the taxels are.
-    pub(super) fn new(path: &'a Path, mapping: &'a Mapping) -> Result<Option<Self>, InputError> {
-        let Some(skin) = &mapping.skin else { return Ok(None) };
+    /// A recorder with the taxels of the mapping's file.
+    pub(super) fn new(path: &'a Path, mapping: &'a Mapping) -> Result<Self, InputError> {
+        let missing = || {
+            mapping.fault("skin.taxels", "nothing".into(), "the file of the taxels' places, for recordings in a folder")
+        };
+        let skin = mapping.skin.as_ref().ok_or_else(missing)?;
         let name = mapping.trial.patch.clone().unwrap_or_else(|| "skin".into());
         let taxels = read_taxels(&mapping.beside(&skin.taxels))?;
         let expected = mapping.force.taxels.unwrap_or(1) as usize;
@@ -41,7 +44,7 @@ impl<'a> Recorder<'a> {
             return Err(mapping.fault("skin.taxels", found, format!("a row for each of {expected} taxels")));
         }
         let layout = SkinLayout { patches: vec![Patch { link: name.clone(), name, grid: mapping.grid, taxels }] };
-        Ok(Some(Recorder { mapping, layout, path, reaches: Vec::new(), label: String::new(), object: None }))
+        Ok(Recorder { mapping, layout, path, reaches: Vec::new(), label: String::new(), object: None })
     }
 
     /// Adds a frame with the reading of each taxel, in the file's unit, and the pose of the skin: place, m, and quaternion x, y,

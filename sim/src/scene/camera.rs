@@ -4,7 +4,6 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::limits::short;
-use underbrush_recording::plain_text::is_plain;
 
 use super::limits;
 use crate::range::PLACE_M;
@@ -55,16 +54,10 @@ fn default_size_px() -> [usize; 2] {
 }
 
 impl SceneCamera {
-    /// A camera in the world frame with the values of a scene file that gives these two places, m.
-    pub fn new(name: impl Into<String>, eye_m: DVec3, target_m: DVec3) -> Self {
-        let (up, vertical_fov_deg, size_px) = (default_up(), default_field_deg(), default_size_px());
-        SceneCamera { name: name.into(), link: None, eye_m, target_m, up, vertical_fov_deg, size_px }
-    }
-
     /// What is wrong with its numbers or its name: key, what was found, and what is allowed.
     pub fn fault(&self) -> Option<Fault> {
         let is_letter = |letter: char| letter.is_ascii_alphanumeric() || letter == '_' || letter == '-';
-        if self.name.is_empty() || !self.name.chars().all(is_letter) || !is_plain(&self.name) {
+        if self.name.is_empty() || !self.name.chars().all(is_letter) {
             return Some(("name".into(), format!("{:?}", self.name), "letters, digits, - and _".into()));
         }
         for (key, place) in [("eye_m", self.eye_m), ("target_m", self.target_m), ("up", self.up)] {

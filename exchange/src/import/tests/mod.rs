@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use underbrush_recording::{InputError, Trial};
 
-use super::{Imported, Mapping, import};
+use super::{Imported, Mapping, import, import_recordings};
 
 /// A file in the folder with the tests' temporary files, and the folder, which is removed when dropped.
 fn file(name: &str) -> (tempfile::TempDir, PathBuf) {

@@ -21,7 +21,8 @@ const MAPPING: &str = "[time]\nfrom = \"s\"\n[force]\nfrom = \"f{taxel}\"\ntaxel
 fn recorded(log: &str, taxels: &str, mapping: &str) -> Result<Imported, InputError> {
     let (folder, path) = file("log.csv");
     written(&folder.path().join("taxels.csv"), taxels);
-    imported(&written(&path, log), mapping)
+    let mapping = Mapping::load(&written(&path.with_extension("toml"), mapping))?;
+    import_recordings(&written(&path, log), &mapping)
 }
 
 /// Tests that each reach becomes a recording that files can hold: taxels and poses of the log, times from 0, labels as objects,
@@ -59,7 +60,7 @@ fn labelled_reaches_become_recordings() {
 }
 
 /// Tests that a frame with forces and no label, a category that objects cannot have, and taxels that do not fit are refused with
-/// what is allowed; and that a mapping without the places of the taxels gives no recordings.
+/// what is allowed, and so is a mapping without the places of the taxels.
 #[test]
 fn what_is_no_recording_is_refused() {
     for (log, taxels, parts) in [
@@ -76,5 +77,19 @@ fn what_is_no_recording_is_refused() {
         assert!(parts.iter().all(|part| error.contains(part)), "{error}");
     }
     let flat = MAPPING.replace("[skin]\ntaxels = \"taxels.csv\"\n", "").replace("pose_from", "# pose_from");
-    assert!(recorded(LOG, TAXELS, &flat).unwrap().recordings.is_empty());
+    let error = recorded(LOG, TAXELS, &flat).unwrap_err().to_string();
+    assert!(error.contains("skin.taxels") && error.contains("for recordings in a folder"), "{error}");
+}
+
+/// Tests that trials are cut from a log without labels although the mapping says where the taxels are, and that a reach in which
+/// nothing is felt is a recording, but no trial.
+#[test]
+fn trials_need_no_labels_and_recordings_no_trials() {
+    let (folder, path) = file("log.csv");
+    written(&folder.path().join("taxels.csv"), TAXELS);
+    let log = LOG.replace("leaf", "").replace("reed", "").replace("nothing", "");
+    assert_eq!(imported(&written(&path, &log), MAPPING).unwrap().trials.len(), 4);
+    let silent =
+        recorded("run,s,f0,f1,px,py,pz,qx,qy,qz,qw,label\n0,0,0,0,1,2,3,0,0,0,1,nothing\n", TAXELS, MAPPING).unwrap();
+    assert_eq!((silent.trials.len(), silent.recordings[0].frames.len()), (0, 1));
 }
