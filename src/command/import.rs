@@ -37,8 +37,8 @@ pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
     if is_table {
         options.overwrite.table(&options.out, inputs)?;
     } else {
-        // A folder that is there may hold other files.
-        check_free(&options.out, false)?;
+        check_free(&options.out, options.overwrite.force)?;
+        require_recordings(&options.out)?;
         output::create_parents(&options.out)?;
     }
     let import = if is_table { import } else { import_recordings };
@@ -75,6 +75,18 @@ pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
     })
 }
 
+/// Demands that a folder, if it is there, holds nothing but recordings of an earlier import, which may be overwritten.
+fn require_recordings(folder: &Path) -> Result<(), Failure> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Ok(()) };
+    let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let other = names.into_iter().find(|name| !(name.starts_with("reach-") && name.ends_with(".parquet")));
+    other.map_or(Ok(()), |name| {
+        let text =
+            format!("{}: holds {name}, which is no recording of an import; choose another name", folder.display());
+        Err(Failure::usage(text))
+    })
+}
+
 /// Writes a folder of recordings, which has its name only when all are there.
 fn write_recordings(folder: &Path, recordings: &[Recording]) -> Result<(), Failure> {
     let failed = |error: std::io::Error| Failure::usage(format!("{}: cannot be written: {error}", folder.display()));
@@ -85,7 +97,12 @@ fn write_recordings(folder: &Path, recordings: &[Recording]) -> Result<(), Failu
         write_recording(temporary.join(format!("reach-{:06}.parquet", recording.reach_index)), recording)
     };
     let written = recordings.iter().try_for_each(write).map_err(Failure::from);
-    let written = written.and_then(|()| std::fs::rename(&temporary, folder).map_err(failed));
+    let written = written.and_then(|()| {
+        if folder.exists() {
+            std::fs::remove_dir_all(folder).map_err(failed)?;
+        }
+        std::fs::rename(&temporary, folder).map_err(failed)
+    });
     if written.is_err() {
         // What is left of it is not worth a second error.
         let _ = std::fs::remove_dir_all(&temporary);

@@ -151,7 +151,10 @@ fn touch_learns_from_a_labelled_log() {
         .refused(&["skin.taxels", "the file of the taxels' places"]);
     let map = mapping(folder.path(), &format!("{text}[skin]\ntaxels = \"taxels.csv\"\n"));
     underbrush!["import", file, "--mapping", map, "--out", felt].success();
-    underbrush!["import", file, "--mapping", map, "--out", felt].refused(&["felt"]);
+    underbrush!["import", file, "--mapping", map, "--out", felt].refused(&["felt", "--force"]);
+    underbrush!["import", file, "--mapping", map, "--out", felt, "--force"].success();
+    underbrush!["import", file, "--mapping", map, "--out", folder.path(), "--force"]
+        .refused(&["holds", "another name"]);
     let recordings = || (0..24).map(|run| felt.join(format!("reach-{run:06}.parquet")).into());
     let with = |command: &str, options: &[&std::ffi::OsStr]| {
         let first = [command.into()].into_iter().chain(recordings());
