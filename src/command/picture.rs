@@ -127,7 +127,12 @@ impl PictureArguments {
         let cameras = Scene::parse(scene, text.to_owned())?.file.cameras;
         let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
         let named = cameras.iter().find(|camera| camera.name == *name).cloned();
-        let none = || refused(&format!("the cameras of the scene {scene} ({}); choose one of them", names.join(", ")));
+        let none = || match names.join(", ") {
+            names if names.is_empty() => {
+                refused(&format!("nothing here, as the scene {scene} has no cameras; use --eye"))
+            }
+            names => refused(&format!("the cameras of the scene {scene} ({names}); choose one of them")),
+        };
         named.ok_or_else(none).map(Some)
     }
 

@@ -148,7 +148,8 @@ fn bad_pictures_are_refused() {
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--time", "1e3"].refused(&["--time 1000", "0 to"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--size", "63x90"].refused(&["64 to 1280"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--size", "big"].refused(&["640x360"]);
-    underbrush!["replay", set, "--reaches", "0", "--still", png, "--camera", "hand"].refused(&["--camera hand", "()"]);
+    underbrush!["replay", set, "--reaches", "0", "--still", png, "--camera", "hand"]
+        .refused(&["--camera hand", "has no cameras; use --eye"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--eye", "1,2"].refused(&["1,2", "0.5,-1,0.3"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--eye", "0,0,1", "--target", "0,0,0"]
         .refused(&["another direction for up", "move the camera"]);
