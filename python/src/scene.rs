@@ -119,8 +119,8 @@ impl PyScene {
         Ok(PyScene { scene: Scene::parse(path, text)? })
     }
 
-    /// The scene with the constants of contacts from a file of materials, by default those that ship: with ``randomize`` they are
-    /// drawn from their ranges in each reach and stored with the truth, else they have their values.
+    /// The scene with the contact constants of a file of materials, by default of the one that ships. With ``randomize`` they are drawn
+    /// from the file's ranges in each reach and stored with the truth; otherwise they have the file's values.
     #[pyo3(signature = (path = None, *, randomize = false))]
     fn with_materials(&self, path: Option<PathBuf>, randomize: bool) -> Result<Self, Failure> {
         let file = path.map_or_else(MaterialFile::shipped, |path| MaterialFile::load(&path))?;

@@ -87,7 +87,7 @@ fn require_recordings(folder: &Path) -> Result<(), Failure> {
     })
 }
 
-/// Writes a folder of recordings, which has its name only when all are there.
+/// Writes a folder of recordings. It gets its name only when all of them are written.
 fn write_recordings(folder: &Path, recordings: &[Recording]) -> Result<(), Failure> {
     let failed = |error: std::io::Error| Failure::usage(format!("{}: cannot be written: {error}", folder.display()));
     let name = folder.file_name().unwrap_or_default().to_string_lossy();

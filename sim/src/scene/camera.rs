@@ -9,8 +9,8 @@ use super::limits;
 use crate::range::PLACE_M;
 use crate::sensor::Fault;
 
-/// A camera, `[[cameras]]`. Without a link it stands still, and its places are in the world frame. A link carries it, and they
-/// are in the link's frame.
+/// A camera of a scene (`[[cameras]]`). It stands still, with its places in the world frame, or a link carries it, and they are in
+/// the link's frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SceneCamera {
