@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
-"""Runs many reaches of all scenes and looks for panics, non-finite numbers, forces over 1 kN and growing memory.
+"""Runs many reaches of all scenes and looks for panics, non-finite numbers, large forces, lost contacts and growing memory.
 
     python3 benches/endurance.py --reaches 2000 [--underbrush target/release/underbrush] [--folder DIR] [--seed N]
 
 The reaches are divided among the scenes in scenes/ and suites/scenes/, and each scene has a process and a seed of its
 own. A number that is not finite cannot be written, so `generate` would fail; so would a panic inside the engine.
-`inspect` reads every file again and prints the largest contact force. Memory counts as growing if the largest resident
+`inspect --audit` reads every file again: the largest contact force, the deepest penetration, overlaps without a patch,
+and the share of the impulse of the joints that τ = Jᵀf leaves open. The largest force of a leaf comes from
+`truth/contacts`. Memory counts as growing if the largest resident
 memory in the second half of the simulating time is more than a tenth, and more than 30 MB, above that of the first
 half. Assembling the set at the end has a column of its own, because it needs more memory than simulating does
 (benches/growth.py measures how that grows). Prints one row for each scene, and exits with status 1 if anything was
-found. Needs Linux and no packages.
+found. Needs Linux and the package pyarrow.
 """
 
 import argparse
@@ -20,6 +22,9 @@ import subprocess
 import sys
 import tempfile
 import time
+
+import pyarrow.compute
+import pyarrow.dataset
 
 LARGEST_FORCE_N = 1000
 # The most that memory may grow from the first half to the second: as a share of the first, or in megabytes.
@@ -54,6 +59,13 @@ def generate(command, out, log):
     return process.returncode, time.monotonic() - start, simulating, assembling
 
 
+def largest_leaf_force_n(out):
+    """The largest contact force of a leaf in a data set; 0 without any."""
+    contacts = pyarrow.dataset.dataset(os.path.join(out, "truth", "contacts"))
+    of_leaves = pyarrow.compute.field("category") == "leaf"
+    return pyarrow.compute.max(contacts.to_table(["peak_force_n"], filter=of_leaves)["peak_force_n"]).as_py() or 0
+
+
 def check(underbrush, scene, reaches, seed, folder):
     """Runs reaches of one scene; returns a row of the table and what was found."""
     out = os.path.join(folder, "set")
@@ -63,17 +75,22 @@ def check(underbrush, scene, reaches, seed, folder):
     if status != 0:
         with open(log, encoding="utf-8", errors="replace") as errors:
             return None, [f"{scene}, seed {seed}: exit status {status}: {errors.read().strip()}"]
-    inspected = json.loads(subprocess.run([underbrush, "inspect", out, "--json"], check=True, capture_output=True).stdout)
+    inspected = json.loads(subprocess.run([underbrush, "inspect", out, "--audit", "--json"], check=True, capture_output=True).stdout)
     found = []
     force_n = inspected["largest_contact_force_n"]
     if not 0 <= force_n <= LARGEST_FORCE_N:
         found.append(f"{scene}, seed {seed}: a contact force of {force_n} N; allowed: {LARGEST_FORCE_N} N")
+    audit = {name: figure["value"] for name, figure in inspected["audit_worst"].items()}
+    lost_mm = 1000 * audit["overlap_without_patch_m"]
+    if lost_mm > 0:
+        found.append(f"{scene}, seed {seed}: an overlap of {lost_mm:.2f} mm without a patch")
+    open_share = max((balance["residual_share"] for balance in inspected["torque_balance"].values()), default=0)
     halves = simulating[: len(simulating) // 2], simulating[len(simulating) // 2 :]
     first, second, end = (max(part, default=0) for part in [*halves, assembling])
     if second > first + max(MOST_GROWTH * first, MOST_GROWTH_MB):
         found.append(f"{scene}, seed {seed}: memory grew from {first:.0f} to {second:.0f} MB")
     name = os.path.relpath(scene)
-    row = f"| {name} | {seed} | {inspected['reaches']} | {inspected['frames']} | {force_n:.1f} | {first:.0f} | {second:.0f} | {end:.0f} | {seconds:.0f} |"
+    row = f"| {name} | {seed} | {inspected['reaches']} | {inspected['frames']} | {force_n:.1f} | {largest_leaf_force_n(out):.1f} | {1000 * audit['deepest_penetration_m']:.1f} | {lost_mm:.2f} | {100 * open_share:.2f} | {first:.0f} | {second:.0f} | {end:.0f} | {seconds:.0f} |"
     return row, found
 
 
@@ -86,8 +103,8 @@ def main():
     parser.add_argument("--folder", help="where to write the sets; a temporary folder if not given")
     options = parser.parse_args()
     scenes = sorted(glob.glob(f"{root}/scenes/**/*.toml", recursive=True) + glob.glob(f"{root}/suites/scenes/**/*.toml", recursive=True))
-    print("| scene | seed | reaches | frames | largest force / N | memory, first half / MB | second half / MB | assembling / MB | s |")
-    print("|---|---|---|---|---|---|---|---|---|")
+    print("| scene | seed | reaches | frames | largest force / N | of a leaf / N | deepest / mm | lost / mm | torques / % | memory, first half / MB | second half / MB | assembling / MB | s |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|---|---|")
     complaints = []
     for place, scene in enumerate(scenes):
         reaches = options.reaches // len(scenes) + (place < options.reaches % len(scenes))

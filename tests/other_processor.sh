@@ -13,7 +13,7 @@ make() {
     mkdir "$folder/$1" && cd "$folder/$1" && shift
     "$@" reach "$scenes/trunk.toml" --seed 1 --out reach.parquet
     "$@" generate "$scenes/engineered/leaf-row.toml" "$scenes/engineered/trunk-post.toml" --reaches 2 --seed 1 --out set
-    for classifier in hmm nearest-neighbours naive-bayes echo-state-network logistic touch; do
+    for classifier in hmm nearest-neighbours naive-bayes echo-state-network logistic trees mini-rocket touch; do
         "$@" train set --classifier "$classifier" --out "$classifier.json"
         "$@" classify "$classifier.json" reach.parquet --online > "$classifier.verdicts"
     done

@@ -2,12 +2,12 @@
 
 #[cfg(test)]
 use crate::baseline::nearest_mean;
-use crate::baseline::{echo_state_network, logistic, naive_bayes, nearest_neighbours, trees};
+use crate::baseline::{echo_state_network, logistic, mini_rocket, naive_bayes, nearest_neighbours, trees};
 use crate::estimator::ClassifierKind;
 use crate::hmm_classifier;
 
 /// All classifiers. To add one, write its file and add its entry here.
-pub const CLASSIFIERS: [&ClassifierKind; 8 + cfg!(test) as usize] = [
+pub const CLASSIFIERS: [&ClassifierKind; 9 + cfg!(test) as usize] = [
     &hmm_classifier::KIND,
     &nearest_neighbours::KIND,
     &naive_bayes::KIND,
@@ -16,6 +16,7 @@ pub const CLASSIFIERS: [&ClassifierKind; 8 + cfg!(test) as usize] = [
     &logistic::KIND,
     &logistic::TAXEL_KIND,
     &trees::KIND,
+    &mini_rocket::KIND,
     #[cfg(test)]
     &nearest_mean::KIND,
 ];

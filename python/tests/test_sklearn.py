@@ -20,6 +20,7 @@ ESTIMATORS = [
     ours.EchoStateClassifier(),
     ours.LogisticClassifier(),
     ours.LogisticTaxelClassifier(),
+    ours.MiniRocketClassifier(),
     ours.TreesClassifier(),
 ]
 

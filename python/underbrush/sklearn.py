@@ -27,6 +27,7 @@ __all__ = [
     "HiddenMarkovClassifier",
     "LogisticClassifier",
     "LogisticTaxelClassifier",
+    "MiniRocketClassifier",
     "NaiveBayesClassifier",
     "PeakForceClassifier",
     "NearestNeighboursClassifier",
@@ -283,6 +284,15 @@ class LogisticTaxelClassifier(_Baseline):
     """Logistic regression over statistics of the taxel so far. ``features=None`` adds the motion of the contact."""
 
     _classifier = "logistic-taxel"
+
+
+class MiniRocketClassifier(_Baseline):
+    """MiniRocket: how often the outputs of fixed convolutions are high, and ridge regression on that.
+
+    ``features=None`` adds the contact region, which only trials have.
+    """
+
+    _classifier = "mini-rocket"
 
 
 class TreesClassifier(_Baseline):

@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use underbrush_classifier::registry::CLASSIFIERS;
 use underbrush_recording::disk::{read_trials, write_trials};
 
 use crate::support::fixture::fixture;
@@ -78,6 +79,7 @@ fn every_classifier_is_evaluated_and_asked_while_contacts_last() {
         "logistic",
         "logistic-taxel",
         "trees",
+        "mini-rocket",
     ];
     for name in ["hmm"].into_iter().chain(own) {
         let figures =
@@ -108,7 +110,7 @@ fn without_a_choice_all_classifiers_are_compared() {
         assert_eq!(own["accuracy"], alone["accuracy"], "{name}");
         assert!(alone.get("comparison").is_none());
     }
-    assert!(compared.iter().any(|own| own["classifier"] == "peak-force") && compared.len() == 8);
+    assert!(compared.iter().any(|own| own["classifier"] == "peak-force") && compared.len() == CLASSIFIERS.len());
 }
 
 /// Tests that a table of forces alone, as of another robot, is judged by all classifiers with the features that it has.
@@ -127,7 +129,7 @@ fn a_table_of_forces_is_judged_by_all_classifiers() {
     std::fs::write(&table, &text).unwrap();
     let compared = underbrush!["evaluate", table, "--json"].json()["comparison"].clone();
     let compared = compared.as_array().unwrap();
-    assert_eq!(compared.len(), 8, "{compared:?}");
+    assert_eq!(compared.len(), CLASSIFIERS.len(), "{compared:?}");
     let trees = compared.iter().find(|own| own["classifier"] == "trees").unwrap();
     assert_eq!((&trees["features"], &trees["balanced_accuracy"]), (&"force".into(), &1.0.into()));
     let text = underbrush!["evaluate", table].success();

@@ -95,8 +95,6 @@ impl Default for EchoStateNetwork {
 
 /// Spectral radius of the recurrent weights for many units; below 1, so that the past is forgotten.
 const RADIUS: f64 = 0.9;
-/// Readouts are not probabilities. They are clamped to this minimum before taking the logarithm.
-const MIN_POSTERIOR: f64 = 1e-3;
 
 impl EchoStateNetwork {
     /// Length of the input: a constant and the features.
@@ -182,7 +180,7 @@ impl Baseline for EchoStateNetwork {
     fn scores(&self, _: &Learned, contact: &Contact, scores: &mut [f64]) {
         let mean = &contact.sum / contact.samples.max(1) as f64;
         for (score, posterior) in scores.iter_mut().zip(mean.iter()) {
-            *score = math::ln(posterior.clamp(MIN_POSTERIOR, 1.0));
+            *score = fitted::log_of_readout(*posterior);
         }
     }
 }

@@ -9,7 +9,7 @@ use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use underbrush_recording::{InputError, Limits, Sample, Trial};
+use underbrush_recording::{InputError, Limits, Sample, Trial, math};
 
 use crate::document::Document;
 use crate::error::{Fault, ModelError, check_limits};
@@ -183,6 +183,14 @@ pub(super) fn check_table(field: &str, rows: &[Vec<f64>], shape: (usize, usize),
     }
     let mut places = rows.iter().enumerate();
     places.try_for_each(|(index, row)| check_list(&format!("{field}[{index}]"), row, shape.1, limits))
+}
+
+/// Readouts of a linear regression are not probabilities. They are clamped to this minimum before taking the logarithm.
+const MIN_POSTERIOR: f64 = 1e-3;
+
+/// The log-posterior that a linear regression to one or zero gives.
+pub(super) fn log_of_readout(readout: f64) -> f64 {
+    math::ln(readout.clamp(MIN_POSTERIOR, 1.0))
 }
 
 /// The columns of a matrix as rows of a table.

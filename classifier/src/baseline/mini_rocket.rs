@@ -1,0 +1,153 @@
+//! `MiniRocket`: convolutions with fixed kernels, and a linear function of how often their outputs are high.
+
+use nalgebra::DMatrix;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use underbrush_recording::{Limits, Sample};
+
+use super::convolution::{Convolutions, KERNELS, Outputs};
+use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
+use super::ridge;
+use crate::error::{Fault, ModelError, check_limits};
+use crate::estimator::ClassifierKind;
+use crate::feature::{FeatureSet, SampleFault};
+use crate::stream_feature::{SAMPLE_COUNTS, TAXEL_AND_REGION};
+
+/// The entry in the list of classifiers.
+pub(crate) const KIND: ClassifierKind = fitted::kind::<MiniRocket>(
+    &["minirocket"],
+    "MiniRocket: how often the outputs of 84 fixed convolutions are high, and ridge regression on that",
+    |features| {
+        let default = MiniRocket::default();
+        Box::new(MiniRocket { features: features.unwrap_or(default.features), ..default })
+    },
+);
+
+/// Numbers of thresholds. Choice: the original has 9,996; the cost of a fit grows with the square of their number.
+const THRESHOLDS: Limits = Limits::new(KERNELS as f64, 10_000.0, "thresholds");
+
+/// `MiniRocket` (Dempster, Schmidt, Webb 2021, KDD) with ridge regression: 84 fixed kernels of nine weights, each with gaps
+/// of 1, 2, 4, … samples between the weights; the share of samples at which an output is above a threshold; and for each
+/// category a linear function of these shares, fitted to one or zero.
+///
+/// It differs from the original in what contacts need. A kernel looks back only, at what was before the contact too,
+/// when a skin felt nothing; so scores never depend on later samples, and a sample costs the same at any time.
+/// Each training contact is used at several times ([`SAMPLE_COUNTS`]). Thresholds are quantiles of the outputs of 32
+/// trials and not of one. The penalty of the regression has the least error in cross-validation by reach. The score is
+/// the logarithm of the linear function's value, an estimate of the posterior.
+///
+/// ```
+/// use underbrush_classifier::baseline::MiniRocket;
+/// use underbrush_classifier::estimator::Estimator;
+/// use underbrush_recording::{Sample, Trial};
+///
+/// // Both rise to the same force, and one of them trembles.
+/// let press = |category: &str, number: u64| Trial {
+///     trial: number,
+///     category: Some(category.into()),
+///     reach: None,
+///     patch: None,
+///     taxel: None,
+///     samples: (1..=20)
+///         .map(|k| {
+///             let tremble = if category == "motor" && k % 2 == 0 { 0.05 } else { 0.0 };
+///             let force_n = 0.03 * f64::from(k) + tremble + 0.001 * number as f64;
+///             Sample { time_s: 0.01 * f64::from(k), force_n, ..Sample::default() }
+///         })
+///         .collect(),
+/// };
+/// let trials: Vec<Trial> = (0..8).flat_map(|k| [press("motor", k), press("wall", k)]).collect();
+///
+/// let estimator = MiniRocket { features: "force".parse()?, ..MiniRocket::default() };
+/// let classifier = estimator.fit(&trials.iter().collect::<Vec<_>>())?;
+/// let scores = &classifier.scores_after(&press("motor", 9), &[8])?[0];
+/// assert!(scores[0] > scores[1], "motor is more likely than wall");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MiniRocket {
+    /// The features of each sample.
+    pub features: FeatureSet,
+    /// Thresholds of the outputs in all, about. There is at least one for each convolution.
+    #[schemars(range(min = THRESHOLDS.min, max = THRESHOLDS.max))]
+    pub thresholds: usize,
+}
+
+impl Default for MiniRocket {
+    /// The features of taxel and region, and two thresholds for each convolution of contacts of up to 2.6 s.
+    fn default() -> Self {
+        MiniRocket { features: TAXEL_AND_REGION, thresholds: 1008 }
+    }
+}
+
+impl Baseline for MiniRocket {
+    const NAME: &'static str = "mini-rocket";
+    type Parameters = Parameters;
+    type Learned = Learned;
+    type Contact = Outputs;
+
+    fn features(&self) -> FeatureSet {
+        self.features
+    }
+
+    fn check(&self) -> Result<(), Fault> {
+        check_limits("thresholds", self.thresholds as f64, THRESHOLDS)
+    }
+
+    fn learn(&self, trials: &TrialsByCategory) -> Result<Learned, ModelError> {
+        let convolutions = Convolutions::fit(trials, self.features, self.thresholds)?;
+        let weights = ridge::fit(trials, convolutions.dimension() + 1, |trial| {
+            let length = trial.samples.len();
+            let ages: Vec<usize> = SAMPLE_COUNTS.into_iter().filter(|age| *age < length).chain([length]).collect();
+            let mut rows = convolutions.after(self.features, trial, &ages)?;
+            rows.iter_mut().for_each(|row| row.push(1.0));
+            Ok(rows)
+        })?;
+        Ok(Learned { convolutions, weights })
+    }
+
+    fn parameters(learned: &Learned) -> Parameters {
+        Parameters { convolutions: learned.convolutions.clone(), weights: fitted::columns(&learned.weights) }
+    }
+
+    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Learned, Fault> {
+        let Parameters { convolutions, weights } = parameters;
+        convolutions.check(self.features).map_err(|fault| fault.within("convolutions"))?;
+        let size = convolutions.dimension() + 1;
+        check_table("weights", &weights, (categories, size), FITTED)?;
+        Ok(Learned { convolutions, weights: fitted::from_columns(size, &weights) })
+    }
+
+    fn begin(&self, _: &Learned) -> Outputs {
+        Outputs::default()
+    }
+
+    fn push(&self, learned: &Learned, contact: &mut Outputs, sample: &Sample) -> Result<bool, SampleFault> {
+        learned.convolutions.push(self.features, contact, sample).map(|()| true)
+    }
+
+    fn scores(&self, learned: &Learned, contact: &Outputs, scores: &mut [f64]) {
+        let values = learned.convolutions.values(contact);
+        for (score, weights) in scores.iter_mut().zip(learned.weights.column_iter()) {
+            let sum: f64 = weights.iter().zip(values.iter().chain([&1.0])).map(|(weight, value)| weight * value).sum();
+            *score = fitted::log_of_readout(sum);
+        }
+    }
+}
+
+#[derive(Debug)]
+pub(super) struct Learned {
+    convolutions: Convolutions,
+    /// One column per category: a weight per threshold, then the constant.
+    weights: DMatrix<f64>,
+}
+
+#[derive(Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "MiniRocketParameters")]
+pub(super) struct Parameters {
+    convolutions: Convolutions,
+    /// One row per category.
+    weights: Vec<Vec<f64>>,
+}
