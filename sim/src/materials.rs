@@ -79,6 +79,8 @@ materials! {
     object_friction: limits::FRICTION;
     /// Coefficient of friction of the table.
     table_friction: limits::FRICTION;
+    /// The share of the pressure on the gaps between taxels on a cylinder that the cover passes on to them.
+    skin_gap_share: limits::SHARE;
 }
 
 impl Materials {
@@ -88,6 +90,9 @@ impl Materials {
         arm.skin.thickness_m = self.skin_thickness_m.or(arm.skin.thickness_m);
         arm.skin.loss_time_s = self.skin_loss_time_s.unwrap_or(arm.skin.loss_time_s);
         arm.friction = self.arm_friction.unwrap_or(arm.friction);
+        if let Some(gap_share) = self.skin_gap_share {
+            arm.skin.surfaces.iter_mut().for_each(|surface| surface.gap_share = gap_share);
+        }
     }
 }
 

@@ -71,6 +71,8 @@ pub struct TaxelForce {
     pub normal_force_n: f64,
     /// The rest, in the taxel's tangent plane, N, link frame.
     pub shear_link: DVec3,
+    /// The share of the normal force that the taxel feels. The rest is on gaps around it.
+    pub felt_share: f64,
 }
 
 /// Buffers of [`SkinPatch::spread`]. They are kept from contact to contact, so that a frame allocates nothing.
@@ -78,8 +80,8 @@ pub struct TaxelForce {
 pub struct SpreadBuffers {
     faces: Faces,
     cells: Vec<Cell>,
-    /// The pressed taxels, each with the sum of its pressures, N.
-    taxels: Vec<(usize, f64)>,
+    /// The pressed taxels, each with the sum of its pressures, N, and the part of it that it feels.
+    taxels: Vec<(usize, f64, f64)>,
     carriers: Vec<Carrier>,
     forces: Vec<TaxelForce>,
 }
@@ -166,6 +168,7 @@ impl SkinPatch {
                 place: Vector3::new(1.0, place.x, place.y),
                 stiffness: interface.stiffness_n_per_m3 * point.area_m2,
                 share: -point.normal_link.dot(inward),
+                felt_share: point.felt_share,
             }
         }));
         taxels.clear();
@@ -173,16 +176,19 @@ impl SkinPatch {
             for cell in cells.iter() {
                 let pressure = cell.stiffness * interface.layer.pressed(cell.depth(&pose)).0;
                 match taxels.last_mut() {
-                    Some((taxel, sum)) if *taxel == cell.taxel => *sum += pressure,
-                    _ => taxels.push((cell.taxel, pressure)),
+                    Some((taxel, sum, felt)) if *taxel == cell.taxel => {
+                        *sum += pressure;
+                        *felt += cell.felt_share * pressure;
+                    }
+                    _ => taxels.push((cell.taxel, pressure, cell.felt_share * pressure)),
                 }
             }
         }
-        taxels.retain(|(_, force)| *force > 0.0);
+        taxels.retain(|(_, force, _)| *force > 0.0);
         if taxels.is_empty() {
             // No sub-point is indented, because the shape is too thin to sample or touches two faces of an edge. The
-            // nearby taxel that faces the force most takes all of it.
-            taxels.extend(self.facing_taxel(contacts, total).map(|taxel| (taxel, 1.0)));
+            // nearby taxel that faces the force most takes all of it, and feels what its nearest sub-point does.
+            taxels.extend(self.facing_taxel(contacts, total).map(|(taxel, felt_share)| (taxel, 1.0, felt_share)));
         }
         self.balance(total, interface.friction, buffers);
         &buffers.forces
@@ -192,20 +198,20 @@ impl SkinPatch {
     fn balance(&self, total: DVec3, friction: f64, buffers: &mut SpreadBuffers) {
         let SpreadBuffers { taxels, carriers, forces, .. } = buffers;
         let normal = |taxel: usize| self.normals_link[taxel];
-        let pressed: DVec3 = taxels.iter().map(|(taxel, force)| -normal(*taxel) * *force).sum();
+        let pressed: DVec3 = taxels.iter().map(|(taxel, force, _)| -normal(*taxel) * *force).sum();
         let direction = pressed.normalize_or_zero();
         let scale = (total.dot(direction) / pressed.length()).max(0.0);
         let rest = total - pressed * scale;
         let tangent_plane = |taxel: usize, vector: DVec3| vector - normal(taxel) * normal(taxel).dot(vector);
         let mut carried = DMat3::ZERO;
-        for (taxel, force) in taxels.iter() {
+        for (taxel, force, _) in taxels.iter() {
             for (column, axis) in DVec3::AXES.into_iter().enumerate() {
                 *carried.col_mut(column) += tangent_plane(*taxel, axis) * *force;
             }
         }
         let shear = solve_symmetric(carried, rest);
         carriers.clear();
-        carriers.extend(taxels.iter().map(|(taxel, force)| Carrier {
+        carriers.extend(taxels.iter().map(|(taxel, force, _)| Carrier {
             inward: -normal(*taxel),
             weight_n: *force,
             force: tangent_plane(*taxel, shear) * *force - normal(*taxel) * (force * scale),
@@ -213,9 +219,10 @@ impl SkinPatch {
         // If that is impossible, the forces stay as they are.
         within_cones(carriers, friction, total);
         let carried = taxels.iter().zip(carriers).filter(|(_, carrier)| carrier.force != DVec3::ZERO);
-        forces.extend(carried.map(|((taxel, _), carrier)| {
+        forces.extend(carried.map(|((taxel, pressed, felt), carrier)| {
             let normal_force_n = carrier.force.dot(carrier.inward);
-            TaxelForce { taxel: *taxel, normal_force_n, shear_link: carrier.force - carrier.inward * normal_force_n }
+            let shear_link = carrier.force - carrier.inward * normal_force_n;
+            TaxelForce { taxel: *taxel, normal_force_n, shear_link, felt_share: felt / pressed }
         }));
     }
 
@@ -234,22 +241,22 @@ impl SkinPatch {
     }
 
     /// Returns the taxel within reach of a contact that faces the force most. Among taxels with the same normal, as on a
-    /// flat pad, it is the one nearest to a contact.
-    fn facing_taxel(&self, contacts: &[ContactPoint], force_link: DVec3) -> Option<usize> {
+    /// flat pad, it is the one nearest to a contact. The second number is what it feels of a force on its nearest sub-point.
+    fn facing_taxel(&self, contacts: &[ContactPoint], force_link: DVec3) -> Option<(usize, f64)> {
         let squared_distance = |position: DVec3| {
             let distances = contacts.iter().map(|contact| contact.position_link.distance_squared(position));
             distances.fold(f64::INFINITY, f64::min)
         };
-        let taxel_distance = |points: &[SurfacePoint]| {
-            let distances = points.iter().map(|point| squared_distance(point.position_link));
-            distances.fold(f64::INFINITY, f64::min)
+        let nearest = |points: &[SurfacePoint]| {
+            let distances = points.iter().map(|point| (squared_distance(point.position_link), point.felt_share));
+            distances.fold((f64::INFINITY, 1.0), |least, other| if other.0 < least.0 { other } else { least })
         };
         let taxels = self.sub_points.chunks_exact(self.points_per_taxel()).enumerate();
         taxels
             .filter(|(taxel, _)| squared_distance(self.centers_link[*taxel]) <= self.reach_m * self.reach_m)
-            .map(|(taxel, points)| (taxel, -self.normals_link[taxel].dot(force_link), taxel_distance(points)))
-            .max_by(|(_, a, near), (_, b, far)| a.total_cmp(b).then(far.total_cmp(near)))
-            .map(|(taxel, ..)| taxel)
+            .map(|(taxel, points)| (taxel, -self.normals_link[taxel].dot(force_link), nearest(points)))
+            .max_by(|(_, a, near), (_, b, far)| a.total_cmp(b).then(far.0.total_cmp(&near.0)))
+            .map(|(taxel, _, (_, felt_share))| (taxel, felt_share))
     }
 }
 

@@ -198,7 +198,7 @@ fn patch(stiffness_n_per_m3: f64, pitch_m: f64, radius_m: f64, points: u32) -> S
         let offsets = (0..points).flat_map(move |i| (0..points).map(move |j| (offset(i), offset(j))));
         offsets.map(move |(along, across)| {
             let (position_link, normal_link) = surface(x + along, arc + across);
-            SurfacePoint { taxel, position_link, normal_link, area_m2: side_m * side_m }
+            SurfacePoint { taxel, position_link, normal_link, area_m2: side_m * side_m, felt_share: 1.0 }
         })
     });
     SkinPatch {

@@ -5,6 +5,9 @@ use underbrush_recording::Limits;
 /// Coefficient of friction: rubber on a rough surface reaches 1 to 1.5.
 pub(crate) const FRICTION: Limits = Limits::new(0.0, 2.0, "");
 
+/// Shares of a whole.
+pub(crate) const SHARE: Limits = Limits::new(0.0, 1.0, "");
+
 /// Stiffness of a joint: from a finger's tendon to a drive with stiff position control.
 pub(super) const STIFFNESS_NM_PER_RAD: Limits = Limits::new(1e-3, 1e5, "Nm/rad");
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::{SkinLayout, Taxel, math};
+use underbrush_recording::{Patch, SkinLayout, Taxel, math};
 
 /// All tactile skin of an arm.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +30,9 @@ pub struct PatchSurface {
     pub form: SurfaceForm,
     /// Technology of its taxels.
     pub technology: Technology,
+    /// The share of the pressure on the gaps between taxels that the cover passes on to them. At 1 all of it is felt, as if
+    /// the taxels had no gaps.
+    pub gap_share: f64,
 }
 
 /// The sensing technology of a patch. The scene file's `[sensor]` section has a model for each.
@@ -70,11 +73,14 @@ pub struct SurfacePoint {
     pub normal_link: DVec3,
     /// Area, m².
     pub area_m2: f64,
+    /// The share of its pressure that the taxel feels: 1, or the patch's `gap_share` in a gap.
+    pub felt_share: f64,
 }
 
 impl Skin {
     /// Divides a taxel into `per_side` × `per_side` equal pieces and returns their centres on the true surface, sorted
-    /// along the first tangent, then the second. Empty if there is no such taxel.
+    /// along the first tangent, then the second. Empty if there is no such taxel. If gaps are felt less than the taxels, a
+    /// piece is added on each side, up to the middle of the gap.
     pub fn surface_points(&self, patch: usize, taxel: usize, per_side: usize) -> Vec<SurfacePoint> {
         let surface = self.surfaces.get(patch);
         let number = taxel;
@@ -83,12 +89,15 @@ impl Skin {
             return Vec::new();
         };
         let second_tangent = taxel.normal_link.cross(taxel.tangent_link);
-        let side = taxel.area_m2.sqrt();
-        let offset = |index: usize| side * ((index as f64 + 0.5) / per_side as f64 - 0.5);
-        let area_m2 = taxel.area_m2 / (per_side * per_side) as f64;
-        let mut points = Vec::with_capacity(per_side * per_side);
-        for along in (0..per_side).map(offset) {
-            for across in (0..per_side).map(offset) {
+        let side_m = taxel.area_m2.sqrt();
+        let gaps = self.gaps_m(patch, number, side_m).filter(|_| surface.gap_share < 1.0);
+        let [rows, columns] = [0, 1].map(|axis| strips(side_m, per_side, gaps.map(|gaps| gaps[axis])));
+        let mut points = Vec::with_capacity(rows.len() * columns.len());
+        for (along, length_m, row_in_gap) in &rows {
+            for (across, width_m, column_in_gap) in &columns {
+                // A quarter of a quarter is exact.
+                let area_m2 = taxel.area_m2 * (length_m / side_m) * (width_m / side_m);
+                let felt_share = if *row_in_gap || *column_in_gap { surface.gap_share } else { 1.0 };
                 points.push(match surface.form {
                     SurfaceForm::Cylinder { radius_m, .. } => {
                         // `across` is an arc length, because the taxel is bent and not stretched.
@@ -96,19 +105,59 @@ impl Skin {
                         let normal_link = taxel.normal_link * cos + second_tangent * sin;
                         let center = taxel.position_link - taxel.normal_link * radius_m;
                         let position_link = center + taxel.tangent_link * along + normal_link * radius_m;
-                        SurfacePoint { taxel: number, position_link, normal_link, area_m2 }
+                        SurfacePoint { taxel: number, position_link, normal_link, area_m2, felt_share }
                     }
                     SurfaceForm::Points => SurfacePoint {
                         taxel: number,
                         position_link: taxel.position_link + taxel.tangent_link * along + second_tangent * across,
                         normal_link: taxel.normal_link,
                         area_m2,
+                        felt_share,
                     },
                 });
             }
         }
         points
     }
+
+    /// Half the gaps to the neighbours of a taxel whose side is `side_m`, m: before and after it along its first tangent, then
+    /// along its second. `None` for taxels that are not on a cylinder. At an edge of the patch it is the gap on the other side.
+    fn gaps_m(&self, patch: usize, taxel: usize, side_m: f64) -> Option<[[f64; 2]; 2]> {
+        let SurfaceForm::Cylinder { radius_m, .. } = self.surfaces[patch].form else { return None };
+        let Patch { grid, taxels, .. } = &self.layout.patches[patch];
+        let grid = (*grid)?;
+        let (row, column) = (taxel / grid.columns, taxel % grid.columns);
+        let half_m = |other: usize| {
+            let (own, other) = (&taxels[taxel], &taxels[other]);
+            let along = (other.position_link - own.position_link).dot(own.tangent_link).abs();
+            let around = radius_m * own.normal_link.angle_between(other.normal_link);
+            ((along.max(around) - side_m) / 2.0).max(0.0)
+        };
+        let sides = |before: Option<usize>, after: Option<usize>| {
+            let [before, after] = [before, after].map(|other| other.map(half_m));
+            [before.or(after).unwrap_or(0.0), after.or(before).unwrap_or(0.0)]
+        };
+        let place = |row: usize, column: usize| row * grid.columns + column;
+        let (last_row, last) = (grid.rows - 1, grid.columns - 1);
+        let rows = sides((row > 0).then(|| place(row - 1, column)), (row < last_row).then(|| place(row + 1, column)));
+        let wraps = grid.wraps && last > 0;
+        let columns = sides(
+            (column > 0).then(|| place(row, column - 1)).or(wraps.then(|| place(row, last))),
+            (column < last).then(|| place(row, column + 1)).or(wraps.then(|| place(row, 0))),
+        );
+        Some([rows, columns])
+    }
+}
+
+/// The pieces of a side of a taxel: the middle of each, its length, and whether it is in a gap, whose halves before and after the
+/// taxel are added if they are given.
+fn strips(side_m: f64, per_side: usize, gaps_m: Option<[f64; 2]>) -> Vec<(f64, f64, bool)> {
+    let length_m = side_m / per_side as f64;
+    let own = (0..per_side).map(|index| (side_m * ((index as f64 + 0.5) / per_side as f64 - 0.5), length_m, false));
+    let [before, after] = [0, 1].map(|at| gaps_m.map(|gaps| gaps[at]));
+    let before = before.map(|gap| (-(side_m + gap) / 2.0, gap, true));
+    let after = after.map(|gap| ((side_m + gap) / 2.0, gap, true));
+    before.into_iter().chain(own).chain(after).collect()
 }
 
 /// A place on the skin can be pressed by a contact if their normals differ by less than 60°: even with friction it is

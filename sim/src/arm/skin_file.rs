@@ -87,11 +87,21 @@ struct CylinderTable {
     /// Side of a taxel, at most `row_pitch_m`.
     #[schemars(transform = Within(limits::TAXEL_SIZE_M))]
     taxel_size_m: f64,
+    /// The share of the pressure on the gaps between taxels that the cover passes on to them: 1, all of it, as a stiff cover
+    /// does; 0, gaps are dead.
+    #[serde(default = "all")]
+    #[schemars(transform = Within(limits::SHARE))]
+    gap_share: f64,
     /// Whether the last column is a neighbour of the first, as on a closed sleeve.
     wraps: bool,
     /// Angle of each column, ascending, so far apart that taxels do not overlap.
     #[schemars(transform = Within(limits::ANGLE_DEG), length(min = 1))]
     column_angles_deg: Vec<f64>,
+}
+
+/// Nobody has measured how much a cover passes on. Choice: the default loses no force.
+fn all() -> f64 {
+    1.0
 }
 
 /// Taxels listed one by one.
@@ -216,7 +226,8 @@ pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputErr
         let patch = Patch { name: table.name.clone(), link: chain.links[link].name.clone(), grid, taxels };
         skin_fit::check(source, &offsets, &patch, &chain.links[link])?;
         skin.layout.patches.push(patch);
-        skin.surfaces.push(PatchSurface { link, form, technology: table.technology });
+        let gap_share = table.cylinder.as_ref().map_or(1.0, |cylinder| cylinder.get_ref().gap_share);
+        skin.surfaces.push(PatchSurface { link, form, technology: table.technology, gap_share });
     }
     Ok(skin)
 }
@@ -242,6 +253,7 @@ fn cylinder_taxels(source: &Source, table: &Spanned<CylinderTable>, pose: &Pose)
         ("radius_m", table.radius_m, limits::RADIUS_M),
         ("row_pitch_m", table.row_pitch_m, limits::TAXEL_SIZE_M),
         ("taxel_size_m", table.taxel_size_m, limits::TAXEL_SIZE_M),
+        ("gap_share", table.gap_share, limits::SHARE),
     ] {
         source.check(start, &format!("patch.cylinder.{key}"), value, limits)?;
     }

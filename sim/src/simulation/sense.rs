@@ -8,7 +8,7 @@ use super::model::Model;
 use super::tactile::{ContactPair, TactileFrame, entry};
 use super::world::World;
 use crate::sensor::Sensor;
-use crate::skin::{ContactPoint, SpreadBuffers};
+use crate::skin::{ContactPoint, SpreadBuffers, TaxelForce};
 
 /// A patch and a taxel of it.
 type Place = (usize, usize);
@@ -17,6 +17,8 @@ type Place = (usize, usize);
 #[derive(Clone, Copy, Default)]
 struct Load {
     normal_n: f64,
+    /// What the taxel feels of it; the rest is on gaps.
+    felt_n: f64,
     shear_link: DVec3,
 }
 
@@ -35,10 +37,12 @@ impl Loads {
         self.normal_n_by_object.clear();
     }
 
-    fn add(&mut self, place: Place, object: u16, normal_n: f64, shear_link: DVec3) {
+    fn add(&mut self, place: Place, object: u16, force: &TaxelForce) {
+        let normal_n = force.normal_force_n;
         let load = entry(&mut self.taxels, place);
         load.normal_n += normal_n;
-        load.shear_link += shear_link;
+        load.felt_n += normal_n * force.felt_share;
+        load.shear_link += force.shear_link;
         *entry(&mut self.normal_n_by_object, (place, object)) += normal_n;
     }
 
@@ -121,11 +125,11 @@ pub(super) fn sense(
         let surface = &model.structures[object].surface;
         let shape_pose = world.link_pose(skin.link).inverse() * world.engine.scene.collider_pose(collider);
         for force in skin.spread(points, shape, &shape_pose, surface, spread) {
-            loads.add((patch, force.taxel), object as u16, force.normal_force_n, force.shear_link);
+            loads.add((patch, force.taxel), object as u16, force);
         }
     }
     for ((patch, taxel), load) in &loads.taxels {
-        sensor.press(*patch, *taxel, load.normal_n);
+        sensor.press(*patch, *taxel, load.felt_n);
         let skin = &patches[*patch];
         let force = load.shear_link - skin.normals_link[*taxel] * load.normal_n;
         wrenches[*patch].felt.add(skin.centers_link[*taxel], force);
@@ -146,7 +150,7 @@ fn read_taxels(model: &Model, sensor: &Sensor, loads: &Loads, taxels: &mut Vec<T
             if load.is_none() && sensed_force_n == 0.0 {
                 continue;
             }
-            let Load { normal_n, shear_link } = load.map_or(Load::default(), |(_, load)| *load);
+            let Load { normal_n, shear_link, .. } = load.map_or(Load::default(), |(_, load)| *load);
             taxels.push(TaxelReading {
                 patch: patch as u16,
                 taxel: taxel as u16,
@@ -206,15 +210,16 @@ mod tests {
         let mut loads = Loads::default();
         let (taxel, beside, leaf, trunk) = ((1, 30), (1, 31), 7, 2);
         assert_eq!(loads.object(taxel), None);
-        loads.add(taxel, leaf, 0.3, DVec3::X);
-        loads.add(taxel, trunk, 0.4, DVec3::ZERO);
-        loads.add(beside, leaf, 0.9, DVec3::ZERO);
+        let force = |normal_force_n, shear_link| TaxelForce { taxel: 0, normal_force_n, shear_link, felt_share: 1.0 };
+        loads.add(taxel, leaf, &force(0.3, DVec3::X));
+        loads.add(taxel, trunk, &force(0.4, DVec3::ZERO));
+        loads.add(beside, leaf, &force(0.9, DVec3::ZERO));
         assert_eq!(loads.object(taxel), Some(trunk));
-        loads.add(taxel, leaf, 0.3, DVec3::Y);
+        loads.add(taxel, leaf, &force(0.3, DVec3::Y));
         assert_eq!(loads.object(taxel), Some(leaf));
         let (_, load) = loads.taxels[0];
         assert!((load.normal_n - 1.0).abs() < 1e-15 && load.shear_link == DVec3::new(1.0, 1.0, 0.0));
-        loads.add(taxel, trunk, 0.2, DVec3::ZERO);
+        loads.add(taxel, trunk, &force(0.2, DVec3::ZERO));
         assert_eq!(loads.object(taxel), Some(trunk));
     }
 }

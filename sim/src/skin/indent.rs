@@ -16,6 +16,8 @@ pub(super) struct Cell {
     pub(super) stiffness: f64,
     /// Share of its pressure that acts along the contact's normal.
     pub(super) share: f64,
+    /// Share of its pressure that its taxel feels.
+    pub(super) felt_share: f64,
 }
 
 impl Cell {

@@ -206,3 +206,52 @@ fn a_coarse_taxel_keeps_its_force() {
         }
     }
 }
+
+/// The forearm with a cover that passes this share of the pressure on gaps on to the taxels.
+fn forearm_with_gaps(gap_share: f64) -> SkinPatch {
+    let mut arm = Arm::cody().unwrap();
+    let index = arm.skin.layout.patch_index("forearm").unwrap();
+    arm.skin.surfaces[index].gap_share = gap_share;
+    SkinPatch::of_arm(&arm).swap_remove(index)
+}
+
+/// Tests that taxels and gaps cover the sleeve, 2 π R times 16 pitches of 10.8 mm, and that what is felt of it is 384 squares
+/// of 9 mm and the share of the rest.
+#[test]
+fn taxels_and_gaps_cover_the_sleeve() {
+    for gap_share in [0.0, 0.5] {
+        let skin = forearm_with_gaps(gap_share);
+        let sleeve_m2 = std::f64::consts::TAU * 0.04604 * 16.0 * 0.0108;
+        let taxels_m2 = 384.0 * 0.009 * 0.009;
+        let area_m2: f64 = skin.sub_points.iter().map(|point| point.area_m2).sum();
+        let felt_m2: f64 = skin.sub_points.iter().map(|point| point.area_m2 * point.felt_share).sum();
+        assert!((area_m2 / sleeve_m2 - 1.0).abs() < 1e-12, "{area_m2} {sleeve_m2}");
+        let expected_m2 = taxels_m2 + gap_share * (sleeve_m2 - taxels_m2);
+        assert!((felt_m2 / expected_m2 - 1.0).abs() < 1e-12, "{felt_m2} {expected_m2}");
+    }
+    assert!(forearm().sub_points.iter().all(|point| point.felt_share == 1.0));
+}
+
+/// Tests a plate of 1 mm along the sleeve, pressed on it over six rows with 1 N. Between two columns only the share of the gap is
+/// felt. On a column 9 mm of each 10.8 are felt and the share of the rest, but for the ends of the plate, where a row may be
+/// pressed in part: at most one piece of 1/4 of 9 mm at each of two ends, of 65 mm. No force is lost for the arm.
+#[test]
+fn a_plate_between_two_columns_is_felt_through_the_gap() {
+    for gap_share in [0.0, 0.3, 1.0] {
+        let skin = forearm_with_gaps(gap_share);
+        // Half of 14.8 or of 15.2 degrees.
+        let between_deg = 7.5_f64;
+        for (around_rad, expected, tolerance) in
+            [(between_deg.to_radians(), gap_share, 1e-9), (0.0, (9.0 + 1.8 * gap_share) / 10.8, 2.0 * 2.25 / 65.0)]
+        {
+            let contact = ContactPoint { radius_m: 0.04, ..contact(&skin, 0.0, around_rad, 1.0, 0.0, 0.0) };
+            let plate = Cuboid::new(DVec3::new(0.0324, 0.0005, 0.02));
+            let forces = spread(&skin, contact, &plate, &over(&contact, 0.02, 0.0));
+            let total: DVec3 = forces.iter().map(|taxel| force(&skin, taxel)).sum();
+            assert!((total - contact.force_link).length() < 1e-9, "{total}");
+            let all: f64 = forces.iter().map(|taxel| taxel.normal_force_n).sum();
+            let felt: f64 = forces.iter().map(|taxel| taxel.normal_force_n * taxel.felt_share).sum();
+            assert!((felt / all - expected).abs() <= tolerance, "{gap_share} at {around_rad}: {}", felt / all);
+        }
+    }
+}
