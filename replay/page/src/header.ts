@@ -1,6 +1,7 @@
 // The head of the page: which reach it is, how it went, and the choice of reaches and theme.
 
 import { find, say } from "./dom.ts";
+import { goalCount } from "./lists.ts";
 import type { Reach } from "./reach.ts";
 import type { Summary } from "./source.ts";
 import type { State } from "./state.ts";
@@ -66,6 +67,7 @@ export class Header {
   describe(summary: Summary, reach: Reach): void {
     const { header } = reach;
     const { reached, stuck, timed_out: timedOut, aborted } = header.goal_outcomes;
+    const goals = goalCount(header);
     const named: [number, string][] = [[stuck, "stuck"], [timedOut, "timed out"], [aborted, "aborted"]];
     const others = named.filter(([count]) => count > 0).map(([count, name]) => `, ${count} ${name}`);
     const seed = reach.isTable ? "" : `seed ${header.seed}, `;
@@ -76,10 +78,10 @@ export class Header {
     // A table of trials has neither an arm nor goals, and nothing was simulated that could be audited.
     const facts = reach.isTable ? ["a table of contact trials", `${summary.duration_s.toFixed(1)}\u00a0s`, model] : [
       header.controller,
-      summary.running ? "running" : `${reached} of ${reached + stuck + timedOut + aborted} goals reached${others.join("")}`,
+      summary.running ? "running" : goals === 0 ? "no goals" : `${reached} of ${goals} goals reached${others.join("")}`,
       ...(summary.running ? [] : [`${summary.duration_s.toFixed(1)}\u00a0s`, `peak contact force ${summary.peak_force_n.toFixed(2)}\u00a0N`]),
       stop === null ? "" : `stopped by ${stop.force_n.toFixed(0)} N of ${stop.object_kind.replace(/_/g, " ")} ${stop.object_index} on ${stop.link}`,
-      summary.running ? "" : header.audit_warnings.length === 0 ? "audit within bounds" : `audit: ${header.audit_warnings.join("; ")}`,
+      summary.running ? "" : header.audit_warnings.length > 0 ? `audit: ${header.audit_warnings.join("; ")}` : goals === 0 ? "" : "audit within bounds",
       model,
     ];
     say(find("facts"), facts.filter((fact) => fact !== "").join(" · "));

@@ -6,9 +6,13 @@ import type { Summary } from "./source.ts";
 import { type Column, Table, tabs } from "./table.ts";
 import type { Trial, Trials } from "./trials.ts";
 
+/** The number of goals; 0 for a robot's log, of which nobody knows what the robot was to do. */
+export function goalCount({ goal_outcomes: { reached, stuck, timed_out, aborted } }: Pick<Summary, "goal_outcomes">): number {
+  return reached + stuck + timed_out + aborted;
+}
+
 function goals(reach: Summary): string {
-  const { reached, stuck, timed_out, aborted } = reach.goal_outcomes;
-  return `${reached} of ${reached + stuck + timed_out + aborted}`;
+  return `${reach.goal_outcomes.reached} of ${goalCount(reach)}`;
 }
 
 function audit(reach: Summary): string {
@@ -27,11 +31,13 @@ function ifKnown(known: (reach: Summary) => boolean, { title, text, value, hint 
 const hasEnded = (reach: Summary) => !reach.running;
 const isSimulated = (reach: Summary) => !reach.table;
 const hasResult = (reach: Summary) => hasEnded(reach) && isSimulated(reach);
+/** A log has forces and contacts, but no goals, and nothing was simulated that could be audited. */
+const hasGoals = (reach: Summary) => hasResult(reach) && goalCount(reach) > 0;
 
 export function reachTable(choose: (reach: Summary) => void): Table<Summary> {
   const controller = ifKnown(isSimulated, { title: "controller", text: (reach) => reach.controller });
-  const outcome = ifKnown(hasResult, { title: "outcome", text: (reach) => reach.outcome.replace("_", " ") });
-  const audited = ifKnown(hasResult, { title: "audit", text: audit, value: (reach) => reach.audit_warnings.length, hint: (reach) => reach.audit_warnings.join("\n") });
+  const outcome = ifKnown(hasGoals, { title: "outcome", text: (reach) => reach.outcome.replace("_", " ") });
+  const audited = ifKnown(hasGoals, { title: "audit", text: audit, value: (reach) => reach.audit_warnings.length, hint: (reach) => reach.audit_warnings.join("\n") });
   return new Table<Summary>(
     "Reaches",
     ["reach", "reaches"],
@@ -42,7 +48,7 @@ export function reachTable(choose: (reach: Summary) => void): Table<Summary> {
       { title: "reach", text: (reach) => String(reach.reach_index), value: (reach) => reach.reach_index },
       controller,
       outcome,
-      ifKnown(hasResult, { title: "goals", text: goals, value: (reach) => reach.goal_outcomes.reached }),
+      ifKnown(hasGoals, { title: "goals", text: goals, value: (reach) => reach.goal_outcomes.reached }),
       ifKnown(hasEnded, { title: "length / s", text: (reach) => reach.duration_s.toFixed(1), value: (reach) => reach.duration_s }),
       ifKnown(hasResult, { title: "peak / N", text: (reach) => reach.peak_force_n.toFixed(2), value: (reach) => reach.peak_force_n }),
       ifKnown(hasResult, { title: "contacts", text: (reach) => String(reach.contacts), value: (reach) => reach.contacts }),

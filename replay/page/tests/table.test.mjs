@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
 import { after, before, test } from "node:test";
 
-import { file, finishAll, launch, open, ready, seek, serve } from "./support.mjs";
+import { file, finishAll, launch, open, program, ready, seek, serve } from "./support.mjs";
 
 let browser;
 before(async () => {
@@ -63,5 +63,24 @@ test("an address brings back a frame of a fast table", async () => {
       await own.context().close();
     }
   }
+  server.close();
+});
+
+/** Pins that a recording of a robot's log, which has neither goals nor an audit, does not speak of them. */
+test("a recording of a log has no goals and no audit", async () => {
+  const frames = Array.from({ length: 60 }, (_, k) => `${(k / 100).toFixed(2)},${k > 10 && k < 50 ? 0.5 : 0},0,towel,0`);
+  writeFileSync(file("log.csv"), ["t,f_0,f_1,label,run", ...frames, ""].join("\n"));
+  writeFileSync(file("taxels.csv"), "x_m,y_m,z_m,normal_x,normal_y,normal_z,area_m2\n0,0,0,0,0,1,0.0001\n0.02,0,0,0,0,1,0.0001\n");
+  const tables = ['[time]\nfrom = "t"\nunit = "s"', '[force]\nfrom = "f_{taxel}"\ntaxels = 2\nunit = "N"'];
+  tables.push('[trial]\npatch = "palm"\ncategory_from = "label"\nreach_from = "run"', '[skin]\ntaxels = "taxels.csv"\n');
+  writeFileSync(file("log.toml"), tables.join("\n"));
+  program("import", file("log.csv"), "--mapping", file("log.toml"), "--out", file("felt"));
+  const server = await serve(file("felt/reach-000000.parquet"));
+  const page = await open(browser, server.address);
+  await ready(page);
+  assert.match(await page.textContent("#facts"), /no goals · 0\.6\s*s/);
+  assert.doesNotMatch(await page.textContent("body"), /0 of 0|within bounds/);
+  assert.deepEqual(page.problems, []);
+  await page.context().close();
   server.close();
 });
