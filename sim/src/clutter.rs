@@ -40,6 +40,8 @@ pub struct Clutter {
     pub goals: Vec<DVec3>,
     /// Constants that replace those of arm and objects.
     pub materials: Materials,
+    /// Pairs of kinds that pass through each other; see [`crate::scene::SceneFile::passing`].
+    pub passing: Vec<[String; 2]>,
 }
 
 /// An object in its place.
@@ -123,7 +125,7 @@ impl Clutter {
         let mut attempt = || {
             let objects = place::place_all(scene, arm, &mut for_objects)?;
             let goals = goals::draw_goals(scene, arm, &objects, &mut for_goals, &mut for_postures)?;
-            Ok(Clutter { objects, goals, materials })
+            Ok(Clutter { objects, goals, materials, passing: scene.file.passing.clone() })
         };
         // Objects that are placed one by one can block each other although all would fit, and a few objects that all
         // stand to one side leave no goals beyond them. Then everything is drawn again.

@@ -56,6 +56,26 @@ fn the_report_agrees_with_the_recording() {
     assert!(std::fs::read(picture).unwrap().starts_with(b"\x89PNG"));
 }
 
+/// Tests that a pair of kinds that is switched off passes through each other and another pair does not: the forearm leans on the
+/// trunk unless `passing` names both, in either order. Also tests that an unknown kind is refused.
+#[test]
+fn pairs_of_kinds_can_be_switched_off() {
+    let folder = tempfile::tempdir().unwrap();
+    let contacts = |passing: &str| {
+        let text = format!("passing = {passing}\n{}", scenes::TRUNKS_AT_FOREARM);
+        let scene = scenes::write(folder.path(), "trunk.toml", &text);
+        underbrush!["reach", scene, "--json"].json()["contacts"].as_u64().unwrap()
+    };
+    let all = contacts("[]");
+    assert!(all > 0);
+    assert_eq!(contacts(r#"[["leaf", "trunk"]]"#), all);
+    for pair in [r#"[["arm", "trunk"]]"#, r#"[["trunk", "arm"]]"#] {
+        assert_eq!(contacts(pair), 0, "{pair}");
+    }
+    let text = format!("passing = [[\"arm\", \"bush\"]]\n{}", scenes::TRUNKS_AT_FOREARM);
+    underbrush!["reach", scenes::write(folder.path(), "bush.toml", &text)].refused(&["\"bush\"", "arm, table, trunk"]);
+}
+
 /// Tests that outputs under the names of other formats are refused before anything is simulated.
 #[test]
 fn wrong_endings_are_refused() {

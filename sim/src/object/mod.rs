@@ -63,6 +63,15 @@ macro_rules! categories {
 }
 for_each_object_kind!(categories);
 
+macro_rules! kinds {
+    ($($(#[$attribute:meta])* $key:ident: $kind:ty,)*) => {
+        /// What can collide: the arm, and the kinds of objects by their keys in a scene file.
+        #[allow(unused_doc_comments, reason = "the entries' documentation is that of the fields of a scene file")]
+        pub const COLLIDING_KINDS: &[&str] = &["arm", $($(#[$attribute])* stringify!($key),)*];
+    };
+}
+for_each_object_kind!(kinds);
+
 /// What an object must stand on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StandsOn {

@@ -54,6 +54,10 @@ pub struct SceneFile {
     /// Constants of the contact between arm and objects, to be set or drawn for each reach.
     #[serde(default)]
     pub materials: MaterialsSection,
+    /// Pairs of kinds that pass through each other instead of colliding, such as `[["leaf", "leaf"], ["arm", "foam_block"]]`:
+    /// `arm` and the keys of objects. Goals and plans still keep clear of what an arm passes through.
+    #[serde(default)]
+    pub passing: Vec<[String; 2]>,
     /// Time step and other options of the physics engine.
     #[serde(default)]
     pub physics: PhysicsSection,

@@ -11,6 +11,7 @@ use underbrush_recording::{FRAME_PERIOD_S, InputError, read_text};
 
 use crate::arm::Arm;
 use crate::materials::{MaterialFile, MaterialsSection};
+use crate::object::COLLIDING_KINDS;
 use crate::range::{Limited, PLACE_M, YAW_DEG};
 use crate::sensor::Fault;
 use crate::toml_text::{key_at, line_of, sets_key};
@@ -176,6 +177,9 @@ impl Scene {
         self.check_cameras()?;
         for limited in file.materials.quantities() {
             self.check_quantity("materials", &limited)?;
+        }
+        if let Some(kind) = file.passing.iter().flatten().find(|kind| !COLLIDING_KINDS.contains(&kind.as_str())) {
+            return Err(self.fault("passing", format!("{kind:?}"), format!("one of {}", COLLIDING_KINDS.join(", "))));
         }
         self.check_objects(anywhere)
     }

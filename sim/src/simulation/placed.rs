@@ -69,6 +69,8 @@ pub(super) struct Mount {
     pub(super) at: PlacedLink,
     pub(super) surface: Surface,
     part: u16,
+    /// The kind of what carries it, if it has a name.
+    kind: Option<usize>,
     is_root: bool,
     /// Whether its link can move.
     pub(super) moves: bool,
@@ -135,6 +137,8 @@ pub(super) struct Scene {
     placed: Vec<Option<Placed>>,
     /// Indexed by the index in the collider's handle.
     mounts: Vec<Option<Mount>>,
+    /// Pairs of kinds that pass through each other, in either order.
+    pub(super) passing: Vec<[Option<usize>; 2]>,
     /// Sorted.
     pairs: Vec<[ColliderHandle; 2]>,
     /// Whether shapes were added or removed since the pairs were found.
@@ -174,6 +178,7 @@ impl Scene {
                 at: PlacedLink { slot, link },
                 surface,
                 part,
+                kind: None,
                 is_root: groups.memberships == super::groups::ROOTED,
                 moves: tree.moves(link),
                 pose_link: inserted.position_wrt_parent().map_or(WorldPose::IDENTITY, from_parry),
@@ -194,6 +199,13 @@ impl Scene {
         self.placed[slot] = Some(Placed { tree, bodies });
         self.is_changed = true;
         slot
+    }
+
+    /// Names the kind of each link of a tree.
+    pub(super) fn name_kinds(&mut self, slot: usize, kind: impl Fn(usize) -> Option<usize>) {
+        for mount in self.mounts.iter_mut().flatten().filter(|mount| mount.at.slot == slot) {
+            mount.kind = kind(mount.at.link);
+        }
     }
 
     pub(super) fn remove(&mut self, slot: usize) {
@@ -361,6 +373,9 @@ impl Scene {
         let [first, second] = pair.map(|collider| self.mount(collider));
         let ([low, high], [other_low, other_high]) = (first.found_extent, second.found_extent);
         let apart = (low - other_high).max(other_low - high);
-        !first.belongs_to(second) && apart.max_element() <= 2.0 * ROOM_M + NEAR_M
+        let passes = |[one, other]: &[Option<usize>; 2]| {
+            (first.kind, second.kind) == (*one, *other) || (second.kind, first.kind) == (*one, *other)
+        };
+        !first.belongs_to(second) && !self.passing.iter().any(passes) && apart.max_element() <= 2.0 * ROOM_M + NEAR_M
     }
 }

@@ -12,6 +12,7 @@ use super::model::{Assembly, Model};
 use super::moving_shapes::DormancyBuffers;
 use super::placed::PlacedLink;
 use super::report::{JointState, StepObserver, StepReport};
+use crate::object::COLLIDING_KINDS;
 use crate::physics::PhysicsOptions;
 
 /// The engine with one arm and one clutter.
@@ -41,7 +42,10 @@ impl World {
         for placed in model.clutter.objects.iter().filter(|placed| placed.object.is_ground()) {
             engine.has_table(placed.foot_world.z);
         }
+        engine.scene.passing =
+            model.clutter.passing.iter().map(|pair| pair.each_ref().map(|kind| kind_number(kind))).collect();
         let arm = ArmBodies::insert(&model.arm, &model.arm.start_posture_rad(), &mut engine);
+        engine.scene.name_kinds(arm.slot, |_| kind_number("arm"));
         let mut world = World {
             engine,
             arm,
@@ -117,7 +121,10 @@ impl World {
         let part = |object: &usize| (&model.structures[*object], model.rest_pose_world[*object][0]);
         let carried: Vec<_> = objects[1..].iter().map(part).collect();
         let (base, foot_world) = part(&objects[0]);
-        self.mechanisms[index] = Some(Mechanism::build_with(base, &mut self.engine, foot_world, *carrier, &carried));
+        let mechanism = Mechanism::build_with(base, &mut self.engine, foot_world, *carrier, &carried);
+        let kind = |link| model.clutter.objects[model.object_of(index, link).0].object.kind();
+        self.engine.scene.name_kinds(mechanism.slot, |link| kind_number(kind(link)));
+        self.mechanisms[index] = Some(mechanism);
     }
 
     /// Adds the contacts of the last step between arm and objects.
@@ -153,6 +160,11 @@ impl World {
             self.contact_colliders.push(other);
         }
     }
+}
+
+/// The place of a kind in [`COLLIDING_KINDS`].
+fn kind_number(kind: &str) -> Option<usize> {
+    COLLIDING_KINDS.iter().position(|own| *own == kind)
 }
 
 #[cfg(test)]
