@@ -217,7 +217,7 @@ fn options_outside_their_range_are_refused() {
     let known: Vec<&Trial> = trials.iter().collect();
     let neighbours = NearestNeighbours::default();
     let (network, logistic) = (EchoStateNetwork::default(), Logistic::default());
-    let estimators: [(&str, Box<dyn Estimator>); 10] = [
+    let estimators: [(&str, Box<dyn Estimator>); 11] = [
         ("window", Box::new(NearestNeighbours { window: 0, ..neighbours })),
         ("neighbours", Box::new(NearestNeighbours { neighbours: 0, ..neighbours })),
         ("explained", Box::new(NearestNeighbours { explained: f64::NAN, ..neighbours })),
@@ -226,6 +226,7 @@ fn options_outside_their_range_are_refused() {
         ("penalty", Box::new(EchoStateNetwork { penalty: -1.0, ..network })),
         ("penalty", Box::new(Logistic { penalty: 0.0, ..logistic })),
         ("thresholds", Box::new(MiniRocket { thresholds: 0, ..MiniRocket::default() })),
+        ("penalty", Box::new(MiniRocket { penalty: 0.0, ..MiniRocket::default() })),
         ("states", Box::new(Recipe { states: 0, ..Recipe::authors() })),
         ("max_samples", Box::new(Recipe { max_samples: Some(0), ..Recipe::authors() })),
     ];

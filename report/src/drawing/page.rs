@@ -33,7 +33,7 @@ pub struct Page {
 const STYLE: &str = "\
 :root { color-scheme: light dark; --ink: #1d2126; --page: #ffffff; --faint: #3c444c; --line: #c8ced4; --card: #f3f5f7; --link: #0b57a4 }
 body { font: 1rem/1.5 system-ui, sans-serif; color: var(--ink); background: var(--page); margin: 0 auto; padding: 1rem; max-width: 64rem }
-h1 { font-size: 1.7rem; line-height: 1.2 } h2 { font-size: 1.2rem; display: inline } h3 { font-size: 1rem; margin: 0 }
+h1 { font-size: 1.7rem; line-height: 1.2 } h2 { font-size: 1.2rem; display: inline } .cards h2 { font-size: 1rem; display: block; margin: 0 }
 p, ul { max-width: 44rem } a { color: var(--link) } .lead { font-size: 1.2rem; max-width: 54rem }
 details { border-top: 1px solid var(--line); padding: .55rem 0 } summary { cursor: pointer }
 .first { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 26rem), 1fr)); gap: 1.2rem; align-items: center }
@@ -101,7 +101,7 @@ impl Page {
     pub fn cards(&mut self, cards: &[(&str, Vec<String>)]) {
         let cards = cards.iter().filter(|(_, statements)| !statements.is_empty()).map(|(heading, statements)| {
             let heading = escape(heading);
-            format!("<section><h3>{heading}</h3>{}</section>", list(statements))
+            format!("<section><h2>{heading}</h2>{}</section>", list(statements))
         });
         let _ = writeln!(self.body, "<div class=\"cards\">\n{}</div>", cards.collect::<Vec<_>>().join("\n"));
     }

@@ -197,13 +197,16 @@ impl Table {
 
     /// The table as HTML, which scrolls sideways if it does not fit.
     pub fn html(&self) -> String {
-        let mut html =
-            format!("<div class=\"scroll\"><table><caption>{}</caption>\n<thead><tr>", escape(&self.caption));
+        let caption = escape(&self.caption);
+        // A wide table is scrolled by keys, too.
+        let mut html = format!("<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">");
+        let _ = write!(html, "<table><caption>{caption}</caption>\n<thead><tr>");
         // Columns of numbers are aligned right, with their headings and any words in them; columns of text are aligned
         // left.
         let class = |column: usize| if self.is_numeric(column) { " class=\"number\"" } else { "" };
         for (column, heading) in self.columns.iter().enumerate() {
-            let _ = write!(html, "<th scope=\"col\"{}>{}</th>", class(column), escape(heading));
+            let cell = if heading.is_empty() { "td" } else { "th scope=\"col\"" };
+            let _ = write!(html, "<{cell}{}>{}</{}>", class(column), escape(heading), &cell[..2]);
         }
         html += "</tr></thead>\n<tbody>\n";
         for row in &self.rows {

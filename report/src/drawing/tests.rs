@@ -246,7 +246,7 @@ fn a_page_is_well_formed_and_escapes() {
     let document = html.strip_prefix("<!DOCTYPE html>\n").unwrap();
     let elements = elements(document);
     let count = |name: &str| elements.iter().filter(|element| element.0 == name).count();
-    assert_eq!(["script", "h3", "details", "summary"].map(count), [1, 1, 2, 2]);
+    assert_eq!(["script", "h2", "details", "summary"].map(count), [1, 3, 2, 2]);
     let links: Vec<&str> = elements.iter().filter_map(|element| attribute(element, "href")).collect();
     assert_eq!(links, ["csv/table_1.csv"]);
     assert!(elements.iter().any(|element| attribute(element, "id") == Some("table-i-more")));
