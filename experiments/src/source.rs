@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 use underbrush_recording::limits::TEXT_BYTES;
+use underbrush_recording::text_line::line_at;
 use underbrush_recording::{InputError, read_text};
 
 /// A file's path and text, to which errors refer.
@@ -72,7 +73,7 @@ impl Source<'_> {
 
     /// The line, counted from 1, of a byte of the text.
     fn line_of(&self, start: usize) -> usize {
-        self.text.bytes().take(start).filter(|byte| *byte == b'\n').count() + 1
+        line_at(self.text, start)
     }
 }
 

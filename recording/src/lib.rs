@@ -25,6 +25,7 @@ pub mod outcome;
 pub mod plain_text;
 pub mod reach;
 pub mod regular_file;
+pub mod text_line;
 pub mod trial;
 
 pub use audit::{Audit, AuditCount, AuditField};

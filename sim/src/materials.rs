@@ -7,11 +7,11 @@ use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::limits::{TEXT_BYTES, short};
+use underbrush_recording::text_line::line_at;
 use underbrush_recording::{InputError, Limits, read_text};
 
 use crate::arm::{Arm, limits};
 use crate::range::{DrawError, Limited, Quantity, Within};
-use crate::toml_text::line_of;
 
 fn pair(limits: Limits) -> (f64, f64) {
     (limits.min, limits.max)
@@ -153,7 +153,7 @@ impl MaterialFile {
         let constants: BTreeMap<String, Constant> = toml::from_str(text).map_err(|error| {
             let allowed = "tables [NAME] with value, range, source and affects";
             let fault = InputError::new(path, "materials", error.message(), allowed, "correct this line");
-            fault.at_line(line_of(text, error.span().unwrap_or_default().start))
+            fault.at_line(line_at(text, error.span().unwrap_or_default().start))
         })?;
         for (name, Constant { value, range: [low, high], .. }) in &constants {
             let fault =

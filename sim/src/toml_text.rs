@@ -1,14 +1,10 @@
 //! Finds the line and the key for a position in the text of a TOML file, for error messages.
-
-/// The line, counted from 1, that contains the byte at `offset`.
-pub(crate) fn line_of(text: &str, offset: usize) -> usize {
-    text.bytes().take(offset).filter(|byte| *byte == b'\n').count() + 1
-}
+use underbrush_recording::text_line::line_at;
 
 /// The key that the line at `offset` sets, preceded by the name of its table, such as `goals.count`. Empty if the line
 /// sets none and no table is open.
 pub(crate) fn key_at(text: &str, offset: usize) -> String {
-    let number = line_of(text, offset);
+    let number = line_at(text, offset);
     let is_header = |line: &&str| line.starts_with('[');
     let lines: Vec<&str> = text.lines().take(number).map(str::trim).collect();
     let line = lines.last().copied().unwrap_or_default();

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use underbrush_recording::limits::CSV_BYTES;
+use underbrush_recording::text_line::line_of_row;
 use underbrush_recording::{InputError, read_bytes};
 
 use super::Mapping;
@@ -20,14 +21,6 @@ struct Columns {
     channels: Vec<Vec<usize>>,
     /// Place and orientation of the skin.
     pose: Option<[usize; 7]>,
-}
-
-/// The line, from 1, of a row. The parser counts from where it began to look for the row, so line breaks before it are
-/// added.
-fn line_of(text: &[u8], position: &csv::Position) -> usize {
-    let rest = text.get(position.byte() as usize..).unwrap_or_default();
-    let blank = rest.iter().take_while(|byte| matches!(byte, b'\r' | b'\n'));
-    position.line() as usize + blank.filter(|byte| **byte == b'\n').count()
 }
 
 /// Names in an error, shortened by `InputError` if there are many.
@@ -102,7 +95,7 @@ pub(super) fn read(
     }
     let text = read_bytes(path, &CSV_BYTES, "a readable file", "check the path")?;
     let unreadable = |error: csv::Error| {
-        let line = error.position().map_or(1, |position| line_of(&text, position));
+        let line = error.position().map_or(1, |position| line_of_row(&text, position));
         let remedy = "repair the file, or write it again as UTF-8 with one row per line";
         InputError::new(path, "CSV", error.to_string(), "rows with as many cells as the header", remedy).at_line(line)
     };
@@ -115,7 +108,7 @@ pub(super) fn read(
     // Frames of the reach so far, for times that follow from the rate.
     let (mut reach_before, mut number) = (None, 0u64);
     while reader.read_record(&mut row).map_err(unreadable)? {
-        let line = row.position().map_or(0, |position| line_of(&text, position));
+        let line = row.position().map_or(0, |position| line_of_row(&text, position));
         let cell = |column: usize| row.get(column).unwrap_or_default();
         let wrong = |column: usize, allowed: &str| {
             let (name, found) = (names.get(column).unwrap_or_default(), cell(column));

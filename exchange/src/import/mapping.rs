@@ -9,6 +9,7 @@ use serde::Deserialize;
 use underbrush_recording::disk::TRIAL_COLUMNS;
 use underbrush_recording::limits::{TEXT_BYTES, short};
 use underbrush_recording::plain_text::is_plain;
+use underbrush_recording::text_line::line_at;
 use underbrush_recording::{Grid, InputError, Limits, read_text};
 
 /// Frames per second: from one reading in a hundred seconds to a fast vibration sensor.
@@ -206,11 +207,6 @@ const PER_SECOND: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e3), ("us", 1e6), ("ns
 const NEWTONS: [(&str, f64); 6] =
     [("N", 1.0), ("mN", 1e-3), ("kN", 1e3), ("gf", 9.80665e-3), ("kgf", 9.80665), ("lbf", 4.4482216152605)];
 
-/// The line, from 1, of a byte.
-fn line_of(text: &str, byte: usize) -> usize {
-    1 + text.bytes().take(byte).filter(|byte| *byte == b'\n').count()
-}
-
 /// The line, from 1, that sets a key `table.key`, or `table[N].key` of a list of tables; the line of the table if the key is
 /// not set, and 1 if there is no such table.
 fn line_setting(text: &str, field: &str) -> usize {
@@ -244,7 +240,7 @@ impl Mapping {
         let file: MappingFile = toml::from_str(&text).map_err(|error| {
             let allowed = "the keys that `underbrush schema mapping` lists";
             let fault = InputError::new(path, "mapping", error.message(), allowed, "correct this line");
-            fault.at_line(line_of(&text, error.span().unwrap_or_default().start))
+            fault.at_line(line_at(&text, error.span().unwrap_or_default().start))
         })?;
         let MappingFile { time, force, trial, grid, skin, label, channel } = file;
         let threshold_n = trial.threshold_n.unwrap_or(0.03);

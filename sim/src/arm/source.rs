@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use serde::de::DeserializeOwned;
 use underbrush_recording::limits::{TEXT_BYTES, short};
+use underbrush_recording::text_line::line_at;
 use underbrush_recording::{InputError, Limits, read_text};
 
 use super::limits::DIRECTION;
-use crate::toml_text::{key_at, line_of, sets_key};
+use crate::toml_text::{key_at, sets_key};
 
 /// A file's path and text.
 pub(super) struct Source {
@@ -111,6 +112,6 @@ impl Source {
 
     /// The line, counted from 1, that contains a byte.
     pub(super) fn line(&self, offset: usize) -> usize {
-        line_of(&self.text, offset)
+        line_at(&self.text, offset)
     }
 }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use underbrush_recording::limits::{TEXT_BYTES, first_outside, short};
 use underbrush_recording::plain_text::{PLAIN, is_plain};
+use underbrush_recording::text_line::line_at;
 use underbrush_recording::{FRAME_PERIOD_S, InputError, read_text};
 
 use crate::arm::Arm;
@@ -14,7 +15,7 @@ use crate::materials::{MaterialFile, MaterialsSection};
 use crate::object::COLLIDING_KINDS;
 use crate::range::{Limited, PLACE_M, YAW_DEG};
 use crate::sensor::Fault;
-use crate::toml_text::{key_at, line_of, sets_key};
+use crate::toml_text::{key_at, sets_key};
 use content::objects_hash;
 
 mod camera;
@@ -110,7 +111,7 @@ impl Scene {
             let field = if key.is_empty() { "scene".into() } else { format!("scene, {key}") };
             let allowed = "the keys that `underbrush schema` lists";
             let fault = InputError::new(path, field, error.message(), allowed, "correct this line");
-            fault.at_line(line_of(&text, span.start))
+            fault.at_line(line_at(&text, span.start))
         })?;
         let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
         let scene = Scene {
@@ -298,7 +299,7 @@ impl Scene {
         };
         let fault = self.fault(&format!("{place}.{}", limited.name), found, allowed);
         let span = &limited.quantity.span;
-        Err(if span.is_empty() { fault } else { fault.at_line(line_of(&self.text, span.start)) })
+        Err(if span.is_empty() { fault } else { fault.at_line(line_at(&self.text, span.start)) })
     }
 
     /// An error about this file. Its line is the one that sets the last part of `field`, searched for in the group that

@@ -9,19 +9,12 @@ use super::{COLUMNS, TrialRow, channel_column, channel_columns, place_columns, p
 use crate::disk::table::row::Row;
 use crate::disk::{DiskError, whole_file};
 use crate::limits::CSV_BYTES;
+use crate::text_line::line_of_row;
 use crate::{InputError, Trial, read_bytes};
-
-/// The line, from 1, of the row at `position`. The parser counts from where it started to look for the row, so blank
-/// lines before it (and the second half of a line break) have to be added.
-fn line_of(text: &[u8], position: &csv::Position) -> usize {
-    let rest = text.get(position.byte() as usize..).unwrap_or_default();
-    let blank = rest.iter().take_while(|byte| matches!(byte, b'\r' | b'\n'));
-    position.line() as usize + blank.filter(|byte| **byte == b'\n').count()
-}
 
 /// Converts an error of the CSV parser.
 fn refused(path: &Path, text: &[u8], error: csv::Error) -> DiskError {
-    let line = error.position().map(|position| line_of(text, position));
+    let line = error.position().map(|position| line_of_row(text, position));
     match error.into_kind() {
         csv::ErrorKind::Io(source) => DiskError::Io { path: path.to_path_buf(), action: "read", source },
         kind => {
@@ -53,7 +46,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
             None | Some("") => Cell::Missing,
             Some(text) => Cell::Text(text),
         };
-        let line = record.position().map_or(0, |position| line_of(&text, position));
+        let line = record.position().map_or(0, |position| line_of_row(&text, position));
         let channels =
             others.iter().filter_map(|(name, place)| Some((Arc::clone(name), cell(Some(*place)).channel()?)));
         let channels = channels.collect();
