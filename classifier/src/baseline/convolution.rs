@@ -36,8 +36,8 @@ pub(super) struct Convolutions {
     scale: Vec<f64>,
     /// Samples between neighbouring weights.
     dilations: Vec<usize>,
-    /// The features that a convolution adds up, by their index, for each kernel of each dilation.
-    inputs: Vec<Vec<usize>>,
+    /// Which features a convolution adds up, for each kernel of each dilation.
+    inputs: Vec<Vec<bool>>,
     /// The thresholds of its outputs.
     biases: Vec<Vec<f64>>,
 }
@@ -70,9 +70,8 @@ impl Convolutions {
         let inputs = (0..KERNELS * dilations.len()).map(|_| {
             // Few features are more likely than many, as in the original: the logarithm of their number is uniform.
             let number = (math::exp(rng.random::<f64>() * most) as usize).clamp(1, features.dimension());
-            let mut chosen = index::sample(&mut rng, features.dimension(), number).into_vec();
-            chosen.sort_unstable();
-            chosen
+            let chosen = index::sample(&mut rng, features.dimension(), number).into_vec();
+            (0..features.dimension()).map(|feature| chosen.contains(&feature)).collect()
         });
         let inputs = inputs.collect();
         let scale = deviations(by_category, features)?;
@@ -114,9 +113,9 @@ impl Convolutions {
             return Err(Fault::new("dilations", format!("{:?}", self.dilations), "1, 2, 4 and so on up to 32"));
         }
         let convolutions = KERNELS * self.dilations.len();
-        let fits = |own: &Vec<usize>| !own.is_empty() && own.iter().all(|feature| *feature < features.dimension());
+        let fits = |own: &Vec<bool>| own.len() == features.dimension() && own.contains(&true);
         if self.inputs.len() != convolutions || !self.inputs.iter().all(fits) {
-            let allowed = format!("{convolutions} lists of indices below {}", features.dimension());
+            let allowed = format!("{convolutions} lists of {} of true and false", features.dimension());
             return Err(Fault::new("inputs", format!("{} lists", self.inputs.len()), allowed));
         }
         let each = self.biases.first().map_or(0, Vec::len);
@@ -210,9 +209,9 @@ impl Convolutions {
         let sum = |feature: usize| (0..LENGTH).map(|place| at(place, feature)).sum::<f64>();
         let sums: Vec<f64> = (0..dimension).map(sum).collect();
         for (kernel, places) in kernels().enumerate() {
-            let of =
-                |feature: &usize| 3.0 * places.map(|place| at(place, *feature)).iter().sum::<f64>() - sums[*feature];
-            take(kernel, self.inputs[dilation * KERNELS + kernel].iter().map(of).sum());
+            let inputs = self.inputs[dilation * KERNELS + kernel].iter().enumerate().filter(|(_, is_used)| **is_used);
+            let of = |feature: usize| 3.0 * places.map(|place| at(place, feature)).iter().sum::<f64>() - sums[feature];
+            take(kernel, inputs.map(|(feature, _)| of(feature)).sum());
         }
     }
 }
@@ -289,7 +288,7 @@ mod tests {
     fn outputs_are_those_of_an_independent_library() {
         // Tests the running counts against the ones above, on two channels; each kernel adds up one of them or both.
         let features: FeatureSet = "column:a,column:b".parse().unwrap();
-        let which = [vec![0], vec![1], vec![0, 1]];
+        let which = [vec![true, false], vec![false, true], vec![true, true]];
         let convolutions = Convolutions {
             scale: vec![1.0; 2],
             dilations: vec![1, 2, 4],
@@ -324,7 +323,7 @@ mod tests {
         assert_eq!(convolutions.dilations, [1, 2, 4, 8, 16, 32]);
         assert_eq!(convolutions.dimension(), 1008);
         for feature in 0..2 {
-            assert!(convolutions.inputs.iter().any(|inputs| inputs.contains(&feature)));
+            assert!(convolutions.inputs.iter().any(|inputs| inputs[feature]));
         }
         let shares = convolutions.after(features, &trial, &[300]).unwrap().remove(0);
         let mean = shares.iter().sum::<f64>() / shares.len() as f64;
