@@ -14,9 +14,9 @@ use crate::feature::{FeatureError, FeatureSet, SampleFault};
 const LENGTH: usize = 9;
 /// Kernels: the choices of 3 weights of 9.
 pub(super) const KERNELS: usize = 84;
-/// The largest distance between neighbouring weights, in samples. Choice: a kernel then spans 2.6 s at 100 Hz, more than
+/// Distances between neighbouring weights, in samples. Choice: with the largest a kernel spans 2.6 s at 100 Hz, more than
 /// almost all contacts last.
-const MAX_DILATION: usize = 32;
+const DILATIONS: [usize; 6] = [1, 2, 4, 8, 16, 32];
 /// Trials whose outputs the biases of a dilation are quantiles of. The original takes one, which is too few for contacts
 /// of some ten samples.
 const TRIALS_FOR_BIASES: usize = 32;
@@ -34,7 +34,7 @@ fn kernels() -> impl Iterator<Item = [usize; 3]> {
 pub(super) struct Convolutions {
     /// What each feature is divided by: its standard deviation in training.
     scale: Vec<f64>,
-    /// Samples between neighbouring weights.
+    /// Samples between neighbouring weights: the first of 1, 2, 4, 8, 16 and 32.
     dilations: Vec<usize>,
     /// Which features a convolution adds up, for each kernel of each dilation.
     inputs: Vec<Vec<bool>>,
@@ -62,10 +62,8 @@ impl Convolutions {
     ) -> Result<Self, FeatureError> {
         let mut rng = ChaCha8Rng::seed_from_u64(0);
         let longest = by_category.values().flatten().map(|trial| trial.samples.len()).max().unwrap_or(0);
-        let dilations: Vec<usize> = (0..)
-            .map(|power| 1 << power)
-            .take_while(|d| *d == 1 || (*d <= MAX_DILATION && d * (LENGTH - 1) < longest))
-            .collect();
+        let is_used = |dilation: &usize| *dilation == 1 || dilation * (LENGTH - 1) < longest;
+        let dilations: Vec<usize> = DILATIONS.into_iter().take_while(is_used).collect();
         let most = math::ln(features.dimension().min(LENGTH) as f64 + 1.0);
         let inputs = (0..KERNELS * dilations.len()).map(|_| {
             // Few features are more likely than many, as in the original: the logarithm of their number is uniform.
@@ -107,10 +105,9 @@ impl Convolutions {
     /// Checks numbers read from a file.
     pub(super) fn check(&self, features: FeatureSet) -> Result<(), Fault> {
         check_list("scale", &self.scale, features.dimension(), POSITIVE)?;
-        let powers = (0..).map(|power| 1 << power);
-        let right = self.dilations.iter().copied().eq(powers.take(self.dilations.len()));
-        if self.dilations.is_empty() || !right || self.dilations.iter().any(|dilation| *dilation > MAX_DILATION) {
-            return Err(Fault::new("dilations", format!("{:?}", self.dilations), "1, 2, 4 and so on up to 32"));
+        if self.dilations.is_empty() || !DILATIONS.starts_with(&self.dilations) {
+            let allowed = format!("the first of {DILATIONS:?}");
+            return Err(Fault::new("dilations", format!("{:?}", self.dilations), allowed));
         }
         let convolutions = KERNELS * self.dilations.len();
         let fits = |own: &Vec<bool>| own.len() == features.dimension() && own.contains(&true);

@@ -94,7 +94,7 @@ fn a_torque_twists_up_to_where_it_acts() {
 
 /// Tests the motion in which a blade bends and twists at once: a point mass m beside its tip, at a distance e along its width,
 /// swings at ω² = 1 / (m (L³ / 3 E I + e² L / G J)), as bending and twist give way one after the other. The blade's own mass
-/// adds 33/140 of it to m. The midpoint rule changes ω by (ω Δt)² / 12 of it, here 2e-6, and four hinges by a thousandth.
+/// adds 33/140 of it to m. The midpoint rule changes ω by (ω Δt)² / 12 of it, below 1e-6, and four hinges by a thousandth.
 #[test]
 fn a_mass_beside_the_tip_swings_by_bending_and_twist() {
     for beside_m in [0.0, 0.06, 0.12] {
