@@ -71,7 +71,7 @@ const PENALTY: Limits = Limits::new(1e-9, 1e6, "");
 pub struct MiniRocket {
     /// The features of each sample.
     pub features: FeatureSet,
-    /// Thresholds of the outputs in all, about. There is at least one for each convolution.
+    /// About how many thresholds the outputs have in all. Each convolution has at least one.
     #[schemars(range(min = THRESHOLDS.min, max = THRESHOLDS.max))]
     pub thresholds: usize,
     /// Weight of the squared weights, each times the variance of its share, relative to the mean squared error; above 0.
