@@ -53,8 +53,8 @@ pub(super) struct Outputs {
 }
 
 impl Convolutions {
-    /// Draws the convolutions and takes their biases from trials, at least one of each convolution and about `wanted`
-    /// in all. The draws depend on the trials and on nothing else.
+    /// Draws the convolutions, and takes their biases from trials: at least one for each convolution, and about `wanted` in
+    /// all. The same trials always give the same draws.
     pub(super) fn fit(
         by_category: &TrialsByCategory,
         features: FeatureSet,
@@ -259,7 +259,7 @@ mod tests {
     /// How often the outputs of aeon 1.6.0 are above their biases, for each kernel of the dilations 1, 2 and 4.
     ///
     /// Its `_static_transform_multi` was given the series below with its first value repeated 8 dilations before it. The
-    /// kernels that it does not pad look back at just the samples that ours do. No output is within 5e-5 of its bias.
+    /// kernels that it does not pad see the same samples as ours. No output is within 5e-5 of its bias.
     const AEON: [[u32; KERNELS]; 3] = [
         [
             13, 17, 17, 19, 20, 17, 14, 15, 14, 18, 19, 17, 15, 16, 14, 17, 22, 18, 14, 10, 13, 18, 22, 19, 14, 13, 15,
