@@ -85,14 +85,15 @@ impl Survey {
     fn observe_friction_and_depth(&mut self, simulation: &Simulation) {
         let objects = &simulation.clutter().objects;
         for contact in &simulation.report().contacts {
-            let placed = &objects[contact.object];
+            let Some(object) = contact.object else { continue };
+            let placed = &objects[object];
             let normal = contact.force_world.dot(contact.inward_world);
             let rubbing = contact.force_world - contact.inward_world * normal;
             let slip = contact.slip_world;
             if slip.length() > SLIDING_M_PER_S {
                 self.angles_deg.push(rubbing.angle_between(-slip).to_degrees());
                 let friction =
-                    0.5 * (simulation.arm().friction + simulation.structure(contact.object).surface.friction);
+                    0.5 * (simulation.arm().friction + simulation.structure(object).surface.friction);
                 self.work_j -= rubbing.dot(slip);
                 self.coulomb_j += friction * normal * slip.length();
             }
@@ -174,7 +175,8 @@ type Forces = BTreeMap<(usize, usize), Touch>;
 fn forces(report: &FrameReport) -> Forces {
     let mut forces = Forces::new();
     for contact in &report.contacts {
-        let touch = forces.entry((contact.link, contact.object)).or_default();
+        let Some(object) = contact.object else { continue };
+        let touch = forces.entry((contact.link, object)).or_default();
         let normal_n = contact.force_world.dot(contact.inward_world);
         touch.force += contact.force_world;
         touch.normal_n += normal_n;

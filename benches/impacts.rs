@@ -59,7 +59,7 @@ struct Touch {
     reach: u64,
     frame: usize,
     link: usize,
-    object: usize,
+    object: Option<usize>,
     /// How fast the point of contact approaches the trunk at the start of the frame, m/s.
     speed_m_per_s: f64,
 }
@@ -69,7 +69,7 @@ impl Touch {
     fn find(reach: u64, before: &Simulation, after: &Simulation) -> Option<Touch> {
         let objects = &after.clutter().objects;
         let mut pressing = after.report().contacts.iter().filter(|contact| contact.force_world.length() >= TOUCHING_N);
-        let pressing = pressing.find(|contact| objects[contact.object].object.kind() == "trunk")?;
+        let pressing = pressing.find(|contact| contact.object.is_some_and(|object| objects[object].object.kind() == "trunk"))?;
         let report = before.report();
         let point_world = report.link_pose_world[pressing.link].transform_point(pressing.position_link);
         let jacobian = before.arm().position_jacobian(&report.link_pose_world, pressing.link, point_world);

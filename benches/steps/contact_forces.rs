@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use underbrush_sim::simulation::FrameReport;
 
-/// Forces of one frame by link and object, N, world frame.
-pub type Forces = BTreeMap<(usize, usize), DVec3>;
+/// Forces of one frame by link and object, or the arm itself, N, world frame.
+pub type Forces = BTreeMap<(usize, Option<usize>), DVec3>;
 
 /// The forces of a frame.
 pub fn forces(report: &FrameReport) -> Forces {

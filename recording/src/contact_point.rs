@@ -3,7 +3,8 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// The contact of a patch of skin, or of the bare part of a link, with a body of an object, over a frame.
+/// The contact of a patch of skin, or of the bare part of a link, with a body of an object or another link, over a frame.
+/// Two links that touch have one each.
 ///
 /// The forces of all contacts of a frame add up to the mean over its 10 ms, so the torques on the joints are
 /// τ = Σ Jᵀ f. Values are in single precision, as they are stored.
@@ -13,9 +14,9 @@ pub struct ContactPoint {
     pub link: u16,
     /// The patch of skin that is touched; `None` for a part of the link without skin.
     pub patch: Option<u16>,
-    /// The object, index in [`crate::Recording::objects`].
-    pub object: u16,
-    /// The body of the object, index in [`crate::Recording::bodies`].
+    /// The object, index in [`crate::Recording::objects`]; `None` for the arm itself.
+    pub object: Option<u16>,
+    /// The body of the object, or the other link, index in [`crate::Recording::bodies`].
     pub body: u16,
     /// Centre of the force, m, world frame, with the link where it is at the end of the frame.
     pub position_world: Vec3,
@@ -25,7 +26,7 @@ pub struct ContactPoint {
     pub force_world: Vec3,
     /// Mean moment on the link about the position, Nm, world frame: the friction of a patch that turns.
     pub moment_world: Vec3,
-    /// Mean velocity of the link's surface against the object's, in the tangent plane, m/s, world frame.
+    /// Mean velocity of the link's surface against the other, in the tangent plane, m/s, world frame.
     pub slip_world: Vec3,
     /// Largest overlap of the undeformed shapes, m: how far skin and object together give way.
     pub depth_m: f32,
@@ -39,14 +40,14 @@ pub(crate) const NUMBERS: usize = 21;
 
 #[cfg(feature = "disk")]
 impl ContactPoint {
-    /// All fields as numbers, in their order; a missing patch is −1.
+    /// All fields as numbers, in their order; a missing patch or object is −1.
     pub(crate) fn numbers(&self) -> [f32; NUMBERS] {
         let [position, normal, force, moment, slip] =
             [self.position_world, self.normal_world, self.force_world, self.moment_world, self.slip_world]
                 .map(|vector| vector.to_array());
-        let patch = self.patch.map_or(-1.0, f32::from);
+        let [patch, object] = [self.patch, self.object].map(|index| index.map_or(-1.0, f32::from));
         let mut numbers = [0.0; NUMBERS];
-        numbers[..4].copy_from_slice(&[self.link.into(), patch, self.object.into(), self.body.into()]);
+        numbers[..4].copy_from_slice(&[self.link.into(), patch, object, self.body.into()]);
         numbers[4..19].copy_from_slice([position, normal, force, moment, slip].as_flattened());
         numbers[19..].copy_from_slice(&[self.depth_m, self.area_m2]);
         numbers
@@ -55,12 +56,12 @@ impl ContactPoint {
     /// The contact with these numbers; `None` if an index is not a whole number of its range.
     pub(crate) fn from_numbers(numbers: &[f32; NUMBERS]) -> Option<Self> {
         let index = |number: f32| (f32::from(number as u16) == number).then_some(number as u16);
-        let patch = if numbers[1] == -1.0 { None } else { Some(index(numbers[1])?) };
+        let optional = |number: f32| if number == -1.0 { Some(None) } else { index(number).map(Some) };
         let vector = |first: usize| Vec3::from_slice(&numbers[first..]);
         Some(ContactPoint {
             link: index(numbers[0])?,
-            patch,
-            object: index(numbers[2])?,
+            patch: optional(numbers[1])?,
+            object: optional(numbers[2])?,
             body: index(numbers[3])?,
             position_world: vector(4),
             normal_world: vector(7),

@@ -121,9 +121,9 @@ impl fmt::Display for GoalOutcomes {
 /// The contact that ended a goal because its force exceeded the controller's stop force.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SafetyStop {
-    /// Index in [`crate::Recording::objects`].
-    pub object: u16,
-    /// Name of the link that the object pressed on.
+    /// Index in [`crate::Recording::objects`]; `None` if another link of the arm pressed.
+    pub object: Option<u16>,
+    /// Name of the link that it pressed on.
     pub link: String,
     /// The patch that took most of the force; `None` if most of it fell on a part without skin.
     pub patch: Option<u16>,
@@ -134,11 +134,11 @@ pub struct SafetyStop {
 /// A [`SafetyStop`] with names in place of indices.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NamedStop {
-    /// Index in [`crate::Recording::objects`].
-    pub object_index: u16,
-    /// Kind of the object in the scene file (`leaf`, `trunk`, `foam_block`, `foam_roll`).
+    /// Index in [`crate::Recording::objects`]; `None` if another link of the arm pressed.
+    pub object_index: Option<u16>,
+    /// Kind of the object in the scene file (`leaf`, `trunk`, `foam_block`, `foam_roll`), or `arm`.
     pub object_kind: String,
-    /// Name of the link that the object pressed on.
+    /// Name of the link that it pressed on.
     pub link: String,
     /// Name of the patch that took most of the force; `None` if most of it fell on a part without skin.
     pub patch: Option<String>,
@@ -150,7 +150,11 @@ pub struct NamedStop {
 impl fmt::Display for NamedStop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let NamedStop { object_index, object_kind, link, patch, force_n } = self;
-        write!(f, "{force_n:.0} N between {object_kind} (object {object_index}) and link {link}, ")?;
+        write!(f, "{force_n:.0} N between {object_kind} ")?;
+        if let Some(index) = object_index {
+            write!(f, "(object {index}) ")?;
+        }
+        write!(f, "and link {link}, ")?;
         match patch {
             Some(patch) => write!(f, "patch {patch}"),
             None => write!(f, "where it has no skin"),

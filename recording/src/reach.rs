@@ -188,11 +188,13 @@ impl Recording {
     /// The contact that ended the reach, if a force exceeded the controller's stop force.
     pub fn safety_stop(&self) -> Option<NamedStop> {
         let stop = self.goals.iter().find_map(|goal| goal.safety_stop.as_ref())?;
-        let object = self.objects.get(usize::from(stop.object))?;
         let patch = stop.patch.and_then(|patch| self.layout.patches.get(usize::from(patch)));
         Some(NamedStop {
             object_index: stop.object,
-            object_kind: object.kind.clone(),
+            object_kind: match stop.object {
+                Some(object) => self.objects.get(usize::from(object))?.kind.clone(),
+                None => "arm".into(),
+            },
             link: stop.link.clone(),
             patch: patch.map(|patch| patch.name.clone()),
             force_n: stop.force_n,

@@ -41,20 +41,22 @@ impl ContactLog {
         self.closed.extend(self.open.extract_if(.., |_, course| course.last_frame < frame));
     }
 
-    /// All contacts, including those still open, sorted by first frame, then patch, link and object.
+    /// All contacts with objects, including those still open, sorted by first frame, then patch, link and object.
     pub fn finish(mut self, link_name: impl Fn(u16) -> String) -> Vec<Contact> {
         self.closed.extend(self.open);
         self.closed.sort_by_key(|(pair, course)| (course.first_frame, *pair));
-        let contact = |(pair, course): (ContactPair, Course)| Contact {
+        let contact = |(pair, course): (ContactPair, Course)| {
+            Some(Contact {
             link: link_name(pair.link),
             patch: pair.patch,
-            object: pair.object,
+            object: pair.object?,
             first_frame: course.first_frame,
             last_frame: course.last_frame,
             peak_force_n: course.peak_force_n,
             mean_force_n: course.force_sum_n / f64::from(course.last_frame - course.first_frame + 1),
+            })
         };
-        self.closed.into_iter().map(contact).collect()
+        self.closed.into_iter().filter_map(contact).collect()
     }
 }
 
@@ -62,7 +64,7 @@ impl ContactLog {
 mod tests {
     use super::*;
 
-    const PAIR: ContactPair = ContactPair { patch: Some(0), link: 2, object: 3 };
+    const PAIR: ContactPair = ContactPair { patch: Some(0), link: 2, object: Some(3) };
 
     fn link_name(link: u16) -> String {
         format!("link {link}")
@@ -88,7 +90,7 @@ mod tests {
     /// with the same first frame are sorted by patch, link and object.
     #[test]
     fn contacts_name_their_links() {
-        let bare = |link, object| ContactPair { patch: None, link, object };
+        let bare = |link, object| ContactPair { patch: None, link, object: Some(object) };
         let pairs = [PAIR, bare(4, 1), bare(1, 3), bare(4, 0)];
         let mut log = ContactLog::default();
         log.observe(0, &pairs.map(|pair| (pair, DVec3::X)));

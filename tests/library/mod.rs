@@ -10,5 +10,6 @@ mod own_controller;
 mod ranges;
 mod reach_controller;
 mod scenes;
+mod self_contact;
 mod suites;
 mod table;

@@ -43,7 +43,7 @@ fn a_table_stops_the_arm() {
     let (stopped, height_m) = lowered("[[objects.table]]\ncount = 1\n");
     let report = stopped.report();
     assert!(height_m > HEIGHT_M - 0.02, "{height_m}");
-    assert!(!report.contacts.is_empty() && report.contacts.iter().all(|contact| contact.object == 0));
+    assert!(!report.contacts.is_empty() && report.contacts.iter().all(|contact| contact.object == Some(0)));
     assert!(report.contacts.iter().all(|contact| contact.force_world.z > 0.0 && contact.penetration_m < 0.01));
     let (springs, contacts) = (report.joint_torque_nm(), report.contact_torque_nm(stopped.arm()));
     let sum: f64 = springs.iter().zip(&contacts).map(|(spring, contact)| (spring + contact).powi(2)).sum();

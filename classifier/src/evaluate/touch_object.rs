@@ -186,7 +186,7 @@ const GIVES_WAY_M: f64 = 1e-3;
 /// from where they are at rest, along the force. `None` if it has not given way, or if contacts or bodies are not recorded.
 fn true_stiffness_n_per_m(recording: &Recording, frame: usize, object: u16) -> Option<f64> {
     let (mut force, mut work) = (DVec3::ZERO, 0.0);
-    for contact in recording.frames.get(frame)?.contact_points.iter().filter(|own| own.object == object) {
+    for contact in recording.frames.get(frame)?.contact_points.iter().filter(|own| own.object == Some(object)) {
         let body = recording.bodies.get(usize::from(contact.body))?;
         let pose_world = body.pose_world(u32::try_from(frame).ok()?);
         let point_world = contact.position_world.as_dvec3();
@@ -221,7 +221,7 @@ mod tests {
         let contact = ContactPoint {
             link: 0,
             patch: None,
-            object: 0,
+            object: Some(0),
             body: 0,
             position_world: glam::Vec3::new(0.97, 0.3, 0.2),
             normal_world: -glam::Vec3::X,

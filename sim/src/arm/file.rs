@@ -12,6 +12,7 @@ use underbrush_recording::plain_text::{PLAIN, is_plain};
 use underbrush_recording::{BodyShape, InputError};
 
 use super::limits;
+use super::passing::passing_links;
 use super::schema::Within;
 use super::source::{Source, listed};
 use super::urdf::{Chain, ChainJoint, Said, read_chain};
@@ -42,6 +43,11 @@ pub(super) struct ArmFile {
     #[serde(default)]
     #[schemars(with = "Vec<HullTable>")]
     hull: Vec<Spanned<HullTable>>,
+    /// Pairs of links that pass through each other instead of colliding. Links with one or two joints between them, and
+    /// links that overlap in the start posture, always do.
+    #[serde(default)]
+    #[schemars(with = "Vec<[String; 2]>")]
+    passing_links: Vec<Spanned<[String; 2]>>,
     /// Joints that are held fixed, such as those of fingers.
     #[serde(default)]
     #[schemars(with = "Vec<HeldTable>")]
@@ -125,12 +131,13 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
         let allowed = format!("the last moving link or one that is fixed to it: {}", chain.links_at_end());
         return Err(source.fault_after(0, "tip_link", &file.tip_link, allowed));
     }
+    let named = read_passing_links(&source, &file.passing_links, &chain)?;
     let skin_source = open(&folder.join(&file.skin))?;
     let skin = skin_file::read_skin(&skin_source, &chain)?;
     let own_name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     let files = [(own_name.into_owned(), &source.text), (file.urdf, &urdf.text), (file.skin, &skin_source.text)];
     let files = files.map(|(name, text)| ArmSource { name, text: text.clone() });
-    Ok(Arm {
+    let mut arm = Arm {
         name: file.name,
         files: files.into(),
         joints: join_tables(&source, chain.joints, &file.joint)?,
@@ -138,8 +145,33 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
         end_effector_link,
         end_effector_pose_link,
         friction: file.friction,
+        passing_links: named,
         skin,
-    })
+    };
+    arm.passing_links = passing_links(&arm);
+    Ok(arm)
+}
+
+/// The links of the pairs that the file names, the one nearer to the base first.
+fn read_passing_links(
+    source: &Source,
+    pairs: &[Spanned<[String; 2]>],
+    chain: &Chain,
+) -> Result<Vec<[usize; 2]>, InputError> {
+    let mut found = Vec::new();
+    for pair in pairs {
+        let start = pair.span().start;
+        let [first, second] = pair.get_ref();
+        let [first, second] = [first, second].map(|name| chain.frame(source, start, "passing_links", name));
+        let (first, second) = (first?.0, second?.0);
+        if first == second {
+            let [name, other] = pair.get_ref();
+            let found = format!("{name:?} and {other:?}, one rigid link");
+            return Err(source.fault_after(start, "passing_links", found, "two links with a moving joint between them"));
+        }
+        found.push([first.min(second), first.max(second)]);
+    }
+    Ok(found)
 }
 
 /// Reads the chain of the URDF with the joints that the file holds.

@@ -23,6 +23,7 @@ pub(crate) mod limits;
 pub mod mesh;
 pub mod new;
 mod new_text;
+mod passing;
 mod schema;
 pub mod skin;
 mod skin_file;
@@ -61,6 +62,9 @@ pub struct Arm {
     pub end_effector_pose_link: Pose,
     /// Coefficient of friction of its surface.
     pub friction: f64,
+    /// Pairs of links that pass through each other instead of colliding, the one nearer to the base first, indices in
+    /// [`Arm::links`].
+    pub passing_links: Vec<[usize; 2]>,
     /// The skin.
     pub skin: Skin,
     /// The files that it was read from, for the provenance of data sets: the TOML file, the URDF and the skin file.

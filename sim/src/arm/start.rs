@@ -6,6 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 use super::Arm;
+use super::passing::overlap;
 
 /// The room in front of an arm, in shares of its reach. Choice: that of the Panda in docs/arms.md, whose reach is 0.93 m.
 pub(super) struct Room {
@@ -72,17 +73,13 @@ impl Room {
     /// How many pairs of links that are not neighbours overlap; `None` if a link beyond the shoulder is below the table.
     fn overlaps(&self, arm: &Arm, posture: &[f64]) -> Option<usize> {
         let poses = arm.forward_kinematics(posture);
-        let shapes: Vec<_> =
-            arm.links.iter().zip(&poses).map(|(link, pose)| link.placed_shapes(*pose).collect::<Vec<_>>()).collect();
-        let beyond = shapes.iter().skip(3).flatten();
-        if beyond.into_iter().any(|shape| -shape.extent_m(DVec3::NEG_Z) < self.table_m()) {
+        let shapes = arm.links.iter().zip(&poses).skip(3);
+        let mut beyond = shapes.flat_map(|(link, pose)| link.placed_shapes(*pose));
+        if beyond.any(|shape| -shape.extent_m(DVec3::NEG_Z) < self.table_m()) {
             return None;
         }
-        let apart = |a: usize, b: usize| {
-            let pairs = shapes[a].iter().flat_map(|one| shapes[b].iter().map(move |other| (one, other)));
-            pairs.into_iter().all(|(one, other)| one.distance_to(other.shape.as_ref(), &other.pose) > 0.0)
-        };
-        let pairs = (0..shapes.len()).flat_map(|a| (a + 2..shapes.len()).map(move |b| (a, b)));
-        Some(pairs.filter(|(a, b)| !apart(*a, *b)).count())
+        let links = poses.len();
+        let pairs = (0..links).flat_map(|a| (a + 2..links).map(move |b| [a, b]));
+        Some(pairs.filter(|pair| overlap(arm, &poses, *pair)).count())
     }
 }

@@ -91,7 +91,7 @@ fn bounds_follow_the_arm_and_its_skin() {
 fn jumps_are_changes_of_a_links_force() {
     let contact = |link: usize, force: f64| Contact {
         link,
-        object: 0,
+        object: Some(0),
         body: 0,
         position_link: DVec3::ZERO,
         inward_world: DVec3::X,

@@ -112,7 +112,7 @@ fn a_force_over_the_stop_force_ends_the_reach() {
                 // link.
                 let last_frame = recording.frames.len() as u32 - 1;
                 let pressing = recording.contacts.iter().filter(|contact| {
-                    contact.link == stop.link && contact.object == stop.object && contact.last_frame == last_frame
+                    contact.link == stop.link && Some(contact.object) == stop.object && contact.last_frame == last_frame
                 });
                 let sum: f64 = pressing.map(|contact| contact.peak_force_n).sum();
                 assert!(sum >= stop.force_n * (1.0 - 1e-12), "{sum} N, {stop:?}");

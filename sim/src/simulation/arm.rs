@@ -24,18 +24,17 @@ pub(super) struct ArmBodies {
 impl ArmBodies {
     /// Puts an arm into the engine at rest, in the posture `posture_rad` (one angle per joint), with its equilibrium
     /// angles at that posture. Its base frame is the world frame.
-    ///
-    /// Its links do not collide with each other.
     pub(super) fn insert(arm: &Arm, posture_rad: &[f64], engine: &mut Engine) -> ArmBodies {
         let mut solids = Vec::new();
         for (link, own) in arm.links.iter().enumerate() {
             for part in &own.colliders {
                 let placed = part.placed(&WorldPose::IDENTITY);
                 let shape = ColliderBuilder::new(placed.shape).position(parry_pose(&placed.pose));
-                solids.push(Solid { link, shape, groups: groups::arm(), surface: arm.surface(link), part: 0 });
+                solids.push(Solid { link, shape, groups: groups::arm(), surface: arm.surface(link), part: link as u16 });
             }
         }
         let slot = engine.scene.insert(Tree::of_arm(arm, posture_rad), solids);
+        engine.scene.passing_links = arm.passing_links.iter().map(|pair| pair.map(|link| PlacedLink { slot, link })).collect();
         let bodies = engine.scene.placed(slot).bodies.iter();
         let colliders = bodies.flat_map(|body| engine.scene.colliders_of(*body).iter().copied()).collect();
         ArmBodies { slot, colliders }

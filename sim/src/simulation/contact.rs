@@ -1,4 +1,4 @@
-//! Contacts between the arm and the clutter as the solver reports them.
+//! Contacts of the arm with the clutter and with itself as the solver reports them.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -7,14 +7,16 @@ use underbrush_recording::Pose;
 use crate::arm::Arm;
 use crate::skin::ContactPoint;
 
-/// The contact between one shape of the arm and one shape of an object, in one step.
+/// The contact of one shape of the arm with one shape of an object or of another link, in one step. Two links that touch
+/// have one each.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
     /// The link, index in [`Arm::links`].
     pub link: usize,
-    /// The object, index in [`crate::clutter::Clutter::objects`].
-    pub object: usize,
-    /// The object's body, index in [`crate::object::structure::Structure::bodies`].
+    /// The object, index in [`crate::clutter::Clutter::objects`]; `None` for the arm itself.
+    pub object: Option<usize>,
+    /// The object's body, index in [`crate::object::structure::Structure::bodies`], or the other link, index in
+    /// [`Arm::links`].
     pub body: usize,
     /// Centre of pressure when the step began, in the middle of the overlap of the two shapes, m, link frame.
     pub position_link: DVec3,
@@ -26,14 +28,14 @@ pub struct Contact {
     /// This contact's share of the mean moment on the link over the frame, about the position, Nm, world frame: the
     /// friction of a patch that rotates about its normal.
     pub moment_world: DVec3,
-    /// Largest overlap of the two undeformed shapes along the normal at the end of the step, m: how far skin and object
-    /// together give way.
+    /// Largest overlap of the two undeformed shapes along the normal at the end of the step, m: how far both together
+    /// give way.
     pub penetration_m: f64,
     /// How far from the position the surfaces touch, m.
     pub radius_m: f64,
     /// Area on which the undeformed shapes overlap at the end of the step, m².
     pub area_m2: f64,
-    /// Velocity of the link's surface against the object's in the step, in the tangent plane, m/s, world
+    /// Velocity of the link's surface against the other in the step, in the tangent plane, m/s, world
     /// frame.
     pub slip_world: DVec3,
 }

@@ -10,7 +10,7 @@ use super::report::FrameReport;
 #[derive(Default)]
 struct Sum {
     /// Link, patch, object and body.
-    place: (u16, Option<u16>, u16, u16),
+    place: (u16, Option<u16>, Option<u16>, u16),
     force_n: f64,
     force: DVec3,
     /// Positions times magnitudes of the forces.
@@ -29,7 +29,8 @@ struct Sum {
 pub(super) fn contact_points(report: &FrameReport, body: impl Fn(&Contact) -> u16) -> Vec<ContactPoint> {
     let mut sums: Vec<Sum> = Vec::new();
     for (contact, patch) in report.contacts.iter().zip(&report.tactile.contact_patch) {
-        let place = (contact.link as u16, *patch, contact.object as u16, body(contact));
+        let object = contact.object.map(|object| object as u16);
+        let place = (contact.link as u16, *patch, object, body(contact));
         let at = sums.iter().position(|sum| sum.place == place).unwrap_or_else(|| {
             sums.push(Sum { place, ..Sum::default() });
             sums.len() - 1

@@ -14,9 +14,9 @@ fn colliding(own: Group, others: Group) -> InteractionGroups {
     InteractionGroups::new(own, others, InteractionTestMode::And)
 }
 
-/// Links of the arm: they collide with everything but each other.
+/// Links of the arm. Which of them meet each other is said by [`crate::arm::Arm::passing_links`].
 pub fn arm() -> InteractionGroups {
-    colliding(ARM, FIXED | BENDABLE | ROOTED)
+    colliding(ARM, ARM | FIXED | BENDABLE | ROOTED)
 }
 
 /// Bodies of objects.

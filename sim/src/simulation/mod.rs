@@ -157,7 +157,10 @@ impl Simulation {
             patch_pose_world: surfaces.map(|surface| report.link_pose_world[surface.link]).collect(),
             contact_force_world: report.tactile.contact_force_world.clone(),
             taxels: report.tactile.taxels.clone(),
-            contact_points: contact_points(report, |contact| self.model.recorded_bodies[contact.object][contact.body]),
+            contact_points: contact_points(report, |contact| match contact.object {
+                Some(object) => self.model.recorded_bodies[object][contact.body],
+                None => contact.body as u16,
+            }),
         }
     }
 

@@ -139,6 +139,8 @@ pub(super) struct Scene {
     mounts: Vec<Option<Mount>>,
     /// Pairs of kinds that pass through each other, in either order.
     pub(super) passing: Vec<[Option<usize>; 2]>,
+    /// Pairs of links of one tree that pass through each other, in either order.
+    pub(super) passing_links: Vec<[PlacedLink; 2]>,
     /// Sorted.
     pairs: Vec<[ColliderHandle; 2]>,
     /// Whether shapes were added or removed since the pairs were found.
@@ -376,6 +378,12 @@ impl Scene {
         let passes = |[one, other]: &[Option<usize>; 2]| {
             (first.kind, second.kind) == (*one, *other) || (second.kind, first.kind) == (*one, *other)
         };
-        !first.belongs_to(second) && !self.passing.iter().any(passes) && apart.max_element() <= 2.0 * ROOM_M + NEAR_M
+        let parted = |[one, other]: &[PlacedLink; 2]| {
+            (first.at, second.at) == (*one, *other) || (second.at, first.at) == (*one, *other)
+        };
+        !first.belongs_to(second)
+            && !self.passing.iter().any(passes)
+            && !self.passing_links.iter().any(parted)
+            && apart.max_element() <= 2.0 * ROOM_M + NEAR_M
     }
 }

@@ -37,13 +37,15 @@ impl Loads {
         self.normal_n_by_object.clear();
     }
 
-    fn add(&mut self, place: Place, object: u16, force: &TaxelForce) {
+    fn add(&mut self, place: Place, object: Option<u16>, force: &TaxelForce) {
         let normal_n = force.normal_force_n;
         let load = entry(&mut self.taxels, place);
         load.normal_n += normal_n;
         load.felt_n += normal_n * force.felt_share;
         load.shear_link += force.shear_link;
-        *entry(&mut self.normal_n_by_object, (place, object)) += normal_n;
+        if let Some(object) = object {
+            *entry(&mut self.normal_n_by_object, (place, object)) += normal_n;
+        }
     }
 
     /// The object that presses most on a taxel; the first in the clutter if several press equally.
@@ -53,14 +55,14 @@ impl Loads {
     }
 }
 
-/// A contact point between a patch and a collision shape of an object.
+/// A contact point between a patch and a collision shape of an object or of another link.
 #[derive(Clone)]
 struct Touch {
     patch: usize,
     collider: ColliderHandle,
     /// Its number among the contacts of the frame.
     number: usize,
-    object: usize,
+    object: Option<u16>,
     point: ContactPoint,
 }
 
@@ -105,12 +107,13 @@ pub(super) fn sense(
         let patch = patches.iter().position(|patch| patch.link == contact.link && patch.covers(&point));
         let number_of_patch = patch.map(|patch| patch as u16);
         tactile.contact_patch.push(number_of_patch);
-        let pair = ContactPair { patch: number_of_patch, link: contact.link as u16, object: contact.object as u16 };
+        let object = contact.object.map(|object| object as u16);
+        let pair = ContactPair { patch: number_of_patch, link: contact.link as u16, object };
         *entry(&mut tactile.pairs, pair) += contact.force_world;
         if let Some(patch) = patch {
             tactile.contact_force_world[patch] += contact.force_world;
             wrenches[patch].solver.add(point.position_link, point.force_link);
-            touches.push(Touch { patch, collider, number, object: contact.object, point });
+            touches.push(Touch { patch, collider, number, object, point });
         }
     }
     // Within a pair, the order of the contacts is kept. An unstable sort needs no memory.
@@ -122,10 +125,10 @@ pub(super) fn sense(
         points.extend(group.iter().map(|touch| touch.point));
         let skin = &patches[patch];
         let shape = world.engine.scene.shape(collider);
-        let surface = &model.structures[object].surface;
+        let surface = &world.engine.scene.mount(collider).surface;
         let shape_pose = world.link_pose(skin.link).inverse() * world.engine.scene.collider_pose(collider);
         for force in skin.spread(points, shape, &shape_pose, surface, spread) {
-            loads.add((patch, force.taxel), object as u16, force);
+            loads.add((patch, force.taxel), object, force);
         }
     }
     for ((patch, taxel), load) in &loads.taxels {
@@ -211,15 +214,15 @@ mod tests {
         let (taxel, beside, leaf, trunk) = ((1, 30), (1, 31), 7, 2);
         assert_eq!(loads.object(taxel), None);
         let force = |normal_force_n, shear_link| TaxelForce { taxel: 0, normal_force_n, shear_link, felt_share: 1.0 };
-        loads.add(taxel, leaf, &force(0.3, DVec3::X));
-        loads.add(taxel, trunk, &force(0.4, DVec3::ZERO));
-        loads.add(beside, leaf, &force(0.9, DVec3::ZERO));
+        loads.add(taxel, Some(leaf), &force(0.3, DVec3::X));
+        loads.add(taxel, Some(trunk), &force(0.4, DVec3::ZERO));
+        loads.add(beside, Some(leaf), &force(0.9, DVec3::ZERO));
         assert_eq!(loads.object(taxel), Some(trunk));
-        loads.add(taxel, leaf, &force(0.3, DVec3::Y));
+        loads.add(taxel, Some(leaf), &force(0.3, DVec3::Y));
         assert_eq!(loads.object(taxel), Some(leaf));
         let (_, load) = loads.taxels[0];
         assert!((load.normal_n - 1.0).abs() < 1e-15 && load.shear_link == DVec3::new(1.0, 1.0, 0.0));
-        loads.add(taxel, trunk, &force(0.2, DVec3::ZERO));
+        loads.add(taxel, Some(trunk), &force(0.2, DVec3::ZERO));
         assert_eq!(loads.object(taxel), Some(trunk));
     }
 }

@@ -4,24 +4,25 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::TaxelReading;
 
-/// A part of the arm and an object that press on each other. The part is a patch of skin or the bare part of a link.
+/// A part of the arm and an object, or the arm and itself, that press on each other. The part is a patch of skin or the bare
+/// part of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct ContactPair {
     /// The patch; `None` for the bare part of the link.
     pub patch: Option<u16>,
     /// The link, index in the arm.
     pub link: u16,
-    /// The object, index in the clutter.
-    pub object: u16,
+    /// The object, index in the clutter; `None` for other links of the arm.
+    pub object: Option<u16>,
 }
 
-/// The force between one link, skin and bare part together, and one object.
+/// The force between one link, skin and bare part together, and one object, or the other links.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkForce {
     /// The link, index in the arm.
     pub link: u16,
-    /// The object, index in the clutter.
-    pub object: u16,
+    /// The object, index in the clutter; `None` for other links of the arm.
+    pub object: Option<u16>,
     /// The patch that takes most of it; `None` if the bare part does.
     pub patch: Option<u16>,
     /// Its magnitude, N.
@@ -95,7 +96,7 @@ mod tests {
     /// most of it.
     #[test]
     fn forces_add_up_by_link_and_object() {
-        let pair = |patch, link, object| ContactPair { patch, link, object };
+        let pair = |patch, link, object| ContactPair { patch, link, object: Some(object) };
         let tactile =
             |pairs: &[(ContactPair, DVec3)]| TactileFrame { pairs: pairs.to_vec(), ..TactileFrame::default() };
         assert_eq!(TactileFrame::default().largest_force(), None);
@@ -105,7 +106,7 @@ mod tests {
             (pair(Some(1), 4, 5), DVec3::X * 90.0),
             (pair(None, 3, 6), DVec3::X * 100.0),
         ]);
-        let expected = LinkForce { link: 3, object: 5, patch: Some(0), force_n: 110.0 };
+        let expected = LinkForce { link: 3, object: Some(5), patch: Some(0), force_n: 110.0 };
         assert_eq!(found.largest_force(), Some(expected));
         let bare = tactile(&[(pair(Some(0), 3, 5), DVec3::X * 3.0), (pair(None, 3, 5), DVec3::Y * 4.0)]);
         let expected = LinkForce { patch: None, force_n: 5.0, ..expected };

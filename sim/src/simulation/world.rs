@@ -127,38 +127,43 @@ impl World {
         self.mechanisms[index] = Some(mechanism);
     }
 
-    /// Adds the contacts of the last step between arm and objects.
+    /// Adds the contacts of the last step between arm and objects, and of the arm with itself.
     fn gather_contacts(&mut self, model: &Model) {
         for contact in &self.engine.contact_step.contacts {
             let links = contact.colliders.map(|collider| self.arm.link_of(&self.engine, collider));
-            let (side, link) = match links {
-                [Some(link), None] => (0, link),
-                [None, Some(link)] => (1, link),
-                _ => continue,
-            };
-            let other = contact.colliders[1 - side];
-            let PlacedLink { slot, link: other_link } = self.engine.link_of(other);
-            let is_of = |mechanism: &Option<Mechanism>| mechanism.is_some_and(|mechanism| mechanism.slot == slot);
-            let Some(assembly) = self.mechanisms.iter().position(is_of) else {
-                continue;
-            };
-            let (object, body) = model.object_of(assembly, other_link);
-            let sign = if side == 0 { 1.0 } else { -1.0 };
-            self.contacts.push(Contact {
-                link,
-                object,
-                body,
-                position_link: contact.position_body[side],
-                inward_world: contact.normal_world * sign,
-                force_world: contact.impulse_world * (sign / FRAME_PERIOD_S),
-                moment_world: contact.moment_world * (sign / FRAME_PERIOD_S),
-                penetration_m: contact.overlap_m,
-                radius_m: contact.radius_m,
-                area_m2: contact.area_m2,
-                slip_world: contact.slip_world * sign,
-            });
-            self.contact_colliders.push(other);
+            for (side, link) in links.iter().enumerate() {
+                let (Some(link), other) = (*link, contact.colliders[1 - side]) else { continue };
+                let (object, body) = match links[1 - side] {
+                    Some(other_link) => (None, other_link),
+                    None => match self.object_of(model, other) {
+                        Some((object, body)) => (Some(object), body),
+                        None => continue,
+                    },
+                };
+                let sign = if side == 0 { 1.0 } else { -1.0 };
+                self.contacts.push(Contact {
+                    link,
+                    object,
+                    body,
+                    position_link: contact.position_body[side],
+                    inward_world: contact.normal_world * sign,
+                    force_world: contact.impulse_world * (sign / FRAME_PERIOD_S),
+                    moment_world: contact.moment_world * (sign / FRAME_PERIOD_S),
+                    penetration_m: contact.overlap_m,
+                    radius_m: contact.radius_m,
+                    area_m2: contact.area_m2,
+                    slip_world: contact.slip_world * sign,
+                });
+                self.contact_colliders.push(other);
+            }
         }
+    }
+
+    /// The object and its body that carry a collider; `None` for a table that is no object.
+    fn object_of(&self, model: &Model, collider: ColliderHandle) -> Option<(usize, usize)> {
+        let PlacedLink { slot, link } = self.engine.link_of(collider);
+        let is_of = |mechanism: &Option<Mechanism>| mechanism.is_some_and(|mechanism| mechanism.slot == slot);
+        Some(model.object_of(self.mechanisms.iter().position(is_of)?, link))
     }
 }
 

@@ -55,8 +55,12 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
         let owner = |body: u16| recording.bodies.get(usize::from(body)).map(|body| &body.owner);
         let is_link = matches!(owner(point.link), Some(BodyOwner::Link(_)));
         require(is_link, field, || format!("link {}", point.link), "the index of a link's body")?;
-        let of_object = owner(point.body) == Some(&BodyOwner::Object(point.object));
-        require(of_object, field, || format!("body {}", point.body), "the index of a body of the object")?;
+        let is_other = match (owner(point.body), point.object) {
+            (Some(BodyOwner::Object(own)), Some(object)) => *own == object,
+            (Some(BodyOwner::Link(_)), None) => point.body != point.link,
+            _ => false,
+        };
+        require(is_other, field, || format!("body {}", point.body), "the index of a body of the object, or of another link")?;
         let known = point.patch.is_none_or(|patch| usize::from(patch) < patches);
         require(known, field, || format!("patch {:?}", point.patch), "a patch of the layout")?;
         finite(point.numbers().map(f64::from), field)?;

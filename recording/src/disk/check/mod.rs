@@ -64,7 +64,7 @@ fn check_header(recording: &Recording) -> Result<(), Violation> {
     }
     for (index, contact) in recording.contacts.iter().enumerate() {
         let field = |name: &str| format!("contacts[{index}]{name}");
-        check_place(recording, &contact.link, contact.patch, contact.object, field)?;
+        check_place(recording, &contact.link, contact.patch, Some(contact.object), field)?;
         let ordered = contact.first_frame <= contact.last_frame;
         require(ordered, || field(".last_frame"), || contact.last_frame.to_string(), "first_frame or later")?;
         finite([contact.peak_force_n, contact.mean_force_n], || field(".peak_force_n and mean_force_n"))?;
@@ -78,7 +78,7 @@ fn check_place(
     recording: &Recording,
     link: &str,
     patch: Option<u16>,
-    object: u16,
+    object: Option<u16>,
     field: impl Fn(&str) -> String,
 ) -> Result<(), Violation> {
     if let Some(patch) = patch {
@@ -89,8 +89,8 @@ fn check_place(
     } else {
         require(!link.is_empty(), || field(".link"), || "no name".into(), "the name of a link")?;
     }
-    let known = usize::from(object) < recording.objects.len();
-    require(known, || field(".object"), || object.to_string(), "the index of an object")
+    let unknown = object.filter(|object| usize::from(*object) >= recording.objects.len());
+    require(unknown.is_none(), || field(".object"), || format!("{unknown:?}"), "the index of an object")
 }
 
 /// Checks a whole recording.

@@ -194,16 +194,15 @@ row! {
         frame_index: i64, "", FRAME;
         link: Text, "", "name of the link";
         patch: Option<Text>, "", "name of the patch; null for a part of the link without skin";
-        object_index: i32, "", "the object, a row of `truth/objects`";
-        body_index: i32, "", "the body of the object, as in `truth/bodies`";
+        object_index: i32, "", "the object, a row of `truth/objects`; −1 for the arm itself";
+        body_index: i32, "", "the body of the object, or the other link, as in `truth/bodies`";
         position_world: [f32; 3] = "position_world_{xyz}_m", "m", "centre of the force, world frame";
         normal_world: [f32; 3] = "normal_world_{xyz}", "1", "direction of the normal forces on the link, world frame";
         force_world: [f32; 3] = "force_world_{xyz}_n", "N", "mean force on the link over the frame, world frame; \
             joint torques are Σ Jᵀ f";
         moment_world: [f32; 3] = "moment_world_{xyz}_nm", "N m", "mean moment on the link about the position, \
             world frame: friction of a patch that turns";
-        slip_world: [f32; 3] = "slip_world_{xyz}_m_per_s", "m/s", "mean velocity of the link's surface against the object's, world \
-            frame";
+        slip_world: [f32; 3] = "slip_world_{xyz}_m_per_s", "m/s", "mean velocity of the link's surface against the other, world frame";
         depth_m: f32, "m", "largest overlap of the undeformed shapes: how far skin and object together give way";
         area_m2: f32, "m²", "largest area that presses";
     }
@@ -213,7 +212,7 @@ row! {
 pub(in crate::disk) const TRUTH_CONTACT_POINTS: Table = table::<TruthContactPoint>(
     "truth_contact_points",
     "truth/contact_points",
-    "a contact of a patch or a bare link with a body of an object, in one frame; no rows if the scene says \
+    "a contact of a patch or a bare link with a body of an object or another link, in one frame; no rows if the scene says \
      `recording.contact_points = false`",
 );
 

@@ -37,7 +37,7 @@ row! {
 row! {
     /// The contact that ended the reach, if a force exceeded the stop force.
     StopRow {
-        object: Option<i32> = "stop_object_index", "", "the object";
+        object: Option<i32> = "stop_object_index", "", "the object; null for the arm itself";
         kind: Option<Text> = "stop_object_kind", "", "its kind";
         link: Option<Text> = "stop_link", "", "name of the link that it pressed";
         patch: Option<Text> = "stop_patch", "", "name of the patch; null if there is no skin there";
@@ -76,7 +76,7 @@ pub(in crate::disk) fn write_episodes(path: &Path, episodes: &[Episode]) -> Resu
     let stop = |episode: &Episode| {
         let stop = episode.safety_stop.as_ref();
         StopRow {
-            object: stop.map(|stop| stop.object_index.into()),
+            object: stop.and_then(|stop| stop.object_index).map(Into::into),
             kind: stop.map(|stop| stop.object_kind.as_str().into()),
             link: stop.map(|stop| stop.link.as_str().into()),
             patch: stop.and_then(|stop| stop.patch.as_deref()).map(Into::into),
@@ -118,8 +118,8 @@ pub(in crate::disk) fn read_episodes(path: &Path) -> Result<Vec<Episode>, DiskEr
 /// The contact that ended a reach.
 fn read_stop(batch: &Batch, row: StopRow) -> Result<Option<NamedStop>, DiskError> {
     match (row.object, row.kind, row.link, row.force_n) {
-        (Some(object), Some(kind), Some(link), Some(force_n)) => Ok(Some(NamedStop {
-            object_index: batch.index("stop_object_index", object, OBJECTS)?,
+        (object, Some(kind), Some(link), Some(force_n)) => Ok(Some(NamedStop {
+            object_index: object.map(|object| batch.index("stop_object_index", object, OBJECTS)).transpose()?,
             object_kind: kind.to_string(),
             link: link.to_string(),
             patch: row.patch.map(|patch| patch.to_string()),

@@ -81,7 +81,7 @@ pub(in crate::disk) static TRUTH_COLUMNS: &[FrameColumn] = frame_columns! {
             set(&mut recording.frames[place.frame].contact_force_world[place.patch], DVec3::from_slice(from))
         };
     "truth.contact_points": Width::List, f32, "N, m, m/s", "the contacts of the frame, 21 numbers each: \
-            link, patch (−1 for none), object and body of the object (indices of the bodies and objects of the file), then \
+            link, patch (−1 for none), object (−1 for the arm itself) and its body (indices of the bodies and objects of the file), then \
             position, normal, force, moment and slip (x y z each, world frame), depth and area";
         give_lists give |rows, place, to| {
             to.extend(rows.frame(place).contact_points.iter().flat_map(ContactPoint::numbers));

@@ -6,6 +6,7 @@ use crate::disk::table::batch::Batch;
 use crate::disk::table::column::Text;
 use crate::disk::table::row_groups::EpisodeRows;
 use crate::disk::tables::dictionary::{MapRow, TruthContact, TruthContactPoint, TruthGoal, TruthObject, TruthPose};
+use crate::disk::tables::truth_columns::NONE;
 use crate::{
     Body, BodyOwner, Category, Contact, ContactPoint, GoalRecord, MappedObstacle, ObjectRecord, ObstacleKind, Outcome,
     Recording, SafetyStop, SkinLayout, TrackPoint,
@@ -65,7 +66,7 @@ pub(in crate::disk) fn goal_rows(episode: usize, recording: &Recording) -> Vec<T
                 Some(reason) => format!("{}{REASON}{reason}", goal.outcome.name()).into(),
                 None => goal.outcome.name().into(),
             },
-            stop_object_index: stop.map(|stop| stop.object.into()),
+            stop_object_index: stop.and_then(|stop| stop.object).map(Into::into),
             stop_link: stop.map(|stop| stop.link.as_str().into()),
             stop_patch: stop.and_then(|stop| patch_name(&recording.layout, stop.patch)),
             stop_force_n: stop.map(|stop| stop.force_n),
@@ -78,8 +79,8 @@ pub(in crate::disk) fn goal_rows(episode: usize, recording: &Recording) -> Vec<T
 pub(in crate::disk) fn read_goals(rows: &EpisodeRows, layout: &SkinLayout) -> Result<Vec<GoalRecord>, DiskError> {
     rows.read(|batch, row: TruthGoal| {
         let safety_stop = match (row.stop_object_index, row.stop_link, row.stop_force_n) {
-            (Some(object), Some(link), Some(force_n)) => Some(SafetyStop {
-                object: batch.index("stop_object_index", object, OBJECTS)?,
+            (object, Some(link), Some(force_n)) => Some(SafetyStop {
+                object: object.map(|object| batch.index("stop_object_index", object, OBJECTS)).transpose()?,
                 link: link.to_string(),
                 patch: patch_index(batch, "stop_patch", row.stop_patch.as_deref(), layout)?,
                 force_n,
@@ -177,7 +178,7 @@ pub(in crate::disk) fn contact_point_rows(episode: usize, recording: &Recording)
         frame_index: frame as i64,
         link: link(point),
         patch: patch_name(&recording.layout, point.patch),
-        object_index: point.object.into(),
+        object_index: point.object.map_or(NONE.into(), Into::into),
         body_index: point.body.into(),
         position_world: point.position_world.to_array(),
         normal_world: point.normal_world.to_array(),
@@ -201,7 +202,10 @@ pub(in crate::disk) fn add_contact_points(rows: &EpisodeRows, recording: &mut Re
             let point = ContactPoint {
                 link: link as u16,
                 patch: patch_index(batch, "patch", row.patch.as_deref(), &recording.layout)?,
-                object: batch.index("object_index", row.object_index, OBJECTS)?,
+                object: match row.object_index {
+                    none if none == i32::from(NONE) => None,
+                    object => Some(batch.index("object_index", object, OBJECTS)?),
+                },
                 body: batch.index("body_index", row.body_index, OBJECTS)?,
                 position_world: row.position_world.into(),
                 normal_world: row.normal_world.into(),

@@ -35,7 +35,7 @@ pub(in crate::disk) fn recordings() -> Vec<Recording> {
     // An aborted reach.
     let stopped = &mut recordings[2].goals[0];
     stopped.outcome = Outcome::Aborted;
-    stopped.safety_stop = Some(SafetyStop { object: 0, link: "forearm_link".into(), patch: Some(0), force_n: 101.5 });
+    stopped.safety_stop = Some(SafetyStop { object: Some(0), link: "forearm_link".into(), patch: Some(0), force_n: 101.5 });
     recordings
 }
 
@@ -156,7 +156,7 @@ fn episodes_say_where_their_frames_are_and_how_they_ended() {
     assert_eq!(outcomes, [reached, stuck, aborted, reached, reached]);
     let stops: Vec<_> = episodes.iter().map(|episode| episode.safety_stop.clone()).collect();
     let stop = NamedStop {
-        object_index: 0,
+        object_index: Some(0),
         object_kind: "trunk".into(),
         link: "forearm_link".into(),
         patch: Some("forearm".into()),

@@ -271,7 +271,7 @@ fn any_numbers() -> impl Strategy<Value = Recording> {
                     let stop = stop.filter(|_| goal.outcome == Outcome::Aborted && !objects.is_empty());
                     let safety_stop = stop.map(|(index, force_n)| {
                         let (link, patch, object) = place(&layout, objects.len(), Some(index), index);
-                        SafetyStop { object, link, patch, force_n }
+                        SafetyStop { object: Some(object).filter(|_| force_n < 100.0), link, patch, force_n }
                     });
                     GoalRecord { safety_stop, ..goal.clone() }
                 });

@@ -85,7 +85,7 @@ pub(super) fn reach(reach_index: u64, frames: usize) -> Recording {
         let point = |patch, object: u16| ContactPoint {
             link: 0,
             patch,
-            object,
+            object: Some(object),
             body: 1 + object,
             position_world: DVec3::new(0.4, time_s, offset).as_vec3(),
             normal_world: Vec3::NEG_X,

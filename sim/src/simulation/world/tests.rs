@@ -124,7 +124,7 @@ fn an_object_that_was_touched_is_not_taken_out() {
     world.insert(model, dormant);
     let touch = Contact {
         link: 0,
-        object: dormant,
+        object: Some(dormant),
         body: 0,
         position_link: DVec3::ZERO,
         inward_world: DVec3::X,
