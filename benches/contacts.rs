@@ -92,8 +92,7 @@ impl Survey {
             let slip = contact.slip_world;
             if slip.length() > SLIDING_M_PER_S {
                 self.angles_deg.push(rubbing.angle_between(-slip).to_degrees());
-                let friction =
-                    0.5 * (simulation.arm().friction + simulation.structure(object).surface.friction);
+                let friction = 0.5 * (simulation.arm().friction + simulation.structure(object).surface.friction);
                 self.work_j -= rubbing.dot(slip);
                 self.coulomb_j += friction * normal * slip.length();
             }

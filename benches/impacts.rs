@@ -69,7 +69,8 @@ impl Touch {
     fn find(reach: u64, before: &Simulation, after: &Simulation) -> Option<Touch> {
         let objects = &after.clutter().objects;
         let mut pressing = after.report().contacts.iter().filter(|contact| contact.force_world.length() >= TOUCHING_N);
-        let pressing = pressing.find(|contact| contact.object.is_some_and(|object| objects[object].object.kind() == "trunk"))?;
+        let pressing =
+            pressing.find(|contact| contact.object.is_some_and(|object| objects[object].object.kind() == "trunk"))?;
         let report = before.report();
         let point_world = report.link_pose_world[pressing.link].transform_point(pressing.position_link);
         let jacobian = before.arm().position_jacobian(&report.link_pose_world, pressing.link, point_world);

@@ -47,13 +47,13 @@ impl ContactLog {
         self.closed.sort_by_key(|(pair, course)| (course.first_frame, *pair));
         let contact = |(pair, course): (ContactPair, Course)| {
             Some(Contact {
-            link: link_name(pair.link),
-            patch: pair.patch,
-            object: pair.object?,
-            first_frame: course.first_frame,
-            last_frame: course.last_frame,
-            peak_force_n: course.peak_force_n,
-            mean_force_n: course.force_sum_n / f64::from(course.last_frame - course.first_frame + 1),
+                link: link_name(pair.link),
+                patch: pair.patch,
+                object: pair.object?,
+                first_frame: course.first_frame,
+                last_frame: course.last_frame,
+                peak_force_n: course.peak_force_n,
+                mean_force_n: course.force_sum_n / f64::from(course.last_frame - course.first_frame + 1),
             })
         };
         self.closed.into_iter().filter_map(contact).collect()

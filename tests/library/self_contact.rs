@@ -117,7 +117,10 @@ fn an_arm_is_stopped_by_itself() {
         assert!((spring + contact).abs() < 0.01 * spring_nm.abs(), "{springs:?} {contacts:?}");
     }
     let felt: f64 = report.tactile.taxels.iter().map(|taxel| taxel.true_normal_force_n).sum();
-    assert!(felt >= 0.99 * normal.length() && report.tactile.taxels.iter().all(|taxel| taxel.object.is_none()), "{felt}");
+    assert!(
+        felt >= 0.99 * normal.length() && report.tactile.taxels.iter().all(|taxel| taxel.object.is_none()),
+        "{felt}"
+    );
 }
 
 /// Tests that links pass through each other if the arm file names them or the scene says so, and that names of no link and of

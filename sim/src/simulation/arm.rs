@@ -30,11 +30,18 @@ impl ArmBodies {
             for part in &own.colliders {
                 let placed = part.placed(&WorldPose::IDENTITY);
                 let shape = ColliderBuilder::new(placed.shape).position(parry_pose(&placed.pose));
-                solids.push(Solid { link, shape, groups: groups::arm(), surface: arm.surface(link), part: link as u16 });
+                solids.push(Solid {
+                    link,
+                    shape,
+                    groups: groups::arm(),
+                    surface: arm.surface(link),
+                    part: link as u16,
+                });
             }
         }
         let slot = engine.scene.insert(Tree::of_arm(arm, posture_rad), solids);
-        engine.scene.passing_links = arm.passing_links.iter().map(|pair| pair.map(|link| PlacedLink { slot, link })).collect();
+        engine.scene.passing_links =
+            arm.passing_links.iter().map(|pair| pair.map(|link| PlacedLink { slot, link })).collect();
         let bodies = engine.scene.placed(slot).bodies.iter();
         let colliders = bodies.flat_map(|body| engine.scene.colliders_of(*body).iter().copied()).collect();
         ArmBodies { slot, colliders }

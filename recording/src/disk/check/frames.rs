@@ -60,7 +60,12 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
             (Some(BodyOwner::Link(_)), None) => point.body != point.link,
             _ => false,
         };
-        require(is_other, field, || format!("body {}", point.body), "the index of a body of the object, or of another link")?;
+        require(
+            is_other,
+            field,
+            || format!("body {}", point.body),
+            "the index of a body of the object, or of another link",
+        )?;
         let known = point.patch.is_none_or(|patch| usize::from(patch) < patches);
         require(known, field, || format!("patch {:?}", point.patch), "a patch of the layout")?;
         finite(point.numbers().map(f64::from), field)?;

@@ -35,7 +35,8 @@ pub(in crate::disk) fn recordings() -> Vec<Recording> {
     // An aborted reach.
     let stopped = &mut recordings[2].goals[0];
     stopped.outcome = Outcome::Aborted;
-    stopped.safety_stop = Some(SafetyStop { object: Some(0), link: "forearm_link".into(), patch: Some(0), force_n: 101.5 });
+    stopped.safety_stop =
+        Some(SafetyStop { object: Some(0), link: "forearm_link".into(), patch: Some(0), force_n: 101.5 });
     recordings
 }
 

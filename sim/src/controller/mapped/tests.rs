@@ -63,6 +63,33 @@ fn free_postures_are_those_that_parry_finds_free() {
     assert!(counts[0] > 20 && counts[1] > 20, "{counts:?}");
 }
 
+/// Tests that an arm that touches itself is not free, and one that does not is: the Panda's shapes of links that are more than
+/// two joints apart, by parry. Also that on the share of a motion that is said to be free they do not touch.
+#[test]
+fn an_arm_that_touches_itself_is_not_free() {
+    let arm = Arm::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/arms/panda/panda.toml")).unwrap();
+    let shapes = ArmShapes::new(&arm, f64::NEG_INFINITY);
+    let touches = |posture_rad: &[f64]| {
+        let poses = arm.forward_kinematics(posture_rad);
+        let of = |link: usize| arm.links[link].colliders.iter().map(|own| own.placed(&poses[link])).collect::<Vec<_>>();
+        let pairs = (0..arm.links.len()).flat_map(|near| (near + 3..arm.links.len()).map(move |far| (near, far)));
+        pairs.into_iter().any(|(near, far)| {
+            let far = of(far);
+            of(near).iter().any(|one| far.iter().any(|other| one.distance_to(other.shape.as_ref(), &other.pose) <= 0.0))
+        })
+    };
+    let (postures, mut count) = (postures(&arm, 8000), 0);
+    for pair in postures.windows(2) {
+        let change: Vec<f64> = pair[0].iter().zip(&pair[1]).map(|(from, to)| to - from).collect();
+        let share = shapes.free_share(&arm.forward_kinematics(&pair[0]), &change, &[], 0.0);
+        assert_eq!(share.is_none(), touches(&pair[0]));
+        count += usize::from(share.is_none());
+        let Some(share) = share else { continue };
+        assert!(!touches(&between(&pair[0], &pair[1], 0.999 * share.min(1.0))));
+    }
+    assert!(count > 10, "{count}");
+}
+
 /// Tests that within the share of a motion that is said to be free no shape comes closer to an obstacle than the margin.
 #[test]
 fn the_free_share_of_a_motion_is_free() {
