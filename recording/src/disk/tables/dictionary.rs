@@ -161,9 +161,9 @@ row! {
         start_time_s: f64, "s", "time at which the arm started towards it";
         end_time_s: f64, "s", "time at which it was reached or given up";
         outcome: Text, "", "`reached`, `stuck`, `timed_out` or `aborted`";
-        stop_object_index: Option<i32>, "", "object whose force ended the goal, a row of `truth/objects`; otherwise \
-            null";
-        stop_link: Option<Text>, "", "name of the link that this object pressed; otherwise null";
+        stop_object_index: Option<i32>, "", "object whose force ended the goal, a row of `truth/objects`; null for \
+            the arm itself, and if no force ended it";
+        stop_link: Option<Text>, "", "name of the link that was pressed; null if no force ended the goal";
         stop_patch: Option<Text>, "", "name of the patch that took most of the force; null if there is no skin there";
         stop_force_n: Option<f64>, "N", "that force; null if no force ended the goal";
     }

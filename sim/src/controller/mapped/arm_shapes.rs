@@ -14,6 +14,8 @@ use crate::geometry::{Capsule, PlacedShape, segment_distance};
 const POSTURES: usize = 1000;
 /// Shapes that come this near to each other may touch, m. Choice: an overlap itself is rarer, so it would be missed more often.
 const MAY_TOUCH_M: f64 = 0.03;
+/// What touches the skin this near to another link is that link, m. Choice: the pitch of taxels, and what shapes leave out.
+const OWN_M: f64 = 0.02;
 
 /// The collision shapes of an arm's links, for many queries.
 #[derive(Clone, Debug)]
@@ -111,6 +113,17 @@ impl ArmShapes {
             part.distance_m(pose, &part.around_world(pose), obstacle, f64::INFINITY).max(0.0)
         });
         parts.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether a point on a link is so near to another link which that link may touch that the touch is likely the arm's own.
+    pub(super) fn is_near_itself(&self, link_poses: &[Pose], link: usize, point_world: DVec3) -> bool {
+        let pairs = self.touching.iter().map(|pair| pair.map(|part| &self.parts[part]));
+        let others = pairs.filter_map(|[near, far]| match [near.link == link, far.link == link] {
+            [true, false] => Some(far),
+            [false, true] => Some(near),
+            _ => None,
+        });
+        others.into_iter().any(|other| other.shape.on(&link_poses[other.link]).signed_distance_m(point_world) < OWN_M)
     }
 
     /// A capsule around each shape, with its link, in the link's frame.

@@ -17,8 +17,9 @@ const ONE_TOUCH_M: f64 = 0.05;
 const AWAY_M_PER_RAD: f64 = 0.02;
 
 /// A contact with its kind and its limit.
+#[derive(Clone, Copy)]
 pub(super) struct Judged<'a> {
-    contact: &'a TaxelContact,
+    pub(super) contact: &'a TaxelContact,
     pub(super) kind: ObstacleKind,
     limit_n: f64,
 }

@@ -15,7 +15,7 @@ use underbrush_recording::{MappedObstacle, Pose};
 
 use self::arm_shapes::{ArmShapes, largest_change_rad};
 use self::bare::BareSurface;
-use self::contacts::{judged, largest_share};
+use self::contacts::{Judged, judged, largest_share};
 use self::map::Map;
 use self::pursuit::Pursuit;
 use self::trust::Trust;
@@ -158,7 +158,11 @@ impl Mapped {
             }
         }
         let contacts = judged(input.contacts, self.preset.force_limit_n, self.knows_all);
-        if self.learn_touches(&contacts) {
+        // The map is of objects. Where the arm touches itself it is stopped by something that the map does not explain.
+        let of_itself =
+            |own: &Judged| self.shapes.is_near_itself(link_poses, own.contact.link, own.contact.position_world);
+        let objects: Vec<Judged> = contacts.iter().filter(|own| !of_itself(own)).copied().collect();
+        if self.learn_touches(&objects) {
             self.plan(q, 0.0);
         }
         let Some(own) = &mut self.pursuit else { return (hold(phi), Intent::Onward) };
@@ -196,7 +200,7 @@ impl Mapped {
             (own.nearest_m, own.best_s) = (distance_m, self.time_s);
         }
         if self.time_s - own.best_s > STOP_S {
-            self.stopped(q, &contacts, bare.map(|(force_n, touch, _)| (force_n, touch)));
+            self.stopped(q, &objects, bare.map(|(force_n, touch, _)| (force_n, touch)));
             return (hold(phi), Intent::TurningRound);
         }
         if is_near {

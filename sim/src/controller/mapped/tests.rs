@@ -78,6 +78,10 @@ fn an_arm_that_touches_itself_is_not_free() {
             of(near).iter().any(|one| far.iter().any(|other| one.distance_to(other.shape.as_ref(), &other.pose) <= 0.0))
         })
     };
+    let near = DVec3::new(0.0, 0.0, 0.2);
+    let upright = arm.forward_kinematics(&[0.0; 7]);
+    assert!(shapes.is_near_itself(&upright, 7, near) && !shapes.is_near_itself(&upright, 7, near + DVec3::X));
+    assert!(!shapes.is_near_itself(&upright, 3, near), "links that pass through each other");
     let (postures, mut count) = (postures(&arm, 8000), 0);
     for pair in postures.windows(2) {
         let change: Vec<f64> = pair[0].iter().zip(&pair[1]).map(|(from, to)| to - from).collect();
