@@ -177,22 +177,23 @@ fn dataset(path: &Path) -> Result<Value, Fault> {
 
 fn recording(path: &Path) -> Result<Value, Fault> {
     let recording = read_recording(path)?;
+    let simulated = !recording.is_log();
     let goals: Vec<&str> = recording.goals.iter().map(|goal| goal.outcome.name()).collect();
     Ok(json!({
         "recording": path.display().to_string(),
         "scene": recording.scene,
-        "controller": recording.controller,
-        "seed": recording.seed,
+        "controller": simulated.then_some(&recording.controller),
+        "seed": simulated.then_some(recording.seed),
         "reach": recording.reach_index,
         "frames": recording.frames.len(),
         "duration_s": recording.frames.len() as f64 / recording.rate_hz,
-        "goals": recording.goal_outcomes().to_string(),
-        "goals_in_order": goals.join(", "),
+        "goals": simulated.then(|| recording.goal_outcomes().to_string()),
+        "goals_in_order": simulated.then(|| goals.join(", ")),
         "aborted_by": recording.safety_stop(),
         "frames_with_contact_by_patch": recording.touched_frames(),
         "objects": recording.objects.len(),
         "contacts": recording.contacts.len(),
-        "audit": recording.audit,
+        "audit": simulated.then_some(recording.audit),
         "check": "sound",
     }))
 }

@@ -60,7 +60,7 @@ pub fn of_reaches<'a>(dataset: &Dataset, episodes: impl Iterator<Item = &'a Epis
 pub fn of_recording(recording: &Recording) -> DataSource {
     DataSource {
         kind: DataKind::Recording,
-        seed: Some(recording.seed),
+        seed: (!recording.is_log()).then_some(recording.seed),
         reaches: [(recording.scene.clone(), 1)].into(),
         ..in_memory(recording)
     }

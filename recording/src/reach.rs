@@ -164,6 +164,14 @@ pub struct Recording {
 }
 
 impl Recording {
+    /// The name of the controller in a robot's log, which does not say what moved the robot.
+    pub const UNKNOWN_CONTROLLER: &str = "unknown";
+
+    /// Whether it is a robot's log. Then nobody knows controller, seed, goals or audit, and their fields say nothing.
+    pub fn is_log(&self) -> bool {
+        self.controller == Self::UNKNOWN_CONTROLLER
+    }
+
     /// The categories of the objects that are not built in, each once, by code.
     pub fn further_categories(&self) -> Vec<Category> {
         let categories = self.objects.iter().map(|object| object.category);

@@ -66,7 +66,8 @@ struct PatchHeader<'a> {
 
 /// The name of a reach in errors.
 fn name(recording: &Recording) -> String {
-    format!("{}, seed {}, reach {}", recording.scene, recording.seed, recording.reach_index)
+    let seed = if recording.is_log() { String::new() } else { format!("seed {}, ", recording.seed) };
+    format!("{}, {seed}reach {}", recording.scene, recording.reach_index)
 }
 
 /// The bytes of a reach, with its contact trials, and with verdicts if there is a model.

@@ -42,6 +42,8 @@ pub struct Summary {
     pub audit_warnings: Vec<String>,
     /// Whether the reach is still being simulated.
     pub running: bool,
+    /// Whether it is from a robot's log or a table of its trials, so that nobody knows seed and controller.
+    pub log: bool,
     /// Whether it is from a table of contact trials. A table has no arm, and nothing says how the reach went.
     pub table: bool,
 }
@@ -184,6 +186,7 @@ impl Source {
                 peak_force_n,
                 audit_warnings: (self.known.audit_warnings)(&episode.audit, dataset.layout()),
                 running: false,
+                log: episode.controller == Recording::UNKNOWN_CONTROLLER,
                 table: false,
             });
             self.places.push(Place::Dataset { input, index });
@@ -236,6 +239,7 @@ pub fn summary(number: usize, recording: &Recording, source: String, known: &Rep
         peak_force_n: forces.fold(0.0, f64::max),
         audit_warnings: (known.audit_warnings)(&recording.audit, &recording.layout),
         running: false,
+        log: recording.is_log(),
         table: recording.joint_names.is_empty(),
     }
 }

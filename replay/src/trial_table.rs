@@ -48,7 +48,7 @@ pub fn reaches(path: &Path, trials: &[Trial]) -> Result<Vec<Recording>, InputErr
         check(path, reach_index, &trials, &spans)?;
         Ok(Recording {
             scene: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
-            controller: "none".into(),
+            controller: Recording::UNKNOWN_CONTROLLER.into(),
             seed: 0,
             reach_index,
             rate_hz: 1.0 / period_s,

@@ -156,6 +156,8 @@ fn touch_learns_from_a_labelled_log() {
     underbrush!["import", file, "--mapping", map, "--out", folder.path(), "--force"]
         .refused(&["holds", "another name"]);
     let recordings = || (0..24).map(|run| felt.join(format!("reach-{run:06}.parquet")).into());
+    let inspected = underbrush!["inspect", felt.join("reach-000000.parquet"), "--json"].json();
+    assert!(["controller", "seed", "goals", "audit"].iter().all(|made_up| inspected[made_up].is_null()), "{inspected}");
     let with = |command: &str, options: &[&std::ffi::OsStr]| {
         let first = [command.into()].into_iter().chain(recordings());
         call(first.chain(options.iter().map(|own| own.into())).collect(), "")

@@ -120,7 +120,7 @@ impl<'a> Recorder<'a> {
     fn empty(&self, reach_index: u64) -> Recording {
         Recording {
             scene: self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
-            controller: "unknown".into(),
+            controller: Recording::UNKNOWN_CONTROLLER.into(),
             seed: 0,
             reach_index,
             rate_hz: 1.0,

@@ -8,7 +8,7 @@ import type { State } from "./state.ts";
 
 /** What a reach is called. */
 export function nameOf(reach: Summary): string {
-  if (reach.table) return `${reach.number}: ${reach.scene}, reach ${reach.reach_index}`;
+  if (reach.log) return `${reach.number}: ${reach.scene}, reach ${reach.reach_index}`;
   return `${reach.number}: ${reach.scene}, seed ${reach.seed}, reach ${reach.reach_index}, ${reach.controller}`;
 }
 
@@ -70,14 +70,14 @@ export class Header {
     const goals = goalCount(header);
     const named: [number, string][] = [[stuck, "stuck"], [timedOut, "timed out"], [aborted, "aborted"]];
     const others = named.filter(([count]) => count > 0).map(([count, name]) => `, ${count} ${name}`);
-    const seed = reach.isTable ? "" : `seed ${header.seed}, `;
+    const seed = summary.log ? "" : `seed ${header.seed}, `;
     say(find("title"), `${header.scene}, ${seed}reach ${header.reach_index}`);
     document.title = `${find("title").textContent} – underbrush replay`;
     const stop = header.safety_stop;
     const model = header.verdicts === null ? "" : `model ${header.verdicts.model} (${header.verdicts.classifier})`;
     // A table of trials has neither an arm nor goals, and nothing was simulated that could be audited.
     const facts = reach.isTable ? ["a table of contact trials", `${summary.duration_s.toFixed(1)}\u00a0s`, model] : [
-      header.controller,
+      summary.log ? "a robot's log" : header.controller,
       summary.running ? "running" : goals === 0 ? "no goals" : `${reached} of ${goals} goals reached${others.join("")}`,
       ...(summary.running ? [] : [`${summary.duration_s.toFixed(1)}\u00a0s`, `peak contact force ${summary.peak_force_n.toFixed(2)}\u00a0N`]),
       stop === null ? "" : `stopped by ${stop.force_n.toFixed(0)} N of ${stop.object_kind.replace(/_/g, " ")} ${stop.object_index} on ${stop.link}`,

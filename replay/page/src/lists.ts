@@ -27,10 +27,10 @@ function ifKnown(known: (reach: Summary) => boolean, { title, text, value, hint 
   return column;
 }
 
-/** How a reach went is not known while it runs. A table of trials never says it. */
+/** How a reach went is not known while it runs. A table of trials never says it, and a log does not say what moved the robot. */
 const hasEnded = (reach: Summary) => !reach.running;
-const isSimulated = (reach: Summary) => !reach.table;
-const hasResult = (reach: Summary) => hasEnded(reach) && isSimulated(reach);
+const isSimulated = (reach: Summary) => !reach.log;
+const hasResult = (reach: Summary) => hasEnded(reach) && !reach.table;
 /** A log has forces and contacts, but no goals, and nothing was simulated that could be audited. */
 const hasGoals = (reach: Summary) => hasResult(reach) && goalCount(reach) > 0;
 

@@ -18,6 +18,8 @@ export interface Summary {
   audit_warnings: string[];
   /** Whether the reach is still being simulated. */
   running: boolean;
+  /** Whether it is from a robot's log or a table of its trials, so that nobody knows seed and controller. */
+  log: boolean;
   /** Whether it is from a table of contact trials, which does not say how the reach went. */
   table: boolean;
 }

@@ -66,8 +66,8 @@ test("an address brings back a frame of a fast table", async () => {
   server.close();
 });
 
-/** Pins that a recording of a robot's log, which has neither goals nor an audit, does not speak of them. */
-test("a recording of a log has no goals and no audit", async () => {
+/** Pins that a recording of a robot's log, which has neither seed, controller, goals nor an audit, does not speak of them. */
+test("a recording of a log says nothing that nobody knows", async () => {
   const frames = Array.from({ length: 60 }, (_, k) => `${(k / 100).toFixed(2)},${k > 10 && k < 50 ? 0.5 : 0},0,towel,0`);
   writeFileSync(file("log.csv"), ["t,f_0,f_1,label,run", ...frames, ""].join("\n"));
   writeFileSync(file("taxels.csv"), "x_m,y_m,z_m,normal_x,normal_y,normal_z,area_m2\n0,0,0,0,0,1,0.0001\n0.02,0,0,0,0,1,0.0001\n");
@@ -78,8 +78,11 @@ test("a recording of a log has no goals and no audit", async () => {
   const server = await serve(file("felt/reach-000000.parquet"));
   const page = await open(browser, server.address);
   await ready(page);
-  assert.match(await page.textContent("#facts"), /no goals · 0\.6\s*s/);
-  assert.doesNotMatch(await page.textContent("body"), /0 of 0|within bounds/);
+  assert.equal(await page.textContent("#title"), "log, reach 0");
+  assert.match(await page.textContent("#facts"), /^a robot's log · no goals · 0\.6\s*s/);
+  const row = await page.locator("#panel-reaches tbody tr").first().locator("th, td").allTextContents();
+  assert.deepEqual(row, ["0", "log", "–", "0", "–", "–", "–", "0.6", "0.50", "1", "–"]);
+  assert.doesNotMatch(await page.textContent("body"), /seed \d|unknown|0 of 0|within bounds/);
   assert.deepEqual(page.problems, []);
   await page.context().close();
   server.close();
