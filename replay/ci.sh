@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Checks the page: its types, that the checked-in build is the build of its sources, and its tests in Chromium.
+# Checks the page: its types, that the checked-in build is the build of its sources, and its tests in Chromium, which also read the
+# report of `reproduce --quick`.
 # With --without-browser it leaves out the tests in Chromium, for which the program must have been built
 # (cargo test --release --workspace). Needs Node 20.19 or later, and installs whatever else is missing: Chromium with
 # apt-get, and packages with npm at the versions of package-lock.json.

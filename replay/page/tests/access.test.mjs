@@ -1,13 +1,9 @@
 // For everyone: accessibility, sizes, themes, a browser without WebGL, and no request to any other host.
 
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
-import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
 
-import { file, finishAll, launch, makeData, open, program, ready, seek, serve, settle } from "./support.mjs";
-
-const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+import { file, finishAll, launch, makeData, open, program, ready, seek, serious, serve, settle } from "./support.mjs";
 
 let browser;
 let server;
@@ -17,14 +13,6 @@ before(async () => {
   server = await serve(file("mixed.parquet"), file("blind.parquet"), "--model", file("model.json"));
 });
 after(() => finishAll(browser));
-
-/** What axe-core finds, but for what is minor. */
-async function serious(page) {
-  // The page's policy allows no script from outside, so it is added by the driver.
-  await page.evaluate(AXE);
-  const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
-  return violations.filter(({ impact }) => ["serious", "critical", "moderate"].includes(impact)).map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html).slice(0, 3).join(" | ")}`);
-}
 
 /** Pins that axe-core finds nothing at three sizes in both themes, that nothing is wider than the screen, and that the page
  * asks no other host. */
