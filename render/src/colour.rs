@@ -16,6 +16,9 @@ pub const GOAL: &str = "#1f5fbf";
 /// What is fixed on a controller's map, and what gives way; what is doubtful has the colour of the goal.
 pub const FIXED: &str = "#1c2329";
 pub const YIELDING: &str = "#1b8a4b";
+/// An arrow, and one where a taxel senses more than the controller's limit.
+pub const ARROW: &str = "#1c2329";
+pub const OVER: &str = "#c8102e";
 /// The table, and the lines on it.
 pub const TABLE: &str = "#d9cfc0";
 const CATEGORIES: [(&str, &str); 4] =

@@ -6,6 +6,7 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod arrows;
 mod camera;
 mod colour;
 mod error;

@@ -76,7 +76,7 @@ impl Mesh {
 
     /// What a line makes when it turns about z. Each point of the line, from below, is its radius and height, m, and the
     /// same of its normal.
-    fn turned(line: &[[f64; 4]], around: usize) -> Self {
+    pub fn turned(line: &[[f64; 4]], around: usize) -> Self {
         let mut mesh = Mesh::default();
         for [radius, z, out, up] in line {
             for step in 0..around {

@@ -15,6 +15,7 @@ use underbrush_sim::body_log::{BodyLog, link_bodies};
 use underbrush_sim::scene::SceneCamera;
 use underbrush_sim::simulation::Simulation;
 
+use crate::arrows;
 use crate::camera::bounds;
 use crate::mesh::Mesh;
 use crate::scene::{Kind, Scene, Surface};
@@ -59,6 +60,8 @@ pub struct Stage<'a> {
     table: Option<(Mesh, Pose)>,
     /// The force at the end of the colour scale, N.
     full_scale_n: f64,
+    /// The controller's limit, N, infinite without one. Arrows are drawn only if it is known.
+    arrows_limit_n: Option<f64>,
 }
 
 impl<'a> Stage<'a> {
@@ -83,6 +86,13 @@ impl<'a> Stage<'a> {
         stage.map = &recording.map;
         stage.set_table(&recording.objects);
         Ok(stage)
+    }
+
+    /// With an arrow for each contact that the frames list, as on the replay page: red where a taxel senses more than the
+    /// controller's limit, N. It is for readers; what a camera sees has none.
+    #[must_use]
+    pub fn with_arrows(self, force_limit_n: Option<f64>) -> Self {
+        Stage { arrows_limit_n: Some(force_limit_n.unwrap_or(f64::INFINITY)), ..self }
     }
 
     /// Bodies with the objects and the skin that belong to them. The colours of forces end at `full_scale_n`, N. Table and
@@ -135,7 +145,18 @@ impl<'a> Stage<'a> {
         }
         let at_rest = bodies.iter().zip(&meshes).flat_map(|(body, mesh)| placed(mesh, body.rest_pose_world));
         let seen = at_rest.chain(places_world.iter().copied()).collect();
-        let mut stage = Stage { bodies, meshes, parts, layout, map: &[], labels, seen, table: None, full_scale_n };
+        let mut stage = Stage {
+            bodies,
+            meshes,
+            parts,
+            layout,
+            map: &[],
+            labels,
+            seen,
+            table: None,
+            full_scale_n,
+            arrows_limit_n: None,
+        };
         stage.set_table(objects);
         Ok(stage)
     }
@@ -247,6 +268,9 @@ impl<'a> Stage<'a> {
         }
         self.add_marks(frame, &mut scene);
         self.add_map(number, &mut scene);
+        if let Some(limit_n) = self.arrows_limit_n {
+            arrows::add(frame, limit_n, &mut scene);
+        }
         scene
     }
 

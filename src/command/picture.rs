@@ -82,8 +82,11 @@ impl PictureArguments {
             }
         };
         let recording = source.recording(number)?;
-        let stage = Stage::of(&recording, (known().force_limit_n)(&recording.controller))?;
         let camera = self.scene_camera(&recording.scene, source.scene_text(number))?;
+        let limit_n = (known().force_limit_n)(&recording.controller);
+        let stage = Stage::of(&recording, limit_n)?;
+        // A camera of the scene shows what a camera sees.
+        let stage = if camera.is_none() { stage.with_arrows(limit_n) } else { stage };
         let (bytes, frames) = match self.video {
             None => (self.still(&recording, &stage, camera.as_ref())?, 1),
             Some(_) => self.film(&recording, &stage, camera.as_ref())?,
@@ -206,7 +209,8 @@ fn check_ending(path: &Path, ending: &str, remedy: &str) -> Result<(), Failure> 
 
 /// Draws the moment of a reach in which the most taxels read a force.
 pub fn write_fullest(recording: &Recording, path: &Path) -> Result<(), Failure> {
-    let stage = Stage::of(recording, (known().force_limit_n)(&recording.controller))?;
+    let limit_n = (known().force_limit_n)(&recording.controller);
+    let stage = Stage::of(recording, limit_n)?.with_arrows(limit_n);
     let picture = moment(recording, &stage, fullest(recording), &stage.camera(SIZE.aspect()), SIZE)?;
     output::write_file(path, &picture)
 }

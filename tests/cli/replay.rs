@@ -73,8 +73,8 @@ fn touch_models_judge_too() {
     assert!(!refused.exists());
 }
 
-/// Tests that a picture of one moment and a film have the sizes that were asked for, that another moment is another picture, and
-/// that the report says how many pictures there are.
+/// Tests that a picture of one moment and a film have the sizes that were asked for, that another moment is another picture, that
+/// the report says how many pictures there are, and that cameras see no arrows.
 #[test]
 fn reaches_are_drawn() {
     let folder = tempfile::tempdir().unwrap();
@@ -111,12 +111,24 @@ fn reaches_are_drawn() {
     let text = std::fs::read_to_string(fixture().trunk_scene()).unwrap();
     let camera =
         "\n[[cameras]]\nname = \"hand\"\nlink = \"forearm\"\neye_m = [0, 0.14, 0.22]\ntarget_m = [0, 0.02, -0.2]\n";
-    let filmed = scenes::write(folder.path(), "filmed.toml", &(text + camera + "size_px = [80, 64]\n"));
+    let front =
+        "[[cameras]]\nname = \"front\"\neye_m = [0.9, -1.5, 0.7]\ntarget_m = [0.55, 0, -0.15]\nvertical_fov_deg = 32\n";
+    let filmed = scenes::write(folder.path(), "filmed.toml", &(text + camera + "size_px = [80, 64]\n" + front));
     let own = file("own");
     underbrush!["generate", filmed, "--reaches", "1", "--out", own].success();
     underbrush!["replay", own, "--still", later, "--camera", "hand", "--force"].success();
     assert_eq!(std::fs::read(&later).unwrap()[16..24], [0, 0, 0, 80, 0, 0, 0, 64]);
-    underbrush!["replay", own, "--still", later, "--camera", "eye", "--force"].refused(&["filmed (hand)"]);
+    underbrush!["replay", own, "--still", later, "--camera", "eye", "--force"].refused(&["filmed (hand, front)"]);
+    // From the same place, a camera sees no arrows of forces, and a still has them.
+    let from = |place: &str, time: &str| {
+        let options = format!("{place} --size 320x200 --force{time}");
+        let arguments = ["replay", own.to_str().unwrap(), "--still", later.to_str().unwrap()];
+        call(arguments.into_iter().chain(options.split(' ')).map(Into::into).collect(), "").success();
+        std::fs::read(&later).unwrap()
+    };
+    let (camera, still) = ("--camera front", "--eye 0.9,-1.5,0.7 --target 0.55,0,-0.15");
+    assert!(from(camera, " --time 0") == from(still, " --time 0"));
+    assert!(from(camera, "") != from(still, ""));
     let recording = file("reach.parquet");
     let reach = underbrush!["reach", fixture().trunk_scene(), "--out", recording, "--json"].json();
     let film_of = |options: &str| {

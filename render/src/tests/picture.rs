@@ -1,6 +1,7 @@
 //! Tests of depth, segmentation and colour against rays.
 
-use glam::DQuat;
+use glam::{DQuat, Vec3};
+use underbrush_recording::ContactPoint;
 
 use super::*;
 use crate::{RenderError, Stage, colour};
@@ -150,6 +151,56 @@ fn taxels_have_the_colours_of_their_forces() {
         assert_eq!(labels[place], 2);
         assert!((depth[place] - 0.95).abs() < 1e-5);
     }
+}
+
+/// Tests that a contact of 2 N has an arrow of 8 cm and its head, whose tip is where it acts, that the arrow is red where a taxel
+/// senses more than the limit, and that neither a stage without arrows nor depth and segmentation have it.
+#[test]
+fn contacts_have_arrows() {
+    let mut recording = super::film::reach();
+    recording.frames.truncate(1);
+    let (layout, bodies) = (&mut recording.layout, &mut recording.bodies);
+    (layout.patches, *bodies) = (Vec::new(), vec![ball(0.01, DVec3::new(0.0, 0.2, 0.0))]);
+    recording.objects.clear();
+    let point = ContactPoint {
+        link: 0,
+        patch: Some(0),
+        object: 0,
+        body: 0,
+        position_world: Vec3::new(0.05, 0.0, 0.0),
+        normal_world: Vec3::X,
+        force_world: Vec3::X * 2.0,
+        moment_world: Vec3::ZERO,
+        slip_world: Vec3::ZERO,
+        depth_m: 0.0,
+        area_m2: 0.0,
+    };
+    let reading = TaxelReading { sensed_force_n: 1.5, object: Some(0), ..TaxelReading::default() };
+    let pressed = Frame { contact_points: vec![point], taxels: vec![reading], ..frame() };
+    let weak = Frame { contact_points: vec![ContactPoint { force_world: Vec3::X * 0.01, ..point }], ..frame() };
+    let camera = Camera { eye_world: DVec3::Z * 0.3, up_world: DVec3::Y, ..camera(DVec3::ZERO) };
+    // x of the pixels of this colour in the middle row, m. A pixel is 1.4 mm wide.
+    let scale = 80.0 / 20.0_f64.to_radians().tan() / 0.3;
+    let row = |stage: &Stage, frame: &Frame, colour: &str| {
+        let rgb = stage.moment(0, frame).rgb(&camera, size()).unwrap();
+        let is_own = |column: &usize| rgb[3 * (80 * 200 + column)..][..3] == colour::shown(colour::linear(colour));
+        (0..200).filter(is_own).map(|column| (column as f64 + 0.5 - 100.0) / scale).collect::<Vec<f64>>()
+    };
+    let with = |limit_n| Stage::of(&recording, None).unwrap().with_arrows(limit_n);
+    let plain = row(&with(None), &pressed, colour::ARROW);
+    // From 0.05 m back by 2 N of 0.04 m each and a head of 0.016 m. The head is thinner than this pixel in its last 3.2 mm.
+    for (found, place, least) in [(plain[0], -0.046, -0.0015), (plain[plain.len() - 1], 0.05, -0.005)] {
+        assert!((least..0.0015).contains(&(found - place)), "{found}, not {place}");
+    }
+    assert!(plain.len() > 60);
+    assert_eq!(row(&with(Some(1.6)), &pressed, colour::ARROW), plain);
+    assert_eq!(row(&with(Some(1.4)), &pressed, colour::OVER), plain);
+    let without = Stage::of(&recording, None).unwrap();
+    for (stage, frame) in [(&without, &pressed), (&with(None), &weak)] {
+        assert!(row(stage, frame, colour::ARROW).is_empty());
+    }
+    let (depth, labels) = with(None).moment(0, &pressed).depth_and_labels(&camera, size()).unwrap();
+    assert!(depth[80 * 200 + 100].is_infinite() && labels[80 * 200 + 100] == 0);
 }
 
 /// Tests that a flat surface has the light of the formula, also with shadows: none of it is in its own.
