@@ -26,7 +26,7 @@ pub fn add(frame: &Frame, limit_n: f64, scene: &mut Scene) {
         if force_n < WEAKEST_N {
             continue;
         }
-        let own = |reading: &&TaxelReading| Some(reading.patch) == point.patch && reading.object == Some(point.object);
+        let own = |reading: &&TaxelReading| Some(reading.patch) == point.patch && reading.object == point.object;
         let over = frame.taxels.iter().filter(own).any(|reading| reading.sensed_force_n > limit_n);
         let colour = colour::linear(if over { colour::OVER } else { colour::ARROW });
         let shaft_m = (force_n * METRES_PER_NEWTON).clamp(SHORTEST_M, LONGEST_M);

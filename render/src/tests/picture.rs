@@ -165,7 +165,7 @@ fn contacts_have_arrows() {
     let point = ContactPoint {
         link: 0,
         patch: Some(0),
-        object: 0,
+        object: Some(0),
         body: 0,
         position_world: Vec3::new(0.05, 0.0, 0.0),
         normal_world: Vec3::X,
