@@ -46,10 +46,10 @@ pub struct Reach {
     /// Name of the scene.
     #[pyo3(get)]
     scene: String,
-    /// Name of the controller.
+    /// Name of the controller; `unknown` for a robot's log.
     #[pyo3(get)]
     controller: String,
-    /// The seed, and the index of the reach among the reaches of this seed.
+    /// The seed, and the index of the reach among the reaches of this seed; 0 and its place in the log for a robot's log.
     #[pyo3(get)]
     seed_and_index: (u64, u64),
     /// The worst outcome of its goals: reached, stuck, timed_out or aborted.
@@ -317,8 +317,17 @@ impl Reach {
         Ok(Trials::new(list).cut_from(Reach::sources(&[self])))
     }
 
+    /// Whether it is a robot's log. Then nobody knows controller, seed and outcome.
+    #[getter]
+    fn is_log(&self) -> bool {
+        self.controller == Recording::UNKNOWN_CONTROLLER
+    }
+
     fn __repr__(&self) -> String {
         let (scene, (seed, index)) = (&self.scene, self.seed_and_index);
+        if self.is_log() {
+            return format!("Reach(log={scene:?}, index={index}, {} frames)", self.frames);
+        }
         format!("Reach(scene={scene:?}, seed={seed}, index={index}, {} frames, {})", self.frames, self.outcome)
     }
 

@@ -2,13 +2,16 @@
 
 import pickle
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas
 import polars
 import pyarrow
 import pytest
+from conftest import quick
 
 import underbrush as ub
 from underbrush._core import Numbers
@@ -157,3 +160,17 @@ def test_map_style_data_sets(data: ub.Dataset, trials: ub.Trials) -> None:
     assert np.array_equal(last["action"], data.column("action", "float32")[-1])
     with pytest.raises(IndexError):
         frames[len(frames)]
+
+
+def test_a_log_says_that_it_is_one(tmp_path: Path, command: Callable[..., Any]) -> None:
+    """Tests that a reach imported from a robot's log shows no seed and no controller, and that a simulated one is no log."""
+    (tmp_path / "log.csv").write_text("what,f0\n" + "leaf,0.5\n" * 10)
+    (tmp_path / "taxels.csv").write_text("x_m,y_m,z_m,normal_x,normal_y,normal_z,area_m2\n0,0,0,0,0,1,1e-4\n")
+    (tmp_path / "map.toml").write_text(
+        '[time]\nrate_hz = 100\n[force]\nfrom = "f{taxel}"\ntaxels = 1\n'
+        '[trial]\npatch = "pad"\ncategory_from = "what"\n[skin]\ntaxels = "taxels.csv"\n'
+    )
+    command("import", tmp_path / "log.csv", "--mapping", tmp_path / "map.toml", "--out", tmp_path / "felt")
+    log = ub.Reach.load(tmp_path / "felt" / "reach-000000.parquet")
+    assert log.is_log and repr(log) == 'Reach(log="log", index=0, 10 frames)'
+    assert not ub.reach(quick("trunk"), 1).is_log

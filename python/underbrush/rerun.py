@@ -41,7 +41,7 @@ def log(reach: _core.Reach, *, recording: rr.RecordingStream | None = None, enti
     * ``image/PATCH``: the sensed forces of a patch with a grid, N, whenever they change;
     * ``force/PATCH``: the largest sensed force of the patch, N, as a plot;
     * ``goal``: the goal, from the moment when the arm starts towards it;
-    * ``about``: scene, controller, seed and outcome.
+    * ``about``: scene, controller, seed and outcome; of a robot's log its name.
 
     Parameters
     ----------
@@ -64,6 +64,8 @@ def log(reach: _core.Reach, *, recording: rr.RecordingStream | None = None, enti
     rr.log(entity, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True, recording=recording)
     seed, index = reach.seed_and_index
     about = f"scene {reach.scene}, controller {reach.controller}, seed {seed}, reach {index}: {reach.outcome}"
+    if reach.is_log:
+        about = f"log {reach.scene}, reach {index}"
     rr.log(f"{entity}/about", rr.TextDocument(about), static=True, recording=recording)
     objects = reach.objects
     counts: dict[str, int] = {}
