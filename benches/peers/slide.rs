@@ -8,7 +8,8 @@ use underbrush_sim::arm::Arm;
 use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::object::Object;
 use underbrush_sim::object::blade::SHEET_TORSION_OVER_BENDING;
-use underbrush_sim::object::leaf::{Leaf, root_stiffness_nm_per_rad};
+use underbrush_sim::object::leaf::Leaf;
+use underbrush_sim::object::root::root_stiffness_nm_per_rad;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::scene::PhysicsSection;
 use underbrush_sim::simulation::test_rig::{FreeBody, Rig};
@@ -23,6 +24,7 @@ fn leaf(segments: u32) -> Leaf {
         mass_per_area_kg_per_m2: 0.75,
         loss_factor: 0.15,
         yield_moment_nm: None,
+        grip: None,
         root_stiffness_nm_per_rad: Some(root_stiffness_nm_per_rad(5.5e4, 0.04)),
         segments,
     }

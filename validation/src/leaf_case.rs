@@ -28,6 +28,7 @@ pub fn blade(segments: u32, flexural_rigidity_n_m2: f64, loss_factor: f64) -> Le
         mass_per_area_kg_per_m2: MASS_PER_LENGTH_KG_PER_M / WIDTH_M,
         loss_factor,
         yield_moment_nm: None,
+        grip: None,
         root_stiffness_nm_per_rad: None,
         segments,
     }

@@ -28,6 +28,7 @@ pub const LEAF: Leaf = Leaf {
     mass_per_area_kg_per_m2: 0.8,
     loss_factor: 0.2,
     yield_moment_nm: None,
+    grip: None,
     root_stiffness_nm_per_rad: Some(2.0),
     segments: 5,
 };

@@ -63,6 +63,7 @@ impl Tree {
             weighs,
             pushes: Vec::new(),
             inertia: Vec::new(),
+            grips: Vec::new(),
             scratch: Scratch::default(),
         }
     }
@@ -146,6 +147,7 @@ impl Tree {
             let axes = joint.into_iter().flat_map(|joint| &joint.free_axes);
             let link = self.add(link, axes.map(|(axis, spring)| Axis::of_structure(*axis, *spring)));
             self.links[link].drag = body.drag;
+            self.grips.extend(joint.and_then(|joint| joint.grip).map(|grip| (link, grip)));
         }
     }
 

@@ -22,7 +22,7 @@ use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use underbrush_recording::Pose;
 
-use crate::object::structure::{Drag, Spring};
+use crate::object::structure::{Drag, Grip, Spring};
 use crate::physics::Theta;
 use spatial::Spatial;
 
@@ -132,6 +132,8 @@ pub struct Tree {
     pushes: Vec<f64>,
     /// The inertia that each coordinate moves in the posture of the first step, kg or kg m².
     inertia: Vec<f64>,
+    /// The links that are roots in foam, and what holds them.
+    grips: Vec<(usize, Grip)>,
     #[serde(skip)]
     scratch: Scratch,
 }

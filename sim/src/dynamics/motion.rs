@@ -4,6 +4,7 @@ use glam::{DQuat, DVec3};
 use underbrush_recording::Pose;
 
 use super::{Coordinate, Tree};
+use crate::object::structure::Spring;
 
 impl Tree {
     /// Computes the poses of the links from the positions of the coordinates.
@@ -38,6 +39,37 @@ impl Tree {
         }
         self.scratch.next = next;
         self.pushes.fill(0.0);
+    }
+
+    /// Lets roots slide that are pulled harder than the foam holds, and returns the first that is pulled out whole. Nothing
+    /// holds that one any more.
+    pub fn pull_roots(&mut self) -> Option<usize> {
+        for (link, grip) in &self.grips {
+            let (first, end) = self.links[*link].coordinates;
+            // The third axis is along the root. What has slid out does not come back.
+            let upright = &mut self.coordinates[first + 2];
+            let left = (1.0 - upright.spring.rest / grip.depth_m).min(1.0);
+            if left > 0.0 {
+                upright.spring.yield_moment = Some(grip.force_n * left);
+                upright.yield_if_overloaded();
+                continue;
+            }
+            for coordinate in &mut self.coordinates[first..end] {
+                coordinate.spring = Spring::default();
+            }
+            let link = *link;
+            self.grips.retain(|(own, _)| *own != link);
+            return Some(link);
+        }
+        None
+    }
+
+    /// Whether a link is another one, or is carried by it.
+    pub fn is_carried_by(&self, mut link: usize, carrier: usize) -> bool {
+        while link > carrier {
+            link = self.links[link].parent;
+        }
+        link == carrier
     }
 
     /// Moves the coordinates by what `change` returns for each and its index, m or rad, and places the links.

@@ -7,7 +7,8 @@ use underbrush_recording::Category;
 
 use super::blade::{Blade, COLLISION_THICKNESS_M, Hinge, NEVER_YIELDS_NM, SHEET_TORSION_OVER_BENDING, yields};
 use super::group::{Declared, Drawing, Kind, quantities};
-use super::structure::{Axis, Body, CollisionGroup, Joint, Structure};
+use super::root::{NEVER_PULLED_N, grip, root_stiffness_nm_per_rad};
+use super::structure::{Axis, Body, CollisionGroup, Grip, Joint, Structure};
 use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Object, StandsOn};
 use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
@@ -19,6 +20,9 @@ quantities! {
         // Choice: half the height of a foam block. Limits: from a stem that hardly holds to the height of two blocks.
         /// How deep the stem is stuck into the foam, m.
         root_depth_m: Draw::Uniform(0.03, 0.05), 0.005, 0.2;
+        // Choice: the paper's leaves were stuck stably.
+        /// Pull at which the root begins to slide out of the foam, N; it falls with what is left in there. 1000: never.
+        pull_out_force_n: Draw::Fixed(NEVER_PULLED_N), 0.01, NEVER_PULLED_N;
         // Choice: the foliage in the paper's Fig. 2 looks 25–40 cm high. The arm passes over lower leaves than the limit;
         // higher ones are bushes.
         /// Height over the foam, m.
@@ -78,6 +82,7 @@ impl Kind for Leaf {
                 root_stiffness_nm_per_rad: footing
                     .foam_modulus_pa
                     .map(|modulus| root_stiffness_nm_per_rad(modulus, drawn.root_depth_m)),
+                grip: grip(footing.foam_modulus_pa, drawn.root_depth_m, drawn.pull_out_force_n),
                 segments: drawn.segments.round() as u32,
             })
         };
@@ -86,13 +91,6 @@ impl Kind for Leaf {
         let refusal = |leaf: &Leaf| group.refusal("flexural_rigidity_n_m2", Some(enough(leaf)), None);
         draw_possible(draw, Leaf::stands_by_itself, refusal)
     }
-}
-
-/// Rotational stiffness of a root of depth `depth_m` in foam of the given modulus, Nm/rad. A rigid peg in a Winkler
-/// foundation of modulus E per unit length that rotates about the surface resists with ∫ E x² dx = E d³ / 3 (Hetényi,
-/// *Beams on Elastic Foundation*, 1946).
-pub fn root_stiffness_nm_per_rad(foam_modulus_pa: f64, depth_m: f64) -> f64 {
-    foam_modulus_pa * depth_m.powi(3) / 3.0
 }
 
 /// One leaf: a [`Blade`] on a root that rotates in the foam about both horizontal axes and twists a little.
@@ -113,6 +111,7 @@ pub fn root_stiffness_nm_per_rad(foam_modulus_pa: f64, depth_m: f64) -> f64 {
 ///     loss_factor: 0.15,
 ///     yield_moment_nm: None,
 ///     root_stiffness_nm_per_rad: None,
+///     grip: None,
 ///     segments: 4,
 /// };
 /// assert!(leaf.stands_by_itself());
@@ -137,6 +136,8 @@ pub struct Leaf {
     pub yield_moment_nm: Option<f64>,
     /// Rotational stiffness of the root in the foam, Nm/rad; `None` for a clamped root.
     pub root_stiffness_nm_per_rad: Option<f64>,
+    /// What holds the root if it can be pulled out.
+    pub grip: Option<Grip>,
     /// Number of elastic segments, each with one hinge.
     pub segments: u32,
 }
@@ -235,6 +236,9 @@ impl Object for Leaf {
         if let Some(stiffness) = self.root_stiffness_nm_per_rad {
             parameters.insert("root_stiffness_nm_per_rad".into(), stiffness);
         }
+        if let Some(grip) = self.grip {
+            parameters.insert("pull_out_force_n".into(), grip.force_n);
+        }
         parameters
     }
 
@@ -252,6 +256,6 @@ impl Object for Leaf {
         if let Some(second) = bodies.get_mut(2) {
             second.collision_group = CollisionGroup::Rooted;
         }
-        Structure { bodies, axisymmetric: false, surface: Surface::hard(FRICTION) }
+        Structure { bodies, axisymmetric: false, surface: Surface::hard(FRICTION) }.held_by(self.grip)
     }
 }

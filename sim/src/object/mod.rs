@@ -17,6 +17,7 @@ pub mod foam_roll;
 pub mod group;
 pub mod leaf;
 pub mod plant;
+pub mod root;
 pub mod structure;
 pub mod table;
 pub mod trunk;

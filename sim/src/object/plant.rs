@@ -8,8 +8,8 @@ use underbrush_recording::{BodyShape, Category, Pose};
 
 use super::blade::{Blade, COLLISION_THICKNESS_M, Hinge, SHEET_TORSION_OVER_BENDING, yields};
 use super::group::{Declared, Drawing, Kind, quantities};
-use super::leaf::root_stiffness_nm_per_rad;
-use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Spring, Structure, part};
+use super::root::{NEVER_PULLED_N, grip, root_stiffness_nm_per_rad};
+use super::structure::{Axis, Body, CollisionGroup, Grip, Inertia, Joint, Spring, Structure, part};
 use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Object, StandsOn};
 use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
@@ -22,6 +22,9 @@ quantities! {
         // Choice, as for leaves.
         /// How deep the stem is stuck into the foam, m.
         root_depth_m: Draw::Uniform(0.03, 0.05), 0.005, 0.2;
+        // Choice, as for leaves.
+        /// Pull at which the root begins to slide out of the foam, N; it falls with what is left in there. 1000: never.
+        pull_out_force_n: Draw::Fixed(NEVER_PULLED_N), 0.01, NEVER_PULLED_N;
         /// Height of the stem over the foam, m.
         height_m: Draw::Uniform(0.15, 0.30), 0.02, 1.0;
         // Stems of artificial plants are wire of 1–3 mm in plastic: E I = E π d⁴ / 64 of steel wire of 1.5–2.5 mm is
@@ -69,6 +72,8 @@ pub struct Plant {
     drawn: DrawnPlant,
     /// Rotational stiffness of the root in the foam, Nm/rad; `None` for a clamped root.
     root_stiffness_nm_per_rad: Option<f64>,
+    /// What holds the root if it can be pulled out.
+    grip: Option<Grip>,
     /// How far its blades reach at rest. Placing asks for it many times.
     extent: Extent,
 }
@@ -110,7 +115,8 @@ impl Kind for Plant {
             let mut drawn = DrawnPlant::draw_all(drawing)?;
             (drawn.blades, drawn.segments) = (drawn.blades.round(), drawn.segments.round());
             let root = footing.foam_modulus_pa.map(|modulus| root_stiffness_nm_per_rad(modulus, drawn.root_depth_m));
-            let plant = Plant { drawn, root_stiffness_nm_per_rad: root, extent: Extent::default() };
+            let grip = grip(footing.foam_modulus_pa, drawn.root_depth_m, drawn.pull_out_force_n);
+            let plant = Plant { drawn, root_stiffness_nm_per_rad: root, grip, extent: Extent::default() };
             Ok(Plant { extent: plant.find_extent(), ..plant })
         };
         // If nearly all plants of these ranges would lie down, the error asks for a stiffer stem; if their tips would be in
@@ -340,7 +346,9 @@ impl Object for Plant {
             let azimuth_rad = f64::from(number) * GOLDEN_ANGLE_RAD;
             self.grow_blade(&pieces, share * self.drawn.height_m, azimuth_rad, &mut bodies);
         }
-        Structure { bodies, axisymmetric: false, surface: Surface::hard(FRICTION) }.balanced(EARTH_GRAVITY_M_PER_S2)
+        Structure { bodies, axisymmetric: false, surface: Surface::hard(FRICTION) }
+            .balanced(EARTH_GRAVITY_M_PER_S2)
+            .held_by(self.grip)
     }
 }
 

@@ -31,6 +31,40 @@ impl Structure {
         poses
     }
 
+    /// The same object on a root that foam holds like this, or as it is without one. What was on the foot, and its shapes, is on
+    /// the root. A
+    /// rotation of the root is resisted a hundred times as much as by its stiffness across it at its depth: how far it leans in
+    /// the foam is up to the springs of the object.
+    #[must_use]
+    pub fn held_by(mut self, grip: Option<Grip>) -> Self {
+        let Some(own) = grip else { return self };
+        let mut joint = Joint { grip, ..Joint::free(0, DVec3::ZERO) };
+        for (axis, spring) in &mut joint.free_axes {
+            let stiffness = match axis {
+                Axis::TranslationX | Axis::TranslationY => own.across,
+                Axis::TranslationZ => own.along,
+                _ => 100.0 * own.across * own.depth_m * own.depth_m,
+            };
+            *spring = Spring::elastic(stiffness, stiffness * own.loss_time_s);
+        }
+        let mut bodies = self.bodies.split_off(1);
+        for body in &mut bodies {
+            match &mut body.joint {
+                Some(own) => own.parent += 1,
+                None => body.joint = Some(Joint::parallel(1, DVec3::ZERO, Vec::new())),
+            }
+        }
+        let foot = std::mem::replace(&mut self.bodies[0], Body::foot());
+        self.bodies.push(Body { joint: Some(joint), ..foot });
+        self.bodies.append(&mut bodies);
+        self
+    }
+
+    /// Whether it has a root that can be pulled out.
+    pub fn can_be_pulled_out(&self) -> bool {
+        self.bodies.iter().filter_map(|body| body.joint.as_ref()).any(|joint| joint.grip.is_some())
+    }
+
     /// The same object with springs that carry its weight in the shape as it is: each is loaded by all that it carries,
     /// and its rest position is away from zero by that load over its stiffness.
     #[must_use]
@@ -96,12 +130,29 @@ pub struct Joint {
     /// The free axes, translations first; all others are locked. Of two rotations, the first turns the axis of the second;
     /// three are those of a ball joint.
     pub free_axes: Vec<(Axis, Spring)>,
+    /// What holds a root on this joint, which then has all six axes.
+    pub grip: Option<Grip>,
+}
+
+/// How foam holds a root: a friction that falls with what is left of it in the foam.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Grip {
+    /// How deep the root is in the foam, m. Pulled out so far it is free.
+    pub depth_m: f64,
+    /// The force along the root at which it begins to slide, N.
+    pub force_n: f64,
+    /// Stiffness of the foam round the root across it, N/m.
+    pub across: f64,
+    /// Stiffness along it, N/m.
+    pub along: f64,
+    /// Damping over stiffness, s.
+    pub loss_time_s: f64,
 }
 
 impl Joint {
     /// A joint whose axes are parallel to those of the parent's frame.
     pub fn parallel(parent: usize, origin_parent: DVec3, free_axes: Vec<(Axis, Spring)>) -> Self {
-        Joint { parent, origin_parent, orientation_parent: DQuat::IDENTITY, free_axes }
+        Joint { parent, origin_parent, orientation_parent: DQuat::IDENTITY, free_axes, grip: None }
     }
 
     /// A joint that holds nothing: all six axes are free and have no spring. Contacts act only on bodies with joints.

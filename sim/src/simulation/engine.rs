@@ -105,5 +105,6 @@ impl Engine {
         for tree in self.scene.trees_mut() {
             tree.advance();
         }
+        self.scene.pull_roots();
     }
 }

@@ -13,6 +13,7 @@ use super::bounds::Bounds;
 use crate::contact::surface::Surface;
 use crate::dynamics::Tree;
 use crate::geometry::{from_parry, parry_pose};
+use crate::object::structure::CollisionGroup;
 use crate::physics::Theta;
 
 /// Shapes that are farther apart have no contact, m. The hand moves 2.5 mm in a step of 5 ms at 0.5 m/s, the speed of the
@@ -264,6 +265,23 @@ impl Scene {
     pub(super) fn trees_mut(&mut self) -> impl Iterator<Item = &mut Tree> {
         let trees = self.placed.iter_mut().flatten().map(|placed| &mut placed.tree);
         trees.filter(|tree| !tree.coordinates().is_empty())
+    }
+
+    /// Lets roots slide, and what hangs on those that come out collide with everything.
+    pub(super) fn pull_roots(&mut self) {
+        for (slot, placed) in self.placed.iter_mut().enumerate() {
+            let Some(Placed { tree, .. }) = placed else { continue };
+            while let Some(root) = tree.pull_roots() {
+                for (handle, collider) in self.colliders.iter_mut() {
+                    let mount = self.mounts[index(handle)].as_mut().filter(|mount| mount.at.slot == slot);
+                    if let Some(mount) = mount.filter(|mount| tree.is_carried_by(mount.at.link, root)) {
+                        collider.set_collision_groups(super::groups::of_object(CollisionGroup::Standing));
+                        mount.is_root = false;
+                    }
+                }
+                self.is_changed = true;
+            }
+        }
     }
 
     /// Where a shape is.

@@ -125,6 +125,7 @@ fn a_leaf_pushes_back_less_than_a_trunk() {
         mass_per_area_kg_per_m2: 0.8,
         loss_factor: 0.1,
         yield_moment_nm: None,
+        grip: None,
         root_stiffness_nm_per_rad: Some(2.0),
         segments: 8,
     };

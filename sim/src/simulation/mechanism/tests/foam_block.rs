@@ -165,6 +165,7 @@ fn a_free_block_carries_its_leaf() {
         mass_per_area_kg_per_m2: 0.6,
         loss_factor: 0.2,
         yield_moment_nm: None,
+        grip: None,
         root_stiffness_nm_per_rad: None,
         segments: 4,
     };

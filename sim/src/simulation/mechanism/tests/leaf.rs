@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::{build, pose, step_pushed};
 use crate::object::blade::SHEET_TORSION_OVER_BENDING;
 use crate::object::leaf::Leaf;
+use crate::object::root::grip;
 use crate::physics::PhysicsOptions;
 use crate::simulation::engine::Engine;
 
@@ -31,6 +32,7 @@ fn example(segments: u32, root_stiffness_nm_per_rad: Option<f64>) -> Leaf {
         // Heavily damped, so that the static state is reached soon.
         loss_factor: 1.0,
         yield_moment_nm: None,
+        grip: None,
         root_stiffness_nm_per_rad,
         segments,
     }
@@ -66,4 +68,76 @@ fn root_compliance_adds_its_own_deflection() {
     let sideways = tip_deflection(&leaf, DVec3::Y * load).y;
     let expected = load * leaf.height_m.powi(2) / leaf.sideways_stiffness_nm_per_rad();
     assert!((sideways / expected - 1.0).abs() < 2e-3, "found {sideways}, expected {expected}");
+}
+
+/// A leaf in foam that lets its root go at 2 N, 40 mm deep.
+fn pulled_leaf() -> Leaf {
+    Leaf { grip: grip(Some(5e4), 0.04, 2.0), ..example(4, Some(2.0)) }
+}
+
+/// Tests that a root that is pulled by less than the foam holds moves by the force over the foam's stiffness along it, E d / (2 (1 +
+/// ν)), and goes back when the pull ends.
+#[test]
+fn a_root_is_held_up_to_its_force() {
+    let mut engine = Engine::new(PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 0.0 });
+    let leaf = build(&pulled_leaf(), &mut engine);
+    let height_m = |engine: &Engine| pose(engine, leaf, 1).position.z;
+    for (force_n, expected_m) in [(1.98, 1.98 / (5e4 * 0.04 / 2.6)), (0.0, 0.0)] {
+        for _ in 0..400 {
+            step_pushed(&mut engine, leaf, 1, DVec3::Z * force_n, DVec3::ZERO);
+        }
+        assert!((height_m(&engine) - expected_m).abs() < 1e-6, "{} m, expected {expected_m}", height_m(&engine));
+    }
+}
+
+/// Tests that a root that is pulled by 1 % more comes out, and that nothing holds the leaf from then on: its centre of mass is
+/// accelerated by the pull over the mass, and without a pull falls with g. Both are exact but for rounding.
+#[test]
+fn a_root_that_is_out_is_free() {
+    let mut engine = Engine::new(PhysicsOptions { step_s: 0.001, gravity_m_per_s2: 9.81 });
+    let leaf = build(&pulled_leaf(), &mut engine);
+    let mass_kg: f64 = engine.tree(leaf.slot).links().iter().map(|link| link.mass_kg).sum();
+    let pull_n = 2.02 + mass_kg * 9.81;
+    let mut steps = 0;
+    while pose(&engine, leaf, 1).position.z < 0.045 {
+        step_pushed(&mut engine, leaf, 1, DVec3::Z * pull_n, DVec3::ZERO);
+        steps += 1;
+        assert!(steps < 2000, "the root does not come out");
+    }
+    let center_m = |engine: &Engine| {
+        let links = engine.tree(leaf.slot).links().iter();
+        links.map(|link| link.pose_world.transform_point(link.center_of_mass_link).z * link.mass_kg).sum::<f64>()
+            / mass_kg
+    };
+    for (pull_n, expected) in [(pull_n, 2.02 / mass_kg), (0.0, -9.81)] {
+        let heights_m = [0; 3].map(|_| {
+            step_pushed(&mut engine, leaf, 1, DVec3::Z * pull_n, DVec3::ZERO);
+            center_m(&engine)
+        });
+        let found = (heights_m[2] - 2.0 * heights_m[1] + heights_m[0]) / 1e-6;
+        assert!((found / expected - 1.0).abs() < 1e-3, "{found} m/s², expected {expected}");
+    }
+}
+
+/// Tests that a leaf that is pulled out of its foam falls and comes to rest on foam and table, and passes through neither.
+#[test]
+fn a_leaf_that_is_pulled_out_lies_down() {
+    let mut engine = Engine::new(PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 9.81 });
+    engine.lay_table(-0.1);
+    let leaf = build(&pulled_leaf(), &mut engine);
+    let last = engine.tree(leaf.slot).links().len() - 1;
+    let mut steps = 0;
+    while pose(&engine, leaf, 1).position.z < 0.06 {
+        step_pushed(&mut engine, leaf, 1, DVec3::new(0.3, 0.0, 3.0), DVec3::ZERO);
+        steps += 1;
+        assert!(steps < 2000, "the root does not come out");
+    }
+    for _ in 0..1600 {
+        engine.step();
+    }
+    let heights = (1..=last).map(|link| pose(&engine, leaf, link).position.z + 0.1);
+    let heights: Vec<f64> = heights.collect();
+    assert!(heights.iter().all(|height| (-0.003..0.06).contains(height)), "{heights:?}");
+    let speeds = engine.tree(leaf.slot).coordinates().iter().map(|own| own.velocity.abs());
+    assert!(speeds.fold(0.0, f64::max) < 0.1);
 }
