@@ -46,12 +46,12 @@ impl Tree {
     pub fn pull_roots(&mut self) -> Option<usize> {
         for (link, grip) in &self.grips {
             let (first, end) = self.links[*link].coordinates;
-            // The third axis is along the root. What has slid out does not come back.
+            // The third axis is along the root, which slides out and not farther in.
             let upright = &mut self.coordinates[first + 2];
             let left = (1.0 - upright.spring.rest / grip.depth_m).min(1.0);
             if left > 0.0 {
-                upright.spring.yield_moment = Some(grip.force_n * left);
-                upright.yield_if_overloaded();
+                let give = grip.force_n * left / upright.spring.stiffness;
+                upright.spring.rest = upright.spring.rest.max(upright.position - give);
                 continue;
             }
             for coordinate in &mut self.coordinates[first..end] {
