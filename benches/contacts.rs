@@ -248,7 +248,7 @@ impl LargeJump {
 }
 
 fn survey(plan: &ReachPlan, reach: u64) -> Survey {
-    let recording = plan.run(reach, &mut |_, _| {}).unwrap();
+    let recording = plan.run(reach, &mut |_| {}).unwrap();
     let mut simulation = plan.simulation(reach).unwrap();
     let mut survey = Survey::default();
     let (mut trace, mut steps_rad) = (Vec::new(), Vec::new());

@@ -19,7 +19,7 @@ use std::collections::VecDeque;
 
 use contact_forces::{Forces, by_link, forces};
 use glam::DVec3;
-use underbrush_sim::reach::{ReachError, ReachPlan};
+use underbrush_sim::reach::{Observed, ReachError, ReachPlan};
 use underbrush_sim::scene::Scene;
 use underbrush_sim::simulation::Simulation;
 
@@ -105,7 +105,7 @@ impl Program {
         let (mut states, mut angles) = (VecDeque::new(), VecDeque::new());
         let mut touch: Option<Touch> = None;
         let stopped = Cell::new(false);
-        let mut observer = |simulation: &Simulation, frame: &underbrush_recording::Frame| {
+        let mut observer = |Observed { simulation, frame, .. }: Observed| {
             if touch.is_none() {
                 touch = states.back().and_then(|before| Touch::find(reach, before, simulation));
                 if touch.is_none() {

@@ -45,7 +45,7 @@ fn plan(name: &str, text: &str) -> ReachPlan {
 #[divan::bench(args = ["leaf", "trunk"], sample_count = 10, sample_size = 1)]
 fn reach(bencher: Bencher, name: &str) {
     let plan = plan(name, if name == "leaf" { LEAF } else { TRUNK });
-    let run = |index| plan.run(index, &mut |_, _| {}).expect("there is room for the clutter");
+    let run = |index| plan.run(index, &mut |_| {}).expect("there is room for the clutter");
     // The first reach that touches something, because one without contact would measure nothing.
     let (index, recording) = (0..20)
         .map(|index| (index, run(index)))

@@ -7,7 +7,7 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use underbrush_recording::Recording;
 use underbrush_render::{Camera, Size, Stage};
-use underbrush_sim::reach::{ReachPlan, ReachSoFar};
+use underbrush_sim::reach::{Observed, ReachPlan, ReachSoFar};
 use underbrush_sim::scene::Scene;
 
 const SCENES: [&str; 3] = ["trunk", "mixed", "shrub"];
@@ -20,7 +20,7 @@ fn reach(scene: &str) -> Recording {
     let posture_rad = plan.arm.start_posture_rad();
     for _ in 0..100 {
         let goal = simulation.clutter().goals[0];
-        so_far.observe(&simulation, &simulation.frame(0, goal));
+        so_far.observe(Observed { simulation: &simulation, frame: &simulation.frame(0, goal), map: &[] });
         simulation.step(&posture_rad);
     }
     so_far.recording().unwrap()

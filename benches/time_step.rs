@@ -97,7 +97,7 @@ fn replay(simulation: &mut Simulation, equilibrium_rad: &[Vec<f64>]) -> Vec<Forc
 }
 
 fn outcome(plan: &ReachPlan, reach: u64) -> Outcome {
-    let recording = plan.run(reach, &mut |_, _| {}).unwrap();
+    let recording = plan.run(reach, &mut |_| {}).unwrap();
     // Frame 0 is the start.
     let frames = recording.frames.into_iter().skip(1).take(FRAMES);
     let equilibrium_rad: Vec<Vec<f64>> = frames.map(|frame| frame.equilibrium_angle_rad).collect();

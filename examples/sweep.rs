@@ -65,7 +65,7 @@ fn sweep(reaches: usize, scenes: &[String]) -> Result<(), ReachError> {
         let plan = ReachPlan::new(Scene::load(path)?, None, 0)?;
         let digests: Vec<Digest> = (0..reaches)
             .into_par_iter()
-            .map(|index| Ok(digest(&plan.run(index as u64, &mut |_, _| {})?)))
+            .map(|index| Ok(digest(&plan.run(index as u64, &mut |_| {})?)))
             .collect::<Result<_, ReachError>>()?;
         let goals: GoalOutcomes = digests.iter().map(|digest| digest.goals).sum();
         let worst = |get: &dyn Fn(&Digest) -> f64| digests.iter().map(get).fold(0.0, f64::max);

@@ -70,7 +70,7 @@ pub fn print(seed: u64, count: u64, scenes: &[&str]) {
                 plan = VerdictControl::truth().applied_to(plan).unwrap();
             }
             for index in 0..count {
-                let recording = plan.run(index, &mut |_, _| {}).unwrap();
+                let recording = plan.run(index, &mut |_| {}).unwrap();
                 let last = recording.frames.len() as u32 - 1;
                 for (at_s, own) in AT_S.iter().zip(&mut judged) {
                     // Of a reach that has ended by then, its last map.

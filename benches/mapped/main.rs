@@ -135,7 +135,7 @@ fn plan(scene: &str, seed: u64, index: u64, name: &str, model: Option<&VerdictCo
 
 /// Prints how the goals of a reach ended, and what pressed hard.
 fn show(plan: &ReachPlan, index: u64) {
-    let recording = plan.run(index, &mut |_, _| {}).unwrap();
+    let recording = plan.run(index, &mut |_| {}).unwrap();
     for goal in &recording.goals {
         let reason = goal.given_up.as_deref().unwrap_or_default();
         println!("{:.2} to {:.2} s: {} {reason}", goal.start_time_s, goal.end_time_s, goal.outcome.name());
@@ -154,7 +154,7 @@ fn show(plan: &ReachPlan, index: u64) {
 fn row(scene: &str, seed: u64, index: u64, name: &str, model: Option<&VerdictControl>) {
     let Some(plan) = plan(scene, seed, index, name, model) else { return };
     let ways = plan.ways(index).unwrap().iter().filter(|way| way.is_ok()).count();
-    let sums = sums(&plan.run(index, &mut |_, _| {}).unwrap(), plan.scene.file.goals.count, ways);
+    let sums = sums(&plan.run(index, &mut |_| {}).unwrap(), plan.scene.file.goals.count, ways);
     let sums: Vec<String> = sums.iter().map(|sum| format!("{sum:.4}")).collect();
     println!("{},{index},{},{}", plan.scene.name, name.replace(',', ";"), sums.join(","));
 }

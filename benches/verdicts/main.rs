@@ -73,7 +73,7 @@ fn reach(plan: &ReachPlan, verdicts: &VerdictControl, allowed: &AllowedForces, i
     let plans = [plan.clone(), told(verdicts.clone()), told(VerdictControl::truth())];
     let rows: Vec<String> = (CONTROLLERS.iter().zip(&plans))
         .map(|(name, plan)| {
-            let sums = sums(&plan.run(index, &mut |_, _| {}).unwrap());
+            let sums = sums(&plan.run(index, &mut |_| {}).unwrap());
             let sums: Vec<String> = sums.iter().map(|sum| format!("{sum:.6}")).collect();
             format!("{index},{name},{}", sums.join(","))
         })

@@ -115,7 +115,7 @@ impl Search<'_> {
             }
         } else {
             while drawn < self.max_draws && reaches.len() < self.enough {
-                let recording = self.plan.run_until(drawn, &mut |_, _| {}, &|| progress.is_stopped())?;
+                let recording = self.plan.run_until(drawn, &mut |_| {}, &|| progress.is_stopped())?;
                 if self.wanted.is(&recording, &self.options)? {
                     write_recording(file(drawn), &recording)?;
                     reaches.push(recording);
@@ -137,7 +137,7 @@ impl Search<'_> {
             }
             read => return Ok(read?),
         }
-        let recording = self.plan.run_until(index, &mut |_, _| {}, &|| progress.is_stopped())?;
+        let recording = self.plan.run_until(index, &mut |_| {}, &|| progress.is_stopped())?;
         write_recording(file, &recording)?;
         Ok(recording)
     }

@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn wrong_forces_do_not_balance() {
         let plan = ReachPlan::new(Scene::open("trunk").unwrap(), None, 11).unwrap();
-        let mut recording = plan.run(0, &mut |_, _| {}).unwrap();
+        let mut recording = plan.run(0, &mut |_| {}).unwrap();
         let balance = |frames: &[Frame]| {
             let mut balance = TorqueBalance::default();
             balance.observe(&plan.arm, frames);

@@ -381,6 +381,6 @@ pub fn simulate(
     {
         plan = verdicts.applied_to(plan)?;
     }
-    let run = |_: &_| Ok(plan.run_until(index, &mut |_, _| {}, &|| stop.is_set())?);
+    let run = |_: &_| Ok(plan.run_until(index, &mut |_| {}, &|| stop.is_set())?);
     Ok(Reach::of_recording(watched(py, None, &stop, None, run)?))
 }

@@ -69,7 +69,7 @@ pub fn run_until<E: std::error::Error + Send + 'static>(
     // One job at a time: reaches differ tenfold in length, so larger batches would leave threads idle at the end.
     jobs.par_iter().with_max_len(1).enumerate().try_for_each(|(position, job)| {
         let plan = &plans[job.plan];
-        let outcome = catch_unwind(AssertUnwindSafe(|| plan.run_until(job.reach_index, &mut |_, _| {}, &stop)));
+        let outcome = catch_unwind(AssertUnwindSafe(|| plan.run_until(job.reach_index, &mut |_| {}, &stop)));
         let recording = outcome.map_err(|panic| CampaignError::Engine {
             scene: plan.scene.name.clone(),
             reach_index: job.reach_index,

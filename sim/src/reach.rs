@@ -1,7 +1,7 @@
 //! One reach: sense → control → record → step, goal after goal.
 
 use glam::DVec3;
-use underbrush_recording::{Frame, GoalRecord, Outcome, Recording, SafetyStop};
+use underbrush_recording::{Frame, GoalRecord, MappedObstacle, Outcome, Recording, SafetyStop};
 
 use crate::controller::Intent;
 use crate::simulation::{LinkForce, Simulation};
@@ -27,8 +27,19 @@ mod steering;
 mod tests;
 mod ways;
 
+/// What an observer sees in a frame.
+#[derive(Clone, Copy)]
+pub struct Observed<'a> {
+    /// The simulation.
+    pub simulation: &'a Simulation,
+    /// The frame as it is recorded.
+    pub frame: &'a Frame,
+    /// What the controller has on its map; empty if it keeps none.
+    pub map: &'a [MappedObstacle],
+}
+
 /// Watches a reach: called once in each frame.
-pub type Observer<'a> = dyn FnMut(&Simulation, &Frame) + 'a;
+pub type Observer<'a> = dyn FnMut(Observed) + 'a;
 
 /// Called in each frame; returns whether to abandon the reach.
 pub type Stop<'a> = dyn Fn() -> bool + 'a;
@@ -140,9 +151,9 @@ impl<'a> Reach<'a> {
             let equilibrium_rad = &self.steering.equilibrium_rad;
             // The frame holds the angles that the arm is given now.
             frame.equilibrium_angle_rad.copy_from_slice(equilibrium_rad);
-            let frame = self.log.record(&self.simulation, frame);
-            observer(&self.simulation, frame);
-            self.log.record_map(&self.steering.controller.map());
+            let map = &self.steering.controller.map();
+            let frame = self.log.record(&self.simulation, frame, map);
+            observer(Observed { simulation: &self.simulation, frame, map });
             let log = &mut self.log;
             self.simulation.step_observed(equilibrium_rad, &mut |step| log.observe_step(step));
             if let Some(outcome) = ended {

@@ -130,9 +130,9 @@ pub fn run(options: ReachOptions, json: bool) -> Result<(), Failure> {
     let watched = options.watch.then(|| Watched::begin(so_far(), &plan.arm.skin.layout, judging.as_ref()));
     let mut watched = watched.transpose()?;
     let start = Instant::now();
-    let recording = plan.run(options.index, &mut |simulation, frame| {
+    let recording = plan.run(options.index, &mut |observed| {
         if let Some(watched) = &mut watched {
-            watched.frame(simulation, frame);
+            watched.frame(observed);
         }
     })?;
     let wall_s = start.elapsed().as_secs_f64();

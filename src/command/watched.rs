@@ -4,10 +4,9 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 
 use underbrush_recording::fault::Fault;
-use underbrush_recording::{Frame, Recording, SkinLayout};
+use underbrush_recording::{Recording, SkinLayout};
 use underbrush_replay::{Judging, Live, PartialReach, Server, VerdictLog, unjudged};
-use underbrush_sim::reach::ReachSoFar;
-use underbrush_sim::simulation::Simulation;
+use underbrush_sim::reach::{Observed, ReachSoFar};
 
 use super::replay;
 use crate::failure::Failure;
@@ -40,9 +39,9 @@ impl<'a> Watched<'a> {
     }
 
     /// Shows one more frame. Waits while the reach is paused.
-    pub fn frame(&mut self, simulation: &Simulation, frame: &Frame) {
-        self.so_far.observe(simulation, frame);
-        if let Some(Err(source)) = self.verdicts.as_mut().map(|verdicts| verdicts.update(frame)) {
+    pub fn frame(&mut self, observed: Observed) {
+        self.so_far.observe(observed);
+        if let Some(Err(source)) = self.verdicts.as_mut().map(|verdicts| verdicts.update(observed.frame)) {
             self.verdicts = None;
             self.fault = Some(unjudged(REACH)(source));
         }

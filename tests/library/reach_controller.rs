@@ -74,7 +74,7 @@ fn a_users_controller_runs_a_reach() {
         Box::new(Gradient { calls: 0, last_angle_rad: None, frames: 0, seen_angle_rad: Vec::new() })
     };
     let plan = ReachPlan::new(scene, None, 0).unwrap().with_controller(make);
-    let recording = plan.run(0, &mut |_, _| {}).unwrap();
+    let recording = plan.run(0, &mut |_| {}).unwrap();
     assert_eq!((recording.controller.as_str(), recording.outcome()), ("gradient", Outcome::Reached));
     // Frames 0, 5, 10, …: a period of 50 ms is five frames.
     let frames = recording.frames.len() as u32;
@@ -82,7 +82,7 @@ fn a_users_controller_runs_a_reach() {
     let start = &recording.frames[0].equilibrium_angle_rad;
     let held = |frame: usize| recording.frames[frame].equilibrium_angle_rad == *start;
     assert!(held(4) && !held(5));
-    assert_eq!(plan.run(0, &mut |_, _| {}).unwrap(), recording);
+    assert_eq!(plan.run(0, &mut |_| {}).unwrap(), recording);
 }
 
 /// Returns this many equilibrium angles, whatever the arm.
@@ -114,7 +114,7 @@ fn a_wrong_number_of_angles_is_an_error() {
     for count in [0, 6, 8] {
         let make = move |_: &Arm| -> Box<dyn Controller> { Box::new(Miscounting(count)) };
         let plan = ReachPlan::new(Scene::load(scene).unwrap(), None, 0).unwrap();
-        match plan.with_controller(make).run(0, &mut |_, _| {}) {
+        match plan.with_controller(make).run(0, &mut |_| {}) {
             Err(ReachError::EquilibriumAngles { controller, found, expected }) => {
                 assert_eq!((controller.as_str(), found, expected), ("miscounting", count, 7))
             }

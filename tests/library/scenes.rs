@@ -176,7 +176,7 @@ fn touched(path: &Path) -> Vec<Category> {
     // One goal with one attempt is enough to touch things, and runs fast.
     plan.scene.file.goals.count = 1;
     plan.scene.file.goals.retries = 0;
-    let recording = plan.run(0, &mut |_, _| {}).unwrap();
+    let recording = plan.run(0, &mut |_| {}).unwrap();
     let felt = recording.frames.iter().flat_map(|frame| &frame.taxels).filter_map(|reading| reading.object);
     let objects = felt.chain(recording.contacts.iter().map(|contact| contact.object));
     let categories: std::collections::BTreeSet<_> =

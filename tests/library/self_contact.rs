@@ -145,7 +145,7 @@ fn links_pass_through_each_other_where_a_file_says_so() {
 #[test]
 fn a_recording_holds_contacts_of_the_arm_with_itself() {
     let folder = tempfile::tempdir().unwrap();
-    let recording = plan(folder.path(), "", "").unwrap().run(0, &mut |_, _| {}).unwrap();
+    let recording = plan(folder.path(), "", "").unwrap().run(0, &mut |_| {}).unwrap();
     let of_itself = recording.frames.iter().flat_map(|frame| &frame.contact_points);
     assert!(of_itself.clone().count() > 10 && of_itself.into_iter().all(|point| point.object.is_none()));
     assert!(recording.contacts.is_empty());

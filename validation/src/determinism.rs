@@ -123,7 +123,7 @@ fn copy(more_rad: f64) -> Result<[Vec<u8>; 2], Fault> {
 /// its end. With `lost`, the loaded one has lost its joint velocities.
 fn restore(lost: bool) -> Result<[Vec<u8>; 2], Fault> {
     let plan = ReachPlan::new(Scene::parse("determinism.toml", SCENE.into())?, None, 0)?;
-    let frames = plan.run(0, &mut |_, _| {})?.frames;
+    let frames = plan.run(0, &mut |_| {})?.frames;
     let (before, after) = frames.split_at(frames.len() / 2);
     let mut original = plan.simulation(0)?;
     for frame in before {

@@ -48,7 +48,7 @@ fn reach(name: &str, file: &str, wrong: f64) -> Result<EnergySums, Fault> {
         // The engine does not report the work of a joint stop.
         joint.limits_rad = [f64::NEG_INFINITY, f64::INFINITY];
     }
-    let recording = plan.run(0, &mut |_, _| {})?;
+    let recording = plan.run(0, &mut |_| {})?;
     // The same reach again, with its energies recorded.
     let mut simulation = plan.simulation(0)?;
     let mut balance = EnergyBalance::new(&simulation);

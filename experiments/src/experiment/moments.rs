@@ -8,7 +8,7 @@ use underbrush_classifier::decision::{Decision, Rule, Verdict};
 use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_recording::fault::Fault;
 use underbrush_recording::{Frame, Recording};
-use underbrush_sim::simulation::Simulation;
+use underbrush_sim::reach::Observed;
 
 use crate::frame_verdicts::{self, Classified};
 use crate::session::Session;
@@ -91,7 +91,7 @@ fn take(
     let options = frame_verdicts::options(session.experiment, rule);
     let mut classifier = OnlineClassifier::new(models, &plan.arm.skin.layout, &options)?;
     let (mut index, mut taken, mut fault) = (0, None, None);
-    let mut observer = |_: &Simulation, frame: &Frame| {
+    let mut observer = |Observed { frame, .. }: Observed| {
         if index <= chosen && fault.is_none() {
             match classifier.update(frame) {
                 Ok(judged) if index == chosen => {

@@ -19,7 +19,7 @@ fn a_reach_with_spurious_trials_alone_is_not_wanted() {
     let plan = ReachPlan::new(Scene::parse("trunks.toml", text).unwrap(), None, 0).unwrap();
     let options = TrialOptions::default();
     let wanted = |category, recording: &Recording| Wanted::Only(category).is(recording, &options).unwrap();
-    let mut reaches = (0..8).map(|index| plan.run(index, &mut |_, _| {}).unwrap());
+    let mut reaches = (0..8).map(|index| plan.run(index, &mut |_| {}).unwrap());
     let mut reach = reaches.find(|reach| wanted(Category::TRUNK, reach)).unwrap();
     assert!(!wanted(Category::LEAF, &reach));
     let readings = reach.frames.iter_mut().flat_map(|frame| &mut frame.taxels);

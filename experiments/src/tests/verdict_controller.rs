@@ -90,7 +90,7 @@ fn run(verdicts: Option<&VerdictControl>) -> (Recording, Vec<TaxelContact>) {
     let notes = given.clone();
     let plan = plan().with_controller_within(move |inner| Box::new(Noting(inner, notes.clone())));
     let plan = verdicts.map_or(plan.clone(), |verdicts| verdicts.applied_to(plan).unwrap());
-    let recording = plan.run(0, &mut |_, _| {}).unwrap();
+    let recording = plan.run(0, &mut |_| {}).unwrap();
     let contacts = given.lock().unwrap().clone();
     (recording, contacts)
 }
@@ -148,8 +148,8 @@ fn contacts_get_the_limits_of_their_verdicts() {
 fn reaches_with_verdicts_repeat() {
     let verdicts = always(Touch::Category(1));
     let plan = verdicts.applied_to(plan()).unwrap();
-    let first = plan.run(0, &mut |_, _| {}).unwrap();
-    assert!(plan.run(0, &mut |_, _| {}).unwrap() == first);
+    let first = plan.run(0, &mut |_| {}).unwrap();
+    assert!(plan.run(0, &mut |_| {}).unwrap() == first);
     let mut plain = run(None).0;
     plain.controller.clone_from(&first.controller);
     assert!(first != plain);

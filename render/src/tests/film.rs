@@ -1,7 +1,7 @@
 //! Tests of files.
 
 use underbrush_recording::Recording;
-use underbrush_sim::reach::{ReachPlan, ReachSoFar};
+use underbrush_sim::reach::{Observed, ReachPlan, ReachSoFar};
 use underbrush_sim::scene::Scene;
 
 use super::*;
@@ -12,7 +12,7 @@ pub fn reach() -> Recording {
     let text = "summary = \"A trunk and leaves\"\n[[objects.foam_block]]\ncount = 2\n[[objects.leaf]]\ncount = 2\n\
                 [[objects.trunk]]\ncount = 1\n";
     let plan = ReachPlan::new(Scene::parse("trunk.toml", text.into()).unwrap(), None, 1).unwrap();
-    let mut recording = plan.run(0, &mut |_, _| {}).unwrap();
+    let mut recording = plan.run(0, &mut |_| {}).unwrap();
     recording.frames.truncate(150);
     recording
 }
@@ -67,12 +67,12 @@ fn a_simulation_is_drawn_like_its_recording() {
     let goal = simulation.clutter().goals[0];
     let (_, first, _) = Stage::now(&simulation, &simulation.frame(0, goal), None, size.aspect()).unwrap();
     for _ in 0..60 {
-        so_far.observe(&simulation, &simulation.frame(0, goal));
+        so_far.observe(Observed { simulation: &simulation, frame: &simulation.frame(0, goal), map: &[] });
         angles.iter_mut().for_each(|angle| *angle += 0.004);
         simulation.step(&angles);
     }
     let frame = simulation.frame(0, goal);
-    so_far.observe(&simulation, &frame);
+    so_far.observe(Observed { simulation: &simulation, frame: &frame, map: &[] });
     let recording = so_far.recording().unwrap();
     let (now, camera, labels) = Stage::now(&simulation, &frame, None, size.aspect()).unwrap();
     assert_eq!(camera, first);

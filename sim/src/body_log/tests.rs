@@ -5,7 +5,7 @@ use std::path::Path;
 use underbrush_recording::body::{ORIENTATION_TOLERANCE_RAD, POSITION_TOLERANCE_M};
 use underbrush_recording::{Body, BodyOwner, BodyShape, Category, Pose, Recording};
 
-use crate::reach::ReachPlan;
+use crate::reach::{Observed, ReachPlan};
 use crate::scene::Scene;
 
 /// The simulation's poses of the bodies of every object in one frame.
@@ -18,7 +18,7 @@ fn watched(scene: &str) -> (ReachPlan, Recording, Vec<ObjectPoses>) {
     scene.file.goals.count = 1;
     let plan = ReachPlan::new(scene, None, 3).unwrap();
     let mut frames = Vec::new();
-    let recording = plan.run(0, &mut |simulation, _| {
+    let recording = plan.run(0, &mut |Observed { simulation, .. }| {
         let objects = simulation.report().objects.iter().enumerate();
         let poses = objects.map(|(object, state)| {
             let bodies = simulation.structure(object).bodies.iter().zip(&state.body_pose_world);

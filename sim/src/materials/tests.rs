@@ -43,7 +43,7 @@ fn draws_are_within_their_ranges_and_change_no_clutter() {
     all.sort_by(f64::total_cmp);
     all.dedup();
     assert_eq!(all.len(), 20);
-    let run = |materials: &str| plan(materials).run(0, &mut |_, _| {}).unwrap().frames;
+    let run = |materials: &str| plan(materials).run(0, &mut |_| {}).unwrap().frames;
     assert_eq!(run(&file.section(false)), run(""));
 }
 

@@ -47,7 +47,7 @@ fn an_added_object_goes_through_a_reach() {
     let plan = ReachPlan::new(Scene::parse("wands.toml", text.into()).unwrap(), None, 0).unwrap();
     let (mut felt, mut moved) = (0, 0);
     for reach in 0..3 {
-        let recording = plan.run(reach, &mut |_, _| {}).unwrap();
+        let recording = plan.run(reach, &mut |_| {}).unwrap();
         assert_eq!(recording.further_categories(), [wand::CATEGORY]);
         let is_wand = |index: u16| recording.objects[usize::from(index)].category == wand::CATEGORY;
         let wands = recording.objects.iter().filter(|object| object.kind == "wand");

@@ -45,8 +45,8 @@ impl ReachLog {
         }
     }
 
-    /// Records the present frame.
-    pub(super) fn record(&mut self, simulation: &Simulation, mut frame: Frame) -> &Frame {
+    /// Records the present frame, and the controller's map in it.
+    pub(super) fn record(&mut self, simulation: &Simulation, mut frame: Frame, map: &[MappedObstacle]) -> &Frame {
         if !self.has_contact_points {
             frame.contact_points = Vec::new();
         }
@@ -55,13 +55,9 @@ impl ReachLog {
         self.bodies.observe(report);
         self.auditor.observe_frame(arm, report);
         let frames = &mut self.recording.frames;
+        self.map.observe(frames.len(), map);
         frames.push(frame);
         &frames[frames.len() - 1]
-    }
-
-    /// Records the controller's map of the frame that was recorded last.
-    pub(super) fn record_map(&mut self, map: &[MappedObstacle]) {
-        self.map.observe(self.recording.frames.len().saturating_sub(1), map);
     }
 
     /// Audits one engine step.
@@ -79,6 +75,7 @@ impl ReachLog {
         Recording {
             bodies: self.bodies.clone().finish(),
             contacts: self.contacts.clone().finish(|link| arm.links[usize::from(link)].name.clone()),
+            map: self.map.obstacles.clone(),
             ..self.recording.clone()
         }
     }

@@ -22,7 +22,7 @@ use crate::simulation::{Setup, Simulation};
 ///
 /// let text = "summary = \"A trunk\"\n[goals]\ncount = 1\n[[objects.trunk]]\ncount = 1\n";
 /// let plan = ReachPlan::new(Scene::parse("trunk.toml", text.into())?, None, 1)?;
-/// let recording = plan.run(0, &mut |_, _| {})?;
+/// let recording = plan.run(0, &mut |_| {})?;
 /// assert_eq!(recording.goals.len(), 1);
 /// assert_eq!(recording.frames[1].time_s, 0.01);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

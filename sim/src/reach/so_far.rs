@@ -1,14 +1,14 @@
 //! The recording of a reach that is still running, for observers.
 
-use underbrush_recording::{Frame, Recording};
+use underbrush_recording::Recording;
 
+use super::Observed;
 use super::log::ReachLog;
 use super::plan::ReachPlan;
-use crate::simulation::Simulation;
 
 /// Follows a reach as its observer, and gives the recording so far at any time.
 ///
-/// It has the frames, poses and contacts. It has no goals, because they are known only when they have ended, and its
+/// It has the frames, poses, contacts and the map. It has no goals, because they are known only when they have ended, and its
 /// audit is empty. The recording that [`ReachPlan::run`] returns has everything.
 pub struct ReachSoFar<'a> {
     plan: &'a ReachPlan,
@@ -23,9 +23,9 @@ impl<'a> ReachSoFar<'a> {
     }
 
     /// Adds a frame. Must be called for every frame, from the first on.
-    pub fn observe(&mut self, simulation: &Simulation, frame: &Frame) {
+    pub fn observe(&mut self, Observed { simulation, frame, map }: Observed) {
         let begin = || ReachLog::new(self.plan, &self.plan.controller_name(), self.reach_index, simulation);
-        self.log.get_or_insert_with(begin).record(simulation, frame.clone());
+        self.log.get_or_insert_with(begin).record(simulation, frame.clone(), map);
     }
 
     /// The recording so far; `None` before the first frame.

@@ -1,5 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
+use std::path::Path;
+
 use underbrush_recording::Outcome;
 
 use super::{ReachPlan, ReachSoFar};
@@ -38,7 +40,7 @@ fn a_free_hand_moves_as_fast_as_it_is_told() {
     // Tests that the mean speed of a free hand, from start to goal, is proportional to `hand_speed_scale` within a
     // tenth: the arm's lag behind its equilibrium angles takes the same time at each speed.
     let mean_speed = |scale: f64| {
-        let recording = plan(&format!("hand_speed_scale = {scale:?}")).run(0, &mut |_, _| {}).unwrap();
+        let recording = plan(&format!("hand_speed_scale = {scale:?}")).run(0, &mut |_| {}).unwrap();
         assert_eq!(recording.outcome(), Outcome::Reached);
         let place = |frame: &underbrush_recording::Frame| frame.end_effector_pose_world.position;
         let way: f64 = recording.frames.windows(2).map(|pair| place(&pair[0]).distance(place(&pair[1]))).sum();
@@ -100,7 +102,7 @@ fn a_force_over_the_stop_force_ends_the_reach() {
     let plan = through_trunks("ijrr-foliage", 0);
     let mut aborted = 0;
     for reach_index in 0..6 {
-        let recording = plan.run(reach_index, &mut |_, _| {}).unwrap();
+        let recording = plan.run(reach_index, &mut |_| {}).unwrap();
         let last = recording.goals.last().unwrap();
         let peak = recording.contacts.iter().map(|contact| contact.peak_force_n).fold(0.0, f64::max);
         match &last.safety_stop {
@@ -136,8 +138,8 @@ fn a_stuck_arm_backs_off_and_tries_again() {
     let (once, twice) = (through_trunks("cody-2013", 0), through_trunks("cody-2013", 1));
     let (mut retried, mut farthest) = (0, 0.0_f64);
     for reach_index in 0..24 {
-        let first = once.run(reach_index, &mut |_, _| {}).unwrap();
-        let second = twice.run(reach_index, &mut |_, _| {}).unwrap();
+        let first = once.run(reach_index, &mut |_| {}).unwrap();
+        let second = twice.run(reach_index, &mut |_| {}).unwrap();
         let until = first.frames.len();
         assert_eq!(first.frames, second.frames[..until]);
         if first.outcome() != Outcome::Stuck {
@@ -167,16 +169,17 @@ fn a_stuck_arm_backs_off_and_tries_again() {
 
 #[test]
 fn a_watched_reach_is_the_recorded_one() {
-    // Tests that the recording so far has exactly the frames, poses and contacts that the finished one begins with, and
+    // Tests that the recording so far has exactly the frames, poses, contacts and map that the finished one begins with, and
     // that there is none before the first frame.
-    let plan = plan("");
+    let scene = Scene::open(Path::new("trunk")).unwrap();
+    let plan = ReachPlan::new(scene, Some(ControllerKind::Mapped), 0).unwrap();
     let mut so_far = ReachSoFar::new(&plan, 0);
     assert!(so_far.recording().is_none());
     let mut early = None;
     let finished = plan
-        .run(0, &mut |simulation, frame| {
-            so_far.observe(simulation, frame);
-            if frame.time_s >= 0.1 && early.is_none() {
+        .run(0, &mut |observed| {
+            so_far.observe(observed);
+            if observed.frame.time_s >= 0.1 && early.is_none() {
                 early = so_far.recording();
             }
         })
@@ -185,6 +188,7 @@ fn a_watched_reach_is_the_recorded_one() {
     assert_eq!(last.frames, finished.frames);
     assert_eq!(last.bodies, finished.bodies);
     assert_eq!(last.contacts, finished.contacts);
+    assert!(last.map == finished.map && !last.map.is_empty(), "{:?}", last.map);
     assert_eq!(last.objects, finished.objects);
     assert!(last.goals.is_empty() && !finished.goals.is_empty());
     assert_eq!(early.frames, finished.frames[..early.frames.len()]);
@@ -199,9 +203,9 @@ fn a_reach_stops_when_it_is_told() {
     // Tests that a reach that is stopped ends before its next frame, without a recording, and that the frames until
     // then are those of a reach that is not stopped.
     let plan = plan("");
-    let whole = plan.run(0, &mut |_, _| {}).unwrap();
+    let whole = plan.run(0, &mut |_| {}).unwrap();
     let seen = std::cell::RefCell::new(Vec::new());
-    let mut observer = |_: &crate::simulation::Simulation, frame: &underbrush_recording::Frame| {
+    let mut observer = |super::Observed { frame, .. }: super::Observed| {
         seen.borrow_mut().push(frame.clone());
     };
     let stopped = plan.run_until(0, &mut observer, &|| seen.borrow().len() == 5);

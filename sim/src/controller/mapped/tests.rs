@@ -335,7 +335,7 @@ fn plan(seed: u64) -> ReachPlan {
 #[test]
 fn the_arm_gets_round_trunks() {
     let reached = |plan: &ReachPlan| {
-        let reaches: Vec<_> = (0..3).map(|index| plan.run(index, &mut |_, _| {}).unwrap()).collect();
+        let reaches: Vec<_> = (0..3).map(|index| plan.run(index, &mut |_| {}).unwrap()).collect();
         for goal in reaches.iter().flat_map(|reach| &reach.goals) {
             assert_eq!(
                 goal.given_up.is_some(),
@@ -345,7 +345,7 @@ fn the_arm_gets_round_trunks() {
         reaches.iter().map(|reach| reach.goal_outcomes().reached).sum::<usize>()
     };
     let own = plan(5);
-    assert!(own.run(0, &mut |_, _| {}).unwrap() == own.run(0, &mut |_, _| {}).unwrap());
+    assert!(own.run(0, &mut |_| {}).unwrap() == own.run(0, &mut |_| {}).unwrap());
     let published = ReachPlan::new(own.scene.clone(), Some(crate::controller::ControllerKind::Cody2013), 5).unwrap();
     assert!(reached(&own) > reached(&published));
 }
@@ -418,7 +418,7 @@ fn what_is_felt_decides_whether_verdicts_are_believed() {
 /// Tests that the recorded map has obstacles beside trunks that were touched, and none before the first touch.
 #[test]
 fn the_map_is_recorded() {
-    let reaches: Vec<_> = (0..3).map(|index| plan(5).run(index, &mut |_, _| {}).unwrap()).collect();
+    let reaches: Vec<_> = (0..3).map(|index| plan(5).run(index, &mut |_| {}).unwrap()).collect();
     assert!(reaches.iter().any(|reach| !reach.map.is_empty()));
     for reach in &reaches {
         assert!(reach.map.is_sorted_by_key(|own| own.first_frame));

@@ -35,7 +35,7 @@ fn go_on(simulation: &mut Simulation, angles: &[Vec<f64>]) -> Vec<FrameReport> {
 #[test]
 fn a_loaded_simulation_continues_bit_for_bit() {
     let plan = plan(3);
-    let recording = plan.run(0, &mut |_, _| {}).unwrap();
+    let recording = plan.run(0, &mut |_| {}).unwrap();
     assert!(!recording.contacts.is_empty(), "the reach touches something");
     let frames = recording.frames.into_iter().take(400);
     let angles: Vec<Vec<f64>> = frames.map(|frame| frame.equilibrium_angle_rad).collect();

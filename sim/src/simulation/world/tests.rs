@@ -69,7 +69,7 @@ fn only_parry_allocates_in_a_frame() {
     let plan = ReachPlan::new(Scene::parse("many.toml", SCENE.into()).unwrap(), None, 1).unwrap();
     // The frame with most touched taxels of six reaches.
     let touched = |index: u64| {
-        let frames = plan.run(index, &mut |_, _| {}).unwrap().frames;
+        let frames = plan.run(index, &mut |_| {}).unwrap().frames;
         let most = frames.iter().enumerate().max_by_key(|(_, frame)| frame.taxels.len());
         let (place, count) = most.map(|(place, frame)| (place, frame.taxels.len())).unwrap();
         (count, place, index, frames)
