@@ -7,6 +7,9 @@
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use sweep::Sweep;
+use underbrush_recording::{Category, Pose};
+use underbrush_sim::dynamics::Tree;
+use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::scene::PhysicsSection;
 use underbrush_sim::simulation::Simulation;
 
@@ -24,6 +27,29 @@ fn main() {
 fn sweep(bencher: Bencher, simulation: impl Fn() -> Simulation + Sync) {
     let bencher = bencher.counter(ItemsCount::new(Sweep::frames() as u64));
     bencher.with_inputs(simulation).bench_local_refs(|simulation| Sweep::run(simulation, |_| {}));
+}
+
+/// One step of 5 ms of 24 leaves that all swing and touch nothing: their equations of motion alone. One element is a step.
+#[divan::bench(sample_count = 100, sample_size = 20)]
+fn trees(bencher: Bencher) {
+    let simulation = Sweep::new(24, 0).simulation(PhysicsSection::default().options(), true);
+    let leaves = simulation.clutter().objects.iter().filter(|placed| placed.category == Category::LEAF);
+    let swinging = leaves.map(|placed| {
+        let mut tree = Tree::of_structure(&placed.object.structure(), Pose::from_position(placed.foot_world));
+        tree.displace(|coordinate, _| if coordinate.turns { 0.05 } else { 0.0 });
+        tree
+    });
+    let mut trees: Vec<Tree> = swinging.collect();
+    assert_eq!(trees.len(), 24);
+    let PhysicsOptions { step_s, gravity_m_per_s2 } = PhysicsSection::default().options();
+    bencher.counter(ItemsCount::new(1_u64)).bench_local(|| {
+        for tree in &mut trees {
+            let theta = tree.own_theta(step_s);
+            tree.begin(step_s, theta);
+            tree.prepare(gravity_m_per_s2);
+            tree.advance();
+        }
+    });
 }
 
 /// The sweep without skin.
