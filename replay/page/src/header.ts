@@ -80,7 +80,7 @@ export class Header {
       summary.log ? "a robot's log" : header.controller,
       summary.running ? "running" : goals === 0 ? "no goals" : `${reached} of ${goals} goals reached${others.join("")}`,
       ...(summary.running ? [] : [`${summary.duration_s.toFixed(1)}\u00a0s`, `peak contact force ${summary.peak_force_n.toFixed(2)}\u00a0N`]),
-      stop === null ? "" : `stopped by ${stop.force_n.toFixed(0)} N of ${stop.object_kind.replace(/_/g, " ")} ${stop.object_index} on ${stop.link}`,
+      stop === null ? "" : `stopped by ${stop.force_n.toFixed(0)} N of ${stop.object_kind.replace(/_/g, " ")}${stop.object_index === null ? "" : ` ${stop.object_index}`} on ${stop.link}`,
       summary.running ? "" : header.audit_warnings.length > 0 ? `audit: ${header.audit_warnings.join("; ")}` : goals === 0 ? "" : "audit within bounds",
       model,
     ];

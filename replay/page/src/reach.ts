@@ -96,7 +96,7 @@ export interface Header {
   frames: number;
   outcome: string;
   goal_outcomes: { reached: number; stuck: number; timed_out: number; aborted: number };
-  safety_stop: { object_index: number; object_kind: string; link: string; patch: string | null; force_n: number } | null;
+  safety_stop: { object_index: number | null; object_kind: string; link: string; patch: string | null; force_n: number } | null;
   joint_names: string[];
   patches: Patch[];
   objects: ReachObject[];

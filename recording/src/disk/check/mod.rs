@@ -90,7 +90,8 @@ fn check_place(
         require(!link.is_empty(), || field(".link"), || "no name".into(), "the name of a link")?;
     }
     let unknown = object.filter(|object| usize::from(*object) >= recording.objects.len());
-    require(unknown.is_none(), || field(".object"), || format!("{unknown:?}"), "the index of an object")
+    let found = || unknown.map_or_else(String::new, |object| object.to_string());
+    require(unknown.is_none(), || field(".object"), found, "the index of an object")
 }
 
 /// Checks a whole recording.
