@@ -96,12 +96,11 @@ class Builder:
             children.setdefault(link["parent"], []).append(index)
         names = []
         self.link(tree, children, 0, self.world, Pose(), [], names)
-        # Parts of one object do not touch each other. MuJoCo itself excludes neighbours in the tree.
-        is_arm = tree[0]["body"] in self.arm
+        # Parts of one object do not touch each other, and in the sweep neither do links of the arm. MuJoCo itself excludes
+        # neighbours in the tree.
         for i, first in enumerate(names):
             for second in names[i + 2:]:
-                if not is_arm:
-                    self.add(self.contact, "exclude", body1=first, body2=second)
+                self.add(self.contact, "exclude", body1=first, body2=second)
 
     def link(self, tree, children, index, parent, before, waiting, names):
         """Adds a link and all links that hang on it. `before` and `waiting` are the pose and the joints of the massless

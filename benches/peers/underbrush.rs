@@ -14,7 +14,6 @@ use std::time::Instant;
 use glam::DVec3;
 use serde_json::{Value, json};
 use underbrush_recording::{BodyShape, Pose};
-use underbrush_sim::object::structure::Axis;
 use underbrush_sim::physics::{ENGINE, PhysicsOptions};
 use underbrush_sim::scene::PhysicsSection;
 use underbrush_sim::simulation::Simulation;
@@ -134,8 +133,8 @@ fn statics() -> Value {
     let wrist = links[sweep.arm.link_index("wrist").unwrap()];
     let force = DVec3::new(-3.0, 4.0, 5.0);
     push(&mut rig, wrist, force, DVec3::ZERO, settle);
-    let joints = links[1..].iter();
-    let angles: Vec<f64> = joints.map(|link| rig.coordinate(*link, Axis::RotationX).unwrap()).collect();
+    let arm = &rig.describe().trees[0];
+    let angles: Vec<f64> = arm.iter().flat_map(|link| &link.axes).map(|axis| axis.coordinate).collect();
     json!({
         "step_s": options.step_s,
         "tip_body": tip.number(),
