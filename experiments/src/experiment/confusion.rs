@@ -1,7 +1,6 @@
 //! Confusion matrices of taxel trials for the models with the most states, by force alone and by force and motion
 //! (Figs. 6 and 7).
 
-use crate::definition::TableOneUnit;
 use serde::Serialize;
 use underbrush_classifier::evaluate::ConfusionMatrix;
 use underbrush_classifier::feature::FeatureSet;
@@ -25,15 +24,11 @@ pub struct ConfusionMatrices {
 /// Reads both matrices from the cross-validation table.
 pub fn run(session: &Session) -> Result<ConfusionMatrices, Fault> {
     let table = session.once(table_one::run)?;
-    let recipe = session.experiment.main_recipe_name().name();
+    let recipe = session.experiment.main_recipe_name();
     let states = session.experiment.file.states.iter().copied().max().unwrap_or_default();
     let matrix = |features: FeatureSet| {
-        let mut cells = table.table_1.iter().zip(&table.evaluations);
-        let own = cells.find(|(cell, _)| {
-            let key = &cell.key;
-            key.recipe == recipe && (key.by, key.features, key.states) == (TableOneUnit::Taxel, features, states)
-        });
-        own.map(|(_, evaluation)| evaluation.confusion.clone())
+        let (_, evaluation) = table.of_taxels(features, states, recipe)?;
+        Some(evaluation.confusion.clone())
     };
     Ok(ConfusionMatrices {
         figure_6: matrix(FeatureSet::FORCE),

@@ -32,6 +32,14 @@ pub struct TableOne {
     pub evaluations: Vec<Evaluation>,
 }
 
+impl TableOne {
+    /// The cell of taxel trials with these features and states in a recipe, and the evaluation behind it.
+    pub fn of_taxels(&self, features: FeatureSet, states: usize, recipe: RecipeName) -> Option<(&Cell, &Evaluation)> {
+        let key = CellKey { by: TableOneUnit::Taxel, features, states, recipe: recipe.name().into() };
+        self.table_1.iter().zip(&self.evaluations).find(|(cell, _)| cell.key == key)
+    }
+}
+
 /// Cross-validates all cells in all recipes.
 pub fn run(session: &Session) -> Result<TableOne, Fault> {
     let data = session.once(training::run)?;

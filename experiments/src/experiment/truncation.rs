@@ -7,6 +7,7 @@ use underbrush_classifier::evaluate::{Folds, cross_validate};
 use underbrush_classifier::recipe::Recipe;
 use underbrush_recording::fault::Fault;
 
+use super::table_one;
 use crate::accuracy::Accuracy;
 use crate::session::Session;
 use crate::training;
@@ -40,18 +41,23 @@ pub fn run(session: &Session) -> Result<TruncatedAccuracy, Fault> {
     let fewest = file.states.iter().copied().min();
     let more: Vec<usize> = file.states.iter().copied().filter(|states| Some(*states) != fewest).collect();
     let states = if more.is_empty() { &file.states } else { &more };
-    let lengths = std::iter::once(None).chain(file.truncations.iter().copied().map(Some));
-    let cases: Vec<(usize, Option<usize>)> =
-        lengths.flat_map(|length| states.iter().map(move |states| (*states, length))).collect();
-    let base = session.experiment.main_recipe();
+    let (base, recipe) = (session.experiment.main_recipe(), session.experiment.main_recipe_name());
+    // Whole trials are in the cross-validation table.
+    let table = session.once(table_one::run)?;
+    let whole = states.iter().filter_map(|&states| {
+        let (cell, _) = table.of_taxels(base.features, states, recipe)?;
+        Some(Truncated { states, max_samples: None, accuracy: cell.accuracy.clone() })
+    });
+    let cases: Vec<(usize, usize)> =
+        file.truncations.iter().flat_map(|length| states.iter().map(move |states| (*states, *length))).collect();
     let taxel_trials = &data.trials.taxel;
-    let case = |(states, max_samples)| {
-        let recipe = Recipe { states, max_samples, ..base.clone() };
+    let case = |(states, length)| {
+        let recipe = Recipe { states, max_samples: Some(length), ..base.clone() };
         let evaluation = cross_validate(taxel_trials, &recipe, Folds::paper(), &Decision::argmax())?;
-        Ok(Truncated { states, max_samples, accuracy: Accuracy::of(&evaluation) })
+        Ok(Truncated { states, max_samples: Some(length), accuracy: Accuracy::of(&evaluation) })
     };
     session.stage("Truncated trials", || {
-        let found: Vec<Result<Truncated, Fault>> = cases.into_par_iter().map(case).collect();
-        Ok(TruncatedAccuracy { figure_13: found.into_iter().collect::<Result<_, _>>()? })
+        let truncated: Vec<Result<Truncated, Fault>> = cases.into_par_iter().map(case).collect();
+        Ok(TruncatedAccuracy { figure_13: whole.map(Ok).chain(truncated).collect::<Result<_, _>>()? })
     })
 }
