@@ -8,6 +8,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{Limits, math};
 
+use crate::vector::vectorized;
+
 /// Fitted numbers of any kind. Choice, as for the files of classifiers of trials: standardized features and logarithms
 /// stay far below, and products of such numbers stay finite.
 pub(super) const FITTED: Limits = Limits::new(-1e12, 1e12, "");
@@ -121,6 +123,7 @@ impl Network {
     }
 
     /// The values of the hidden units.
+    #[inline(always)]
     fn units<const INPUTS: usize>(&self, inputs: &[f64; INPUTS]) -> [f64; HIDDEN] {
         // All units side by side, which the compiler turns into vector instructions, in a fixed order.
         let mut units = self.hidden[INPUTS];
@@ -132,6 +135,7 @@ impl Network {
         units.map(|unit| unit.max(0.0))
     }
 
+    #[inline(always)]
     fn score(&self, units: &[f64; HIDDEN], class: usize) -> f64 {
         let mut sums = [0.0; 4];
         let weights = self.output[class].chunks_exact(4);
@@ -164,15 +168,20 @@ impl Network {
         let steps = PASSES * rows.len().div_ceil(BATCH);
         for _ in 0..PASSES {
             order.shuffle(&mut random);
-            for batch in order.chunks(BATCH) {
-                descent.start();
-                for &index in batch {
-                    let row = &rows[index];
-                    let weight = row.weight * scale / batch.len() as f64;
-                    descent.add(&network, &inputs[index], row.class, weight);
-                }
-                descent.step(&mut network, steps);
-            }
+            vectorized(
+                #[inline(always)]
+                || {
+                    for batch in order.chunks(BATCH) {
+                        descent.start();
+                        for &index in batch {
+                            let row = &rows[index];
+                            let weight = row.weight * scale / batch.len() as f64;
+                            descent.add(&network, &inputs[index], row.class, weight);
+                        }
+                        descent.step(&mut network, steps);
+                    }
+                },
+            );
         }
         network
     }
@@ -200,9 +209,9 @@ impl Network {
         Network { mean, scale, hidden, output: layer(classes, HIDDEN), output_constant: vec![0.0; classes] }
     }
 
-    fn weights_mut(&mut self) -> impl Iterator<Item = &mut f64> {
-        let weights = self.hidden.iter_mut().chain(&mut self.output).flatten();
-        weights.chain(&mut self.output_constant)
+    #[inline(always)]
+    fn weights_mut(&mut self) -> [&mut [f64]; 3] {
+        [self.hidden.as_flattened_mut(), self.output.as_flattened_mut(), &mut self.output_constant]
     }
 }
 
@@ -221,22 +230,24 @@ pub fn softmax(scores: &mut [f64]) {
 struct Descent {
     steps: usize,
     gradient: Network,
-    /// Averages of each gradient and of its square.
-    averages: Vec<[f64; 2]>,
+    /// Averages of the gradient and of its square.
+    averages: [Network; 2],
 }
 
 impl Descent {
     fn new(network: &Network) -> Self {
-        let mut gradient = network.clone();
-        let count = gradient.weights_mut().count();
-        Descent { steps: 0, gradient, averages: vec![[0.0; 2]; count] }
+        let mut zero = network.clone();
+        zero.weights_mut().into_iter().for_each(|weights| weights.fill(0.0));
+        Descent { steps: 0, gradient: zero.clone(), averages: [zero.clone(), zero] }
     }
 
+    #[inline(always)]
     fn start(&mut self) {
-        self.gradient.weights_mut().for_each(|weight| *weight = 0.0);
+        self.gradient.weights_mut().into_iter().for_each(|weights| weights.fill(0.0));
     }
 
     /// Adds the gradient of the cross-entropy of one row.
+    #[inline(always)]
     fn add<const INPUTS: usize>(&mut self, network: &Network, inputs: &[f64; INPUTS], class: usize, weight: f64) {
         let units = network.units(inputs);
         let classes = network.output.len();
@@ -264,18 +275,25 @@ impl Descent {
         }
     }
 
+    #[inline(always)]
     fn step(&mut self, network: &mut Network, steps: usize) {
         let progress = self.steps as f64 / steps as f64;
         let length = STEP * 0.5 * (1.0 + math::cos(std::f64::consts::PI * progress));
         self.steps += 1;
         let corrections = DECAY.map(|decay| 1.0 - decay.powi(i32::try_from(self.steps).unwrap_or(i32::MAX)));
-        let gradients = self.gradient.weights_mut();
-        for ((weight, gradient), averages) in network.weights_mut().zip(gradients).zip(&mut self.averages) {
-            let slope = *gradient + PENALTY * *weight;
-            averages[0] += (1.0 - DECAY[0]) * (slope - averages[0]);
-            averages[1] += (1.0 - DECAY[1]) * (slope * slope - averages[1]);
-            let [mean, square] = [averages[0] / corrections[0], averages[1] / corrections[1]];
-            *weight -= length * mean / (square.sqrt() + SMALLEST);
+        let [means, squares] = self.averages.each_mut().map(Network::weights_mut);
+        let averages = means.into_iter().zip(squares);
+        for ((weights, gradients), (means, squares)) in
+            network.weights_mut().into_iter().zip(self.gradient.weights_mut()).zip(averages)
+        {
+            let averages = means.iter_mut().zip(squares);
+            for ((weight, gradient), (mean, square)) in weights.iter_mut().zip(gradients).zip(averages) {
+                let slope = *gradient + PENALTY * *weight;
+                *mean += (1.0 - DECAY[0]) * (slope - *mean);
+                *square += (1.0 - DECAY[1]) * (slope * slope - *square);
+                let [mean, square] = [*mean / corrections[0], *square / corrections[1]];
+                *weight -= length * mean / (square.sqrt() + SMALLEST);
+            }
         }
     }
 }
