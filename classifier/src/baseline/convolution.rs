@@ -1,5 +1,7 @@
 //! The convolutions of `MiniRocket`, updated with each sample of a contact.
 
+use std::sync::LazyLock;
+
 use rand::{RngExt, SeedableRng, seq::index};
 use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
@@ -24,9 +26,10 @@ const TRIALS_FOR_BIASES: usize = 32;
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// The three places with the weight 2, for each kernel.
-fn kernels() -> impl Iterator<Item = [usize; 3]> {
-    (0..LENGTH).flat_map(|a| (a + 1..LENGTH).flat_map(move |b| (b + 1..LENGTH).map(move |c| [a, b, c])))
-}
+static PLACES: LazyLock<Vec<[usize; 3]>> = LazyLock::new(|| {
+    let kernels = |a| (a + 1..LENGTH).flat_map(move |b| (b + 1..LENGTH).map(move |c| [a, b, c]));
+    (0..LENGTH).flat_map(kernels).collect()
+});
 
 /// Convolutions and the thresholds of their outputs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -38,6 +41,9 @@ pub(super) struct Convolutions {
     dilations: Vec<usize>,
     /// Which features a convolution adds up, for each kernel of each dilation.
     inputs: Vec<Vec<bool>>,
+    /// The places of these features in a sample; a file does not repeat them.
+    #[serde(skip)]
+    summands: Vec<Vec<usize>>,
     /// The thresholds of its outputs.
     biases: Vec<Vec<f64>>,
 }
@@ -71,9 +77,9 @@ impl Convolutions {
             let chosen = index::sample(&mut rng, features.dimension(), number).into_vec();
             (0..features.dimension()).map(|feature| chosen.contains(&feature)).collect()
         });
-        let inputs = inputs.collect();
-        let scale = deviations(by_category, features)?;
-        let mut fitted = Convolutions { scale, dilations, inputs, biases: Vec::new() };
+        let inputs: Vec<Vec<bool>> = inputs.collect();
+        let (scale, summands) = (deviations(by_category, features)?, summands(&inputs));
+        let mut fitted = Convolutions { scale, dilations, inputs, summands, biases: Vec::new() };
         let each = (wanted / fitted.inputs.len()).max(1);
         let categories: Vec<&Vec<&Trial>> = by_category.values().collect();
         for dilation in 0..fitted.dilations.len() {
@@ -90,10 +96,10 @@ impl Convolutions {
                 }
             }
             for mut outputs in outputs {
-                outputs.sort_unstable_by(f64::total_cmp);
                 let quantile = |place: usize| {
                     let share = (GOLDEN * (fitted.biases.len() * each + place + 1) as f64).fract();
-                    outputs[(share * outputs.len() as f64) as usize]
+                    let below = (share * outputs.len() as f64) as usize;
+                    *outputs.select_nth_unstable_by(below, f64::total_cmp).1
                 };
                 let biases = (0..each).map(quantile).collect();
                 fitted.biases.push(biases);
@@ -102,8 +108,8 @@ impl Convolutions {
         Ok(fitted)
     }
 
-    /// Checks numbers read from a file.
-    pub(super) fn check(&self, features: FeatureSet) -> Result<(), Fault> {
+    /// Checks numbers read from a file, and makes the convolutions ready for use.
+    pub(super) fn checked(self, features: FeatureSet) -> Result<Self, Fault> {
         check_list("scale", &self.scale, features.dimension(), POSITIVE)?;
         if self.dilations.is_empty() || !DILATIONS.starts_with(&self.dilations) {
             let allowed = format!("the first of {DILATIONS:?}");
@@ -116,7 +122,8 @@ impl Convolutions {
             return Err(Fault::new("inputs", format!("{} lists", self.inputs.len()), allowed));
         }
         let each = self.biases.first().map_or(0, Vec::len);
-        check_table("biases", &self.biases, (convolutions, each.max(1)), FITTED)
+        check_table("biases", &self.biases, (convolutions, each.max(1)), FITTED)?;
+        Ok(Convolutions { summands: summands(&self.inputs), ..self })
     }
 
     /// Number of values that a contact has.
@@ -130,11 +137,12 @@ impl Convolutions {
         self.remember(features, contact, &values);
         let mut above = std::mem::take(&mut contact.above);
         above.resize(self.dimension(), 0);
-        let mut counts = above.iter_mut();
+        let each = self.biases.first().map_or(0, Vec::len);
         for dilation in 0..self.dilations.len() {
             self.outputs(dilation, contact, |kernel, output| {
-                let biases = &self.biases[dilation * KERNELS + kernel];
-                biases.iter().zip(&mut counts).for_each(|(bias, count)| *count += u32::from(output > *bias));
+                let place = dilation * KERNELS + kernel;
+                let counts = above[place * each..].iter_mut().zip(&self.biases[place]);
+                counts.for_each(|(count, bias)| *count += u32::from(output > *bias));
             });
         }
         contact.above = above;
@@ -202,15 +210,26 @@ impl Convolutions {
         let dimension = self.scale.len();
         let last = contact.past.len() - dimension;
         let step = self.dilations[dilation] * dimension;
-        let at = |place: usize, feature: usize| contact.past[last - (LENGTH - 1 - place) * step + feature];
-        let sum = |feature: usize| (0..LENGTH).map(|place| at(place, feature)).sum::<f64>();
-        let sums: Vec<f64> = (0..dimension).map(sum).collect();
-        for (kernel, places) in kernels().enumerate() {
-            let inputs = self.inputs[dilation * KERNELS + kernel].iter().enumerate().filter(|(_, is_used)| **is_used);
-            let of = |feature: usize| 3.0 * places.map(|place| at(place, feature)).iter().sum::<f64>() - sums[feature];
-            take(kernel, inputs.map(|(feature, _)| of(feature)).sum());
+        let taps = |feature: usize| {
+            let values: [f64; LENGTH] =
+                std::array::from_fn(|place| contact.past[last - (LENGTH - 1 - place) * step + feature]);
+            (values, values.iter().sum::<f64>())
+        };
+        let taps: Vec<([f64; LENGTH], f64)> = (0..dimension).map(taps).collect();
+        for (kernel, places) in PLACES.iter().enumerate() {
+            let of = |feature: &usize| {
+                let (values, sum) = &taps[*feature];
+                3.0 * places.iter().map(|place| values[*place]).sum::<f64>() - sum
+            };
+            take(kernel, self.summands[dilation * KERNELS + kernel].iter().map(of).sum());
         }
     }
+}
+
+/// The places of the features that are used.
+fn summands(inputs: &[Vec<bool>]) -> Vec<Vec<usize>> {
+    let used = |inputs: &Vec<bool>| (0..inputs.len()).filter(|feature| inputs[*feature]).collect();
+    inputs.iter().map(used).collect()
 }
 
 /// The features of a sample. What a skin senses spans decades, so it is compressed: sign(x) ln(1 + 10 |x|) of values of
@@ -290,9 +309,10 @@ mod tests {
             scale: vec![1.0; 2],
             dilations: vec![1, 2, 4],
             inputs: (0..3 * KERNELS).map(|place| which[place % KERNELS % 3].clone()).collect(),
+            summands: Vec::new(),
             biases: (0..3 * KERNELS).map(|place| vec![0.3 * math::sin((place % KERNELS + 1) as f64)]).collect(),
         };
-        convolutions.check(features).unwrap();
+        let convolutions = convolutions.checked(features).unwrap();
         let mut contact = Outputs::default();
         for k in (0..30).map(f64::from) {
             let a = math::sin(0.7 * k) + 0.2 * math::sin(2.9 * k);

@@ -120,7 +120,7 @@ impl Baseline for MiniRocket {
 
     fn learned(&self, parameters: Parameters, categories: usize) -> Result<Learned, Fault> {
         let Parameters { convolutions, weights } = parameters;
-        convolutions.check(self.features).map_err(|fault| fault.within("convolutions"))?;
+        let convolutions = convolutions.checked(self.features).map_err(|fault| fault.within("convolutions"))?;
         let size = convolutions.dimension() + 1;
         check_table("weights", &weights, (categories, size), FITTED)?;
         Ok(Learned { convolutions, weights: fitted::from_columns(size, &weights) })
