@@ -124,7 +124,7 @@ fn accelerations_apart(tree: &Tree, links: &[LinkDescription], gravity_m_per_s2:
         let own = prepared(tree, &displacement, &velocity, INSTANT_S, gravity_m_per_s2);
         let mut peer = Peer::new(links, INSTANT_S);
         peer.set(&displacement, &velocity);
-        peer.step();
+        peer.world.step();
         let expected = peer.accelerations();
         let largest = expected.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         let apart = own.acceleration().iter().zip(&expected).map(|(own, other)| (own - other).abs());
@@ -154,7 +154,7 @@ fn motions_apart(tree: &Tree, links: &[LinkDescription], gravity_m_per_s2: f64) 
         own.advance();
         own.begin(STEP_S, Theta::EULER);
         own.prepare(gravity_m_per_s2);
-        peer.step();
+        peer.world.step();
         let positions = own.coordinates().iter().map(|own| own.position).zip(peer.positions());
         worst = positions.map(|(own, other)| (own - other).abs()).fold(worst, f64::max);
     }
@@ -197,17 +197,7 @@ fn stacked(links: &[LinkDescription]) -> Vec<LinkDescription> {
 
 /// The same bodies and joints as a multibody of Rapier.
 struct Peer {
-    parameters: IntegrationParameters,
-    pipeline: PhysicsPipeline,
-    islands: IslandManager,
-    broad_phase: BroadPhaseBvh,
-    narrow_phase: NarrowPhase,
-    bodies: RigidBodySet,
-    colliders: ColliderSet,
-    impulse_joints: ImpulseJointSet,
-    joints: MultibodyJointSet,
-    soft_bodies: SoftBodySet,
-    continuous_collision: CCDSolver,
+    world: PhysicsWorld,
     joint: MultibodyJointHandle,
     /// Link and axis of each coordinate.
     axes: Vec<(usize, usize)>,
@@ -215,58 +205,50 @@ struct Peer {
 
 impl Peer {
     fn new(links: &[LinkDescription], step_s: f64) -> Self {
-        let (mut bodies, mut colliders, mut joints) =
-            (RigidBodySet::new(), ColliderSet::new(), MultibodyJointSet::new());
+        let mut world = PhysicsWorld {
+            gravity: DVec3::Z * -GRAVITY_M_PER_S2,
+            integration_parameters: IntegrationParameters {
+                dt: step_s,
+                num_solver_iterations: 1,
+                ..Default::default()
+            },
+            ..PhysicsWorld::new()
+        };
         let mut handles: Vec<RigidBodyHandle> = Vec::new();
         let mut joint = MultibodyJointHandle::invalid();
         let mut axes = Vec::new();
         for (index, link) in links.iter().enumerate() {
             let builder = if link.fixed { RigidBodyBuilder::fixed() } else { RigidBodyBuilder::dynamic() };
-            let body =
-                bodies.insert(builder.pose(pose(&link.pose_world)).gravity_scale(link.gravity_scale).can_sleep(false));
+            let body = builder.pose(pose(&link.pose_world)).gravity_scale(link.gravity_scale).can_sleep(false);
             // The mass is that of a shape that touches nothing: added to the body itself, its axes might be changed.
             let shape =
                 ColliderBuilder::ball(1e-3).mass_properties(mass(link)).collision_groups(InteractionGroups::none());
-            colliders.insert_with_parent(shape, body, &mut bodies);
+            let (body, _) = world.insert(body, shape);
             if let Some(parent) = link.parent {
                 let free = link.axes.iter().fold(JointAxesMask::empty(), |mask, axis| {
                     mask | JointAxesMask::from_bits_truncate(1 << axis.axis)
                 });
                 let mut data = GenericJoint::new(JointAxesMask::all().difference(free));
                 data.set_local_frame1(pose(&link.joint_frames[0])).set_local_frame2(pose(&link.joint_frames[1]));
-                if let Some(handle) = joints.insert(handles[parent], body, data, true) {
+                if let Some(handle) = world.multibody_joints.insert(handles[parent], body, data, true) {
                     joint = handle;
                 }
                 axes.extend(link.axes.iter().map(|axis| (index, axis.axis)));
             }
             handles.push(body);
         }
-        let mut peer = Peer {
-            parameters: IntegrationParameters { dt: step_s, num_solver_iterations: 1, ..Default::default() },
-            pipeline: PhysicsPipeline::new(),
-            islands: IslandManager::new(),
-            broad_phase: BroadPhaseBvh::new(),
-            narrow_phase: NarrowPhase::new(),
-            bodies,
-            colliders,
-            impulse_joints: ImpulseJointSet::new(),
-            joints,
-            soft_bodies: SoftBodySet::new(),
-            continuous_collision: CCDSolver::new(),
-            joint,
-            axes,
-        };
+        let mut peer = Peer { world, joint, axes };
         peer.set_springs(links);
         peer
     }
 
     fn set_springs(&mut self, links: &[LinkDescription]) {
-        for body in self.bodies.iter_mut().map(|(_, body)| body) {
-            body.recompute_mass_properties_from_colliders(&self.colliders);
+        for body in self.world.bodies.iter_mut().map(|(_, body)| body) {
+            body.recompute_mass_properties_from_colliders(&self.world.colliders);
         }
-        let Some((tree, _)) = self.joints.get_mut(self.joint) else { return };
+        let Some((tree, _)) = self.world.multibody_joints.get_mut(self.joint) else { return };
         // Drops the six degrees of freedom of the fixed root, because the vectors are indexed by the others.
-        tree.forward_kinematics(&self.bodies, true);
+        tree.forward_kinematics(&self.world.bodies, true);
         let described = links.iter().flat_map(|link| &link.axes);
         let mut displacement = vec![0.0; tree.ndofs()];
         for (degree, (axis, (link, _))) in described.zip(&self.axes).enumerate() {
@@ -278,44 +260,26 @@ impl Peer {
             displacement[degree] = axis.coordinate;
         }
         tree.apply_displacements(&displacement);
-        tree.forward_kinematics(&self.bodies, true);
+        tree.forward_kinematics(&self.world.bodies, true);
     }
 
     fn set(&mut self, displacement: &[f64], velocity: &[f64]) {
-        let Some((tree, _)) = self.joints.get_mut(self.joint) else { return };
+        let Some((tree, _)) = self.world.multibody_joints.get_mut(self.joint) else { return };
         tree.apply_displacements(displacement);
         for (own, value) in tree.generalized_velocity_mut().iter_mut().zip(velocity) {
             *own = *value;
         }
-        tree.forward_kinematics(&self.bodies, true);
-        tree.update_rigid_bodies(&mut self.bodies, true);
-    }
-
-    fn step(&mut self) {
-        self.pipeline.step(
-            DVec3::Z * -GRAVITY_M_PER_S2,
-            &self.parameters,
-            &mut self.islands,
-            &mut self.broad_phase,
-            &mut self.narrow_phase,
-            &mut self.bodies,
-            &mut self.colliders,
-            &mut self.impulse_joints,
-            &mut self.joints,
-            &mut self.soft_bodies,
-            &mut self.continuous_collision,
-            &(),
-            &(),
-        );
+        tree.forward_kinematics(&self.world.bodies, true);
+        tree.update_rigid_bodies(&mut self.world.bodies, true);
     }
 
     fn accelerations(&self) -> Vec<f64> {
-        let tree = self.joints.get(self.joint);
+        let tree = self.world.multibody_joints.get(self.joint);
         tree.map_or(Vec::new(), |(tree, _)| tree.generalized_acceleration().iter().copied().collect())
     }
 
     fn positions(&self) -> impl Iterator<Item = f64> + '_ {
-        let tree = self.joints.get(self.joint).map(|(tree, _)| tree);
+        let tree = self.world.multibody_joints.get(self.joint).map(|(tree, _)| tree);
         self.axes.iter().map(move |(link, axis)| {
             tree.and_then(|tree| tree.link(*link)).map_or(f64::NAN, |link| link.joint.coords()[*axis])
         })
