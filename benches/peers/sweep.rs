@@ -9,7 +9,7 @@ use underbrush_sim::arm::{Arm, ArmAtStart};
 use underbrush_sim::clutter::{Clutter, PlacedObject};
 use underbrush_sim::object::{Footing, Specification};
 use underbrush_sim::physics::PhysicsOptions;
-use underbrush_sim::range::Quantity;
+use underbrush_sim::range::{Quantity, YAW_DEG};
 use underbrush_sim::scene::Scene;
 use underbrush_sim::seed::stream;
 use underbrush_sim::sensor::{Sensor, SensorOptions};
@@ -80,7 +80,7 @@ impl Sweep {
                 stands_on: None,
                 category: Category::LEAF,
                 foot_world: foot.extend(FOAM_TOP_M),
-                yaw_rad: yaw_deg.draw(&mut random, (-180.0, 180.0)).expect("an angle").to_radians(),
+                yaw_rad: yaw_deg.draw(&mut random, YAW_DEG).expect("an angle").to_radians(),
             };
             let capsule = placed.bounding_capsule();
             if links.iter().all(|link| link.distance(&capsule) > CLEARANCE_M) {

@@ -91,6 +91,9 @@ pub const REGION_LARGEST_FORCE_N: Limits = Limits::new(0.0, FORCE_N.max, "N");
 /// Sum of the forces in a contact region: a hundred taxels at the largest force.
 pub const REGION_FORCE_SUM_N: Limits = Limits::new(0.0, 100.0 * FORCE_N.max, "N");
 
+/// Shares of a whole, and probabilities.
+pub const SHARE: Limits = Limits::new(0.0, 1.0, "");
+
 /// Number of taxels of a skin. Frames hold their indices in 16 bits; the largest robot skins have a few thousand.
 pub const MAX_TAXELS: usize = 65_536;
 

@@ -13,10 +13,6 @@ use underbrush_recording::{InputError, Limits, read_text};
 use crate::arm::{Arm, limits};
 use crate::range::{DrawError, Limited, Quantity, Within};
 
-fn pair(limits: Limits) -> (f64, f64) {
-    (limits.min, limits.max)
-}
-
 macro_rules! materials {
     ($($(#[doc = $text:literal])+ $name:ident: $limits:expr;)+) => {
         /// Constants of the contact between arm and objects. Each that is given replaces that of the arm's files or of the
@@ -24,7 +20,7 @@ macro_rules! materials {
         #[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields, default)]
         pub struct MaterialsSection {
-            $($(#[doc = $text])+ #[schemars(transform = Within(pair($limits)))] pub $name: Option<Quantity>,)+
+            $($(#[doc = $text])+ #[schemars(transform = Within($limits))] pub $name: Option<Quantity>,)+
         }
 
         /// The constants of one reach; `None` for those that the scene does not mention.
@@ -37,7 +33,7 @@ macro_rules! materials {
             /// The ranges that are given, with their names and limits.
             pub fn quantities(&self) -> Vec<Limited<'_>> {
                 let all = [$((stringify!($name), &self.$name, $limits)),+].into_iter();
-                all.filter_map(|(name, range, limits)| Some(Limited { name, quantity: range.as_ref()?, limits: pair(limits) }))
+                all.filter_map(|(name, range, limits)| Some(Limited { name, quantity: range.as_ref()?, limits }))
                     .collect()
             }
 
@@ -47,7 +43,7 @@ macro_rules! materials {
             /// If a range holds (almost) no physical values.
             pub fn draw(&self, random: &mut ChaCha8Rng) -> Result<Materials, DrawError> {
                 let mut draw = |name, range: &Option<Quantity>, limits| {
-                    let value = range.as_ref().map(|range| range.draw(random, pair(limits)));
+                    let value = range.as_ref().map(|range| range.draw(random, limits));
                     value.transpose().map_err(|error| DrawError { name, ..error })
                 };
                 Ok(Materials { $($name: draw(stringify!($name), &self.$name, $limits)?),+ })
@@ -162,7 +158,7 @@ impl MaterialFile {
                 let known: Vec<&str> = CONSTANTS.iter().map(|(name, _)| *name).collect();
                 return fault("an unknown constant".into(), known.join(", "));
             };
-            if let Some((found, allowed)) = Quantity::uniform(*low, *high).fault(pair(*limits)) {
+            if let Some((found, allowed)) = Quantity::uniform(*low, *high).fault(*limits) {
                 return fault(found, allowed);
             }
             if !(low..=high).contains(&value) {

@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Uniform};
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
+use underbrush_recording::Limits;
 use underbrush_recording::limits::short;
 
 use crate::seed::standard_normals;
@@ -22,13 +23,15 @@ pub use schema::{Within, schema_within};
 /// A normal draw is repeated until it falls within the field's physical limits (a truncated normal distribution).
 ///
 /// ```
+/// use underbrush_recording::Limits;
 /// use underbrush_sim::range::Quantity;
 ///
 /// let mut random = underbrush_sim::seed::stream(1, "an example", 0, "heights");
-/// let height_m = Quantity::uniform(0.25, 0.40).draw(&mut random, (0.05, 1.0))?;
+/// const HEIGHT_M: Limits = Limits::new(0.05, 1.0, "m");
+/// let height_m = Quantity::uniform(0.25, 0.40).draw(&mut random, HEIGHT_M)?;
 /// assert!((0.25..=0.40).contains(&height_m));
 /// // Outside its physical limits nothing is drawn.
-/// assert!(Quantity::fixed(3.0).draw(&mut random, (0.05, 1.0)).is_err());
+/// assert!(Quantity::fixed(3.0).draw(&mut random, HEIGHT_M).is_err());
 /// # Ok::<(), underbrush_sim::range::DrawError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -84,7 +87,7 @@ pub struct Limited<'a> {
     /// The range.
     pub quantity: &'a Quantity,
     /// Smallest and largest value that make physical sense.
-    pub limits: (f64, f64),
+    pub limits: Limits,
 }
 
 /// How often something of several quantities is drawn again if it is not possible.
@@ -136,9 +139,9 @@ impl Quantity {
     ///
     /// # Errors
     /// When a fixed or uniform value lies outside the limits, or a normal one does so a thousand times in a row.
-    pub fn draw(&self, random: &mut ChaCha8Rng, limits: (f64, f64)) -> Result<f64, DrawError> {
-        let error = DrawError { name: "", draw: self.draw, low: limits.0, high: limits.1 };
-        let physical = |value: &f64| (limits.0..=limits.1).contains(value);
+    pub fn draw(&self, random: &mut ChaCha8Rng, limits: Limits) -> Result<f64, DrawError> {
+        let error = DrawError { name: "", draw: self.draw, low: limits.min, high: limits.max };
+        let physical = |value: &f64| limits.hold(*value);
         match self.draw {
             Draw::Fixed(value) => Some(value).filter(physical).ok_or(error),
             Draw::Uniform(low, high) => {
@@ -153,9 +156,10 @@ impl Quantity {
     }
 
     /// What is wrong with this range for a field with these limits, if anything: `(found, allowed)`.
-    pub fn fault(&self, limits: (f64, f64)) -> Option<(String, String)> {
-        let within = |value: f64| value.is_finite() && (limits.0..=limits.1).contains(&value);
-        let allowed = format!("values from {} to {}", short(limits.0), short(limits.1));
+    pub fn fault(&self, limits: Limits) -> Option<(String, String)> {
+        let Limits { min, max, .. } = limits;
+        let within = |value: f64| value.is_finite() && limits.hold(value);
+        let allowed = format!("values from {} to {}", short(min), short(max));
         let ok = match self.draw {
             Draw::Fixed(value) => within(value),
             Draw::Uniform(low, high) if low > high => {
@@ -163,8 +167,8 @@ impl Quantity {
             }
             Draw::Uniform(low, high) => within(low) && within(high),
             // A wider distribution would be nearly uniform, and nearly all its draws would be rejected.
-            Draw::Normal(_, deviation) if !(0.0..=limits.1 - limits.0).contains(&deviation) => {
-                let allowed = format!("a standard deviation from 0 to {}", short(limits.1 - limits.0));
+            Draw::Normal(_, deviation) if !(0.0..=max - min).contains(&deviation) => {
+                let allowed = format!("a standard deviation from 0 to {}", short(max - min));
                 return Some((self.draw.to_string(), allowed));
             }
             Draw::Normal(mean, _) => within(mean),

@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::Limits;
+use underbrush_recording::limits::SHARE;
 
 use crate::error::{Fault, check_limits};
 
@@ -22,20 +22,17 @@ use crate::error::{Fault, check_limits};
 #[serde(deny_unknown_fields)]
 pub struct TouchDecision {
     /// A reading is called nothing if the probability that nothing presses on the taxel is above this.
-    #[schemars(range(min = 0.0, max = 1.0))]
+    #[schemars(range(min = SHARE.min, max = SHARE.max))]
     pub nothing_above: f64,
     /// An object is called unknown if at most this share of the objects of each known category is as unlike what is known.
     /// This is therefore also the share of false alarms. Without auxiliary sets in training nothing is called unknown.
-    #[schemars(range(min = 0.0, max = 1.0))]
+    #[schemars(range(min = SHARE.min, max = SHARE.max))]
     pub unknown_share: f64,
     /// The cost of an uncertain verdict, relative to the cost of a wrong category. A category is named if its
     /// probability is above 1 minus this.
-    #[schemars(range(min = 0.0, max = 1.0))]
+    #[schemars(range(min = SHARE.min, max = SHARE.max))]
     pub cost_of_uncertain: f64,
 }
-
-/// Shares and probabilities.
-const SHARE: Limits = Limits::new(0.0, 1.0, "");
 
 impl Default for TouchDecision {
     /// Choices: one false alarm in twenty objects, and a wrong category is more than three times as bad as none. If it were

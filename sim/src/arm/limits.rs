@@ -1,12 +1,10 @@
 //! The allowed range of every number in an arm's three files, with the reason for it.
 
 use underbrush_recording::Limits;
+pub(crate) use underbrush_recording::limits::SHARE;
 
 /// Coefficient of friction: rubber on a rough surface reaches 1 to 1.5.
 pub(crate) const FRICTION: Limits = Limits::new(0.0, 2.0, "");
-
-/// Shares of a whole.
-pub(crate) const SHARE: Limits = Limits::new(0.0, 1.0, "");
 
 /// Stiffness of a joint: from a finger's tendon to a drive with stiff position control.
 pub(super) const STIFFNESS_NM_PER_RAD: Limits = Limits::new(1e-3, 1e5, "Nm/rad");

@@ -12,7 +12,7 @@ use underbrush_recording::{InputError, Pose};
 use super::PlacedObject;
 use crate::arm::{Arm, ArmAtStart};
 use crate::geometry::{Capsule, PlacedShape, segment_distance};
-use crate::range::Quantity;
+use crate::range::{PLACE_M, Quantity};
 use crate::scene::Scene;
 
 /// Candidates for one goal before the attempt is given up.
@@ -44,13 +44,12 @@ pub(super) fn draw_goals(
     let plants = objects.iter().filter(is_plant);
     let plants: Vec<Capsule> = plants.map(PlacedObject::bounding_capsule).collect();
     let surroundings = Surroundings::new(&arm.arm, scene.file.workspace.table_height_m, objects);
-    let anywhere = (-5.0, 5.0);
     let mut from = arm.end_effector_world;
     let mut goals = Vec::new();
     for number in 0..settings.count {
         let mut rejected = Rejected::default();
         let goal = (0..GOAL_TRIES).find_map(|_| {
-            let draw = |quantity: &Quantity, random: &mut ChaCha8Rng| quantity.draw(random, anywhere).ok();
+            let draw = |quantity: &Quantity, random: &mut ChaCha8Rng| quantity.draw(random, PLACE_M).ok();
             let goal =
                 DVec3::new(draw(&settings.x_m, random)?, draw(&settings.y_m, random)?, draw(&settings.z_m, random)?);
             if rejected.sought() >= POSTURE_TRIES {

@@ -125,7 +125,7 @@ fn propose(
     let workspace = &scene.file.workspace;
     let mut draw = |given: Option<&Quantity>, [low, high]: [f64; 2], limits: Limits| {
         let quantity = given.cloned().unwrap_or_else(|| Quantity::uniform(low, high));
-        quantity.draw(random, (limits.min, limits.max)).unwrap_or(low)
+        quantity.draw(random, limits).unwrap_or(low)
     };
     let yaw_deg = draw(place.and_then(|place| place.yaw_deg.as_ref()), [-180.0, 180.0], YAW_DEG);
     let yaw_rad = yaw_deg.to_radians();

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use underbrush_recording::{BodyShape, Category};
+use underbrush_recording::limits::SHARE;
+use underbrush_recording::{BodyShape, Category, Limits};
 
 use super::FRICTION;
 use super::group::{Declared, Drawing, Kind};
@@ -19,34 +20,39 @@ const LENGTH_M: f64 = 0.25;
 const WIDTH_M: f64 = 0.10;
 
 /// From the softest foams, of a few kPa, to solid plastic.
-const MODULUS_LIMITS_PA: (f64, f64) = (1.0e3, 1.0e9);
+const MODULUS_PA: Limits = Limits::new(1.0e3, 1.0e9, "Pa");
 
 impl Kind for FoamBlock {
     const GROUP: (&'static str, &'static str) = ("FoamBlockSpecification", "A group of foam blocks in a scene file.");
     const QUANTITIES: &'static [Declared] = &[
         // Choice: bricks of floral foam are 8 cm high. A single height keeps the platform level, as in the paper's Fig. 2.
         // Limits: from a mat to a block as high as the clutter.
-        Declared { name: "height_m", text: "Height, m.", default: Draw::Fixed(0.08), limits: (0.01, 0.5) },
+        Declared {
+            name: "height_m",
+            text: "Height, m.",
+            default: Draw::Fixed(0.08),
+            limits: Limits::new(0.01, 0.5, "m"),
+        },
         // The paper combines wet and dry foam but gives no proportion. Choice: half of each.
         Declared {
             name: "wet_share",
             text: "Probability that a block is wet, 0 to 1.",
             default: Draw::Fixed(0.5),
-            limits: (0.0, 1.0),
+            limits: SHARE,
         },
         // Choice: dry phenolic floral foam has a modulus of a few MPa before it crushes.
         Declared {
             name: "dry_modulus_pa",
             text: "Modulus of dry foam, Pa.",
             default: Draw::Uniform(1.0e6, 3.0e6),
-            limits: MODULUS_LIMITS_PA,
+            limits: MODULUS_PA,
         },
         // Choice: foam that is soaked and has been pierced before holds a root about forty times more softly.
         Declared {
             name: "wet_modulus_pa",
             text: "Modulus of wet foam around a leaf's root, Pa.",
             default: Draw::Uniform(3.0e4, 8.0e4),
-            limits: MODULUS_LIMITS_PA,
+            limits: MODULUS_PA,
         },
         // Choice: no. In the paper's Fig. 2 blocks cover the ground and hold each other. A dry block of 50 g that stands alone
         // slides at 0.2 N, less than the force of one leaf, and the arm would sweep the clutter away.
@@ -54,7 +60,7 @@ impl Kind for FoamBlock {
             name: "stands_free",
             text: "Whether a block stands free and carries its leaves: 1 yes, 0 no; the nearest whole number of what is drawn.",
             default: Draw::Fixed(0.0),
-            limits: (0.0, 1.0),
+            limits: SHARE,
         },
     ];
     const CATEGORY: Category = Category::BLOCK;

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
-use underbrush_recording::Category;
+use underbrush_recording::{Category, Limits};
 
 use super::{CATEGORIES, Footing, Object, StandsOn};
 use crate::range::{Draw, DrawError, Limited, Placement, Quantity, schema_within};
@@ -21,7 +21,7 @@ pub struct Declared {
     /// How it is drawn if a scene file does not say otherwise.
     pub default: Draw,
     /// Smallest and largest value that make physical sense.
-    pub limits: (f64, f64),
+    pub limits: Limits,
 }
 
 /// A kind of objects, as a scene file can ask for it.
@@ -93,7 +93,7 @@ impl<K: Kind> Group<K> {
     pub fn refusal(&self, name: &str, low: Option<f64>, high: Option<f64>) -> DrawError {
         let (number, Declared { name, limits, .. }) = self.declared(name);
         let draw = self.ranges[number].draw;
-        DrawError { name, draw, low: low.unwrap_or(limits.0), high: high.unwrap_or(limits.1) }
+        DrawError { name, draw, low: low.unwrap_or(limits.min), high: high.unwrap_or(limits.max) }
     }
 }
 
@@ -291,7 +291,7 @@ macro_rules! quantities {
                 name: stringify!($name),
                 text: concat!($($text),+),
                 default: $default,
-                limits: ($low, $high),
+                limits: underbrush_recording::Limits::new($low, $high, ""),
             },)+];
 
             fn draw_all<K: $crate::object::group::Kind>(

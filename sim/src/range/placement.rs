@@ -17,12 +17,12 @@ pub const YAW_DEG: Limits = Limits::new(-360.0, 360.0, "deg");
 #[serde(deny_unknown_fields)]
 pub struct Placement {
     /// Coordinate x (forward), m, world frame; anywhere in the workspace if not given.
-    #[schemars(transform = Within((PLACE_M.min, PLACE_M.max)))]
+    #[schemars(transform = Within(PLACE_M))]
     pub x_m: Option<Quantity>,
     /// Coordinate y (left), m, world frame; anywhere in the workspace if not given.
-    #[schemars(transform = Within((PLACE_M.min, PLACE_M.max)))]
+    #[schemars(transform = Within(PLACE_M))]
     pub y_m: Option<Quantity>,
     /// Rotation about the vertical, degrees; any if not given.
-    #[schemars(transform = Within((YAW_DEG.min, YAW_DEG.max)))]
+    #[schemars(transform = Within(YAW_DEG))]
     pub yaw_deg: Option<Quantity>,
 }

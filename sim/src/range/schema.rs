@@ -2,6 +2,7 @@
 
 use schemars::transform::Transform;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use underbrush_recording::Limits;
 
 use super::Quantity;
 
@@ -25,14 +26,14 @@ fn forms(value: &Schema, deviation: &Schema) -> Schema {
 }
 
 /// The schema of a quantity with these limits.
-pub fn schema_within((min, max): (f64, f64)) -> Schema {
+pub fn schema_within(Limits { min, max, .. }: Limits) -> Schema {
     let value = json_schema!({ "type": "number", "minimum": min, "maximum": max });
     let deviation = json_schema!({ "type": "number", "minimum": 0.0, "maximum": max - min });
     forms(&value, &deviation)
 }
 
 /// Puts a field's limits into its schema.
-pub struct Within(pub (f64, f64));
+pub struct Within(pub Limits);
 
 impl Transform for Within {
     fn transform(&mut self, schema: &mut Schema) {

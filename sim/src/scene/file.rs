@@ -138,13 +138,13 @@ options! {
         /// given, the rule that belongs to the controller.
         progress: Option<ProgressRule> = None;
         /// Coordinate x of a goal (forward), m, world frame.
-        #[schemars(transform = Within((PLACE_M.min, PLACE_M.max)))]
+        #[schemars(transform = Within(PLACE_M))]
         x_m: Quantity = Quantity::uniform(0.45, 0.75);
         /// Coordinate y of a goal (left), m, world frame.
-        #[schemars(transform = Within((PLACE_M.min, PLACE_M.max)))]
+        #[schemars(transform = Within(PLACE_M))]
         y_m: Quantity = Quantity::uniform(-0.55, 0.20);
         /// Coordinate z of a goal (up), m, world frame.
-        #[schemars(transform = Within((PLACE_M.min, PLACE_M.max)))]
+        #[schemars(transform = Within(PLACE_M))]
         z_m: Quantity = Quantity::uniform(-0.38, -0.16);
     }
 }

@@ -170,9 +170,8 @@ impl Scene {
         self.check_numbers()?;
         self.check_steps()?;
         self.sensor_fault(file.sensor.fault())?;
-        let anywhere = (PLACE_M.min, PLACE_M.max);
         for (name, quantity) in [("x_m", &file.goals.x_m), ("y_m", &file.goals.y_m), ("z_m", &file.goals.z_m)] {
-            self.check_quantity("goals", &Limited { name, quantity, limits: anywhere })?;
+            self.check_quantity("goals", &Limited { name, quantity, limits: PLACE_M })?;
         }
         self.check_positions()?;
         self.check_cameras()?;
@@ -182,7 +181,7 @@ impl Scene {
         if let Some(kind) = file.passing.iter().flatten().find(|kind| !COLLIDING_KINDS.contains(&kind.as_str())) {
             return Err(self.fault("passing", format!("{kind:?}"), format!("one of {}", COLLIDING_KINDS.join(", "))));
         }
-        self.check_objects(anywhere)
+        self.check_objects()
     }
 
     /// Checks the goals that the scene lists.
@@ -254,7 +253,7 @@ impl Scene {
         Ok(())
     }
 
-    fn check_objects(&self, anywhere: (f64, f64)) -> Result<(), InputError> {
+    fn check_objects(&self) -> Result<(), InputError> {
         let mut objects = 0.0;
         let mut names: BTreeMap<i8, &str> = BTreeMap::new();
         for (kind, number, group) in self.file.objects.groups() {
@@ -275,9 +274,9 @@ impl Scene {
             }
             if let Some(placement) = group.place() {
                 for (name, quantity, limits) in [
-                    ("place.x_m", &placement.x_m, anywhere),
-                    ("place.y_m", &placement.y_m, anywhere),
-                    ("place.yaw_deg", &placement.yaw_deg, (YAW_DEG.min, YAW_DEG.max)),
+                    ("place.x_m", &placement.x_m, PLACE_M),
+                    ("place.y_m", &placement.y_m, PLACE_M),
+                    ("place.yaw_deg", &placement.yaw_deg, YAW_DEG),
                 ] {
                     if let Some(quantity) = quantity {
                         self.check_quantity(&place, &Limited { name, quantity, limits })?;

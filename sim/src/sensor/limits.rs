@@ -1,6 +1,7 @@
 //! The allowed range of every number in `[sensor]`, with the reason for it.
 
 use underbrush_recording::Limits;
+pub use underbrush_recording::limits::SHARE;
 
 /// Noise of a taxel: 1 µN is a thousandth of the driver's step, and noise of 1 N hides every contact.
 pub const NOISE_N: Limits = Limits::new(1e-6, 1.0, "N").or_off_at(0.0);
@@ -25,9 +26,6 @@ pub const DRIFT_TIME_S: Limits = Limits::new(0.01, 1e4, "s");
 
 /// Bandwidth: below 0.01 Hz a taxel would need half a minute to feel a touch; above 10 kHz a frame does not see it.
 pub const BANDWIDTH_HZ: Limits = Limits::new(0.01, 1e4, "Hz").or_off_at(f64::INFINITY);
-
-/// A share.
-pub const SHARE: Limits = Limits::new(0.0, 1.0, "");
 
 /// Creep per decade: rubber has 0.02 to 0.1; at 1 a reading grows fivefold over the four decades.
 pub const CREEP_SHARE: Limits = Limits::new(0.0, 1.0, "");
