@@ -16,7 +16,6 @@ use std::path::Path;
 use rayon::prelude::*;
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_recording::{Category, Outcome, Recording};
-use underbrush_sim::controller::AllowedForces;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
@@ -49,18 +48,17 @@ fn main() {
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match arguments[..] {
         ["run", model, scene, seed, first, count, ref forces @ ..] => {
-            let mut allowed = AllowedForces::default();
+            let mut asked_n: Vec<(String, f64)> = Vec::new();
             if let [leaf, trunk] = forces {
-                allowed.categories_n.insert("leaf".into(), leaf.parse().unwrap());
-                allowed.categories_n.insert("trunk".into(), trunk.parse().unwrap());
-                allowed.unknown_n = trunk.parse().unwrap();
+                let named = [("leaf", leaf), ("trunk", trunk), ("unknown", trunk)];
+                asked_n.extend(named.map(|(name, force_n)| (name.into(), force_n.parse().unwrap())));
             }
             let plan = ReachPlan::new(Scene::load(scene).unwrap(), None, seed.parse().unwrap()).unwrap();
             let verdicts = VerdictControl::load(Path::new(model)).unwrap();
             let first: u64 = first.parse().unwrap();
             println!("reach,controller,{}", SUMS.join(","));
             let reaches: Vec<u64> = (first..first + count.parse::<u64>().unwrap()).collect();
-            reaches.into_par_iter().with_max_len(1).for_each(|index| reach(&plan, &verdicts, &allowed, index));
+            reaches.into_par_iter().with_max_len(1).for_each(|index| reach(&plan, &verdicts, &asked_n, index));
         }
         ["table", file] => table::print(&std::fs::read_to_string(file).unwrap()),
         _ => println!("usage: verdicts run MODEL SCENE SEED FIRST COUNT [LEAF_N TRUNK_N], or verdicts table FILE"),
@@ -68,8 +66,8 @@ fn main() {
 }
 
 /// Runs a reach with each controller and prints its rows.
-fn reach(plan: &ReachPlan, verdicts: &VerdictControl, allowed: &AllowedForces, index: u64) {
-    let told = |verdicts: VerdictControl| verdicts.with_allowed(allowed.clone()).applied_to(plan.clone()).unwrap();
+fn reach(plan: &ReachPlan, verdicts: &VerdictControl, asked_n: &[(String, f64)], index: u64) {
+    let told = |verdicts: VerdictControl| verdicts.with_asked(asked_n.to_vec()).applied_to(plan.clone()).unwrap();
     let plans = [plan.clone(), told(verdicts.clone()), told(VerdictControl::truth())];
     let rows: Vec<String> = (CONTROLLERS.iter().zip(&plans))
         .map(|(name, plan)| {

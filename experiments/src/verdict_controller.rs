@@ -37,8 +37,7 @@ const UNKNOWN: &str = "unknown";
 #[derive(Clone, Debug)]
 pub struct VerdictControl {
     judge: Judge,
-    allowed: AllowedForces,
-    /// Forces by category that replace those of `allowed` and of the scene, N.
+    /// Forces by category that replace the usual ones and those of the scene, N.
     asked_n: BTreeMap<String, f64>,
 }
 
@@ -98,12 +97,7 @@ impl VerdictControl {
     }
 
     fn of(judge: Judge) -> Self {
-        VerdictControl { judge, allowed: AllowedForces::default(), asked_n: BTreeMap::new() }
-    }
-
-    /// The same verdicts with other allowed forces.
-    pub fn with_allowed(self, allowed: AllowedForces) -> Self {
-        VerdictControl { allowed, ..self }
+        VerdictControl { judge, asked_n: BTreeMap::new() }
     }
 
     /// The same verdicts with these forces on categories, N, or on `unknown` objects, instead of the scene's.
@@ -121,7 +115,7 @@ impl VerdictControl {
 
     /// The forces that are allowed in a scene.
     fn allowed_in(&self, scene: &Scene) -> AllowedForces {
-        let mut allowed = self.allowed.clone();
+        let mut allowed = AllowedForces::default();
         for (name, force_n) in scene.file.allowed_force_n.iter().chain(&self.asked_n) {
             match name.as_str() {
                 UNKNOWN => allowed.unknown_n = *force_n,

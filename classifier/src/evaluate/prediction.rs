@@ -52,15 +52,6 @@ impl Prediction {
         };
         Record { truth: &self.category, verdict, scores: &self.scores, reach: self.reach, weight: 1 }
     }
-
-    /// Whether the verdict is right. For a foreign object (category outlier) the right verdict is [`Verdict::Outlier`].
-    ///
-    /// No verdict is right for a foam block. It is not an outlier, because the paper defines an outlier as "an object
-    /// which does not normally belong to the environment in question" (section V-D), and the leaves stand in these
-    /// blocks (section IV-A). It is not a leaf or a trunk either.
-    pub fn is_correct(&self) -> bool {
-        self.verdict.name() == self.category && self.verdict != Verdict::Uncertain
-    }
 }
 
 /// A verdict on one thing: a trial, a taxel in a frame, a contact or an object. All figures are counted over records.
@@ -91,7 +82,11 @@ pub struct Record<'a> {
 
 impl Record<'_> {
     /// Whether the verdict is right, by a classifier with these categories. For a foreign object (category outlier) the
-    /// right verdict is outlier; no verdict is right for a foam block.
+    /// right verdict is outlier.
+    ///
+    /// No verdict is right for a foam block. It is not an outlier, because the paper defines an outlier as "an object
+    /// which does not normally belong to the environment in question" (section V-D), and the leaves stand in these
+    /// blocks (section IV-A). It is not a leaf or a trunk either.
     pub fn is_right(&self, categories: &[String]) -> bool {
         match categories.get(self.verdict) {
             Some(category) => category == self.truth,

@@ -32,7 +32,7 @@ pub enum StreamTruth {
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tally {
-    /// The verdict is right, by the same rule as for whole trials ([`super::Prediction::is_correct`]).
+    /// The verdict is right, by the same rule as for whole trials ([`super::Record::is_right`]).
     pub correct: usize,
     /// The verdict is another category, outlier for something that is not one, or nothing.
     pub misclassified: usize,

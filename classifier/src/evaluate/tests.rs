@@ -206,7 +206,9 @@ fn cross_validation_tests_each_trial_once_on_the_other_fold() {
             direct.predictions.iter().map(|p| (&p.verdict, &p.scores)).eq(of_fold.map(|p| (&p.verdict, &p.scores)))
         );
     }
-    let correct = result.predictions.iter().filter(|prediction| prediction.is_correct()).count();
+    let categories = result.known_categories();
+    let records = result.predictions.iter().map(|prediction| prediction.record(categories));
+    let correct = records.filter(|record| record.is_right(categories)).count();
     assert_eq!(result.accuracy, correct as f64 / 15.0);
     assert!(result.accuracy > 0.9, "such different objects must be told apart: {}", result.accuracy);
 }

@@ -132,6 +132,7 @@ fn a_foreign_object_is_rightly_an_outlier() {
 fn right_in_a_stream_is_right_as_a_trial() {
     let verdicts =
         [Verdict::Category("leaf".into()), Verdict::Category("trunk".into()), Verdict::Uncertain, Verdict::Outlier];
+    let categories = ["leaf".to_owned(), "trunk".to_owned()];
     let mut right = Vec::new();
     for truth in Category::BUILT_IN {
         for verdict in &verdicts {
@@ -147,8 +148,9 @@ fn right_in_a_stream_is_right_as_a_trial() {
                 scores: vec![],
                 verdict: verdict.clone(),
             };
-            assert_eq!(tally.correct == 1, prediction.is_correct(), "{truth:?} called {verdict}");
-            if prediction.is_correct() {
+            let is_right = prediction.record(&categories).is_right(&categories);
+            assert_eq!(tally.correct == 1, is_right, "{truth:?} called {verdict}");
+            if is_right {
                 right.push((truth, verdict.name()));
             }
         }
