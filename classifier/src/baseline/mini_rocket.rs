@@ -8,6 +8,7 @@ use underbrush_recording::{Limits, Sample};
 use super::convolution::{Convolutions, KERNELS, Outputs};
 use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
 use super::ridge;
+use super::table::ages_of;
 use crate::error::{Fault, ModelError, check_limits};
 use crate::estimator::ClassifierKind;
 use crate::feature::{FeatureSet, SampleFault};
@@ -105,9 +106,7 @@ impl Baseline for MiniRocket {
     fn learn(&self, trials: &TrialsByCategory) -> Result<Learned, ModelError> {
         let convolutions = Convolutions::fit(trials, self.features, self.thresholds)?;
         let weights = ridge::fit(trials, self.penalty, |trial| {
-            let length = trial.samples.len();
-            let ages: Vec<usize> = SAMPLE_COUNTS.into_iter().filter(|age| *age < length).chain([length]).collect();
-            let mut rows = convolutions.after(self.features, trial, &ages)?;
+            let mut rows = convolutions.after(self.features, trial, &ages_of(trial, &SAMPLE_COUNTS))?;
             rows.iter_mut().for_each(|row| row.push(1.0));
             Ok(rows)
         })?;

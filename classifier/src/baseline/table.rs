@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use underbrush_recording::Trial;
 
 use super::fitted::{FITTED, POSITIVE, TrialsByCategory, check_list};
 use crate::error::{Fault, check_limits};
@@ -40,15 +41,19 @@ impl Table {
         for (category, trials) in by_category.values().enumerate() {
             let of_trial = 1.0 / (by_category.len() * trials.len()) as f64;
             for trial in trials {
-                let length = trial.samples.len();
-                let mut counts: Vec<usize> = ages.iter().copied().filter(|count| *count < length).collect();
-                counts.push(length);
+                let counts = ages_of(trial, ages);
                 let weight = of_trial / counts.len() as f64;
                 rows.extend(set.after(trial, &counts)?.into_iter().map(|features| Row { category, weight, features }));
             }
         }
         Ok(Table { categories: by_category.len(), rows })
     }
+}
+
+/// Those of the ages that a trial outlasts, and its end.
+pub(super) fn ages_of(trial: &Trial, ages: &[usize]) -> Vec<usize> {
+    let length = trial.samples.len();
+    ages.iter().copied().filter(|age| *age < length).chain([length]).collect()
 }
 
 /// Subtracts the weighted mean of the training rows and divides by their standard deviation.
