@@ -154,7 +154,7 @@ fn taxels_have_the_colours_of_their_forces() {
 }
 
 /// Tests that a contact of 2 N has an arrow of 8 cm and its head, whose tip is where it acts, that the arrow is red where a taxel
-/// senses more than the limit, and that neither a stage without arrows nor depth and segmentation have it.
+/// senses more than the limit, and that neither a stage without arrows nor depth or segmentation has it.
 #[test]
 fn contacts_have_arrows() {
     let mut recording = super::film::reach();

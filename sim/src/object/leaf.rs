@@ -21,7 +21,7 @@ quantities! {
         /// How deep the stem is stuck into the foam, m.
         root_depth_m: Draw::Uniform(0.03, 0.05), 0.005, 0.2;
         // Choice: the paper's leaves were stuck stably.
-        /// Pull at which the root begins to slide out of the foam, N; it falls with what is left in there. 1000: never.
+        /// Pull at which the root begins to slide out of the foam, N. It falls as the root comes out. 1000: never.
         pull_out_force_n: Draw::Fixed(NEVER_PULLED_N), 0.01, NEVER_PULLED_N;
         // Choice: the foliage in the paper's Fig. 2 looks 25–40 cm high. The arm passes over lower leaves than the limit;
         // higher ones are bushes.

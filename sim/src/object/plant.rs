@@ -23,7 +23,7 @@ quantities! {
         /// How deep the stem is stuck into the foam, m.
         root_depth_m: Draw::Uniform(0.03, 0.05), 0.005, 0.2;
         // Choice, as for leaves.
-        /// Pull at which the root begins to slide out of the foam, N; it falls with what is left in there. 1000: never.
+        /// Pull at which the root begins to slide out of the foam, N. It falls as the root comes out. 1000: never.
         pull_out_force_n: Draw::Fixed(NEVER_PULLED_N), 0.01, NEVER_PULLED_N;
         /// Height of the stem over the foam, m.
         height_m: Draw::Uniform(0.15, 0.30), 0.02, 1.0;

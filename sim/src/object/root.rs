@@ -22,7 +22,7 @@ pub fn root_stiffness_nm_per_rad(foam_modulus_pa: f64, depth_m: f64) -> f64 {
 /// foam. Against a displacement the foam has the stiffness E d of the same foundation, and along the root that of its shear
 /// modulus, G d with G = E / (2 (1 + ν)).
 pub fn grip(foam_modulus_pa: Option<f64>, depth_m: f64, pull_out_force_n: f64) -> Option<Grip> {
-    let across = foam_modulus_pa.filter(|_| pull_out_force_n < NEVER_PULLED_N)? * depth_m;
-    let along = across / (2.0 * (1.0 + POISSON_RATIO));
-    Some(Grip { depth_m, force_n: pull_out_force_n, across, along, loss_time_s: LOSS_TIME_S })
+    let across_n_per_m = foam_modulus_pa.filter(|_| pull_out_force_n < NEVER_PULLED_N)? * depth_m;
+    let along_n_per_m = across_n_per_m / (2.0 * (1.0 + POISSON_RATIO));
+    Some(Grip { depth_m, force_n: pull_out_force_n, across_n_per_m, along_n_per_m, loss_time_s: LOSS_TIME_S })
 }

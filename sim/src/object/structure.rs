@@ -41,9 +41,9 @@ impl Structure {
         let mut joint = Joint { grip, ..Joint::free(0, DVec3::ZERO) };
         for (axis, spring) in &mut joint.free_axes {
             let stiffness = match axis {
-                Axis::TranslationX | Axis::TranslationY => own.across,
-                Axis::TranslationZ => own.along,
-                _ => 100.0 * own.across * own.depth_m * own.depth_m,
+                Axis::TranslationX | Axis::TranslationY => own.across_n_per_m,
+                Axis::TranslationZ => own.along_n_per_m,
+                _ => 100.0 * own.across_n_per_m * own.depth_m * own.depth_m,
             };
             *spring = Spring::elastic(stiffness, stiffness * own.loss_time_s);
         }
@@ -142,9 +142,9 @@ pub struct Grip {
     /// The force along the root at which it begins to slide, N.
     pub force_n: f64,
     /// Stiffness of the foam round the root across it, N/m.
-    pub across: f64,
+    pub across_n_per_m: f64,
     /// Stiffness along it, N/m.
-    pub along: f64,
+    pub along_n_per_m: f64,
     /// Damping over stiffness, s.
     pub loss_time_s: f64,
 }

@@ -40,8 +40,8 @@ impl ArmBodies {
             }
         }
         let slot = engine.scene.insert(Tree::of_arm(arm, posture_rad), solids);
-        engine.scene.passing_links =
-            arm.passing_links.iter().map(|pair| pair.map(|link| PlacedLink { slot, link })).collect();
+        let passing = arm.passing_links.iter().map(|pair| pair.map(|link| PlacedLink { slot, link }));
+        engine.scene.passing_links.extend(passing);
         let bodies = engine.scene.placed(slot).bodies.iter();
         let colliders = bodies.flat_map(|body| engine.scene.colliders_of(*body).iter().copied()).collect();
         ArmBodies { slot, colliders }

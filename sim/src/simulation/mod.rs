@@ -30,6 +30,7 @@ mod engine;
 mod groups;
 mod mechanism;
 mod model;
+mod mount;
 mod moving_shapes;
 mod placed;
 mod report;

@@ -10,6 +10,8 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::Pose as WorldPose;
 
 use super::bounds::Bounds;
+pub(super) use super::mount::PlacedLink;
+use super::mount::{Mount, ROOM_M};
 use crate::contact::surface::Surface;
 use crate::dynamics::Tree;
 use crate::geometry::{from_parry, parry_pose};
@@ -20,10 +22,6 @@ use crate::physics::Theta;
 /// fastest preset.
 pub(super) const NEAR_M: f64 = 0.005;
 
-/// How far a shape may move before the pairs are found anew, m. Choice: the way of the hand in five frames at 0.2 m/s. A
-/// larger value means fewer searches and more pairs.
-const ROOM_M: f64 = 0.01;
-
 /// Tells Rapier not to compute contacts. Only its broad phase is used.
 struct NoContacts;
 
@@ -31,13 +29,6 @@ impl PhysicsHooks for NoContacts {
     fn filter_contact_pair(&self, _pair: &PairFilterContext) -> Option<SolverFlags> {
         None
     }
-}
-
-/// A link of a tree.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct PlacedLink {
-    pub(super) slot: usize,
-    pub(super) link: usize,
 }
 
 /// A shape to be added.
@@ -62,61 +53,6 @@ pub struct Placed {
     pub tree: Tree,
     /// One for each link.
     pub bodies: Vec<RigidBodyHandle>,
-}
-
-/// Where a shape is.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Mount {
-    pub(super) at: PlacedLink,
-    pub(super) surface: Surface,
-    part: u16,
-    /// The kind of what carries it, if it has a name.
-    kind: Option<usize>,
-    is_root: bool,
-    /// Whether its link can move.
-    pub(super) moves: bool,
-    pub(super) pose_link: WorldPose,
-    bounds: Bounds,
-    /// Where it was when the pairs were found: the middle and the axes of its box, and its extent along the axes of the
-    /// world, m.
-    found_center: DVec3,
-    found_axes: DMat3,
-    found_extent: [DVec3; 2],
-    /// Its pose when the step began, world frame, and the axes of that pose.
-    pub(super) pose_world: WorldPose,
-    pub(super) axes_world: DMat3,
-}
-
-impl Mount {
-    fn place(&mut self, link_world: &WorldPose) {
-        self.pose_world = *link_world * self.pose_link;
-        self.axes_world = DMat3::from_quat(self.pose_world.orientation);
-    }
-
-    fn center(&self) -> DVec3 {
-        self.pose_world.position + self.axes_world * self.bounds.center
-    }
-
-    /// Whether a point of the shape may have moved by more than `ROOM_M` since the pairs were found. The bound is the
-    /// displacement of the centre of its box plus those of the ends of the box's three half axes.
-    fn has_left_its_room(&self) -> bool {
-        let half = self.bounds.half_extents;
-        let [x, y, z] =
-            [0, 1, 2].map(|axis| self.axes_world.col(axis).distance(self.found_axes.col(axis)) * half[axis]);
-        self.center().distance(self.found_center) + x + y + z > ROOM_M
-    }
-
-    /// Whether both belong to one part of a tree, or one is a root in the part that carries it.
-    fn belongs_to(&self, other: &Mount) -> bool {
-        let is_root_in = |root: &Mount, carrier: &Mount| root.is_root && carrier.part == 0;
-        self.at.slot == other.at.slot && (self.part == other.part || is_root_in(self, other) || is_root_in(other, self))
-    }
-
-    /// A lower bound on the distance to another shape, m.
-    pub(super) fn distance_at_least_m(&self, other: &Mount) -> f64 {
-        let side = |mount: &Mount| (mount.bounds, mount.pose_world.position, mount.axes_world);
-        super::bounds::distance_at_least_m(side(self), side(other))
-    }
 }
 
 /// Rapier's broad phase. It is no part of a saved state: what it finds does not depend on its past.
@@ -146,6 +82,11 @@ pub(super) struct Scene {
     pairs: Vec<[ColliderHandle; 2]>,
     /// Whether shapes were added or removed since the pairs were found.
     is_changed: bool,
+}
+
+/// Whether these two are a pair, in either order.
+fn is_pair<T: PartialEq>([one, other]: &[T; 2], two: [T; 2]) -> bool {
+    [&two[0], &two[1]] == [one, other] || [&two[1], &two[0]] == [one, other]
 }
 
 fn index(collider: ColliderHandle) -> usize {
@@ -393,15 +334,9 @@ impl Scene {
         let [first, second] = pair.map(|collider| self.mount(collider));
         let ([low, high], [other_low, other_high]) = (first.found_extent, second.found_extent);
         let apart = (low - other_high).max(other_low - high);
-        let passes = |[one, other]: &[Option<usize>; 2]| {
-            (first.kind, second.kind) == (*one, *other) || (second.kind, first.kind) == (*one, *other)
-        };
-        let parted = |[one, other]: &[PlacedLink; 2]| {
-            (first.at, second.at) == (*one, *other) || (second.at, first.at) == (*one, *other)
-        };
         !first.belongs_to(second)
-            && !self.passing.iter().any(passes)
-            && !self.passing_links.iter().any(parted)
+            && !self.passing.iter().any(|pair| is_pair(pair, [first.kind, second.kind]))
+            && !self.passing_links.iter().any(|pair| is_pair(pair, [first.at, second.at]))
             && apart.max_element() <= 2.0 * ROOM_M + NEAR_M
     }
 }

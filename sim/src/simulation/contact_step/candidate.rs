@@ -13,7 +13,8 @@ use crate::contact::plane::{Pair, Plane};
 use crate::contact::settle::{Known, settle};
 use crate::contact::solver::ROWS;
 use crate::dynamics::Tree;
-use crate::simulation::placed::{Mount, NEAR_M, PlacedLink, Scene};
+use crate::simulation::mount::Mount;
+use crate::simulation::placed::{NEAR_M, PlacedLink, Scene};
 
 /// A patch before the solution.
 #[derive(Clone)]

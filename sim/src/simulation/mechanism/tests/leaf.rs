@@ -76,7 +76,7 @@ fn pulled_leaf() -> Leaf {
 }
 
 /// Tests that a root that is pulled by less than the foam holds moves by the force over the foam's stiffness along it, E d / (2 (1 +
-/// ν)), and goes back when the pull ends. A push into the foam of any force does the same.
+/// ν)), and goes back when the pull ends. A push into the foam does the same.
 #[test]
 fn a_root_is_held_up_to_its_force() {
     let mut engine = Engine::new(PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 0.0 });

@@ -1,0 +1,74 @@
+//! A shape in the scene: what carries it, and where it is.
+
+use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
+use underbrush_recording::Pose as WorldPose;
+
+use super::bounds::Bounds;
+use crate::contact::surface::Surface;
+
+/// How far a shape may move before the pairs are found anew, m. Choice: the way of the hand in five frames at 0.2 m/s. A
+/// larger value means fewer searches and more pairs.
+pub(super) const ROOM_M: f64 = 0.01;
+
+/// A link of a tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct PlacedLink {
+    pub(super) slot: usize,
+    pub(super) link: usize,
+}
+
+/// Where a shape is.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Mount {
+    pub(super) at: PlacedLink,
+    pub(super) surface: Surface,
+    pub(super) part: u16,
+    /// The kind of what carries it, if it has a name.
+    pub(super) kind: Option<usize>,
+    pub(super) is_root: bool,
+    /// Whether its link can move.
+    pub(super) moves: bool,
+    pub(super) pose_link: WorldPose,
+    pub(super) bounds: Bounds,
+    /// Where it was when the pairs were found: the middle and the axes of its box, and its extent along the axes of the
+    /// world, m.
+    pub(super) found_center: DVec3,
+    pub(super) found_axes: DMat3,
+    pub(super) found_extent: [DVec3; 2],
+    /// Its pose when the step began, world frame, and the axes of that pose.
+    pub(super) pose_world: WorldPose,
+    pub(super) axes_world: DMat3,
+}
+
+impl Mount {
+    pub(super) fn place(&mut self, link_world: &WorldPose) {
+        self.pose_world = *link_world * self.pose_link;
+        self.axes_world = DMat3::from_quat(self.pose_world.orientation);
+    }
+
+    pub(super) fn center(&self) -> DVec3 {
+        self.pose_world.position + self.axes_world * self.bounds.center
+    }
+
+    /// Whether a point of the shape may have moved by more than `ROOM_M` since the pairs were found. The bound is the
+    /// displacement of the centre of its box plus those of the ends of the box's three half axes.
+    pub(super) fn has_left_its_room(&self) -> bool {
+        let half = self.bounds.half_extents;
+        let [x, y, z] =
+            [0, 1, 2].map(|axis| self.axes_world.col(axis).distance(self.found_axes.col(axis)) * half[axis]);
+        self.center().distance(self.found_center) + x + y + z > ROOM_M
+    }
+
+    /// Whether both belong to one part of a tree, or one is a root in the part that carries it.
+    pub(super) fn belongs_to(&self, other: &Mount) -> bool {
+        let is_root_in = |root: &Mount, carrier: &Mount| root.is_root && carrier.part == 0;
+        self.at.slot == other.at.slot && (self.part == other.part || is_root_in(self, other) || is_root_in(other, self))
+    }
+
+    /// A lower bound on the distance to another shape, m.
+    pub(super) fn distance_at_least_m(&self, other: &Mount) -> f64 {
+        let side = |mount: &Mount| (mount.bounds, mount.pose_world.position, mount.axes_world);
+        super::bounds::distance_at_least_m(side(self), side(other))
+    }
+}
