@@ -16,7 +16,8 @@ pub struct Failure {
     text: String,
     input: Option<InputError>,
     kind: Kind,
-    closed_pipe: bool,
+    /// Whether the reader of the output closed the pipe, as `| head` does. That is not a failure.
+    pub closed_pipe: bool,
 }
 
 /// What is at fault.
@@ -64,11 +65,6 @@ impl Failure {
     pub fn output(error: std::io::Error) -> Self {
         let closed_pipe = error.kind() == std::io::ErrorKind::BrokenPipe;
         Failure { closed_pipe, ..Failure::run(format!("cannot write to standard output: {error}")) }
-    }
-
-    /// Whether the reader of the output closed the pipe, as `| head` does. That is not a failure.
-    pub fn is_closed_pipe(&self) -> bool {
-        self.closed_pipe
     }
 
     /// The exit status.

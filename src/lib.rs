@@ -135,7 +135,7 @@ pub fn run_command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let result = catch_unwind(AssertUnwindSafe(|| run(cli))).unwrap_or_else(|_| Err(Failure::panic(last_panic)));
     match result {
         Ok(()) => SUCCESS,
-        Err(failure) if failure.is_closed_pipe() => SUCCESS,
+        Err(failure) if failure.closed_pipe => SUCCESS,
         Err(failure) => {
             output::error(&failure, json);
             failure.status()

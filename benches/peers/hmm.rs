@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         // The difference between trainings of two lengths is the time of the iterations alone.
         let iterate = |iterations| {
             let options = TrainingOptions { iterations, tolerance: 0.0, ..TrainingOptions::default() };
-            quickest(repeats, || black_box(train(scorer.model(), &own, &options)).map(drop))
+            quickest(repeats, || black_box(train(&scorer.model, &own, &options)).map(drop))
         };
         let seconds = (iterate(11)? - iterate(1)?) / 10.0;
         entry.insert("iteration_ns_per_sample".into(), json!(1e9 * seconds / own_samples as f64));

@@ -9,6 +9,7 @@ use serde_json::json;
 use underbrush_recording::disk::{
     ArmText, Dataset, DatasetPlan, DiskError, FileText, PlannedEpisode, Provenance, SceneText, Shard,
 };
+use underbrush_recording::distinct::distinct;
 use underbrush_recording::fault::Fault;
 use underbrush_recording::{Category, InputError, Recording};
 use underbrush_sim::arm::{Arm, ArmSource};
@@ -53,12 +54,8 @@ pub struct Campaign {
 
 /// Warns about doubtful properties of these arms' skins, without repeating a warning.
 pub fn say_doubts<'a>(arms: impl IntoIterator<Item = &'a Arm>, progress: &dyn Progress) {
-    let mut said: Vec<String> = Vec::new();
-    for doubt in arms.into_iter().flat_map(Arm::skin_doubts) {
-        if !said.contains(&doubt) {
-            progress.remark(&format!("doubtful: {doubt}"));
-            said.push(doubt);
-        }
+    for doubt in distinct(arms.into_iter().flat_map(Arm::skin_doubts)) {
+        progress.remark(&format!("doubtful: {doubt}"));
     }
 }
 

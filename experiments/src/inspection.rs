@@ -241,11 +241,8 @@ fn model_of_trials(path: &Path, model: &Model) -> Value {
         ("check".to_owned(), json!("sound; all numbers are within their ranges and fit together")),
     ]);
     if let Some(models) = model.as_hmm() {
-        let states: BTreeMap<&str, usize> = models
-            .models()
-            .iter()
-            .map(|(category, scorer)| (category.as_str(), scorer.model().state_count()))
-            .collect();
+        let states: BTreeMap<&str, usize> =
+            models.models().iter().map(|(category, scorer)| (category.as_str(), scorer.model.states)).collect();
         found.insert("states_by_category".into(), json!(states));
         found.insert("score".into(), json!(models.score_kind()));
         found.insert("recipe".into(), json!(models.recipe));

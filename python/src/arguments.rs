@@ -16,7 +16,7 @@ use crate::given;
 /// Features from a list of names, or from one text in which commas or plus signs separate the names.
 ///
 /// # Errors
-/// [`Failure::Usage`] for an unknown or repeated feature.
+/// `Fault::Usage` for an unknown or repeated feature.
 pub fn features(value: Option<&Bound<'_, PyAny>>) -> Result<Option<FeatureSet>, Failure> {
     let Some(value) = value else { return Ok(None) };
     if let Ok(text) = value.extract::<String>() {
@@ -32,7 +32,7 @@ pub fn features(value: Option<&Bound<'_, PyAny>>) -> Result<Option<FeatureSet>, 
 /// How trials are cut.
 ///
 /// # Errors
-/// [`Failure::Input`] for an unknown name, and for `wrap` where it has no effect.
+/// `Fault::Input` for an unknown name, and for `wrap` where it has no effect.
 pub fn cutting(options: Option<&Bound<'_, PyDict>>) -> Result<TrialOptions, Failure> {
     let options: TrialOptions = given::options(options)?;
     if options.wrap.is_some() && options.by == Unit::Taxel {
@@ -46,7 +46,7 @@ pub fn cutting(options: Option<&Bound<'_, PyDict>>) -> Result<TrialOptions, Fail
 /// rule.
 ///
 /// # Errors
-/// [`Failure::Input`] for anything else, and for thresholds that do not apply to the scores.
+/// `Fault::Input` for anything else, and for thresholds that do not apply to the scores.
 pub fn decision(value: Option<&Bound<'_, PyAny>>, scores: &Scores<'_>) -> Result<Decision, Failure> {
     let Some(value) = value else { return Ok(scores.decision(None)?) };
     let rule = match value.extract::<String>().as_deref() {

@@ -122,7 +122,7 @@ pub fn lend_rows(py: Python<'_>, numbers: Vec<f64>, width: usize) -> PyResult<Bo
 /// An argument as finite numbers of a shape; `None` stands for any size.
 ///
 /// # Errors
-/// [`Failure::Input`] names the argument, and what was expected.
+/// `Fault::Input` names the argument, and what was expected.
 pub fn finite(
     value: &Bound<'_, PyAny>,
     name: &str,

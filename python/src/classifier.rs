@@ -44,7 +44,7 @@ impl PyModel {
     /// How scores become verdicts.
     ///
     /// # Errors
-    /// [`Failure::Usage`] if the rule does not fit the scores.
+    /// `Fault::Usage` if the rule does not fit the scores.
     pub fn deciding(&self, value: Option<&Bound<'_, PyAny>>) -> Result<Decision, Failure> {
         decision(value, &Scores::of_model(&self.model))
     }

@@ -136,7 +136,7 @@ const GIVEN_UP: &str = "given up: ";
 /// What a controller says that it is about to do: `onward`, `turning round`, or `given up: REASON`.
 ///
 /// # Errors
-/// [`Failure::Input`] for any other text.
+/// `Fault::Input` for any other text.
 fn intent(text: &str) -> Result<Intent, Failure> {
     match (text, text.strip_prefix(GIVEN_UP)) {
         (ONWARD, _) => Ok(Intent::Onward),
@@ -158,7 +158,7 @@ fn name_of(object: &Bound<'_, PyAny>) -> String {
 /// The controller that an argument chooses: by its name, or one of the user's own ([`maker`]).
 ///
 /// # Errors
-/// [`Failure::Input`] for an unknown name, and as [`maker`].
+/// `Fault::Input` for an unknown name, and as [`maker`].
 pub fn chosen(
     object: Option<&Bound<'_, PyAny>>,
     stop: &Arc<Stop>,
@@ -177,7 +177,7 @@ pub fn chosen(
 /// raises ends the reach and is kept in `stop`.
 ///
 /// # Errors
-/// [`Failure::Input`] if the object cannot be called.
+/// `Fault::Input` if the object cannot be called.
 fn maker(object: &Bound<'_, PyAny>, stop: &Arc<Stop>) -> Result<MakeController, Failure> {
     if !object.is_callable() {
         let found = format!("an object of type {}", object.get_type());
@@ -210,7 +210,7 @@ fn maker(object: &Bound<'_, PyAny>, stop: &Arc<Stop>) -> Result<MakeController, 
 /// How often a Python controller wants to be called, Hz: its attribute `rate_hz`, or [`RATE_HZ`] if it has none.
 ///
 /// # Errors
-/// [`Failure::Input`] as an exception, for anything but a positive number.
+/// `Fault::Input` as an exception, for anything but a positive number.
 fn rate_hz(controller: &Bound<'_, PyAny>) -> PyResult<f64> {
     let Some(value) = controller.getattr_opt("rate_hz")? else {
         return Ok(RATE_HZ);

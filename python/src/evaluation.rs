@@ -84,7 +84,7 @@ pub fn evaluate_trials<'py>(
 /// Refuses arguments that would have no effect.
 ///
 /// # Errors
-/// [`Failure::Input`] for the first that is given.
+/// `Fault::Input` for the first that is given.
 fn refuse(with: &str, arguments: &[(&str, bool)]) -> Result<(), Failure> {
     match arguments.iter().find(|(_, given)| *given) {
         None => Ok(()),

@@ -24,17 +24,16 @@ pub type Answer<'py> = Result<Bound<'py, PyAny>, Failure>;
 pub enum Failure {
     /// An exception that Python raised.
     Raised(PyErr),
-    /// Bad input with its place.
-    Input(Box<InputError>),
-    /// Bad input that one sentence describes.
-    Usage(String),
-    /// A run that failed.
-    Run(String),
-    /// A file that could not be read or written.
-    Storage(String),
+    /// An error of the libraries.
+    Fault(Fault),
 }
 
 impl Failure {
+    /// A run that failed.
+    pub fn run(why: impl ToString) -> Self {
+        Failure::Fault(Fault::Run(why.to_string()))
+    }
+
     /// Bad usage of an argument.
     pub fn argument(
         name: impl Into<String>,
@@ -48,7 +47,7 @@ impl Failure {
     /// Refuses a list that does not have one entry for each thing.
     ///
     /// # Errors
-    /// [`Failure::Input`] if the numbers differ.
+    /// `Fault::Input` if the numbers differ.
     pub fn unless_one_each(name: &str, length: usize, count: usize, thing: &str) -> Result<(), Failure> {
         if length == count {
             return Ok(());
@@ -77,11 +76,11 @@ pub fn places(slice: &Bound<'_, PySlice>, length: usize) -> PyResult<impl Iterat
 /// The state of an object that only one thread may use at a time.
 ///
 /// # Errors
-/// [`Failure::Run`] that says that it is `busy`, or that a call `failed` and has left it in the middle of its work.
+/// `Fault::Run` that says that it is `busy`, or that a call `failed` and has left it in the middle of its work.
 pub fn locked<'a, T>(state: &'a Mutex<T>, busy: &str, failed: &str) -> Result<MutexGuard<'a, T>, Failure> {
     state.try_lock().map_err(|error| match error {
-        TryLockError::WouldBlock => Failure::Run(busy.into()),
-        TryLockError::Poisoned(_) => Failure::Run(failed.into()),
+        TryLockError::WouldBlock => Failure::run(busy),
+        TryLockError::Poisoned(_) => Failure::run(failed),
     })
 }
 
@@ -89,10 +88,10 @@ impl From<Failure> for PyErr {
     fn from(failure: Failure) -> Self {
         match failure {
             Failure::Raised(error) => error,
-            Failure::Run(text) => raised::RunError::new_err(escaped(&text).into_owned()),
-            Failure::Storage(text) => raised::StorageError::new_err(escaped(&text).into_owned()),
-            Failure::Usage(text) => raised::InputError::new_err((escaped(&text).into_owned(),)),
-            Failure::Input(error) => {
+            Failure::Fault(Fault::Run(text)) => raised::RunError::new_err(escaped(&text).into_owned()),
+            Failure::Fault(Fault::Storage(text)) => raised::StorageError::new_err(escaped(&text).into_owned()),
+            Failure::Fault(Fault::Usage(text)) => raised::InputError::new_err((escaped(&text).into_owned(),)),
+            Failure::Fault(Fault::Input(error)) => {
                 // A traceback prints the message; the other values are what they are.
                 let message = escaped(&error.to_string()).into_owned();
                 let InputError { file, line, field, found, allowed, remedy, storage: _ } = *error;
@@ -109,34 +108,19 @@ impl From<PyErr> for Failure {
     }
 }
 
-impl From<InputError> for Failure {
-    fn from(error: InputError) -> Self {
-        Fault::from(error).into()
-    }
-}
-
-impl From<Fault> for Failure {
-    fn from(fault: Fault) -> Self {
-        match fault {
-            Fault::Input(input) => Failure::Input(input),
-            Fault::Usage(text) => Failure::Usage(text),
-            Fault::Run(text) => Failure::Run(text),
-            Fault::Storage(text) => Failure::Storage(text),
-        }
-    }
-}
-
 /// The errors of the libraries, each of which converts itself into a [`Fault`].
 macro_rules! library_errors {
     ($($error:ty),*) => {
         $(impl From<$error> for Failure {
             fn from(error: $error) -> Self {
-                Fault::from(error).into()
+                Failure::Fault(error.into())
             }
         })*
     };
 }
 library_errors!(
+    Fault,
+    InputError,
     underbrush_recording::disk::DiskError,
     underbrush_classifier::trial::TrialError,
     underbrush_classifier::evaluate::EvaluateError,
@@ -157,7 +141,7 @@ impl From<ModelError> for Failure {
             ModelError::BadOption { option, found, allowed } => {
                 Failure::argument(option, found, allowed, "change the option")
             }
-            other => Fault::from(other).into(),
+            other => Failure::Fault(other.into()),
         }
     }
 }

@@ -146,7 +146,7 @@ pub fn classifiers() -> Vec<(&'static str, &'static str)> {
 /// An estimator from options or from a Python classifier, and the [`Stop`] that keeps the exceptions of the latter.
 ///
 /// # Errors
-/// [`Failure::Input`] for anything else.
+/// `Fault::Input` for anything else.
 pub fn estimator_of(value: &Bound<'_, PyAny>) -> Result<(Box<dyn Estimator>, Arc<Stop>), Failure> {
     let raised = Arc::new(Stop::default());
     let estimator: Box<dyn Estimator> = match value.cast::<Options>() {

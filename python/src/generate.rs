@@ -120,7 +120,7 @@ fn described(
 /// Part I of N, counted from 1.
 ///
 /// # Errors
-/// [`Failure::Input`] if there is no such part.
+/// `Fault::Input` if there is no such part.
 pub fn part((number, count): (u64, u64)) -> Result<Shard, Failure> {
     if (1..=count).contains(&number) {
         return Ok(Shard { index: number - 1, count });

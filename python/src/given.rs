@@ -16,7 +16,7 @@ use crate::failure::Failure;
 /// Options from the arguments of a call by name. `None` stands for the default.
 ///
 /// # Errors
-/// A `TypeError` for an unknown name or a value of the wrong type, [`Failure::Input`] for a value that is not allowed.
+/// A `TypeError` for an unknown name or a value of the wrong type, `Fault::Input` for a value that is not allowed.
 pub fn options<T: DeserializeOwned>(arguments: Option<&Bound<'_, PyDict>>) -> Result<T, Failure> {
     let given: Vec<_> = arguments.into_iter().flatten().filter(|(_, value)| !value.is_none()).collect();
     T::deserialize(MapAccessDeserializer::new(Entries { left: given.into_iter(), value: None })).map_err(Failure::from)
@@ -25,7 +25,7 @@ pub fn options<T: DeserializeOwned>(arguments: Option<&Bound<'_, PyDict>>) -> Re
 /// The value of an argument with this name.
 ///
 /// # Errors
-/// [`Failure::Input`] with the names that exist.
+/// `Fault::Input` with the names that exist.
 pub fn named<T: DeserializeOwned>(argument: &str, name: &str) -> Result<T, Failure> {
     let value: Result<T, Refused> = T::deserialize(name.into_deserializer());
     value.map_err(|refused| refused.within(argument).into())

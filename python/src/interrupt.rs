@@ -43,7 +43,7 @@ impl Stop {
     /// Those of the run, or the exception.
     pub fn checked<T>(&self, result: Result<T, Failure>) -> Result<T, Failure> {
         match result {
-            Ok(_) if self.is_set() => Err(self.reason(Failure::Run("the Python classifier raised".into()))),
+            Ok(_) if self.is_set() => Err(self.reason(Failure::run("the Python classifier raised"))),
             Ok(value) => Ok(value),
             Err(failure) => Err(self.reason(failure)),
         }

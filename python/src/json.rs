@@ -6,6 +6,7 @@ use pyo3::types::{PyDict, PyList};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
+use underbrush_recording::fault::Fault;
 
 use crate::failure::{Answer, Failure};
 
@@ -16,7 +17,7 @@ pub fn to_python<'py>(py: Python<'py>, result: &impl Serialize) -> Answer<'py> {
 
 /// A result as JSON, which can be sent to another thread.
 pub fn value(result: &impl Serialize) -> Result<Value, Failure> {
-    serde_json::to_value(result).map_err(|error| Failure::Run(error.to_string()))
+    serde_json::to_value(result).map_err(Failure::run)
 }
 
 /// What a pickle of an object of the class `C` holds: a call of its `_from_json` with this value.
@@ -24,13 +25,13 @@ pub fn pickled<'py, C: PyTypeInfo>(
     py: Python<'py>,
     value: &impl Serialize,
 ) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {
-    let text = serde_json::to_string(value).map_err(|error| Failure::Run(error.to_string()))?;
+    let text = serde_json::to_string(value).map_err(Failure::run)?;
     Ok((py.get_type::<C>().getattr("_from_json")?, (text,)))
 }
 
 /// A value from the JSON in a pickle.
 pub fn unpickled<T: DeserializeOwned>(json: &[u8]) -> Result<T, Failure> {
-    serde_json::from_slice(json).map_err(|error| Failure::Usage(error.to_string()))
+    serde_json::from_slice(json).map_err(|error| Fault::Usage(error.to_string()).into())
 }
 
 fn object<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {

@@ -148,7 +148,7 @@ impl Online {
         }
         state.last_s = Some(time_s);
         match self.raised.as_ref().filter(|raised| raised.is_set()) {
-            Some(raised) => Err(raised.reason(Failure::Run("the Python classifier raised before".into()))),
+            Some(raised) => Err(raised.reason(Failure::run("the Python classifier raised before"))),
             None => Ok(verdicts),
         }
     }

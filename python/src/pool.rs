@@ -51,7 +51,7 @@ static POOL: Made = Made::later();
 
 fn build(threads: usize) -> Result<ThreadPool, Failure> {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|error| Failure::Run(format!("cannot start threads: {error}")))
+    pool.map_err(|error| Failure::run(format!("cannot start threads: {error}")))
 }
 
 /// An error if a number of threads is out of range.
@@ -74,7 +74,7 @@ impl Helpers {
     /// With the calling thread there are `jobs` threads, or by default as many as there are cores.
     ///
     /// # Errors
-    /// [`Failure::Input`] if `jobs` is out of range.
+    /// `Fault::Input` if `jobs` is out of range.
     pub fn new(jobs: Option<usize>) -> Result<Self, Failure> {
         let jobs = match jobs {
             Some(jobs) => check(jobs)?,
@@ -86,7 +86,7 @@ impl Helpers {
     /// The threads, if there are any.
     ///
     /// # Errors
-    /// [`Failure::Run`] if they cannot be started.
+    /// `Fault::Run` if they cannot be started.
     pub fn get(&self) -> Result<Option<Arc<ThreadPool>>, Failure> {
         (self.threads > 0).then(|| self.pool.get(self.threads)).transpose()
     }
@@ -95,7 +95,7 @@ impl Helpers {
 /// Runs work on the threads of the pool, or on `jobs` threads. A panic becomes an error.
 ///
 /// # Errors
-/// Those of the work; [`Failure::Input`] if `jobs` is out of range.
+/// Those of the work; `Fault::Input` if `jobs` is out of range.
 pub fn install<T: Send>(jobs: Option<usize>, work: impl FnOnce() -> Result<T, Failure> + Send) -> Result<T, Failure> {
     let pool = match jobs {
         None => POOL.get(0)?,
@@ -127,11 +127,11 @@ pub fn alone<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T, Failure> 
 /// Runs work. A panic, such as that of the physics engine in an extreme scene, becomes an error.
 ///
 /// # Errors
-/// Those of the work, and [`Failure::Run`] for a panic.
+/// Those of the work, and `Fault::Run` for a panic.
 pub fn guarded<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         let text = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
-        Err(Failure::Run(format!("internal error: {text}; please report it with the call and its input")))
+        Err(Failure::run(format!("internal error: {text}; please report it with the call and its input")))
     })
 }

@@ -123,7 +123,7 @@ pub fn watched<T: Send>(
             match come {
                 Ok(result) => return result,
                 Err(std::sync::mpsc::RecvTimeoutError::Timeout) => {}
-                Err(_) => return Err(Failure::Run("the working thread ended without a result".into())),
+                Err(_) => return Err(Failure::run("the working thread ended without a result")),
             }
             if !stop.is_set()
                 && let Err(error) = py.check_signals().and_then(|()| shown.show(py))

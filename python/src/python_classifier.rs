@@ -27,7 +27,7 @@ impl PythonEstimator {
     /// An estimator that keeps in `raised` what the object raises.
     ///
     /// # Errors
-    /// [`Failure::Input`] if the object has no `fit_trials`.
+    /// `Fault::Input` if the object has no `fit_trials`.
     pub fn of(object: &Bound<'_, PyAny>, raised: &Arc<Stop>) -> Result<Self, Failure> {
         if !object.hasattr("fit_trials")? {
             let found = format!("an object of type {}", object.get_type());
@@ -84,7 +84,7 @@ impl PythonClassifier {
     /// A classifier that keeps in `raised` what the object raises.
     ///
     /// # Errors
-    /// [`Failure::Input`] if the object has no categories, or if they are not in alphabetical order.
+    /// `Fault::Input` if the object has no categories, or if they are not in alphabetical order.
     pub fn of(object: &Bound<'_, PyAny>, raised: &Arc<Stop>) -> Result<Self, Failure> {
         let categories: Option<Vec<String>> = object.getattr("categories").ok().and_then(|own| own.extract().ok());
         let categories =

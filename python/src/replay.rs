@@ -35,7 +35,7 @@ pub fn replay_page(
             Ok(Judging { name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(), by })
         };
         let source = Source::open(&paths, known(), model.map(judging).transpose()?)?;
-        let all = (0..source.reaches().len()).collect();
+        let all = (0..source.reaches.len()).collect();
         Ok(single_file(&source, &reaches.unwrap_or(all), MAX_PAGE_BYTES)?)
     })
 }

@@ -97,7 +97,7 @@ impl PyScene {
 
     /// The keys of the scene file as a dictionary.
     fn to_dict<'py>(&self, py: Python<'py>) -> Answer<'py> {
-        let text = toml::to_string(&self.table()?).map_err(|error| Failure::Run(error.to_string()))?;
+        let text = toml::to_string(&self.table()?).map_err(Failure::run)?;
         // Unlike JSON, TOML has infinity.
         Ok(py.import("tomllib")?.call_method1("loads", (text,))?)
     }
@@ -172,6 +172,6 @@ impl PyScene {
 
     fn table(&self) -> Result<toml::Table, Failure> {
         // The scene was read from this text.
-        toml::from_str(&self.scene.text).map_err(|error| Failure::Run(error.to_string()))
+        toml::from_str(&self.scene.text).map_err(Failure::run)
     }
 }

@@ -10,7 +10,7 @@ use crate::failure::Failure;
 /// One sample of the sequence with this name.
 ///
 /// # Errors
-/// [`Failure::Input`] for an area that is no number of taxels.
+/// `Fault::Input` for an area that is no number of taxels.
 fn sample(name: &str, set: &FeatureSet, numbers: &[f64], place: usize) -> Result<Sample, Failure> {
     let mut sample =
         Sample { time_s: place as f64 * underbrush_recording::FRAME_PERIOD_S, force_n: 0.0, ..Sample::default() };
@@ -42,7 +42,7 @@ fn sample(name: &str, set: &FeatureSet, numbers: &[f64], place: usize) -> Result
 /// Trials from sequences of features, one array for each. Their times are those of samples at 100 Hz.
 ///
 /// # Errors
-/// [`Failure::Input`] for a sequence of the wrong shape, an empty one, or one with NaN.
+/// `Fault::Input` for a sequence of the wrong shape, an empty one, or one with NaN.
 pub fn of_sequences(
     sequences: &[Bound<'_, PyAny>],
     set: &FeatureSet,

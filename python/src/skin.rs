@@ -19,7 +19,7 @@ pub struct Skin {
 /// The index of a patch, by its name, or of the first one.
 ///
 /// # Errors
-/// [`Failure::Input`] with the names that exist.
+/// `Fault::Input` with the names that exist.
 pub fn patch_index(layout: &SkinLayout, name: Option<&str>) -> Result<usize, Failure> {
     layout.chosen_patch(name).ok_or_else(|| {
         let known: Vec<&str> = layout.patches.iter().map(|patch| patch.name.as_str()).collect();

@@ -76,7 +76,7 @@ fn array(column: disk::Column) -> Result<ArrayRef, ArrowError> {
 /// Rows of a table as an Arrow batch, with descriptions, units and codes in the metadata of the fields.
 ///
 /// # Errors
-/// [`Failure::Run`] for a table that is too large for Arrow.
+/// `Fault::Run` for a table that is too large for Arrow.
 pub fn record_batch(batch: Batch) -> Result<RecordBatch, Failure> {
     let about: HashMap<String, HashMap<String, Value>> = serde_json::from_str(&batch.about).unwrap_or_default();
     let shown = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
@@ -92,7 +92,7 @@ pub fn record_batch(batch: Batch) -> Result<RecordBatch, Failure> {
         }
         RecordBatch::try_new(Arc::new(Schema::new(fields)), arrays)
     };
-    build().map_err(|error| Failure::Run(error.to_string()))
+    build().map_err(Failure::run)
 }
 
 impl PyTable {
@@ -189,7 +189,7 @@ impl Column {
     /// Whether a data type is single precision.
     ///
     /// # Errors
-    /// [`Failure::Input`] for any data type but single and double precision.
+    /// `Fault::Input` for any data type but single and double precision.
     pub fn is_single(dtype: &str) -> Result<bool, Failure> {
         match dtype {
             "float32" => Ok(true),
@@ -202,7 +202,7 @@ impl Column {
     /// if it is not given, they stay as they are.
     ///
     /// # Errors
-    /// [`Failure::Input`] for an unknown column, and one that does not hold numbers.
+    /// `Fault::Input` for an unknown column, and one that does not hold numbers.
     pub fn of(batches: &[RecordBatch], name: &str, single: Option<bool>) -> Result<Self, Failure> {
         if batches.is_empty() {
             let found = format!("{name:?} of an empty table");

@@ -56,29 +56,18 @@ pub struct Audit {
 
 /// One residual of an [`Audit`].
 #[derive(Clone, Copy, Debug)]
-pub struct AuditField {
+pub struct AuditField<T> {
     /// Its name, which is also the name of its column in data sets.
     pub name: &'static str,
     /// Reads it.
-    pub get: fn(&Audit) -> f64,
+    pub get: fn(&Audit) -> T,
     /// Sets it.
-    pub set: fn(&mut Audit, f64),
-}
-
-/// One count of an [`Audit`].
-#[derive(Clone, Copy, Debug)]
-pub struct AuditCount {
-    /// Its name, which is also the name of its column in data sets.
-    pub name: &'static str,
-    /// Reads it.
-    pub get: fn(&Audit) -> u32,
-    /// Sets it.
-    pub set: fn(&mut Audit, u32),
+    pub set: fn(&mut Audit, T),
 }
 
 macro_rules! fields {
-    ($kind:ident: $($name:ident),* $(,)?) => {
-        [$($kind {
+    ($($name:ident),* $(,)?) => {
+        [$(AuditField {
             name: stringify!($name),
             get: |audit| audit.$name,
             set: |audit, value| audit.$name = value,
@@ -88,16 +77,12 @@ macro_rules! fields {
 
 impl Audit {
     /// All counts.
-    pub const COUNTS: [AuditCount; 4] = fields![
-        AuditCount: rest_frames,
-        controller_steps,
-        infeasible_controller_steps,
-        failed_controller_steps,
-    ];
+    pub const COUNTS: [AuditField<u32>; 4] =
+        fields![rest_frames, controller_steps, infeasible_controller_steps, failed_controller_steps,];
 
     /// All residuals.
-    pub const FIELDS: [AuditField; 10] = fields![
-        AuditField: largest_force_residual,
+    pub const FIELDS: [AuditField<f64>; 10] = fields![
+        largest_force_residual,
         largest_moment_residual_m,
         largest_static_residual,
         energy_residual,

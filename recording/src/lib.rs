@@ -14,6 +14,7 @@ pub mod channels;
 pub mod contact_point;
 #[cfg(feature = "disk")]
 pub mod disk;
+pub mod distinct;
 pub mod fault;
 pub mod frame;
 pub mod input_error;
@@ -28,7 +29,7 @@ pub mod regular_file;
 pub mod text_line;
 pub mod trial;
 
-pub use audit::{Audit, AuditCount, AuditField};
+pub use audit::{Audit, AuditField};
 pub use body::{Body, BodyOwner, BodyPart, BodyShape, TrackPoint};
 pub use category::Category;
 pub use channels::Channels;

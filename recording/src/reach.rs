@@ -20,13 +20,6 @@ pub struct ObjectRecord {
     pub parameters: BTreeMap<String, f64>,
 }
 
-impl ObjectRecord {
-    /// Whether it is the top of a table, which lies under everything else. Pictures draw the ground there.
-    pub fn is_table(&self) -> bool {
-        self.kind == "table"
-    }
-}
-
 /// One goal of a reach and how it ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GoalRecord {

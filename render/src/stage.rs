@@ -108,8 +108,9 @@ impl<'a> Stage<'a> {
         full_scale_n: f64,
         places_world: &[DVec3],
     ) -> Result<Self, RenderError> {
+        // The ground is drawn where the top of a table is.
         let is_table = |body: &Body| match body.owner {
-            BodyOwner::Object(object) => objects.get(usize::from(object)).is_some_and(ObjectRecord::is_table),
+            BodyOwner::Object(object) => objects.get(usize::from(object)).is_some_and(|object| object.kind == "table"),
             BodyOwner::Link(_) => false,
         };
         // The table is drawn under whatever is seen, whether it is an object or not.

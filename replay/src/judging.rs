@@ -60,7 +60,8 @@ pub fn unjudged(reach: &str) -> impl Fn(OnlineError) -> Fault {
 #[derive(Debug)]
 pub struct VerdictLog {
     online: OnlineJudge,
-    verdicts: Verdicts,
+    /// The verdicts so far.
+    pub verdicts: Verdicts,
 }
 
 impl VerdictLog {
@@ -77,10 +78,5 @@ impl VerdictLog {
             }
         }
         Ok(())
-    }
-
-    /// The verdicts so far.
-    pub fn verdicts(&self) -> &Verdicts {
-        &self.verdicts
     }
 }

@@ -43,13 +43,13 @@ struct State {
     latest: Option<Arc<PartialReach>>,
 }
 
-/// The state that the threads share.
+/// The state that the threads share; by default of a reach that has not begun.
 ///
 /// ```
 /// use std::sync::Arc;
 /// use underbrush_replay::Live;
 ///
-/// let live = Arc::new(Live::new());
+/// let live = Arc::new(Live::default());
 /// let simulation = Arc::clone(&live);
 /// // The first frame waits until a page asks for the status.
 /// let thread = std::thread::spawn(move || simulation.frame(|| None));
@@ -65,11 +65,6 @@ pub struct Live {
 }
 
 impl Live {
-    /// A reach that has not begun.
-    pub fn new() -> Self {
-        Live::default()
-    }
-
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -61,7 +61,7 @@ pub fn page_that_fits(source: &Source, numbers: &[usize], max_bytes: usize) -> R
         if PAGE.len() + data.len() + bytes.len() / 3 * 4 > max_bytes {
             break;
         }
-        listed.extend(source.reaches().get(*number).cloned().map(|mut reach| {
+        listed.extend(source.reaches.get(*number).cloned().map(|mut reach| {
             reach.number = place;
             reach
         }));

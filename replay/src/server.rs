@@ -52,7 +52,8 @@ pub fn hosts(port: u16) -> Vec<String> {
 /// A server that listens.
 pub struct Server {
     listener: TcpListener,
-    address: String,
+    /// The address of the page. Anyone who knows it can read the reaches, and command a running one.
+    pub address: String,
     shared: Shared,
 }
 
@@ -86,11 +87,6 @@ impl Server {
             address: format!("http://127.0.0.1:{port}/{key}/"),
             shared: Shared { content, hosts: hosts(port), key: blake3::hash(key.as_bytes()) },
         })
-    }
-
-    /// The address of the page. Anyone who knows it can read the reaches, and command a running one.
-    pub fn address(&self) -> &str {
-        &self.address
     }
 
     /// Answers requests until the program ends.
@@ -161,7 +157,7 @@ impl Shared {
         let command = path.strip_prefix(COMMAND).filter(|_| request.method == "POST");
         match (&self.content, number, command) {
             _ if path == "/" => Response::new(200, "text/html; charset=utf-8", PAGE),
-            (Content::Stored(source, _), ..) if path == "/api/reaches" => Response::list(source.reaches()),
+            (Content::Stored(source, _), ..) if path == "/api/reaches" => Response::list(&source.reaches),
             (Content::Stored(source, kept), Some(number), _) => reach(source, kept, number),
             (Content::Running(running), ..) if path == "/api/reaches" => running.list(),
             (Content::Running(running), Some(number), _) => running.reach(number, query),
@@ -184,7 +180,7 @@ fn reach(source: &Source, kept: &Mutex<Kept>, number: &str) -> Response {
         match source.pack(number) {
             Ok(bytes) => kept.push((number, Arc::new(bytes))),
             Err(error) => {
-                let status = if number < source.reaches().len() { 500 } else { 404 };
+                let status = if number < source.reaches.len() { 500 } else { 404 };
                 return Response::text(status, error.to_string());
             }
         }

@@ -79,7 +79,7 @@ pub struct Held {
 /// std::fs::write(&table, "trial,reach,patch,taxel,time_s,force_n\n0,0,palm,3,0.00,0.2\n0,0,palm,3,0.01,0.3\n")?;
 /// let context = ReplayContext { force_limit_n: |_| None, audit_warnings: |_, _| Vec::new() };
 /// let source = Source::open(&[table], context, None)?;
-/// assert_eq!(source.reaches().len(), 1);
+/// assert_eq!(source.reaches.len(), 1);
 /// assert!(source.pack(0)?.starts_with(b"ubreplay"));
 /// assert!(matches!(source.pack(1), Err(Fault::Usage(_))));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -87,7 +87,8 @@ pub struct Held {
 pub struct Source {
     datasets: Vec<Dataset>,
     places: Vec<Place>,
-    reaches: Vec<Summary>,
+    /// The list of reaches.
+    pub reaches: Vec<Summary>,
     known: ReplayContext,
     judging: Option<Judging>,
 }
@@ -125,11 +126,6 @@ impl Source {
             source.places.push(Place::Memory(Box::new(held)));
         }
         Ok(source)
-    }
-
-    /// The list of reaches.
-    pub fn reaches(&self) -> &[Summary] {
-        &self.reaches
     }
 
     /// The recording of a reach.

@@ -11,8 +11,7 @@ use std::path::Path;
 use glam::DVec3;
 use underbrush_recording::limits::MAX_TAXELS;
 use underbrush_recording::{
-    Audit, Category, Frame, Grid, InputError, ObjectRecord, Patch, Pose, Recording, SkinLayout, Taxel, TaxelReading,
-    Trial,
+    Category, Frame, Grid, InputError, ObjectRecord, Patch, Pose, Recording, SkinLayout, Taxel, TaxelReading, Trial,
 };
 
 use crate::trial_spans::{Spans, check, patch_name};
@@ -49,18 +48,12 @@ pub fn reaches(path: &Path, trials: &[Trial]) -> Result<Vec<Recording>, InputErr
         Ok(Recording {
             scene: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             controller: Recording::UNKNOWN_CONTROLLER.into(),
-            seed: 0,
             reach_index,
             rate_hz: 1.0 / period_s,
-            joint_names: Vec::new(),
             frames: frames(&trials, &spans, &layout, &objects, period_s),
             layout: layout.clone(),
             objects: objects.clone(),
-            bodies: Vec::new(),
-            goals: Vec::new(),
-            contacts: Vec::new(),
-            map: Vec::new(),
-            audit: Audit::default(),
+            ..Recording::default()
         })
     };
     by_reach.into_iter().map(recording).collect()

@@ -2,6 +2,7 @@
 //! the mean of several.
 
 use underbrush_experiments::table_cell::{CellKey, Ordering};
+use underbrush_recording::distinct::distinct;
 
 use crate::accuracy_chart::{AccuracyChart, lowest};
 use crate::drawing::{Rows, Table};
@@ -142,12 +143,7 @@ fn orderings_table(name: &str, caption: &str, orderings: &[Ordering]) -> Table {
 
 /// All cells in one chart: a row for each, with a mark for each recipe, the published figure and the majority baseline.
 pub fn dot_plot(name: &str, title: &str, cells: &[Compared]) -> String {
-    let mut names: Vec<String> = Vec::new();
-    for name in cells.iter().map(|cell| cell.key.name()) {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
+    let names = distinct(cells.iter().map(|cell| cell.key.name()));
     let mut recipes: Vec<&String> = cells.iter().map(|cell| &cell.key.recipe).collect();
     recipes.dedup();
     let row = |cell: &Compared| names.iter().position(|name| *name == cell.key.name()).unwrap_or_default();

@@ -1,19 +1,12 @@
 //! Links from figures to the replay pages beside the report, which show the reaches that the figures are about.
 //! `replay_pages` writes those pages.
 
-use underbrush_experiments::frame_verdicts::Online;
-
 /// The page with the general reach that figures show, if there is one, followed by the outlier reaches.
 pub const TEST_FILE: &str = "replay.html";
 /// The page with the engineered reaches that were found, in the order of the experiment.
 pub const ENGINEERED_FILE: &str = "replay-engineered.html";
 /// The page with the training reaches of the example trials, in their order.
 pub const TRAINING_FILE: &str = "replay-training.html";
-
-/// The position of the first outlier reach on its page.
-pub fn first_outlier(online: &Online) -> usize {
-    usize::from(online.shown().is_some())
-}
 
 /// The address of a reach on a page, coloured by verdict.
 pub fn reach(file: &str, place: usize) -> String {

@@ -55,7 +55,7 @@ fn held(session: &Session, recording: Recording, rule: Rule) -> Result<Held, Fau
 /// Writes a page with these reaches. Reaches that do not fit are left out with a remark.
 fn page(session: &Session, reaches: impl Iterator<Item = Result<Held, Fault>>, path: &Path) -> Result<(), Fault> {
     let source = Source::of(reaches.collect::<Result<_, _>>()?, known())?;
-    let numbers: Vec<usize> = (0..source.reaches().len()).collect();
+    let numbers: Vec<usize> = (0..source.reaches.len()).collect();
     if numbers.is_empty() {
         return Ok(());
     }

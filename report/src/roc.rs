@@ -5,11 +5,6 @@ use underbrush_classifier::evaluate::RocPoint;
 use crate::drawing::{Axis, Dash, Layer, Rows, Shape, Style, Table, chart};
 use crate::style::INK;
 
-/// A point of a curve in per cent: negatives taken for positives, and positives found.
-pub fn percents(point: &RocPoint) -> (f64, f64) {
-    (100.0 * point.false_positive_rate, 100.0 * point.true_positive_rate)
-}
-
 /// A chart with name and title over two axes from 0 to 100 %, with the meaning of the diagonal.
 pub fn square_chart(
     (name, title): (&str, &str),

@@ -187,11 +187,6 @@ impl LaidFootprint {
         }
     }
 
-    /// A point of the footprint's own frame in the world frame.
-    pub fn to_world(&self, local: DVec2) -> DVec2 {
-        self.center + DVec2::from_angle(self.yaw_rad).rotate(local)
-    }
-
     fn distance_to(&self, point: DVec2) -> f64 {
         let local = DVec2::from_angle(-self.yaw_rad).rotate(point - self.center).abs();
         match self.footprint {

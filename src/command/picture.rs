@@ -72,7 +72,7 @@ impl PictureArguments {
         let Some(path) = self.file() else {
             return Ok(false);
         };
-        let reaches = source.reaches().len();
+        let reaches = source.reaches.len();
         let number = match chosen {
             [] if reaches == 1 => 0,
             [one] => *one,

@@ -125,7 +125,7 @@ pub fn judging_by(
 }
 
 fn write(source: &Source, chosen: &[usize], path: &Path, json: bool) -> Result<(), Failure> {
-    let all: Vec<usize> = (0..source.reaches().len()).collect();
+    let all: Vec<usize> = (0..source.reaches.len()).collect();
     let numbers = if chosen.is_empty() { &all } else { chosen };
     let page = single_file(source, numbers, MAX_PAGE_BYTES)?;
     remove_leftovers(path);
@@ -138,9 +138,9 @@ fn write(source: &Source, chosen: &[usize], path: &Path, json: bool) -> Result<(
 }
 
 fn serve(source: Source, port: u16, open: bool, json: bool) -> Result<(), Failure> {
-    let served = source.reaches().len();
+    let served = source.reaches.len();
     let server = Server::start(source, port)?;
-    let address = server.address().to_owned();
+    let address = server.address.clone();
     output::result(json, &json!({ "address": address, "reaches": served }), || {
         format!("{} at {address} until Ctrl-C", output::counted(served, "reach", "reaches"))
     })?;

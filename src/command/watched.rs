@@ -30,11 +30,11 @@ impl<'a> Watched<'a> {
     pub fn begin(so_far: ReachSoFar<'a>, skin: &SkinLayout, judging: Option<&Judging>) -> Result<Self, Failure> {
         let verdicts = judging.map(|judging| judging.begin(skin)).transpose();
         let verdicts = verdicts.map_err(unjudged(REACH))?;
-        let live = Arc::new(Live::new());
+        let live = Arc::new(Live::default());
         let server = Server::watch(Arc::clone(&live), underbrush_report::replayed::known(), 0)?;
-        let address = server.address();
+        let address = server.address.clone();
         output::remark(format!("the reach begins when {address} is opened in a browser"));
-        replay::show(address);
+        replay::show(&address);
         Ok(Watched { so_far, verdicts, fault: None, live, server: std::thread::spawn(move || server.run()) })
     }
 
@@ -49,7 +49,7 @@ impl<'a> Watched<'a> {
     }
 
     fn with_verdicts(&self, recording: Recording) -> PartialReach {
-        PartialReach { recording, verdicts: self.verdicts.as_ref().map(|log| log.verdicts().clone()) }
+        PartialReach { recording, verdicts: self.verdicts.as_ref().map(|log| log.verdicts.clone()) }
     }
 
     /// Shows the whole reach until the program is ended.

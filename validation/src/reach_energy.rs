@@ -56,6 +56,6 @@ fn reach(name: &str, file: &str, wrong: f64) -> Result<EnergySums, Fault> {
     for frame in recording.frames.iter().rev().skip(1).rev() {
         simulation.step_observed(&frame.equilibrium_angle_rad, &mut |step| balance.observe_step(step));
     }
-    let sums = *balance.sums();
+    let sums = balance.sums;
     Ok(EnergySums { dampers_j: sums.dampers_j / wrong, ..sums })
 }

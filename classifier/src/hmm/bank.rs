@@ -38,8 +38,8 @@ impl FilterBank {
     pub(crate) fn new<'a>(kind: ScoreKind, scorers: impl Iterator<Item = &'a Scorer>, streams: usize) -> Self {
         let (mut weights, mut dimension) = (Vec::new(), 0);
         for scorer in scorers {
-            weights.push(Weights::new(kind, scorer.model().state_count()));
-            dimension = scorer.model().dimension();
+            weights.push(Weights::new(kind, scorer.model.states));
+            dimension = scorer.model.dimension();
         }
         let group = Group {
             sample: vec![[0.0; STREAMS]; dimension],

@@ -57,7 +57,8 @@ const ROW_SUM_TOLERANCE: f64 = 1e-6;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct GaussianHmm {
-    pub(super) states: usize,
+    /// Number of states N.
+    pub states: usize,
     pub(super) dimension: usize,
     pub(super) initial: Vec<f64>,
     /// N × N.
@@ -119,11 +120,6 @@ impl GaussianHmm {
             covariance,
             gaussians,
         })
-    }
-
-    /// Number of states N.
-    pub fn state_count(&self) -> usize {
-        self.states
     }
 
     /// Number of features D.
@@ -243,6 +239,6 @@ mod tests {
     fn parameters_come_back_as_they_went_in() {
         let model = GaussianHmm::new(valid()).unwrap();
         assert_eq!(model.parameters(), valid());
-        assert_eq!((model.state_count(), model.dimension()), (2, 2));
+        assert_eq!((model.states, model.dimension()), (2, 2));
     }
 }

@@ -28,7 +28,8 @@ use crate::vector::vectorized;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scorer {
-    model: GaussianHmm,
+    /// The model.
+    pub model: GaussianHmm,
     tables: FilterTables,
 }
 
@@ -39,11 +40,6 @@ impl From<GaussianHmm> for Scorer {
 }
 
 impl Scorer {
-    /// The model.
-    pub fn model(&self) -> &GaussianHmm {
-        &self.model
-    }
-
     /// Advances the weights of four streams by one sample; see [`Weights::step`].
     #[inline(always)]
     pub(super) fn step(&self, weights: &mut Weights, sample: &[Tile], fresh: Tile, used: [bool; STREAMS]) {
@@ -75,7 +71,7 @@ impl Scorer {
         let mut order: Vec<usize> = (0..sequences.len()).collect();
         order.sort_by_key(|&index| sequences[index].sample_count());
         let mut scores = vec![0.0; sequences.len()];
-        let mut weights = Weights::new(kind, self.model.state_count());
+        let mut weights = Weights::new(kind, self.model.states);
         let mut sample = vec![[0.0; STREAMS]; dimension];
         vectorized(
             #[inline(always)]

@@ -29,7 +29,7 @@ const FALL: Limits = Limits::new(0.0, LOG_LIKELIHOOD.max, "nats");
 /// Checks the numbers of models that were read from a file, and that its parts agree.
 pub(super) fn check(classifier: &HmmClassifier) -> Result<(), Fault> {
     for (category, scorer) in classifier.models() {
-        model_numbers(category, scorer.model())?;
+        model_numbers(category, &scorer.model)?;
     }
     if let Some(scaling) = &classifier.scaling {
         scaling_numbers(scaling, classifier.features)?;
@@ -43,7 +43,7 @@ pub(super) fn check(classifier: &HmmClassifier) -> Result<(), Fault> {
 
 fn model_numbers(category: &str, model: &GaussianHmm) -> Result<(), Fault> {
     let parameters = model.parameters();
-    check_limits(format!("models.{category}.initial"), model.state_count() as f64, STATES)?;
+    check_limits(format!("models.{category}.initial"), model.states as f64, STATES)?;
     for (state, mean) in parameters.mean.iter().enumerate() {
         for value in mean {
             check_limits(format!("models.{category}.mean[{state}]"), *value, MEAN)?;
@@ -102,8 +102,8 @@ fn agreement(classifier: &HmmClassifier) -> Result<(), Fault> {
         return Err(fault("scaling", format!("{:?}", recipe.scaling), allowed.into()));
     }
     for (category, scorer) in classifier.models() {
-        let model = scorer.model();
-        let states = model.state_count();
+        let model = &scorer.model;
+        let states = model.states;
         if recipe.states != states {
             let allowed = format!("{states}, the states of models.{category}");
             return Err(fault("states", recipe.states.to_string(), allowed));

@@ -60,7 +60,7 @@ impl HmmClassifier {
     }
 
     pub(super) fn entries(&self) -> Vec<(&'static str, Value)> {
-        let parameters = |(name, scorer): (&String, &Scorer)| (name.clone(), scorer.model().parameters());
+        let parameters = |(name, scorer): (&String, &Scorer)| (name.clone(), scorer.model.parameters());
         let models: BTreeMap<String, HmmParameters> = self.models.iter().map(parameters).collect();
         vec![
             ("features", json!(self.features.columns())),

@@ -95,7 +95,7 @@ impl HmmClassifier {
                 if let Some(scaling) = &start.scaling {
                     sequences.iter_mut().for_each(|sequence| scaling.apply_all(sequence));
                 }
-                with_category(category.clone(), train(model.model(), &sequences, options))
+                with_category(category.clone(), train(&model.model, &sequences, options))
             })
             .collect();
         let (models, report) = collect(trained, trials.len())?;

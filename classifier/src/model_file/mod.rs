@@ -153,7 +153,7 @@ impl Model {
         };
         for (category, scorer) in models.models() {
             let samples = training.get(category).map_or(usize::MAX, |history| history.samples);
-            let states = scorer.model().state_count();
+            let states = scorer.model.states;
             if states > samples {
                 log::warn!(
                     "warning: the model of {category} has {states} states and was fitted to {samples} samples; \

@@ -92,11 +92,6 @@ impl Selection {
         self
     }
 
-    /// The features of each sample.
-    pub fn inputs(&self) -> FeatureSet {
-        self.inputs
-    }
-
     /// Number of stream features.
     pub fn dimension(&self) -> usize {
         self.chosen.len() + self.channels.len() * CHANNEL_FEATURES.len()

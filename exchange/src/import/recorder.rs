@@ -121,12 +121,10 @@ impl<'a> Recorder<'a> {
         Recording {
             scene: self.path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             controller: Recording::UNKNOWN_CONTROLLER.into(),
-            seed: 0,
             reach_index,
             rate_hz: 1.0,
             joint_names: vec!["fixed".into()],
             layout: self.layout.clone(),
-            objects: Vec::new(),
             // The labels are the truth, even if they say that nothing presses: the link is known, and there are no objects.
             bodies: vec![Body {
                 owner: BodyOwner::Link(self.layout.patches[0].link.clone()),
@@ -134,11 +132,7 @@ impl<'a> Recorder<'a> {
                 rest_pose_world: Pose::IDENTITY,
                 track: Vec::new(),
             }],
-            goals: Vec::new(),
-            contacts: Vec::new(),
-            map: Vec::new(),
-            frames: Vec::new(),
-            audit: Default::default(),
+            ..Recording::default()
         }
     }
 

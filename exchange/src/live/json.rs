@@ -22,7 +22,7 @@ pub struct LineError {
 #[derive(Clone)]
 pub struct Spot<'a> {
     pub path: String,
-    value: &'a Value,
+    pub value: &'a Value,
 }
 
 /// A value in which no object has a key twice. With two values it would be unclear which one is meant.
@@ -120,7 +120,7 @@ impl<'a> Spot<'a> {
 
     /// The value, if it is an object.
     pub fn object(self, allowed: &str) -> Result<Self, LineError> {
-        if self.is_object() { Ok(self) } else { Err(self.error(allowed)) }
+        if self.value.is_object() { Ok(self) } else { Err(self.error(allowed)) }
     }
 
     /// The value of a key of an object; `None` if there is none or it is null.
@@ -169,29 +169,9 @@ impl<'a> Spot<'a> {
         numbers.ok_or_else(|| self.error(allowed))
     }
 
-    /// The value as a number; `None` if it is something else.
-    pub fn number(&self) -> Option<f64> {
-        self.value.as_f64()
-    }
-
     /// The value as a whole number from 0; `None` if it is something else.
     pub fn index(&self) -> Option<usize> {
         usize::try_from(self.value.as_u64()?).ok()
-    }
-
-    /// The value as text; `None` if it is something else.
-    pub fn text(&self) -> Option<&'a str> {
-        self.value.as_str()
-    }
-
-    /// Whether the value is an object.
-    pub fn is_object(&self) -> bool {
-        self.value.is_object()
-    }
-
-    /// Whether the value is `true`.
-    pub fn is_true(&self) -> bool {
-        *self.value == Value::Bool(true)
     }
 
     /// The error for this value.

@@ -69,7 +69,7 @@ impl LineParser {
         let value = json::parse(text)?;
         let line = Spot::of_line(&value).object("one JSON object")?;
         if let Some(reset) = line.get("reset") {
-            if !reset.is_true() || line.keys().count() > 1 {
+            if *reset.value != true || line.keys().count() > 1 {
                 return Err(reset.error("true, in a line of its own"));
             }
             self.last = None;
@@ -135,7 +135,7 @@ impl LineParser {
             None => reading.need("patch", &allowed)?,
             Some(spot) => spot,
         };
-        let index = match spot.text() {
+        let index = match spot.value.as_str() {
             Some(name) => self.layout.patch_index(name),
             None => spot.index(),
         };
@@ -162,7 +162,7 @@ impl LineParser {
             patches.len()
         );
         let spot = line.need("patch_pose_world", &allowed)?;
-        let pose = if spot.is_object() {
+        let pose = if spot.value.is_object() {
             if let Some(unknown) = spot.keys().find(|key| self.layout.patch_index(key).is_none()) {
                 let names: Vec<&str> = patches.iter().map(|patch| patch.name.as_str()).collect();
                 return Err(spot.unknown(unknown, format!("names of patches: {}", names.join(", "))));
@@ -203,7 +203,7 @@ fn read_pose(spot: Spot<'_>) -> Result<Pose, LineError> {
 }
 
 fn number(spot: &Spot<'_>, limits: Limits) -> Result<f64, LineError> {
-    spot.number().filter(|value| limits.hold(*value)).ok_or_else(|| spot.error(format!("a number from {limits}")))
+    spot.value.as_f64().filter(|value| limits.hold(*value)).ok_or_else(|| spot.error(format!("a number from {limits}")))
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::touch::TouchOptions;
 use underbrush_classifier::trial::{Labels, TrialOptions};
+use underbrush_recording::distinct::distinct;
 use underbrush_recording::fault::Fault;
 use underbrush_recording::{Category, InputError};
 use underbrush_sim::arm::Arm;
@@ -166,13 +167,7 @@ impl Experiment {
 
     /// Labels of the training scenes, in their order.
     pub fn labels(&self) -> Vec<&str> {
-        let mut labels: Vec<&str> = Vec::new();
-        for training in &self.file.training {
-            if !labels.contains(&training.label.as_str()) {
-                labels.push(&training.label);
-            }
-        }
-        labels
+        distinct(self.file.training.iter().map(|training| training.label.as_str()))
     }
 
     /// The published figures, if the file gives any.

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 use underbrush_classifier::HmmClassifier;
 use underbrush_classifier::decision::{Decision, Rule, Verdict};
-use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
+use underbrush_classifier::online::OnlineClassifier;
 use underbrush_recording::fault::Fault;
 use underbrush_recording::{Frame, Recording};
 use underbrush_sim::reach::Observed;
@@ -67,8 +67,6 @@ pub struct Moment {
     pub reach_index: u64,
     /// The whole reach.
     pub recording: Recording,
-    /// How its taxels were judged.
-    pub options: OnlineOptions,
 }
 
 /// Runs a classified reach again and judges the frame in which the most taxels are in contact. The moment is thus chosen by
@@ -117,7 +115,6 @@ fn take(
         scene: shown.scene.clone(),
         reach_index: shown.reach_index,
         recording,
-        options,
     }))
 }
 

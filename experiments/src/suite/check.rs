@@ -64,7 +64,7 @@ pub fn bounds(bounds: &Bounds, scene: &Scene, has_model: bool, source: &Source) 
             }
             Entry::ByCategory(categories) if metric.by_category => {
                 for (name, bound) in categories {
-                    let category = category(scene, name).ok_or_else(|| {
+                    let category = categories_of(scene).get(name.as_str()).copied().ok_or_else(|| {
                         let field = source.field_at(&format!("bounds.{}", metric.name), bound.span().start);
                         let names: Vec<&str> = categories_of(scene).into_keys().collect();
                         field.fault(name, format!("a category of the scene's objects: {}", names.join(", ")))
@@ -124,8 +124,4 @@ fn categories_of(scene: &Scene) -> BTreeMap<&'static str, Category> {
     let groups = scene.file.objects.groups();
     let categories = groups.iter().map(|(_, _, group)| group.category());
     categories.map(|category| (category.name(), category)).collect()
-}
-
-fn category(scene: &Scene, name: &str) -> Option<Category> {
-    categories_of(scene).get(name).copied()
 }

@@ -16,7 +16,7 @@ use crate::{Held, Live, PartialReach, Server, Source};
 
 /// A reach of 20 frames that is simulated in a thread, its server, and the number of frames so far.
 fn start() -> (Place, JoinHandle<()>, Arc<AtomicUsize>) {
-    let live = Arc::new(Live::new());
+    let live = Arc::new(Live::default());
     let place = run(Server::watch(Arc::clone(&live), KNOWN, 0).unwrap());
     let count = Arc::new(AtomicUsize::new(0));
     let counted = Arc::clone(&count);
@@ -130,7 +130,7 @@ fn commands_of_others_are_refused() {
 fn recordings_in_memory_are_packed_too() {
     let held = |index| Held { recording: reach(index, 20), judging: None };
     let source = Source::of(vec![held(0), held(3)], KNOWN).unwrap();
-    assert_eq!(source.reaches().len(), 2);
-    assert_eq!((source.reaches()[1].number, source.reaches()[1].reach_index), (1, 3));
+    assert_eq!(source.reaches.len(), 2);
+    assert_eq!((source.reaches[1].number, source.reaches[1].reach_index), (1, 3));
     assert_eq!(source.pack(1).unwrap(), pack(&reach(3, 20), &KNOWN, None).unwrap());
 }

@@ -120,9 +120,9 @@ fn what_follows_holds_only_what_is_new() {
 fn a_source_lists_its_reaches() {
     let folder = tempfile::tempdir().unwrap();
     let source: Source = source(folder.path());
-    let found: Vec<_> = source.reaches().iter().map(|reach| (reach.number, reach.reach_index)).collect();
+    let found: Vec<_> = source.reaches.iter().map(|reach| (reach.number, reach.reach_index)).collect();
     assert_eq!(found, [(0, 0), (1, 1)]);
-    let first = &source.reaches()[0];
+    let first = &source.reaches[0];
     assert_eq!((first.source.as_str(), first.peak_force_n), ("reach-0.parquet", 2.0));
     assert_eq!(source.pack(1).unwrap(), pack(&reach(1, 20), &KNOWN, None).unwrap());
     let error = source.pack(2).unwrap_err();

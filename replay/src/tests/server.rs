@@ -20,7 +20,7 @@ pub struct Place {
 
 /// Lets a server run until the test ends.
 pub fn run(server: Server) -> Place {
-    let address = server.address().trim_end_matches('/');
+    let address = server.address.trim_end_matches('/');
     let (port, key) = address.trim_start_matches("http://127.0.0.1:").split_once('/').unwrap();
     let place = Place { port: port.parse().unwrap(), base: format!("/{key}") };
     std::thread::spawn(move || server.run());

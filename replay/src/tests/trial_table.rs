@@ -101,8 +101,8 @@ fn a_table_is_a_source() {
         let path = folder.path().join(name);
         write_trials(&path, [trial(0, 3, 0, "towel", 0, 9)]).unwrap();
         let source = Source::open(&[path], KNOWN, None).unwrap();
-        let [line] = source.reaches() else {
-            panic!("{:?}", source.reaches());
+        let [line] = &source.reaches[..] else {
+            panic!("{:?}", source.reaches);
         };
         assert_eq!((line.source.as_str(), line.reach_index, line.table), (name, 3, true));
         assert!(source.pack(0).unwrap().starts_with(b"ubreplay"));
@@ -110,7 +110,7 @@ fn a_table_is_a_source() {
     let recording = folder.path().join("reach.PARQUET");
     std::fs::rename(written(folder.path(), 5), &recording).unwrap();
     let source = Source::open(&[recording], KNOWN, None).unwrap();
-    assert_eq!(source.reaches()[0].reach_index, 5);
+    assert_eq!(source.reaches[0].reach_index, 5);
 }
 
 /// Tests that trials that frames would change are refused: trials that overlap on a taxel, trials of taxels that are

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use underbrush_classifier::decision::Rule;
-use underbrush_classifier::evaluate::{RocCurve, StreamFrame, ThresholdTargets};
+use underbrush_classifier::evaluate::{RocCurve, RocPoint, StreamFrame, ThresholdTargets};
 use underbrush_experiments::experiment::outliers::{CHOSEN, Detection, OutlierThresholds};
 use underbrush_experiments::frame_verdicts::{Classified, Online};
 use underbrush_experiments::thresholds::Thresholds;
@@ -37,7 +37,8 @@ pub fn add(report: &mut Report, outcome: &OutlierThresholds) {
                        nothing presses on (spurious readings, creep, crosstalk). The strips below show when an object of each \
                        category truly touches the patch.";
         report.page.figure(caption, &charts);
-        let first = replay_links::first_outlier(&outcome.online);
+        // On its page they follow the general reach.
+        let first = usize::from(outcome.online.shown().is_some());
         let link = |(place, reach): (usize, &Classified)| {
             let address = replay_links::reach(replay_links::TEST_FILE, first + place);
             (address, format!("draw {}", reach.reach_index))
@@ -253,7 +254,8 @@ fn roc_charts(thresholds: &Thresholds, first: &str) -> Vec<String> {
     });
     let chart = |(name, title, x, colour, curve): (&str, String, String, _, &RocCurve)| {
         let description = format!("Area under the curve {:.3}; 0.5 is chance.", curve.area);
-        let points = curve.points.iter().map(roc::percents).collect();
+        let percents = |point: &RocPoint| (100.0 * point.false_positive_rate, 100.0 * point.true_positive_rate);
+        let points = curve.points.iter().map(percents).collect();
         let layer =
             Layer::new(format!("area {:.3}", curve.area), Style::line(colour, Dash::Solid), Shape::Line(points));
         let y = format!("{name} trials found / %");

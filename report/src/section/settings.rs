@@ -2,6 +2,7 @@
 
 use underbrush_experiments::accuracy::Accuracy;
 use underbrush_experiments::experiment::settings::{ComparedSettings, Split};
+use underbrush_recording::distinct::distinct;
 
 use crate::drawing::{Cell, Rows, Table};
 use crate::report::{ACCURACY_COLUMNS, Report};
@@ -61,12 +62,7 @@ fn sentence(outcome: &ComparedSettings, classifier: &str) -> Option<String> {
 /// One classifier: settings of training in rows, settings of testing in columns.
 fn of_classifier(outcome: &ComparedSettings, classifier: &str) -> Table {
     let own = || outcome.splits.iter().filter(|split| split.classifier == classifier);
-    let mut settings: Vec<&str> = Vec::new();
-    for split in own() {
-        if !settings.contains(&split.tested.as_str()) {
-            settings.push(&split.tested);
-        }
-    }
+    let settings = distinct(own().map(|split| split.tested.as_str()));
     let caption =
         format!("{classifier}: accuracy in % with the 95 % interval by reach; after the semicolon, balanced accuracy");
     // In a narrow column, lines break before an interval and not within it.

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use underbrush_experiments::experiment::truncation::{Truncated, TruncatedAccuracy};
+use underbrush_recording::distinct::distinct;
 
 use crate::accuracy_chart::{AccuracyChart, lowest};
 use crate::drawing::{Cell, Rows, Table};
@@ -62,12 +63,7 @@ fn sentence(points: &[Truncated]) -> String {
 }
 
 fn chart(points: &[Truncated]) -> String {
-    let mut places: Vec<String> = Vec::new();
-    for name in points.iter().map(length) {
-        if !places.contains(&name) {
-            places.push(name);
-        }
-    }
+    let places = distinct(points.iter().map(length));
     let mut chart = AccuracyChart::new("Accuracy in per cent by maximum number of samples.", places);
     let states = states(points);
     for (series, states_here) in states.iter().enumerate() {

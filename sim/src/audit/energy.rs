@@ -116,7 +116,8 @@ impl EnergySums {
 pub struct EnergyBalance {
     last: ArmState,
     now: ArmState,
-    sums: EnergySums,
+    /// The sums so far.
+    pub sums: EnergySums,
 }
 
 impl EnergyBalance {
@@ -126,16 +127,6 @@ impl EnergyBalance {
         let mut balance = EnergyBalance::default();
         balance.now.read(simulation.arm(), &report.joints, &report.link_pose_world);
         balance
-    }
-
-    /// The sums so far.
-    pub fn sums(&self) -> &EnergySums {
-        &self.sums
-    }
-
-    /// The joints after the last step.
-    pub fn joints(&self) -> &[JointState] {
-        &self.now.joints
     }
 
     /// Observes an engine step with its contacts.

@@ -16,7 +16,7 @@ use energy::EnergyBalance;
 #[derive(Clone, Copy, Debug)]
 pub struct Bound {
     /// The figure.
-    pub field: AuditField,
+    pub field: AuditField<f64>,
     /// Its largest value in a sound reach.
     pub max: f64,
     /// Why the bound has this value.
@@ -134,7 +134,7 @@ impl Auditor {
 
     /// The audit so far.
     pub fn audit(&self) -> Audit {
-        let sums = self.energy.sums();
+        let sums = &self.energy.sums;
         // If the actuators have not moved, there is no work to compare with.
         let share = |part_j: f64| {
             if sums.exchanged_j > 0.0 { part_j.abs() / sums.exchanged_j } else { 0.0 }
@@ -144,11 +144,6 @@ impl Auditor {
             integrator_energy_share: share(sums.integrator_j),
             ..self.audit
         }
-    }
-
-    /// The arm's balance of energy so far.
-    pub fn energy(&self) -> &EnergyBalance {
-        &self.energy
     }
 
     /// Observes an engine step with its contacts.

@@ -33,7 +33,7 @@ fn a_step_of_the_actuators_ends_in_the_dampers() {
         for _ in 0..800 {
             simulation.step_observed(&goal, &mut |step| balance.observe_step(step));
         }
-        let sums = *balance.sums();
+        let sums = balance.sums;
         let stiffness: f64 = arm.joints.iter().map(|joint| joint.stiffness_nm_per_rad).sum();
         let work = 0.5 * stiffness * shift * shift;
         assert!((sums.actuators_j / work - 1.0).abs() < 1e-9, "{} J of {work} J", sums.actuators_j);

@@ -127,7 +127,7 @@ pub struct Tree {
     links: Vec<Link>,
     coordinates: Vec<Coordinate>,
     /// Whether gravity acts on it.
-    weighs: bool,
+    pub weighs: bool,
     /// Generalized forces of the next step, N or Nm.
     pushes: Vec<f64>,
     /// The inertia that each coordinate moves in the posture of the first step, kg or kg m².
@@ -192,11 +192,6 @@ impl Tree {
     /// Whether a link can move.
     pub fn moves(&self, link: usize) -> bool {
         self.links[link].last.is_some()
-    }
-
-    /// Whether gravity acts on it.
-    pub fn weighs(&self) -> bool {
-        self.weighs
     }
 
     /// The velocities u_θ of the step that was prepared, one for each coordinate.

@@ -56,7 +56,7 @@ impl World {
             let objects = &model.assemblies[index].objects;
             let is_near = |mover| objects.iter().any(|object| self.is_near(model, mover, *object, SLEEP_MARGIN_M));
             if resting
-                && !self.contacts().iter().filter_map(|contact| contact.object).any(|object| objects.contains(&object))
+                && !self.contacts.iter().filter_map(|contact| contact.object).any(|object| objects.contains(&object))
                 && !movers.iter().any(is_near)
                 && let Some(mechanism) = self.mechanisms[index].take()
             {

@@ -255,7 +255,7 @@ impl State {
             }
         }
         report.contacts.clear();
-        report.contacts.extend_from_slice(world.contacts());
+        report.contacts.extend_from_slice(&world.contacts);
         sense::sense(world, model, sensor, buffers, &mut report.tactile);
     }
 }

@@ -21,7 +21,7 @@ pub(super) struct World {
     pub(super) engine: Engine,
     pub(super) arm: ArmBodies,
     /// The contacts of the last frame, and the collision shape of the object in each.
-    contacts: Vec<Contact>,
+    pub(super) contacts: Vec<Contact>,
     contact_colliders: Vec<ColliderHandle>,
     /// The assemblies of objects; `None` for a dormant one.
     pub(super) mechanisms: Vec<Option<Mechanism>>,
@@ -98,11 +98,6 @@ impl World {
         if model.dormancy {
             self.rest_and_wake(model);
         }
-    }
-
-    /// The contacts of the last frame, step by step.
-    pub(super) fn contacts(&self) -> &[Contact] {
-        &self.contacts
     }
 
     /// The contacts of the last frame, each with the object's collision shape.

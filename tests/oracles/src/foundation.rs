@@ -5,21 +5,16 @@ use std::f64::consts::PI;
 
 use crate::numeric::{bisected, runge_kutta_step};
 
-/// Force, N, of a sphere of radius `radius_m` pressed `depth_m` into the layer: π k R d².
+/// Force, N, of a cylinder pressed `depth_m` into another that crosses it at a right angle, with radii R₁ and R₂: π
+/// k √(R₁ R₂) d². With equal radii it is that of a ball on a plane.
 ///
 /// ```
-/// use underbrush_oracles::foundation::sphere_force_n;
+/// use underbrush_oracles::foundation::crossed_cylinders_force_n;
 ///
 /// // The force grows with the square of the depth.
-/// let [shallow, deep] = [1e-3, 2e-3].map(|depth_m| sphere_force_n(2e7, 0.02, depth_m));
+/// let [shallow, deep] = [1e-3, 2e-3].map(|depth_m| crossed_cylinders_force_n(2e7, [0.02, 0.02], depth_m));
 /// assert!((deep / shallow - 4.0).abs() < 1e-12);
 /// ```
-pub fn sphere_force_n(stiffness_n_per_m3: f64, radius_m: f64, depth_m: f64) -> f64 {
-    PI * stiffness_n_per_m3 * radius_m * depth_m * depth_m
-}
-
-/// Force, N, of a cylinder pressed `depth_m` into another that crosses it at a right angle, with radii R₁ and R₂: π
-/// k √(R₁ R₂) d².
 pub fn crossed_cylinders_force_n(stiffness_n_per_m3: f64, radii_m: [f64; 2], depth_m: f64) -> f64 {
     PI * stiffness_n_per_m3 * (radii_m[0] * radii_m[1]).sqrt() * depth_m * depth_m
 }
@@ -51,13 +46,6 @@ pub fn segment_area_m2(radius_m: f64, depth_m: f64) -> f64 {
 /// Depth, m, at which two bodies whose gap grows as x²/2R₁ + y²/2R₂ press with `force_n`.
 pub fn depth_m(stiffness_n_per_m3: f64, radii_m: [f64; 2], force_n: f64) -> f64 {
     (force_n / (PI * stiffness_n_per_m3 * (radii_m[0] * radii_m[1]).sqrt())).sqrt()
-}
-
-/// Pressure, Pa, at `place_m` of the contact plane between bodies whose gap grows as x²/2R₁ + y²/2R₂:
-/// k (d − x²/2R₁ − y²/2R₂) where that is positive.
-pub fn pressure_pa(stiffness_n_per_m3: f64, radii_m: [f64; 2], depth_m: f64, place_m: [f64; 2]) -> f64 {
-    let gap = place_m[0].powi(2) / (2.0 * radii_m[0]) + place_m[1].powi(2) / (2.0 * radii_m[1]);
-    stiffness_n_per_m3 * (depth_m - gap).max(0.0)
 }
 
 /// A soft layer of finite thickness on ground that gives way a little, too. The layer's modulus under the pressure p is
@@ -172,6 +160,10 @@ mod tests {
     #[test]
     fn force_is_the_integral_of_pressure() {
         let (stiffness, depth) = (3e7_f64, 1e-3_f64);
+        let pressure_pa = |radii_m: [f64; 2], place_m: [f64; 2]| {
+            let gap = place_m[0].powi(2) / (2.0 * radii_m[0]) + place_m[1].powi(2) / (2.0 * radii_m[1]);
+            stiffness * (depth - gap).max(0.0)
+        };
         for radii in [[0.01_f64, 0.01], [0.046, 0.015]] {
             let side = 2.0 * (2.0 * radii[0].max(radii[1]) * depth).sqrt();
             let steps = 800;
@@ -179,13 +171,15 @@ mod tests {
             let at = |index: u32| (f64::from(index) + 0.5) * spacing - side / 2.0;
             let sum: f64 = (0..steps)
                 .flat_map(|i| (0..steps).map(move |j| (i, j)))
-                .map(|(i, j)| pressure_pa(stiffness, radii, depth, [at(i), at(j)]) * spacing * spacing)
+                .map(|(i, j)| pressure_pa(radii, [at(i), at(j)]) * spacing * spacing)
                 .sum();
             let force = crossed_cylinders_force_n(stiffness, radii, depth);
             assert_relative_eq!(sum, force, max_relative = 1e-4);
             assert_relative_eq!(depth_m(stiffness, radii, force), depth, epsilon = 1e-15);
         }
-        assert_eq!(sphere_force_n(stiffness, 0.01, depth), crossed_cylinders_force_n(stiffness, [0.01, 0.01], depth));
+        // Cylinders of the same radius meet as a ball meets a plane: π k R d².
+        let ball = PI * stiffness * 0.01 * depth * depth;
+        assert_eq!(ball, crossed_cylinders_force_n(stiffness, [0.01, 0.01], depth));
     }
 
     /// Tests that a thick layer is linear, that a layer between plates gives way by half of its thickness at the pressure at
@@ -198,7 +192,7 @@ mod tests {
         assert_relative_eq!(layer(3e-3).pressure_pa(1.5e-3), 9e4, max_relative = 1e-9);
         assert!(layer(3e-3).depth_m(1e9) < 3e-3);
         let ball = layer(1e3).force_n([0.02, 0.02], 1e-3);
-        assert_relative_eq!(ball, sphere_force_n(3e7, 0.02, 1e-3), max_relative = 1e-4);
+        assert_relative_eq!(ball, crossed_cylinders_force_n(3e7, [0.02, 0.02], 1e-3), max_relative = 1e-4);
     }
 
     /// Tests the bounce without loss of a ball, whose depth follows from ½ m v² = π k R d³ / 3 and which keeps its

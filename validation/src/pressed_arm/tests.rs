@@ -158,7 +158,7 @@ fn dragging_along_a_trunk_keeps_the_balance() {
         let equilibrium: Vec<f64> = posture.iter().enumerate().map(angle).collect();
         pressed.simulation.step_observed(&equilibrium, &mut |step| balance.observe_step(step));
     }
-    let sums = balance.sums();
+    let sums = &balance.sums;
     assert!(sums.contacts_j > 0.2 * sums.actuators_j, "{sums:?}");
     assert!(sums.residual_j().abs() < 2e-3 * sums.exchanged_j, "{sums:?}: {}", sums.residual_j());
 }

@@ -77,7 +77,8 @@ impl<'a> LinearModel<'a> {
 /// in whole tiles, which saves half of a left-to-right model.
 #[derive(Clone)]
 pub(super) struct TiledMatrix {
-    spans: Vec<Span>,
+    /// The rows of each tile, in order.
+    pub(super) spans: Vec<Span>,
     pub(super) rows: Vec<Tile>,
 }
 
@@ -113,12 +114,6 @@ impl TiledMatrix {
     /// The matrix with a function applied to its entries.
     fn map(&self, entry: impl Fn(f64) -> f64) -> Self {
         TiledMatrix { spans: self.spans.clone(), rows: self.rows.iter().map(|row| row.map(&entry)).collect() }
-    }
-
-    /// The rows of each tile, in order.
-    #[inline(always)]
-    pub(super) fn spans(&self) -> &[Span] {
-        &self.spans
     }
 
     /// For one tile of columns, the sums of the entries of all rows times `weights`.

@@ -175,7 +175,7 @@ impl Pass {
         // No exponent may be so low that a rescaled transition into its state would exceed 1.
         loop {
             let mut raised = false;
-            for (tile, span) in model.exponents.spans().iter().enumerate() {
+            for (tile, span) in model.exponents.spans.iter().enumerate() {
                 let mut own = after[tile];
                 for (row, entries) in span.rows.clone().zip(&model.exponents.rows[span.places.clone()]) {
                     let from = after.as_flattened()[row];

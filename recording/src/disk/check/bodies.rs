@@ -1,8 +1,11 @@
 //! Rules for the bodies of a recording and their tracks.
 
-use super::violation::{Violation, finite, require};
+use super::violation::{Violation, finite, require, require_unit};
 use crate::Recording;
 use crate::body::{BodyOwner, ORIENTATION_STEP};
+
+/// Tolerance for the length of a quaternion: the rounding of tracks.
+const QUATERNION_TOLERANCE: f64 = 2.0 * ORIENTATION_STEP;
 
 /// Checks that objects are known, quaternions have unit length, and the frames of tracks increase.
 pub(super) fn check_bodies(recording: &Recording) -> Result<(), Violation> {
@@ -15,7 +18,7 @@ pub(super) fn check_bodies(recording: &Recording) -> Result<(), Violation> {
         let poses = body.parts.iter().map(|part| part.pose_body).chain([body.rest_pose_world]);
         for pose in poses {
             finite(pose.numbers(), || field("parts and rest_pose_world"))?;
-            require_unit(pose.orientation.length(), || field("parts and rest_pose_world"))?;
+            require_unit(pose.orientation.length(), QUATERNION_TOLERANCE, || field("parts and rest_pose_world"))?;
         }
         for part in &body.parts {
             finite(part.shape.numbers(), || field("parts"))?;
@@ -29,14 +32,8 @@ pub(super) fn check_bodies(recording: &Recording) -> Result<(), Violation> {
             let numbers = point.position_world_m.into_iter().chain(point.orientation_world);
             finite(numbers.map(f64::from), || field("track"))?;
             let squares = point.orientation_world.map(|number| f64::from(number).powi(2));
-            require_unit(squares.iter().sum::<f64>().sqrt(), || field("track"))?;
+            require_unit(squares.iter().sum::<f64>().sqrt(), QUATERNION_TOLERANCE, || field("track"))?;
         }
     }
     Ok(())
-}
-
-/// Checks that a quaternion has unit length, up to the rounding of tracks.
-fn require_unit(length: f64, field: impl FnOnce() -> String) -> Result<(), Violation> {
-    let unit = (length - 1.0).abs() <= 2.0 * ORIENTATION_STEP;
-    require(unit, field, || format!("a quaternion of length {length}"), "a quaternion of length 1")
 }

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::violation::{Violation, require};
+use super::violation::{Violation, require, require_unit};
 use crate::{Frame, Pose, Recording};
 
 /// Tolerance for the length of a quaternion. Choice: ten times the rounding error of single precision, which many
@@ -57,10 +57,9 @@ fn check_times(recording: &Recording) -> Result<(), Violation> {
 
 fn check_frame(index: usize, frame: &Frame) -> Result<(), Violation> {
     let field = |name: &str| format!("frames[{index}].{name}");
-    check_orientation(&frame.end_effector_pose_world, || field("end_effector_pose_world"))?;
-    for pose in &frame.patch_pose_world {
-        check_orientation(pose, || field("patch_pose_world"))?;
-    }
+    let is_turn = |pose: &Pose, name| require_unit(pose.orientation.length(), QUATERNION_TOLERANCE, || field(name));
+    is_turn(&frame.end_effector_pose_world, "end_effector_pose_world")?;
+    frame.patch_pose_world.iter().try_for_each(|pose| is_turn(pose, "patch_pose_world"))?;
     for (position, reading) in frame.taxels.iter().enumerate() {
         for (name, force) in
             [("true_normal_force_n", reading.true_normal_force_n), ("sensed_force_n", reading.sensed_force_n)]
@@ -88,11 +87,4 @@ fn check_contact_points(frame: &Frame, field: impl Fn(&str) -> String) -> Result
         require(apart_n <= SUM_TOLERANCE * largest_n, field, found, allowed)?;
     }
     Ok(())
-}
-
-fn check_orientation(pose: &Pose, field: impl FnOnce() -> String) -> Result<(), Violation> {
-    let length = pose.orientation.length();
-    let unit = (length - 1.0).abs() <= QUATERNION_TOLERANCE;
-    let found = || format!("a quaternion of length {length}");
-    require(unit, field, found, "a quaternion of length 1")
 }

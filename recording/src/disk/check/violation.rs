@@ -40,6 +40,12 @@ pub(in crate::disk) fn require(
     if holds { Ok(()) } else { Err(Violation { field: field(), found: found(), allowed }) }
 }
 
+/// Checks that a quaternion of this length has unit length, up to a tolerance.
+pub(super) fn require_unit(length: f64, tolerance: f64, field: impl FnOnce() -> String) -> Result<(), Violation> {
+    let found = || format!("a quaternion of length {length}");
+    require((length - 1.0).abs() <= tolerance, field, found, "a quaternion of length 1")
+}
+
 /// `Err` with the first number that is not finite.
 pub(super) fn finite(values: impl IntoIterator<Item = f64>, field: impl FnOnce() -> String) -> Result<(), Violation> {
     match values.into_iter().find(|value| !value.is_finite()) {

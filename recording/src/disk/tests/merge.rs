@@ -46,7 +46,7 @@ fn begin(dir: &Path, plan: &DatasetPlan, resume: bool) -> Result<DatasetWriter, 
 /// Makes the set of a plan.
 fn make(dir: &Path, plan: DatasetPlan) -> Dataset {
     let writer = begin(dir, &plan, false).unwrap();
-    for (position, episode) in writer.plan().episodes.clone().iter().enumerate() {
+    for (position, episode) in writer.staging.plan.episodes.clone().iter().enumerate() {
         let same = |reach: &Recording| reach.scene == episode.scene && reach.reach_index == episode.reach_index;
         let recording = campaign().into_iter().find(same).unwrap();
         writer.stage(position, &recording).unwrap();

@@ -6,7 +6,7 @@ use super::COLUMNS;
 use super::collect::Row;
 use crate::limits::{self, Limits, short};
 use crate::plain_text::{PLAIN, is_plain};
-use crate::{Category, Channels, InputError, Region, Sample};
+use crate::{Category, Channels, InputError, Region, Sample, Trial};
 
 /// A double holds every whole number up to this one.
 const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
@@ -142,15 +142,15 @@ impl<'a> Cells<'a> {
             touched: self.flag(11)?,
             channels: Channels::default(),
         };
-        Ok(Row {
-            line: self.line,
+        let trial = Trial {
             trial: self.whole(0)?.ok_or_else(|| self.error(0, "the number of the trial"))?,
             category: self.category()?,
             reach: self.whole(2)?,
             patch: self.text(3)?,
             taxel: self.whole(4)?,
-            sample: Sample { channels: self.channels, ..sample },
-        })
+            samples: Vec::new(),
+        };
+        Ok(Row { line: self.line, trial, sample: Sample { channels: self.channels, ..sample } })
     }
 
     /// The region, if the row has one.

@@ -15,13 +15,15 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
+pub use parquet_table::trial_table;
+
 use super::DiskError;
 use super::check::{Violation, require};
-use super::table::batch::Batch;
 use super::table::column::{Column, Rows, Text};
 use super::table::row::{Row, row};
 use super::whole_file::remove_leftovers;
 use crate::disk::tables::dictionary::Table;
+use crate::distinct::distinct;
 use crate::plain_text::{PLAIN, is_plain};
 use crate::{Category, InputError, Trial};
 
@@ -137,13 +139,9 @@ fn channel_columns(names: &[String]) -> Vec<(Arc<str>, usize)> {
 
 /// The names of the channels of some trials, in the order in which they occur.
 pub fn channel_names(trials: &[Trial]) -> Vec<Arc<str>> {
-    let mut names: Vec<Arc<str>> = Vec::new();
-    for (name, _) in trials.iter().flat_map(|trial| &trial.samples).flat_map(|sample| sample.channels.iter()) {
-        if !names.contains(name) {
-            names.push(Arc::clone(name));
-        }
-    }
-    names
+    let samples = trials.iter().flat_map(|trial| &trial.samples);
+    let names = distinct(samples.flat_map(|sample| sample.channels.iter()).map(|(name, _)| name));
+    names.into_iter().cloned().collect()
 }
 
 /// A channel of all samples of some trials.
@@ -227,11 +225,6 @@ pub fn write_trials_with(
         Format::Csv => csv_table::write(path, channels, &mut checked),
         Format::Parquet => parquet_table::write(path, channels, &mut checked),
     }
-}
-
-/// Trials in memory as a table with one row per sample: the columns of their file ([`write_trials`]).
-pub fn trial_table(trials: &[Trial]) -> Batch {
-    parquet_table::batch(trials)
 }
 
 fn check(trial: &Trial, channels: &[Arc<str>], numbers: &mut BTreeSet<u64>) -> Result<(), Violation> {

@@ -81,8 +81,8 @@ fn cell(column: &Column, row: usize) -> Cell<'_> {
     }
 }
 
-/// All trials as one batch.
-pub(super) fn batch(trials: &[Trial]) -> Batch {
+/// Trials in memory as a table with one row per sample: the columns of their file ([`super::write_trials`]).
+pub fn trial_table(trials: &[Trial]) -> Batch {
     let mut rows = Vec::new();
     trials.iter().for_each(|trial| push(&mut rows, trial));
     let mut columns = TrialRow::write(&rows);

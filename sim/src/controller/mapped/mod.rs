@@ -120,11 +120,6 @@ impl Mapped {
         Mapped { map: Map::knowing(obstacles), knows_all: true, ..self }
     }
 
-    /// What it has on its map.
-    pub fn map(&self) -> &Map {
-        &self.map
-    }
-
     /// The contacts, without their verdicts once these are not believed any more. Also takes what was called fixed and gives
     /// way off the map.
     fn believed<'a>(&mut self, contacts: &'a [TaxelContact]) -> Cow<'a, [TaxelContact]> {

@@ -107,7 +107,7 @@ fn describe(placed: &Placed, engine: &Engine) -> Vec<LinkDescription> {
             parent: (index > 0).then_some(link.parent),
             fixed: !tree.moves(index),
             pose_world: link.pose_world,
-            gravity_scale: if tree.weighs() { 1.0 } else { 0.0 },
+            gravity_scale: if tree.weighs { 1.0 } else { 0.0 },
             mass_kg: link.mass_kg,
             center_of_mass_body: link.center_of_mass_link,
             inertia_body: link.inertia_link,

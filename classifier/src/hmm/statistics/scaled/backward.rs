@@ -65,7 +65,7 @@ impl Pass {
         }
         let weights = &self.weight[(into.start - 1) * tiles..(into.end - 1) * tiles];
         let ratios = &self.ahead[into.start * tiles..into.end * tiles];
-        for (from, span) in self.backward.spans().iter().enumerate() {
+        for (from, span) in self.backward.spans.iter().enumerate() {
             let counts = self.own_transitions[span.places.clone()].as_chunks_mut::<WIDTH>().0;
             let entries = self.backward.rows[span.places.clone()].as_chunks::<WIDTH>().0;
             for ((counts, entries), to) in counts.iter_mut().zip(entries).zip(span.rows.start / WIDTH..) {
@@ -135,7 +135,7 @@ impl Pass {
                 }
             }
         }
-        for (tile, span) in self.backward.spans().iter().enumerate() {
+        for (tile, span) in self.backward.spans.iter().enumerate() {
             for (to, counts) in span.rows.clone().zip(&self.transitions[span.places.clone()]).filter(|(to, _)| *to < n)
             {
                 for (from, count) in (tile * WIDTH..n).zip(counts) {

@@ -126,7 +126,7 @@ impl Assembled {
             let sum = FileSum::of_file(&dir.join(&name))?;
             self.checksums.add(name, sum);
         }
-        self.files = files.begun();
+        self.files = files.begun;
         let list = list_path(dir, self.lists.len());
         let bytes = json_bytes(&list, &&self.episodes[self.listed..])?;
         write_bytes(&list, &bytes)?;

@@ -11,7 +11,6 @@ use std::path::Path;
 use super::assembled::Assembled;
 use super::card::card;
 use super::staged::Staging;
-use super::staged_reach;
 use super::statistics::Statistics;
 use super::table_files::TableFiles;
 use crate::disk::DiskError;
@@ -26,11 +25,6 @@ use crate::disk::tables::tasks::{number_tasks, write_tasks};
 use crate::disk::tables::taxel_table::write_taxels;
 use crate::disk::whole_file::{create_folder, json_bytes, remove_if_there, remove_leftovers, write_bytes};
 use crate::{Category, Recording};
-
-/// Writes the whole set from the staged reaches, with `meta/info.json` last.
-pub(in crate::disk) fn assemble(staging: &Staging) -> Result<(), DiskError> {
-    assemble_from(staging, &mut |position| staged_reach::read(&staging.path(position)))
-}
 
 /// Writes the whole set, with `meta/info.json` last. `reach` returns the reach at a position of the plan and has to leave
 /// it staged, because the size of the staged file decides where a new data file begins.

@@ -114,18 +114,13 @@ pub(in crate::disk) struct TableFiles<'a> {
     files: Option<Files>,
     staged_bytes: u64,
     /// Number of files of each table started so far.
-    begun: usize,
+    pub(in crate::disk) begun: usize,
 }
 
 impl<'a> TableFiles<'a> {
     /// Continues after this many complete files of each table.
     pub(in crate::disk) fn new(dir: &'a Path, categories: &'a [Category], bytes_per_file: u64, begun: usize) -> Self {
         TableFiles { dir, categories, bytes_per_file, files: None, staged_bytes: 0, begun }
-    }
-
-    /// Number of files of each table started so far.
-    pub(in crate::disk) fn begun(&self) -> usize {
-        self.begun
     }
 
     /// Whether an episode with this many staged bytes has to go into new files.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::assembled::Assembled;
-use super::finish::{assemble, assemble_from};
+use super::finish::assemble_from;
 use super::folder::{Folder, list, look, not_locked, open_lock, remove_incomplete, require_same_set, settle_plan};
 use super::staged::{BYTES_PER_FILE, Staging};
 use super::staged_reach;
@@ -75,11 +75,6 @@ impl DatasetWriter {
         let whole = is_there(&dir.join(names::INFO))?;
         let bytes_per_file = BYTES_PER_FILE;
         Ok(DatasetWriter { staging: Staging { dir, plan, bytes_per_file }, whole, lock })
-    }
-
-    /// The plan.
-    pub fn plan(&self) -> &DatasetPlan {
-        &self.staging.plan
     }
 
     /// Positions in the plan that are still missing, ascending. A staged file that is truncated or changed counts as
@@ -175,7 +170,7 @@ impl DatasetWriter {
             return Err(DiskError::ReachesMissing { dir: self.staging.dir, count: rest.len() + 1, first: *first });
         }
         if !self.whole {
-            assemble(&self.staging)?;
+            assemble_from(&self.staging, &mut |position| staged_reach::read(&self.staging.path(position)))?;
         }
         self.close()
     }

@@ -1,12 +1,13 @@
 use std::fs;
 
-use super::assemble;
+use super::assemble_from;
 use crate::disk::DatasetWriter;
+use crate::disk::dataset::staging::staged_reach;
 use crate::disk::tests::dataset::{begin, contents, copy, make, recordings};
 
 /// Positions of the reaches that are still staged.
 fn staged(writer: &DatasetWriter) -> Vec<usize> {
-    let positions = 0..writer.plan().episodes.len();
+    let positions = 0..writer.staging.plan.episodes.len();
     positions.filter(|position| writer.staging.path(*position).exists()).collect()
 }
 
@@ -32,7 +33,8 @@ fn reaches_are_freed_file_by_file() {
             let writer = begin(&dir, true);
             // Assembling stops at a missing reach, as if it had been killed there.
             fs::remove_file(writer.staging.path(killed_at)).unwrap();
-            assemble(&writer.staging).unwrap_err();
+            let staging = &writer.staging;
+            assemble_from(staging, &mut |position| staged_reach::read(&staging.path(position))).unwrap_err();
             let kept =
                 (0..files.len()).filter(|position| *position > killed_at || files[*position] == files[killed_at - 1]);
             let kept: Vec<usize> = kept.filter(|position| *position != killed_at).collect();
