@@ -8,10 +8,9 @@ use underbrush_recording::disk::{Dataset, is_folder, is_recording, is_there, rea
 use underbrush_recording::{InputError, Trial};
 use underbrush_sim::controller::ControllerKind;
 
-use crate::failure::Failure;
-use crate::output;
 use crate::progress::Shown;
 pub use crate::trial_arguments::TrialArguments;
+use crate::{Failure, output};
 
 /// The only path in `paths`.
 ///

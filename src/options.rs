@@ -8,7 +8,7 @@ use serde::de::value::Error as Unread;
 use serde::de::{DeserializeOwned, IntoDeserializer};
 use serde_json::{Value, json};
 
-use crate::failure::Failure;
+use crate::Failure;
 
 /// Reads one of these names, each with a line of help.
 pub fn named<T>(names: &'static [(&'static str, &'static str)]) -> impl TypedValueParser<Value = T>

@@ -11,7 +11,7 @@ use underbrush_recording::plain_text::{escaped, is_plain};
 
 pub use underbrush_report::text::counted;
 
-use crate::failure::Failure;
+use crate::Failure;
 
 /// Whether the JSON object on stdout is the result.
 static RESULT_PRINTED: AtomicBool = AtomicBool::new(false);

@@ -7,8 +7,7 @@ use underbrush_classifier::evaluate::touch_folds::ReadReaches;
 use underbrush_recording::disk::{Dataset, is_folder, is_recording, read_recording};
 use underbrush_recording::{InputError, Recording};
 
-use crate::failure::Failure;
-use crate::{input, progress};
+use crate::{Failure, input, progress};
 
 /// The reaches of some data sets and recordings, in the order in which they are given.
 pub struct Reaches {

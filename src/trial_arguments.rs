@@ -7,7 +7,7 @@ use serde::Serialize;
 use underbrush_classifier::touch::TouchOptions;
 use underbrush_classifier::trial::{Labels, TrialOptions, Unit};
 
-use crate::failure::Failure;
+use crate::Failure;
 use crate::options::{self, named};
 
 /// How trials are extracted from a data set or a recording. A table of trials is used as it is; of these options only

@@ -1,6 +1,6 @@
 //! What the errors of this crate mean to the user: each becomes a [`Fault`].
 
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 
 use crate::decision::DecisionError;
 use crate::error::ModelError;

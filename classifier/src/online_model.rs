@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use underbrush_recording::SkinLayout;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::{Fault, SkinLayout};
 
 use crate::model_file::Model;
 use crate::online::{OnlineClassifier, OnlineError, OnlineOptions};

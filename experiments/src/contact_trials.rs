@@ -2,8 +2,7 @@
 
 use underbrush_classifier::trial::{TrialError, TrialOptions, Unit, component_trials, taxel_trials};
 use underbrush_recording::disk::Dataset;
-use underbrush_recording::fault::Fault;
-use underbrush_recording::{Recording, Trial};
+use underbrush_recording::{Fault, Recording, Trial};
 use underbrush_sim::reach::ReachError;
 
 use crate::progress::Progress;

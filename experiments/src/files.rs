@@ -3,8 +3,7 @@
 use std::path::Path;
 
 use serde::Serialize;
-use underbrush_recording::disk;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::{Fault, disk};
 
 /// Creates a folder with its parents.
 pub fn create_folder(folder: &Path) -> Result<(), Fault> {

@@ -5,8 +5,7 @@ use serde::Serialize;
 use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_classifier::evaluate::{Stream, StreamTruth, Tally, classify_stream};
 use underbrush_classifier::online::OnlineOptions;
-use underbrush_recording::fault::Fault;
-use underbrush_recording::{Category, Recording};
+use underbrush_recording::{Category, Fault, Recording};
 
 use crate::definition::Experiment;
 use crate::reaches::{self, Found};

@@ -6,11 +6,10 @@ use std::path::Path;
 use serde_json::{Value, json};
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::{Model, frequencies};
-use underbrush_recording::InputError;
 use underbrush_recording::disk::{
     ArmText, Dataset, FileText, is_folder, is_recording, is_there, read_recording, read_trials,
 };
-use underbrush_recording::fault::Fault;
+use underbrush_recording::{Fault, InputError};
 use underbrush_sim::arm::wedge::{Wedge, wedges};
 use underbrush_sim::arm::{Arm, ArmAtStart, is_arm_file};
 use underbrush_sim::clutter::Clutter;

@@ -2,7 +2,7 @@
 
 use serde_json::json;
 use underbrush_classifier::{HmmClassifier, Model};
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 
 use crate::session::Session;
 use crate::{model_data, training};

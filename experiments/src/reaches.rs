@@ -7,8 +7,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::trial::{ContactTrial, TrialOptions, taxel_trials};
 use underbrush_recording::disk::{DiskError, read_recording, write_recording};
-use underbrush_recording::fault::Fault;
-use underbrush_recording::{Category, Recording};
+use underbrush_recording::{Category, Fault, Recording};
 use underbrush_sim::reach::ReachPlan;
 
 use crate::dataset::reach_plan;

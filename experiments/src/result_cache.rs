@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 
 use crate::dataset::PROGRAM_VERSION;
 use crate::files;

@@ -1,7 +1,7 @@
 //! All results of a run: `summary.json`, and the input of the report.
 
 use serde::Serialize;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 
 use crate::dataset::PROGRAM_VERSION;
 use crate::definition::Experiment;

@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 
 use crate::dataset::PROGRAM_VERSION;
 use crate::definition::Experiment;

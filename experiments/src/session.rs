@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 use underbrush_sim::reach::ReachError;
 
 use crate::definition::Experiment;

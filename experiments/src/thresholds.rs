@@ -7,7 +7,7 @@ use underbrush_classifier::evaluate::{
     ChosenThresholds, FoldBy, Folds, RocCurve, ThresholdTargets, category_roc, choose_thresholds, cross_validate,
     evaluate, outlier_roc,
 };
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 
 use crate::session::Session;
 use crate::training::{self, Trials};

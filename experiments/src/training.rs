@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 
 use underbrush_classifier::trial::{ContactTrial, Labels, TrialError, TrialOptions, component_trials, taxel_trials};
 use underbrush_recording::disk::Dataset;
-use underbrush_recording::fault::Fault;
-use underbrush_recording::{Recording, Trial};
+use underbrush_recording::{Fault, Recording, Trial};
 use underbrush_sim::scene::SceneFile;
 
 use crate::contact_trials;

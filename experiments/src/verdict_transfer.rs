@@ -6,8 +6,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_classifier::ModelError;
 use underbrush_classifier::evaluate::touch::TouchEvaluation;
 use underbrush_classifier::touch::{TouchExamples, TouchOptions};
-use underbrush_recording::Recording;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::{Fault, Recording};
 
 /// Reaches at one setting, each with its fold, 0 or 1. Reaches with the same clutter are in the same fold at every
 /// setting.

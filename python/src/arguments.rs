@@ -10,8 +10,7 @@ use underbrush_classifier::paper_rule::Scores;
 use underbrush_classifier::trial::{TrialOptions, Unit};
 use underbrush_recording::disk::{check_free, write_file};
 
-use crate::failure::Failure;
-use crate::given;
+use crate::{Failure, given};
 
 /// Features from a list of names, or from one text in which commas or plus signs separate the names.
 ///

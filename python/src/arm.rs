@@ -5,9 +5,8 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use underbrush_sim::arm::Arm;
 
-use crate::array;
-use crate::failure::Failure;
 use crate::skin::Skin;
+use crate::{Failure, array};
 
 /// An arm: joints, links and skin.
 #[pyclass(frozen, name = "Arm", module = "underbrush._core")]

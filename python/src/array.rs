@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyTuple};
 
-use crate::failure::Failure;
+use crate::Failure;
 
 /// A number that arrays may hold.
 pub trait Number: Element + Send + Sync + 'static {

@@ -12,14 +12,14 @@ use underbrush_classifier::{FORMAT, Model};
 use underbrush_recording::InputError;
 
 use crate::arguments::{decision, save};
-use crate::array;
-use crate::failure::{Answer, Failure, place};
+use crate::failure::place;
 use crate::given;
 use crate::json;
 use crate::online::Online;
 use crate::pool;
 use crate::skin::Skin;
 use crate::trials::Trials;
+use crate::{Answer, Failure, array};
 
 /// A fitted classifier of trials, as a model file holds it.
 #[pyclass(frozen, name = "Model", module = "underbrush._core")]

@@ -8,12 +8,12 @@ use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::environment::{ActionKind, EnvironmentOptions, Environments, Part, Stepped};
 use underbrush_sim::reach::ReachPlan;
 
-use crate::array;
-use crate::failure::{Failure, locked};
+use crate::failure::locked;
 use crate::given;
 use crate::picture::{self, PyCamera};
 use crate::pool::{self, Helpers};
 use crate::scene::scene;
+use crate::{Failure, array};
 
 /// Several environments that are stepped together.
 #[pyclass(frozen, name = "Environments", module = "underbrush._core")]

@@ -11,13 +11,12 @@ use underbrush_classifier::paper_rule::Scores;
 
 use crate::arguments::decision;
 use crate::classifier::PyModel;
-use crate::failure::{Answer, Failure};
 use crate::fitting::{Options, estimator_of};
-use crate::given;
 use crate::json;
 use crate::pool;
 use crate::python_classifier::PythonClassifier;
 use crate::trials::Trials;
+use crate::{Answer, Failure, given};
 
 /// How trials are grouped into folds.
 fn folds(trials: &Trials, count: usize, group: Option<&str>) -> Result<Folds, Failure> {

@@ -6,9 +6,8 @@ use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PySlice;
 use underbrush_classifier::ModelError;
-use underbrush_recording::InputError;
-use underbrush_recording::fault::Fault;
 use underbrush_recording::plain_text::escaped;
+use underbrush_recording::{Fault, InputError};
 
 /// The exceptions of the package.
 mod raised {

@@ -17,12 +17,11 @@ use underbrush_experiments::model_data;
 
 use crate::arguments::features;
 use crate::classifier::PyModel;
-use crate::failure::Failure;
-use crate::given;
 use crate::interrupt::Stop;
 use crate::pool;
 use crate::python_classifier::PythonEstimator;
 use crate::trials::Trials;
+use crate::{Failure, given};
 
 /// Options of a classifier.
 #[pyclass(frozen, module = "underbrush._core")]

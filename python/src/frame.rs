@@ -8,10 +8,9 @@ use pyo3::types::PyDict;
 use underbrush_recording::limits::{self, Limits};
 use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading};
 
-use crate::array;
-use crate::failure::{Answer, Failure};
 use crate::json;
 use crate::skin::{Skin, patch_index};
+use crate::{Answer, Failure, array};
 
 /// One sample of arm and skin at 100 Hz, with its ground truth.
 #[pyclass(frozen, name = "Frame", module = "underbrush._core")]

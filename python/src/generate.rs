@@ -9,13 +9,12 @@ use underbrush_experiments::dataset::{Campaign, Written, require_same_reaches};
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_recording::disk::{Dataset, DiskError, Shard, Shards, check_not_input, remove_dataset};
 
-use crate::controller;
 use crate::dataset::PyDataset;
-use crate::failure::Failure;
 use crate::interrupt::Stop;
 use crate::pool::alone;
 use crate::progress::{Reported, watched};
 use crate::scene::scene;
+use crate::{Failure, controller};
 
 /// Simulate many reaches and write them as a data set.
 #[pyfunction]

@@ -11,7 +11,7 @@ use serde::de::{
 };
 use serde::forward_to_deserialize_any;
 
-use crate::failure::Failure;
+use crate::Failure;
 
 /// Options from the arguments of a call by name. `None` stands for the default.
 ///

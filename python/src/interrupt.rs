@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use pyo3::prelude::*;
 
-use crate::failure::Failure;
+use crate::Failure;
 
 /// Tells a run to end.
 #[derive(Default)]

@@ -6,9 +6,9 @@ use pyo3::types::{PyDict, PyList};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 
-use crate::failure::{Answer, Failure};
+use crate::{Answer, Failure};
 
 /// A result as Python objects. Numbers that are not finite become `None`, as in JSON.
 pub fn to_python<'py>(py: Python<'py>, result: &impl Serialize) -> Answer<'py> {

@@ -39,6 +39,8 @@ mod trials;
 mod validation;
 mod warning;
 
+use failure::{Answer, Failure};
+
 /// The native part of underbrush.
 #[pyo3::pymodule(gil_used = true)]
 mod _core {

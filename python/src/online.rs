@@ -9,13 +9,13 @@ use underbrush_classifier::paper_rule::Scores;
 use underbrush_classifier::touch::TouchClassifier;
 use underbrush_recording::SkinLayout;
 
-use crate::arguments;
-use crate::failure::{Failure, locked};
+use crate::failure::locked;
 use crate::frame::PyFrame;
 use crate::interrupt::Stop;
 use crate::json;
 use crate::python_classifier::PythonClassifier;
 use crate::skin::Skin;
+use crate::{Failure, arguments};
 
 /// Gives a verdict on each taxel in contact, in every frame.
 #[pyclass(frozen, module = "underbrush._core")]

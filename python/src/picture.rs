@@ -11,9 +11,8 @@ use underbrush_render::{Camera, RenderError, Scene, Size, Stage, fullest};
 use underbrush_sim::scene::SceneCamera;
 use underbrush_sim::simulation::Simulation;
 
-use crate::array;
-use crate::failure::Failure;
 use crate::pool;
+use crate::{Failure, array};
 
 /// Size of the pictures that notebooks show.
 const SHOWN: Size = Size { width: 800, height: 450 };

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::failure::Failure;
+use crate::Failure;
 
 /// The largest number of threads, the same as on the command line.
 const MAX_JOBS: usize = 1024;

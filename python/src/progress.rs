@@ -7,9 +7,8 @@ use pyo3::prelude::*;
 use underbrush_experiments::{Counter, Progress};
 use underbrush_recording::GoalOutcomes;
 
-use crate::failure::Failure;
 use crate::interrupt::Stop;
-use crate::pool;
+use crate::{Failure, pool};
 
 /// How often signals are checked.
 const PERIOD: Duration = Duration::from_millis(50);

@@ -9,10 +9,9 @@ use underbrush_classifier::estimator::{Classifier, Estimator, OnlineScorer};
 use underbrush_classifier::feature::{FeatureSet, SampleFault};
 use underbrush_recording::{Sample, Trial};
 
-use crate::array;
-use crate::failure::Failure;
 use crate::interrupt::Stop;
 use crate::trials::Trials;
+use crate::{Failure, array};
 
 /// An object with `fit_trials(trials)`, which returns a fitted classifier.
 pub struct PythonEstimator {

@@ -18,8 +18,7 @@ use underbrush_render::Stage;
 use underbrush_sim::reach::ReachPlan;
 
 use crate::arguments::cutting;
-use crate::controller;
-use crate::failure::{self, Answer, Failure, place};
+use crate::failure::{self, place};
 use crate::frame::PyFrame;
 use crate::interrupt::Stop;
 use crate::json;
@@ -30,6 +29,7 @@ use crate::scene::scene;
 use crate::skin::{Skin, patch_index};
 use crate::table::{Column, LentColumns, PyTable, record_batch};
 use crate::trials::Trials;
+use crate::{Answer, Failure, controller};
 
 /// Where a reach is stored.
 pub enum Source {

@@ -10,8 +10,7 @@ use underbrush_recording::disk::check_free;
 use underbrush_replay::{Judging, JudgingModel, Source, single_file};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
-use crate::failure::Failure;
-use crate::pool;
+use crate::{Failure, pool};
 
 /// The page with some reaches of data sets and recordings inside, as the text of one HTML file.
 #[pyfunction]

@@ -4,8 +4,7 @@ use pyo3::prelude::*;
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_recording::{Region, Sample, Trial, limits};
 
-use crate::array;
-use crate::failure::Failure;
+use crate::{Failure, array};
 
 /// One sample of the sequence with this name.
 ///

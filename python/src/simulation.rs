@@ -13,13 +13,13 @@ use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::simulation::Simulation;
 
 use crate::arm::PyArm;
-use crate::array;
-use crate::failure::{Answer, Failure, locked};
+use crate::failure::locked;
 use crate::frame::PyFrame;
 use crate::picture::{self, PyCamera};
 use crate::pool::{self, alone};
 use crate::scene;
 use crate::skin::Skin;
+use crate::{Answer, Failure, array};
 
 /// The arm in one draw of a scene, moved step by step.
 #[pyclass(frozen, name = "Simulation", module = "underbrush._core")]

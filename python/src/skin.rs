@@ -6,9 +6,8 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use underbrush_recording::{Patch, SkinLayout};
 
-use crate::array;
-use crate::failure::{Answer, Failure};
 use crate::json;
+use crate::{Answer, Failure, array};
 
 /// The skin of an arm: patches of taxels.
 #[pyclass(frozen, module = "underbrush._core")]

@@ -11,10 +11,9 @@ use underbrush_recording::disk::check_free;
 use underbrush_report::reproduction::Reproduction;
 use underbrush_report::suite_text;
 
-use crate::failure::{Answer, Failure};
-use crate::json;
 use crate::pool::alone;
 use crate::progress::{Reported, watched};
+use crate::{Answer, Failure, json};
 
 /// Check a scene, data set, recording, model or table of trials, and say what it holds.
 #[pyfunction]

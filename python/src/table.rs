@@ -19,7 +19,7 @@ use serde_json::Value;
 use underbrush_recording::disk::{self, Batch, Dataset, Rows, Text, Values};
 
 use crate::array::Numbers;
-use crate::failure::{Answer, Failure};
+use crate::{Answer, Failure};
 
 /// A table. Polars, pyarrow, pandas, DuckDB and others read it through Arrow's C stream interface without a copy.
 #[pyclass(frozen, name = "Table", module = "underbrush._core")]

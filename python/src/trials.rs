@@ -12,12 +12,12 @@ use underbrush_recording::disk::{channel_names, check_free, read_trials, trial_t
 use underbrush_recording::{Sample, Trial};
 
 use crate::arguments::features;
-use crate::array;
-use crate::failure::{Answer, Failure, place, places};
+use crate::failure::{place, places};
 use crate::json;
 use crate::pool::alone;
 use crate::sequences::of_sequences;
 use crate::table::PyTable;
+use crate::{Answer, Failure, array};
 
 /// Contact trials: what one taxel, or one connected component, sensed from the beginning of a contact to its end.
 #[pyclass(frozen, module = "underbrush._core")]

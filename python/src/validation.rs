@@ -5,9 +5,8 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use underbrush_validation::{CHECKS, Check};
 
-use crate::failure::{Answer, Failure};
-use crate::json;
 use crate::progress::watched;
+use crate::{Answer, Failure, json};
 
 /// Check the simulated physics against closed-form solutions. Returns a dictionary for each check, as
 /// `underbrush validate --json` prints them.

@@ -34,6 +34,9 @@ pub use body::{Body, BodyOwner, BodyPart, BodyShape, TrackPoint};
 pub use category::Category;
 pub use channels::Channels;
 pub use contact_point::ContactPoint;
+#[cfg(feature = "disk")]
+pub use disk::DiskError;
+pub use fault::Fault;
 pub use frame::{FRAME_PERIOD_S, Frame, Pose, TaxelReading};
 pub use input_error::InputError;
 pub use layout::{Grid, Patch, SkinLayout, Taxel};

@@ -1,7 +1,7 @@
 //! The size of a picture, and why there is none.
 
 use thiserror::Error;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 use underbrush_sim::scene::limits::PICTURE_PX;
 
 /// Why a picture cannot be drawn.

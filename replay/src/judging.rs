@@ -2,8 +2,7 @@
 
 use underbrush_classifier::online::OnlineError;
 use underbrush_classifier::online_model::{OnlineJudge, OnlineModel};
-use underbrush_recording::fault::Fault;
-use underbrush_recording::{Frame, Recording, SkinLayout};
+use underbrush_recording::{Fault, Frame, Recording, SkinLayout};
 
 use crate::verdicts::{VerdictHeader, Verdicts};
 

@@ -6,10 +6,9 @@
 
 use serde::Serialize;
 use underbrush_classifier::trial::TrialOptions;
-use underbrush_recording::fault::Fault;
 use underbrush_recording::{
-    Audit, Body, Contact, Frame, GoalOutcomes, GoalRecord, Grid, MappedObstacle, NamedStop, ObjectRecord, Outcome,
-    Pose, Recording, Taxel,
+    Audit, Body, Contact, Fault, Frame, GoalOutcomes, GoalRecord, Grid, MappedObstacle, NamedStop, ObjectRecord,
+    Outcome, Pose, Recording, Taxel,
 };
 
 use crate::container::{MAX_BYTES, Sections};

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 
 use crate::Source;
 

@@ -5,7 +5,7 @@ use std::io;
 use std::net::{Ipv4Addr, TcpListener};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 
 use crate::http::{self, Limits, Request};
 use crate::page::PAGE;

@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use underbrush_recording::disk::{Dataset, is_folder, is_recording, read_recording, read_trials};
-use underbrush_recording::fault::Fault;
-use underbrush_recording::{GoalOutcomes, Outcome, Recording, SkinLayout};
+use underbrush_recording::{Fault, GoalOutcomes, Outcome, Recording, SkinLayout};
 
 use crate::judging::unjudged;
 use crate::pack::pack;

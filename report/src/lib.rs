@@ -27,7 +27,7 @@ pub mod text;
 
 use underbrush_experiments::experiment::training_data::Reaches;
 use underbrush_experiments::results::Results;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 
 use drawing::Rows;
 use report::Report;

@@ -7,8 +7,7 @@ use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_experiments::experiment::example_trials;
 use underbrush_experiments::session::Session;
 use underbrush_experiments::{files, frame_verdicts, online_models, reaches, training};
-use underbrush_recording::Recording;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::{Fault, Recording};
 use underbrush_replay::{Held, Judging, JudgingModel, Source, page_that_fits};
 
 use crate::replay_links::{ENGINEERED_FILE, TEST_FILE, TRAINING_FILE};

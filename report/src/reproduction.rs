@@ -9,8 +9,8 @@ use underbrush_experiments::results::Results;
 use underbrush_experiments::run_folder::Plan;
 use underbrush_experiments::session::Session;
 use underbrush_experiments::{Progress, audit, online_models, training};
+use underbrush_recording::Fault;
 use underbrush_recording::disk::write_trials;
-use underbrush_recording::fault::Fault;
 
 use crate::{Written, replay_pages};
 

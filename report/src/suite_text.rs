@@ -6,8 +6,7 @@ use std::path::Path;
 use underbrush_experiments::files;
 use underbrush_experiments::suite::Checked;
 use underbrush_experiments::suite::result::{BoundResult, BoundVerdict, SceneResult, SuiteResult};
-use underbrush_recording::fault::Fault;
-use underbrush_recording::math;
+use underbrush_recording::{Fault, math};
 
 use crate::drawing::{Rows, escape};
 use crate::text::counted;

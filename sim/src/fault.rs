@@ -1,6 +1,6 @@
 //! Maps the errors of this crate to [`Fault`].
 
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 
 use crate::campaign::CampaignError;
 use crate::controller::UnknownController;

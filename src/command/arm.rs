@@ -9,8 +9,7 @@ use underbrush_sim::arm::cover::{NewPatch, cover};
 use underbrush_sim::arm::new::{NewArm, new_files};
 
 use super::overwrite::Overwrite;
-use crate::failure::Failure;
-use crate::output;
+use crate::{Failure, output};
 
 /// Options of `underbrush arm`.
 ///

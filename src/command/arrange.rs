@@ -8,8 +8,7 @@ use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 
 use super::overwrite::Overwrite;
-use crate::failure::Failure;
-use crate::output;
+use crate::{Failure, output};
 
 /// Options of `underbrush arrange`.
 ///

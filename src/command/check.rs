@@ -7,9 +7,8 @@ use underbrush_experiments::suite::Checked;
 use underbrush_report::suite_text;
 
 use super::overwrite::Overwrite;
-use crate::failure::Failure;
-use crate::output;
 use crate::progress::Shown;
+use crate::{Failure, output};
 
 /// Shown at the end of `underbrush check --help`.
 const EXAMPLE: &str = "\

@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 
-use crate::failure::Failure;
-use crate::output;
+use crate::{Failure, output};
 
 /// Options of `underbrush completions`.
 #[derive(Args)]

@@ -7,8 +7,7 @@ use serde::Serialize;
 use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_classifier::paper_rule::Scores;
 
-use crate::failure::Failure;
-use crate::options;
+use crate::{Failure, options};
 
 /// How scores become verdicts.
 #[derive(Args, Default, Serialize)]

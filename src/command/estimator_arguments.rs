@@ -10,8 +10,7 @@ use underbrush_classifier::hmm::{InitialDistribution, Topology, TrainingOptions}
 use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
 
-use crate::failure::Failure;
-use crate::options;
+use crate::{Failure, options};
 
 /// Which classifier is fitted, and how.
 #[derive(Args, Clone, Debug)]

@@ -23,10 +23,9 @@ use super::decision_arguments::DecisionArguments;
 use super::estimator_arguments::EstimatorArguments;
 use super::overwrite::Overwrite;
 use super::touch::{self, Judge, RiskArguments, TouchDecisionArguments};
-use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::options::{self, named};
-use crate::output;
+use crate::{Failure, output};
 
 /// Shown at the end of `underbrush evaluate --help`.
 const ADVICE: &str = "\

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::overwrite::Overwrite;
-use crate::failure::Failure;
+use crate::Failure;
 
 /// Options of `underbrush export`, which are those of the Python call.
 #[derive(Args)]

@@ -10,9 +10,8 @@ use underbrush_exchange::press::{Estimate, PressFit, Punch, fit_press, read_pres
 use underbrush_sim::materials::{Constant, MaterialFile};
 
 use super::overwrite::Overwrite;
-use crate::failure::Failure;
 use crate::options::number;
-use crate::output;
+use crate::{Failure, output};
 
 /// Options of `underbrush fit-skin`.
 ///

@@ -15,9 +15,8 @@ use underbrush_sim::scene::Scene;
 use super::dataset_summary::Summary;
 use super::overwrite::Overwrite;
 use super::verdict_arguments::VerdictArguments;
-use crate::failure::Failure;
 use crate::progress::Shown;
-use crate::{input, interrupt, output};
+use crate::{Failure, input, interrupt, output};
 
 /// GenerateOptions of `underbrush generate`.
 #[derive(Args)]

@@ -10,8 +10,7 @@ use underbrush_recording::Recording;
 use underbrush_recording::disk::{channel_names, check_free, write_recording, write_trials_with};
 
 use super::overwrite::Overwrite;
-use crate::failure::Failure;
-use crate::output;
+use crate::{Failure, output};
 
 /// ImportOptions of `underbrush import`.
 #[derive(Args)]

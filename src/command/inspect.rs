@@ -10,8 +10,7 @@ use underbrush_sim::arm::Arm;
 
 use super::overwrite::Overwrite;
 use super::picture;
-use crate::failure::Failure;
-use crate::output;
+use crate::{Failure, output};
 
 /// InspectOptions of `underbrush inspect`.
 #[derive(Args)]

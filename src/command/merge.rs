@@ -7,8 +7,7 @@ use underbrush_recording::disk::{Dataset, DiskError, Shards};
 
 use super::dataset_summary::Summary;
 use super::overwrite::Overwrite;
-use crate::failure::Failure;
-use crate::progress;
+use crate::{Failure, progress};
 use crate::{interrupt, output};
 
 /// MergeOptions of `underbrush merge`.

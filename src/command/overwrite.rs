@@ -6,8 +6,7 @@ use clap::Args;
 use underbrush_recording::InputError;
 use underbrush_recording::disk::{check_free, check_not_input, remove_dataset};
 
-use crate::failure::Failure;
-use crate::output;
+use crate::{Failure, output};
 
 /// The option of all commands that write files.
 #[derive(Args, Clone, Copy)]

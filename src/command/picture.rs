@@ -14,9 +14,8 @@ use underbrush_sim::arm::Arm;
 use underbrush_sim::scene::{Scene, SceneCamera};
 
 use super::overwrite::Overwrite;
-use crate::failure::Failure;
 use crate::options::number;
-use crate::{output, progress};
+use crate::{Failure, output, progress};
 
 /// Size of a picture if nothing else is said.
 const SIZE: Size = Size { width: 1280, height: 720 };

@@ -23,10 +23,9 @@ use super::replay;
 use super::touch::TouchDecisionArguments;
 use super::verdict_arguments::VerdictArguments;
 use super::watched::Watched;
-use crate::failure::Failure;
-use crate::input;
 use crate::output;
 use crate::progress::Shown;
+use crate::{Failure, input};
 
 /// ReachOptions of `underbrush reach`.
 #[derive(Args)]

@@ -17,8 +17,7 @@ use super::decision_arguments::DecisionArguments;
 use super::overwrite::Overwrite;
 use super::picture::PictureArguments;
 use super::touch::TouchDecisionArguments;
-use crate::failure::Failure;
-use crate::options;
+use crate::{Failure, options};
 use crate::{input, output};
 
 /// Shown at the end of `underbrush replay --help`.

@@ -6,9 +6,8 @@ use clap::Args;
 use underbrush_experiments::definition::Experiment;
 use underbrush_report::reproduction::Reproduction;
 
-use crate::failure::Failure;
 use crate::progress::Shown;
-use crate::{interrupt, output};
+use crate::{Failure, interrupt, output};
 
 /// ReproduceOptions of `underbrush reproduce`.
 #[derive(Args)]

@@ -2,8 +2,7 @@
 
 use clap::{Args, ValueEnum};
 
-use crate::failure::Failure;
-use crate::output;
+use crate::{Failure, output};
 
 /// SchemaOptions of `underbrush schema`.
 #[derive(Args)]

@@ -8,10 +8,9 @@ use underbrush_classifier::Model;
 use underbrush_classifier::any_model;
 use underbrush_classifier::hmm::ScoreKind;
 
-use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::options::named;
-use crate::output;
+use crate::{Failure, output};
 
 /// ScoreOptions of `underbrush score`.
 #[derive(Args)]

@@ -20,9 +20,8 @@ use underbrush_report::drawing::Rows;
 use super::estimator_arguments::EstimatorArguments;
 use super::overwrite::Overwrite;
 use super::touch::{self, RiskArguments, SimulatedArguments};
-use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
-use crate::output;
+use crate::{Failure, output};
 
 /// TrainOptions of `underbrush train`.
 #[derive(Args)]

@@ -7,9 +7,8 @@ use serde_json::json;
 use underbrush_recording::disk::write_trials;
 
 use super::overwrite::Overwrite;
-use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
-use crate::output;
+use crate::{Failure, output};
 
 /// TrialsOptions of `underbrush trials`.
 #[derive(Args)]

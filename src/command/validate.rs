@@ -9,9 +9,8 @@ use underbrush_report::portrait;
 use underbrush_validation::{CHECKS, Check, FalsifiedOutcome, Fault, Outcome, Verdict, falsify, portraits, roll_loop};
 
 use super::overwrite::Overwrite;
-use crate::failure::Failure;
 use crate::options::number;
-use crate::{output, progress};
+use crate::{Failure, output, progress};
 
 mod text;
 

@@ -6,7 +6,7 @@ use clap::Args;
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_sim::scene::limits::ALLOWED_FORCE_N;
 
-use crate::failure::Failure;
+use crate::Failure;
 
 /// What tells the controller what the skin touches.
 #[derive(Args)]

@@ -3,14 +3,12 @@
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
-use underbrush_recording::fault::Fault;
-use underbrush_recording::{Recording, SkinLayout};
+use underbrush_recording::{Fault, Recording, SkinLayout};
 use underbrush_replay::{Judging, Live, PartialReach, Server, VerdictLog, unjudged};
 use underbrush_sim::reach::{Observed, ReachSoFar};
 
 use super::replay;
-use crate::failure::Failure;
-use crate::output;
+use crate::{Failure, output};
 
 /// What messages call the reach.
 const REACH: &str = "this reach";

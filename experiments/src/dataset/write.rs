@@ -4,9 +4,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use rayon::prelude::*;
-use underbrush_recording::Recording;
 use underbrush_recording::disk::{Dataset, DatasetWriter, DiskError, Shard};
-use underbrush_recording::fault::Fault;
+use underbrush_recording::{Fault, Recording};
 use underbrush_sim::campaign::{self, CampaignError, Job};
 use underbrush_sim::reach::{ReachError, ReachPlan};
 

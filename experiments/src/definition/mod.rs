@@ -8,8 +8,7 @@ use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::touch::TouchOptions;
 use underbrush_classifier::trial::{Labels, TrialOptions};
 use underbrush_recording::distinct::distinct;
-use underbrush_recording::fault::Fault;
-use underbrush_recording::{Category, InputError};
+use underbrush_recording::{Category, Fault, InputError};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::scene::{Scene, shipped};
 

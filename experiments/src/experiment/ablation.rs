@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::trial::{Labels, TrialOptions};
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 use underbrush_sim::scene::SceneFile;
 use underbrush_sim::sensor::SensorModel;
 

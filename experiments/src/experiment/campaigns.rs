@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 
 use super::classifiers::{self, Compared};
 use super::table_one;

@@ -7,8 +7,7 @@ use underbrush_classifier::estimator::Estimator;
 use underbrush_classifier::evaluate::{
     AccuracyBySamples, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
 };
-use underbrush_recording::Trial;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::{Fault, Trial};
 
 use crate::accuracy::Accuracy;
 use crate::definition::{ClassifierEntry, Experiment};

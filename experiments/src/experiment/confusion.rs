@@ -4,7 +4,7 @@
 use serde::Serialize;
 use underbrush_classifier::evaluate::ConfusionMatrix;
 use underbrush_classifier::feature::FeatureSet;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 
 use super::table_one;
 use crate::session::Session;

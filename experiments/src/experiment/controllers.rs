@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use underbrush_recording::disk::DiskError;
-use underbrush_recording::fault::Fault;
-use underbrush_recording::{Category, Outcome, Recording};
+use underbrush_recording::{Category, Fault, Outcome, Recording};
 use underbrush_sim::campaign::Job;
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::reach::ReachPlan;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use underbrush_classifier::evaluate::Tally;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 
 use crate::frame_verdicts::{self, Shares};
 use crate::session::Session;

@@ -1,8 +1,7 @@
 //! Force and motion of typical trials (paper, Fig. 5).
 
 use serde::Serialize;
-use underbrush_recording::Trial;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::{Fault, Trial};
 
 use crate::session::Session;
 use crate::training;

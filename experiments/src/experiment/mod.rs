@@ -4,7 +4,7 @@
 use std::rc::Rc;
 
 use serde::{Serialize, Serializer};
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 
 use crate::session::Session;
 

@@ -6,8 +6,7 @@ use serde::Serialize;
 use underbrush_classifier::HmmClassifier;
 use underbrush_classifier::decision::{Decision, Rule, Verdict};
 use underbrush_classifier::online::OnlineClassifier;
-use underbrush_recording::fault::Fault;
-use underbrush_recording::{Frame, Recording};
+use underbrush_recording::{Fault, Frame, Recording};
 use underbrush_sim::reach::Observed;
 
 use crate::frame_verdicts::{self, Classified};

@@ -7,8 +7,7 @@ use std::rc::Rc;
 use serde::Serialize;
 use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_classifier::evaluate::ChosenThresholds;
-use underbrush_recording::Category;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::{Category, Fault};
 
 use crate::frame_verdicts::{self, Classified, Online};
 use crate::session::Session;

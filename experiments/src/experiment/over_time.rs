@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use serde::Serialize;
 use underbrush_classifier::feature::FeatureSet;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 
 use crate::frame_verdicts::{self, Classified, Online, Shares};
 use crate::session::Session;

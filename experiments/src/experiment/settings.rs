@@ -8,8 +8,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_classifier::decision::Decision;
 use underbrush_classifier::estimator::{Estimator, is_trained};
 use underbrush_classifier::evaluate::{Evaluation, evaluate};
-use underbrush_recording::fault::Fault;
-use underbrush_recording::{Recording, Trial};
+use underbrush_recording::{Fault, Recording, Trial};
 
 use crate::accuracy::Accuracy;
 use crate::definition::Experiment;

@@ -9,8 +9,7 @@ use underbrush_classifier::decision::Decision;
 use underbrush_classifier::evaluate::{Evaluation, Folds, cross_validate};
 use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::recipe::Recipe;
-use underbrush_recording::Trial;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::{Fault, Trial};
 
 use crate::accuracy::Accuracy;
 use crate::definition::{Experiment, RecipeName, TableOneUnit};

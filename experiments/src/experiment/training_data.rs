@@ -1,8 +1,7 @@
 //! The training reaches and the contact trials cut from them.
 
 use serde::{Deserialize, Serialize};
-use underbrush_recording::fault::Fault;
-use underbrush_recording::{FRAME_PERIOD_S, Trial};
+use underbrush_recording::{FRAME_PERIOD_S, Fault, Trial};
 
 use crate::audit::{self, Worst};
 use crate::definition::{Experiment, TableOneUnit};

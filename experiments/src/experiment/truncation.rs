@@ -5,7 +5,7 @@ use serde::Serialize;
 use underbrush_classifier::decision::Decision;
 use underbrush_classifier::evaluate::{Folds, cross_validate};
 use underbrush_classifier::recipe::Recipe;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::Fault;
 
 use super::table_one;
 use crate::accuracy::Accuracy;

@@ -7,9 +7,8 @@ use serde::Serialize;
 use underbrush_classifier::evaluate::touch::{TouchEvaluation, TouchTally};
 use underbrush_classifier::evaluate::{Accuracy, TouchFigures, UnknownFigures};
 use underbrush_classifier::touch::TouchExamples;
-use underbrush_recording::Recording;
+use underbrush_recording::{Fault, Recording};
 use underbrush_recording::disk::DiskError;
-use underbrush_recording::fault::Fault;
 use underbrush_sim::campaign::Job;
 
 use crate::dataset::each_reach;

@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use underbrush_recording::fault::Fault;
-use underbrush_recording::{InputError, math};
+use underbrush_recording::{Fault, InputError, math};
 
 use super::metric::{Sides, Statistic};
 use super::result::{BoundResult, SuiteResult};

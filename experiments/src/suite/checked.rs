@@ -3,8 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use underbrush_recording::disk;
-use underbrush_recording::fault::Fault;
+use underbrush_recording::{Fault, disk};
 
 use super::result::SuiteResult;
 use super::{Suite, bless};

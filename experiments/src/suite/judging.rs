@@ -9,8 +9,7 @@ use underbrush_classifier::evaluate::touch::TouchEvaluation;
 use underbrush_classifier::evaluate::{JudgedObject, Stream, StreamTruth, classify_stream, classify_touch_stream};
 use underbrush_classifier::online::{OnlineError, OnlineOptions};
 use underbrush_classifier::online_model::OnlineModel;
-use underbrush_recording::fault::Fault;
-use underbrush_recording::{InputError, Recording};
+use underbrush_recording::{Fault, InputError, Recording};
 
 use super::file::ModelSection;
 use crate::source::Source;

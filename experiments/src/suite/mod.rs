@@ -9,8 +9,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use underbrush_classifier::online_model::OnlineModel;
-use underbrush_recording::fault::Fault;
-use underbrush_recording::{Category, InputError};
+use underbrush_recording::{Category, Fault, InputError};
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::Scene;
 

@@ -1,8 +1,7 @@
 //! Runs the reaches of a suite and checks the results against its bounds.
 
 use underbrush_classifier::online::OnlineError;
-use underbrush_recording::fault::Fault;
-use underbrush_recording::{GoalOutcomes, Recording};
+use underbrush_recording::{Fault, GoalOutcomes, Recording};
 use underbrush_sim::campaign::Job;
 use underbrush_sim::reach::ReachPlan;
 

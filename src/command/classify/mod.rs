@@ -21,10 +21,9 @@ use underbrush_classifier::paper_rule::Scores;
 use super::decision_arguments::{DecisionArguments, refuse_for_touch_model};
 use super::score;
 use super::touch::TouchDecisionArguments;
-use crate::failure::Failure;
 use crate::input::{self, TrialArguments};
 use crate::options::named;
-use crate::output;
+use crate::{Failure, output};
 
 /// Shown at the end of `underbrush classify --help`.
 const PROTOCOL: &str = "\

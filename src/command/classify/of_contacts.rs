@@ -6,8 +6,7 @@ use serde::Serialize;
 use underbrush_classifier::online::OnlineClassifier;
 use underbrush_recording::Frame;
 
-use crate::failure::Failure;
-use crate::output;
+use crate::{Failure, output};
 
 #[derive(Serialize)]
 struct FrameLine<'a> {

@@ -6,8 +6,7 @@ use serde::Serialize;
 use underbrush_classifier::touch::{ObjectReport, TouchClassifier};
 use underbrush_recording::{Frame, SkinLayout};
 
-use crate::failure::Failure;
-use crate::output;
+use crate::{Failure, output};
 
 #[derive(Serialize)]
 struct FrameLine<'a> {

@@ -13,8 +13,7 @@ use underbrush_sim::arm::{self, Arm};
 
 use super::latency::Latency;
 use super::{ClassifyOptions, of_contacts, of_frames};
-use crate::failure::Failure;
-use crate::{input, output};
+use crate::{Failure, input, output};
 
 /// A reach that is being classified.
 struct Reach<'a> {

@@ -5,7 +5,7 @@ use clap::builder::TypedValueParser;
 use serde::Serialize;
 use underbrush_classifier::touch::{RiskLimits, TouchDecision};
 
-use crate::failure::Failure;
+use crate::Failure;
 use crate::options::{self, number};
 
 /// How probabilities become verdicts. Options that are not given stay as in the model.

@@ -10,9 +10,8 @@ use underbrush_classifier::touch::{RiskLimits, TouchExamples, TouchModel, TouchO
 
 use super::decision::TouchDecisionArguments;
 use super::{text, train};
-use crate::failure::Failure;
-use crate::output;
 use crate::reaches::Reaches;
+use crate::{Failure, output};
 
 /// What judges the reaches.
 pub enum Judge<'a> {

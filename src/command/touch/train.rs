@@ -11,9 +11,8 @@ use underbrush_experiments::model_data;
 
 use super::simulated::SimulatedArguments;
 use super::text;
-use crate::failure::Failure;
-use crate::output;
 use crate::reaches::Reaches;
+use crate::{Failure, output};
 
 #[derive(Serialize)]
 struct Trained<'a> {

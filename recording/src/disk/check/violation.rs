@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use crate::InputError;
-use crate::disk::DiskError;
+use crate::{DiskError, InputError};
 
 /// A rule broken by a recording or a trial.
 #[derive(Debug, PartialEq)]

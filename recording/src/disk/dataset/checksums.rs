@@ -8,10 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use super::info::read_json;
 use super::names;
-use crate::InputError;
-use crate::disk::DiskError;
 use crate::disk::input_file::{is_there, metadata, open_input};
 use crate::disk::whole_file::{json_bytes, write_bytes};
+use crate::{DiskError, InputError};
 
 /// The remedy for a damaged data set.
 const REMEDY: &str = "copy the data set again, or generate it again";

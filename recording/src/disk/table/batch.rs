@@ -5,8 +5,7 @@ use std::sync::Arc;
 
 use super::column::{Column, Rows, Text, Value};
 use super::row::{Row, part_names};
-use crate::InputError;
-use crate::disk::DiskError;
+use crate::{DiskError, InputError};
 
 /// Rows of a table, column by column.
 #[derive(Clone, Debug)]

@@ -15,9 +15,8 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::{ColumnChunkMetaData, ParquetMetaData};
 use parquet::file::reader::{ChunkReader, Length};
 
-use crate::disk::DiskError;
 use crate::disk::input_file::open_input;
-use crate::{InputError, limits};
+use crate::{DiskError, InputError, limits};
 
 /// The file. Clones share it.
 #[derive(Clone)]

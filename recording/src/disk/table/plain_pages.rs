@@ -13,7 +13,7 @@ use parquet::file::metadata::{ColumnChunkMetaData, RowGroupMetaData};
 use parquet::file::serialized_reader::SerializedPageReader;
 
 use super::parquet_input::ParquetInput;
-use crate::disk::DiskError;
+use crate::DiskError;
 
 /// The chunk of a column in a row group.
 fn chunk_of<'a>(group: &'a RowGroupMetaData, column: &str) -> Option<&'a ColumnChunkMetaData> {

@@ -18,8 +18,7 @@ use super::parquet_input::{ParquetInput, broken, is_text};
 use super::plain_pages::{self, Float};
 use super::row::Shared;
 use super::write::ROWS_PER_BATCH;
-use crate::InputError;
-use crate::disk::DiskError;
+use crate::{DiskError, InputError};
 
 /// Metadata key of the descriptions, units and codes of the columns.
 pub(in crate::disk) const COLUMNS_KEY: &str = "underbrush.columns";

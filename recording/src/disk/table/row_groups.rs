@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use parquet::file::metadata::ParquetMetaData;
 use parquet::file::statistics::Statistics;
 
-use crate::disk::DiskError;
+use crate::DiskError;
 use crate::disk::table::batch::Batch;
 use crate::disk::table::parquet_input::{ParquetInput, broken};
 use crate::disk::table::plain_pages;

@@ -16,8 +16,9 @@ use parquet::schema::types::{ColumnPath, Type as Schema, TypePtr};
 
 use super::column::{Column, Rows, Text, Type, Values};
 use super::{arrow_schema, column_order};
+use crate::DiskError;
+use crate::disk::seal;
 use crate::disk::whole_file::{self, TemporaryFile};
-use crate::disk::{DiskError, seal};
 
 /// Number of rows that are encoded or decoded together. With 453 taxels their dense columns take about 15 MB.
 pub(in crate::disk) const ROWS_PER_BATCH: usize = 1024;

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use crate::disk::DiskError;
 use crate::disk::table::batch::Batch;
 use crate::disk::table::column::{Column, Text};
 use crate::disk::table::read::{ParquetTable, Want};
@@ -10,7 +9,7 @@ use crate::disk::table::row::{Row, row};
 use crate::disk::table::write::write_table;
 use crate::disk::tables::episode::Episode;
 use crate::disk::tables::truth_tables::{COUNTS, OBJECTS, read_outcome, some_missing};
-use crate::{Audit, GoalOutcomes, NamedStop, Outcome};
+use crate::{Audit, DiskError, GoalOutcomes, NamedStop, Outcome};
 
 row! {
     /// The columns that do not depend on the skin, without the figures of the audit and the goals.

@@ -8,12 +8,11 @@ use std::ops::Range;
 
 use glam::{DQuat, DVec3};
 
-use crate::disk::DiskError;
 use crate::disk::table::batch::Batch;
 use crate::disk::table::column::{Column, Rows, Type, Value, Values};
 use crate::disk::table::read::Want;
 use crate::disk::table::row::{Described, Width};
-use crate::{Frame, Pose, Recording, SkinLayout, TaxelReading, TrackPoint};
+use crate::{DiskError, Frame, Pose, Recording, SkinLayout, TaxelReading, TrackPoint};
 
 /// The column of contacts, which files of early builds do not have.
 const CONTACT_POINTS: &str = "truth.contact_points";

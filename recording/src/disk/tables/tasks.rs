@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::disk::DiskError;
+use crate::DiskError;
 use crate::disk::table::column::{Column, Text};
 use crate::disk::table::write::write_table;
 

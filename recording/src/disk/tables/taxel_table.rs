@@ -3,7 +3,6 @@
 
 use std::path::Path;
 
-use crate::disk::DiskError;
 use crate::disk::check::check_layout;
 use crate::disk::table::parquet_input::broken;
 use crate::disk::table::read::{ParquetTable, Want};
@@ -11,7 +10,7 @@ use crate::disk::table::row::Row;
 use crate::disk::table::write::write_table;
 use crate::disk::tables::description::about_entry;
 use crate::disk::tables::dictionary::{SkinTaxel, TAXELS};
-use crate::{Patch, SkinLayout, Taxel};
+use crate::{DiskError, Patch, SkinLayout, Taxel};
 
 /// Metadata key of the patches without their taxels, as JSON.
 const PATCHES_KEY: &str = "underbrush.patches";

@@ -2,11 +2,10 @@
 
 use glam::DVec3;
 
-use crate::disk::DiskError;
 use crate::disk::table::batch::Batch;
 use crate::disk::table::row_groups::EpisodeRows;
 use crate::disk::tables::dictionary::TruthBody;
-use crate::{Body, BodyOwner, BodyPart, BodyShape, Pose, Recording};
+use crate::{Body, BodyOwner, BodyPart, BodyShape, DiskError, Pose, Recording};
 
 /// A row of a body without shapes.
 fn bare_row(episode: usize, index: usize, body: &Body, recording: &Recording) -> TruthBody {

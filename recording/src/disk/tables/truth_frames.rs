@@ -6,14 +6,13 @@
 
 use glam::DVec3;
 
-use crate::disk::DiskError;
 use crate::disk::table::batch::Batch;
 use crate::disk::table::column::Text;
 use crate::disk::table::row_groups::EpisodeRows;
 use crate::disk::tables::dictionary::{TruthPatch, TruthTaxel};
 use crate::disk::tables::frames::{Place, is_nothing, reading_of};
 use crate::disk::tables::truth_columns::NONE;
-use crate::{Recording, TaxelReading};
+use crate::{DiskError, Recording, TaxelReading};
 
 /// The names of the patches.
 fn patch_names(recording: &Recording) -> Vec<Text> {

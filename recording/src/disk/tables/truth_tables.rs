@@ -1,15 +1,14 @@
 //! The tables of a reach that are lists of what a recording holds: objects, goals, contacts, contact points and poses of the
 //! ground truth, and the controller's map.
 
-use crate::disk::DiskError;
 use crate::disk::table::batch::Batch;
 use crate::disk::table::column::Text;
 use crate::disk::table::row_groups::EpisodeRows;
 use crate::disk::tables::dictionary::{MapRow, TruthContact, TruthContactPoint, TruthGoal, TruthObject, TruthPose};
 use crate::disk::tables::truth_columns::NONE;
 use crate::{
-    Body, BodyOwner, Category, Contact, ContactPoint, GoalRecord, MappedObstacle, ObjectRecord, ObstacleKind, Outcome,
-    Recording, SafetyStop, SkinLayout, TrackPoint,
+    Body, BodyOwner, Category, Contact, ContactPoint, DiskError, GoalRecord, MappedObstacle, ObjectRecord,
+    ObstacleKind, Outcome, Recording, SafetyStop, SkinLayout, TrackPoint,
 };
 
 /// What the index of an object may be.

@@ -2,8 +2,8 @@
 
 use super::dataset::{make, plan, recordings};
 use super::dictionary::columns;
-use crate::disk::{Dataset, DatasetPlan, DatasetWriter, DiskError, read_recording, write_recording};
-use crate::{Category, Recording};
+use crate::disk::{Dataset, DatasetPlan, DatasetWriter, read_recording, write_recording};
+use crate::{Category, DiskError, Recording};
 
 const REED: Category = Category::new("reed", 4).unwrap();
 

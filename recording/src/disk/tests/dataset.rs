@@ -4,10 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::reach;
 use crate::disk::{
-    ArmText, Dataset, DatasetPlan, DatasetWriter, DiskError, FileText, PlannedEpisode, Provenance, SceneText,
-    write_recording,
+    ArmText, Dataset, DatasetPlan, DatasetWriter, FileText, PlannedEpisode, Provenance, SceneText, write_recording,
 };
-use crate::{InputError, NamedStop, Outcome, Recording, SafetyStop};
+use crate::{DiskError, InputError, NamedStop, Outcome, Recording, SafetyStop};
 
 /// Numbers of frames of the reaches of the test set. The third is longer than one batch.
 const FRAMES: [usize; 5] = [40, 25, 1500, 10, 33];

@@ -4,8 +4,8 @@ use std::thread;
 
 use super::Change;
 use super::dataset::{begin, contents, copy, make, plan, recordings, scene_text};
-use crate::Recording;
-use crate::disk::{DatasetPlan, DatasetWriter, DiskError, FileText};
+use crate::disk::{DatasetPlan, DatasetWriter, FileText};
+use crate::{DiskError, Recording};
 
 /// Tests that reaches staged in reverse order, or by three threads at once, give the same bytes.
 #[test]

@@ -4,7 +4,8 @@ use std::fs;
 
 use super::dataset::{contents, make};
 use super::reach;
-use crate::disk::{Dataset, DiskError, read_recording, write_recording};
+use crate::DiskError;
+use crate::disk::{Dataset, read_recording, write_recording};
 
 /// Flips bits of `whole` one at a time, spread evenly over its bytes and over the eight positions in a byte.
 fn each_flip(whole: &[u8], flips: usize, mut examine: impl FnMut(usize, &[u8])) {

@@ -3,8 +3,8 @@ use std::path::{Path, PathBuf};
 use super::Change;
 use super::dataset::{contents, plan, scene_text};
 use super::reach;
-use crate::disk::{Dataset, DatasetPlan, DatasetWriter, DiskError, PlannedEpisode, Shard, Shards};
-use crate::{InputError, Recording};
+use crate::disk::{Dataset, DatasetPlan, DatasetWriter, PlannedEpisode, Shard, Shards};
+use crate::{DiskError, InputError, Recording};
 
 /// Reaches of the campaign: four of one scene, seven of another.
 const SCENES: [(&str, u64); 2] = [("foliage", 4), ("trunks", 7)];

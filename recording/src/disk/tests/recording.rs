@@ -4,8 +4,8 @@ use proptest::prelude::*;
 
 use super::generated::any_recording;
 use super::{Change, reach};
-use crate::disk::{DiskError, read_recording, write_recording};
-use crate::{InputError, Recording};
+use crate::disk::{read_recording, write_recording};
+use crate::{DiskError, InputError, Recording};
 
 fn misread(result: Result<Recording, DiskError>) -> InputError {
     match result {

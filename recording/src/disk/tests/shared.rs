@@ -5,7 +5,8 @@ use std::thread;
 use std::time::Duration;
 
 use super::dataset::{contents, make, plan, recordings};
-use crate::disk::{Dataset, DatasetPlan, DatasetWriter, DiskError, Shard};
+use crate::DiskError;
+use crate::disk::{Dataset, DatasetPlan, DatasetWriter, Shard};
 
 /// Joins the folder, with data files as small as those of [`make`].
 fn share(dir: &Path, plan: DatasetPlan) -> Result<DatasetWriter, DiskError> {

@@ -3,7 +3,8 @@
 use std::fs::{self, File};
 use std::path::Path;
 
-use crate::disk::{DiskError, write_file, write_trials};
+use crate::DiskError;
+use crate::disk::{write_file, write_trials};
 
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();

@@ -7,10 +7,10 @@ use super::cell::{Cell, Cells};
 use super::collect::Collector;
 use super::{COLUMNS, TrialRow, channel_column, channel_columns, place_columns, push};
 use crate::disk::table::row::Row;
-use crate::disk::{DiskError, whole_file};
+use crate::disk::whole_file;
 use crate::limits::CSV_BYTES;
 use crate::text_line::line_of_row;
-use crate::{InputError, Trial, read_bytes};
+use crate::{DiskError, InputError, Trial, read_bytes};
 
 /// Converts an error of the CSV parser.
 fn refused(path: &Path, text: &[u8], error: csv::Error) -> DiskError {

@@ -1,13 +1,12 @@
 //! Reads some columns of one table of a reach, for programs that do not need a whole recording.
 
-use crate::InputError;
-use crate::disk::DiskError;
 use crate::disk::dataset::names;
 use crate::disk::dataset::read::reader::Dataset;
 use crate::disk::table::batch::Batch;
 use crate::disk::table::column::Type;
 use crate::disk::table::read::Want;
 use crate::disk::tables::dictionary::{FRAMES, TABLES, TAXELS, Table};
+use crate::{DiskError, InputError};
 
 impl Dataset {
     /// The names of the columns of `data/`, the table of frames, in their order.

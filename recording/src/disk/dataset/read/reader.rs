@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use crate::disk::DiskError;
 use crate::disk::check::check_recording;
 use crate::disk::dataset::checksums::Checksums;
 use crate::disk::dataset::info::{CODEBASE_VERSION, FORMAT, Info, ProvenanceFile, read_json};
@@ -26,7 +25,7 @@ use crate::disk::tables::truth_frames::{add_patches, add_taxels};
 use crate::disk::tables::truth_tables::{
     add_contact_points, add_poses, read_contacts, read_goals, read_map, read_objects,
 };
-use crate::{Category, InputError, Recording, SkinLayout};
+use crate::{Category, DiskError, InputError, Recording, SkinLayout};
 
 /// A finished data set on disk. Frames are read reach by reach.
 #[derive(Debug)]

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::statistics::Statistics;
 use super::table_files::TableFiles;
-use crate::disk::DiskError;
+use crate::DiskError;
 use crate::disk::dataset::checksums::{Checksums, FileSum};
 use crate::disk::dataset::names;
 use crate::disk::tables::episode::Episode;

@@ -13,7 +13,6 @@ use super::card::card;
 use super::staged::Staging;
 use super::statistics::Statistics;
 use super::table_files::TableFiles;
-use crate::disk::DiskError;
 use crate::disk::dataset::checksums::{FileSum, files_of_set};
 use crate::disk::dataset::info::{FORMAT, Info, ProvenanceFile};
 use crate::disk::dataset::names;
@@ -24,7 +23,7 @@ use crate::disk::tables::frames::{FRAME_COLUMNS, Numbering, ReachRows, columns_o
 use crate::disk::tables::tasks::{number_tasks, write_tasks};
 use crate::disk::tables::taxel_table::write_taxels;
 use crate::disk::whole_file::{create_folder, json_bytes, remove_if_there, remove_leftovers, write_bytes};
-use crate::{Category, Recording};
+use crate::{Category, DiskError, Recording};
 
 /// Writes the whole set, with `meta/info.json` last. `reach` returns the reach at a position of the plan and has to leave
 /// it staged, because the size of the staged file decides where a new data file begins.

@@ -6,13 +6,12 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::InputError;
-use crate::disk::DiskError;
 use crate::disk::dataset::info::read_json;
 use crate::disk::dataset::plan::first_difference;
 use crate::disk::dataset::{Dataset, DatasetPlan, names};
 use crate::disk::input_file::{is_there, metadata};
 use crate::disk::whole_file::{TEMPORARY_PREFIX, json_bytes, remove_if_there, sync_folder, write_new_bytes};
+use crate::{DiskError, InputError};
 
 /// How often removing `incomplete/` is tried. Choice: each attempt fails only if another process starts at that very
 /// moment.

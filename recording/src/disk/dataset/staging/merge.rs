@@ -5,10 +5,9 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::InputError;
-use crate::disk::DiskError;
 use crate::disk::dataset::plan::first_difference;
 use crate::disk::dataset::{Dataset, DatasetPlan, DatasetWriter, PlannedEpisode, Shard};
+use crate::{DiskError, InputError};
 
 /// All parts of one campaign, in order.
 #[derive(Debug)]

@@ -10,7 +10,7 @@ use std::path::Path;
 
 use super::folder::{Folder, look, not_locked, open_lock, remove_incomplete, require_same_set, settle_plan};
 use super::writer::check_plan;
-use crate::disk::DiskError;
+use crate::DiskError;
 use crate::disk::dataset::{Dataset, DatasetPlan, DatasetWriter, names};
 use crate::disk::input_file::is_there;
 use crate::disk::whole_file::create_folder;

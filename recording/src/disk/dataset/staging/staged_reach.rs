@@ -11,12 +11,11 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
-use crate::disk::DiskError;
 use crate::disk::check::check_recording;
 use crate::disk::dataset::checksums::FileSum;
 use crate::disk::recording_file::without_frames;
 use crate::disk::whole_file::write_bytes;
-use crate::{Frame, InputError, Recording, TrackPoint};
+use crate::{DiskError, Frame, InputError, Recording, TrackPoint};
 
 /// zstd's fastest level except for the negative ones, as in the Parquet files.
 const LEVEL: i32 = 1;

@@ -6,7 +6,6 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::disk::DiskError;
 use crate::disk::dataset::info::FILES_PER_CHUNK;
 use crate::disk::dataset::names;
 use crate::disk::table::column::Column;
@@ -23,7 +22,7 @@ use crate::disk::tables::truth_tables::{
     contact_point_rows, contact_rows, goal_rows, map_rows, object_rows, pose_rows,
 };
 use crate::disk::whole_file::create_folder;
-use crate::{Category, Recording};
+use crate::{Category, DiskError, Recording};
 
 /// A row group of a table beside `data` ends with the episode in which it reaches this number of rows. Choice: this many
 /// rows of the widest table are decoded within a few milliseconds, and a row group per episode would take more space

@@ -9,14 +9,13 @@ use super::finish::assemble_from;
 use super::folder::{Folder, list, look, not_locked, open_lock, remove_incomplete, require_same_set, settle_plan};
 use super::staged::{BYTES_PER_FILE, Staging};
 use super::staged_reach;
-use crate::Recording;
-use crate::disk::DiskError;
 use crate::disk::check::{Violation, check_categories, check_robot, require};
 use crate::disk::dataset::checksums::FileSum;
 use crate::disk::dataset::info::read_json;
 use crate::disk::dataset::{Dataset, DatasetPlan, Shard, names};
 use crate::disk::input_file::is_there;
 use crate::disk::whole_file::{create_folder, json_bytes, sync_folder, write_bytes};
+use crate::{DiskError, Recording};
 
 /// A data set that is being written.
 ///

@@ -3,8 +3,8 @@
 use std::fs;
 
 use super::refused;
-use crate::disk::{DiskError, read_trials, write_trials};
-use crate::{Region, Sample, Trial};
+use crate::disk::{read_trials, write_trials};
+use crate::{DiskError, Region, Sample, Trial};
 
 fn read_text(text: &str) -> Result<Vec<Trial>, DiskError> {
     let folder = tempfile::tempdir().unwrap();

@@ -8,9 +8,9 @@ use std::fs;
 use proptest::prelude::*;
 
 use super::Change;
-use crate::disk::{DiskError, read_trials, write_trials};
+use crate::disk::{read_trials, write_trials};
 use crate::limits::{self, Limits};
-use crate::{InputError, Region, Sample, Trial};
+use crate::{DiskError, InputError, Region, Sample, Trial};
 
 /// Any number within these limits, including extreme ones.
 fn within(limits: Limits) -> impl Strategy<Value = f64> {
