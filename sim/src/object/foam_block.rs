@@ -173,10 +173,6 @@ impl FoamBlock {
 }
 
 impl Object for FoamBlock {
-    fn kind(&self) -> &'static str {
-        "foam_block"
-    }
-
     fn footprint(&self) -> Footprint {
         Footprint::Rectangle(LENGTH_M / 2.0, WIDTH_M / 2.0)
     }

@@ -125,10 +125,6 @@ impl FoamRoll {
 }
 
 impl Object for FoamRoll {
-    fn kind(&self) -> &'static str {
-        "foam_roll"
-    }
-
     /// The arm presses its surface in, but cannot pass it.
     fn is_obstacle(&self) -> bool {
         true

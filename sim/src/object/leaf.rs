@@ -200,10 +200,6 @@ fn in_series(stiffness: f64, other: Option<f64>) -> f64 {
 }
 
 impl Object for Leaf {
-    fn kind(&self) -> &'static str {
-        "leaf"
-    }
-
     fn may_stand_in_foam(&self) -> bool {
         true
     }

@@ -55,23 +55,31 @@ macro_rules! for_each_object_kind {
 }
 pub(crate) use for_each_object_kind;
 
-macro_rules! categories {
+macro_rules! declare {
     ($($(#[$attribute:meta])* $key:ident: $kind:ty,)*) => {
         /// The category of each kind.
         #[allow(unused_doc_comments, reason = "the entries' documentation is that of the fields of a scene file")]
         const CATEGORIES: &[Category] = &[$($(#[$attribute])* <$kind as group::Kind>::CATEGORY,)*];
-    };
-}
-for_each_object_kind!(categories);
 
-macro_rules! kinds {
-    ($($(#[$attribute:meta])* $key:ident: $kind:ty,)*) => {
         /// What can collide: the arm, and the kinds of objects by their keys in a scene file.
         #[allow(unused_doc_comments, reason = "the entries' documentation is that of the fields of a scene file")]
         pub const COLLIDING_KINDS: &[&str] = &["arm", $($(#[$attribute])* stringify!($key),)*];
+
+        $($(#[$attribute])*
+        impl Listed for $kind {
+            fn kind(&self) -> &'static str {
+                stringify!($key)
+            }
+        })*
     };
 }
-for_each_object_kind!(kinds);
+for_each_object_kind!(declare);
+
+/// What the list of kinds says of an object.
+pub trait Listed {
+    /// Its key in the scene file.
+    fn kind(&self) -> &'static str;
+}
 
 /// What an object must stand on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,9 +100,7 @@ pub struct Footing {
 }
 
 /// One concrete object, ready to be built.
-pub trait Object: std::fmt::Debug + Send + Sync {
-    /// Its key in the scene file.
-    fn kind(&self) -> &'static str;
+pub trait Object: Listed + std::fmt::Debug + Send + Sync {
     /// Whether it holds the arm back instead of letting it through. Goals keep clear of it.
     fn is_obstacle(&self) -> bool {
         false

@@ -312,10 +312,6 @@ impl Plant {
 }
 
 impl Object for Plant {
-    fn kind(&self) -> &'static str {
-        "plant"
-    }
-
     fn may_stand_in_foam(&self) -> bool {
         true
     }

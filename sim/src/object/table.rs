@@ -40,10 +40,6 @@ impl Kind for Table {
 }
 
 impl Object for Table {
-    fn kind(&self) -> &'static str {
-        "table"
-    }
-
     fn is_ground(&self) -> bool {
         true
     }

@@ -41,10 +41,6 @@ impl Kind for Trunk {
 }
 
 impl Object for Trunk {
-    fn kind(&self) -> &'static str {
-        "trunk"
-    }
-
     fn is_obstacle(&self) -> bool {
         true
     }

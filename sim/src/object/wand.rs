@@ -37,10 +37,6 @@ impl Kind for Wand {
 }
 
 impl Object for Wand {
-    fn kind(&self) -> &'static str {
-        "wand"
-    }
-
     fn may_stand_in_foam(&self) -> bool {
         true
     }

@@ -124,10 +124,6 @@ impl WaterBottle {
 }
 
 impl Object for WaterBottle {
-    fn kind(&self) -> &'static str {
-        "water_bottle"
-    }
-
     /// The arm can push it away, but not pass through it.
     fn is_obstacle(&self) -> bool {
         true
