@@ -3,11 +3,8 @@
 use underbrush_recording::Fault;
 
 use crate::decision::DecisionError;
-use crate::error::ModelError;
 use crate::evaluate::{EvaluateError, ThresholdError};
-use crate::feature::FeatureError;
-use crate::online::OnlineError;
-use crate::trial::TrialError;
+use crate::{FeatureError, ModelError, OnlineError, TrialError};
 
 impl From<ModelError> for Fault {
     fn from(error: ModelError) -> Self {

@@ -2,11 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::ModelError;
-use crate::estimator::{ClassifierKind, Estimator};
-use crate::feature::FeatureSet;
 use crate::hmm::{InitialDistribution, ScoreKind, Topology, TrainingOptions};
-use crate::recipe::Recipe;
+use crate::{ClassifierKind, Estimator, FeatureSet, ModelError, Recipe};
 
 /// How a classifier is fitted. What is not given is as in the recipe, or as the classifier has it. All options but the
 /// features are for hidden Markov models.

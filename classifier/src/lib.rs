@@ -86,10 +86,18 @@ pub mod touch;
 pub mod trial;
 mod vector;
 
+pub use decision::{Decision, Rule};
 pub use document::{Document, FORMAT};
 pub use error::ModelError;
 pub use estimator::is_trained;
+pub use estimator::{Classifier, ClassifierKind, Estimator};
+pub use feature::{FeatureError, FeatureSet, SampleFault};
 pub use frequency::frequencies;
+pub use hmm::{ScoreKind, TrainingHistory};
 pub use hmm_classifier::{HmmClassifier, TrainingReport};
 pub use model_file::{Model, schema as model_schema};
+pub use online::{OnlineClassifier, OnlineError, OnlineOptions};
 pub use provenance::{DataKind, DataSource, Provenance};
+pub use recipe::Recipe;
+pub use touch::{TouchClassifier, TouchModel, TouchOptions};
+pub use trial::TrialError;

@@ -5,8 +5,7 @@ use std::sync::Arc;
 use underbrush_recording::{Fault, SkinLayout};
 
 use crate::model_file::Model;
-use crate::online::{OnlineClassifier, OnlineError, OnlineOptions};
-use crate::touch::{TouchClassifier, TouchModel};
+use crate::{OnlineClassifier, OnlineError, OnlineOptions, TouchClassifier, TouchModel};
 
 /// A model of either kind, and how it judges frames as they come.
 #[derive(Debug)]

@@ -24,9 +24,8 @@ use serde_json::Value;
 use underbrush_recording::limits::JSON_BYTES;
 use underbrush_recording::{InputError, Sample, math, open_regular};
 
-use crate::error::ModelError;
 use crate::estimator::{Classifier, ContactScorer, Independent, OnlineScorer};
-use crate::feature::{FeatureError, FeatureSet, SampleFault};
+use crate::{FeatureError, FeatureSet, ModelError, SampleFault};
 
 /// Smaller probabilities count as this, so that no category is impossible.
 const SMALLEST_PROBABILITY: f64 = 1e-9;

@@ -2,11 +2,10 @@
 //! of hidden Markov models of unscaled force. With other scores they would give meaningless verdicts.
 
 use crate::decision::{Decision, DecisionError, Rule};
-use crate::feature::FeatureSet;
-use crate::hmm::ScoreKind;
 use crate::hmm_classifier::HmmClassifier;
 use crate::model_file::Model;
 use crate::recipe::{Recipe, ScalingKind};
+use crate::{FeatureSet, ScoreKind};
 
 /// The scores that a decision is about. Thresholds are valid for one kind of score only.
 ///

@@ -3,8 +3,7 @@
 #[cfg(test)]
 use crate::baseline::nearest_mean;
 use crate::baseline::{echo_state_network, logistic, mini_rocket, naive_bayes, nearest_neighbours, trees};
-use crate::estimator::ClassifierKind;
-use crate::hmm_classifier;
+use crate::{ClassifierKind, hmm_classifier};
 
 /// All classifiers. To add one, write its file and add its entry here.
 pub const CLASSIFIERS: [&ClassifierKind; 9 + cfg!(test) as usize] = [

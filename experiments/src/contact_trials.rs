@@ -1,8 +1,7 @@
 //! Contact trials of recordings and data sets, by taxel or by component.
 
 use underbrush_classifier::trial::{TrialError, TrialOptions, Unit, component_trials, taxel_trials};
-use underbrush_recording::disk::Dataset;
-use underbrush_recording::{Fault, Recording, Trial};
+use underbrush_recording::{Dataset, Fault, Recording, Trial};
 use underbrush_sim::reach::ReachError;
 
 use crate::progress::Progress;

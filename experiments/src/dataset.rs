@@ -9,8 +9,7 @@ use serde_json::json;
 use underbrush_recording::disk::{
     ArmText, Dataset, DatasetPlan, DiskError, FileText, PlannedEpisode, Provenance, SceneText, Shard,
 };
-use underbrush_recording::distinct::distinct;
-use underbrush_recording::{Category, Fault, InputError, Recording};
+use underbrush_recording::{Category, Fault, InputError, Recording, distinct};
 use underbrush_sim::arm::{Arm, ArmSource};
 use underbrush_sim::campaign::{self, Job};
 use underbrush_sim::controller::{ControllerKind, Preset};

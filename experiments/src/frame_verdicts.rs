@@ -2,15 +2,12 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
-use underbrush_classifier::decision::{Decision, Rule};
 use underbrush_classifier::evaluate::{Stream, StreamTruth, Tally, classify_stream};
-use underbrush_classifier::online::OnlineOptions;
+use underbrush_classifier::{Decision, OnlineOptions, Rule};
 use underbrush_recording::{Category, Fault, Recording};
 
-use crate::definition::Experiment;
 use crate::reaches::{self, Found};
-use crate::session::Session;
-use crate::{online_models, thresholds};
+use crate::{Experiment, Session, online_models, thresholds};
 
 /// A reach classified online.
 pub struct Classified {

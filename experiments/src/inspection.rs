@@ -12,9 +12,8 @@ use underbrush_recording::disk::{
 use underbrush_recording::{Fault, InputError};
 use underbrush_sim::arm::wedge::{Wedge, wedges};
 use underbrush_sim::arm::{Arm, ArmAtStart, is_arm_file};
-use underbrush_sim::clutter::Clutter;
-use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::{Scene, shipped_by_name};
+use underbrush_sim::{Clutter, ReachPlan};
 
 use crate::audit;
 use crate::reach_ends::Ends;

@@ -37,7 +37,12 @@ pub mod verdict_controller;
 pub mod verdict_transfer;
 mod warnings;
 
+pub use accuracy::Accuracy;
+pub use dataset::Campaign;
+pub use definition::Experiment;
 pub use progress::{Counter, Progress, Silent};
+pub use results::Results;
+pub use session::Session;
 pub use warnings::show_warnings;
 
 #[cfg(test)]

@@ -4,8 +4,7 @@ use serde_json::json;
 use underbrush_classifier::{HmmClassifier, Model};
 use underbrush_recording::Fault;
 
-use crate::session::Session;
-use crate::{model_data, training};
+use crate::{Session, model_data, training};
 
 /// Hidden Markov models of force, by the first recipe, fitted to all taxel trials.
 pub struct Models(pub HmmClassifier);

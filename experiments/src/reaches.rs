@@ -11,11 +11,8 @@ use underbrush_recording::{Category, Fault, Recording};
 use underbrush_sim::reach::ReachPlan;
 
 use crate::dataset::reach_plan;
-use crate::definition::Experiment;
-use crate::files;
-use crate::progress::Progress;
 use crate::result_cache::{self, Run};
-use crate::session::Session;
+use crate::{Experiment, Progress, Session, files};
 
 /// The requirement on a reach.
 #[derive(Clone)]

@@ -9,8 +9,7 @@ use serde_json::Value;
 use underbrush_recording::Fault;
 
 use crate::dataset::PROGRAM_VERSION;
-use crate::files;
-use crate::progress::Progress;
+use crate::{Progress, files};
 
 /// Hash of the sources that decide results: this crate and the classifier.
 pub const ANALYSIS_VERSION: &str = env!("UNDERBRUSH_ANALYSIS_SOURCES");

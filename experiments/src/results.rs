@@ -4,9 +4,8 @@ use serde::Serialize;
 use underbrush_recording::Fault;
 
 use crate::dataset::PROGRAM_VERSION;
-use crate::definition::Experiment;
 use crate::experiment::Outcomes;
-use crate::session::Session;
+use crate::{Experiment, Session};
 
 /// The results of one run. Only `timing` depends on the machine.
 #[derive(Serialize)]

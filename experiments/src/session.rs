@@ -12,9 +12,8 @@ use serde::de::DeserializeOwned;
 use underbrush_recording::Fault;
 use underbrush_sim::reach::ReachError;
 
-use crate::definition::Experiment;
-use crate::progress::Progress;
 use crate::result_cache::{self, Run};
+use crate::{Experiment, Progress};
 
 /// A run of an experiment.
 pub struct Session<'a> {

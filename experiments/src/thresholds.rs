@@ -9,9 +9,8 @@ use underbrush_classifier::evaluate::{
 };
 use underbrush_recording::Fault;
 
-use crate::session::Session;
 use crate::training::{self, Trials};
-use crate::{online_models, reaches};
+use crate::{Session, online_models, reaches};
 
 /// Chosen thresholds and the ROC curves.
 pub struct Thresholds {

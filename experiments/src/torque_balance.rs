@@ -8,11 +8,8 @@ use std::path::Path;
 
 use nalgebra::DVector;
 use serde::Serialize;
-use underbrush_recording::disk::Dataset;
-use underbrush_recording::{FRAME_PERIOD_S, Fault, Frame, InputError};
-use underbrush_sim::arm::Arm;
-use underbrush_sim::reach::ReachPlan;
-use underbrush_sim::scene::Scene;
+use underbrush_recording::{Dataset, FRAME_PERIOD_S, Fault, Frame, InputError};
+use underbrush_sim::{Arm, ReachPlan, Scene};
 
 use crate::dataset::stored_arm;
 

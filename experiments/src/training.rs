@@ -3,15 +3,10 @@
 use std::collections::BTreeMap;
 
 use underbrush_classifier::trial::{ContactTrial, Labels, TrialError, TrialOptions, component_trials, taxel_trials};
-use underbrush_recording::disk::Dataset;
-use underbrush_recording::{Fault, Recording, Trial};
+use underbrush_recording::{Dataset, Fault, Recording, Trial};
 use underbrush_sim::scene::SceneFile;
 
-use crate::contact_trials;
-use crate::dataset::Campaign;
-use crate::definition::Experiment;
-use crate::progress::Progress;
-use crate::session::Session;
+use crate::{Campaign, Experiment, Progress, Session, contact_trials};
 
 /// Trials of all reaches of a campaign.
 #[derive(Default)]

@@ -10,9 +10,8 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use underbrush_classifier::touch::{Touch, TouchClassifier, TouchModel};
-use underbrush_recording::disk::Dataset;
 use underbrush_recording::limits::JSON_BYTES;
-use underbrush_recording::{Fault, Frame, InputError, MappedObstacle, read_text};
+use underbrush_recording::{Dataset, Fault, Frame, InputError, MappedObstacle, read_text};
 use underbrush_sim::controller::{
     Allowance, AllowedForces, Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact, Touched,
     Verdict,

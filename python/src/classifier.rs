@@ -4,11 +4,9 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use underbrush_classifier::any_model::{self, AnyModel};
-use underbrush_classifier::decision::Decision;
-use underbrush_classifier::online::{OnlineClassifier, OnlineOptions};
 use underbrush_classifier::paper_rule::Scores;
 use underbrush_classifier::touch::TOUCH_FORMAT;
-use underbrush_classifier::{FORMAT, Model};
+use underbrush_classifier::{Decision, FORMAT, Model, OnlineClassifier, OnlineOptions};
 use underbrush_recording::InputError;
 
 use crate::arguments::{decision, save};

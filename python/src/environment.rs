@@ -4,9 +4,8 @@ use std::sync::{Mutex, MutexGuard};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::environment::{ActionKind, EnvironmentOptions, Environments, Part, Stepped};
-use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::{ControllerKind, ReachPlan};
 
 use crate::failure::locked;
 use crate::given;

@@ -6,13 +6,11 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::json;
-use underbrush_classifier::estimator::{ClassifierKind, Estimator};
 use underbrush_classifier::evaluate::{Folds, HeldOut, ThresholdTargets};
 use underbrush_classifier::fit_options::FitOptions;
 use underbrush_classifier::paper_rule::Scores;
-use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
-use underbrush_classifier::{HmmClassifier, Model};
+use underbrush_classifier::{ClassifierKind, Estimator, HmmClassifier, Model, Recipe};
 use underbrush_experiments::model_data;
 
 use crate::arguments::features;

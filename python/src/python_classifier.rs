@@ -4,9 +4,8 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use serde_json::Value;
-use underbrush_classifier::ModelError;
 use underbrush_classifier::estimator::{Classifier, Estimator, OnlineScorer};
-use underbrush_classifier::feature::{FeatureSet, SampleFault};
+use underbrush_classifier::{FeatureSet, ModelError, SampleFault};
 use underbrush_recording::{Sample, Trial};
 
 use crate::interrupt::Stop;

@@ -4,8 +4,7 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use underbrush_classifier::any_model::{self, AnyModel};
-use underbrush_classifier::decision::Decision;
-use underbrush_classifier::online::OnlineOptions;
+use underbrush_classifier::{Decision, OnlineOptions};
 use underbrush_recording::disk::check_free;
 use underbrush_replay::{Judging, JudgingModel, Source, single_file};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};

@@ -9,8 +9,7 @@ use pyo3::types::PyBytes;
 use rayon::prelude::*;
 use underbrush_recording::SkinLayout;
 use underbrush_render::Stage;
-use underbrush_sim::reach::ReachPlan;
-use underbrush_sim::simulation::Simulation;
+use underbrush_sim::{ReachPlan, Simulation};
 
 use crate::arm::PyArm;
 use crate::failure::locked;

@@ -4,9 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use underbrush_experiments::definition::Experiment;
-use underbrush_experiments::inspection;
 use underbrush_experiments::suite::Checked;
+use underbrush_experiments::{Experiment, inspection};
 use underbrush_recording::disk::check_free;
 use underbrush_report::reproduction::Reproduction;
 use underbrush_report::suite_text;

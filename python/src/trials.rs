@@ -5,8 +5,7 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyBytes, PyCapsule, PySlice};
-use underbrush_classifier::DataSource;
-use underbrush_classifier::feature::FeatureSet;
+use underbrush_classifier::{DataSource, FeatureSet};
 use underbrush_experiments::model_data;
 use underbrush_recording::disk::{channel_names, check_free, read_trials, trial_table, write_trials_with};
 use underbrush_recording::{Sample, Trial};

@@ -3,7 +3,7 @@
 /// The different ones among `all`, in the order in which they first occur.
 ///
 /// ```
-/// use underbrush_recording::distinct::distinct;
+/// use underbrush_recording::distinct;
 ///
 /// assert_eq!(distinct(["leaf", "trunk", "leaf"]), ["leaf", "trunk"]);
 /// ```

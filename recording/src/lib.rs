@@ -14,7 +14,7 @@ pub mod channels;
 pub mod contact_point;
 #[cfg(feature = "disk")]
 pub mod disk;
-pub mod distinct;
+mod distinct;
 pub mod fault;
 pub mod frame;
 pub mod input_error;
@@ -35,7 +35,8 @@ pub use category::Category;
 pub use channels::Channels;
 pub use contact_point::ContactPoint;
 #[cfg(feature = "disk")]
-pub use disk::DiskError;
+pub use disk::{Dataset, DiskError};
+pub use distinct::distinct;
 pub use fault::Fault;
 pub use frame::{FRAME_PERIOD_S, Frame, Pose, TaxelReading};
 pub use input_error::InputError;

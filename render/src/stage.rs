@@ -9,11 +9,10 @@ use underbrush_recording::{
     Body, BodyOwner, BodyShape, Frame, MappedObstacle, ObjectRecord, ObstacleKind, Pose, Recording, SkinLayout,
     TrackPoint, math,
 };
-use underbrush_sim::arm::Arm;
 use underbrush_sim::blade::Blade;
 use underbrush_sim::body_log::{BodyLog, link_bodies};
 use underbrush_sim::scene::SceneCamera;
-use underbrush_sim::simulation::Simulation;
+use underbrush_sim::{Arm, Simulation};
 
 use crate::arrows;
 use crate::camera::bounds;

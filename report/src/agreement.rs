@@ -2,7 +2,7 @@
 //! the mean of several.
 
 use underbrush_experiments::table_cell::{CellKey, Ordering};
-use underbrush_recording::distinct::distinct;
+use underbrush_recording::distinct;
 
 use crate::accuracy_chart::{AccuracyChart, lowest};
 use crate::drawing::{Rows, Table};

@@ -25,6 +25,8 @@ mod style;
 pub mod suite_text;
 pub mod text;
 
+pub use category_looks::CategoryLooks;
+
 use underbrush_experiments::experiment::training_data::Reaches;
 use underbrush_experiments::results::Results;
 use underbrush_recording::Fault;

@@ -2,11 +2,9 @@
 
 use std::path::Path;
 
-use underbrush_classifier::Model;
-use underbrush_classifier::decision::{Decision, Rule};
+use underbrush_classifier::{Decision, Model, Rule};
 use underbrush_experiments::experiment::example_trials;
-use underbrush_experiments::session::Session;
-use underbrush_experiments::{files, frame_verdicts, online_models, reaches, training};
+use underbrush_experiments::{Session, files, frame_verdicts, online_models, reaches, training};
 use underbrush_recording::{Fault, Recording};
 use underbrush_replay::{Held, Judging, JudgingModel, Source, page_that_fits};
 

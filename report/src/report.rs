@@ -6,9 +6,8 @@ use underbrush_experiments::experiment::campaigns::CampaignFigures;
 use underbrush_experiments::results::Results;
 use underbrush_experiments::table_cell::{CellKey, unit_name};
 
-use crate::category_looks::CategoryLooks;
 use crate::drawing::{Cell, Page, Rows, Table};
-use crate::text;
+use crate::{CategoryLooks, text};
 
 /// A report to which sections are added.
 pub struct Report<'a> {

@@ -2,13 +2,10 @@
 
 use std::path::Path;
 
-use underbrush_experiments::definition::Experiment;
 use underbrush_experiments::experiment::campaigns;
 use underbrush_experiments::files::{write, write_json};
-use underbrush_experiments::results::Results;
 use underbrush_experiments::run_folder::Plan;
-use underbrush_experiments::session::Session;
-use underbrush_experiments::{Progress, audit, online_models, training};
+use underbrush_experiments::{Experiment, Progress, Results, Session, audit, online_models, training};
 use underbrush_recording::Fault;
 use underbrush_recording::disk::write_trials;
 

@@ -42,3 +42,15 @@ pub mod sensor;
 pub mod simulation;
 pub mod skin;
 mod toml_text;
+
+pub use arm::Arm;
+pub use clutter::{Clutter, PlacedObject};
+pub use contact::surface::Surface;
+pub use controller::{ControllerInput, ControllerKind};
+pub use geometry::Footprint;
+pub use physics::PhysicsOptions;
+pub use range::{Draw, DrawError};
+pub use reach::{Observed, ReachPlan, ReachSoFar};
+pub use scene::Scene;
+pub use sensor::SensorOptions;
+pub use simulation::Simulation;

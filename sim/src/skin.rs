@@ -20,12 +20,11 @@ use nalgebra::Vector3;
 use parry3d::shape::Shape;
 use underbrush_recording::{Patch, Pose};
 
-use crate::arm::Arm;
 use crate::arm::skin::{FACING_COSINE, SurfacePoint, corner_m, reach_m};
 use crate::contact::chord::{Chords, End, Faces, View};
-use crate::contact::surface::Surface;
 use crate::friction_cone::{Carrier, solve_symmetric, within_cones};
 use crate::geometry::signed_distance_m;
+use crate::{Arm, Surface};
 use indent::{Cell, indent};
 
 mod indent;

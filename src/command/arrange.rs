@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
-use underbrush_sim::reach::ReachPlan;
-use underbrush_sim::scene::Scene;
+use underbrush_sim::{ReachPlan, Scene};
 
 use super::overwrite::Overwrite;
 use crate::{Failure, output};

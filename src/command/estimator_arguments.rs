@@ -3,12 +3,11 @@
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::Serialize;
-use underbrush_classifier::estimator::{ClassifierKind, Estimator};
 use underbrush_classifier::feature::{FEATURES, FeatureSet};
 use underbrush_classifier::fit_options::FitOptions;
 use underbrush_classifier::hmm::{InitialDistribution, Topology, TrainingOptions};
-use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
+use underbrush_classifier::{ClassifierKind, Estimator, Recipe};
 
 use crate::{Failure, options};
 

@@ -7,15 +7,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use rayon::prelude::*;
 use underbrush_classifier::any_model::{self, AnyModel};
-use underbrush_classifier::decision::{Decision, Rule};
-use underbrush_classifier::estimator::Classifier;
 use underbrush_classifier::evaluate::{
     Compared, Evaluation, EvaluationReport, FoldBy, Folds, RocCurve, accuracy_by_samples, accuracy_by_samples_of_all,
     category_roc, cross_validate, evaluate, outlier_roc,
 };
-use underbrush_classifier::feature::FeatureSet;
 use underbrush_classifier::paper_rule::Scores;
 use underbrush_classifier::registry::CLASSIFIERS;
+use underbrush_classifier::{Classifier, Decision, FeatureSet, Rule};
 use underbrush_experiments::model_data;
 use underbrush_recording::{Category, InputError, Trial};
 

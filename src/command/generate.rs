@@ -8,9 +8,8 @@ use serde_json::json;
 use underbrush_experiments::audit;
 use underbrush_experiments::dataset::{Campaign, Written, require_same_reaches};
 use underbrush_recording::disk::{Dataset, Shard};
-use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::materials::MaterialFile;
-use underbrush_sim::scene::Scene;
+use underbrush_sim::{ControllerKind, Scene};
 
 use super::dataset_summary::Summary;
 use super::overwrite::Overwrite;

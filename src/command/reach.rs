@@ -12,9 +12,7 @@ use underbrush_experiments::{audit, dataset};
 use underbrush_recording::disk::{remove_leftovers, write_recording};
 use underbrush_recording::{Audit, NamedStop, Recording};
 use underbrush_report::drawing::Rows;
-use underbrush_sim::controller::ControllerKind;
-use underbrush_sim::reach::{ReachPlan, ReachSoFar};
-use underbrush_sim::scene::Scene;
+use underbrush_sim::{ControllerKind, ReachPlan, ReachSoFar, Scene};
 
 use super::decision_arguments::DecisionArguments;
 use super::overwrite::Overwrite;

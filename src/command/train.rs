@@ -7,11 +7,11 @@ use clap::Args;
 use serde::Serialize;
 use serde_json::json;
 use underbrush_classifier::any_model;
-use underbrush_classifier::decision::Rule;
-use underbrush_classifier::estimator::{Classifier, Estimator};
 use underbrush_classifier::evaluate::{ChosenThresholds, Folds, HeldOut, ThresholdError, ThresholdTargets};
 use underbrush_classifier::hmm::Stop;
-use underbrush_classifier::{DataKind, HmmClassifier, Model, ModelError, Provenance, TrainingReport, is_trained};
+use underbrush_classifier::{
+    Classifier, DataKind, Estimator, HmmClassifier, Model, ModelError, Provenance, Rule, TrainingReport, is_trained,
+};
 use underbrush_experiments::model_data;
 use underbrush_recording::Trial;
 use underbrush_recording::disk::file_blake3;

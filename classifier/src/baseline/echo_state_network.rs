@@ -9,8 +9,7 @@ use underbrush_recording::{Limits, Sample, math};
 
 use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
 use crate::error::{Fault, ModelError, check_limits};
-use crate::estimator::ClassifierKind;
-use crate::feature::{FeatureError, FeatureSet, SampleFault};
+use crate::{ClassifierKind, FeatureError, FeatureSet, SampleFault};
 
 /// The entry in the list of classifiers.
 pub(crate) const KIND: ClassifierKind = fitted::kind::<EchoStateNetwork>(

@@ -11,12 +11,11 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use underbrush_recording::{InputError, Limits, Sample, Trial, math};
 
-use crate::document::Document;
 use crate::error::{Fault, ModelError, check_limits};
 use crate::estimator::{
     Classifier, ClassifierKind, ContactScorer, Estimator, Independent, OnlineScorer, trials_by_category,
 };
-use crate::feature::{FeatureSet, SampleFault};
+use crate::{Document, FeatureSet, SampleFault};
 
 /// Trials by category, in alphabetical order.
 pub(super) type TrialsByCategory<'a> = BTreeMap<String, Vec<&'a Trial>>;

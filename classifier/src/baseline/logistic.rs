@@ -8,9 +8,8 @@ use underbrush_recording::{Limits, Sample, math};
 use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
 use super::table::{Standardization, Table};
 use crate::error::{Fault, ModelError, check_limits};
-use crate::estimator::ClassifierKind;
-use crate::feature::{FeatureSet, SampleFault};
 use crate::stream_feature::{Selection, StreamFeatures, TAXEL_AND_REGION};
+use crate::{ClassifierKind, FeatureSet, SampleFault};
 
 /// The entry in the list of classifiers.
 pub(crate) const KIND: ClassifierKind = fitted::kind::<Logistic>(

@@ -10,9 +10,8 @@ use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
 use super::ridge;
 use super::table::ages_of;
 use crate::error::{Fault, ModelError, check_limits};
-use crate::estimator::ClassifierKind;
-use crate::feature::{FeatureSet, SampleFault};
 use crate::stream_feature::{SAMPLE_COUNTS, TAXEL_AND_REGION};
+use crate::{ClassifierKind, FeatureSet, SampleFault};
 
 /// The entry in the list of classifiers.
 pub(crate) const KIND: ClassifierKind = fitted::kind::<MiniRocket>(

@@ -7,9 +7,8 @@ use underbrush_recording::{Sample, math};
 use super::fitted::{self, Baseline, FITTED, POSITIVE, TrialsByCategory, check_table};
 use super::table::{Standardization, Table};
 use crate::error::{Fault, ModelError};
-use crate::estimator::ClassifierKind;
-use crate::feature::{FeatureSet, SampleFault};
 use crate::stream_feature::{Selection, StreamFeatures};
+use crate::{ClassifierKind, FeatureSet, SampleFault};
 
 /// The entry in the list of classifiers.
 pub(crate) const KIND: ClassifierKind = fitted::kind::<NaiveBayes>(

@@ -7,8 +7,7 @@ use underbrush_recording::{Limits, Sample, Trial};
 
 use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
 use crate::error::{Fault, ModelError, check_limits};
-use crate::estimator::ClassifierKind;
-use crate::feature::{FeatureError, FeatureSet, SampleFault};
+use crate::{ClassifierKind, FeatureError, FeatureSet, SampleFault};
 
 pub(crate) const KIND: ClassifierKind =
     fitted::kind::<NearestMean>(&[], "The category with the nearest mean force", |_| {

@@ -3,12 +3,10 @@ use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{Region, Sample, Trial};
 
 use super::*;
-use crate::error::ModelError;
-use crate::estimator::{ClassifierKind, Estimator};
 use crate::feature::{AREA, Feature, FeatureError, FeatureSet, MOTION, SampleFault};
 use crate::model_file::Model;
-use crate::recipe::Recipe;
 use crate::registry::CLASSIFIERS;
+use crate::{ClassifierKind, Estimator, ModelError, Recipe};
 
 /// Presses whose force rises by `newtons_per_s` with noise, on a region of `taxels`.
 fn press(number: u64, category: &str, newtons_per_s: f64, taxels: u32, length: usize) -> Trial {

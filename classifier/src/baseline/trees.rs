@@ -9,9 +9,8 @@ use super::fitted::{self, Baseline, TrialsByCategory};
 use super::table::Table;
 use crate::boosted::{Boosted, Row};
 use crate::error::{Fault, ModelError};
-use crate::estimator::ClassifierKind;
-use crate::feature::{FeatureSet, SampleFault};
 use crate::stream_feature::{Selection, StreamFeatures, TAXEL_AND_REGION};
+use crate::{ClassifierKind, FeatureSet, SampleFault};
 
 /// The entry in the list of classifiers.
 pub(crate) const KIND: ClassifierKind = fitted::kind::<Trees>(

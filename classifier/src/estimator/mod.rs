@@ -15,10 +15,7 @@ use schemars::{Schema, SchemaGenerator};
 use serde_json::Value;
 use underbrush_recording::{Category, InputError, Trial};
 
-use crate::document::Document;
-use crate::error::ModelError;
-use crate::feature::{FeatureError, FeatureSet};
-use crate::hmm::TrainingHistory;
+use crate::{Document, FeatureError, FeatureSet, ModelError, TrainingHistory};
 
 pub use scorer::{ContactScorer, Independent, OnlineScorer};
 

@@ -4,8 +4,7 @@ use std::fmt::Debug;
 
 use underbrush_recording::Sample;
 
-use crate::error::ModelError;
-use crate::feature::SampleFault;
+use crate::{ModelError, SampleFault};
 
 /// Scores several contacts at once, sample by sample: [`OnlineScorer::begin`] a contact, [`OnlineScorer::push`] its
 /// samples, [`OnlineScorer::advance`] after the samples of one frame, then read the [`OnlineScorer::scores`].

@@ -9,8 +9,7 @@ use super::error::EvaluateError;
 use super::fold::Folds;
 use super::interval::{BOOTSTRAP_RESAMPLES, Interval, bootstrap_by_reach};
 use super::prediction::Prediction;
-use crate::decision::Decision;
-use crate::estimator::Estimator;
+use crate::{Decision, Estimator};
 
 pub use crate::stream_feature::SAMPLE_COUNTS;
 

@@ -9,9 +9,8 @@ use super::error::EvaluateError;
 use super::evaluation::Evaluation;
 use super::fold::Folds;
 use super::prediction::Prediction;
-use crate::decision::Decision;
 use crate::estimator::{Classifier, Estimator, is_trained};
-use crate::hmm::TrainingHistory;
+use crate::{Decision, TrainingHistory};
 
 /// Evaluates a given classifier on trials; those without ground truth are skipped.
 ///

@@ -2,11 +2,9 @@ use underbrush_recording::{Sample, Trial};
 
 use super::*;
 use crate::decision::{Decision, Verdict};
-use crate::error::ModelError;
 use crate::estimator::{Classifier, ContactScorer, Independent, OnlineScorer};
-use crate::feature::{FeatureSet, SampleFault};
 use crate::hmm_classifier::HmmClassifier;
-use crate::recipe::Recipe;
+use crate::{FeatureSet, ModelError, Recipe, SampleFault};
 
 /// Tells leaves from trunks by one number of each contact: a classifier whose scores can be worked out by hand.
 #[derive(Clone, Debug)]

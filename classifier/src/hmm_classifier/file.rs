@@ -8,10 +8,9 @@ use serde_json::{Value, json};
 use underbrush_recording::InputError;
 
 use super::{HmmClassifier, check};
-use crate::document::Document;
 use crate::feature::{FEATURES, FeatureSet, Scaling, feature_list_schema};
 use crate::hmm::{GaussianHmm, HmmParameters, Scorer, TrainingHistory};
-use crate::recipe::Recipe;
+use crate::{Document, Recipe};
 
 /// The keys of hidden Markov models in a file. Only the first two are required.
 #[derive(Deserialize, JsonSchema)]

@@ -12,11 +12,10 @@ use schemars::JsonSchema;
 use serde_json::Value;
 use underbrush_recording::Trial;
 
-use crate::error::ModelError;
 use crate::estimator::{Classifier, ClassifierKind, Estimator, OnlineScorer};
 use crate::feature::{FeatureError, FeatureSet, Observations, Scaling};
 use crate::hmm::{GaussianHmm, ScoreKind, Scorer, TrainingHistory};
-use crate::recipe::Recipe;
+use crate::{ModelError, Recipe};
 
 pub use fit::TrainingReport;
 

@@ -17,12 +17,10 @@ use underbrush_recording::{InputError, Limits, read_text};
 use crate::decision::{Decision, PRIOR, Rule};
 use crate::document::{Document, FORMAT};
 use crate::error::{Fault, ModelError, check_limits};
-use crate::estimator::{Classifier, ClassifierKind};
-use crate::hmm::ScoreKind;
 use crate::hmm_classifier::{self, HmmClassifier};
 use crate::provenance::Provenance;
 use crate::registry::{self, CLASSIFIERS};
-use crate::{file_text, seal};
+use crate::{Classifier, ClassifierKind, ScoreKind, file_text, seal};
 
 /// What a model file holds.
 ///

@@ -2,8 +2,7 @@ use serde_json::Value;
 use underbrush_recording::{Region, Sample, Trial};
 
 use super::*;
-use crate::estimator::Estimator;
-use crate::recipe::Recipe;
+use crate::{Estimator, Recipe};
 
 /// Presses whose force rises at different rates, with motion and region.
 fn trials() -> Vec<Trial> {

@@ -3,9 +3,6 @@ use std::collections::BTreeMap;
 use underbrush_recording::{Recording, Trial};
 
 use super::*;
-use crate::decision::Rule;
-use crate::estimator::Estimator;
-use crate::feature::FeatureSet;
 use crate::hmm::{ScoreKind, TrainingOptions};
 use crate::hmm_classifier::HmmClassifier;
 use crate::model_file::Model;
@@ -13,6 +10,7 @@ use crate::recipe::{Recipe, ScalingKind};
 use crate::registry::CLASSIFIERS;
 use crate::trial::taxel_trials;
 use crate::trial::tests::{any_force, recording};
+use crate::{Estimator, FeatureSet, Rule};
 
 /// A reach of 60 frames in which three taxels touch a leaf and a trunk with breaks between.
 fn reach() -> Recording {

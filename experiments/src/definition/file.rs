@@ -3,11 +3,9 @@
 use schemars::JsonSchema;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
-use underbrush_classifier::estimator::{ClassifierKind, Estimator};
 use underbrush_classifier::evaluate::ThresholdTargets;
-use underbrush_classifier::feature::FeatureSet;
-use underbrush_classifier::recipe::Recipe;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
+use underbrush_classifier::{ClassifierKind, Estimator, FeatureSet, Recipe};
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::scene::RobotSection;
 

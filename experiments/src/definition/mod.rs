@@ -4,11 +4,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use underbrush_classifier::recipe::Recipe;
-use underbrush_classifier::touch::TouchOptions;
 use underbrush_classifier::trial::{Labels, TrialOptions};
-use underbrush_recording::distinct::distinct;
-use underbrush_recording::{Category, Fault, InputError};
+use underbrush_classifier::{Recipe, TouchOptions};
+use underbrush_recording::{Category, Fault, InputError, distinct};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::scene::{Scene, shipped};
 

@@ -1,11 +1,9 @@
 //! Goals and forces by controller: the published one, and the one that maps what it touches and plans a way round.
 
 use serde::{Deserialize, Serialize};
-use underbrush_recording::disk::DiskError;
-use underbrush_recording::{Category, Fault, Outcome, Recording};
+use underbrush_recording::{Category, DiskError, Fault, Outcome, Recording};
 use underbrush_sim::campaign::Job;
-use underbrush_sim::controller::ControllerKind;
-use underbrush_sim::reach::ReachPlan;
+use underbrush_sim::{ControllerKind, ReachPlan};
 use underbrush_sim::scene::ProgressRule;
 
 use crate::dataset::{each_reach, reach_plan};

@@ -3,8 +3,7 @@
 use serde::Serialize;
 use underbrush_recording::{Fault, Trial};
 
-use crate::session::Session;
-use crate::training;
+use crate::{Session, training};
 
 /// Examples and medians of each label.
 #[derive(Serialize)]

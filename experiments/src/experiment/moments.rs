@@ -3,15 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
-use underbrush_classifier::HmmClassifier;
+use underbrush_classifier::{HmmClassifier, OnlineClassifier};
 use underbrush_classifier::decision::{Decision, Rule, Verdict};
-use underbrush_classifier::online::OnlineClassifier;
 use underbrush_recording::{Fault, Frame, Recording};
 use underbrush_sim::reach::Observed;
 
 use crate::frame_verdicts::{self, Classified};
-use crate::session::Session;
-use crate::{online_models, reaches};
+use crate::{Session, online_models, reaches};
 
 /// Both moments, if there are such reaches. They are for pictures, so nothing is serialized.
 #[derive(Serialize)]

@@ -10,9 +10,7 @@ use underbrush_classifier::estimator::{Estimator, is_trained};
 use underbrush_classifier::evaluate::{Evaluation, evaluate};
 use underbrush_recording::{Fault, Recording, Trial};
 
-use crate::accuracy::Accuracy;
-use crate::definition::Experiment;
-use crate::session::Session;
+use crate::{Accuracy, Experiment, Session};
 use crate::training::{self, Trials};
 use crate::verdict_transfer::{FoldedReaches, VerdictTransfer};
 

@@ -5,15 +5,12 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use underbrush_classifier::decision::Decision;
+use underbrush_classifier::{Decision, FeatureSet, Recipe};
 use underbrush_classifier::evaluate::{Evaluation, Folds, cross_validate};
-use underbrush_classifier::feature::FeatureSet;
-use underbrush_classifier::recipe::Recipe;
 use underbrush_recording::{Fault, Trial};
 
-use crate::accuracy::Accuracy;
+use crate::{Accuracy, Session};
 use crate::definition::{Experiment, RecipeName, TableOneUnit};
-use crate::session::Session;
 use crate::table_cell::{self, Cell, CellKey, Ordering};
 use crate::training::{self, Trials};
 

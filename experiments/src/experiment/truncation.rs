@@ -2,15 +2,12 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
-use underbrush_classifier::decision::Decision;
+use underbrush_classifier::{Decision, Recipe};
 use underbrush_classifier::evaluate::{Folds, cross_validate};
-use underbrush_classifier::recipe::Recipe;
 use underbrush_recording::Fault;
 
 use super::table_one;
-use crate::accuracy::Accuracy;
-use crate::session::Session;
-use crate::training;
+use crate::{Accuracy, Session, training};
 
 /// Accuracy by length and number of states.
 #[derive(Serialize)]

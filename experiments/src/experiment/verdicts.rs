@@ -7,15 +7,13 @@ use serde::Serialize;
 use underbrush_classifier::evaluate::touch::{TouchEvaluation, TouchTally};
 use underbrush_classifier::evaluate::{Accuracy, TouchFigures, UnknownFigures};
 use underbrush_classifier::touch::TouchExamples;
-use underbrush_recording::{Fault, Recording};
-use underbrush_recording::disk::DiskError;
+use underbrush_recording::{DiskError, Fault, Recording};
 use underbrush_sim::campaign::Job;
 
 use crate::dataset::each_reach;
 use crate::definition::VerdictSection;
 use crate::reaches::{self, Found};
-use crate::session::Session;
-use crate::training;
+use crate::{Session, training};
 
 /// Number of parts into which the reaches are divided. Each part is judged by networks fitted to the other parts.
 const FOLDS: usize = 3;

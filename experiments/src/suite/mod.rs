@@ -10,8 +10,7 @@ use std::path::{Path, PathBuf};
 
 use underbrush_classifier::online_model::OnlineModel;
 use underbrush_recording::{Category, Fault, InputError};
-use underbrush_sim::reach::ReachPlan;
-use underbrush_sim::scene::Scene;
+use underbrush_sim::{ReachPlan, Scene};
 
 use crate::source::{self, Source};
 

@@ -4,12 +4,10 @@ use std::sync::{Arc, Mutex};
 use serde_json::{Value, json};
 use underbrush_classifier::touch::{REGION_FEATURE_COUNT, TAXEL_FEATURE_COUNT, TOUCH_FORMAT, Touch};
 use underbrush_recording::{Frame, Recording};
-use underbrush_sim::arm::Arm;
 use underbrush_sim::controller::{
     Allowance, AllowedForces, Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact, Touched,
 };
-use underbrush_sim::reach::ReachPlan;
-use underbrush_sim::scene::Scene;
+use underbrush_sim::{Arm, ReachPlan, Scene};
 
 use crate::verdict_controller::VerdictControl;
 

@@ -1,8 +1,7 @@
 //! Tests of files.
 
 use underbrush_recording::Recording;
-use underbrush_sim::reach::{Observed, ReachPlan, ReachSoFar};
-use underbrush_sim::scene::Scene;
+use underbrush_sim::{Observed, ReachPlan, ReachSoFar, Scene};
 
 use super::*;
 use crate::{Film, Stage, png};

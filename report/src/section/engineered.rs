@@ -4,8 +4,7 @@ use underbrush_experiments::experiment::engineered::{Engineered, EngineeredReach
 use underbrush_experiments::frame_verdicts::Shares;
 
 use crate::drawing::{Axis, Dash, Layer, Rows, Shape, Style, Table, chart};
-use crate::replay_links;
-use crate::report::Report;
+use crate::{Report, replay_links};
 use crate::style::{CORRECT, UNCERTAIN, WRONG};
 
 /// Adds the section.

@@ -3,10 +3,8 @@
 use underbrush_experiments::experiment::example_trials::{Example, ExampleTrials, Typical};
 use underbrush_recording::{FRAME_PERIOD_S, Sample};
 
-use crate::category_looks::CategoryLooks;
+use crate::{CategoryLooks, Report, replay_links};
 use crate::drawing::{Axis, Layer, Rows, Shape, Table, chart};
-use crate::replay_links;
-use crate::report::Report;
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ExampleTrials) {

@@ -9,11 +9,9 @@ use underbrush_experiments::frame_verdicts::{Classified, Online};
 use underbrush_experiments::thresholds::Thresholds;
 use underbrush_recording::{Category, FRAME_PERIOD_S};
 
-use crate::category_looks::CategoryLooks;
+use crate::{CategoryLooks, Report, replay_links, roc};
 use crate::drawing::{Axis, Dash, Layer, Rows, Shape, Style, Table, chart};
-use crate::report::Report;
 use crate::style::{FIRST, INK, OUTLIER};
-use crate::{replay_links, roc};
 
 /// Share of taxel frames left uncertain above which the page says that a rule fails. Choice: such a rule decides on
 /// fewer than one in ten.

@@ -6,8 +6,7 @@ use underbrush_experiments::experiment::over_time::AccuracyOverTime;
 use underbrush_experiments::frame_verdicts::Classified;
 
 use crate::drawing::{Axis, Dash, Layer, Rows, Shape, Style, Table, chart};
-use crate::replay_links;
-use crate::report::Report;
+use crate::{Report, replay_links};
 use crate::style::{CORRECT, FIRST, INK, UNCERTAIN, UNTOUCHED, WRONG};
 
 /// Adds the section.

@@ -2,7 +2,7 @@
 
 use underbrush_experiments::accuracy::Accuracy;
 use underbrush_experiments::experiment::settings::{ComparedSettings, Split};
-use underbrush_recording::distinct::distinct;
+use underbrush_recording::distinct;
 
 use crate::drawing::{Cell, Rows, Table};
 use crate::report::{ACCURACY_COLUMNS, Report};

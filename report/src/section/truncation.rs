@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use underbrush_experiments::experiment::truncation::{Truncated, TruncatedAccuracy};
-use underbrush_recording::distinct::distinct;
+use underbrush_recording::distinct;
 
 use crate::accuracy_chart::{AccuracyChart, lowest};
 use crate::drawing::{Cell, Rows, Table};

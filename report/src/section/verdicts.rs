@@ -5,8 +5,7 @@ use underbrush_classifier::evaluate::touch::CalibrationBin;
 use underbrush_experiments::experiment::verdicts::{VerdictFigures, Verdicts};
 
 use crate::drawing::{Cell, Layer, Rows, Shape, Table};
-use crate::report::Report;
-use crate::roc;
+use crate::{Report, roc};
 use crate::style::FIRST;
 
 /// Adds the section.

@@ -9,9 +9,8 @@ use underbrush_experiments::frame_verdicts::{Classified, Online};
 use underbrush_recording::{Category, FRAME_PERIOD_S, Grid, Sample, Trial};
 
 use super::elements;
-use crate::category_looks::CategoryLooks;
 use crate::section::{example_trials as trial_section, moments, outliers};
-use crate::skin_map;
+use crate::{CategoryLooks, skin_map};
 
 const REED: Category = Category::new("reed", 4).unwrap();
 const LABELS: [&str; 3] = ["leaf", "trunk", "reed"];

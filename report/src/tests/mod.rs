@@ -5,10 +5,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use roxmltree::{Document, Node, ParsingOptions};
-use underbrush_experiments::Silent;
-use underbrush_experiments::definition::Experiment;
-use underbrush_experiments::results::Results;
-use underbrush_experiments::session::Session;
+use underbrush_experiments::{Experiment, Results, Session, Silent};
 
 use crate::Written;
 

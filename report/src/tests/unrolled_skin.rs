@@ -5,9 +5,8 @@ use underbrush_recording::Grid;
 use underbrush_sim::scene::Scene;
 
 use super::elements;
-use crate::category_looks::CategoryLooks;
-use crate::skin_map;
 use crate::style::{LEAF, UNTOUCHED};
+use crate::{CategoryLooks, skin_map};
 
 const GRID: Grid = Grid { rows: 4, columns: 3, wraps: true };
 

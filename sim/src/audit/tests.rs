@@ -1,10 +1,9 @@
 //! Tests of the audit against closed forms.
 
 use super::*;
-use crate::clutter::Clutter;
-use crate::physics::PhysicsOptions;
 use crate::sensor::{Sensor, SensorOptions};
 use crate::simulation::Setup;
+use crate::{Clutter, PhysicsOptions};
 
 /// Cody's arm with nothing around it.
 fn free_arm(step_s: f64) -> Simulation {

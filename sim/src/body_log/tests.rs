@@ -5,8 +5,7 @@ use std::path::Path;
 use underbrush_recording::body::{ORIENTATION_TOLERANCE_RAD, POSITION_TOLERANCE_M};
 use underbrush_recording::{Body, BodyOwner, BodyShape, Category, Pose, Recording};
 
-use crate::reach::{Observed, ReachPlan};
-use crate::scene::Scene;
+use crate::{Observed, ReachPlan, Scene};
 
 /// The simulation's poses of the bodies of every object in one frame.
 type ObjectPoses = Vec<Vec<Pose>>;

@@ -10,8 +10,7 @@ use super::goals::passes_through;
 use super::{Clutter, PlacedObject};
 use crate::arm::{Arm, ArmAtStart, SkinAlongArm};
 use crate::geometry::{Capsule, PlacedShape};
-use crate::reach::ReachPlan;
-use crate::scene::Scene;
+use crate::{ReachPlan, Scene};
 
 /// Cody's arm without the shapes that would keep objects away from its start, and with skin 5 to 20 cm behind the end
 /// effector.

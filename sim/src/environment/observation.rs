@@ -1,7 +1,6 @@
 //! What an agent sees: named parts of one row of numbers.
 
-use crate::arm::Arm;
-use crate::simulation::Simulation;
+use crate::{Arm, Simulation};
 
 /// A part of an observation.
 #[derive(Clone, Debug, PartialEq)]

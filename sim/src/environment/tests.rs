@@ -3,8 +3,7 @@
 use underbrush_recording::Outcome;
 
 use super::{ActionKind, Environment, EnvironmentOptions, Environments, Reward};
-use crate::reach::ReachPlan;
-use crate::scene::Scene;
+use crate::{ReachPlan, Scene};
 
 /// A scene with leaves in front of a goal that a hand can reach.
 fn plan(seed: u64) -> ReachPlan {

@@ -2,8 +2,7 @@
 
 use super::*;
 use crate::object::{FRICTION, TABLE_FRICTION};
-use crate::reach::ReachPlan;
-use crate::scene::Scene;
+use crate::{ReachPlan, Scene};
 
 const SCENE: &str = "summary = \"A test\"\n[goals]\ncount = 1\n[[objects.trunk]]\ncount = 2\n";
 

@@ -11,9 +11,7 @@ use super::FRICTION;
 use super::group::{Declared, Drawing, Kind};
 use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Maxwell, Spring, Structure, part};
 use super::{EARTH_GRAVITY_M_PER_S2, Footing, Object};
-use crate::contact::surface::Surface;
-use crate::geometry::Footprint;
-use crate::range::{Draw, DrawError};
+use crate::{Draw, DrawError, Footprint, Surface};
 
 /// Length and width of a block, m (paper, section IV-A).
 const LENGTH_M: f64 = 0.25;

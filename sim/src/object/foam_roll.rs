@@ -9,9 +9,8 @@ use underbrush_recording::{BodyShape, Category};
 use super::group::{Declared, Drawing, Kind, quantities};
 use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Maxwell, Spring, Structure, part};
 use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Object};
-use crate::contact::surface::Surface;
-use crate::geometry::Footprint;
 use crate::range::{Draw, DrawError, draw_possible};
+use crate::{Footprint, Surface};
 
 /// Number of slices that a roll is cut into along its height. Choice: each is then about half as high as the arm is
 /// thick.

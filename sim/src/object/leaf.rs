@@ -10,9 +10,8 @@ use super::group::{Declared, Drawing, Kind, quantities};
 use super::root::{NEVER_PULLED_N, grip, root_stiffness_nm_per_rad};
 use super::structure::{Axis, Body, CollisionGroup, Grip, Joint, Structure};
 use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Object, StandsOn};
-use crate::contact::surface::Surface;
-use crate::geometry::Footprint;
 use crate::range::{Draw, DrawError, draw_possible};
+use crate::{Footprint, Surface};
 
 quantities! {
     /// What is drawn for a leaf. The foot frame of its blade: x normal to the blade, y along its width, z up.

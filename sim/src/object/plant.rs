@@ -11,10 +11,9 @@ use super::group::{Declared, Drawing, Kind, quantities};
 use super::root::{NEVER_PULLED_N, grip, root_stiffness_nm_per_rad};
 use super::structure::{Axis, Body, CollisionGroup, Grip, Inertia, Joint, Spring, Structure, part};
 use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Object, StandsOn};
-use crate::contact::surface::Surface;
-use crate::geometry::Footprint;
 use crate::quadrature::gauss_legendre;
 use crate::range::{Draw, DrawError, draw_possible};
+use crate::{Footprint, Surface};
 
 quantities! {
     /// What is drawn for a plant. Limits: from a seedling to a bush that the arm just reaches over.

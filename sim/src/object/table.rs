@@ -9,9 +9,7 @@ use underbrush_recording::{BodyShape, Category};
 use super::group::{Declared, Drawing, Kind, quantities};
 use super::structure::{Body, Structure, part};
 use super::{Footing, Object, TABLE_FRICTION};
-use crate::contact::surface::Surface;
-use crate::geometry::Footprint;
-use crate::range::{Draw, DrawError};
+use crate::{Draw, DrawError, Footprint, Surface};
 
 /// Thickness of the top, m. Choice: thicker than any overlap, so that nothing comes out below.
 const THICKNESS_M: f64 = 0.1;

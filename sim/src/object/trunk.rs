@@ -8,9 +8,8 @@ use underbrush_recording::{BodyShape, Category};
 use super::group::{Declared, Drawing, Kind, quantities};
 use super::structure::{Body, Structure, part};
 use super::{FRICTION, Footing, Object};
-use crate::contact::surface::Surface;
-use crate::geometry::Footprint;
 use crate::range::{Draw, DrawError, draw_possible};
+use crate::{Footprint, Surface};
 
 quantities! {
     /// One trunk.

@@ -9,9 +9,8 @@ use underbrush_recording::{BodyShape, Category};
 use super::group::{Declared, Drawing, Kind, quantities};
 use super::structure::{Body, CollisionGroup, Inertia, Joint, Structure, part};
 use super::{Footing, Object, TABLE_FRICTION};
-use crate::contact::surface::Surface;
-use crate::geometry::Footprint;
 use crate::range::{Draw, DrawError, draw_possible};
+use crate::{Footprint, Surface};
 
 /// The category of water bottles. Like the foam roll, a bottle does not belong to the foliage; it has a category of its
 /// own because it feels different from a roll.

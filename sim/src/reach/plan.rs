@@ -8,11 +8,10 @@ use underbrush_recording::{InputError, Recording};
 
 use super::{Observer, Reach, ReachError, ReachRules, Stop};
 use crate::arm::{Arm, ArmAtStart};
-use crate::clutter::Clutter;
 use crate::controller::{Controller, ControllerKind, Preset};
-use crate::scene::Scene;
 use crate::sensor::Sensor;
 use crate::simulation::{Setup, Simulation};
+use crate::{Clutter, Scene};
 
 /// Everything that decides a reach except its index.
 ///

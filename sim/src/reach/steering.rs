@@ -5,9 +5,8 @@ use underbrush_recording::{FRAME_PERIOD_S, TaxelReading};
 
 use super::error::ReachError;
 use super::plan::ReachPlan;
-use crate::clutter::PlacedObject;
 use crate::controller::{ControlStatus, Controller, ControllerInput, Intent, TaxelContact, Touched, Verdict};
-use crate::simulation::Simulation;
+use crate::{PlacedObject, Simulation};
 
 /// A controller and the equilibrium angles that it has set.
 pub(crate) struct Steering {

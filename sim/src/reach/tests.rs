@@ -5,9 +5,8 @@ use std::path::Path;
 use underbrush_recording::Outcome;
 
 use super::{ReachPlan, ReachSoFar};
-use crate::arm::Arm;
 use crate::controller::{ControllerKind, Preset};
-use crate::scene::Scene;
+use crate::{Arm, Scene};
 
 /// A reach to one goal with nothing in the way.
 fn plan(robot: &str) -> ReachPlan {

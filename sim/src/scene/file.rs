@@ -6,13 +6,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{SceneCamera, limits};
-use crate::controller::ControllerKind;
 use crate::materials::MaterialsSection;
 use crate::numbers::{options, with_limits};
 use crate::object::{Group, Specification, for_each_object_kind};
-use crate::physics::PhysicsOptions;
 use crate::range::{PLACE_M, Quantity, Within};
-use crate::sensor::SensorOptions;
+use crate::{ControllerKind, PhysicsOptions, SensorOptions};
 
 /// The keys of a scene file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]

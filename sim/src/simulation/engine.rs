@@ -7,10 +7,9 @@ use underbrush_recording::Pose as WorldPose;
 use super::contact_step::ContactStep;
 use super::groups;
 use super::placed::{PlacedLink, Scene, Solid};
-use crate::contact::surface::Surface;
 use crate::dynamics::Tree;
 use crate::object::TABLE_FRICTION;
-use crate::physics::PhysicsOptions;
+use crate::{PhysicsOptions, Surface};
 
 /// Half the sizes of the table, m. Choice: larger than any table, so that nothing falls off. A bottle that is tipped
 /// over and rolls away with the hand's speed, 0.2 m/s, covers 12 m in a minute.

@@ -10,11 +10,9 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, Frame, Pose};
 
-use crate::arm::Arm;
-use crate::clutter::Clutter;
 use crate::object::structure::Structure;
-use crate::physics::PhysicsOptions;
 use crate::sensor::Sensor;
+use crate::{Arm, Clutter, PhysicsOptions};
 use contact_points::contact_points;
 use model::Model;
 use sense::SenseBuffers;

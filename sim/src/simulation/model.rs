@@ -8,11 +8,10 @@ use rapier3d::prelude::{Cuboid, Pose as EnginePose, Shape};
 use underbrush_recording::Pose;
 
 use super::mechanism::foot_pose;
-use crate::arm::Arm;
-use crate::clutter::{Clutter, PlacedObject};
 use crate::geometry::parry_pose;
 use crate::object::structure::{Body, Structure};
 use crate::skin::SkinPatch;
+use crate::{Arm, Clutter, PlacedObject};
 
 /// The constant part of a simulation, shared between its copies.
 pub(super) struct Model {

@@ -8,12 +8,10 @@ use super::arm::ArmBodies;
 use super::engine::Engine;
 use super::mechanism::{Mechanism, collider};
 use super::placed::{PlacedLink, Solid};
-use crate::arm::Arm;
-use crate::contact::surface::Surface;
 use crate::dynamics::{self, LinkOptions, Tree};
 use crate::object::Object;
 use crate::object::structure::{Axis, Spring};
-use crate::physics::PhysicsOptions;
+use crate::{Arm, PhysicsOptions, Surface};
 
 mod description;
 

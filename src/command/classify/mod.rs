@@ -13,10 +13,9 @@ use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::decision::Verdict;
-use underbrush_classifier::hmm::ScoreKind;
-use underbrush_classifier::online::OnlineOptions;
 use underbrush_classifier::online_model::OnlineModel;
 use underbrush_classifier::paper_rule::Scores;
+use underbrush_classifier::{OnlineOptions, ScoreKind};
 
 use super::decision_arguments::{DecisionArguments, refuse_for_touch_model};
 use super::score;

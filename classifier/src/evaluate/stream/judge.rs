@@ -7,10 +7,8 @@ use underbrush_recording::{Category, Frame, Recording};
 
 use super::{NOTHING, Stream, StreamContact, StreamFrame, StreamTruth, Tally};
 use crate::decision::Verdict;
-use crate::estimator::Classifier;
-use crate::online::{OnlineClassifier, OnlineError, OnlineOptions};
 use crate::touch::{Touch, TouchClassifier, TouchModel};
-use crate::trial::TrialError;
+use crate::{Classifier, OnlineClassifier, OnlineError, OnlineOptions, TrialError};
 
 /// A verdict on a taxel in contact.
 struct Judged {

@@ -3,12 +3,10 @@ use std::collections::BTreeMap;
 use underbrush_recording::{ObjectRecord, Recording};
 
 use super::*;
-use crate::decision::{Decision, Rule};
-use crate::feature::FeatureSet;
 use crate::hmm::{GaussianHmm, HmmParameters};
 use crate::hmm_classifier::HmmClassifier;
-use crate::online::OnlineOptions;
 use crate::trial::tests::{Drawn, recording};
+use crate::{Decision, FeatureSet, OnlineOptions, Rule};
 
 /// Models of leaf (mean 0.5 N) and trunk (3 N), both with one state and variance 1 N². A sample of 0.5 N or of 3 N then
 /// adds (3 − 0.5)² / 2 = 3.125 nats to the margin.

@@ -5,10 +5,9 @@ use rand_distr::{Distribution, Normal};
 use underbrush_recording::{Sample, Trial};
 
 use super::*;
-use crate::error::ModelError;
-use crate::estimator::{Classifier, Estimator};
 use crate::evaluate::tests::{OneNumber, scored};
 use crate::evaluate::{Folds, HeldOut};
+use crate::{Classifier, Estimator, ModelError};
 
 const TARGETS: ThresholdTargets = ThresholdTargets { false_positive_rate: 0.1, outlier_prior: 0.05 };
 

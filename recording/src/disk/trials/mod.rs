@@ -23,9 +23,8 @@ use super::table::column::{Column, Rows, Text};
 use super::table::row::{Row, row};
 use super::whole_file::remove_leftovers;
 use crate::disk::tables::dictionary::Table;
-use crate::distinct::distinct;
 use crate::plain_text::{PLAIN, is_plain};
-use crate::{Category, InputError, Trial};
+use crate::{Category, InputError, Trial, distinct};
 
 row! {
     /// A row of [`TRIALS`].

@@ -10,8 +10,7 @@ use underbrush_recording::{ObstacleKind, Pose, math};
 
 use super::arm_shapes::ArmShapes;
 use super::map::Touch;
-use crate::arm::Arm;
-use crate::controller::ControllerInput;
+use crate::{Arm, ControllerInput};
 
 /// Torques below this are friction and inertia, Nm: 3 N at a third of a metre.
 const LEAST_NM: f64 = 1.0;

@@ -10,8 +10,7 @@ use super::path::Path;
 use super::planner::{EVALUATION_S, NoWay};
 use super::pursuit::{FROZEN_RAD, Pursuit};
 use super::route::Surroundings;
-use crate::controller::ControllerInput;
-use crate::seed;
+use crate::{ControllerInput, seed};
 
 /// A goal is given up after so many stops. Choice: several times what a way takes.
 const STOPS: usize = 10;

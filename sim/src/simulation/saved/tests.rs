@@ -1,9 +1,8 @@
 //! A saved simulation continues exactly, and bad states are refused.
 
 use super::StateError;
-use crate::reach::ReachPlan;
-use crate::scene::Scene;
 use crate::simulation::{FrameReport, Simulation};
+use crate::{ReachPlan, Scene};
 
 /// Leaves, a trunk, foam and a roll near the arm, with all effects of the sensor.
 const SCENE: &str = r#"

@@ -5,9 +5,8 @@ use std::f64::consts::TAU;
 use allocation_counter::measure;
 use glam::DVec3;
 
-use crate::reach::ReachPlan;
-use crate::scene::Scene;
 use crate::simulation::{Contact, Simulation};
+use crate::{ReachPlan, Scene};
 
 /// Many leaves and a few trunks, which the arm meets with several links.
 const SCENE: &str = r#"

@@ -3,13 +3,12 @@
 use nalgebra::Vector3;
 
 use super::ArmBodies;
-use crate::arm::Arm;
 use crate::arm::tests::kinematics::matrix;
 use crate::arm::tests::random_postures;
 use crate::geometry::parry_pose;
-use crate::physics::PhysicsOptions;
 use crate::simulation::engine::Engine;
 use crate::simulation::report::JointState;
+use crate::{Arm, PhysicsOptions};
 
 mod dynamics;
 

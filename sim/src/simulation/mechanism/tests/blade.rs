@@ -5,15 +5,14 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 use super::{pose, step_pushed};
-use crate::contact::surface::Surface;
 use crate::object::Footing;
 use crate::object::blade::{Blade, SHEET_TORSION_OVER_BENDING};
 use crate::object::group::{Group, Specification};
 use crate::object::plant::Plant;
 use crate::object::structure::{Axis, Body, Drag, Inertia, Joint, Spring, Structure};
-use crate::physics::PhysicsOptions;
 use crate::simulation::engine::Engine;
 use crate::simulation::mechanism::Mechanism;
+use crate::{PhysicsOptions, Surface};
 
 const OPTIONS: PhysicsOptions = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 9.81 };
 

@@ -4,14 +4,13 @@ use glam::{DQuat, DVec3};
 use underbrush_recording::{BodyPart, BodyShape, Pose};
 
 use super::{build, pose, step_pushed};
-use crate::contact::surface::Surface;
 use crate::object::foam_block::FoamBlock;
 use crate::object::leaf::Leaf;
 use crate::object::{Object, TABLE_FRICTION};
-use crate::physics::PhysicsOptions;
 use crate::simulation::engine::Engine;
 use crate::simulation::mechanism::Mechanism;
 use crate::simulation::test_rig::{FreeBody, Rig};
+use crate::{PhysicsOptions, Surface};
 
 /// Tests that a load on the top presses a wet block in by F H / (E A (1 − share)) in the end, and that the block then
 /// rises again and counts as at rest.
