@@ -5,11 +5,9 @@ use std::f64::consts::FRAC_PI_2;
 use glam::{DQuat, DVec3};
 use underbrush_oracles::foundation;
 use underbrush_recording::{BodyPart, BodyShape, Pose};
-use underbrush_sim::arm::Arm;
-use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::object::trunk::Trunk;
-use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::test_rig::{BodyId, FreeBody, Rig};
+use underbrush_sim::{Arm, PhysicsOptions, Surface};
 
 use crate::pressed_arm::{self, Beside, FOREARM_RADIUS_M, GRAVITY_M_PER_S2, PressedArm};
 use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
@@ -143,18 +141,12 @@ fn resting(simulated: Simulated) -> Found {
             let (mut rig, upper) = on(RESTING, &body.lower, &body_above)?;
             rig.step_times(1000);
             let depth_m = body.height_m - rig.pose_world(upper).position.z;
-            comparisons.push(
-                Comparison::of(
-                    format!("{}, k times the overlap's volume at rest, {} g", body.name, mass_kg * 1e3),
-                    "N",
-                    mass_kg * GRAVITY_M_PER_S2,
-                    STIFFNESS_N_PER_M3 * (body.overlap_m3)(depth_m),
-                )
-                .relative(
-                    0.005 + body.curvature_per_m * depth_m / 4.0,
-                    "0.5 % of quadrature, and d / 4R where the closed form is the first term in d / R",
-                ),
-            );
+            let quantity = format!("{}, k times the overlap's volume at rest, {} g", body.name, mass_kg * 1e3);
+            let found = STIFFNESS_N_PER_M3 * (body.overlap_m3)(depth_m);
+            let tolerance = 0.005 + body.curvature_per_m * depth_m / 4.0;
+            let reason = "0.5 % of quadrature, and d / 4R where the closed form is the first term in d / R";
+            let comparison = Comparison::of(quantity, "N", mass_kg * GRAVITY_M_PER_S2, found);
+            comparisons.push(comparison.relative(tolerance, reason));
         }
     }
     Ok(comparisons)
@@ -212,13 +204,9 @@ fn along_the_forearm(simulated: Simulated) -> Found {
         let law = layer.force_n([FOREARM_RADIUS_M, RADIUS_M], depth_m);
         let contacts = pressed.report().contacts.iter().filter(|contact| contact.link == pressed.forearm);
         let force_n: f64 = contacts.map(|contact| contact.force_world.dot(contact.inward_world)).sum();
-        Ok(Comparison::of(
-            format!("trunk on the forearm {name}, 2π √(R₁R₂) ∫ p dh / sin α"),
-            "N",
-            force_n,
-            law / normal.length(),
-        )
-        .relative(0.05, "5 %: terms of order d / R, a tenth for the trunk, a quarter of which enters"))
+        let quantity = format!("trunk on the forearm {name}, 2π √(R₁R₂) ∫ p dh / sin α");
+        Ok(Comparison::of(quantity, "N", force_n, law / normal.length())
+            .relative(0.05, "5 %: terms of order d / R, a tenth for the trunk, a quarter of which enters"))
     };
     [("near the wrist", -0.05), ("in the middle", 0.0), ("near the elbow", 0.07)].into_iter().map(compare).collect()
 }

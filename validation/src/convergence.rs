@@ -71,15 +71,8 @@ fn leaf_in_hinges(simulated: Simulated) -> Found {
         }
         errors.push((1.0 / f64::from(segments), (squares / f64::from(PLACES)).sqrt()));
     }
-    Ok(vec![
-        Comparison::of(
-            "order in the hinges, deflection by a load between 0.5 and 0.9 of the height",
-            "",
-            3.0,
-            order::log_log_slope(&errors),
-        )
-        .absolute(0.2, REASON),
-    ])
+    let quantity = "order in the hinges, deflection by a load between 0.5 and 0.9 of the height";
+    Ok(vec![Comparison::of(quantity, "", 3.0, order::log_log_slope(&errors)).absolute(0.2, REASON)])
 }
 
 /// Positions of the load over which the error is averaged.

@@ -5,10 +5,8 @@ use std::sync::Mutex;
 
 use rayon::ThreadPoolBuilder;
 use underbrush_recording::Recording;
-use underbrush_sim::arm::Arm;
 use underbrush_sim::campaign::{self, Job};
-use underbrush_sim::reach::ReachPlan;
-use underbrush_sim::scene::Scene;
+use underbrush_sim::{Arm, ReachPlan, Scene};
 
 use crate::pressed_arm::{Beside, LEAF, OPTIONS, PressedArm};
 use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};

@@ -3,11 +3,9 @@
 use nalgebra::DVector;
 use underbrush_oracles::order;
 use underbrush_recording::{FRAME_PERIOD_S, Pose};
-use underbrush_sim::arm::Arm;
-use underbrush_sim::clutter::Clutter;
-use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::sensor::{Sensor, SensorOptions};
 use underbrush_sim::simulation::{JointState, Setup, Simulation};
+use underbrush_sim::{Arm, Clutter, PhysicsOptions};
 
 use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
@@ -80,13 +78,8 @@ fn largest_rise_share(energies_j: &[f64]) -> f64 {
 }
 
 fn largest_rise(name: &str, energies_j: &[f64]) -> Comparison {
-    Comparison::of(
-        format!("largest rise of the energy of {name} in one step, over the initial energy"),
-        "",
-        0.0,
-        largest_rise_share(energies_j),
-    )
-    .at_most(1e-9, "1e-9: rounding only")
+    let quantity = format!("largest rise of the energy of {name} in one step, over the initial energy");
+    Comparison::of(quantity, "", 0.0, largest_rise_share(energies_j)).at_most(1e-9, "1e-9: rounding only")
 }
 
 /// Energy, J, at the start and after each step, of an arm that is released in its start posture with some velocity.

@@ -4,13 +4,11 @@ use glam::{DQuat, DVec3};
 use underbrush_oracles::numeric::bisected;
 use underbrush_oracles::statics;
 use underbrush_recording::{BodyPart, BodyShape, Pose};
-use underbrush_sim::arm::Arm;
-use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::object::trunk::Trunk;
-use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::test_rig::{FreeBody, Rig};
+use underbrush_sim::{Arm, Surface};
 
-use crate::pressed_arm::{self, Beside, GRAVITY_M_PER_S2, PressedArm, SLIDING_M_PER_S, friction_of, with_friction};
+use crate::pressed_arm::{Beside, GRAVITY_M_PER_S2, OPTIONS, PressedArm, SLIDING_M_PER_S, friction_of, with_friction};
 use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 7.
@@ -40,20 +38,16 @@ const TILTED_AXIS: Falsification = Falsification::new(
 .breaking(&["share of the friction force"]);
 
 const FRICTION: f64 = 0.4;
-const OPTIONS: PhysicsOptions = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: GRAVITY_M_PER_S2 };
 
 fn boxes(simulated: Simulated) -> Found {
     let friction = FRICTION * simulated.with(SMOOTH_BOX, 1.0, 0.9);
     let mut comparisons = Vec::new();
     for (name, may_rotate) in [("box that cannot rotate", false), ("free box", true)] {
+        let expected = statics::slip_angle_rad(FRICTION).to_degrees();
+        let found = slip_slope_rad(friction, may_rotate).to_degrees();
         comparisons.push(
-            Comparison::of(
-                format!("slope at which a {name} slips"),
-                "deg",
-                statics::slip_angle_rad(FRICTION).to_degrees(),
-                slip_slope_rad(friction, may_rotate).to_degrees(),
-            )
-            .absolute(0.5, "0.5°: the bisection ends at 0.01°; slip and creep are told apart within one second"),
+            Comparison::of(format!("slope at which a {name} slips"), "deg", expected, found)
+                .absolute(0.5, "0.5°: the bisection ends at 0.01°; slip and creep are told apart within one second"),
         );
         for slope_deg in [30.0_f64, 45.0] {
             let slope = slope_deg.to_radians();
@@ -61,18 +55,11 @@ fn boxes(simulated: Simulated) -> Found {
             // The first half second lets the contact settle.
             let half = speeds.len() / 2;
             let seconds = (speeds.len() - 1 - half) as f64 * OPTIONS.step_s;
-            comparisons.push(
-                Comparison::of(
-                    format!("acceleration of a {name} at {slope_deg}°"),
-                    "m/s²",
-                    statics::sliding_acceleration_m_per_s2(GRAVITY_M_PER_S2, slope, FRICTION),
-                    (speeds[speeds.len() - 1] - speeds[half]) / seconds,
-                )
-                .relative(
-                    1e-2,
-                    "1 %: a constant force has no discretization error; what remains is the solver's residual",
-                ),
-            );
+            let quantity = format!("acceleration of a {name} at {slope_deg}°");
+            let expected = statics::sliding_acceleration_m_per_s2(GRAVITY_M_PER_S2, slope, FRICTION);
+            let found = (speeds[speeds.len() - 1] - speeds[half]) / seconds;
+            let reason = "1 %: a constant force has no discretization error; what remains is the solver's residual";
+            comparisons.push(Comparison::of(quantity, "m/s²", expected, found).relative(1e-2, reason));
         }
     }
     Ok(comparisons)
@@ -92,7 +79,7 @@ fn sliding_forearm(simulated: Simulated) -> Found {
     *axis = axis.rotate_x(tilt_rad);
     let trunk = Trunk { diameter_m: 0.03, height_m: 0.6 };
     let beside = Beside::facing(Box::new(trunk), 0.017, 0.3);
-    let mut pressed = PressedArm::new(arm, wrong, beside, pressed_arm::OPTIONS)?;
+    let mut pressed = PressedArm::new(arm, wrong, beside, OPTIONS)?;
     let mut equilibrium = pressed.pressing_rad(6.0);
     pressed.hold(&equilibrium, 1.0);
     let (mut largest, mut opposed, mut whole) = (0.0_f64, 0.0, 0.0);
@@ -169,14 +156,10 @@ fn every_direction(simulated: Simulated) -> Found {
     }
     let expected = FRICTION * GRAVITY_M_PER_S2;
     let reason = "1 %: as on a slope";
+    let angle = "box that slides in twelve directions, largest angle between friction and slip";
     Ok(vec![
-        Comparison::of(
-            "box that slides in twelve directions, largest angle between friction and slip",
-            "deg",
-            0.0,
-            farthest_rad.to_degrees(),
-        )
-        .at_most(0.1, "0.1°: the solver's residual, 1e-6 of the force, and a little rotation of the box"),
+        Comparison::of(angle, "deg", 0.0, farthest_rad.to_degrees())
+            .at_most(0.1, "0.1°: the solver's residual, 1e-6 of the force, and a little rotation of the box"),
         Comparison::of("box that slides in twelve directions, slowest deceleration", "m/s²", expected, slowest)
             .relative(0.01, reason),
         Comparison::of("box that slides in twelve directions, fastest deceleration", "m/s²", expected, fastest)

@@ -164,24 +164,12 @@ fn recovered(simulated: Simulated) -> Found {
             let tolerance = 4.0 * standard_error;
             comparisons.push(Comparison::of(quantity, "", expected, found).absolute(tolerance, reason));
         };
-        compare(
-            format!("mean of state {state}"),
-            truth.mean[state][0],
-            found.mean[state][0],
-            (variance / count).sqrt(),
-        );
-        compare(
-            format!("variance of state {state}"),
-            variance,
-            found.covariance[state][0][0],
-            variance * (2.0 / count).sqrt(),
-        );
-        compare(
-            format!("probability that state {state} stays"),
-            stays,
-            found.transition[state][state],
-            (stays * (1.0 - stays) / count).sqrt(),
-        );
+        let (mean, spread, stay) =
+            (found.mean[state][0], found.covariance[state][0][0], found.transition[state][state]);
+        compare(format!("mean of state {state}"), truth.mean[state][0], mean, (variance / count).sqrt());
+        compare(format!("variance of state {state}"), variance, spread, variance * (2.0 / count).sqrt());
+        let stays_error = (stays * (1.0 - stays) / count).sqrt();
+        compare(format!("probability that state {state} stays"), stays, stay, stays_error);
     }
     Ok(comparisons)
 }

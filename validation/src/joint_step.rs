@@ -2,8 +2,7 @@
 
 use underbrush_oracles::oscillator::Oscillator;
 use underbrush_recording::FRAME_PERIOD_S;
-use underbrush_sim::arm::Arm;
-use underbrush_sim::physics::PhysicsOptions;
+use underbrush_sim::{Arm, PhysicsOptions};
 
 use crate::leaf_case::measure_vibration;
 use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated, free_arm};

@@ -80,29 +80,15 @@ fn compare(simulated: Simulated) -> Found {
         let trees = rig.describe().trees;
         let described = trees.iter().find(|links| links.len() == tree.links().len());
         let links = stacked(described.ok_or_else(|| Fault::Run(format!("no {name} on the rig")))?);
-        found.push(
-            Comparison::of(
-                format!("accelerations of the {name} over the largest"),
-                "",
-                0.0,
-                accelerations_apart(tree, &links, gravity_m_per_s2),
-            )
-            .absolute(1e-9, "1e-9: rounding of both"),
-        );
+        let quantity = format!("accelerations of the {name} over the largest");
+        let apart = accelerations_apart(tree, &links, gravity_m_per_s2);
+        found.push(Comparison::of(quantity, "", 0.0, apart).absolute(1e-9, "1e-9: rounding of both"));
         // A foam block has one axis, and its mass hardly counts beside its springs: its accelerations say all.
         if tree.coordinates().len() > 1 {
-            found.push(
-                Comparison::of(
-                    format!("free motion of the {name}, largest difference"),
-                    "rad or m",
-                    0.0,
-                    motions_apart(tree, &links, gravity_m_per_s2),
-                )
-                .absolute(
-                    1e-6,
-                    "1e-6: both are of the first order, but Rapier takes Coriolis forces at the end of the step",
-                ),
-            );
+            let quantity = format!("free motion of the {name}, largest difference");
+            let apart = motions_apart(tree, &links, gravity_m_per_s2);
+            let reason = "1e-6: both are of the first order, but Rapier takes Coriolis forces at the end of the step";
+            found.push(Comparison::of(quantity, "rad or m", 0.0, apart).absolute(1e-6, reason));
         }
     }
     Ok(found)

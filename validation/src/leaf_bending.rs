@@ -50,17 +50,11 @@ fn small_load_tolerance() -> f64 {
 fn tip_load(simulated: Simulated) -> Found {
     let compare = |segments: u32| -> Result<Comparison, Fault> {
         let found = damped_leaf(segments, simulated)?.settle(DVec3::X * SMALL_LOAD_N, DVec3::ZERO)?;
-        Ok(Comparison::of(
-            format!("tip deflection, {segments} hinges, against the beam"),
-            "m",
-            beam::beam_deflection_m(SMALL_LOAD_N, LENGTH_M, RIGIDITY_N_M2),
-            found.x,
-        )
-        .relative(
-            small_load_tolerance(),
-            "twice (4/35) (P L² / E I)², the next term of the elastica: Gauss-Legendre hinges are exact \
-                 for a small tip load",
-        ))
+        let quantity = format!("tip deflection, {segments} hinges, against the beam");
+        let expected = beam::beam_deflection_m(SMALL_LOAD_N, LENGTH_M, RIGIDITY_N_M2);
+        let reason = "twice (4/35) (P L² / E I)², the next term of the elastica: Gauss-Legendre hinges are exact for a \
+                      small tip load";
+        Ok(Comparison::of(quantity, "m", expected, found.x).relative(small_load_tolerance(), reason))
     };
     [2, 4, 8, 16].into_iter().map(compare).collect()
 }
@@ -72,13 +66,12 @@ fn load_below_tip(simulated: Simulated) -> Found {
             return Err(Fault::Run(format!("no table of nodes for {hinges} hinges")));
         };
         let mut leaf = damped_leaf(simulated.with(FEWER_HINGES, hinges, hinges - 1), simulated)?;
-        Ok(Comparison::of(
-            format!("deflection by a load at 0.6 of the height, {hinges} hinges, against the sum over them"),
-            "m",
-            expected,
-            leaf.settle_at(DVec3::X * SMALL_LOAD_N, height_m)?,
-        )
-        .relative(small_load_tolerance(), "the same: the sum over the published Gauss nodes is exact for the chain"))
+        let quantity = format!("deflection by a load at 0.6 of the height, {hinges} hinges, against the sum over them");
+        let found = leaf.settle_at(DVec3::X * SMALL_LOAD_N, height_m)?;
+        Ok(Comparison::of(quantity, "m", expected, found).relative(
+            small_load_tolerance(),
+            "the same: the sum over the published Gauss nodes is exact for the chain",
+        ))
     };
     [4, 8].into_iter().map(compare).collect()
 }

@@ -3,15 +3,13 @@
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector, Matrix3xX, Vector3};
 use underbrush_recording::{Category, FRAME_PERIOD_S, Pose, TaxelReading};
-use underbrush_sim::arm::Arm;
-use underbrush_sim::clutter::{Clutter, PlacedObject};
 use underbrush_sim::object::blade::SHEET_TORSION_OVER_BENDING;
 use underbrush_sim::object::foam_roll::FoamRoll;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::{FRICTION, Object};
-use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::sensor::{Sensor, SensorModel, SensorOptions};
 use underbrush_sim::simulation::{FrameReport, Setup, Simulation};
+use underbrush_sim::{Arm, Clutter, PhysicsOptions, PlacedObject};
 
 use crate::Fault;
 

@@ -2,12 +2,11 @@
 
 use glam::{DQuat, DVec3};
 use underbrush_recording::{BodyPart, BodyShape, Pose};
-use underbrush_sim::contact::surface::Surface;
+use underbrush_sim::Surface;
 use underbrush_sim::object::structure;
-use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::test_rig::{FreeBody, Rig};
 
-use crate::pressed_arm::GRAVITY_M_PER_S2;
+use crate::pressed_arm::{GRAVITY_M_PER_S2, OPTIONS};
 use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
 
 /// Check 4.
@@ -23,7 +22,6 @@ const HEAVY_BODY: Falsification = Falsification::new("mass of the simulated body
 const MASS_KG: f64 = 0.4;
 /// Friction plays no part at rest.
 const FRICTION: f64 = 0.5;
-const OPTIONS: PhysicsOptions = PhysicsOptions { step_s: 0.005, gravity_m_per_s2: GRAVITY_M_PER_S2 };
 
 fn compare(simulated: Simulated) -> Found {
     let mass_kg = MASS_KG * simulated.with(HEAVY_BODY, 1.0, 1.01);
@@ -38,13 +36,11 @@ fn compare(simulated: Simulated) -> Found {
     bodies
         .into_iter()
         .map(|(name, shape, pose_body)| {
-            Ok(Comparison::of(
-                format!("load under a {name}"),
-                "N",
-                MASS_KG * GRAVITY_M_PER_S2,
-                resting_load_n(BodyPart { shape, pose_body }, mass_kg)?,
-            )
-            .relative(1e-6, "1e-6: a state of rest has no discretization error; what remains is the solver's residual"))
+            let found = resting_load_n(BodyPart { shape, pose_body }, mass_kg)?;
+            Ok(Comparison::of(format!("load under a {name}"), "N", MASS_KG * GRAVITY_M_PER_S2, found).relative(
+                1e-6,
+                "1e-6: a state of rest has no discretization error; what remains is the solver's residual",
+            ))
         })
         .collect()
 }

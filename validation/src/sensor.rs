@@ -173,15 +173,9 @@ fn creep(simulated: Simulated) -> Found {
     let reading = (0..frames).map(|_| bench.press(bench.forearm, 7, force)).last();
     let crept = |time_s: f64| 1.0 - (-f64::from(frames) * FRAME_PERIOD_S / time_s).exp();
     let expected = force * (1.0 + share * [0.1, 1.0, 10.0, 100.0].map(crept).iter().sum::<f64>());
-    Ok(vec![
-        Comparison::of(
-            "reading of 2 N held for 20 s, F (1 + c Σ (1 − e^(−t/τ)))",
-            "N",
-            expected,
-            reading.unwrap_or(f64::NAN),
-        )
-        .relative(ROUNDING, ROUNDING_REASON),
-    ])
+    let quantity = "reading of 2 N held for 20 s, F (1 + c Σ (1 − e^(−t/τ)))";
+    let found = reading.unwrap_or(f64::NAN);
+    Ok(vec![Comparison::of(quantity, "N", expected, found).relative(ROUNDING, ROUNDING_REASON)])
 }
 
 /// Area of the fabric's hysteresis loop for a load from 0 to 8 N and back.

@@ -3,12 +3,11 @@
 use glam::DVec3;
 use nalgebra::Vector3;
 use underbrush_oracles::{beam, foam, statics};
-use underbrush_sim::arm::Arm;
 use underbrush_sim::object::foam_roll::FoamRoll;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::trunk::Trunk;
-use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::Contact;
+use underbrush_sim::{Arm, PhysicsOptions};
 
 use crate::pressed_arm::{self, Beside, LEAF, OPTIONS, PressedArm, with_friction};
 use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};

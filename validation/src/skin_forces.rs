@@ -2,11 +2,9 @@
 
 use glam::DVec3;
 use underbrush_recording::{BodyPart, BodyShape, Pose};
-use underbrush_sim::arm::Arm;
-use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::object::trunk::Trunk;
-use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::test_rig::{BodyId, FreeBody, Rig};
+use underbrush_sim::{Arm, PhysicsOptions, Surface};
 
 use crate::pressed_arm::{Beside, OPTIONS, PressedArm, friction_of, with_friction};
 use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
@@ -127,14 +125,10 @@ fn observe(pressed: &PressedArm, friction: f64, worst: &mut Worst) -> Result<(),
 
 /// A ball meets a box off its centre, both free.
 fn collision(simulated: Simulated) -> Found {
+    let lost = lost_momentum(simulated.with(GRAVITY_LEFT_ON, 0.0, 9.81));
     Ok(vec![
-        Comparison::of(
-            "total momentum lost in a glancing collision, over the momentum exchanged",
-            "",
-            0.0,
-            lost_momentum(simulated.with(GRAVITY_LEFT_ON, 0.0, 9.81)),
-        )
-        .absolute(1e-12, "1e-12: the same impulse acts on both bodies, up to rounding"),
+        Comparison::of("total momentum lost in a glancing collision, over the momentum exchanged", "", 0.0, lost)
+            .absolute(1e-12, "1e-12: the same impulse acts on both bodies, up to rounding"),
     ])
 }
 

@@ -6,11 +6,10 @@ use parry3d::shape::SharedShape;
 use underbrush_oracles::numeric::bisected;
 use underbrush_oracles::{foundation, order};
 use underbrush_recording::Pose;
-use underbrush_sim::arm::Arm;
 use underbrush_sim::arm::skin::SurfacePoint;
-use underbrush_sim::contact::surface::Surface;
 use underbrush_sim::object::FRICTION;
 use underbrush_sim::skin::{ContactPoint, SkinPatch, SpreadBuffers};
+use underbrush_sim::{Arm, Surface};
 
 use crate::pressed_arm::FOREARM_RADIUS_M;
 use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
@@ -114,13 +113,9 @@ fn fine_skin(name: &str, pressed: &Pressed, overlap_m3: impl Fn(f64) -> f64) -> 
     let law = |depth_m: f64| STIFFNESS_N_PER_M3 * overlap_m3(depth_m);
     let mut comparisons: Vec<Comparison> = [0.5, 2.0]
         .map(|force_n| {
-            Comparison::of(
-                format!("{name}, k times the overlap's volume at the depth under {force_n} N"),
-                "N",
-                force_n,
-                law(pressed.depth_m(FINEST_PITCH_M, force_n)),
-            )
-            .relative(0.05, "5 %: a taxel averages the pressure over its area")
+            let quantity = format!("{name}, k times the overlap's volume at the depth under {force_n} N");
+            Comparison::of(quantity, "N", force_n, law(pressed.depth_m(FINEST_PITCH_M, force_n)))
+                .relative(0.05, "5 %: a taxel averages the pressure over its area")
         })
         .into();
     let forces: Vec<(f64, f64)> =
@@ -132,19 +127,10 @@ fn fine_skin(name: &str, pressed: &Pressed, overlap_m3: impl Fn(f64) -> f64) -> 
     let exact = depth_under(2.0, law);
     let misses: Vec<(f64, f64)> =
         PITCHES_M.map(|pitch_m| (pitch_m, (pressed.depth_m(pitch_m, 2.0) / exact - 1.0).abs())).into();
-    comparisons.push(
-        Comparison::of(
-            format!("{name}, order in the pitch of the depth's error"),
-            "",
-            2.0,
-            order::log_log_slope(&misses),
-        )
-        .absolute(
-            0.2,
-            "0.2: fit of a straight line on a log-log scale; the mean pressure over a taxel of side p is too low by \
-         k p² / 24 (1/R₁ + 1/R₂)",
-        ),
-    );
+    let quantity = format!("{name}, order in the pitch of the depth's error");
+    let reason = "0.2: fit of a straight line on a log-log scale; the mean pressure over a taxel of side p is too low by \
+                  k p² / 24 (1/R₁ + 1/R₂)";
+    comparisons.push(Comparison::of(quantity, "", 2.0, order::log_log_slope(&misses)).absolute(0.2, reason));
     comparisons
 }
 
@@ -251,13 +237,10 @@ fn forearm(simulated: Simulated) -> Found {
         let side_m = middle.area_m2.sqrt();
         let radii_m = [TRUNK_RADIUS_M, FOREARM_RADIUS_M];
         let expected = taxel_forces_n(stiffness, radii_m, &places, side_m, force_n);
-        Ok(Comparison::of(
-            format!("trunk across the forearm at {force_n} N, largest taxel"),
-            "N",
-            expected.into_iter().fold(0.0, f64::max),
-            found.iter().map(|force| force.normal_force_n).fold(0.0, f64::max),
-        )
-        .relative(0.05, "5 %: sixteen points per taxel, and terms of order d / R, which the law neglects"))
+        let quantity = format!("trunk across the forearm at {force_n} N, largest taxel");
+        let found_n = found.iter().map(|force| force.normal_force_n).fold(0.0, f64::max);
+        Ok(Comparison::of(quantity, "N", expected.into_iter().fold(0.0, f64::max), found_n)
+            .relative(0.05, "5 %: sixteen points per taxel, and terms of order d / R, which the law neglects"))
     };
     [2.0, 9.0].into_iter().map(compare).collect()
 }

@@ -127,18 +127,10 @@ fn sliding(simulated: Simulated) -> Found {
             pushed.step(push);
         }
         let acceleration = (pushed.rig.velocity_world(pushed.bottle).x - before) / (f64::from(STEPS) * STEP_S);
-        comparisons.push(
-            Comparison::of(
-                format!("bottle that has slid by {place_m} m, resistance"),
-                "N",
-                expected,
-                push - MASS_KG * acceleration,
-            )
-            .relative(
-                0.01,
-                "1 %: a constant force has no discretization error; the bottle rocks a little on the table",
-            ),
-        );
+        let quantity = format!("bottle that has slid by {place_m} m, resistance");
+        let found = push - MASS_KG * acceleration;
+        let reason = "1 %: a constant force has no discretization error; the bottle rocks a little on the table";
+        comparisons.push(Comparison::of(quantity, "N", expected, found).relative(0.01, reason));
     }
     Ok(comparisons)
 }
