@@ -5,9 +5,7 @@ use std::sync::Mutex;
 
 use serde::Serialize;
 use serde_json::json;
-use underbrush_recording::limits::TEXT_BYTES;
-use underbrush_recording::plain_text::escaped;
-use underbrush_recording::{Fault, InputError, read_text};
+use underbrush_recording::{Fault, InputError, TEXT_BYTES, escaped, read_text};
 
 /// The reason why a command ended without a result.
 #[derive(Debug)]

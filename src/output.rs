@@ -6,8 +6,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Serialize, Serializer};
-use underbrush_recording::disk;
-use underbrush_recording::plain_text::{escaped, is_plain};
+use underbrush_recording::{disk, escaped, is_plain};
 
 pub use underbrush_report::text::counted;
 

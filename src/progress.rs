@@ -6,8 +6,7 @@ use std::time::Duration;
 
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use underbrush_experiments::{Counter, Progress};
-use underbrush_recording::GoalOutcomes;
-use underbrush_recording::plain_text::escaped;
+use underbrush_recording::{GoalOutcomes, escaped};
 
 use crate::output;
 

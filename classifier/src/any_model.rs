@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use underbrush_recording::limits::JSON_BYTES;
-use underbrush_recording::{InputError, read_text};
+use underbrush_recording::{InputError, JSON_BYTES, read_text};
 
 use crate::document::{FORMAT, Head};
 use crate::error::ModelError;

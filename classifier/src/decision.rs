@@ -6,8 +6,7 @@ use std::fmt;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
-use underbrush_recording::limits::short;
-use underbrush_recording::{Limits, math};
+use underbrush_recording::{Limits, math, short};
 
 /// Priors in a common unit. If one is a thousand million times another, hardly anything is left to decide.
 pub(crate) const PRIOR: Limits = Limits::new(1e-9, 1e9, "");

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use underbrush_recording::InputError;
-use underbrush_recording::plain_text::{PLAIN, is_plain};
+use underbrush_recording::{InputError, PLAIN, is_plain};
 
 use crate::error::Fault;
 use crate::seal;

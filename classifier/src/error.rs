@@ -1,8 +1,7 @@
 //! Why a classifier cannot be fitted, read or used.
 
 use thiserror::Error;
-use underbrush_recording::limits::short;
-use underbrush_recording::{InputError, Limits};
+use underbrush_recording::{InputError, Limits, short};
 
 use crate::feature::FeatureError;
 use crate::hmm::TrainingError;

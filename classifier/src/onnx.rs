@@ -21,8 +21,7 @@ use std::sync::Arc;
 
 use rten::{ModelMetadata, RunOptions, ThreadPool, Value as Tensor, ValueView};
 use serde_json::Value;
-use underbrush_recording::limits::JSON_BYTES;
-use underbrush_recording::{InputError, Sample, math, open_regular};
+use underbrush_recording::{InputError, JSON_BYTES, Sample, math, open_regular};
 
 use crate::estimator::{Classifier, ContactScorer, Independent, OnlineScorer};
 use crate::{FeatureError, FeatureSet, ModelError, SampleFault};

@@ -39,10 +39,12 @@ mod warnings;
 
 pub use accuracy::Accuracy;
 pub use dataset::Campaign;
-pub use definition::Experiment;
+pub use definition::{Experiment, TableOneUnit};
 pub use progress::{Counter, Progress, Silent};
 pub use results::Results;
 pub use session::Session;
+pub use table_cell::{Cell, CellKey, unit_name};
+pub use verdict_controller::VerdictControl;
 pub use warnings::show_warnings;
 
 #[cfg(test)]

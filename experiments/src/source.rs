@@ -3,9 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
-use underbrush_recording::limits::TEXT_BYTES;
-use underbrush_recording::text_line::line_at;
-use underbrush_recording::{InputError, read_text};
+use underbrush_recording::{InputError, TEXT_BYTES, line_at, read_text};
 
 /// A file's path and text, to which errors refer.
 pub struct Source<'a> {

@@ -10,8 +10,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use underbrush_classifier::touch::{Touch, TouchClassifier, TouchModel};
-use underbrush_recording::limits::JSON_BYTES;
-use underbrush_recording::{Dataset, Fault, Frame, InputError, MappedObstacle, read_text};
+use underbrush_recording::{Dataset, Fault, Frame, InputError, JSON_BYTES, MappedObstacle, read_text};
 use underbrush_sim::controller::{
     Allowance, AllowedForces, Controller, ControllerInput, ControllerKind, ControllerOutput, TaxelContact, Touched,
     Verdict,

@@ -4,9 +4,8 @@ use std::path::Path;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use underbrush_classifier::paper_rule::Scores;
 use underbrush_classifier::trial::{TrialOptions, Unit};
-use underbrush_classifier::{Decision, FeatureSet, Rule};
+use underbrush_classifier::{Decision, FeatureSet, Rule, Scores};
 use underbrush_recording::disk::{check_free, write_file};
 
 use crate::{Failure, given};

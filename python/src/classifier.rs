@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use underbrush_classifier::any_model::{self, AnyModel};
-use underbrush_classifier::paper_rule::Scores;
 use underbrush_classifier::touch::TOUCH_FORMAT;
-use underbrush_classifier::{Decision, FORMAT, Model, OnlineClassifier, OnlineOptions};
+use underbrush_classifier::{Decision, FORMAT, Model, OnlineClassifier, OnlineOptions, Scores};
 use underbrush_recording::InputError;
 
 use crate::arguments::{decision, save};

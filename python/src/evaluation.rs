@@ -3,11 +3,10 @@
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use underbrush_classifier::estimator::{Classifier, Estimator};
 use underbrush_classifier::evaluate::{
     Evaluation, EvaluationReport, FoldBy, Folds, accuracy_by_samples, cross_validate, evaluate,
 };
-use underbrush_classifier::paper_rule::Scores;
+use underbrush_classifier::{Classifier, Estimator, Scores};
 
 use crate::arguments::decision;
 use crate::classifier::PyModel;

@@ -6,8 +6,7 @@ use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PySlice;
 use underbrush_classifier::ModelError;
-use underbrush_recording::plain_text::escaped;
-use underbrush_recording::{Fault, InputError};
+use underbrush_recording::{Fault, InputError, escaped};
 
 /// The exceptions of the package.
 mod raised {

@@ -8,9 +8,8 @@ use pyo3::types::PyDict;
 use serde_json::json;
 use underbrush_classifier::evaluate::{Folds, HeldOut, ThresholdTargets};
 use underbrush_classifier::fit_options::FitOptions;
-use underbrush_classifier::paper_rule::Scores;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
-use underbrush_classifier::{ClassifierKind, Estimator, HmmClassifier, Model, Recipe};
+use underbrush_classifier::{ClassifierKind, Estimator, HmmClassifier, Model, Recipe, Scores};
 use underbrush_experiments::model_data;
 
 use crate::arguments::features;

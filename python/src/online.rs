@@ -4,8 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use underbrush_classifier::paper_rule::Scores;
-use underbrush_classifier::{OnlineClassifier, OnlineOptions, TouchClassifier};
+use underbrush_classifier::{OnlineClassifier, OnlineOptions, Scores, TouchClassifier};
 use underbrush_recording::SkinLayout;
 
 use crate::failure::locked;

@@ -8,8 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use serde_json::{Value, json};
 use underbrush_classifier::DataSource;
-use underbrush_experiments::verdict_controller::VerdictControl;
-use underbrush_experiments::{contact_trials, model_data};
+use underbrush_experiments::{VerdictControl, contact_trials, model_data};
 use underbrush_recording::disk::{
     Dataset, check_free, read_recording, recording_columns, recording_table, remove_leftovers, write_recording,
 };

@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use underbrush_recording::limits::short;
-use underbrush_recording::{InputError, Trial};
+use underbrush_recording::{InputError, Trial, short};
 
 /// The name of a patch that has none.
 const UNNAMED: &str = "skin";

@@ -3,8 +3,7 @@
 use underbrush_experiments::accuracy::{Accuracy, Figures, Part, Spread};
 use underbrush_experiments::definition::{Published, PublishedSection};
 use underbrush_experiments::experiment::campaigns::CampaignFigures;
-use underbrush_experiments::results::Results;
-use underbrush_experiments::table_cell::{CellKey, unit_name};
+use underbrush_experiments::{CellKey, Results, unit_name};
 
 use crate::drawing::{Cell, Page, Rows, Table};
 use crate::{CategoryLooks, text};

@@ -6,9 +6,7 @@ use std::path::Path;
 use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::limits::{TEXT_BYTES, short};
-use underbrush_recording::text_line::line_at;
-use underbrush_recording::{InputError, Limits, read_text};
+use underbrush_recording::{InputError, Limits, TEXT_BYTES, line_at, read_text, short};
 
 use crate::arm::{Arm, limits};
 use crate::range::{DrawError, Limited, Quantity, Within};

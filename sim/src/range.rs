@@ -7,8 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Uniform};
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
-use underbrush_recording::Limits;
-use underbrush_recording::limits::short;
+use underbrush_recording::{Limits, short};
 
 use crate::seed::standard_normals;
 

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use underbrush_classifier::decision::{Decision, Rule};
-use underbrush_classifier::paper_rule::Scores;
+use underbrush_classifier::{Decision, Rule, Scores};
 
 use crate::{Failure, options};
 

@@ -11,9 +11,8 @@ use underbrush_classifier::evaluate::{
     Compared, Evaluation, EvaluationReport, FoldBy, Folds, RocCurve, accuracy_by_samples, accuracy_by_samples_of_all,
     category_roc, cross_validate, evaluate, outlier_roc,
 };
-use underbrush_classifier::paper_rule::Scores;
 use underbrush_classifier::registry::CLASSIFIERS;
-use underbrush_classifier::{Classifier, Decision, FeatureSet, Rule};
+use underbrush_classifier::{Classifier, Decision, FeatureSet, Rule, Scores};
 use underbrush_experiments::model_data;
 use underbrush_recording::{Category, InputError, Trial};
 

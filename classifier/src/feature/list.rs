@@ -6,8 +6,7 @@ use std::fmt;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
 use underbrush_recording::limits::{self, Limits};
-use underbrush_recording::plain_text::is_plain;
-use underbrush_recording::{Region, Sample};
+use underbrush_recording::{Region, Sample, is_plain};
 
 /// One number per sample: its name, its range with the unit, and how it is read.
 pub struct Feature {

@@ -11,8 +11,7 @@ use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde_json::{Value, json};
-use underbrush_recording::limits::JSON_BYTES;
-use underbrush_recording::{InputError, Limits, read_text};
+use underbrush_recording::{InputError, JSON_BYTES, Limits, read_text};
 
 use crate::decision::{Decision, PRIOR, Rule};
 use crate::document::{Document, FORMAT};

@@ -7,10 +7,7 @@ use std::sync::Arc;
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
 use underbrush_recording::disk::TRIAL_COLUMNS;
-use underbrush_recording::limits::{TEXT_BYTES, short};
-use underbrush_recording::plain_text::is_plain;
-use underbrush_recording::text_line::line_at;
-use underbrush_recording::{Grid, InputError, Limits, read_text};
+use underbrush_recording::{Grid, InputError, Limits, TEXT_BYTES, is_plain, line_at, read_text, short};
 
 /// Frames per second: from one reading in a hundred seconds to a fast vibration sensor.
 const RATE_HZ: Limits = Limits::new(0.01, 1e5, "Hz");

@@ -3,8 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use underbrush_classifier::recipe::STATES;
-use underbrush_recording::limits::short;
-use underbrush_recording::{Category, InputError};
+use underbrush_recording::{Category, InputError, short};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::scene::{RobotSection, Scene, limits};
 

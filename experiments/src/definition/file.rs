@@ -3,9 +3,8 @@
 use schemars::JsonSchema;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
-use underbrush_classifier::evaluate::ThresholdTargets;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
-use underbrush_classifier::{ClassifierKind, Estimator, FeatureSet, Recipe};
+use underbrush_classifier::{ClassifierKind, Estimator, FeatureSet, Recipe, ThresholdTargets};
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::scene::RobotSection;
 

@@ -10,8 +10,7 @@ use super::table_one;
 use super::training_data::{self, TrialsPerReach};
 use crate::accuracy::{Accuracy, Figures};
 use crate::definition::{AblationName, Experiment, TableOneUnit};
-use crate::session::Session;
-use crate::table_cell::Cell;
+use crate::{Cell, Session};
 use crate::training::{self, Trials};
 
 /// The results of the ablation.

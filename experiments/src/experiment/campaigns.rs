@@ -10,8 +10,7 @@ use super::classifiers::{self, Compared};
 use super::table_one;
 use super::training_data::{self, TrialsPerReach};
 use crate::accuracy::{Accuracy, Figures, Part, Spread};
-use crate::definition::{Experiment, TableOneUnit};
-use crate::session::Session;
+use crate::{Experiment, Session, TableOneUnit};
 use crate::table_cell::{self, Cell, CellKey, Ordering, unit_name};
 use crate::training::{self, Trials};
 

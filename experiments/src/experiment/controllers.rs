@@ -8,8 +8,7 @@ use underbrush_sim::scene::ProgressRule;
 
 use crate::dataset::{each_reach, reach_plan};
 use crate::resampled::Estimate;
-use crate::session::Session;
-use crate::verdict_controller::VerdictControl;
+use crate::{Session, VerdictControl};
 
 /// The reaches have indices from here on, so that none of them is among the test reaches or those that train verdicts.
 const FIRST_INDEX: u64 = 2000;

@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use underbrush_classifier::{Decision, FeatureSet, Recipe};
-use underbrush_classifier::evaluate::{Evaluation, Folds, cross_validate};
+use underbrush_classifier::{Decision, Evaluation, FeatureSet, Folds, Recipe, cross_validate};
 use underbrush_recording::{Fault, Trial};
 
 use crate::{Accuracy, Session};

@@ -4,9 +4,8 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, Fault, Trial};
 
 use crate::audit::{self, Worst};
-use crate::definition::{Experiment, TableOneUnit};
+use crate::{Experiment, Session, TableOneUnit};
 use crate::reach_ends::Ends;
-use crate::session::Session;
 use crate::training::{self, Trials};
 
 /// The training data.

@@ -2,8 +2,7 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
-use underbrush_classifier::{Decision, Recipe};
-use underbrush_classifier::evaluate::{Folds, cross_validate};
+use underbrush_classifier::{Decision, Folds, Recipe, cross_validate};
 use underbrush_recording::Fault;
 
 use super::table_one;

@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use underbrush_recording::plain_text::{PLAIN, is_plain};
-use underbrush_recording::{Category, InputError};
+use underbrush_recording::{Category, InputError, PLAIN, is_plain};
 use underbrush_sim::scene::Scene;
 
 use super::SceneBound;

@@ -4,8 +4,7 @@ use super::table_one_paper::TABLE_ONE_PAPER;
 use underbrush_classifier::trial::TrialOptions;
 use underbrush_recording::InputError;
 
-use crate::definition::{Experiment, TableOneUnit};
-use crate::training;
+use crate::{Experiment, TableOneUnit, training};
 
 /// Tests that the file that ships is the paper's experiment: its Table I, its numbers of trials and reaches, and its
 /// trial options.

@@ -1,9 +1,8 @@
 use underbrush_classifier::feature::FeatureSet;
-use underbrush_experiments::definition::TableOneUnit;
 use underbrush_experiments::experiment::example_trials::Typical;
 use underbrush_experiments::experiment::outliers::Detection;
 use underbrush_experiments::experiment::training_data::TrialsPerReach;
-use underbrush_experiments::table_cell::CellKey;
+use underbrush_experiments::{CellKey, TableOneUnit};
 
 use crate::agreement::{self, Compared};
 use crate::section::{classifiers, example_trials, outliers, training_data};

@@ -7,9 +7,7 @@ use glam::DVec3;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
-use underbrush_recording::limits::short;
-use underbrush_recording::plain_text::{PLAIN, is_plain};
-use underbrush_recording::{BodyShape, InputError};
+use underbrush_recording::{BodyShape, InputError, PLAIN, is_plain, short};
 
 use super::limits;
 use super::passing::passing_links;

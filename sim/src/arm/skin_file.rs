@@ -5,8 +5,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
 use underbrush_recording::limits::{MAX_PATCHES, MAX_TAXELS, short};
-use underbrush_recording::plain_text::{PLAIN, is_plain};
-use underbrush_recording::{Grid, InputError, Patch, Pose, SkinLayout, Taxel, math};
+use underbrush_recording::{Grid, InputError, PLAIN, Patch, Pose, SkinLayout, Taxel, is_plain, math};
 
 use super::schema::Within;
 use super::skin::{PatchSurface, Skin, SurfaceForm, Technology};

@@ -4,9 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use serde::de::DeserializeOwned;
-use underbrush_recording::limits::{TEXT_BYTES, short};
-use underbrush_recording::text_line::line_at;
-use underbrush_recording::{InputError, Limits, read_text};
+use underbrush_recording::{InputError, Limits, TEXT_BYTES, line_at, read_text, short};
 
 use super::limits::DIRECTION;
 use crate::toml_text::{key_at, sets_key};

@@ -5,8 +5,7 @@ use std::fmt::Display;
 
 use glam::{DMat3, DQuat, DVec3, EulerRot};
 use underbrush_recording::limits::{first_outside, short};
-use underbrush_recording::plain_text::{PLAIN, is_plain};
-use underbrush_recording::{BodyShape, InputError, Pose};
+use underbrush_recording::{BodyShape, InputError, PLAIN, Pose, is_plain};
 
 use super::limits::{self, MAX_JOINTS};
 use super::source::{Source, directions, listed, unit};

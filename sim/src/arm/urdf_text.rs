@@ -2,8 +2,7 @@
 //! attributes, and nesting depth. Each error names the element and its line.
 
 use roxmltree::{Document, Error, Node, ParsingOptions};
-use underbrush_recording::InputError;
-use underbrush_recording::limits::short;
+use underbrush_recording::{InputError, short};
 
 use super::limits::{MAX_ELEMENTS, MAX_NESTED_ELEMENTS};
 use super::source::Source;

@@ -6,9 +6,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use underbrush_recording::limits::{TEXT_BYTES, first_outside, short};
-use underbrush_recording::plain_text::{PLAIN, is_plain};
-use underbrush_recording::text_line::line_at;
-use underbrush_recording::{FRAME_PERIOD_S, InputError, read_text};
+use underbrush_recording::{FRAME_PERIOD_S, InputError, PLAIN, is_plain, line_at, read_text};
 
 use crate::arm::Arm;
 use crate::materials::{MaterialFile, MaterialsSection};

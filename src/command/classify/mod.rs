@@ -14,8 +14,7 @@ use serde::Serialize;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::decision::Verdict;
 use underbrush_classifier::online_model::OnlineModel;
-use underbrush_classifier::paper_rule::Scores;
-use underbrush_classifier::{OnlineOptions, ScoreKind};
+use underbrush_classifier::{OnlineOptions, ScoreKind, Scores};
 
 use super::decision_arguments::{DecisionArguments, refuse_for_touch_model};
 use super::score;

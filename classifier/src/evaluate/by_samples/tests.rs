@@ -1,9 +1,8 @@
 use underbrush_recording::Sample;
 
 use super::*;
-use crate::evaluate::FoldBy;
 use crate::evaluate::tests::OneNumber;
-use crate::{Classifier, ModelError};
+use crate::{Classifier, FoldBy, ModelError};
 
 /// A trial of `length` samples whose force reveals its category only from the third sample on.
 fn trial(number: u64, category: &str, length: usize, touched: bool) -> Trial {

@@ -9,8 +9,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::{DatasetPlan, Provenance};
 use crate::disk::tables::frames::Feature;
-use crate::limits::JSON_BYTES;
-use crate::{Category, DiskError, InputError, read_bytes};
+use crate::{Category, DiskError, InputError, JSON_BYTES, read_bytes};
 
 /// Version of LeRobot's layout that this program writes and reads.
 pub(in crate::disk) const CODEBASE_VERSION: &str = "v3.0";

@@ -13,3 +13,10 @@ pub(super) mod read;
 pub(super) mod row;
 pub(super) mod row_groups;
 pub(super) mod write;
+
+pub(super) use batch::Batch;
+pub(super) use column::{Column, Rows, Text, Type, Value, Values};
+pub(super) use read::{ParquetTable, Want};
+pub(super) use row::{Described, Row, Width, row};
+pub(super) use row_groups::Footers;
+pub(super) use write::{EPISODE_COLUMN, ParquetFile, ROWS_PER_BATCH, write_table};

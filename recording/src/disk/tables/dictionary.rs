@@ -5,8 +5,7 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::disk::table::column::Text;
-use crate::disk::table::row::{Described, Row, row};
+use crate::disk::table::{Described, Row, Text, row};
 use crate::disk::tables::frames::FRAME_COLUMNS;
 use crate::disk::tables::truth_columns::TRUTH_COLUMNS;
 

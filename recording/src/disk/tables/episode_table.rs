@@ -2,11 +2,7 @@
 
 use std::path::Path;
 
-use crate::disk::table::batch::Batch;
-use crate::disk::table::column::{Column, Text};
-use crate::disk::table::read::{ParquetTable, Want};
-use crate::disk::table::row::{Row, row};
-use crate::disk::table::write::write_table;
+use crate::disk::table::{Batch, Column, ParquetTable, Row, Text, Want, row, write_table};
 use crate::disk::tables::episode::Episode;
 use crate::disk::tables::truth_tables::{COUNTS, OBJECTS, read_outcome, some_missing};
 use crate::{Audit, DiskError, GoalOutcomes, NamedStop, Outcome};

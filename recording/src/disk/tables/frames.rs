@@ -8,10 +8,7 @@ use std::ops::Range;
 
 use glam::{DQuat, DVec3};
 
-use crate::disk::table::batch::Batch;
-use crate::disk::table::column::{Column, Rows, Type, Value, Values};
-use crate::disk::table::read::Want;
-use crate::disk::table::row::{Described, Width};
+use crate::disk::table::{Batch, Column, Described, Rows, Type, Value, Values, Want, Width};
 use crate::{DiskError, Frame, Pose, Recording, SkinLayout, TaxelReading, TrackPoint};
 
 /// The column of contacts, which files of early builds do not have.

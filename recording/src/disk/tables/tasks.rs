@@ -6,8 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use crate::DiskError;
-use crate::disk::table::column::{Column, Text};
-use crate::disk::table::write::write_table;
+use crate::disk::table::{Column, Text, write_table};
 
 /// The tasks in the order of their first episodes, with their indices.
 pub(in crate::disk) fn number_tasks<'a>(tasks: impl IntoIterator<Item = &'a str>) -> BTreeMap<&'a str, i64> {

@@ -6,9 +6,8 @@
 
 use glam::DVec3;
 
-use crate::disk::table::batch::Batch;
-use crate::disk::table::column::Text;
 use crate::disk::table::row_groups::EpisodeRows;
+use crate::disk::table::{Batch, Text};
 use crate::disk::tables::dictionary::{TruthPatch, TruthTaxel};
 use crate::disk::tables::frames::{Place, is_nothing, reading_of};
 use crate::disk::tables::truth_columns::NONE;

@@ -1,9 +1,8 @@
 //! The tables of a reach that are lists of what a recording holds: objects, goals, contacts, contact points and poses of the
 //! ground truth, and the controller's map.
 
-use crate::disk::table::batch::Batch;
-use crate::disk::table::column::Text;
 use crate::disk::table::row_groups::EpisodeRows;
+use crate::disk::table::{Batch, Text};
 use crate::disk::tables::dictionary::{MapRow, TruthContact, TruthContactPoint, TruthGoal, TruthObject, TruthPose};
 use crate::disk::tables::truth_columns::NONE;
 use crate::{

@@ -9,9 +9,7 @@ use parquet::schema::parser::parse_message_type;
 
 use super::dataset::plan;
 use super::reach;
-use crate::disk::table::batch::Batch;
-use crate::disk::table::plain_pages;
-use crate::disk::table::read::{ParquetTable, Want};
+use crate::disk::table::{Batch, ParquetTable, Want, plain_pages};
 use crate::disk::{Dataset, DatasetWriter, Rows};
 
 const COLUMN: &str = "observation.tactile.forearm";

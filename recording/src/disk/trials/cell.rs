@@ -5,8 +5,7 @@ use std::path::Path;
 use super::COLUMNS;
 use super::collect::Row;
 use crate::limits::{self, Limits, short};
-use crate::plain_text::{PLAIN, is_plain};
-use crate::{Category, Channels, InputError, Region, Sample, Trial};
+use crate::{Category, Channels, InputError, PLAIN, Region, Sample, Trial, is_plain};
 
 /// A double holds every whole number up to this one.
 const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;

@@ -23,8 +23,7 @@ use super::table::column::{Column, Rows, Text};
 use super::table::row::{Row, row};
 use super::whole_file::remove_leftovers;
 use crate::disk::tables::dictionary::Table;
-use crate::plain_text::{PLAIN, is_plain};
-use crate::{Category, InputError, Trial, distinct};
+use crate::{Category, InputError, PLAIN, Trial, distinct, is_plain};
 
 row! {
     /// A row of [`TRIALS`].

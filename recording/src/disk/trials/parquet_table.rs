@@ -7,11 +7,7 @@ use super::cell::{Cell, Cells};
 use super::collect::Collector;
 use super::{COLUMNS, TOUCHED, TRIALS, TrialRow, channel_column, channel_columns, channel_names, place_columns, push};
 use crate::disk::seal;
-use crate::disk::table::batch::Batch;
-use crate::disk::table::column::{Column, Values};
-use crate::disk::table::read::{ParquetTable, Want};
-use crate::disk::table::row::Row;
-use crate::disk::table::write::{ParquetFile, ROWS_PER_BATCH};
+use crate::disk::table::{Batch, Column, ParquetFile, ParquetTable, ROWS_PER_BATCH, Row, Values, Want};
 use crate::disk::tables::description::{about, about_entry};
 use crate::{DiskError, InputError, Trial};
 

@@ -2,9 +2,7 @@
 
 use crate::disk::dataset::names;
 use crate::disk::dataset::read::reader::Dataset;
-use crate::disk::table::batch::Batch;
-use crate::disk::table::column::Type;
-use crate::disk::table::read::Want;
+use crate::disk::table::{Batch, Type, Want};
 use crate::disk::tables::dictionary::{FRAMES, TABLES, TAXELS, Table};
 use crate::{DiskError, InputError};
 

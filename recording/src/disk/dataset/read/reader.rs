@@ -9,9 +9,7 @@ use crate::disk::dataset::checksums::Checksums;
 use crate::disk::dataset::info::{CODEBASE_VERSION, FORMAT, Info, ProvenanceFile, read_json};
 use crate::disk::dataset::{DatasetPlan, PlannedEpisode, Provenance, names};
 use crate::disk::input_file::{is_there, metadata};
-use crate::disk::table::read::{ParquetTable, Want};
-use crate::disk::table::row_groups::Footers;
-use crate::disk::table::write::EPISODE_COLUMN;
+use crate::disk::table::{EPISODE_COLUMN, Footers, ParquetTable, Want};
 use crate::disk::tables::dictionary::{
     FRAMES, MAP, TRUTH_BODIES, TRUTH_CONTACT_POINTS, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES,
     TRUTH_POSES, TRUTH_TAXELS, Table,

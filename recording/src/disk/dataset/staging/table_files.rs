@@ -8,9 +8,7 @@ use std::path::{Path, PathBuf};
 
 use crate::disk::dataset::info::FILES_PER_CHUNK;
 use crate::disk::dataset::names;
-use crate::disk::table::column::Column;
-use crate::disk::table::row::Row;
-use crate::disk::table::write::ParquetFile;
+use crate::disk::table::{Column, ParquetFile, Row};
 use crate::disk::tables::description::about_entry;
 use crate::disk::tables::dictionary::{
     FRAMES, MAP, TRUTH_BODIES, TRUTH_CONTACT_POINTS, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES,
