@@ -53,15 +53,21 @@ impl Reaches {
     }
 }
 
+impl Source {
+    /// Number of its reaches.
+    fn count(&self) -> usize {
+        match self {
+            Source::Dataset(dataset) => dataset.episodes().len(),
+            Source::Recording => 1,
+        }
+    }
+}
+
 impl ReadReaches for Reaches {
     type Error = Failure;
 
     fn count(&self) -> usize {
-        let counts = self.sources.iter().map(|(_, source)| match source {
-            Source::Dataset(dataset) => dataset.episodes().len(),
-            Source::Recording => 1,
-        });
-        counts.sum()
+        self.sources.iter().map(|(_, source)| source.count()).sum()
     }
 
     /// Reads the reaches with a progress bar. It fails if a file is damaged; errors of `each` name the file.
@@ -73,11 +79,7 @@ impl ReadReaches for Reaches {
         let bar = progress::bar((0..self.count()).filter(|position| keeps(*position)).count() as u64, "reaches read");
         let mut position = 0;
         for (path, source) in &self.sources {
-            let reaches = match source {
-                Source::Dataset(dataset) => dataset.episodes().len(),
-                Source::Recording => 1,
-            };
-            for index in 0..reaches {
+            for index in 0..source.count() {
                 if keeps(position) {
                     let recording = match source {
                         Source::Dataset(dataset) => dataset.read_reach(index)?,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyList;
-use underbrush_experiments::dataset::{Campaign, Written, require_same_reaches};
+use underbrush_experiments::dataset::{Campaign, require_same_reaches};
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_recording::disk::{Dataset, DiskError, Shard, Shards, check_not_input, remove_dataset};
 
@@ -60,7 +60,7 @@ pub fn generate_shared(
     let stop = Arc::new(Stop::default());
     let campaign = described(scenes, reaches, seed, controller, verdicts, &stop)?;
     let run = |reported: &Reported| Ok(campaign.write_shared(&out, part, reported)?);
-    Ok(watched(py, jobs, &stop, progress, run)?.map(finished))
+    Ok(watched(py, jobs, &stop, progress, run)?.map(|written| PyDataset::new(written.dataset())))
 }
 
 /// Make a data set again from what it stores.
@@ -129,13 +129,6 @@ pub fn part((number, count): (u64, u64)) -> Result<Shard, Failure> {
     Err(Failure::argument("shard", found, allowed, "count shards from 1"))
 }
 
-/// The set, whether this call wrote it or it was finished before.
-fn finished(written: Written) -> PyDataset {
-    match written {
-        Written::New(dataset) | Written::Before(dataset) => PyDataset::new(dataset),
-    }
-}
-
 /// Runs a campaign and writes its set.
 pub fn write(
     py: Python<'_>,
@@ -147,7 +140,7 @@ pub fn write(
     jobs: Option<usize>,
 ) -> Result<PyDataset, Failure> {
     let run = |reported: &Reported| Ok(campaign.write(out, resume, reported)?);
-    Ok(finished(watched(py, jobs, stop, progress, run)?))
+    Ok(PyDataset::new(watched(py, jobs, stop, progress, run)?.dataset()))
 }
 
 /// Join all parts that ``generate(..., shard=(I, N))`` has made into the set that one call without ``shard`` makes,

@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use glam::{DQuat, DVec3};
 use underbrush_oracles::foundation;
 use underbrush_recording::{BodyPart, BodyShape, Pose};
+use underbrush_sim::object::structure::part;
 use underbrush_sim::object::trunk::Trunk;
 use underbrush_sim::simulation::test_rig::{BodyId, FreeBody, Rig};
 use underbrush_sim::{Arm, PhysicsOptions, Surface};
@@ -41,19 +42,15 @@ fn soft(stiffness_n_per_m3: f64, loss_time_s: f64) -> Surface {
     Surface { compliance_m3_per_n: 1.0 / stiffness_n_per_m3, thickness_m: None, loss_time_s, friction: 0.4 }
 }
 
-fn part(shape: BodyShape, pose_body: Pose) -> BodyPart {
-    BodyPart { shape, pose_body }
-}
-
 /// A cylinder that lies horizontally, with its axis at this angle from x.
 fn lying(radius_m: f64, angle_rad: f64) -> BodyPart {
     let axis = DQuat::from_rotation_z(angle_rad) * DQuat::from_rotation_y(FRAC_PI_2);
     let shape = BodyShape::Cylinder { radius_m, length_m: 0.24 };
-    part(shape, Pose::from_orientation(axis))
+    BodyPart { shape, pose_body: Pose::from_orientation(axis) }
 }
 
 fn cuboid(size_m: DVec3) -> BodyPart {
-    part(BodyShape::Box { size_m }, Pose::IDENTITY)
+    part(BodyShape::Box { size_m }, DVec3::ZERO)
 }
 
 /// A rig with a free body over one that is fixed and hard.
@@ -96,7 +93,7 @@ fn bodies() -> [Resting; 4] {
     [
         Resting {
             name: "ball on a table",
-            upper: part(BodyShape::Sphere { radius_m: BALL_M }, Pose::IDENTITY),
+            upper: part(BodyShape::Sphere { radius_m: BALL_M }, DVec3::ZERO),
             lower: table(),
             height_m: 0.05 + BALL_M,
             curvature_per_m: 0.0,

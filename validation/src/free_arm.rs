@@ -45,20 +45,13 @@ fn free(simulated: Simulated) -> Found {
     }
     let energies = energies_j(arm, STEP_S)?;
     let (start, end) = (energies[0], energies[energies.len() - 1]);
+    let rise = "order in the step of the largest rise of the free arm's energy in one step";
+    let reason = "0.2: fit of a straight line on a log-log scale. Coriolis forces are those of the start of the step, so \
+                  their work has an error of either sign that is second order in the step";
     Ok(vec![
         Comparison::of("energy of the free arm after 5 s, step 1 ms", "J", start, end)
             .relative(1e-3, "0.1 %: the integrator is first order; joints rotate by half a milliradian in a step"),
-        Comparison::of(
-            "order in the step of the largest rise of the free arm's energy in one step",
-            "",
-            2.0,
-            order::log_log_slope(&rises),
-        )
-        .absolute(
-            0.2,
-            "0.2: fit of a straight line on a log-log scale. Coriolis forces are those of the start \
-             of the step, so their work has an error of either sign that is second order in the step",
-        ),
+        Comparison::of(rise, "", 2.0, order::log_log_slope(&rises)).absolute(0.2, reason),
     ])
 }
 

@@ -3,7 +3,8 @@
 use glam::{DQuat, DVec3};
 use underbrush_oracles::numeric::bisected;
 use underbrush_oracles::statics;
-use underbrush_recording::{BodyPart, BodyShape, Pose};
+use underbrush_recording::{BodyShape, Pose};
+use underbrush_sim::object::structure::part;
 use underbrush_sim::object::trunk::Trunk;
 use underbrush_sim::simulation::test_rig::{FreeBody, Rig};
 use underbrush_sim::{Arm, Surface};
@@ -140,9 +141,9 @@ fn every_direction(simulated: Simulated) -> Found {
     for hour in 0..12 {
         let direction = DVec3::X.rotate_z(f64::from(hour) * std::f64::consts::PI / 6.0 + 0.1);
         let mut rig = Rig::new(OPTIONS);
-        let floor = cuboid(DVec3::new(10.0, 10.0, 0.1), DVec3::Z * -0.05);
+        let floor = part(BodyShape::Box { size_m: DVec3::new(10.0, 10.0, 0.1) }, DVec3::Z * -0.05);
         rig.add_fixed(&floor, surface, &Pose::from_orientation(DQuat::from_rotation_y(slope_rad)));
-        let block = cuboid(DVec3::new(0.12, 0.1, 0.02), DVec3::ZERO);
+        let block = part(BodyShape::Box { size_m: DVec3::new(0.12, 0.1, 0.02) }, DVec3::ZERO);
         let resting = FreeBody::resting(block, 0.5, surface, Pose::from_position(DVec3::Z * 0.01));
         let sliding = rig.add_free(&FreeBody { velocity_world: direction * SPEED_M_PER_S, ..resting });
         let sliding = sliding.ok_or_else(|| Fault::Run("a box without volume".into()))?;
@@ -167,11 +168,6 @@ fn every_direction(simulated: Simulated) -> Found {
     ])
 }
 
-/// A box of this size about this centre.
-fn cuboid(size_m: DVec3, center: DVec3) -> BodyPart {
-    BodyPart { shape: BodyShape::Box { size_m }, pose_body: Pose::from_position(center) }
-}
-
 /// The slope at which a box begins to slide, by bisection.
 fn slip_slope_rad(friction: f64, may_rotate: bool) -> f64 {
     // A box that still slides after one second counts as slipping. At the bound of 5 mm/s, the slope is 0.03° too
@@ -186,9 +182,9 @@ fn sliding_speeds(slope_rad: f64, friction: f64, may_rotate: bool) -> Vec<f64> {
     let surface = Surface::hard(friction);
     let mut rig = Rig::new(OPTIONS);
     let tilt = Pose::from_orientation(DQuat::from_rotation_y(slope_rad));
-    let plate = cuboid(DVec3::new(10.0, 1.0, 0.1), DVec3::Z * -0.05);
+    let plate = part(BodyShape::Box { size_m: DVec3::new(10.0, 1.0, 0.1) }, DVec3::Z * -0.05);
     rig.add_fixed(&plate, surface, &tilt);
-    let block = cuboid(DVec3::new(0.12, 0.1, 0.04), DVec3::ZERO);
+    let block = part(BodyShape::Box { size_m: DVec3::new(0.12, 0.1, 0.04) }, DVec3::ZERO);
     let resting = FreeBody::resting(block, 0.5, surface, tilt * Pose::from_position(DVec3::Z * 0.02));
     let sliding = rig.add_free(&FreeBody { may_rotate, ..resting });
     let down = tilt.transform_vector(DVec3::X);

@@ -78,6 +78,7 @@ fn fast_touch(simulated: Simulated) -> Found {
         let exact = foundation::bounce(MASS_KG, STIFFNESS_N_PER_M3, LOSS_TIME_S, body.overlap_m3, SPEED_M_PER_S);
         let name = body.name;
         let curvature = body.curvature_per_m * deepest_m / 4.0;
+        let exchanged = MASS_KG * (SPEED_M_PER_S + exact.speed_m_per_s);
         let reason = "1 %: the touch of 20 ms takes 200 steps; and d / 4R where the closed form is the first \
                       term in d / R";
         comparisons.extend([
@@ -85,13 +86,8 @@ fn fast_touch(simulated: Simulated) -> Found {
                 .relative(0.01 + curvature, reason),
             Comparison::of(format!("thrown {name}, time until then"), "s", exact.deepest_at_s, deepest_at_s)
                 .relative(0.02 + curvature, "2 %: as above, and one step"),
-            Comparison::of(
-                format!("thrown {name}, impulse of the touch"),
-                "N s",
-                MASS_KG * (SPEED_M_PER_S + exact.speed_m_per_s),
-                impulse,
-            )
-            .relative(0.01, reason),
+            Comparison::of(format!("thrown {name}, impulse of the touch"), "N s", exchanged, impulse)
+                .relative(0.01, reason),
         ]);
     }
     Ok(comparisons)
