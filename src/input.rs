@@ -8,9 +8,8 @@ use underbrush_recording::disk::{Dataset, is_folder, is_recording, is_there, rea
 use underbrush_recording::{InputError, Trial};
 use underbrush_sim::controller::ControllerKind;
 
-use crate::progress::Shown;
 pub use crate::trial_arguments::TrialArguments;
-use crate::{Failure, output};
+use crate::{Failure, Shown, output};
 
 /// The only path in `paths`.
 ///

@@ -19,6 +19,7 @@ mod reaches;
 mod trial_arguments;
 
 use failure::Failure;
+use progress::Shown;
 
 /// Shown after the list of commands: what to try first, and what a script has to know.
 const FIRST_STEPS: &str = "\

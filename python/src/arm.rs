@@ -5,8 +5,7 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use underbrush_sim::arm::Arm;
 
-use crate::skin::Skin;
-use crate::{Failure, array};
+use crate::{Failure, Skin, array};
 
 /// An arm: joints, links and skin.
 #[pyclass(frozen, name = "Arm", module = "underbrush._core")]

@@ -9,14 +9,11 @@ use underbrush_classifier::{Decision, FORMAT, Model, OnlineClassifier, OnlineOpt
 use underbrush_recording::InputError;
 
 use crate::arguments::{decision, save};
-use crate::failure::place;
 use crate::given;
 use crate::json;
 use crate::online::Online;
 use crate::pool;
-use crate::skin::Skin;
-use crate::trials::Trials;
-use crate::{Answer, Failure, array};
+use crate::{Answer, Failure, Skin, Trials, array, place};
 
 /// A fitted classifier of trials, as a model file holds it.
 #[pyclass(frozen, name = "Model", module = "underbrush._core")]

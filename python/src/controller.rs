@@ -10,11 +10,8 @@ use underbrush_sim::controller::{
 };
 use underbrush_sim::reach::MakeController;
 
-use crate::arm::PyArm;
 use crate::controller_input::PyControllerInput;
-use crate::interrupt::Stop;
-use crate::scene::PyScene;
-use crate::{Answer, Failure, array};
+use crate::{Answer, Failure, PyArm, PyScene, Stop, array};
 
 /// A controller that ships, to be called from Python. With ``scene`` it knows how high the ground is, as in a reach.
 #[pyclass(frozen, name = "ShippedController", module = "underbrush._core")]

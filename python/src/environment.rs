@@ -7,12 +7,11 @@ use pyo3::types::PyDict;
 use underbrush_sim::environment::{ActionKind, EnvironmentOptions, Environments, Part, Stepped};
 use underbrush_sim::{ControllerKind, ReachPlan};
 
-use crate::failure::locked;
 use crate::given;
 use crate::picture::{self, PyCamera};
 use crate::pool::{self, Helpers};
 use crate::scene::scene;
-use crate::{Failure, array};
+use crate::{Failure, array, locked};
 
 /// Several environments that are stepped together.
 #[pyclass(frozen, name = "Environments", module = "underbrush._core")]

@@ -9,13 +9,11 @@ use underbrush_classifier::evaluate::{
 use underbrush_classifier::{Classifier, Estimator, Scores};
 
 use crate::arguments::decision;
-use crate::classifier::PyModel;
 use crate::fitting::{Options, estimator_of};
 use crate::json;
 use crate::pool;
 use crate::python_classifier::PythonClassifier;
-use crate::trials::Trials;
-use crate::{Answer, Failure, given};
+use crate::{Answer, Failure, PyModel, Trials, given};
 
 /// How trials are grouped into folds.
 fn folds(trials: &Trials, count: usize, group: Option<&str>) -> Result<Folds, Failure> {

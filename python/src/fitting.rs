@@ -13,12 +13,9 @@ use underbrush_classifier::{ClassifierKind, Estimator, HmmClassifier, Model, Rec
 use underbrush_experiments::model_data;
 
 use crate::arguments::features;
-use crate::classifier::PyModel;
-use crate::interrupt::Stop;
 use crate::pool;
 use crate::python_classifier::PythonEstimator;
-use crate::trials::Trials;
-use crate::{Failure, given};
+use crate::{Failure, PyModel, Stop, Trials, given};
 
 /// Options of a classifier.
 #[pyclass(frozen, module = "underbrush._core")]

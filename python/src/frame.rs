@@ -9,8 +9,7 @@ use underbrush_recording::limits::{self, Limits};
 use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading};
 
 use crate::json;
-use crate::skin::{Skin, patch_index};
-use crate::{Answer, Failure, array};
+use crate::{Answer, Failure, Skin, array, patch_index};
 
 /// One sample of arm and skin at 100 Hz, with its ground truth.
 #[pyclass(frozen, name = "Frame", module = "underbrush._core")]

@@ -9,12 +9,8 @@ use underbrush_experiments::dataset::{Campaign, require_same_reaches};
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_recording::disk::{Dataset, DiskError, Shard, Shards, check_not_input, remove_dataset};
 
-use crate::dataset::PyDataset;
-use crate::interrupt::Stop;
-use crate::pool::alone;
-use crate::progress::{Reported, watched};
 use crate::scene::scene;
-use crate::{Failure, controller};
+use crate::{Failure, PyDataset, Reported, Stop, alone, controller, watched};
 
 /// Simulate many reaches and write them as a data set.
 #[pyfunction]

@@ -39,7 +39,18 @@ mod trials;
 mod validation;
 mod warning;
 
-use failure::{Answer, Failure};
+use arm::PyArm;
+use classifier::PyModel;
+use dataset::PyDataset;
+use failure::{Answer, Failure, locked, place, places};
+use frame::PyFrame;
+use interrupt::Stop;
+use pool::alone;
+use progress::{Reported, watched};
+use scene::PyScene;
+use skin::{Skin, patch_index};
+use table::{Column, PyTable};
+use trials::Trials;
 
 /// The native part of underbrush.
 #[pyo3::pymodule(gil_used = true)]

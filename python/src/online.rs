@@ -7,13 +7,9 @@ use pyo3::types::{PyDict, PyList};
 use underbrush_classifier::{OnlineClassifier, OnlineOptions, Scores, TouchClassifier};
 use underbrush_recording::SkinLayout;
 
-use crate::failure::locked;
-use crate::frame::PyFrame;
-use crate::interrupt::Stop;
 use crate::json;
 use crate::python_classifier::PythonClassifier;
-use crate::skin::Skin;
-use crate::{Failure, arguments};
+use crate::{Failure, PyFrame, Skin, Stop, arguments, locked};
 
 /// Gives a verdict on each taxel in contact, in every frame.
 #[pyclass(frozen, module = "underbrush._core")]

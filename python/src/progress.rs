@@ -7,8 +7,7 @@ use pyo3::prelude::*;
 use underbrush_experiments::{Counter, Progress};
 use underbrush_recording::GoalOutcomes;
 
-use crate::interrupt::Stop;
-use crate::{Failure, pool};
+use crate::{Failure, Stop, pool};
 
 /// How often signals are checked.
 const PERIOD: Duration = Duration::from_millis(50);

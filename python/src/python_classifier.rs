@@ -8,9 +8,7 @@ use underbrush_classifier::estimator::{Classifier, Estimator, OnlineScorer};
 use underbrush_classifier::{FeatureSet, ModelError, SampleFault};
 use underbrush_recording::{Sample, Trial};
 
-use crate::interrupt::Stop;
-use crate::trials::Trials;
-use crate::{Failure, array};
+use crate::{Failure, Stop, Trials, array};
 
 /// An object with `fit_trials(trials)`, which returns a fitted classifier.
 pub struct PythonEstimator {

@@ -18,17 +18,12 @@ use underbrush_sim::reach::ReachPlan;
 
 use crate::arguments::cutting;
 use crate::failure::{self, place};
-use crate::frame::PyFrame;
-use crate::interrupt::Stop;
 use crate::json;
 use crate::picture::{self, PyCamera};
 use crate::pool::{self, alone};
-use crate::progress::watched;
 use crate::scene::scene;
-use crate::skin::{Skin, patch_index};
 use crate::table::{Column, LentColumns, PyTable, record_batch};
-use crate::trials::Trials;
-use crate::{Answer, Failure, controller};
+use crate::{Answer, Failure, PyFrame, Skin, Stop, Trials, controller, patch_index, watched};
 
 /// Where a reach is stored.
 pub enum Source {

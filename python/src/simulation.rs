@@ -11,14 +11,10 @@ use underbrush_recording::SkinLayout;
 use underbrush_render::Stage;
 use underbrush_sim::{ReachPlan, Simulation};
 
-use crate::arm::PyArm;
-use crate::failure::locked;
-use crate::frame::PyFrame;
 use crate::picture::{self, PyCamera};
 use crate::pool::{self, alone};
 use crate::scene;
-use crate::skin::Skin;
-use crate::{Answer, Failure, array};
+use crate::{Answer, Failure, PyArm, PyFrame, Skin, array, locked};
 
 /// The arm in one draw of a scene, moved step by step.
 #[pyclass(frozen, name = "Simulation", module = "underbrush._core")]

@@ -10,9 +10,7 @@ use underbrush_recording::disk::check_free;
 use underbrush_report::reproduction::Reproduction;
 use underbrush_report::suite_text;
 
-use crate::pool::alone;
-use crate::progress::{Reported, watched};
-use crate::{Answer, Failure, json};
+use crate::{Answer, Failure, Reported, alone, json, watched};
 
 /// Check a scene, data set, recording, model or table of trials, and say what it holds.
 #[pyfunction]

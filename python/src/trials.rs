@@ -11,12 +11,9 @@ use underbrush_recording::disk::{channel_names, check_free, read_trials, trial_t
 use underbrush_recording::{Sample, Trial};
 
 use crate::arguments::features;
-use crate::failure::{place, places};
 use crate::json;
-use crate::pool::alone;
 use crate::sequences::of_sequences;
-use crate::table::PyTable;
-use crate::{Answer, Failure, array};
+use crate::{Answer, Failure, PyTable, alone, array, place, places};
 
 /// Contact trials: what one taxel, or one connected component, sensed from the beginning of a contact to its end.
 #[pyclass(frozen, module = "underbrush._core")]

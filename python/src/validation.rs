@@ -5,8 +5,7 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use underbrush_validation::{CHECKS, Check};
 
-use crate::progress::watched;
-use crate::{Answer, Failure, json};
+use crate::{Answer, Failure, json, watched};
 
 /// Check the simulated physics against closed-form solutions. Returns a dictionary for each check, as
 /// `underbrush validate --json` prints them.

@@ -4,11 +4,8 @@
 use underbrush_experiments::table_cell::{CellKey, Ordering};
 use underbrush_recording::distinct;
 
-use crate::accuracy_chart::{AccuracyChart, lowest};
-use crate::drawing::{Rows, Table};
-use crate::report::{Report, possessive};
 use crate::style::{self, PUBLISHED};
-use crate::text::counted;
+use crate::{AccuracyChart, Report, Rows, Table, counted, lowest, possessive};
 
 /// A difference that counts as agreement, points: the target for the mean over the cells.
 const CLOSE_POINTS: f64 = 3.0;

@@ -31,8 +31,11 @@ use underbrush_experiments::experiment::training_data::Reaches;
 use underbrush_experiments::results::Results;
 use underbrush_recording::Fault;
 
-use drawing::Rows;
-use report::Report;
+use accuracy_chart::{AccuracyChart, lowest};
+use drawing::{Axis, Cell, Dash, Layer, Mark, Page, Rows, Shape, Style, Table, chart, escape, slug};
+use replayed::known;
+use report::{Report, possessive};
+use text::counted;
 
 /// A report, ready to be written.
 pub struct Written {

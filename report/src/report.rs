@@ -5,8 +5,7 @@ use underbrush_experiments::definition::{Published, PublishedSection};
 use underbrush_experiments::experiment::campaigns::CampaignFigures;
 use underbrush_experiments::{CellKey, Results, unit_name};
 
-use crate::drawing::{Cell, Page, Rows, Table};
-use crate::{CategoryLooks, text};
+use crate::{CategoryLooks, Cell, Page, Rows, Table, text};
 
 /// A report to which sections are added.
 pub struct Report<'a> {

@@ -8,8 +8,7 @@ use underbrush_experiments::suite::Checked;
 use underbrush_experiments::suite::result::{BoundResult, BoundVerdict, SceneResult, SuiteResult};
 use underbrush_recording::{Fault, math};
 
-use crate::drawing::{Rows, escape};
-use crate::text::counted;
+use crate::{Rows, counted, escape};
 
 /// Names of the files that [`write()`] writes.
 pub const FILES: [&str; 2] = ["results.json", "junit.xml"];

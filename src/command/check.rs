@@ -7,8 +7,7 @@ use underbrush_experiments::suite::Checked;
 use underbrush_report::suite_text;
 
 use super::overwrite::Overwrite;
-use crate::progress::Shown;
-use crate::{Failure, output};
+use crate::{Failure, Shown, output};
 
 /// Shown at the end of `underbrush check --help`.
 const EXAMPLE: &str = "\

@@ -16,10 +16,8 @@ use underbrush_classifier::{Classifier, Decision, FeatureSet, Rule, Scores};
 use underbrush_experiments::model_data;
 use underbrush_recording::{Category, InputError, Trial};
 
-use super::decision_arguments::DecisionArguments;
-use super::estimator_arguments::EstimatorArguments;
-use super::overwrite::Overwrite;
 use super::touch::{self, Judge, RiskArguments, TouchDecisionArguments};
+use super::{DecisionArguments, EstimatorArguments, Overwrite};
 use crate::input::{self, TrialArguments};
 use crate::options::{self, named};
 use crate::{Failure, output};

@@ -11,11 +11,8 @@ use underbrush_recording::disk::{Dataset, Shard};
 use underbrush_sim::materials::MaterialFile;
 use underbrush_sim::{ControllerKind, Scene};
 
-use super::dataset_summary::Summary;
-use super::overwrite::Overwrite;
-use super::verdict_arguments::VerdictArguments;
-use crate::progress::Shown;
-use crate::{Failure, input, interrupt, output};
+use super::{Overwrite, Summary, VerdictArguments};
+use crate::{Failure, Shown, input, interrupt, output};
 
 /// GenerateOptions of `underbrush generate`.
 #[derive(Args)]

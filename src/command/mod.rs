@@ -29,3 +29,11 @@ pub mod trials;
 pub mod validate;
 mod verdict_arguments;
 mod watched;
+
+use dataset_summary::Summary;
+use decision_arguments::DecisionArguments;
+use estimator_arguments::EstimatorArguments;
+use overwrite::Overwrite;
+use picture::PictureArguments;
+use verdict_arguments::VerdictArguments;
+use watched::Watched;

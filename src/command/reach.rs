@@ -14,16 +14,11 @@ use underbrush_recording::{Audit, NamedStop, Recording};
 use underbrush_report::drawing::Rows;
 use underbrush_sim::{ControllerKind, ReachPlan, ReachSoFar, Scene};
 
-use super::decision_arguments::DecisionArguments;
-use super::overwrite::Overwrite;
 use super::picture;
-use super::replay;
 use super::touch::TouchDecisionArguments;
-use super::verdict_arguments::VerdictArguments;
-use super::watched::Watched;
+use super::{DecisionArguments, Overwrite, VerdictArguments, Watched, replay};
 use crate::output;
-use crate::progress::Shown;
-use crate::{Failure, input};
+use crate::{Failure, Shown, input};
 
 /// ReachOptions of `underbrush reach`.
 #[derive(Args)]

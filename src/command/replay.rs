@@ -12,10 +12,8 @@ use underbrush_recording::disk::remove_leftovers;
 use underbrush_replay::{Judging, JudgingModel, Server, Source, single_file};
 use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
-use super::decision_arguments::DecisionArguments;
-use super::overwrite::Overwrite;
-use super::picture::PictureArguments;
 use super::touch::TouchDecisionArguments;
+use super::{DecisionArguments, Overwrite, PictureArguments};
 use crate::{Failure, options};
 use crate::{input, output};
 

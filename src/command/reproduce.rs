@@ -6,8 +6,7 @@ use clap::Args;
 use underbrush_experiments::definition::Experiment;
 use underbrush_report::reproduction::Reproduction;
 
-use crate::progress::Shown;
-use crate::{Failure, interrupt, output};
+use crate::{Failure, Shown, interrupt, output};
 
 /// ReproduceOptions of `underbrush reproduce`.
 #[derive(Args)]

@@ -4,8 +4,7 @@ use underbrush_experiments::accuracy::Figures;
 use underbrush_experiments::{TableOneUnit, unit_name};
 use underbrush_experiments::experiment::ablation::{AS_IS, Ablated, AblationResults, described};
 
-use crate::drawing::{Rows, Table};
-use crate::report::Report;
+use crate::{Report, Rows, Table};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &AblationResults) {

@@ -3,8 +3,7 @@
 use underbrush_classifier::evaluate::ConfusionMatrix;
 use underbrush_experiments::experiment::confusion::ConfusionMatrices;
 
-use crate::drawing::{Rows, Table};
-use crate::report::Report;
+use crate::{Report, Rows, Table};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ConfusionMatrices) {

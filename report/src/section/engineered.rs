@@ -3,8 +3,7 @@
 use underbrush_experiments::experiment::engineered::{Engineered, EngineeredReaches};
 use underbrush_experiments::frame_verdicts::Shares;
 
-use crate::drawing::{Axis, Dash, Layer, Rows, Shape, Style, Table, chart};
-use crate::{Report, replay_links};
+use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, replay_links};
 use crate::style::{CORRECT, UNCERTAIN, WRONG};
 
 /// Adds the section.

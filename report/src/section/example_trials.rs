@@ -3,8 +3,7 @@
 use underbrush_experiments::experiment::example_trials::{Example, ExampleTrials, Typical};
 use underbrush_recording::{FRAME_PERIOD_S, Sample};
 
-use crate::{CategoryLooks, Report, replay_links};
-use crate::drawing::{Axis, Layer, Rows, Shape, Table, chart};
+use crate::{Axis, CategoryLooks, Layer, Report, Rows, Shape, Table, chart, replay_links};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ExampleTrials) {

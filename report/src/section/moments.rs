@@ -3,9 +3,7 @@
 use underbrush_experiments::experiment::moments::{Moment, ReachMoments};
 use underbrush_render::{RenderError, Size, Stage, png};
 
-use crate::{CategoryLooks, Report, replay_links, skin_map};
-use crate::drawing::{Mark, escape, slug};
-use crate::replayed::known;
+use crate::{CategoryLooks, Mark, Report, escape, known, replay_links, skin_map, slug};
 
 /// As wide as half the page on a screen with two pixels for one.
 const SIZE: Size = Size { width: 960, height: 640 };

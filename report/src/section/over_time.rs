@@ -5,8 +5,7 @@ use underbrush_classifier::feature::FeatureSet;
 use underbrush_experiments::experiment::over_time::AccuracyOverTime;
 use underbrush_experiments::frame_verdicts::Classified;
 
-use crate::drawing::{Axis, Dash, Layer, Rows, Shape, Style, Table, chart};
-use crate::{Report, replay_links};
+use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, replay_links};
 use crate::style::{CORRECT, FIRST, INK, UNCERTAIN, UNTOUCHED, WRONG};
 
 /// Adds the section.

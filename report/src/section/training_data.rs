@@ -3,8 +3,7 @@
 use underbrush_experiments::experiment::training_data::{TrainingSummary, TrialsPerReach};
 use underbrush_experiments::table_cell::unit_name;
 
-use crate::drawing::{Rows, Table};
-use crate::report::Report;
+use crate::{Report, Rows, Table};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &TrainingSummary) {

@@ -4,8 +4,7 @@ use underbrush_classifier::evaluate::UnknownFigures;
 use underbrush_classifier::evaluate::touch::CalibrationBin;
 use underbrush_experiments::experiment::verdicts::{VerdictFigures, Verdicts};
 
-use crate::drawing::{Cell, Layer, Rows, Shape, Table};
-use crate::{Report, roc};
+use crate::{Cell, Layer, Report, Rows, Shape, Table, roc};
 use crate::style::FIRST;
 
 /// Adds the section.

@@ -7,8 +7,7 @@ use tempfile::TempDir;
 use underbrush_experiments::dataset::Campaign;
 use underbrush_sim::scene::{Scene, shipped_by_name};
 
-use crate::Failure;
-use crate::progress::Shown;
+use crate::{Failure, Shown};
 
 /// Options on scenes that are given in place of data sets.
 #[derive(Args)]
