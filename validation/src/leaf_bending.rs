@@ -68,10 +68,8 @@ fn load_below_tip(simulated: Simulated) -> Found {
         let mut leaf = damped_leaf(simulated.with(FEWER_HINGES, hinges, hinges - 1), simulated)?;
         let quantity = format!("deflection by a load at 0.6 of the height, {hinges} hinges, against the sum over them");
         let found = leaf.settle_at(DVec3::X * SMALL_LOAD_N, height_m)?;
-        Ok(Comparison::of(quantity, "m", expected, found).relative(
-            small_load_tolerance(),
-            "the same: the sum over the published Gauss nodes is exact for the chain",
-        ))
+        let reason = "the same: the sum over the published Gauss nodes is exact for the chain";
+        Ok(Comparison::of(quantity, "m", expected, found).relative(small_load_tolerance(), reason))
     };
     [4, 8].into_iter().map(compare).collect()
 }

@@ -113,9 +113,8 @@ fn in_air(simulated: Simulated) -> Found {
     let inverse = |periods: f64| (1.0 / first_m + air / integrator) * (integrator * periods).exp() - air / integrator;
     // The vibration is measured from its second peak to its seventh.
     let expected = (inverse(6.25) / inverse(1.25)).ln() / 5.0;
-    Ok(vec![Comparison::of("log decrement of a leaf in air, swinging by 14 mm", "", expected, decrement).relative(
-        0.05,
-        "5 %: the closed form takes the loss of a period as small, and it is 3 % of the energy; the speed of a piece is \
-         taken at its middle",
-    )])
+    let quantity = "log decrement of a leaf in air, swinging by 14 mm";
+    let reason = "5 %: the closed form takes the loss of a period as small, and it is 3 % of the energy; the speed of a \
+                  piece is taken at its middle";
+    Ok(vec![Comparison::of(quantity, "", expected, decrement).relative(0.05, reason)])
 }

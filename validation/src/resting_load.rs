@@ -37,10 +37,9 @@ fn compare(simulated: Simulated) -> Found {
         .into_iter()
         .map(|(name, shape, pose_body)| {
             let found = resting_load_n(BodyPart { shape, pose_body }, mass_kg)?;
-            Ok(Comparison::of(format!("load under a {name}"), "N", MASS_KG * GRAVITY_M_PER_S2, found).relative(
-                1e-6,
-                "1e-6: a state of rest has no discretization error; what remains is the solver's residual",
-            ))
+            let load = Comparison::of(format!("load under a {name}"), "N", MASS_KG * GRAVITY_M_PER_S2, found);
+            let reason = "1e-6: a state of rest has no discretization error; what remains is the solver's residual";
+            Ok(load.relative(1e-6, reason))
         })
         .collect()
 }
