@@ -3,12 +3,10 @@
 use serde::Serialize;
 use underbrush_recording::Trial;
 
-use super::confusion::{AccuracyByTouch, ConfusionMatrix};
-use super::cross_validation::across_folds;
-use super::error::EvaluateError;
-use super::fold::Folds;
-use super::interval::{BOOTSTRAP_RESAMPLES, Interval, bootstrap_by_reach};
-use super::prediction::Prediction;
+use super::{
+    AccuracyByTouch, BOOTSTRAP_RESAMPLES, ConfusionMatrix, EvaluateError, Folds, Interval, Prediction, across_folds,
+    bootstrap_by_reach,
+};
 use crate::{Decision, Estimator};
 
 pub use crate::stream_feature::SAMPLE_COUNTS;

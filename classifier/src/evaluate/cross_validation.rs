@@ -5,10 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use rayon::prelude::*;
 use underbrush_recording::Trial;
 
-use super::error::EvaluateError;
-use super::evaluation::Evaluation;
-use super::fold::Folds;
-use super::prediction::Prediction;
+use super::{EvaluateError, Evaluation, Folds, Prediction};
 use crate::estimator::{Classifier, Estimator, is_trained};
 use crate::{Decision, TrainingHistory};
 

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::confusion::{AccuracyByTouch, CategoryFigures, ConfusionMatrix};
-use super::error::EvaluateError;
-use super::interval::{BOOTSTRAP_RESAMPLES, Interval, bootstrap_by_reach, wilson};
-use super::prediction::{Prediction, Record};
+use super::{
+    AccuracyByTouch, BOOTSTRAP_RESAMPLES, CategoryFigures, ConfusionMatrix, EvaluateError, Interval, Prediction,
+    Record, bootstrap_by_reach, wilson,
+};
 use crate::hmm::TrainingHistory;
 
 /// Verdicts on trials with ground truth, and figures computed from them.

@@ -2,11 +2,7 @@
 
 use serde::Serialize;
 
-use super::by_samples::AccuracyBySamples;
-use super::confusion::Accuracy;
-use super::evaluation::Evaluation;
-use super::fold::Folds;
-use super::interval::Interval;
+use super::{Accuracy, AccuracyBySamples, Evaluation, Folds, Interval};
 use crate::feature::FeatureSet;
 
 /// An evaluation and how it was done, as the command line prints it and Python returns it.

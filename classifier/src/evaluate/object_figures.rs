@@ -5,10 +5,8 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 use underbrush_recording::Category;
 
-use super::interval::{BOOTSTRAP_RESAMPLES, Interval, bootstrap_by_reach};
-use super::prediction::Record;
-use super::roc::RocCurve;
 use super::touch_object::JudgedObject;
+use super::{BOOTSTRAP_RESAMPLES, Interval, Record, RocCurve, bootstrap_by_reach};
 use crate::decision::Verdict;
 use crate::touch::Touch;
 

@@ -38,12 +38,7 @@ use serde::Serialize;
 use thiserror::Error;
 use underbrush_recording::Trial;
 
-use super::confusion::{ConfusionMatrix, Rates};
-use super::cross_validation::{across_folds, predict};
-use super::error::EvaluateError;
-use super::evaluation::Evaluation;
-use super::fold::Folds;
-use super::prediction::{Prediction, Record};
+use super::{ConfusionMatrix, EvaluateError, Evaluation, Folds, Prediction, Rates, Record, across_folds, predict};
 use crate::decision::{Decision, DecisionError, Judge, Rule};
 use crate::estimator::Estimator;
 

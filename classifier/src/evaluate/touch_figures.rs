@@ -2,12 +2,10 @@
 
 use serde::Serialize;
 
-use super::by_samples::SAMPLE_COUNTS;
-use super::confusion::Accuracy;
-use super::object_figures::{GroupingFigures, ObjectVerdicts, UnknownFigures};
 use super::touch::{CalibrationBin, TouchEvaluation, TouchTally};
 use super::touch_object::JudgedObject;
 use super::touch_stiffness::StiffnessFigures;
+use super::{Accuracy, GroupingFigures, ObjectVerdicts, SAMPLE_COUNTS, UnknownFigures};
 
 /// The figures of a [`TouchEvaluation`]. All shares are from 0 to 1, and `None` if there is nothing to count.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -8,9 +8,10 @@ use underbrush_recording::limits::SHARE;
 use underbrush_recording::{BodyShape, Category, Limits};
 
 use super::FRICTION;
-use super::group::{Declared, Drawing, Kind};
-use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Maxwell, Spring, Structure, part};
-use super::{EARTH_GRAVITY_M_PER_S2, Footing, Object};
+use super::{
+    Axis, Body, CollisionGroup, Declared, Drawing, EARTH_GRAVITY_M_PER_S2, Footing, Inertia, Joint, Kind, Maxwell,
+    Object, Spring, Structure, part,
+};
 use crate::{Draw, DrawError, Footprint, Surface};
 
 /// Length and width of a block, m (paper, section IV-A).

@@ -6,9 +6,10 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use underbrush_recording::{BodyShape, Category};
 
-use super::group::{Declared, Drawing, Kind, quantities};
-use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Maxwell, Spring, Structure, part};
-use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Object};
+use super::{
+    Axis, Body, CollisionGroup, Declared, Drawing, EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Inertia, Joint, Kind,
+    Maxwell, Object, Spring, Structure, part, quantities,
+};
 use crate::range::{Draw, DrawError, draw_possible};
 use crate::{Footprint, Surface};
 

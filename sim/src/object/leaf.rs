@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use underbrush_recording::Category;
 
-use super::blade::{Blade, COLLISION_THICKNESS_M, Hinge, NEVER_YIELDS_NM, SHEET_TORSION_OVER_BENDING, yields};
-use super::group::{Declared, Drawing, Kind, quantities};
-use super::root::{NEVER_PULLED_N, grip, root_stiffness_nm_per_rad};
-use super::structure::{Axis, Body, CollisionGroup, Grip, Joint, Structure};
-use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Object, StandsOn};
+use super::{
+    Axis, Blade, Body, COLLISION_THICKNESS_M, CollisionGroup, Declared, Drawing, EARTH_GRAVITY_M_PER_S2, FRICTION,
+    Footing, Grip, Hinge, Joint, Kind, NEVER_PULLED_N, NEVER_YIELDS_NM, Object, SHEET_TORSION_OVER_BENDING, StandsOn,
+    Structure, grip, quantities, root_stiffness_nm_per_rad, yields,
+};
 use crate::range::{Draw, DrawError, draw_possible};
 use crate::{Footprint, Surface};
 

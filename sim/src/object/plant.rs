@@ -6,11 +6,11 @@ use std::f64::consts::PI;
 use glam::{DQuat, DVec3};
 use underbrush_recording::{BodyShape, Category, Pose};
 
-use super::blade::{Blade, COLLISION_THICKNESS_M, Hinge, SHEET_TORSION_OVER_BENDING, yields};
-use super::group::{Declared, Drawing, Kind, quantities};
-use super::root::{NEVER_PULLED_N, grip, root_stiffness_nm_per_rad};
-use super::structure::{Axis, Body, CollisionGroup, Grip, Inertia, Joint, Spring, Structure, part};
-use super::{EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Object, StandsOn};
+use super::{
+    Axis, Blade, Body, COLLISION_THICKNESS_M, CollisionGroup, Declared, Drawing, EARTH_GRAVITY_M_PER_S2, FRICTION,
+    Footing, Grip, Hinge, Inertia, Joint, Kind, NEVER_PULLED_N, Object, SHEET_TORSION_OVER_BENDING, Spring, StandsOn,
+    Structure, grip, part, quantities, root_stiffness_nm_per_rad, yields,
+};
 use crate::quadrature::gauss_legendre;
 use crate::range::{Draw, DrawError, draw_possible};
 use crate::{Footprint, Surface};

@@ -6,9 +6,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use underbrush_recording::{BodyShape, Category};
 
-use super::group::{Declared, Drawing, Kind, quantities};
-use super::structure::{Body, Structure, part};
-use super::{Footing, Object, TABLE_FRICTION};
+use super::{Body, Declared, Drawing, Footing, Kind, Object, Structure, TABLE_FRICTION, part, quantities};
 use crate::{Draw, DrawError, Footprint, Surface};
 
 /// Thickness of the top, m. Choice: thicker than any overlap, so that nothing comes out below.

@@ -5,9 +5,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use underbrush_recording::{BodyShape, Category};
 
-use super::group::{Declared, Drawing, Kind, quantities};
-use super::structure::{Body, Structure, part};
-use super::{FRICTION, Footing, Object};
+use super::{Body, Declared, Drawing, FRICTION, Footing, Kind, Object, Structure, part, quantities};
 use crate::range::{Draw, DrawError, draw_possible};
 use crate::{Footprint, Surface};
 

@@ -6,9 +6,10 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use underbrush_recording::{BodyShape, Category};
 
-use super::group::{Declared, Drawing, Kind, quantities};
-use super::structure::{Body, CollisionGroup, Inertia, Joint, Structure, part};
-use super::{Footing, Object, TABLE_FRICTION};
+use super::{
+    Body, CollisionGroup, Declared, Drawing, Footing, Inertia, Joint, Kind, Object, Structure, TABLE_FRICTION, part,
+    quantities,
+};
 use crate::range::{Draw, DrawError, draw_possible};
 use crate::{Footprint, Surface};
 

@@ -4,10 +4,7 @@ use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::Pose as WorldPose;
 
-use super::engine::Engine;
-use super::groups;
-use super::placed::{PlacedLink, Solid};
-use super::report::JointState;
+use super::{Engine, JointState, PlacedLink, Solid, groups};
 use crate::arm::Arm;
 use crate::dynamics::Tree;
 use crate::geometry::parry_pose;

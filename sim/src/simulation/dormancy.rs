@@ -4,10 +4,7 @@ use rapier3d::parry::bounding_volume::BoundingVolume;
 use rapier3d::parry::query::distance;
 use rapier3d::prelude::ColliderHandle;
 
-use super::mechanism::Mechanism;
-use super::model::Model;
-use super::moving_shapes::{DormancyBuffers, Mover};
-use super::world::World;
+use super::{DormancyBuffers, Mechanism, Model, Mover, World};
 use crate::geometry::parry_pose;
 
 /// A dormant object is put into the engine when a moving shape comes within this distance, m: the distance covered in a

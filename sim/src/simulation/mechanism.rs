@@ -7,9 +7,7 @@ use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{BodyPart, BodyShape, Pose as WorldPose};
 
-use super::engine::Engine;
-use super::groups;
-use super::placed::Solid;
+use super::{Engine, Solid, groups};
 use crate::dynamics::Tree;
 use crate::geometry::{engine_shape, parry_pose};
 use crate::object::structure::{CollisionGroup, Structure};

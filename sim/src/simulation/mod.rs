@@ -14,7 +14,7 @@ use crate::object::structure::Structure;
 use crate::sensor::Sensor;
 use crate::{Arm, Clutter, PhysicsOptions};
 use contact_points::contact_points;
-use model::Model;
+use model::{Assembly, Model};
 use sense::SenseBuffers;
 use world::World;
 
@@ -38,9 +38,15 @@ mod tactile;
 pub mod test_rig;
 mod world;
 
+use arm::ArmBodies;
 pub use contact::{Contact, contact_torque_nm};
+use engine::Engine;
+use mechanism::{Mechanism, collider};
+use moving_shapes::{DormancyBuffers, Mover};
+use placed::{PlacedLink, Solid};
 pub use report::{FrameReport, JointState, ObjectState, StepObserver, StepReport};
 pub use saved::StateError;
+use tactile::entry;
 pub use tactile::{ContactPair, LinkForce, TactileFrame};
 
 /// The parts of a simulation.

@@ -4,9 +4,7 @@ use glam::DVec3;
 use rapier3d::prelude::ColliderHandle;
 use underbrush_recording::TaxelReading;
 
-use super::model::Model;
-use super::tactile::{ContactPair, TactileFrame, entry};
-use super::world::World;
+use super::{ContactPair, Model, TactileFrame, World, entry};
 use crate::sensor::Sensor;
 use crate::skin::{ContactPoint, SpreadBuffers, TaxelForce};
 

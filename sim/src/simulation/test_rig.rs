@@ -4,10 +4,7 @@ use glam::DVec3;
 use rapier3d::prelude::*;
 use underbrush_recording::{BodyPart, Pose as WorldPose};
 
-use super::arm::ArmBodies;
-use super::engine::Engine;
-use super::mechanism::{Mechanism, collider};
-use super::placed::{PlacedLink, Solid};
+use super::{ArmBodies, Engine, Mechanism, PlacedLink, Solid, collider};
 use crate::dynamics::{self, LinkOptions, Tree};
 use crate::object::Object;
 use crate::object::structure::{Axis, Spring};

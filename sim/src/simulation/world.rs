@@ -4,14 +4,10 @@ use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, Pose};
 
-use super::arm::ArmBodies;
-use super::contact::Contact;
-use super::engine::Engine;
-use super::mechanism::Mechanism;
-use super::model::{Assembly, Model};
-use super::moving_shapes::DormancyBuffers;
-use super::placed::PlacedLink;
-use super::report::{JointState, StepObserver, StepReport};
+use super::{
+    ArmBodies, Assembly, Contact, DormancyBuffers, Engine, JointState, Mechanism, Model, PlacedLink, StepObserver,
+    StepReport,
+};
 use crate::object::COLLIDING_KINDS;
 use crate::physics::PhysicsOptions;
 

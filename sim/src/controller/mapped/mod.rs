@@ -24,6 +24,12 @@ use super::{
 };
 use crate::arm::Arm;
 use crate::geometry::Capsule;
+use contacts::touches;
+use map::{Caution, Touch};
+use path::Path;
+use planner::{BUDGET, EVALUATION_S, ForbiddenPostures, NoWay, Planner};
+use pursuit::FROZEN_RAD;
+use route::Surroundings;
 
 pub mod arm_shapes;
 mod bare;

@@ -2,10 +2,7 @@
 
 use glam::DVec3;
 
-use super::arm_shapes::largest_change_rad;
-use super::difference;
-use super::path::Path;
-use super::planner::ForbiddenPostures;
+use super::{ForbiddenPostures, Path, difference, largest_change_rad};
 
 /// Joint angles that differ by less than this are those of an arm that does not move at all, rad.
 pub(super) const FROZEN_RAD: f64 = 0.03;

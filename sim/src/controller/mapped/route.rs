@@ -6,9 +6,7 @@ use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::arm_shapes::{ArmShapes, largest_change_rad};
-use super::map::{Caution, Map};
-use super::planner::{BUDGET, ForbiddenPostures, NoWay, Planner};
+use super::{ArmShapes, BUDGET, Caution, ForbiddenPostures, Map, NoWay, Planner, largest_change_rad};
 use crate::arm::Arm;
 
 /// How far the planned way stays from obstacles, m: more than the arm strays from it.

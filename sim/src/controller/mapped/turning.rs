@@ -2,14 +2,9 @@
 
 use underbrush_recording::ObstacleKind;
 
-use super::Mapped;
-use super::arm_shapes::largest_change_rad;
-use super::contacts::{Judged, touches};
-use super::map::Touch;
-use super::path::Path;
-use super::planner::{EVALUATION_S, NoWay};
-use super::pursuit::{FROZEN_RAD, Pursuit};
-use super::route::Surroundings;
+use super::{
+    EVALUATION_S, FROZEN_RAD, Judged, Mapped, NoWay, Path, Pursuit, Surroundings, Touch, largest_change_rad, touches,
+};
 use crate::{ControllerInput, seed};
 
 /// A goal is given up after so many stops. Choice: several times what a way takes.
