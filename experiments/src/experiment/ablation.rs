@@ -10,8 +10,8 @@ use super::table_one;
 use super::training_data::{self, TrialsPerReach};
 use crate::accuracy::{Accuracy, Figures};
 use crate::definition::{AblationName, Experiment, TableOneUnit};
-use crate::{Cell, Session};
 use crate::training::{self, Trials};
+use crate::{Cell, Session};
 
 /// The results of the ablation.
 #[derive(Serialize)]

@@ -10,9 +10,9 @@ use super::classifiers::{self, Compared};
 use super::table_one;
 use super::training_data::{self, TrialsPerReach};
 use crate::accuracy::{Accuracy, Figures, Part, Spread};
-use crate::{Experiment, Session, TableOneUnit};
 use crate::table_cell::{self, Cell, CellKey, Ordering, unit_name};
 use crate::training::{self, Trials};
+use crate::{Experiment, Session, TableOneUnit};
 
 /// The campaigns; `None` if only one was requested.
 #[derive(Serialize)]

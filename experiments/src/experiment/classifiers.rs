@@ -2,14 +2,14 @@
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use underbrush_classifier::{Decision, Estimator};
 use underbrush_classifier::evaluate::{
     AccuracyBySamples, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
 };
+use underbrush_classifier::{Decision, Estimator};
 use underbrush_recording::{Fault, Trial};
 
-use crate::{Accuracy, Session, training};
 use crate::definition::{ClassifierEntry, Experiment};
+use crate::{Accuracy, Session, training};
 
 /// All classifiers of the experiment, in the order of its file.
 #[derive(Serialize)]

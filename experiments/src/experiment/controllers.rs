@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{Category, DiskError, Fault, Outcome, Recording};
 use underbrush_sim::campaign::Job;
-use underbrush_sim::{ControllerKind, ReachPlan};
 use underbrush_sim::scene::ProgressRule;
+use underbrush_sim::{ControllerKind, ReachPlan};
 
 use crate::dataset::{each_reach, reach_plan};
 use crate::resampled::Estimate;

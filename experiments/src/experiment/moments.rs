@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
-use underbrush_classifier::{HmmClassifier, OnlineClassifier};
 use underbrush_classifier::decision::{Decision, Rule, Verdict};
+use underbrush_classifier::{HmmClassifier, OnlineClassifier};
 use underbrush_recording::{Fault, Frame, Recording};
 use underbrush_sim::reach::Observed;
 

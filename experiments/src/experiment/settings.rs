@@ -10,9 +10,9 @@ use underbrush_classifier::estimator::{Estimator, is_trained};
 use underbrush_classifier::evaluate::{Evaluation, evaluate};
 use underbrush_recording::{Fault, Recording, Trial};
 
-use crate::{Accuracy, Experiment, Session};
 use crate::training::{self, Trials};
 use crate::verdict_transfer::{FoldedReaches, VerdictTransfer};
+use crate::{Accuracy, Experiment, Session};
 
 /// Every classifier, trained and tested at every pair of settings.
 #[derive(Serialize, Deserialize)]

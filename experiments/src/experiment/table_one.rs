@@ -8,10 +8,10 @@ use serde::Serialize;
 use underbrush_classifier::{Decision, Evaluation, FeatureSet, Folds, Recipe, cross_validate};
 use underbrush_recording::{Fault, Trial};
 
-use crate::{Accuracy, Session};
 use crate::definition::{Experiment, RecipeName, TableOneUnit};
 use crate::table_cell::{self, Cell, CellKey, Ordering};
 use crate::training::{self, Trials};
+use crate::{Accuracy, Session};
 
 /// The table.
 #[derive(Serialize)]

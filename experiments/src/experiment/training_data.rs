@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, Fault, Trial};
 
 use crate::audit::{self, Worst};
-use crate::{Experiment, Session, TableOneUnit};
 use crate::reach_ends::Ends;
 use crate::training::{self, Trials};
+use crate::{Experiment, Session, TableOneUnit};
 
 /// The training data.
 #[derive(Serialize)]

@@ -1,8 +1,8 @@
 //! Ablation: the cross-validation table with one thing changed at a time.
 
 use underbrush_experiments::accuracy::Figures;
-use underbrush_experiments::{TableOneUnit, unit_name};
 use underbrush_experiments::experiment::ablation::{AS_IS, Ablated, AblationResults, described};
+use underbrush_experiments::{TableOneUnit, unit_name};
 
 use crate::{Report, Rows, Table};
 

@@ -4,8 +4,8 @@ use underbrush_classifier::evaluate::AccuracyBySamples;
 use underbrush_experiments::definition::ClassifierEntry;
 use underbrush_experiments::experiment::classifiers::{Compared, ComparedClassifiers, Speed};
 
-use crate::{AccuracyChart, Cell, Rows, Table, lowest, style};
 use crate::report::{ACCURACY_HEADINGS, Report, by_touch};
+use crate::{AccuracyChart, Cell, Rows, Table, lowest, style};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ComparedClassifiers) {

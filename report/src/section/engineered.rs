@@ -3,8 +3,8 @@
 use underbrush_experiments::experiment::engineered::{Engineered, EngineeredReaches};
 use underbrush_experiments::frame_verdicts::Shares;
 
-use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, replay_links};
 use crate::style::{CORRECT, UNCERTAIN, WRONG};
+use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, replay_links};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &EngineeredReaches) {

@@ -9,8 +9,8 @@ use underbrush_experiments::frame_verdicts::{Classified, Online};
 use underbrush_experiments::thresholds::Thresholds;
 use underbrush_recording::{Category, FRAME_PERIOD_S};
 
-use crate::{Axis, CategoryLooks, Dash, Layer, Report, Rows, Shape, Style, Table, chart, replay_links, roc};
 use crate::style::{FIRST, INK, OUTLIER};
+use crate::{Axis, CategoryLooks, Dash, Layer, Report, Rows, Shape, Style, Table, chart, replay_links, roc};
 
 /// Share of taxel frames left uncertain above which the page says that a rule fails. Choice: such a rule decides on
 /// fewer than one in ten.

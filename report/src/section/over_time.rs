@@ -5,8 +5,8 @@ use underbrush_classifier::feature::FeatureSet;
 use underbrush_experiments::experiment::over_time::AccuracyOverTime;
 use underbrush_experiments::frame_verdicts::Classified;
 
-use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, replay_links};
 use crate::style::{CORRECT, FIRST, INK, UNCERTAIN, UNTOUCHED, WRONG};
+use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, replay_links};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &AccuracyOverTime) {

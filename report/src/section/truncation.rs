@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use underbrush_experiments::experiment::truncation::{Truncated, TruncatedAccuracy};
 use underbrush_recording::distinct;
 
-use crate::{AccuracyChart, Cell, Rows, Table, lowest, style};
 use crate::report::{ACCURACY_HEADINGS, Report, by_touch};
+use crate::{AccuracyChart, Cell, Rows, Table, lowest, style};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &TruncatedAccuracy) {

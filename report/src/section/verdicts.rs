@@ -4,8 +4,8 @@ use underbrush_classifier::evaluate::UnknownFigures;
 use underbrush_classifier::evaluate::touch::CalibrationBin;
 use underbrush_experiments::experiment::verdicts::{VerdictFigures, Verdicts};
 
-use crate::{Cell, Layer, Report, Rows, Shape, Table, roc};
 use crate::style::FIRST;
+use crate::{Cell, Layer, Report, Rows, Shape, Table, roc};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &VerdictFigures) {
