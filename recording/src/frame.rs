@@ -160,4 +160,31 @@ impl Frame {
             ..Frame::default()
         }
     }
+
+    /// What a robot knows of this frame: the same without ground truth, and without the taxels that sense nothing.
+    ///
+    /// ```
+    /// use underbrush_recording::{Frame, TaxelReading};
+    ///
+    /// let pressed = TaxelReading { true_normal_force_n: 1.0, sensed_force_n: 0.9, object: Some(3), ..TaxelReading::default() };
+    /// let unfelt = TaxelReading { taxel: 1, sensed_force_n: 0.0, ..pressed };
+    /// let frame = Frame { taxels: vec![pressed, unfelt], ..Frame::blank(1) };
+    /// let sensed = TaxelReading { sensed_force_n: 0.9, ..TaxelReading::default() };
+    /// assert_eq!(frame.sensed(), Frame { taxels: vec![sensed], ..Frame::blank(1) });
+    /// ```
+    pub fn sensed(&self) -> Frame {
+        let felt = self.taxels.iter().filter(|reading| reading.sensed_force_n != 0.0);
+        let sensed = |&TaxelReading { patch, taxel, sensed_force_n, .. }: &TaxelReading| TaxelReading {
+            patch,
+            taxel,
+            sensed_force_n,
+            ..TaxelReading::default()
+        };
+        Frame {
+            contact_force_world: vec![DVec3::ZERO; self.contact_force_world.len()],
+            taxels: felt.map(sensed).collect(),
+            contact_points: Vec::new(),
+            ..self.clone()
+        }
+    }
 }

@@ -146,7 +146,7 @@ impl<'a> Reach<'a> {
                 self.given_up = Some(reason.clone());
             }
             let mut frame = self.simulation.frame(goal.index as u16, goal.position_world);
-            self.steering.controller.observe(&frame);
+            self.steering.observe(&frame);
             self.steering.control(&self.simulation, target_world)?;
             let equilibrium_rad = &self.steering.equilibrium_rad;
             // The frame holds the angles that the arm is given now.

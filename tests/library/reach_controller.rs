@@ -1,5 +1,8 @@
 //! A controller that a user of the library writes.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use underbrush_recording::{Frame, Outcome};
 use underbrush_sim::arm::Arm;
 use underbrush_sim::controller::{ControlStatus, Controller, ControllerInput, ControllerOutput, Intent};
@@ -121,4 +124,44 @@ fn a_wrong_number_of_angles_is_an_error() {
             other => panic!("{count} angles: {:?}", other.map(|recording| recording.outcome())),
         }
     }
+}
+
+/// Asserts that no frame holds ground truth, and counts the readings that it is shown.
+struct Watching {
+    inner: Box<dyn Controller>,
+    readings: Arc<AtomicUsize>,
+}
+
+impl Controller for Watching {
+    fn name(&self) -> &str {
+        "watching"
+    }
+
+    fn rate_hz(&self) -> f64 {
+        self.inner.rate_hz()
+    }
+
+    fn observe(&mut self, frame: &Frame) {
+        assert_eq!(*frame, frame.sensed());
+        self.readings.fetch_add(frame.taxels.len(), Ordering::Relaxed);
+    }
+
+    fn control(&mut self, input: &ControllerInput<'_>) -> ControllerOutput {
+        self.inner.control(input)
+    }
+}
+
+/// Tests that a controller is shown the readings of touches, and neither true forces nor objects.
+#[test]
+fn a_controller_is_shown_what_is_sensed_only() {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/leaf.toml");
+    let readings = Arc::new(AtomicUsize::new(0));
+    let shown = readings.clone();
+    let plan = ReachPlan::new(Scene::load(scene).unwrap(), None, 0).unwrap();
+    let plan = plan.with_controller_within(move |inner| Box::new(Watching { inner, readings: shown.clone() }));
+    let recording = plan.run(0, &mut |_| {}).unwrap();
+    let felt = |frame: &Frame| frame.taxels.iter().filter(|own| own.sensed_force_n != 0.0).count();
+    let expected: usize = recording.frames.iter().map(felt).sum();
+    assert!(recording.frames.iter().flat_map(|frame| &frame.taxels).any(|own| own.object.is_some()));
+    assert_eq!((readings.load(Ordering::Relaxed), expected > 0), (expected, true));
 }

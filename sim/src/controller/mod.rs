@@ -104,8 +104,8 @@ pub trait Controller: Send {
     fn rate_hz(&self) -> f64;
 
     /// Receives a frame. This is called once in every frame, before [`Controller::control`] and also if no control is
-    /// due. The frame's equilibrium angles are those that were in force until this frame. A frame also holds ground
-    /// truth, which a robot would not know.
+    /// due. The frame's equilibrium angles are those that were in force until this frame. It holds what a robot knows and
+    /// no ground truth ([`Frame::sensed`]).
     fn observe(&mut self, _frame: &Frame) {}
 
     /// The obstacles on its map, if it keeps one. Their first and last frames do not count.

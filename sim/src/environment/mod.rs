@@ -215,7 +215,7 @@ impl Episode {
                     let offset = glam::DVec3::new(cut(action[0]), cut(action[1]), cut(action[2]));
                     let target = here + offset * options.largest_waypoint_m;
                     let frame = self.simulation.frame(self.goal as u16, self.goal_world());
-                    self.steering.controller.observe(&frame);
+                    self.steering.observe(&frame);
                     self.steering.control(&self.simulation, target)?;
                     self.equilibrium_rad.copy_from_slice(&self.steering.equilibrium_rad);
                 }
