@@ -25,29 +25,9 @@ impl Estimate {
         Estimate::of_groups(&groups, |groups| statistic(&groups[0]))
     }
 
-    /// As [`Estimate::of`], for a statistic that depends only on how often each reach was drawn.
-    pub(crate) fn of_times(reaches: usize, statistic: impl Fn(&[usize]) -> Option<f64> + Sync) -> Self {
-        Estimate::of_draws(&[reaches], |drawn| {
-            let mut times = vec![0; reaches];
-            drawn[0].iter().for_each(|reach| times[*reach] += 1);
-            statistic(&times)
-        })
-    }
-
     /// As [`Estimate::of`], for a statistic of several groups of reaches. Each group is resampled on its own.
     pub(crate) fn of_groups<R: Sync>(groups: &[&[R]], statistic: impl Fn(&[Vec<&R>]) -> Option<f64> + Sync) -> Self {
-        let sizes: Vec<usize> = groups.iter().map(|own| own.len()).collect();
-        Estimate::of_draws(&sizes, |drawn| {
-            let taken = groups.iter().zip(drawn);
-            let taken = taken.map(|(own, drawn)| drawn.iter().map(|reach| &own[*reach]).collect());
-            statistic(&taken.collect::<Vec<Vec<&R>>>())
-        })
-    }
-
-    /// As [`Estimate::of_groups`], for groups of these sizes and a statistic of the indices that were drawn from each
-    /// group.
-    fn of_draws(sizes: &[usize], statistic: impl Fn(&[Vec<usize>]) -> Option<f64> + Sync) -> Self {
-        let all: Vec<Vec<usize>> = sizes.iter().map(|size| (0..*size).collect()).collect();
+        let all: Vec<Vec<&R>> = groups.iter().map(|own| own.iter().collect()).collect();
         let Some(value) = statistic(&all) else {
             return Estimate::default();
         };
@@ -55,9 +35,9 @@ impl Estimate {
             // Each resample has its own random stream, so that threads may compute them in any order.
             let mut rng = ChaCha8Rng::seed_from_u64(number as u64);
             // A range of 64 bits gives the same draws on every platform.
-            let mut draw = |size: usize| rng.random_range(0..size as u64) as usize;
-            let draws = |size: &usize| (0..*size).map(|_| draw(*size)).collect();
-            statistic(&sizes.iter().map(draws).collect::<Vec<Vec<usize>>>())
+            let mut draw = |own: &[R]| rng.random_range(0..own.len() as u64) as usize;
+            let drawn = groups.iter().map(|own| (0..own.len()).map(|_| &own[draw(own)]).collect());
+            statistic(&drawn.collect::<Vec<Vec<&R>>>())
         };
         let mut values: Vec<f64> = (0..RESAMPLES).into_par_iter().filter_map(resample).collect();
         values.sort_by(f64::total_cmp);

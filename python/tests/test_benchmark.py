@@ -17,7 +17,8 @@ def test_a_row_is_that_of_the_command_line(tmp_path: Path, command) -> None:
     found = ub.benchmark("reaching", tmp_path / "ours", progress=False, **options)
     theirs = command("benchmark", "reaching", "--controller", "cody-2013", "--quick", "--out", tmp_path / "theirs")
     assert found == theirs and found["entry"]["name"] == "cody-2013" and not found["complete"]
-    [(folder, reaches)] = _core.benchmark_sets("reaching", out=tmp_path / "parts", **options)
+    [(folder, reaches), (audit, _)] = _core.benchmark_sets("reaching", out=tmp_path / "parts", **options)
+    assert folder.name == "reaching-public-cody-2013" and audit.name == "reaching-audit-cody-2013"
     assert reaches == 2 and folder.is_relative_to(tmp_path / "parts" / "quick-sets")
     parts = [tmp_path / f"part-{number}" for number in (1, 2)]
     for number, part in enumerate(parts, 1):
@@ -42,10 +43,12 @@ def test_a_controller_of_ones_own_has_a_row(tmp_path: Path) -> None:
     """Tests that a controller written in Python is judged under its name. One that does nothing reaches no goal and
     presses on no trunk."""
     row = ub.benchmark("reaching", tmp_path, controller=Still(), quick=True, progress=False)
-    figures = row["figures"]["reaching"]
     assert row["entry"]["name"] == "still"
-    assert figures["reached"]["value"] == 0.0 and figures["largest_on_trunk_n"] == 0.0
-    assert figures["seconds_for_each"]["value"] is None
+    halves = row["figures"]["reaching"]
+    assert halves["ranking"]["audit"]["value"] == 0.0
+    for figures in (halves["public"], halves["audit"]):
+        assert figures["reached"]["value"] == 0.0 and figures["largest_on_trunk_n"] == 0.0
+        assert figures["seconds_for_each"]["value"] is None
 
 
 def test_what_does_not_go_with_a_track_is_refused(tmp_path: Path) -> None:
@@ -60,5 +63,5 @@ def test_what_does_not_go_with_a_track_is_refused(tmp_path: Path) -> None:
         with pytest.raises(ub.InputError, match=argument):
             ub.benchmark(track, tmp_path, progress=False, **options)
     with pytest.raises(ub.InputError, match="place"):
-        _core.benchmark_part(1, tmp_path / "part", track="reaching", shard=(1, 2), controller="blind")
+        _core.benchmark_part(2, tmp_path / "part", track="reaching", shard=(1, 2), controller="blind")
     assert list(tmp_path.iterdir()) == []

@@ -26,8 +26,9 @@ def benchmark(
 ) -> dict[str, Any]:
     """Judge a model or a controller on frozen scenes, as ``underbrush benchmark`` does.
 
-    ``benchmarks/incidental-contact-1.md`` has the rules and the table. Reaches are made once and kept in the folder for
-    the next model. After Ctrl-C, the same call continues.
+    ``benchmarks/incidental-contact-2.md`` has the rules. Public reaches are made once and kept in the folder for the next
+    model; those of the audit half have a seed that follows from the model's file, or from a controller's name. After Ctrl-C,
+    the same call continues.
 
     Parameters
     ----------

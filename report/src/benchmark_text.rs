@@ -1,21 +1,27 @@
 //! A row of the benchmark as readable text.
 
-use underbrush_experiments::benchmark::{Estimate, Figures, Reaching, Row, Transfer, Verdicts};
+use underbrush_experiments::benchmark::{
+    Estimate, Figures, Halves, ObjectFigures, Ranking, Reaching, Row, SetRecord, Transfer, Verdicts,
+};
 
 use crate::drawing::Rows;
 use crate::text::counted;
 
-/// A sentence on what was judged, a table of the figures, and what they were measured on.
+/// A sentence on what was judged, tables of the figures, and what they were measured on.
 pub fn of(row: &Row) -> String {
     let entry = &row.entry;
     let classifier = entry.classifier.as_ref().map_or_else(String::new, |name| format!(" ({name})"));
     let quick = if row.complete { "" } else { ", a quick run that is no row of the table" };
     let figures = match &row.figures {
-        Figures::Verdicts(verdicts) => of_verdicts(verdicts),
-        Figures::Transfer(transfer) => of_transfer(transfer),
-        Figures::Reaching(reaching) => of_reaching(reaching),
+        Figures::Verdicts(own) => {
+            let name = "leaf, trunk or unknown at the end of objects, balanced / %";
+            of_halves(name, own, of_verdicts)
+        }
+        Figures::Transfer(own) => of_halves("leaf or trunk, mean over the shifted settings / %", own, of_transfer),
+        Figures::Reaching(own) => of_halves("goals reached without more than 5 N on a trunk / %", own, of_reaching),
+        Figures::Earlier(figures) => format!("{figures:#}\n"),
     };
-    let set = |own: &underbrush_experiments::benchmark::SetRecord| {
+    let set = |own: &SetRecord| {
         let reaches: u64 = own.scenes.iter().map(|scene| scene.reaches).sum();
         format!(
             "{}: {} of seed {}, data {}\n",
@@ -29,40 +35,68 @@ pub fn of(row: &Row) -> String {
     format!("{}, {}: {}{classifier}{quick}\n\n{figures}\n{sets}", row.benchmark, row.track, entry.name)
 }
 
-fn of_verdicts(verdicts: &Verdicts) -> String {
-    let table = Rows::of(&verdicts.moments)
-        .column("samples since contact", |at| at.samples.map_or("whole contact".into(), |samples| samples.to_string()))
-        .column("leaf or trunk / %", |at| percent(&at.leaf_or_trunk))
-        .column("nothing, leaf or trunk / %", |at| percent(&at.nothing_leaf_or_trunk))
-        .column("foam roll, ROC area", |at| number(&at.foam_roll_area, 2))
-        .column("water bottle, ROC area", |at| number(&at.water_bottle_area, 2))
-        .text();
-    let counts = &verdicts.contacts;
-    let two = majority(&[counts.leaf, counts.trunk]);
+/// The ranking figure, whether the halves differ, and the figures of both halves.
+fn of_halves<T>(figure: &str, halves: &Halves<T>, of: fn(&T) -> String) -> String {
+    let Ranking { audit, public, difference } = &halves.ranking;
+    let verdict = match halves.ranking.halves_differ() {
+        Some(true) => "differ by more than chance explains",
+        Some(false) => "do not differ by more than chance explains",
+        None => "cannot be compared: there are too few reaches",
+    };
+    let figures = [("audit, which ranks", audit), ("public", public), ("public minus audit", difference)];
     format!(
-        "{table}\nBalanced accuracies: naming one class always gives 50 and 33.3 %. In brackets: 95 % intervals over whole reaches.\n\
-         Contacts: {} without a touch, {} with leaves, {} with trunks, {} with the foam roll, {} with the water bottle.\n\
-         Always naming the more frequent of leaf and trunk is right in {two:.1} % of these contacts.\n",
-        counts.nothing, counts.leaf, counts.trunk, counts.foam_roll, counts.water_bottle,
+        "{}The public and the audit half {verdict}.\n\nAudit half\n{}\nPublic half\n{}\nIn brackets: 95 % intervals over \
+         whole reaches.\n",
+        Rows::of(&figures).column("half", |own| own.0).column(figure, |own| percent(own.1)).text(),
+        of(&halves.audit),
+        of(&halves.public),
     )
 }
 
+fn of_verdicts(verdicts: &Verdicts) -> String {
+    let nothing = match verdicts.nothing_up_to_n {
+        Some(force_n) => format!(", with up to {force_n:.3} N called nothing, which the benchmark fitted"),
+        None => String::new(),
+    };
+    let forearm = of_objects("forearm", &verdicts.forearm);
+    let flipper = verdicts
+        .flipper
+        .as_ref()
+        .map_or("The model does not judge the flipper.\n".into(), |own| of_objects("flipper", own));
+    format!(
+        "{forearm}{flipper}Nothing, leaf or trunk, taxel frames of the forearm: {} %{nothing}.\n",
+        percent(&verdicts.nothing_leaf_or_trunk)
+    )
+}
+
+fn of_objects(patch: &str, figures: &ObjectFigures) -> String {
+    let table = Rows::of(&figures.moments)
+        .column("time since first felt", |at| at.seconds.map_or("end".into(), |seconds| format!("{seconds} s")))
+        .column("leaf, trunk or unknown / %", |at| percent(&at.leaf_trunk_or_unknown))
+        .column("leaf or trunk / %", |at| percent(&at.leaf_or_trunk))
+        .column("unknown found / %", |at| percent(&at.unknown_found))
+        .column("known called unknown / %", |at| percent(&at.known_called_unknown))
+        .text();
+    let [leaves, trunks, unknown] = figures.objects;
+    let found = |own: &underbrush_experiments::benchmark::UnknownIn| {
+        format!("; {} of {}: {} % found", own.objects, own.scene, percent(&own.found))
+    };
+    let scenes: String = figures.unknown_in.iter().map(found).collect();
+    format!("{table}Objects that touched the {patch}: {leaves} leaves, {trunks} trunks, {unknown} unknown{scenes}.\n")
+}
+
 fn of_transfer(transfer: &Transfer) -> String {
-    let table = Rows::of(&transfer.settings)
+    Rows::of(&transfer.settings)
         .column("setting", |own| own.setting.as_str())
-        .columns(["leaves", "trunks"], |own| own.contacts)
-        .number("majority / %", 1, |own| majority(&own.contacts))
+        .columns(["leaves", "trunks"], |own| own.objects)
         .column("leaf or trunk / %", |own| percent(&own.leaf_or_trunk))
         .column("difference / points", |own| percent(&own.difference))
-        .text();
-    format!(
-        "{table}\nBalanced accuracies at the end of contacts: naming one category always gives 50 %. The first setting is as in \
-         training.\nIn brackets: 95 % intervals over whole reaches.\n"
-    )
+        .text()
 }
 
 fn of_reaching(reaching: &Reaching) -> String {
     let figures = [
+        ("goals reached without more than 5 N on a trunk / %", percent(&reaching.reached_gently)),
         ("goals reached / %", percent(&reaching.reached)),
         ("time for each goal reached / s", number(&reaching.seconds_for_each, 2)),
         ("largest force on a trunk in a reach, mean / N", number(&reaching.trunk_peak_n, 2)),
@@ -70,18 +104,11 @@ fn of_reaching(reaching: &Reaching) -> String {
         ("largest force on a trunk in any reach / N", format!("{:.1}", reaching.largest_on_trunk_n)),
     ];
     format!(
-        "{}\n{} with {}. In brackets: 95 % intervals over whole reaches.\n",
+        "{}{} with {}.\n",
         Rows::of(&figures).column("figure", |own| own.0).column("value", |own| own.1.as_str()).text(),
         counted(reaching.reaches, "reach", "reaches"),
         counted(reaching.goals, "goal", "goals")
     )
-}
-
-/// Share of the largest count, per cent.
-fn majority(counts: &[usize]) -> f64 {
-    let all: usize = counts.iter().sum();
-    let most = counts.iter().max().copied().unwrap_or_default();
-    100.0 * most as f64 / all.max(1) as f64
 }
 
 fn percent(share: &Estimate) -> String {

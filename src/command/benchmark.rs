@@ -26,8 +26,9 @@ Train on the training set, and measure:
   underbrush benchmark reaching --controller cody-2013
   underbrush benchmark reaching --controller cody-2013 --verdicts touch.json
 
-Reaches are made once and kept for the next model: 200 in the track verdicts, 280 in transfer, 500 for each controller. An \
-interrupted command continues where it stopped. benchmarks/incidental-contact-1.md has the rules and the table.";
+Each track has a public half, whose reaches are made once and kept for the next model (200 in verdicts, 140 in transfer), and an \
+audit half of as many, whose seed follows from the model's file. A controller has 250 reaches in each. An interrupted command \
+continues where it stopped. benchmarks/incidental-contact-2.md has the rules.";
 
 /// BenchmarkOptions of `underbrush benchmark`.
 #[derive(Args)]
@@ -35,8 +36,8 @@ interrupted command continues where it stopped. benchmarks/incidental-contact-1.
 pub struct BenchmarkOptions {
     /// What is measured
     #[arg(value_parser = named::<String>(&[
-        ("verdicts", "What contacts are, by the number of samples since they began, with outliers that are unseen in training"),
-        ("transfer", "What contacts are, with another arm, speed or sensor than in training"),
+        ("verdicts", "What objects are, by the time since they were first felt, with objects that are unknown in training"),
+        ("transfer", "What objects are, with another arm, speed or sensor than in training"),
         ("reaching", "How a controller reaches through clutter, and how hard it presses on trunks and leaves"),
     ]))]
     track: String,

@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::Path;
 
+use serde_json::Value;
+
 use crate::support::fixture::fixture;
 use crate::support::underbrush;
 
@@ -32,9 +34,9 @@ fn a_row_does_not_depend_on_who_made_the_reaches() {
     let scene = Path::new(SCENES).join("mixed.toml");
     for part in ["1/2", "2/2"] {
         let out = folder.path().join(part.replace('/', "-"));
-        underbrush!["generate", scene, "--reaches", "2", "--seed", "910002", "--shard", part, "--out", out].success();
+        underbrush!["generate", scene, "--reaches", "2", "--seed", "910022", "--shard", part, "--out", out].success();
     }
-    let merged = parts.join("quick-sets/reaching-cody-2013");
+    let merged = parts.join("quick-sets/reaching-public-cody-2013");
     fs::create_dir_all(merged.parent().unwrap()).unwrap();
     underbrush!["merge", folder.path().join("1-2"), folder.path().join("2-2"), "--out", merged].success();
     let before = fs::metadata(merged.join("meta/info.json")).unwrap().modified().unwrap();
@@ -52,50 +54,42 @@ fn a_row_does_not_depend_on_who_made_the_reaches() {
     // The share of goals reached, computed from what `inspect` prints.
     let goals = underbrush!["inspect", merged, "--json"].json();
     let reached = goals["goals"]["reached"].as_f64().unwrap();
-    let all = printed["figures"]["reaching"]["goals"].as_f64().unwrap();
-    assert_eq!(printed["figures"]["reaching"]["reached"]["value"], reached / all);
+    let public = &printed["figures"]["reaching"]["public"];
+    assert_eq!(public["reached"]["value"], reached / public["goals"].as_f64().unwrap());
     assert_eq!(printed["complete"], false);
 }
 
-/// Tests that the accuracy after one sample equals the accuracy that `evaluate` finds on trials cut to one sample, and
-/// that there are as many contacts as such trials.
+/// Tests that the class "nothing" is fitted for a model without it and not for a touch model, that the audit half depends on
+/// the bytes of the model's file and the public half does not, and that the same entry has the same row.
 #[test]
-fn accuracies_after_one_sample_are_those_of_trials_of_one_sample() {
+fn the_audit_half_follows_from_the_model() {
     let folder = tempfile::tempdir().unwrap();
-    let [model, out, table, cut] = ["bayes.json", "out", "trials.csv", "cut.csv"].map(|name| folder.path().join(name));
+    let [model, other, out] = ["bayes.json", "other.json", "out"].map(|name| folder.path().join(name));
     underbrush!["train", fixture().dataset(), "--classifier", "naive-bayes", "--out", model].success();
-    let row = underbrush!["benchmark", "verdicts", "--model", model, "--quick", "--json", "--out", out].json();
-    underbrush!["trials", out.join("quick-sets/verdicts"), "--out", table].success();
-    let text = fs::read_to_string(table).unwrap();
-    let mut lines = text.lines();
-    let header = lines.next().unwrap();
-    let column = header.split(',').position(|name| name == "trial").unwrap();
-    let mut first_lines = vec![header];
-    let mut last = None;
-    for line in lines {
-        let trial = line.split(',').nth(column);
-        if trial != last {
-            first_lines.push(line);
-        }
-        last = trial;
+    // The same model in a file with one more space.
+    fs::write(&other, fs::read_to_string(&model).unwrap() + " ").unwrap();
+    let row =
+        |model: &Path| underbrush!["benchmark", "verdicts", "--model", model, "--quick", "--json", "--out", out].json();
+    let [first, second] = [&model, &other].map(|model| row(model));
+    let seed = |row: &Value, half: usize| row["sets"][half]["seed"].as_u64().unwrap();
+    assert_eq!((seed(&first, 0), seed(&first, 2)), (910_020, 910_023));
+    assert!(seed(&first, 1) >= 1 << 52 && seed(&first, 1) != seed(&second, 1));
+    let verdicts = |row: &Value| row["figures"]["verdicts"].clone();
+    assert_eq!(verdicts(&first)["public"], verdicts(&second)["public"]);
+    assert_ne!(verdicts(&first)["audit"], verdicts(&second)["audit"]);
+    let fitted_n = verdicts(&first)["public"]["nothing_up_to_n"].as_f64().unwrap();
+    assert!((0.03..5.0).contains(&fitted_n), "{fitted_n}");
+    assert_eq!(row(&model), first);
+    let touch = concat!(env!("CARGO_MANIFEST_DIR"), "/suites/touch.json");
+    let text = underbrush!["benchmark", "verdicts", "--model", touch, "--quick", "--out", out].success();
+    assert!(text.contains("The public and the audit half"), "{text}");
+    let row: Value = serde_json::from_slice(&fs::read(out.join("quick-rows/verdicts-touch.json")).unwrap()).unwrap();
+    assert!(verdicts(&row)["public"]["nothing_up_to_n"].is_null() && row["sets"][2].is_null());
+    // The same public objects are judged, whatever the model.
+    for patch in ["forearm", "flipper"] {
+        let objects = [&first, &row].map(|row| verdicts(row)["public"][patch]["objects"].clone());
+        assert!(objects[0] == objects[1] && objects[0].is_array(), "{patch}: {objects:?}");
     }
-    fs::write(&cut, first_lines.join("\n")).unwrap();
-    let evaluated = underbrush!["evaluate", cut, "--model", model, "--json"].json();
-    let verdicts = &row["figures"]["verdicts"];
-    let mut recalls = Vec::new();
-    for category in evaluated["categories"].as_array().unwrap() {
-        let Some(name) = category["category"].as_str().filter(|name| ["leaf", "trunk"].contains(name)) else {
-            continue;
-        };
-        assert_eq!(verdicts["contacts"][name], category["trials"], "{category}");
-        recalls.push(category["recall"].as_f64().unwrap());
-    }
-    let ours = verdicts["moments"][0]["leaf_or_trunk"]["value"].as_f64().unwrap();
-    assert_eq!((verdicts["moments"][0]["samples"].as_u64(), recalls.len()), (Some(1), 2));
-    let theirs = (recalls[0] + recalls[1]) / 2.0;
-    assert!((ours - theirs).abs() < 1e-12, "{ours} {theirs}");
-    // The last moment is the end of the contacts.
-    assert!(verdicts["moments"][9]["samples"].is_null());
 }
 
 /// Tests that options that do not belong to a track are refused, and that the message names the option that is needed.
@@ -106,6 +100,8 @@ fn what_does_not_go_with_a_track_is_refused() {
     underbrush!["benchmark", "reaching", "--model", "touch.json"].refused(&["--controller <NAME>"]);
     underbrush!["benchmark", "reaching", "--verdicts", "touch.json"].refused(&["--controller <NAME>"]);
     underbrush!["benchmark", "speed"].refused(&["verdicts, transfer, reaching"]);
+    underbrush!["benchmark", "reaching", "--controller", "cody-2013", "--verdicts", "truth"]
+        .refused(&["verdicts", "truth"]);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("touch.json");
     fs::write(&path, "{}").unwrap();

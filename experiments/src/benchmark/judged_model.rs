@@ -1,23 +1,24 @@
 //! A model of any kind that follows a reach and answers, frame by frame, what touches each taxel.
 //!
-//! Contacts are as the benchmark defines them: every taxel of the patch from the first frame above [`THRESHOLD_N`] to
-//! the last.
+//! Contacts are as the benchmark defines them: a taxel is in contact while it senses more than [`THRESHOLD_N`].
 
 use std::path::Path;
 use std::sync::Arc;
 
+use underbrush_classifier::Model;
 use underbrush_classifier::any_model::{self, AnyModel};
-use underbrush_classifier::decision::{Decision, Judge};
+use underbrush_classifier::decision::{Decision, Verdict};
 use underbrush_classifier::evaluate::NOTHING;
-use underbrush_classifier::online::OnlineOptions;
-use underbrush_classifier::online_model::{OnlineJudge, OnlineModel};
+use underbrush_classifier::online::{OnlineClassifier, OnlineError, OnlineOptions};
+use underbrush_classifier::touch::{Touch, TouchClassifier, TouchModel};
 use underbrush_classifier::trial::PatchImage;
 use underbrush_recording::disk::file_blake3;
 use underbrush_recording::fault::Fault;
-use underbrush_recording::{Category, Frame, InputError, Recording};
+use underbrush_recording::{Category, Frame, InputError, Recording, SkinLayout};
 
-use super::contacts::{Answer, Class, Contact, OpenContact, SILENCE};
-use super::frozen::{PATCH, THRESHOLD_N};
+use super::frames::FrameCounts;
+use super::frozen::{FLIPPER, FOREARM, THRESHOLD_N};
+use super::objects::{Class, JudgedObject, ObjectLog, Standing};
 
 /// A model that is judged.
 pub struct JudgedModel {
@@ -27,11 +28,28 @@ pub struct JudgedModel {
     pub blake3: String,
     /// Name of its classifier.
     pub classifier: String,
-    model: OnlineModel,
-    /// The classes of its categories.
-    classes: Vec<Class>,
-    /// Tells by how much the scores of a classifier of trials differ.
-    judge: Judge,
+    kind: Kind,
+    categories: Vec<String>,
+}
+
+enum Kind {
+    Touch(Arc<TouchModel>),
+    OfTrials(Box<Model>),
+}
+
+/// A model that follows a reach.
+enum Judging {
+    Touch(Box<TouchClassifier>),
+    OfTrials(Vec<OnlineClassifier>),
+}
+
+/// What a model says in a reach.
+pub(super) struct JudgedReach {
+    /// The objects that touch the forearm, and those that touch the flipper; `None` if the model does not judge it, or the
+    /// arm has none.
+    pub(super) objects: [Option<Vec<JudgedObject>>; 2],
+    /// The taxels of the forearm in contact, frame by frame.
+    pub(super) frames: FrameCounts,
 }
 
 impl JudgedModel {
@@ -42,20 +60,19 @@ impl JudgedModel {
     pub fn load(path: &Path) -> Result<Self, Fault> {
         let model = any_model::load(path)?;
         let blake3 = file_blake3(path)?;
-        let (classifier, model) = match model {
+        let (classifier, categories, kind) = match model {
             AnyModel::Touch(model) => {
-                if let Some(patch) = model.options().patch.as_deref().filter(|patch| *patch != PATCH) {
+                if let Some(patch) = model.options().patch.as_deref().filter(|patch| *patch != FOREARM) {
                     let remedy = "fit it to that patch";
-                    return Err(InputError::new(path, "options.patch", patch, PATCH, remedy).into());
+                    return Err(InputError::new(path, "options.patch", patch, FOREARM, remedy).into());
                 }
-                ("touch", OnlineModel::Touch(Arc::from(model)))
+                ("touch", model.categories().to_vec(), Kind::Touch(Arc::from(model)))
             }
             AnyModel::OfTrials(model) => {
-                let options = OnlineOptions::new(Some(PATCH.to_owned()), Some(THRESHOLD_N), Decision::argmax());
-                (model.classifier.name(), OnlineModel::OfTrials(Box::new(model), options))
+                let categories = model.classifier.categories();
+                (model.classifier.name(), categories, Kind::OfTrials(Box::new(model)))
             }
         };
-        let categories = model.categories();
         let needed = [Category::LEAF, Category::TRUNK].map(Category::name);
         if let Some(missing) = needed.iter().find(|name| !categories.iter().any(|own| own == *name)) {
             let found = format!("no {missing}, only {}", categories.join(", "));
@@ -66,71 +83,114 @@ impl JudgedModel {
             name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             blake3,
             classifier: classifier.to_owned(),
-            model,
-            classes: categories.iter().map(|name| class_of(name)).collect(),
-            judge: Decision::argmax().prepare(&categories)?,
+            kind,
+            categories,
         })
     }
 
-    /// All contacts of a reach.
-    ///
-    /// # Errors
-    /// If the model cannot judge this skin.
-    pub(super) fn contacts(&self, recording: &Recording) -> Result<Vec<Contact>, Fault> {
-        let mut judging = self.model.begin(&recording.layout)?;
-        let patch = recording.layout.patch_index(PATCH).unwrap_or_default();
-        let mut image = PatchImage::new(&recording.layout, Some(PATCH), THRESHOLD_N)?;
-        let taxels = image.patch().taxels.len();
-        let mut answers = vec![SILENCE; taxels];
-        let mut open: Vec<Option<OpenContact>> = vec![None; taxels];
-        let mut contacts = Vec::new();
-        for (index, frame) in recording.frames.iter().enumerate() {
-            image.read(index, frame)?;
-            answers.fill(SILENCE);
-            self.answer(&mut judging, patch, frame, &mut answers)?;
-            for (taxel, open) in open.iter_mut().enumerate() {
-                if image.is_in_contact(taxel) {
-                    open.get_or_insert_default().push(answers[taxel], image.pressing(taxel, recording));
-                } else if let Some(ended) = open.take() {
-                    contacts.extend(ended.close());
-                }
-            }
-        }
-        contacts.extend(open.into_iter().flatten().filter_map(OpenContact::close));
-        Ok(contacts)
+    /// Whether it can answer that nothing touches a taxel.
+    pub(super) fn knows_nothing(&self) -> bool {
+        matches!(self.kind, Kind::Touch(_)) || self.categories.iter().any(|own| own == NOTHING)
     }
 
-    /// Processes the next frame and writes the answer for each taxel that the model judges.
+    /// What it says in a reach. It is shown what a robot knows and no ground truth.
+    ///
+    /// # Errors
+    /// If it cannot judge this skin.
+    pub(super) fn judge(&self, recording: &Recording) -> Result<JudgedReach, Fault> {
+        let layout = &recording.layout;
+        let (mut judging, standing, flipper) = self.begin(layout)?;
+        let image = |patch| PatchImage::new(layout, Some(patch), THRESHOLD_N);
+        let mut images = vec![image(FOREARM)?];
+        if flipper {
+            images.push(image(FLIPPER)?);
+        }
+        let mut answers: Vec<Vec<Class>> =
+            images.iter().map(|image| vec![Class::Nothing; image.patch().taxels.len()]).collect();
+        let mut logs: Vec<ObjectLog> = images.iter().map(|_| ObjectLog::new(standing)).collect();
+        let mut frames = FrameCounts::default();
+        let category = |object: u16| recording.objects.get(usize::from(object)).map(|own| own.category);
+        for (index, frame) in recording.frames.iter().enumerate() {
+            answers.iter_mut().for_each(|own| own.fill(Class::Nothing));
+            self.answer(&mut judging, &frame.sensed(), &images, &mut answers)?;
+            for (place, image) in images.iter_mut().enumerate() {
+                image.read(index, frame)?;
+                for (taxel, answer) in answers[place].iter().enumerate().filter(|own| image.is_in_contact(own.0)) {
+                    let pressing = image.object(taxel).filter(|_| image.is_touched(taxel));
+                    if let Some(object) = pressing {
+                        logs[place].push(object, *answer);
+                    }
+                    let truth = pressing.map_or(Some(Class::Nothing), |object| Class::of(category(object)?));
+                    if let Some(truth) = truth.filter(|_| place == 0) {
+                        frames.push(image.sensed_force_n(taxel), *answer, truth);
+                    }
+                }
+                logs[place].end_frame(index);
+            }
+        }
+        let mut objects = logs.into_iter().map(|log| log.finish(category));
+        Ok(JudgedReach { objects: [objects.next(), objects.next()], frames })
+    }
+
+    /// Begins a reach: the model, which of its verdicts on an object stands, and whether it judges the flipper.
+    fn begin(&self, layout: &SkinLayout) -> Result<(Judging, Standing, bool), Fault> {
+        let flipper = layout.patch_index(FLIPPER);
+        match &self.kind {
+            Kind::Touch(model) => {
+                let judged = model.options().judged_patches(layout);
+                let classifier = Box::new(TouchClassifier::new(Arc::clone(model), layout)?);
+                Ok((Judging::Touch(classifier), Standing::Latest, flipper.is_some_and(|own| judged.contains(&own))))
+            }
+            Kind::OfTrials(model) => {
+                let decision = model.decision.clone().unwrap_or(Decision::argmax());
+                let begin = |patch: &str| {
+                    let options = OnlineOptions::new(Some(patch.to_owned()), Some(THRESHOLD_N), decision.clone());
+                    OnlineClassifier::new(model.classifier.as_ref(), layout, &options)
+                };
+                let mut online = vec![begin(FOREARM)?];
+                match flipper.map(|_| begin(FLIPPER)) {
+                    // Its taxels form no grid, so there are no contact regions on it.
+                    None | Some(Err(OnlineError::NoRegion { .. })) => {}
+                    Some(own) => online.push(own?),
+                }
+                let flipper = online.len() == 2;
+                Ok((Judging::OfTrials(online), Standing::MostOfTheTime, flipper))
+            }
+        }
+    }
+
+    /// Shows the model the next frame, and writes its answers for the taxels of each patch.
     fn answer(
         &self,
-        judging: &mut OnlineJudge,
-        patch: usize,
-        frame: &Frame,
-        answers: &mut [Answer],
+        judging: &mut Judging,
+        sensed: &Frame,
+        images: &[PatchImage],
+        answers: &mut [Vec<Class>],
     ) -> Result<(), Fault> {
-        let classes = &self.classes;
         match judging {
-            OnlineJudge::Touch(classifier) => {
-                classifier.update(frame)?;
-                for taxel in classifier.taxels().iter().filter(|taxel| taxel.patch == patch) {
-                    let probabilities = classifier.probabilities(taxel.region);
-                    let likeliest = likeliest(classes, probabilities);
-                    let is_touch = (1.0 - taxel.nothing) * largest(probabilities) >= taxel.nothing;
-                    answers[taxel.taxel] = Answer {
-                        likeliest: if is_touch { likeliest } else { Class::Nothing },
-                        trunk: is_trunk(classes, probabilities),
-                        unlike: -classifier.regions()[taxel.region].share_beyond,
+            Judging::Touch(classifier) => {
+                classifier.update(sensed)?;
+                for own in classifier.taxels() {
+                    let Some(place) = images.iter().position(|image| image.patch_index() == own.patch) else {
+                        continue;
+                    };
+                    answers[place][own.taxel] = match own.touch {
+                        Touch::Nothing => Class::Nothing,
+                        Touch::Category(index) => class_of(&self.categories[index]),
+                        Touch::Uncertain => Class::Uncertain,
+                        Touch::Unknown => Class::Unknown,
                     };
                 }
             }
-            OnlineJudge::OfTrials(online) => {
-                for taxel in online.update(frame)? {
-                    answers[taxel.taxel] = Answer {
-                        likeliest: likeliest(classes, &taxel.scores),
-                        trunk: is_trunk(classes, &taxel.scores),
-                        // The paper calls a contact an outlier if the margin between the best two categories is small.
-                        unlike: -self.judge.margin(&taxel.scores).map_or(0.0, |(_, margin)| margin),
-                    };
+            Judging::OfTrials(online) => {
+                for (online, answers) in online.iter_mut().zip(answers) {
+                    for own in online.update(sensed)? {
+                        answers[own.taxel] = match &own.verdict {
+                            Verdict::Category(name) => class_of(name),
+                            Verdict::Uncertain => Class::Uncertain,
+                            Verdict::Outlier => Class::Unknown,
+                        };
+                    }
                 }
             }
         }
@@ -138,27 +198,12 @@ impl JudgedModel {
     }
 }
 
+/// The class of a category that a model answers.
 fn class_of(category: &str) -> Class {
     match category {
         _ if category == Category::LEAF.name() => Class::Leaf,
         _ if category == Category::TRUNK.name() => Class::Trunk,
         NOTHING => Class::Nothing,
-        _ => Class::Other,
+        _ => Class::Unknown,
     }
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-}
-
-/// The class with the largest value; the first one if several classes have it.
-fn likeliest(classes: &[Class], values: &[f64]) -> Class {
-    let best = classes.iter().zip(values).reduce(|best, other| if other.1 > best.1 { other } else { best });
-    best.map_or(Class::Nothing, |(class, _)| *class)
-}
-
-fn is_trunk(classes: &[Class], values: &[f64]) -> Option<bool> {
-    let of = |wanted: Class| classes.iter().zip(values).find(|(class, _)| **class == wanted).map(|(_, value)| *value);
-    let (leaf, trunk) = (of(Class::Leaf)?, of(Class::Trunk)?);
-    (leaf != trunk).then_some(trunk > leaf)
 }

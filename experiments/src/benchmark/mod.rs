@@ -1,13 +1,15 @@
-//! The benchmark `incidental-contact-1`: three tracks with frozen scenes, seeds and figures (`benchmarks/` describes
-//! them).
+//! The benchmark `incidental-contact-2`: three tracks with frozen scenes and figures (`benchmarks/` describes them). Each has
+//! a half with public seeds and an audit half, whose seed follows from what is judged.
 //!
 //! A row of its table depends only on the entry and the data. [`crate::dataset::Campaign`] makes the data, on one
 //! machine or many, and a row is the same byte for byte wherever the data were made.
 
-mod contacts;
+mod counts;
+mod frames;
 mod frozen;
+mod halves;
 mod judged_model;
-mod ranked;
+mod objects;
 mod reaching;
 mod row;
 #[cfg(test)]
@@ -29,13 +31,17 @@ use crate::dataset::{Campaign, PROGRAM_VERSION};
 use crate::files;
 use crate::progress::Progress;
 use crate::verdict_controller::{TRUTH, VerdictControl};
+use counts::Counts;
+use frames::FittedNothing;
+use objects::END;
 
 pub use crate::resampled::Estimate;
+pub use halves::{Halves, Ranking};
 pub use judged_model::JudgedModel;
 pub use reaching::Reaching;
 pub use row::{EntryRecord, Figures, Row, SceneRecord, SetRecord};
 pub use transfer::{Transfer, TransferTo};
-pub use verdicts::{ContactCounts, Verdicts, VerdictsAt};
+pub use verdicts::{ObjectFigures, UnknownIn, Verdicts, VerdictsAt};
 
 /// What is judged, in one of the tracks.
 pub enum Entry {
@@ -100,10 +106,11 @@ impl Entry {
         }
     }
 
-    /// The sets on which it is judged; with `quick`, small sets to try things out.
+    /// The sets on which it is judged: those of the public half, as many of the audit half, and one to fit the class
+    /// "nothing" to if the model lacks it; with `quick`, small sets to try things out.
     ///
     /// # Errors
-    /// If a controller's verdicts do not suit the arm, or the frozen files are broken.
+    /// If a controller's verdicts do not suit the arm or are the truth, which no robot knows, or the frozen files are broken.
     pub fn sets(&self, quick: bool) -> Result<Vec<TestSet>, Fault> {
         let set = |name: String, paths: &[&str], reaches: u64, seed: u64| {
             let reaches = if quick { frozen::QUICK_REACHES } else { reaches };
@@ -111,29 +118,54 @@ impl Entry {
             let campaign = Campaign { arms: frozen::arms(&scenes)?, ..Campaign::new(scenes, reaches, seed)? };
             Ok::<TestSet, Fault>(TestSet { name, campaign })
         };
-        let judged = frozen::JUDGED_REACHES;
+        let mut sets = Vec::new();
         match self {
-            Entry::Verdicts(_) => {
-                let name = "verdicts".to_owned();
-                Ok(vec![set(name, frozen::VERDICTS_SCENES, judged, frozen::VERDICTS_SEED)?])
+            Entry::Verdicts(model) => {
+                for (half, seed) in frozen::halves(self.track(), frozen::VERDICTS_SEED, &model.blake3, &model.blake3) {
+                    let name = format!("verdicts-{half}");
+                    sets.push(set(name, frozen::VERDICTS_SCENES, frozen::VERDICTS_REACHES, seed)?);
+                }
+                if !model.knows_nothing() {
+                    let name = "fitting".to_owned();
+                    sets.push(set(name, frozen::KNOWN_SCENES, frozen::FITTING_REACHES, frozen::FITTING_SEED)?);
+                }
             }
-            Entry::Transfer(_) => (frozen::SETTINGS.iter())
-                .map(|(name, scene)| set(format!("transfer-{name}"), &[scene], judged, frozen::TRANSFER_SEED))
-                .collect(),
+            Entry::Transfer(model) => {
+                for (half, seed) in frozen::halves(self.track(), frozen::TRANSFER_SEED, &model.blake3, &model.blake3) {
+                    for (name, scene) in frozen::SETTINGS {
+                        let name = format!("transfer-{half}-{name}");
+                        sets.push(set(name, &[scene], frozen::TRANSFER_REACHES, seed)?);
+                    }
+                }
+            }
             Entry::Reaching(controller) => {
-                let scenes = [frozen::REACHING_SCENE];
-                let mut set = set(String::new(), &scenes, frozen::CONTROLLED_REACHES, frozen::REACHING_SEED)?;
-                set.campaign.controller = controller.kind;
-                set.campaign.own_controller = controller.own.clone();
-                set.campaign.verdicts = controller.verdicts.clone();
-                set.name = format!("reaching-{}", set.campaign.controller_name()?);
+                if controller.verdicts.as_ref().is_some_and(|own| own.model_blake3() == TRUTH) {
+                    let remedy = "give a touch model, or try the truth with `underbrush generate`";
+                    return Err(InputError::new("argument", "verdicts", TRUTH, "what a robot can sense", remedy).into());
+                }
+                let campaign = |name: String, seed| {
+                    let mut set = set(name, &[frozen::REACHING_SCENE], frozen::CONTROLLED_REACHES, seed)?;
+                    set.campaign.controller = controller.kind;
+                    set.campaign.own_controller = controller.own.clone();
+                    set.campaign.verdicts = controller.verdicts.clone();
+                    Ok::<TestSet, Fault>(set)
+                };
+                let mut name = campaign(String::new(), 0)?.campaign.controller_name()?;
+                let judged = match (&controller.verdicts, &controller.own) {
+                    (Some(verdicts), _) => verdicts.model_blake3().to_owned(),
+                    (None, Some(_)) => name.clone(),
+                    (None, None) => format!("{name} {PROGRAM_VERSION}"),
+                };
                 if let Some(verdicts) = &controller.verdicts {
                     // Other models give other reaches.
-                    set.name += &format!("-{}", verdicts.model_blake3().get(..8).unwrap_or(TRUTH));
+                    name += &format!("-{:.8}", verdicts.model_blake3());
                 }
-                Ok(vec![set])
+                for (half, seed) in frozen::halves(self.track(), frozen::REACHING_SEED, &judged, "") {
+                    sets.push(campaign(format!("reaching-{half}-{name}"), seed)?);
+                }
             }
         }
+        Ok(sets)
     }
 
     /// Judges the entry: makes the sets in `folder` that are missing there, and writes the row beside them.
@@ -189,31 +221,45 @@ impl Entry {
     }
 
     fn figures(&self, sets: &[(String, Dataset)], progress: &dyn Progress) -> Result<Figures, Fault> {
-        let contacts = |set: &Dataset, model: &JudgedModel| {
-            each_reach(set, progress, |recording| Ok((recording.scene.clone(), model.contacts(recording)?)))
+        let judged = |(_, set): &(String, Dataset), model: &JudgedModel| {
+            each_reach(set, progress, |recording| Ok((recording.scene.clone(), model.judge(recording)?)))
         };
         Ok(match self {
             Entry::Verdicts(model) => {
-                let found = sets.iter().map(|(_, set)| contacts(set, model));
-                Figures::Verdicts(verdicts::figures(&found.collect::<Result<Vec<_>, _>>()?.concat()))
+                let [public, audit] = [judged(&sets[0], model)?, judged(&sets[1], model)?];
+                let nothing = match sets.get(2) {
+                    Some(set) => {
+                        let frames: Vec<_> = judged(set, model)?.into_iter().map(|(_, reach)| reach.frames).collect();
+                        FittedNothing::fit(&frames)
+                    }
+                    None => None,
+                };
+                let ranking = verdicts::ranking([&public, &audit]);
+                let [public, audit] = [public, audit].map(|half| verdicts::figures(&half, nothing));
+                Figures::Verdicts(Halves { ranking, public, audit })
             }
             Entry::Transfer(model) => {
-                let of_set = |(_, set): &(String, Dataset)| {
-                    let found = contacts(set, model)?;
-                    Ok(found.into_iter().map(|(_, contacts)| contacts).collect())
+                let of_set = |set| {
+                    let at_end = |(_, reach): &(String, judged_model::JudgedReach)| {
+                        Counts::of(reach.objects[0].as_deref().unwrap_or_default(), END)
+                    };
+                    Ok(judged(set, model)?.iter().map(at_end).collect())
                 };
-                let settings = sets.iter().map(of_set).collect::<Result<Vec<_>, Fault>>()?;
-                Figures::Transfer(transfer::figures(&settings))
+                let settings = sets.iter().map(of_set).collect::<Result<Vec<Vec<Counts>>, Fault>>()?;
+                let (public, audit) = settings.split_at(frozen::SETTINGS.len());
+                let ranking = transfer::ranking([public, audit]);
+                let [public, audit] = [public, audit].map(transfer::figures);
+                Figures::Transfer(Halves { ranking, public, audit })
             }
             Entry::Reaching(_) => {
                 let goals = frozen::scene(frozen::REACHING_SCENE)?.file.goals.count;
                 let of_set = |(_, set): &(String, Dataset)| {
-                    each_reach(set, progress, |reach| {
-                        Ok(reaching::Reach::of(goals, &reach.goals, &reach.contacts, &reach.objects))
-                    })
+                    each_reach(set, progress, |reach| Ok(reaching::Reach::of(goals, reach)))
                 };
-                let reaches = sets.iter().map(of_set).collect::<Result<Vec<_>, _>>()?.concat();
-                Figures::Reaching(reaching::figures(&reaches))
+                let [public, audit] = [of_set(&sets[0])?, of_set(&sets[1])?];
+                let ranking = reaching::ranking([&public, &audit]);
+                let [public, audit] = [public, audit].map(|half| reaching::figures(&half));
+                Figures::Reaching(Halves { ranking, public, audit })
             }
         })
     }

@@ -1,17 +1,26 @@
 //! Track 3: how a controller reaches through clutter, and how hard it presses on the objects there.
 
-use serde::{Deserialize, Serialize};
-use underbrush_recording::{Category, Contact, FRAME_PERIOD_S, GoalRecord, ObjectRecord, Outcome};
+use std::collections::BTreeMap;
 
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use underbrush_recording::{Category, FRAME_PERIOD_S, Frame, Outcome, Recording};
+
+use super::frozen::GENTLE_N;
+use super::halves::Ranking;
 use crate::resampled::Estimate;
 
-/// The figures of the track. Forces are the true forces between one link and one object, on skin and bare parts.
+/// The figures of the track. Forces are the true forces between one patch of skin, or the bare part of a link, and one
+/// object.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reaching {
     /// Number of reaches.
     pub reaches: usize,
     /// Number of goals, including those that were not tried because of a safety stop.
     pub goals: usize,
+    /// Share of the goals that were reached without a force above 5 N on a trunk until then, in any frame from the start
+    /// towards the goal.
+    pub reached_gently: Estimate,
     /// Share of the goals that were reached.
     pub reached: Estimate,
     /// Time spent on all goals, divided by the number of goals that were reached, s.
@@ -29,20 +38,27 @@ pub struct Reaching {
 pub(super) struct Reach {
     goals: usize,
     reached: usize,
+    reached_gently: usize,
     seconds: f64,
     trunk_peak_n: f64,
     leaf_impulse_n_s: f64,
 }
 
 impl Reach {
-    pub(super) fn of(drawn_goals: u32, goals: &[GoalRecord], contacts: &[Contact], objects: &[ObjectRecord]) -> Self {
+    /// The part of a recording that had this many goals to reach.
+    pub(super) fn of(drawn_goals: u32, recording: &Recording) -> Self {
         let mut reach = Reach { goals: drawn_goals as usize, ..Reach::default() };
-        for goal in goals {
-            reach.reached += usize::from(goal.outcome == Outcome::Reached);
+        for (index, goal) in recording.goals.iter().enumerate() {
             reach.seconds += goal.end_time_s - goal.start_time_s;
+            if goal.outcome == Outcome::Reached {
+                let frames = recording.frames.iter().filter(|frame| usize::from(frame.goal_index) == index);
+                let force_n = frames.map(|frame| on_trunk_n(frame, recording)).fold(0.0, f64::max);
+                reach.reached += 1;
+                reach.reached_gently += usize::from(force_n <= GENTLE_N);
+            }
         }
-        for contact in contacts {
-            let object = objects.get(usize::from(contact.object));
+        for contact in &recording.contacts {
+            let object = recording.objects.get(usize::from(contact.object));
             match object.map(|object| object.category) {
                 Some(Category::TRUNK) => reach.trunk_peak_n = reach.trunk_peak_n.max(contact.peak_force_n),
                 Some(Category::LEAF) => {
@@ -54,6 +70,27 @@ impl Reach {
         }
         reach
     }
+}
+
+/// The largest force between one patch or bare part of a link and one trunk in a frame, N.
+fn on_trunk_n(frame: &Frame, recording: &Recording) -> f64 {
+    let mut forces: BTreeMap<_, Vec3> = BTreeMap::new();
+    for contact in &frame.contact_points {
+        let Some(object) = contact.object else { continue };
+        if recording.objects.get(usize::from(object)).is_some_and(|own| own.category == Category::TRUNK) {
+            *forces.entry((contact.link, contact.patch, object)).or_default() += contact.force_world;
+        }
+    }
+    forces.into_values().map(|force| f64::from(force.length())).fold(0.0, f64::max)
+}
+
+/// The ranking by the share of goals that were reached gently.
+pub(super) fn ranking(halves: [&[Reach]; 2]) -> Ranking {
+    let halves = halves.map(|half| [half.to_vec()]);
+    Ranking::of([&halves[0], &halves[1]], |groups| {
+        let sum = |of: fn(&Reach) -> usize| groups[0].iter().map(|reach| of(reach)).sum::<usize>() as f64;
+        Some(sum(|reach| reach.reached_gently) / sum(|reach| reach.goals)).filter(|share| share.is_finite())
+    })
 }
 
 /// The figures of some reaches.
@@ -68,6 +105,7 @@ pub(super) fn figures(reaches: &[Reach]) -> Reaching {
     Reaching {
         reaches: reaches.len(),
         goals: reaches.iter().map(|reach| reach.goals).sum(),
+        reached_gently: ratio(|reach| reach.reached_gently as f64, |reach| reach.goals as f64),
         reached: ratio(|reach| reach.reached as f64, |reach| reach.goals as f64),
         seconds_for_each: ratio(|reach| reach.seconds, |reach| reach.reached as f64),
         trunk_peak_n: ratio(|reach| reach.trunk_peak_n, |_| 1.0),

@@ -8,6 +8,8 @@ use underbrush_recording::InputError;
 use underbrush_recording::disk::Dataset;
 use underbrush_recording::fault::Fault;
 
+use super::frozen;
+use super::halves::Halves;
 use super::reaching::Reaching;
 use super::transfer::Transfer;
 use super::verdicts::Verdicts;
@@ -78,21 +80,29 @@ pub struct SceneRecord {
 #[serde(rename_all = "snake_case")]
 pub enum Figures {
     /// The figures of track 1.
-    Verdicts(Verdicts),
+    Verdicts(Halves<Verdicts>),
     /// The figures of track 2.
-    Transfer(Transfer),
+    Transfer(Halves<Transfer>),
     /// The figures of track 3.
-    Reaching(Reaching),
+    Reaching(Halves<Reaching>),
+    /// The figures of an earlier version of the benchmark, as they were written.
+    #[serde(untagged)]
+    Earlier(Value),
 }
 
 impl EntryRecord {
-    /// Checks that the file of this entry's row does not hold the row of another model. Files of several models may
-    /// have the same name, and the name of a controller with verdicts does not tell models apart.
+    /// Checks that the file of this entry's row does not hold the row of another model or another version of the benchmark.
+    /// Files of several models may have the same name, and the name of a controller with verdicts does not tell models
+    /// apart.
     pub(super) fn check_earlier_row(&self, file: &Path) -> Result<(), InputError> {
         let earlier = std::fs::read(file).ok();
         let Some(earlier) = earlier.and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok()) else {
             return Ok(());
         };
+        let remedy = "move that row elsewhere, or rename the model's file";
+        if let Some(other) = earlier["benchmark"].as_str().filter(|other| *other != frozen::NAME) {
+            return Err(InputError::new(file, "benchmark", format!("a row of {other}"), frozen::NAME, remedy));
+        }
         let (other, own) = (earlier.pointer("/entry/model_blake3"), self.model_blake3.as_deref());
         let other = other.and_then(Value::as_str);
         if other == own {
@@ -100,7 +110,6 @@ impl EntryRecord {
         }
         let found = other.map_or_else(|| "no model".to_owned(), |hash| format!("the row of model {hash}"));
         let allowed = own.map_or_else(|| "no model".to_owned(), |hash| format!("a row of model {hash}"));
-        let remedy = "move that row elsewhere, or rename the model's file";
         Err(InputError::new(file, "entry.model_blake3", found, allowed, remedy))
     }
 }

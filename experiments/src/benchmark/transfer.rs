@@ -1,9 +1,11 @@
-//! Track 2: a model that was trained at one stiffness, speed, sensor and arm judges contacts at another.
+//! Track 2: a model that was trained at one stiffness, speed, sensor and arm judges objects at another.
 
 use serde::{Deserialize, Serialize};
 
-use super::contacts::{Balanced, Contact, Counts, JUDGED_MOMENTS};
+use super::counts::{Counts, KNOWN};
 use super::frozen::{OTHER_ARM, SETTINGS};
+use super::halves::Ranking;
+
 use crate::resampled::Estimate;
 
 /// The figures of the track.
@@ -13,51 +15,98 @@ pub struct Transfer {
     pub settings: Vec<TransferTo>,
 }
 
-/// How well contacts at one setting are told apart.
+/// How well the objects that touch the forearm at one setting are told apart.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TransferTo {
     /// The setting.
     pub setting: String,
-    /// Number of contacts with leaves, and with trunks.
-    pub contacts: [usize; 2],
-    /// Balanced accuracy over contacts with leaves and trunks at their end, by which of the two is likelier.
+    /// Numbers of leaves and of trunks.
+    pub objects: [usize; 2],
+    /// Mean of the shares of leaves and of trunks that are called what they are at their end, by the model's own decision.
     pub leaf_or_trunk: Estimate,
     /// Difference of this accuracy from the one at the first setting. It has no value for the first setting itself.
     /// Reaches through the same clutter are resampled together.
     pub difference: Estimate,
 }
 
-/// The figures of contacts, which are given by setting and reach.
-pub(super) fn figures(settings: &[Vec<Vec<Contact>>]) -> Transfer {
-    let balanced = Balanced::LeafOrTrunk;
-    let counts = |reaches: &Vec<Vec<Contact>>| -> Vec<Counts> {
-        let of_reach = |contacts: &Vec<Contact>| Counts::of(contacts, JUDGED_MOMENTS - 1, balanced);
-        reaches.iter().map(of_reach).collect()
-    };
-    let counts: Vec<Vec<Counts>> = settings.iter().map(counts).collect();
+/// The mean of this accuracy over some reaches.
+fn accuracy(own: &[&Counts]) -> Option<f64> {
+    Counts::accuracy(own, KNOWN)
+}
+
+/// The figures of the verdicts at the end of objects, which are given by setting and reach.
+pub(super) fn figures(settings: &[Vec<Counts>]) -> Transfer {
     let setting = |(place, here): (usize, &Vec<Counts>)| {
         let name = SETTINGS[place].0;
-        let [_, leaf, trunk] = Counts::contacts(&here.iter().collect::<Vec<_>>());
+        let [leaves, trunks, _] = Counts::objects(&here.iter().collect::<Vec<_>>());
         TransferTo {
             setting: name.to_owned(),
-            contacts: [leaf, trunk],
-            leaf_or_trunk: Estimate::of(here, |own| Counts::balanced_accuracy(own, balanced)),
-            difference: match &counts[0] {
+            objects: [leaves, trunks],
+            leaf_or_trunk: Estimate::of(here, accuracy),
+            difference: match &settings[0] {
                 _ if place == 0 => Estimate::default(),
                 // The clutter around the other arm is different, so reaches cannot be paired.
-                usual if name == OTHER_ARM => Estimate::of_groups(&[usual, here], |groups| {
-                    let [usual, here] = [0, 1].map(|group| Counts::balanced_accuracy(&groups[group], balanced));
-                    Some(here? - usual?)
-                }),
+                usual if name == OTHER_ARM => {
+                    Estimate::of_groups(&[usual, here], |groups| Some(accuracy(&groups[1])? - accuracy(&groups[0])?))
+                }
                 usual => {
                     let pairs: Vec<(&Counts, &Counts)> = usual.iter().zip(here).collect();
                     Estimate::of(&pairs, |own| {
                         let (usual, here): (Vec<&Counts>, Vec<&Counts>) = own.iter().copied().copied().unzip();
-                        Some(Counts::balanced_accuracy(&here, balanced)? - Counts::balanced_accuracy(&usual, balanced)?)
+                        Some(accuracy(&here)? - accuracy(&usual)?)
                     })
                 }
             },
         }
     };
-    Transfer { settings: counts.iter().enumerate().map(setting).collect() }
+    Transfer { settings: settings.iter().enumerate().map(setting).collect() }
+}
+
+/// The ranking by the mean accuracy over the settings other than that of the training. Reaches through the same clutter are
+/// resampled together.
+pub(super) fn ranking(halves: [&[Vec<Counts>]; 2]) -> Ranking {
+    // Two groups: the settings with the same clutter, and the one with another arm. Each reach has its counts by setting.
+    let groups = halves.map(|settings| {
+        [true, false].map(|is_paired| {
+            let named = settings.iter().zip(SETTINGS).skip(1);
+            let own = named.filter(|(_, (name, _))| (*name != OTHER_ARM) == is_paired);
+            let own: Vec<&Vec<Counts>> = own.map(|(counts, _)| counts).collect();
+            let reaches = own.first().map_or(0, |counts| counts.len());
+            (0..reaches).map(|reach| own.iter().map(|counts| counts[reach]).collect()).collect::<Vec<Vec<Counts>>>()
+        })
+    });
+    Ranking::of([&groups[0], &groups[1]], |groups| {
+        let settings = groups.iter().flat_map(|reaches| {
+            let count = reaches.first().map_or(0, |reach| reach.len());
+            (0..count).map(|place| accuracy(&reaches.iter().map(|reach| &reach[place]).collect::<Vec<_>>()))
+        });
+        let accuracies: Vec<f64> = settings.collect::<Option<_>>()?;
+        Some(accuracies.iter().sum::<f64>() / accuracies.len() as f64)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::objects::{Class, JUDGED_MOMENTS, JudgedObject};
+    use super::*;
+
+    /// Three reaches, in each of which a trunk and this many of four leaves are called what they are.
+    fn reaches(right: usize) -> Vec<Counts> {
+        let object = |truth, verdict| JudgedObject { truth, verdicts: [verdict; JUDGED_MOMENTS] };
+        let mut objects = vec![object(Class::Trunk, Class::Trunk)];
+        objects.extend((0..4).map(|leaf| object(Class::Leaf, if leaf < right { Class::Leaf } else { Class::Trunk })));
+        vec![Counts::of(&objects, 0); 3]
+    }
+
+    /// Tests that the ranking is the mean over the six shifted settings, without that of the training, and that equal halves do
+    /// not differ.
+    #[test]
+    fn the_ranking_is_the_mean_over_shifted_settings() {
+        let settings = [4, 0, 1, 2, 3, 4, 2].map(reaches);
+        let ranking = ranking([&settings, &settings]);
+        assert_eq!((ranking.audit.value, ranking.halves_differ()), (Some((12.0 / 24.0 + 1.0) / 2.0), Some(false)));
+        let differences: Vec<Option<f64>> =
+            figures(&settings).settings.iter().map(|own| own.difference.value).collect();
+        assert_eq!(differences[..3], [None, Some(-0.5), Some(-0.375)]);
+    }
 }

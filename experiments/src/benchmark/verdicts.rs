@@ -1,99 +1,115 @@
-//! Track 1: what a contact is, by the number of samples since it began, with outliers that are unseen in training.
+//! Track 1: what an object is, by the time since it was first felt, with objects that are foreign to the foliage.
 
 use serde::{Deserialize, Serialize};
 
-use super::contacts::{Balanced, Class, Contact, Counts, JUDGED_MOMENTS};
-use super::frozen::{FOAM_ROLL, MOMENTS, WATER_BOTTLE};
-use super::ranked::Ranked;
+use super::counts::{ALL, Counts, KNOWN, UNKNOWN};
+use super::frames::{FittedNothing, FrameCounts};
+use super::halves::Ranking;
+use super::judged_model::JudgedReach;
+use super::objects::{END, JUDGED_MOMENTS, JudgedObject, seconds};
 use crate::resampled::Estimate;
 
 /// The figures of the track.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Verdicts {
-    /// Numbers of contacts by what was touched.
-    pub contacts: ContactCounts,
-    /// After each number of samples, and at the end of the contact.
+    /// The objects that touch the forearm.
+    pub forearm: ObjectFigures,
+    /// The objects that touch the flipper; `None` if the model does not judge it.
+    pub flipper: Option<ObjectFigures>,
+    /// Balanced accuracy over the forearm's taxels in contact, frame by frame: nothing, leaf or trunk.
+    pub nothing_leaf_or_trunk: Estimate,
+    /// The largest sensed force that counts as nothing, N, fitted by the benchmark; `None` for a model that can say so itself.
+    pub nothing_up_to_n: Option<f64>,
+}
+
+/// The figures of the objects that touch a patch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ObjectFigures {
+    /// Numbers of leaves, trunks and unknown objects.
+    pub objects: [usize; 3],
+    /// After each time, and at the end.
     pub moments: Vec<VerdictsAt>,
+    /// The unknown objects of each scene that has any.
+    pub unknown_in: Vec<UnknownIn>,
 }
 
-/// How many contacts are judged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct ContactCounts {
-    /// Contacts in which nothing ever pressed.
-    pub nothing: usize,
-    /// Contacts with leaves.
-    pub leaf: usize,
-    /// Contacts with trunks.
-    pub trunk: usize,
-    /// Contacts with the foam roll.
-    pub foam_roll: usize,
-    /// Contacts with the water bottle.
-    pub water_bottle: usize,
-}
-
-/// The figures at one moment of the contacts. A contact that ended earlier counts with the last answer to it.
+/// The figures at one moment, by the model's own decision. An object whose contacts ended before counts with its last
+/// verdict.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VerdictsAt {
-    /// Samples since the contact began; `None` at its end.
-    pub samples: Option<usize>,
-    /// Balanced accuracy over contacts with leaves and trunks, by which of the two is likelier.
+    /// Time since the object was first felt, s; `None` at the end of its last contact.
+    pub seconds: Option<f64>,
+    /// Mean of the shares of leaves, trunks and unknown objects that are called what they are.
+    pub leaf_trunk_or_unknown: Estimate,
+    /// Mean of the shares of leaves and of trunks that are called what they are.
     pub leaf_or_trunk: Estimate,
-    /// Balanced accuracy over the taxels that are still in contact, by the likeliest of nothing, leaf and trunk,
-    /// against what presses at that moment. There is no value at the end of contacts, when as a rule nothing presses.
-    pub nothing_leaf_or_trunk: Estimate,
-    /// Area under the ROC curve of contacts with the foam roll against those with leaves and trunks in all scenes.
-    pub foam_roll_area: Estimate,
-    /// Area under the ROC curve of contacts with the water bottle against those with leaves and trunks in all scenes.
-    pub water_bottle_area: Estimate,
+    /// Share of unknown objects that are called unknown.
+    pub unknown_found: Estimate,
+    /// Share of leaves and trunks that are called unknown.
+    pub known_called_unknown: Estimate,
 }
 
-/// The figures of contacts, which are given by reach with the name of its scene.
-pub(super) fn figures(reaches: &[(String, Vec<Contact>)]) -> Verdicts {
-    let in_scene = |name: &str| -> Vec<&Vec<Contact>> {
-        reaches.iter().filter(|(scene, _)| scene == name).map(|(_, contacts)| contacts).collect()
+/// The unknown objects of a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct UnknownIn {
+    /// The scene.
+    pub scene: String,
+    /// Number of unknown objects.
+    pub objects: usize,
+    /// Share that is called unknown at the end.
+    pub found: Estimate,
+}
+
+/// The figures of reaches, which are given with the names of their scenes.
+pub(super) fn figures(reaches: &[(String, JudgedReach)], nothing: Option<FittedNothing>) -> Verdicts {
+    let of_patch = |patch: usize| {
+        let own = |(scene, reach): &(String, JudgedReach)| Some((scene.clone(), reach.objects[patch].clone()?));
+        reaches.iter().map(own).collect::<Option<Vec<_>>>().map(|reaches| of_objects(&reaches))
     };
-    let (rolls, bottles) = (in_scene(FOAM_ROLL), in_scene(WATER_BOTTLE));
-    let all: Vec<&Vec<Contact>> = reaches.iter().map(|(_, contacts)| contacts).collect();
-    let count = |own: &[&Vec<Contact>], class: Class| {
-        let contacts = own.iter().flat_map(|contacts| contacts.iter());
-        contacts.filter(|contact| contact.truth == class).count()
-    };
-    let at = |moment: usize| VerdictsAt {
-        samples: MOMENTS.get(moment).copied(),
-        leaf_or_trunk: accuracy(reaches, moment, Balanced::LeafOrTrunk),
-        nothing_leaf_or_trunk: accuracy(reaches, moment, Balanced::WithNothing),
-        foam_roll_area: area(reaches, FOAM_ROLL, moment),
-        water_bottle_area: area(reaches, WATER_BOTTLE, moment),
-    };
+    let frames: Vec<&FrameCounts> = reaches.iter().map(|(_, reach)| &reach.frames).collect();
     Verdicts {
-        contacts: ContactCounts {
-            nothing: count(&all, Class::Nothing),
-            leaf: count(&all, Class::Leaf),
-            trunk: count(&all, Class::Trunk),
-            foam_roll: count(&rolls, Class::Other),
-            water_bottle: count(&bottles, Class::Other),
-        },
-        moments: (0..JUDGED_MOMENTS).map(at).collect(),
+        forearm: of_patch(0).unwrap_or_else(|| of_objects(&[])),
+        flipper: of_patch(1),
+        nothing_leaf_or_trunk: Estimate::of(&frames, |own| {
+            FrameCounts::accuracy(&own.iter().map(|own| **own).collect::<Vec<_>>(), nothing)
+        }),
+        nothing_up_to_n: nothing.map(FittedNothing::up_to_n),
     }
 }
 
-/// A balanced accuracy over reaches.
-fn accuracy(reaches: &[(String, Vec<Contact>)], moment: usize, balanced: Balanced) -> Estimate {
-    let counts: Vec<Counts> = (reaches.iter()).map(|(_, contacts)| Counts::of(contacts, moment, balanced)).collect();
-    Estimate::of(&counts, |own| Counts::balanced_accuracy(own, balanced))
+fn of_objects(reaches: &[(String, Vec<JudgedObject>)]) -> ObjectFigures {
+    let counts = |moment| reaches.iter().map(|(_, objects)| Counts::of(objects, moment)).collect::<Vec<Counts>>();
+    let at = |moment| {
+        let counts = counts(moment);
+        VerdictsAt {
+            seconds: seconds(moment),
+            leaf_trunk_or_unknown: Estimate::of(&counts, |own| Counts::accuracy(own, ALL)),
+            leaf_or_trunk: Estimate::of(&counts, |own| Counts::accuracy(own, KNOWN)),
+            unknown_found: Estimate::of(&counts, |own| Counts::accuracy(own, UNKNOWN)),
+            known_called_unknown: Estimate::of(&counts, Counts::false_alarms),
+        }
+    };
+    let mut scenes: Vec<&String> = reaches.iter().map(|(scene, _)| scene).collect();
+    scenes.dedup();
+    let unknown_in = |scene: &String| {
+        let own = reaches.iter().filter(|(own, _)| own == scene);
+        let counts: Vec<Counts> = own.map(|(_, objects)| Counts::of(objects, END)).collect();
+        let [_, _, objects] = Counts::objects(&counts.iter().collect::<Vec<_>>());
+        let found = Estimate::of(&counts, |own| Counts::accuracy(own, UNKNOWN));
+        (objects > 0).then(|| UnknownIn { scene: scene.clone(), objects, found })
+    };
+    ObjectFigures {
+        objects: Counts::objects(&counts(END).iter().collect::<Vec<_>>()),
+        moments: (0..JUDGED_MOMENTS).map(at).collect(),
+        unknown_in: scenes.into_iter().filter_map(unknown_in).collect(),
+    }
 }
 
-/// How well the foreign objects of a scene are told apart from leaves and trunks in all scenes, by how unlike the
-/// training data the model finds them.
-fn area(reaches: &[(String, Vec<Contact>)], scene: &str, moment: usize) -> Estimate {
-    let unlike = |(own, contacts): &(String, Vec<Contact>)| -> [Vec<f64>; 2] {
-        let of = |is_wanted: &dyn Fn(Class) -> bool| {
-            let wanted = contacts.iter().filter(|contact| is_wanted(contact.truth));
-            wanted.map(|contact| contact.moments[moment].while_pressed.unlike).collect()
-        };
-        [of(&|class| own == scene && class == Class::Other), of(&|class| matches!(class, Class::Leaf | Class::Trunk))]
-    };
-    let reaches: Vec<[Vec<f64>; 2]> = reaches.iter().map(unlike).collect();
-    Ranked::of(&reaches)
-        .map_or_else(Estimate::default, |ranked| Estimate::of_times(reaches.len(), |times| ranked.area(times)))
+/// The ranking by the balanced accuracy of leaves, trunks and unknown objects at the forearm, at their end.
+pub(super) fn ranking(halves: [&[(String, JudgedReach)]; 2]) -> Ranking {
+    let counts = halves.map(|half| {
+        let objects = half.iter().map(|(_, reach)| reach.objects[0].as_deref().unwrap_or_default());
+        [objects.map(|own| Counts::of(own, END)).collect::<Vec<_>>()]
+    });
+    Ranking::of([&counts[0], &counts[1]], |groups| Counts::accuracy(&groups[0], ALL))
 }
