@@ -13,10 +13,7 @@ pub fn of(row: &Row) -> String {
     let classifier = entry.classifier.as_ref().map_or_else(String::new, |name| format!(" ({name})"));
     let quick = if row.complete { "" } else { ", a quick run that is no row of the table" };
     let figures = match &row.figures {
-        Figures::Verdicts(own) => {
-            let name = "leaf, trunk or unknown at the end of objects, balanced / %";
-            of_halves(name, own, of_verdicts)
-        }
+        Figures::Verdicts(own) => of_halves("leaf, trunk or unknown, balanced, at the end / %", own, of_verdicts),
         Figures::Transfer(own) => of_halves("leaf or trunk, mean over the shifted settings / %", own, of_transfer),
         Figures::Reaching(own) => of_halves("goals reached without more than 5 N on a trunk / %", own, of_reaching),
         Figures::Earlier(figures) => format!("{figures:#}\n"),
@@ -54,10 +51,8 @@ fn of_halves<T>(figure: &str, halves: &Halves<T>, of: fn(&T) -> String) -> Strin
 }
 
 fn of_verdicts(verdicts: &Verdicts) -> String {
-    let nothing = match verdicts.nothing_up_to_n {
-        Some(force_n) => format!(", with up to {force_n:.3} N called nothing, which the benchmark fitted"),
-        None => String::new(),
-    };
+    let fitted = |force_n: f64| format!(", with up to {force_n:.3} N called nothing, which the benchmark fitted");
+    let nothing = verdicts.nothing_up_to_n.map_or_else(String::new, fitted);
     let forearm = of_objects("forearm", &verdicts.forearm);
     let flipper = verdicts
         .flipper

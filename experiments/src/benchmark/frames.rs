@@ -40,11 +40,10 @@ pub(super) struct FittedNothing(usize);
 impl FittedNothing {
     /// The candidate with the largest balanced accuracy on some reaches, and the smallest force of those that are as good.
     /// `None` if the reaches lack a class.
-    pub(super) fn fit(reaches: &[FrameCounts]) -> Option<Self> {
-        let reaches: Vec<&FrameCounts> = reaches.iter().collect();
-        let accuracy = |index| Some((index, FrameCounts::accuracy(&reaches, Some(FittedNothing(index)))?));
-        let best = (0..CANDIDATES).filter_map(accuracy).reduce(|best, own| if own.1 > best.1 { own } else { best });
-        best.map(|(index, _)| FittedNothing(index))
+    pub(super) fn fit(reaches: &[&FrameCounts]) -> Option<Self> {
+        let accuracy = |index| Some((index, FrameCounts::accuracy(reaches, Some(FittedNothing(index)))?));
+        let best = (0..CANDIDATES).filter_map(accuracy).reduce(|best, own| if own.1 > best.1 { own } else { best })?;
+        Some(FittedNothing(best.0))
     }
 
     /// The largest force that counts as nothing, N.
@@ -102,11 +101,11 @@ mod tests {
             (0.05, Trunk, Unknown),
         ]);
         assert!((FrameCounts::accuracy(&[&own], None).unwrap() - 2.0 / 3.0).abs() < 1e-15);
-        let fitted = FittedNothing::fit(std::slice::from_ref(&own)).unwrap();
+        let fitted = FittedNothing::fit(&[&own]).unwrap();
         // The smallest of the forces 0.03 · 1.1ⁿ that is not below 0.1 N.
         assert!((fitted.up_to_n() - 0.03 * 1.1_f64.powi(13)).abs() < 1e-12, "{}", fitted.up_to_n());
         assert_eq!(FrameCounts::accuracy(&[&own], Some(fitted)), Some(1.0));
-        assert_eq!(FittedNothing::fit(&[counts(&[(1.0, Leaf, Leaf)])]), None);
+        assert_eq!(FittedNothing::fit(&[&counts(&[(1.0, Leaf, Leaf)])]), None);
     }
 
     /// Tests that the accuracy of a model with a class "nothing" of its own counts its answers.

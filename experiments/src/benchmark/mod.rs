@@ -32,7 +32,7 @@ use crate::files;
 use crate::progress::Progress;
 use crate::verdict_controller::{TRUTH, VerdictControl};
 use counts::Counts;
-use frames::FittedNothing;
+use frames::{FittedNothing, FrameCounts};
 use objects::END;
 
 pub use crate::resampled::Estimate;
@@ -227,13 +227,9 @@ impl Entry {
         Ok(match self {
             Entry::Verdicts(model) => {
                 let [public, audit] = [judged(&sets[0], model)?, judged(&sets[1], model)?];
-                let nothing = match sets.get(2) {
-                    Some(set) => {
-                        let frames: Vec<_> = judged(set, model)?.into_iter().map(|(_, reach)| reach.frames).collect();
-                        FittedNothing::fit(&frames)
-                    }
-                    None => None,
-                };
+                let fitting = sets.get(2).map(|set| judged(set, model)).transpose()?.unwrap_or_default();
+                let frames: Vec<&FrameCounts> = fitting.iter().map(|(_, reach)| &reach.frames).collect();
+                let nothing = FittedNothing::fit(&frames);
                 let ranking = verdicts::ranking([&public, &audit]);
                 let [public, audit] = [public, audit].map(|half| verdicts::figures(&half, nothing));
                 Figures::Verdicts(Halves { ranking, public, audit })
