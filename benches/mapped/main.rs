@@ -21,7 +21,7 @@ use std::time::Instant;
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_recording::{Category, FRAME_PERIOD_S, MappedObstacle, Outcome, Recording};
 use underbrush_sim::controller::mapped::arm_shapes::ArmShapes;
-use underbrush_sim::controller::mapped::planner::{BUDGET, Planner};
+use underbrush_sim::controller::mapped::planner::{BUDGET, Planner, length_rad};
 use underbrush_sim::controller::mapped::route::MARGIN_M;
 use underbrush_sim::controller::{
     Controller, ControllerInput, ControllerKind, ControllerOutput, Mapped, TaxelContact, Touched, Verdict,
@@ -223,10 +223,10 @@ fn raise(largest: &mut f64, value: f64) {
     *largest = largest.max(value);
 }
 
-/// Prints how long plans take to goals round all obstacles, from the start posture and from goal to goal.
+/// Prints how long plans take, and the ways that they find, to goals round all obstacles, from the start posture and from goal to goal.
 fn plans(seed: u64, count: u64, scenes: &[&str]) {
     let mut milliseconds: Vec<f64> = Vec::new();
-    let (mut evaluations, mut total_s) = (0, 0.0);
+    let (mut evaluations, mut total_s, mut ways_rad) = (0, 0.0, 0.0);
     for scene in scenes {
         let plan = ReachPlan::new(Scene::load(scene).unwrap(), Some(ControllerKind::Mapped), seed).unwrap();
         let shapes = ArmShapes::new(&plan.arm, plan.scene.floor_height_m());
@@ -251,6 +251,7 @@ fn plans(seed: u64, count: u64, scenes: &[&str]) {
                 milliseconds.push(1000.0 * seconds);
                 (evaluations, total_s) = (evaluations + planner.evaluations, total_s + seconds);
                 if let Ok(path) = path {
+                    ways_rad += length_rad(&path);
                     from_rad.clone_from(path.last().unwrap());
                 }
             }
@@ -260,8 +261,9 @@ fn plans(seed: u64, count: u64, scenes: &[&str]) {
     let quantile = |share: f64| milliseconds[((milliseconds.len() - 1) as f64 * share) as usize];
     let [median, ninety, ninety_nine, worst] = [0.5, 0.9, 0.99, 1.0].map(quantile);
     println!(
-        "{} plans: median {median:.1} ms, 90 % {ninety:.1} ms, 99 % {ninety_nine:.1} ms, longest {worst:.1} ms; {:.2} µs an evaluation",
+        "{} plans: median {median:.1} ms, 90 % {ninety:.1} ms, 99 % {ninety_nine:.1} ms, longest {worst:.1} ms; {:.2} µs an evaluation; ways of {:.2} rad in the mean",
         milliseconds.len(),
-        1e6 * total_s / evaluations as f64
+        1e6 * total_s / evaluations as f64,
+        ways_rad / milliseconds.len() as f64
     );
 }

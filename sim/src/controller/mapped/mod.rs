@@ -41,6 +41,7 @@ mod pursuit;
 pub mod route;
 #[cfg(test)]
 mod tests;
+mod tree;
 mod trust;
 mod turning;
 

@@ -9,10 +9,13 @@ use rand_chacha::ChaCha8Rng;
 use super::{ArmShapes, BUDGET, Caution, ForbiddenPostures, Map, NoWay, Planner, largest_change_rad};
 use crate::arm::Arm;
 
-/// How far the planned way stays from obstacles, m: more than the arm strays from it.
+/// How far a way stays from obstacles, m: more than the arm strays from it.
 pub const MARGIN_M: f64 = 0.005;
+/// And at the first attempt, m: short ways lead along obstacles, and compliant arms cut corners.
+const WIDE_MARGIN_M: f64 = 0.01;
 /// Caution and margin, m, from one attempt to the next.
-const ATTEMPTS: [(Caution, f64); 5] = [
+const ATTEMPTS: [(Caution, f64); 6] = [
+    (Caution::NONE, WIDE_MARGIN_M),
     (Caution::NONE, MARGIN_M),
     (Caution::NONE, 0.0),
     (Caution { is_thin: true, is_low: false }, 0.0),
@@ -60,7 +63,7 @@ impl Surroundings<'_> {
             let mut reason = NoWay::NotFound;
             for (number, (caution, margin_m)) in ATTEMPTS.into_iter().enumerate() {
                 let left = BUDGET.saturating_sub(evaluations);
-                if left == 0 || (number > 1 && map.obstacles.iter().all(|own| own.is_known)) {
+                if left == 0 || (number > 2 && map.obstacles.iter().all(|own| own.is_known)) {
                     break;
                 }
                 let mut planner = Planner {
