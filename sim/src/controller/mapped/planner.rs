@@ -28,9 +28,9 @@ const SEARCH_EVALUATIONS: usize = 12;
 /// Other ways are tried as long as fewer postures than this were evaluated, which is 50 ms at [`EVALUATION_S`]. Choice: a way that
 /// is shorter by a tenth saves some 400 ms.
 const TRIES: usize = 10_000;
-/// How often a posture at the goal is drawn in, and the share of the largest change of a joint that is left each time.
+/// How often a posture at the goal is drawn in at most, and the share of the largest change of a joint that is left each time.
 const DRAWN_IN: (usize, f64) = (8, 0.85);
-/// It counts if it makes the motion shorter by this share.
+/// A posture that is drawn in counts if it makes the way shorter by this share.
 const SHORTER: f64 = 0.01;
 /// Longest edge of a tree, rad. Choice: half a radian moves the hand by a fifth of the workspace.
 const EDGE_RAD: f64 = 0.5;
@@ -223,8 +223,8 @@ impl Planner<'_> {
         self.arm.joints.iter().map(draw).collect()
     }
 
-    /// The posture at the goal after all joints that change most on the way from `from_rad` were held back, as long as that
-    /// makes the way shorter and leaves it free.
+    /// A posture at the goal that is nearer to `from_rad` than `end`: the joints that change most are held back, and inverse
+    /// kinematics leads from there to the goal again. Ends when that makes the way no shorter, or it is not free.
     fn drawn_in(&mut self, from_rad: &[f64], mut end: Vec<f64>, goal: DVec3) -> Vec<f64> {
         for _ in 0..DRAWN_IN.0 {
             let longest = largest_change_rad(from_rad, &end);
