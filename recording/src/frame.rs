@@ -180,11 +180,20 @@ impl Frame {
             sensed_force_n,
             ..TaxelReading::default()
         };
+        // Every field is named, so that a new one cannot show the truth by chance.
         Frame {
+            time_s: self.time_s,
+            joint_angle_rad: self.joint_angle_rad.clone(),
+            joint_velocity_rad_per_s: self.joint_velocity_rad_per_s.clone(),
+            equilibrium_angle_rad: self.equilibrium_angle_rad.clone(),
+            joint_torque_nm: self.joint_torque_nm.clone(),
+            end_effector_pose_world: self.end_effector_pose_world,
+            goal_position_world: self.goal_position_world,
+            goal_index: self.goal_index,
+            patch_pose_world: self.patch_pose_world.clone(),
             contact_force_world: vec![DVec3::ZERO; self.contact_force_world.len()],
             taxels: felt.map(sensed).collect(),
             contact_points: Vec::new(),
-            ..self.clone()
         }
     }
 }

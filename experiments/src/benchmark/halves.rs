@@ -28,8 +28,8 @@ pub struct Ranking {
 }
 
 impl Ranking {
-    /// The ranking by a statistic of groups of reaches, which are given for the public and the audit half. Each group is
-    /// resampled on its own.
+    /// Computes the statistic of both halves, each given as groups of reaches, and their difference. Each group is resampled
+    /// on its own.
     pub(super) fn of<R: Sync>(
         [public, audit]: [&[Vec<R>]; 2],
         statistic: impl Fn(&[Vec<&R>]) -> Option<f64> + Sync,

@@ -43,7 +43,7 @@ fn frozen_scenes_draw_what_they_drew() {
         for path in paths {
             let (plan, drawn) = drawn(path);
             let (file, controller) = (&plan.scene.file, plan.controller_name());
-            // These came later, and are off. Before them there was one that switched everything off.
+            // These options came after the hash was taken, and are off here. At that time one option switched all of them off.
             let later = "model: Paper, gain_spread_share: 0.0, drift_n: 0.0, drift_time_s: 60.0, bandwidth_hz: inf,";
             let sensor = format!("{:?}", file.sensor).replace(later, "perfect: false,");
             writeln!(text, "{path} {:?} {sensor} {controller:?}\n{drawn}", file.physics).unwrap();
