@@ -11,7 +11,7 @@ class Interval(TypedDict):
 
 
 class StiffnessInterval(TypedDict):
-    """What is known of a stiffness, N/m: median and 95 % interval."""
+    """What is known of a stiffness, N/m: median, and an interval that is meant to hold it in nine of ten cases."""
 
     low_n_per_m: float
     median_n_per_m: float

@@ -7,7 +7,7 @@ use underbrush_recording::{Sample, math};
 
 use super::fitted::{self, Baseline, TrialsByCategory};
 use super::table::Table;
-use crate::boosted::{Boosted, Row};
+use crate::boosted::{Boosted, Loss, Row};
 use crate::error::{Fault, ModelError};
 use crate::stream_feature::{Selection, StreamFeatures, TAXEL_AND_REGION};
 use crate::{ClassifierKind, FeatureSet, SampleFault};
@@ -88,10 +88,10 @@ impl Baseline for Trees {
             let rows = table.rows.iter().zip(&features).map(|(row, features)| {
                 let is_family = row.category == category;
                 let weight = row.weight / if is_family { share } else { (1.0 - share).max(share) };
-                Row { features, is_family, weight }
+                Row { features, target: f64::from(is_family), weight }
             });
             let rows: Vec<Row<'_>> = rows.collect();
-            Boosted::fit(&rows, selection.dimension())
+            Boosted::fit(Loss::Logistic, &rows, selection.dimension())
         };
         let trees = (0..table.categories).into_par_iter().map(trees).collect();
         Ok((selection, Parameters { trees }))

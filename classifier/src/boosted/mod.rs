@@ -1,8 +1,8 @@
-//! Gradient-boosted trees (Friedman 2001) that tell one class, the *family*, from all else: a family of unknown objects from
-//! known ones, or one category from the others.
+//! Gradient-boosted trees (Friedman 2001). They tell one class, the *family*, from all else: a family of unknown objects from
+//! known ones, or one category from the others. Or they estimate a number.
 //!
-//! Each tree is fitted to the gradient of the logistic loss at the sum of the earlier ones, by its second-order expansion: a
-//! leaf adds Σ g / (Σ h + λ), shrunk, with the gradient g = w (y − p) and the curvature h = w p (1 − p) of each row, and a cut is
+//! Each tree is fitted to the gradient of the [`Loss`] at the sum of the earlier ones, by its second-order expansion: a
+//! leaf adds Σ g / (Σ h + λ), shrunk, with the gradient g and the curvature h of each row, and a cut is
 //! the one that gains most of (Σ g)² / (Σ h + λ). Cuts are sought between quantiles of each feature. Nothing is drawn, so the same
 //! rows give the same trees.
 
@@ -28,18 +28,40 @@ const LEAF_ROWS: usize = 20;
 const RIDGE: f64 = 1.0;
 /// Number of cuts that are tried for each feature. Choice: the time of a fit grows with it; no other was tried.
 const CUTS: usize = 64;
-/// Leaves hold whole multiples of this log-odds.
+/// Leaves hold whole multiples of this log-odds, or of this part of the unit of the target.
 const UNIT: f64 = 1e-4;
 
 /// A row to fit to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row<'a> {
     pub(crate) features: &'a [f32],
-    pub(crate) is_family: bool,
+    /// 1 for the family and 0 for all else, or the number to estimate.
+    pub(crate) target: f64,
     pub(crate) weight: f64,
 }
 
-/// Trees whose sum is the log-odds of a family.
+/// What the trees are fitted to, for a row with target y and weight w where the earlier trees sum to s.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Loss {
+    /// The log-odds of the family: g = w (y − p) and h = w p (1 − p) with p = 1 / (1 + exp(−s)).
+    Logistic,
+    /// A number: g = w (y − s) and h = w.
+    Squared,
+}
+
+impl Loss {
+    fn slopes(self, target: f64, weight: f64, score: f64) -> [f64; 2] {
+        match self {
+            Loss::Logistic => {
+                let probability = 1.0 / (1.0 + math::exp(-score));
+                [weight * (target - probability), weight * probability * (1.0 - probability)]
+            }
+            Loss::Squared => [weight * (target - score), weight],
+        }
+    }
+}
+
+/// Trees whose sum is the log-odds of a family, or a number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "Packed", into = "Packed")]
 pub(crate) struct Boosted {
@@ -49,14 +71,15 @@ pub(crate) struct Boosted {
 }
 
 impl Boosted {
-    /// Fits trees to rows with this many features. Both classes should weigh the same, because the sum begins at even odds. The
-    /// result is the same for any number of threads.
-    pub(crate) fn fit(rows: &[Row<'_>], features: usize) -> Self {
+    /// Fits trees to rows with this many features. The sum begins at 0, so both classes should weigh the same, and numbers should
+    /// lie around 0. The result is the same for any number of threads.
+    pub(crate) fn fit(loss: Loss, rows: &[Row<'_>], features: usize) -> Self {
         let columns: Vec<Column> = (0..features).into_par_iter().map(|feature| Column::of(rows, feature)).collect();
         let mean = rows.iter().map(|row| row.weight).sum::<f64>() / rows.len().max(1) as f64;
         let mut boosting = Boosting {
+            loss,
             columns: &columns,
-            targets: rows.iter().map(|row| (f64::from(u8::from(row.is_family)), row.weight / mean)).collect(),
+            targets: rows.iter().map(|row| (row.target, row.weight / mean)).collect(),
             scores: vec![0.0; rows.len()],
             slopes: vec![[0.0; 2]; rows.len()],
             leaf_rows: LEAF_ROWS.min(rows.len() / 10).max(1),
@@ -70,7 +93,7 @@ impl Boosted {
         self.spans.len()
     }
 
-    /// The logarithm of the odds of the family.
+    /// The logarithm of the odds of the family, or the number.
     pub(crate) fn score(&self, features: &[f32]) -> f64 {
         let steps: i64 = self.trees.iter().map(|tree| i64::from(self.step(tree, features))).sum();
         UNIT * steps as f64
@@ -118,8 +141,9 @@ impl Column {
 
 /// Trees that are being fitted.
 struct Boosting<'a> {
+    loss: Loss,
     columns: &'a [Column],
-    /// The class and the weight of each row.
+    /// The target and the weight of each row.
     targets: Vec<(f64, f64)>,
     scores: Vec<f64>,
     /// The gradient and the curvature of each row.
@@ -129,9 +153,8 @@ struct Boosting<'a> {
 
 impl Boosting<'_> {
     fn tree(&mut self) -> Vec<Node> {
-        for ((slopes, (class, weight)), score) in self.slopes.iter_mut().zip(&self.targets).zip(&self.scores) {
-            let probability = 1.0 / (1.0 + math::exp(-score));
-            *slopes = [weight * (class - probability), weight * probability * (1.0 - probability)];
+        for ((slopes, (target, weight)), score) in self.slopes.iter_mut().zip(&self.targets).zip(&self.scores) {
+            *slopes = self.loss.slopes(*target, *weight, *score);
         }
         let mut tree = Vec::new();
         self.grow(&mut tree, &mut (0..self.scores.len() as u32).collect::<Vec<_>>(), DEPTH);

@@ -76,7 +76,7 @@ impl Examples {
                 examples.add(patch, index, recording);
             }
             tracker.update(&patches, frame.time_s);
-            objects.update(&patches, &tracker, recording);
+            objects.update(&patches, &tracker, index, recording);
         }
         examples.objects = objects.finish(recording);
         Ok(examples)

@@ -10,7 +10,7 @@ use super::held_out::{
     HeldOut, HeldOutRegion, Judged, category_network, lapses, nothing_above, sharpness, touched_network, wrong_above,
 };
 use super::model::{Calibrated, TOUCH_FORMAT, TouchModel};
-use super::object::{ObjectExample, fit_objects};
+use super::object::{FittedObjects, ObjectExample, fit_objects};
 use super::risk::RiskLimits;
 use super::training_rows::{FOLDS, TouchExamples};
 use crate::error::ModelError;
@@ -74,7 +74,8 @@ impl TouchExamples {
         let decision =
             TouchDecision { nothing_above: nothing_above(&taxels, touched.sharpness), ..TouchDecision::default() };
         let [known, auxiliary] = [&self.reaches, &self.auxiliary].map(|reaches| objects(reaches));
-        let (of_objects, unknown) = fit_objects(&known, &auxiliary, &categories)?;
+        let FittedObjects { categories: of_objects, unknown, stiffness } =
+            fit_objects(&known, &auxiliary, &categories)?;
         Ok(TouchModel {
             format: TOUCH_FORMAT.into(),
             options: self.options.clone(),
@@ -88,6 +89,7 @@ impl TouchExamples {
             touched,
             of_objects,
             unknown,
+            stiffness,
             provenance: Provenance::default(),
         })
     }

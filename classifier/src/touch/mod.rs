@@ -40,10 +40,10 @@ pub use decision::{Touch, TouchDecision};
 pub use frame::SkinTracker;
 pub use model::{TOUCH_FORMAT, TouchModel};
 pub use object::{
-    Mobility, OBJECT_FEATURE_COUNT, ObjectCategories, ObjectCourse, ObjectTracker, Stiffness, TouchObject,
-    UnknownObjects,
+    Mobility, OBJECT_FEATURE_COUNT, ObjectCategories, ObjectCourse, ObjectTracker, Stiffness, StiffnessTrees,
+    TouchObject, UnknownObjects,
 };
-pub(crate) use object::{Votes, category_of, count_votes};
+pub(crate) use object::{Votes, category_of, count_votes, true_stiffness_n_per_m};
 pub use online::{ObjectReport, ObjectTouch, RegionTouch, TaxelTouch, TouchClassifier};
 pub use options::TouchOptions;
 pub use region::Region;

@@ -12,7 +12,7 @@ use super::batch_scores::FeatureRows;
 use super::contact_history::REGION_FEATURE_COUNT;
 use super::decision::TouchDecision;
 use super::network::{FITTED, Network, softmax};
-use super::object::{ObjectCategories, UnknownObjects};
+use super::object::{ObjectCategories, StiffnessTrees, UnknownObjects};
 use super::options::TouchOptions;
 use super::taxel::TAXEL_FEATURE_COUNT;
 use crate::document::{Document, Head};
@@ -56,6 +56,9 @@ pub struct TouchModel {
     /// builds, whose trees this program does not know.
     #[serde(default, rename = "unknown_objects", skip_serializing_if = "Option::is_none")]
     pub(super) unknown: Option<UnknownObjects>,
+    /// What estimates the stiffness of objects; left out if the model was trained without auxiliary sets.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) stiffness: Option<StiffnessTrees>,
 }
 
 /// A network, and the factor that its scores are multiplied by so that its probabilities are right on held-out reaches.
@@ -147,6 +150,7 @@ impl TouchModel {
             ("touched", model.touched.is_sound(TAXEL_FEATURE_COUNT, 2)),
             ("category", model.category.is_sound(REGION_FEATURE_COUNT, classes)),
             ("of_objects", model.of_objects.as_ref().is_none_or(|own| own.is_sound(classes))),
+            ("stiffness", model.stiffness.as_ref().is_none_or(StiffnessTrees::is_sound)),
             ("unknown_objects", model.unknown.as_ref().is_none_or(|unknown| unknown.is_sound(classes))),
         ];
         for (part, is_sound) in parts {

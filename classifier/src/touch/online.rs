@@ -11,7 +11,7 @@ use super::decision::Touch;
 use super::frame::SkinTracker;
 use super::model::TouchModel;
 use super::network::softmax;
-use super::object::{Mobility, OBJECT_FEATURE_COUNT, ObjectTracker, Stiffness};
+use super::object::{Mobility, OBJECT_FEATURE_COUNT, ObjectTracker, Stiffness, TouchObject};
 use super::taxel::{TAXEL_FEATURE_COUNT, TAXEL_KNEES};
 use crate::trial::TrialError;
 
@@ -63,8 +63,19 @@ pub struct ObjectTouch {
     /// The share of known objects that are as unlike all known categories, see [`super::UnknownObjects`]; 1 before it is
     /// judged, or if the model was trained without auxiliary sets.
     pub share_beyond: f64,
+    /// Its stiffness where it was touched when its force was largest, as trees learnt it; `None` before it was touched, or if
+    /// the model lacks such trees.
+    pub learnt_stiffness: Option<Stiffness>,
     /// The verdict.
     pub touch: Touch,
+}
+
+impl ObjectTouch {
+    /// The stiffness of this object, which was felt like this: as trees learnt it, or else as it follows from the path of its
+    /// contacts. `None` before it was touched.
+    pub fn stiffness(&self, felt: &TouchObject) -> Option<Stiffness> {
+        self.learnt_stiffness.or_else(|| felt.course.stiffness())
+    }
 }
 
 /// All that is known of an object, for other programs.
@@ -193,7 +204,11 @@ impl TouchClassifier {
             let (course, places) = (&object.course, index * count..(index + 1) * count);
             let is_due = course.frames() <= JUDGED_EVERY || course.frames().is_multiple_of(JUDGED_EVERY);
             let needs_features = self.model.of_objects.is_some() || self.model.unknown.is_some();
-            if course.frames() != own.frames && is_due && needs_features {
+            let is_new = course.frames() != own.frames;
+            if let Some(trees) = self.model.stiffness.as_ref().filter(|_| is_new && course.is_at_largest_force()) {
+                own.learnt_stiffness = Some(trees.of(&course.features()));
+            }
+            if is_new && is_due && needs_features {
                 let features: [f32; OBJECT_FEATURE_COUNT] = course.features();
                 if let Some(categories) = &self.model.of_objects {
                     let own = &mut self.by_trees[places.clone()];
@@ -247,7 +262,14 @@ impl TouchClassifier {
         self.objects.truncate(kept);
         for object in &self.tracker.objects()[kept..] {
             let (object, touch) = (object.number, Touch::Uncertain);
-            self.objects.push(ObjectTouch { object, samples: 0, frames: 0, share_beyond: 1.0, touch });
+            self.objects.push(ObjectTouch {
+                object,
+                samples: 0,
+                frames: 0,
+                share_beyond: 1.0,
+                learnt_stiffness: None,
+                touch,
+            });
         }
         self.weights_n.truncate(kept);
         self.weights_n.resize(self.objects.len(), 0.0);
@@ -336,7 +358,7 @@ impl TouchClassifier {
             samples: own.samples,
             verdict: own.touch.name(self.model.categories()),
             share_beyond: own.share_beyond,
-            stiffness: felt.course.stiffness().filter(|_| felt.is_judged()),
+            stiffness: own.stiffness(felt).filter(|_| felt.is_judged()),
             moved_m: felt.course.moved_m(),
             mobility: felt.course.mobility(),
         })

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::course::OBJECT_FEATURE_COUNT;
-use crate::boosted::{Boosted, Row};
+use crate::boosted::{Boosted, Loss, Row};
 use crate::touch::network::softmax;
 
 /// Each category needs this many objects: trees that are fitted to fewer say little.
@@ -32,9 +32,13 @@ impl ObjectCategories {
                 // The category counts as much as all others together, each of these the same, and each object too.
                 let share = if is_family { 1.0 } else { 1.0 / (categories - 1) as f64 };
                 let weight = share / (counts[*category] * times.len()) as f64;
-                times.iter().map(move |features| Row { features: features.as_slice(), is_family, weight })
+                times.iter().map(move |features| Row {
+                    features: features.as_slice(),
+                    target: f64::from(is_family),
+                    weight,
+                })
             });
-            Boosted::fit(&rows.collect::<Vec<_>>(), OBJECT_FEATURE_COUNT)
+            Boosted::fit(Loss::Logistic, &rows.collect::<Vec<_>>(), OBJECT_FEATURE_COUNT)
         };
         Some(ObjectCategories((usize::from(categories == 2)..categories).into_par_iter().map(trees).collect()))
     }

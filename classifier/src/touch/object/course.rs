@@ -157,6 +157,11 @@ impl ObjectCourse {
         self.all.largest_force_n()
     }
 
+    /// Whether its force has never been larger than in the last frame in which it touched the skin.
+    pub(in crate::touch) fn is_at_largest_force(&self) -> bool {
+        self.force_n() >= self.largest_force_n()
+    }
+
     /// Its stiffness where it was touched, when the force was largest; `None` before it was touched.
     pub fn stiffness(&self) -> Option<Stiffness> {
         Stiffness::of(&self.path_to_largest, &self.place_at_largest)

@@ -6,13 +6,14 @@
 //! | the course of an object becomes features | [`ObjectCourse`], [`Fit`](fit::Fit) |
 //! | which known category it is | [`ObjectCategories`] |
 //! | boosted trees for each category, and for each family of auxiliary unknown objects | [`Boosted`](crate::boosted::Boosted) |
-//! | how stiff it is, and whether it gives way | [`Stiffness`], [`Mobility`] |
+//! | how stiff it is, and whether it gives way | [`Stiffness`], [`StiffnessTrees`], [`Mobility`] |
 //! | scores become the share of known objects that are as unlike | [`UnknownObjects`] |
 
 mod category;
 mod course;
 mod fit;
 mod resistance;
+mod stiffness;
 #[cfg(test)]
 mod tests;
 mod tracker;
@@ -22,7 +23,9 @@ mod unknown;
 pub use category::ObjectCategories;
 pub use course::{OBJECT_FEATURE_COUNT, ObjectCourse};
 pub use resistance::{Mobility, Stiffness};
+pub use stiffness::StiffnessTrees;
+pub(crate) use stiffness::true_stiffness_n_per_m;
 pub use tracker::{ObjectTracker, TouchObject};
-pub(super) use training::{ObjectExample, ObjectExamples, fit_objects};
+pub(super) use training::{FittedObjects, ObjectExample, ObjectExamples, fit_objects};
 pub(crate) use training::{Votes, category_of, count_votes};
 pub use unknown::UnknownObjects;

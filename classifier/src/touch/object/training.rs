@@ -7,9 +7,10 @@ use underbrush_recording::{Category, Recording};
 
 use super::category::ObjectCategories;
 use super::course::OBJECT_FEATURE_COUNT;
+use super::stiffness::{Pressed, StiffnessTrees, true_stiffness_n_per_m};
 use super::tracker::{ObjectTracker, TouchObject};
 use super::unknown::{self, Calibration, FAMILIES, Family, UnknownObjects};
-use crate::boosted::{Boosted, Row};
+use crate::boosted::{Boosted, Loss, Row};
 use crate::error::ModelError;
 use crate::frequency::frequencies;
 use crate::touch::frame::SkinTracker;
@@ -24,7 +25,7 @@ const FOLDS: usize = 5;
 const FEWEST: usize = 10;
 
 /// An object that touched the skin in a recording.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(in crate::touch) struct ObjectExample {
     /// Its category in ground truth.
     pub(in crate::touch) category: &'static str,
@@ -32,13 +33,24 @@ pub(in crate::touch) struct ObjectExample {
     rows: Vec<(usize, [f32; OBJECT_FEATURE_COUNT])>,
     /// Features after [`EARLY_FRAMES`].
     early: Vec<[f32; OBJECT_FEATURE_COUNT]>,
+    /// When its force was largest; `None` if it had not given way.
+    pressed: Option<Pressed>,
+}
+
+/// An object that has not ended.
+#[derive(Default)]
+struct Open {
+    votes: Votes,
+    example: ObjectExample,
+    /// The frame in which its force was largest, and its features then.
+    peak: Option<(usize, [f32; OBJECT_FEATURE_COUNT])>,
 }
 
 /// Collects the objects of a recording.
 #[derive(Default)]
 pub(in crate::touch) struct ObjectExamples {
-    /// Of each object that has not ended, by number: how much force of what true object the skin sensed, N, and its rows.
-    open: BTreeMap<u64, (Votes, ObjectExample)>,
+    /// By number.
+    open: BTreeMap<u64, Open>,
     closed: Vec<ObjectExample>,
 }
 
@@ -47,12 +59,22 @@ pub(crate) type Votes = BTreeMap<u16, f64>;
 
 impl ObjectExamples {
     /// Takes in the frame that the trackers have followed last.
-    pub(in crate::touch) fn update(&mut self, patches: &[SkinTracker], objects: &ObjectTracker, recording: &Recording) {
+    pub(in crate::touch) fn update(
+        &mut self,
+        patches: &[SkinTracker],
+        objects: &ObjectTracker,
+        frame: usize,
+        recording: &Recording,
+    ) {
         for object in objects.ended() {
             self.close(object.number, recording);
         }
         for object in objects.objects().iter().filter(|object| object.is_touching) {
-            let (_, example) = self.open.entry(object.number).or_insert_with(ObjectExample::open);
+            let open = self.open.entry(object.number).or_default();
+            if object.course.is_at_largest_force() {
+                open.peak = Some((frame, object.course.features()));
+            }
+            let example = &mut open.example;
             if EARLY_FRAMES.contains(&object.course.frames()) {
                 example.early.push(object.course.features());
             }
@@ -68,8 +90,8 @@ impl ObjectExamples {
             }
         }
         count_votes(patches, objects, |object, truth, force_n| {
-            if let Some((votes, _)) = self.open.get_mut(&object.number) {
-                *votes.entry(truth).or_default() += force_n;
+            if let Some(open) = self.open.get_mut(&object.number) {
+                *open.votes.entry(truth).or_default() += force_n;
             }
         });
     }
@@ -83,19 +105,21 @@ impl ObjectExamples {
     }
 
     fn close(&mut self, number: u64, recording: &Recording) {
-        let Some((votes, mut example)) = self.open.remove(&number) else { return };
-        if let Some(category) = category_of(&votes, recording).filter(|_| !example.rows.is_empty()) {
-            example.category = category.name();
+        let Some(Open { votes, mut example, peak }) = self.open.remove(&number) else { return };
+        if let Some(object) = strongest(&votes).filter(|_| !example.rows.is_empty())
+            && let Some(own) = recording.objects.get(usize::from(object))
+        {
+            example.category = own.category.name();
+            example.pressed = peak.and_then(|(frame, features)| {
+                let stiffness_n_per_m = true_stiffness_n_per_m(recording, frame, object)?;
+                Some(Pressed { features, stiffness_n_per_m })
+            });
             self.closed.push(example);
         }
     }
 }
 
 impl ObjectExample {
-    fn open() -> (Votes, Self) {
-        (Votes::new(), ObjectExample { category: "", rows: Vec::new(), early: Vec::new() })
-    }
-
     /// The features at all times.
     fn all_rows(&self) -> impl Iterator<Item = &[f32; OBJECT_FEATURE_COUNT]> {
         self.early.iter().chain(self.rows.iter().map(|(_, features)| features))
@@ -103,14 +127,18 @@ impl ObjectExample {
 
     fn judged_rows(&self, is_family: bool, weight: f64) -> impl Iterator<Item = Row<'_>> {
         let weight = weight / self.rows.len() as f64;
-        self.rows.iter().map(move |(_, features)| Row { features, is_family, weight })
+        self.rows.iter().map(move |(_, features)| Row { features, target: f64::from(is_family), weight })
     }
+}
+
+/// The true object that most of the force comes from.
+fn strongest(votes: &Votes) -> Option<u16> {
+    votes.iter().reduce(|most, other| if other.1 > most.1 { other } else { most }).map(|(object, _)| *object)
 }
 
 /// The category of the true object that most of the force comes from.
 pub(crate) fn category_of(votes: &Votes, recording: &Recording) -> Option<Category> {
-    let (object, _) = votes.iter().reduce(|most, other| if other.1 > most.1 { other } else { most })?;
-    Some(recording.objects.get(usize::from(*object))?.category)
+    Some(recording.objects.get(usize::from(strongest(votes)?))?.category)
 }
 
 /// Calls `vote` with the object, the true object and the sensed force of each taxel that something presses on.
@@ -131,18 +159,32 @@ pub(crate) fn count_votes(
     }
 }
 
-/// Fits what tells the categories of objects apart, and what finds unknown ones, to the objects of reaches of data sets and of
-/// auxiliary sets, for a model with these categories. The first is `None` if there are few objects, the second if the auxiliary
-/// sets are empty.
+/// What is fitted to objects.
+pub(in crate::touch) struct FittedObjects {
+    /// `None` if there are few objects.
+    pub(in crate::touch) categories: Option<ObjectCategories>,
+    /// `None` if the auxiliary sets are empty.
+    pub(in crate::touch) unknown: Option<UnknownObjects>,
+    /// `None` if the auxiliary sets are empty, or do not say where contacts and bodies were.
+    pub(in crate::touch) stiffness: Option<StiffnessTrees>,
+}
+
+/// Fits to the objects of reaches of data sets and of auxiliary sets, for a model with these categories.
 pub(in crate::touch) fn fit_objects(
     known: &[&[ObjectExample]],
     auxiliary: &[&[ObjectExample]],
     categories: &[String],
-) -> Result<(Option<ObjectCategories>, Option<UnknownObjects>), ModelError> {
+) -> Result<FittedObjects, ModelError> {
     let objects = Objects::of(known, auxiliary, categories);
     let rows: Vec<_> = objects.known.iter().map(|(category, _, own)| (*category, own.all_rows().collect())).collect();
     let unknown = if auxiliary.is_empty() { None } else { Some(fit_unknown(&objects, categories)?) };
-    Ok((ObjectCategories::fit(&rows, categories.len()), unknown))
+    let all = objects.known.iter().map(|(.., own)| own).chain(objects.families.iter().map(|(_, own)| own));
+    let pressed: Vec<_> = all.filter_map(|own| Some((own.category, own.pressed.as_ref()?))).collect();
+    Ok(FittedObjects {
+        categories: ObjectCategories::fit(&rows, categories.len()),
+        unknown,
+        stiffness: StiffnessTrees::fit(&pressed, categories),
+    })
 }
 
 fn fit_unknown(objects: &Objects<'_>, categories: &[String]) -> Result<UnknownObjects, ModelError> {
@@ -215,7 +257,7 @@ impl<'a> Objects<'a> {
                 .flat_map(|(category, _, own)| own.judged_rows(false, 1.0 / (categories * count[*category])));
             let own_rows = family.iter().flat_map(|own| own.judged_rows(true, 1.0 / family.len() as f64));
             let rows: Vec<Row<'_>> = rows.chain(own_rows).collect();
-            let trees = Boosted::fit(&rows, OBJECT_FEATURE_COUNT);
+            let trees = Boosted::fit(Loss::Logistic, &rows, OBJECT_FEATURE_COUNT);
             Family { name: (*name).to_owned(), objects: family.len(), trees }
         };
         families.iter().map(family).collect()
