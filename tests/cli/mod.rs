@@ -28,6 +28,7 @@ mod overwrite;
 #[cfg(unix)]
 mod paths;
 mod provenance;
+mod public_data;
 mod reach;
 mod replay;
 mod resume;
