@@ -19,6 +19,8 @@ pub struct PyEnvironments {
     state: Mutex<State>,
     parts: Vec<Part>,
     count: usize,
+    /// How many numbers an action has.
+    #[pyo3(get)]
     action_size: usize,
     jobs: Option<usize>,
     helpers: Helpers,
@@ -109,12 +111,6 @@ impl PyEnvironments {
         self.parts.iter().map(part).collect()
     }
 
-    /// How many numbers an action has.
-    #[getter]
-    fn action_size(&self) -> usize {
-        self.action_size
-    }
-
     /// A picture of one of the environments: (height, width, 3), uint8; None before its first episode.
     fn render<'py>(
         &self,
@@ -169,37 +165,20 @@ impl PyEnvironments {
         let stepped: Vec<Option<Stepped>> = stepped.into_iter().map(Some).collect();
         self.answer(py, &state, &stepped)
     }
-}
 
-/// Time in seconds that a loop without Python takes for these actions, (steps, environments, numbers), after a first
-/// reset. The comparison shows what stepping from Python costs.
-#[pyfunction]
-#[pyo3(signature = (scene, actions, seed = 0, jobs = None))]
-pub fn seconds_without_python(
-    py: Python<'_>,
-    scene: &Bound<'_, PyAny>,
-    actions: &Bound<'_, PyAny>,
-    seed: u64,
-    jobs: Option<usize>,
-) -> Result<f64, Failure> {
-    let (actions, shape) = array::finite(actions, "actions", &[None, None, None])?;
-    let plan = ReachPlan::new(self::scene(scene)?, None, seed)?;
-    let mut environments = Environments::new(&plan, &EnvironmentOptions::default(), shape[1])?;
-    let width = shape[1] * environments.action_size();
-    if width == 0 || shape[2] != environments.action_size() {
-        let allowed = format!("{} numbers for each environment", environments.action_size());
-        let found = format!("{} for each of {}", shape[2], shape[1]);
-        return Err(Failure::argument("actions", found, allowed, "give an array of this shape"));
+    /// Time in seconds of steps without Python between them, for `actions` of (steps, environments, numbers). The
+    /// comparison shows what stepping from Python costs.
+    fn seconds_of_steps(&self, py: Python<'_>, actions: &Bound<'_, PyAny>) -> Result<f64, Failure> {
+        let (actions, _) = array::finite(actions, "actions", &[None, Some(self.count), Some(self.action_size)])?;
+        let mut state = self.lock()?;
+        let own = &mut *state;
+        py.detach(|| {
+            let helpers = self.helpers.get()?;
+            let start = std::time::Instant::now();
+            for row in actions.chunks(self.count * self.action_size) {
+                pool::guarded(|| Ok(own.environments.step(helpers.as_deref(), row, &mut own.observations)?))?;
+            }
+            Ok(start.elapsed().as_secs_f64())
+        })
     }
-    let mut observations = vec![0.0; shape[1] * environments.observation_size()];
-    let reset = || Ok(environments.reset(&vec![None; shape[1]], |_| true, &mut observations)?);
-    pool::detached(py, jobs, reset)?;
-    py.detach(|| {
-        let helpers = Helpers::new(jobs)?.get()?;
-        let start = std::time::Instant::now();
-        for row in actions.chunks(width) {
-            pool::guarded(|| Ok(environments.step(helpers.as_deref(), row, &mut observations)?))?;
-        }
-        Ok(start.elapsed().as_secs_f64())
-    })
 }

@@ -67,7 +67,7 @@ mod _core {
         controller::ShippedController,
         controller_input::PyControllerInput,
         dataset::PyDataset,
-        environment::{PyEnvironments, seconds_without_python},
+        environment::PyEnvironments,
         evaluation::evaluate_trials,
         fitting::{Options, classifiers, fit},
         frame::PyFrame,

@@ -15,6 +15,8 @@ use crate::{Failure, PyFrame, Skin, Stop, arguments, locked};
 #[pyclass(frozen, module = "underbrush._core")]
 pub struct Online {
     state: Mutex<State>,
+    /// The categories in the order of scores and probabilities.
+    #[pyo3(get)]
     categories: Vec<String>,
     layout: Arc<SkinLayout>,
     /// The patches whose poses the classifier needs, because it uses motion.
@@ -72,12 +74,6 @@ fn by_category<'py>(py: Python<'py>, categories: &[String], numbers: &[f64]) -> 
 
 #[pymethods]
 impl Online {
-    /// The categories in the order of scores and probabilities.
-    #[getter]
-    fn categories(&self) -> Vec<String> {
-        self.categories.clone()
-    }
-
     /// What is known of the objects that touch the skin, or did so in the last thirty seconds; only with a touch model. Each is
     /// a dictionary with the keys object (its number), samples, verdict, share_beyond, stiffness (low, median and
     /// high_n_per_m; missing until it is judged), moved_m and mobility (holds, gives-way, comes-back or stays).

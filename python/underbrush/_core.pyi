@@ -55,7 +55,6 @@ __all__ = [
     "reproduce",
     "run_campaign",
     "run_command_line",
-    "seconds_without_python",
     "step_many",
     "validate",
     "_check_free",
@@ -608,13 +607,11 @@ class Environments:
         self, seeds: Sequence[int | None] | None = None, mask: Sequence[bool] | None = None
     ) -> tuple[NDArray[np.float32], _Json]: ...
     def step(self, actions: ArrayLike) -> tuple[NDArray[np.float32], _Json]: ...
+    def seconds_of_steps(self, actions: ArrayLike) -> float: ...
     def render(
         self, index: int, width: int, height: int, camera: Camera | None
     ) -> NDArray[np.uint8] | None: ...
 
-def seconds_without_python(
-    scene: SceneLike, actions: ArrayLike, seed: int = 0, jobs: int | None = None
-) -> float: ...
 def validate(
     only: Sequence[str] | None = None, *, tolerance_scale: float = 1.0, jobs: int | None = None
 ) -> list[_Json]: ...
