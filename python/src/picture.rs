@@ -8,6 +8,7 @@ use pyo3::types::PyBytes;
 use rayon::prelude::*;
 use underbrush_recording::{Frame, Recording};
 use underbrush_render::{Camera, RenderError, Scene, Size, Stage, fullest};
+use underbrush_report::replayed;
 use underbrush_sim::scene::SceneCamera;
 use underbrush_sim::simulation::Simulation;
 
@@ -72,7 +73,7 @@ pub fn shown<'py>(py: Python<'py>, png: Vec<u8>) -> PyResult<Bound<'py, PyAny>> 
 
 /// A frame of a reach as PNG, or else the first of those in which the most taxels read a force.
 pub fn png_of(recording: &Recording, frame: Option<usize>) -> Result<Vec<u8>, Failure> {
-    let stage = Stage::of(recording, None)?;
+    let stage = replayed::stage(recording)?.with_arrows();
     let number = frame.unwrap_or_else(|| fullest(recording));
     let moment = stage.moment(number as u32, frame_of(recording, number)?);
     Ok(underbrush_render::png(&moment.rgb(&stage.camera(SHOWN.aspect()), SHOWN)?, SHOWN)?)
@@ -99,12 +100,13 @@ pub fn draw_frames<'py>(
     (recording, frames): (&Recording, &[usize]),
     (width, height): (usize, usize),
     camera: Option<&PyCamera>,
-    kind: &str,
+    (kind, arrows): (&str, bool),
 ) -> Result<Bound<'py, PyAny>, Failure> {
     frames.iter().try_for_each(|number| frame_of(recording, *number).map(|_| ()))?;
     let size = Size { width, height };
     let aspect = size.check()?.aspect();
-    let stage = Stage::of(recording, None)?;
+    let stage = replayed::stage(recording)?;
+    let stage = if arrows { stage.with_arrows() } else { stage };
     let standard = stage.camera(aspect);
     let moment = |number: usize| {
         let camera = camera.map_or(Ok(standard), |camera| stage.scene_camera(&camera.0, number as u32))?;

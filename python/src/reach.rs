@@ -213,8 +213,9 @@ impl Reach {
     }
 
     /// Pictures of some frames, seen from a camera: those of ``Simulation.render``, with one more axis for the frames. They are
-    /// drawn on all cores. Without a camera it is one that sees all that moves in the reach.
-    #[pyo3(signature = (frames, width = 640, height = 360, *, camera = None, kind = "rgb"))]
+    /// drawn on all cores. Without a camera it is one that sees all that moves in the reach. With ``arrows`` the forces of the
+    /// contacts are in coloured pictures, red where a taxel senses more than the controller's limit.
+    #[pyo3(signature = (frames, width = 640, height = 360, *, camera = None, kind = "rgb", arrows = false))]
     fn render<'py>(
         &self,
         py: Python<'py>,
@@ -223,11 +224,12 @@ impl Reach {
         height: usize,
         camera: Option<&PyCamera>,
         kind: &str,
+        arrows: bool,
     ) -> Answer<'py> {
-        picture::draw_frames(py, (&*self.recording()?, &frames), (width, height), camera, kind)
+        picture::draw_frames(py, (&*self.recording()?, &frames), (width, height), camera, (kind, arrows))
     }
 
-    /// Draw a frame, or else the first of those in which the most taxels read a force.
+    /// Draw a frame, or else the first of those in which the most taxels read a force, with arrows of the forces.
     #[pyo3(signature = (frame = None))]
     fn draw<'py>(&self, py: Python<'py>, frame: Option<usize>) -> Answer<'py> {
         Ok(picture::shown(py, picture::png_of(&*self.recording()?, frame)?)?)

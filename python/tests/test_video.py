@@ -14,8 +14,11 @@ import underbrush as ub
 import underbrush.video
 
 av = pytest.importorskip("av")
+pa = pytest.importorskip("pyarrow")
 pq = pytest.importorskip("pyarrow.parquet")
 
+# The page's colour of arrows.
+ARROW = (0x1C, 0x23, 0x29)
 CAMERA = ub.Camera((0.9, -1.5, 0.7), (0.55, -0.05, -0.15), size_px=(96, 64))
 
 
@@ -58,11 +61,34 @@ def test_a_frame_is_drawn_in_colour_depth_and_labels(data: ub.Dataset) -> None:
         reach.render([len(reach)])
 
 
+def test_readers_see_forces_as_arrows(data: ub.Dataset, tmp_path: Path) -> None:
+    """Tests that the frame with the most contacts has the colour of arrows in what `draw` and `film` show, and in what `render`
+    draws only with `arrows`."""
+    contacts = [[len(own) for own in pa.table(reach.frames)["truth.contact_points"].to_pylist()] for reach in data]
+    number = int(np.argmax([max(own) for own in contacts]))
+    reach, fullest = data[number], int(np.argmax(contacts[number]))
+    size = {"width": 800, "height": 450}
+
+    def has_arrows(picture: NDArray[np.uint8]) -> bool:
+        return bool((picture == ARROW).all(-1).any())
+
+    without, found = reach.render([fullest], **size)[0], reach.render([fullest], **size, arrows=True)[0]
+    assert has_arrows(found) and not has_arrows(without)
+    (tmp_path / "drawn.png").write_bytes(reach.draw(fullest).png)
+    assert np.array_equal(_decoded(tmp_path / "drawn.png")[1][0], found)
+    for arrows, drawn, other in [(True, found, without), (False, without, found)]:
+        # At 100 frames per second its second picture is this frame.
+        options: dict[str, Any] = {"fps": 10, "speed": fullest / 10, "size": (800, 450), "arrows": arrows}
+        underbrush.video.film(reach, tmp_path / "film.mp4", force=True, **options)
+        shown = _decoded(tmp_path / "film.mp4")[1][1]
+        assert _difference(shown, drawn) < _difference(shown, other)
+
+
 def test_a_film_shows_the_frames(data: ub.Dataset, tmp_path: Path) -> None:
     """Tests that a film at twice the speed has a picture for each 80 ms of the reach, and shows what `render` draws, within
     the loss of the encoder: up to 2 of 255 by rounding, and at edges half the resolution of colours."""
     reach = data[0]
-    options: dict[str, Any] = {"speed": 2, "size": (128, 96), "camera": CAMERA}
+    options: dict[str, Any] = {"speed": 2, "size": (128, 96), "camera": CAMERA, "arrows": False}
     count = underbrush.video.film(reach, tmp_path / "film.mp4", **options)
     times, pictures = _decoded(tmp_path / "film.mp4")
     assert count == len(pictures) == (len(reach) - 1) // 8 + 1

@@ -275,6 +275,7 @@ class Reach:
         *,
         camera: Camera | None = None,
         kind: str = "rgb",
+        arrows: bool = False,
     ) -> NDArray[Any]: ...
     @property
     def labels(self) -> list[str]: ...

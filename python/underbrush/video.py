@@ -49,11 +49,11 @@ def _fault(field: str, found: object, allowed: str, remedy: str) -> InputError:
 
 
 def _pictures(
-    reach: _core.Reach, numbers: Sequence[int], size: tuple[int, int], camera: _core.Camera | None
+    reach: _core.Reach, numbers: Sequence[int], size: tuple[int, int], camera: _core.Camera | None, *, arrows: bool = False
 ) -> Iterator[NDArray[np.uint8]]:
     """The pictures of these frames, one by one."""
     for start in range(0, len(numbers), _AT_ONCE):
-        yield from reach.render(numbers[start : start + _AT_ONCE], *size, camera=camera)
+        yield from reach.render(numbers[start : start + _AT_ONCE], *size, camera=camera, arrows=arrows)
 
 
 def _encode(path: Path, kind: str, pictures: Iterable[NDArray[np.uint8]], fps: int, size: tuple[int, int], **options: str) -> None:
@@ -82,6 +82,7 @@ def film(
     speed: float = 1.0,
     size: tuple[int, int] = (640, 360),
     camera: _core.Camera | None = None,
+    arrows: bool = True,
     force: bool = False,
 ) -> int:
     """Write a film of a reach. Its bytes depend on the version of the encoder.
@@ -100,6 +101,8 @@ def film(
         Width and height in pixels, even.
     camera : Camera or None
         Without one, all that moves in the reach is seen.
+    arrows : bool
+        Whether the forces of contacts have arrows, which are for readers: a robot's camera sees none.
     force : bool
         Whether a file that exists is overwritten.
 
@@ -124,7 +127,7 @@ def film(
     step = speed * rate_hz / fps
     numbers = [round(index * step) for index in range(int((len(reach) - 1) / step) + 1)]
     with _export.whole(path, force) as temporary:
-        _encode(temporary, kind, _pictures(reach, numbers, size, camera), fps, size)
+        _encode(temporary, kind, _pictures(reach, numbers, size, camera, arrows=arrows), fps, size)
     return len(numbers)
 
 
@@ -335,9 +338,9 @@ def main(arguments: list[str] | None = None) -> int:
                     allowed = ", ".join(cameras) or "none of a recording, which does not know its scene"
                     raise _fault("--camera", options.camera, allowed, "choose one of these, or leave it out")
                 camera = cameras[options.camera][reach.scene]
-            count = film(
-                reach, options.out, fps=options.fps, speed=options.speed, size=size, camera=camera, force=options.force
-            )
+            # A camera of the scene shows what a camera sees.
+            given: dict[str, Any] = {name: getattr(options, name) for name in ("fps", "speed", "force")}
+            count = film(reach, options.out, size=size, camera=camera, arrows=camera is None, **given)
             print(f"{count} pictures in {options.out}")
         else:
             own = None

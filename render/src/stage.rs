@@ -59,8 +59,9 @@ pub struct Stage<'a> {
     table: Option<(Mesh, Pose)>,
     /// The force at the end of the colour scale, N.
     full_scale_n: f64,
-    /// The controller's limit, N, infinite without one. Arrows are drawn only if it is known.
-    arrows_limit_n: Option<f64>,
+    /// The controller's limit, N, infinite without one.
+    force_limit_n: f64,
+    has_arrows: bool,
 }
 
 impl<'a> Stage<'a> {
@@ -83,15 +84,16 @@ impl<'a> Stage<'a> {
             stage.seen.extend(poses.flat_map(|pose| placed(mesh, pose)));
         }
         stage.map = &recording.map;
+        stage.force_limit_n = force_limit_n.unwrap_or(f64::INFINITY);
         stage.set_table(&recording.objects);
         Ok(stage)
     }
 
     /// With an arrow for each contact that the frames list, as on the replay page: red where a taxel senses more than the
-    /// controller's limit, N. It is for readers; what a camera sees has none.
+    /// controller's limit. It is for readers; what a camera sees has none.
     #[must_use]
-    pub fn with_arrows(self, force_limit_n: Option<f64>) -> Self {
-        Stage { arrows_limit_n: Some(force_limit_n.unwrap_or(f64::INFINITY)), ..self }
+    pub fn with_arrows(self) -> Self {
+        Stage { has_arrows: true, ..self }
     }
 
     /// Bodies with the objects and the skin that belong to them. The colours of forces end at `full_scale_n`, N. Table and
@@ -155,7 +157,8 @@ impl<'a> Stage<'a> {
             seen,
             table: None,
             full_scale_n,
-            arrows_limit_n: None,
+            force_limit_n: f64::INFINITY,
+            has_arrows: false,
         };
         stage.set_table(objects);
         Ok(stage)
@@ -268,8 +271,8 @@ impl<'a> Stage<'a> {
         }
         self.add_marks(frame, &mut scene);
         self.add_map(number, &mut scene);
-        if let Some(limit_n) = self.arrows_limit_n {
-            arrows::add(frame, limit_n, &mut scene);
+        if self.has_arrows {
+            arrows::add(frame, self.force_limit_n, &mut scene);
         }
         scene
     }

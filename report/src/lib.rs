@@ -33,7 +33,6 @@ use underbrush_recording::Fault;
 
 use accuracy_chart::{AccuracyChart, lowest};
 use drawing::{Axis, Cell, Dash, Layer, Mark, Page, Rows, Shape, Style, Table, chart, escape, slug};
-use replayed::known;
 use report::{Report, possessive};
 use text::counted;
 

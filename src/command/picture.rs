@@ -9,7 +9,7 @@ use underbrush_recording::disk::remove_leftovers;
 use underbrush_recording::{InputError, Recording};
 use underbrush_render::{Camera, Film, RenderError, Size, Stage, fullest, png};
 use underbrush_replay::Source;
-use underbrush_report::replayed::known;
+use underbrush_report::replayed;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::scene::{Scene, SceneCamera};
 
@@ -82,10 +82,9 @@ impl PictureArguments {
         };
         let recording = source.recording(number)?;
         let camera = self.scene_camera(&recording.scene, source.scene_text(number))?;
-        let limit_n = (known().force_limit_n)(&recording.controller);
-        let stage = Stage::of(&recording, limit_n)?;
+        let stage = replayed::stage(&recording)?;
         // A camera of the scene shows what a camera sees.
-        let stage = if camera.is_none() { stage.with_arrows(limit_n) } else { stage };
+        let stage = if camera.is_none() { stage.with_arrows() } else { stage };
         let (bytes, frames) = match self.video {
             None => (self.still(&recording, &stage, camera.as_ref())?, 1),
             Some(_) => self.film(&recording, &stage, camera.as_ref())?,
@@ -208,8 +207,7 @@ fn check_ending(path: &Path, ending: &str, remedy: &str) -> Result<(), Failure> 
 
 /// Draws the moment of a reach in which the most taxels read a force.
 pub fn write_fullest(recording: &Recording, path: &Path) -> Result<(), Failure> {
-    let limit_n = (known().force_limit_n)(&recording.controller);
-    let stage = Stage::of(recording, limit_n)?.with_arrows(limit_n);
+    let stage = replayed::stage(recording)?.with_arrows();
     let picture = moment(recording, &stage, fullest(recording), &stage.camera(SIZE.aspect()), SIZE)?;
     output::write_file(path, &picture)
 }

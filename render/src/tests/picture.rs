@@ -186,7 +186,7 @@ fn contacts_have_arrows() {
         let is_own = |column: &usize| rgb[3 * (80 * 200 + column)..][..3] == colour::shown(colour::linear(colour));
         (0..200).filter(is_own).map(|column| (column as f64 + 0.5 - 100.0) / scale).collect::<Vec<f64>>()
     };
-    let with = |limit_n| Stage::of(&recording, None).unwrap().with_arrows(limit_n);
+    let with = |limit_n| Stage::of(&recording, limit_n).unwrap().with_arrows();
     let plain = row(&with(None), &pressed, colour::ARROW);
     // From 0.05 m back by 2 N of 0.04 m each and a head of 0.016 m. The head is thinner than this pixel in its last 3.2 mm.
     for (found, place, least) in [(plain[0], -0.046, -0.0015), (plain[plain.len() - 1], 0.05, -0.005)] {

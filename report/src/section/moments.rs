@@ -1,9 +1,9 @@
 //! One moment of a general reach and of an outlier reach, with the verdicts on their taxels (Figs. 12 and 14).
 
 use underbrush_experiments::experiment::moments::{Moment, ReachMoments};
-use underbrush_render::{RenderError, Size, Stage, png};
+use underbrush_render::{RenderError, Size, png};
 
-use crate::{CategoryLooks, Mark, Report, escape, known, replay_links, skin_map, slug};
+use crate::{CategoryLooks, Mark, Report, escape, replay_links, replayed, skin_map, slug};
 
 /// As wide as half the page on a screen with two pixels for one.
 const SIZE: Size = Size { width: 960, height: 640 };
@@ -42,8 +42,8 @@ fn add_moment(report: &mut Report, moment: &Moment, place: usize) {
     let marks = marks_in_words(&labels, looks);
     let caption = format!(
         "Scene {scene}, draw {reach_index}, {time_s:.2} s after the start: the moment with the most taxels in contact. The \
-         picture shows sensed forces as colours of the skin, and the map of the skin shows the verdicts. {marks}. Grey marks of the same shapes are \
-         untouched taxels (spurious readings, creep, crosstalk): {untouched} of {taxels} here."
+         picture shows sensed forces as colours of the skin and the forces of contacts as arrows, and the map of the skin \
+         shows the verdicts. {marks}. Grey marks of the same shapes are untouched taxels (spurious readings, creep, crosstalk): {untouched} of {taxels} here."
     );
     report.page.figure(&caption, &charts);
     report.page.link(&address(moment, place), "Replay this moment in 3-D");
@@ -70,7 +70,7 @@ fn file(moment: &Moment, place: usize) -> String {
 pub fn pictures(outcome: &ReachMoments) -> Result<Vec<(String, Vec<u8>)>, RenderError> {
     let drawn = |(place, moment): (usize, &Moment)| {
         let recording = &moment.recording;
-        let stage = Stage::of(recording, (known().force_limit_n)(&recording.controller))?;
+        let stage = replayed::stage(recording)?.with_arrows();
         let scene = stage.moment(moment.frame_index as u32, moment.frame());
         Ok((file(moment, place), png(&scene.rgb(&stage.camera(SIZE.aspect()), SIZE)?, SIZE)?))
     };
