@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from pathlib import Path
 from typing import Any
@@ -143,6 +144,35 @@ def test_a_camera_is_added_to_a_data_set(data: ub.Dataset, tmp_path: Path) -> No
     statistics: dict[str, Any] = json.loads((out / "meta" / "stats.json").read_text())
     assert set(statistics) == set(info["features"])
     assert np.array(statistics[key]["std"]).shape == (3, 1, 1)
+
+
+def test_depth_is_added_to_a_data_set(data: ub.Dataset, tmp_path: Path) -> None:
+    """Tests that Pillow, with which LeRobot's loader reads pictures, decodes the depth of each frame as what `render` draws, to
+    1 mm, with 0 where nothing is, and that feature and statistics are those that the loader expects of a depth map in mm."""
+    image = pytest.importorskip("PIL.Image")
+    out = tmp_path / "set"
+    underbrush.video.lerobot(data.path, out, {"front": CAMERA}, depth=True)
+    key = "observation.images.front_depth"
+    info = json.loads((out / "meta" / "info.json").read_text())
+    assert info["features"][key]["dtype"] == "image" and info["features"][key]["shape"] == [64, 96, 1]
+    assert info["features"][key]["info"] == {"is_depth_map": True, "depth_unit": "mm"}
+    table = pq.read_table(out / "data" / "chunk-000" / "file-000.parquet")
+    assert table["index"].to_pylist() == list(range(len(table))) and {*table.column_names} <= {*info["features"]}
+    row = pq.read_table(out / "meta" / "episodes" / "chunk-000" / "file-000.parquet").to_pylist()[1]
+    kept = table.slice(row["dataset_from_index"], row["length"])
+    pictures = [image.open(io.BytesIO(own["bytes"])) for own in kept[key].to_pylist()]
+    assert {picture.mode for picture in pictures} == {"I;16"}
+    found_mm = np.array([np.array(picture) for picture in pictures])
+    drawn_m = data[1].render(range(0, len(data[1]), 4), 96, 64, camera=CAMERA, kind="depth")
+    is_there = np.isfinite(drawn_m)
+    assert 0.1 < is_there.mean() < 0.99 and not found_mm[~is_there].any()
+    assert np.abs(found_mm[is_there] / 1000 - drawn_m[is_there]).max() <= 0.5e-3 + 1e-6
+    statistics: dict[str, Any] = json.loads((out / "meta" / "stats.json").read_text())[key]
+    assert np.array(statistics["mean"]).shape == (1, 1, 1)
+    assert np.ravel(row[f"stats/{key}/mean"]) == pytest.approx(found_mm.mean(), rel=0.03)
+    other = {"front": CAMERA, "front_depth": CAMERA}
+    with pytest.raises(ub.InputError, match="front_depth"):
+        underbrush.video.lerobot(data.path, tmp_path / "refused", other, depth=True)
 
 
 def test_the_cameras_of_a_scene_take_the_pictures(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ import os
 import shutil
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,8 @@ from ._errors import InputError
 _AT_ONCE = 64
 # Every so many pictures, and pixels along each edge, enter the statistics of a camera.
 _SAMPLED_PICTURES, _SAMPLED_PIXELS = 5, 4
+# No farther depth fits into 16 bits of 1 mm, m.
+_FARTHEST_M = 65.535
 _QUANTILES = {"q01": 1, "q10": 10, "q50": 50, "q90": 90, "q99": 99}
 # Where the camera of a data set is if its scenes have none, m: it sees the clutter of the shipped scenes.
 _EYE, _TARGET, _FIELD_DEG = (0.9, -1.5, 0.7), (0.55, -0.05, -0.15), 40.0
@@ -49,11 +52,11 @@ def _fault(field: str, found: object, allowed: str, remedy: str) -> InputError:
 
 
 def _pictures(
-    reach: _core.Reach, numbers: Sequence[int], size: tuple[int, int], camera: _core.Camera | None, *, arrows: bool = False
-) -> Iterator[NDArray[np.uint8]]:
+    reach: _core.Reach, numbers: Sequence[int], size: tuple[int, int], camera: _core.Camera | None, **options: Any
+) -> Iterator[NDArray[Any]]:
     """The pictures of these frames, one by one."""
     for start in range(0, len(numbers), _AT_ONCE):
-        yield from reach.render(numbers[start : start + _AT_ONCE], *size, camera=camera, arrows=arrows)
+        yield from reach.render(numbers[start : start + _AT_ONCE], *size, camera=camera, **options)
 
 
 def _encode(path: Path, kind: str, pictures: Iterable[NDArray[np.uint8]], fps: int, size: tuple[int, int], **options: str) -> None:
@@ -145,38 +148,52 @@ def _statistics(values: NDArray[Any]) -> dict[str, list[Any]]:
     return {name: value.tolist() for name, value in found.items()} | {"count": [len(own)]}
 
 
-def _of_pictures(pixels: list[NDArray[np.uint8]]) -> dict[str, list[Any]]:
-    """Statistics of the colours of some pictures, from 0 to 1, of shape (3, 1, 1); `count` is the number of pictures."""
-    colours = np.concatenate([own.reshape(-1, 3) for own in pixels]) / 255
-    found = {name: np.reshape(value, (3, 1, 1)).tolist() for name, value in _statistics(colours).items() if name != "count"}
-    return found | {"count": [len(pixels)]}
-
-
 class _Camera:
-    """The films of one camera: the same name and size in all scenes."""
+    """One camera: the same name and size in all scenes. Its pictures are a feature of a data set."""
+
+    kind, channels, unit = "rgb", 3, 255.0
+
+    def __init__(self, name: str, of_scene: Mapping[str, _core.Camera]) -> None:
+        self.key, self.of_scene = f"observation.images.{name}", of_scene
+        self.size = next(iter(of_scene.values())).size_px
+        self.sampled: list[list[NDArray[Any]]] = []
+
+    def seen(self, reach: _core.Reach, numbers: Sequence[int]) -> Iterator[NDArray[Any]]:
+        """The pictures of these frames, one by one. Some of their pixels enter the statistics."""
+        sampled: list[NDArray[Any]] = []
+        self.sampled.append(sampled)
+        for index, picture in enumerate(_pictures(reach, numbers, self.size, self.of_scene[reach.scene], kind=self.kind)):
+            own = self.stored(picture)
+            if index % _SAMPLED_PICTURES == 0:
+                sampled.append(own[::_SAMPLED_PIXELS, ::_SAMPLED_PIXELS])
+            yield own
+
+    def stored(self, picture: NDArray[Any]) -> NDArray[Any]:
+        return picture
+
+    def statistics(self, sampled: list[list[NDArray[Any]]]) -> dict[str, list[Any]]:
+        """Statistics of each channel, of shape (channels, 1, 1); `count` is the number of pictures."""
+        pictures = [picture.reshape(-1, self.channels) for own in sampled for picture in own]
+        found = _statistics(np.concatenate(pictures) / self.unit)
+        shaped = {name: np.reshape(value, (-1, 1, 1)).tolist() for name, value in found.items() if name != "count"}
+        return shaped | {"count": [len(pictures)]}
+
+
+class _Films(_Camera):
+    """The films of a camera."""
 
     def __init__(self, folder: Path, name: str, fps: int, of_scene: Mapping[str, _core.Camera]) -> None:
-        self.folder, self.key, self.fps, self.of_scene = folder, f"observation.images.{name}", fps, of_scene
-        self.size = next(iter(of_scene.values())).size_px
+        super().__init__(name, of_scene)
+        self.folder, self.fps = folder, fps
         self.path = "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4"
-        self.sampled: list[list[NDArray[np.uint8]]] = []
 
     def write(self, episode: int, reach: _core.Reach, numbers: Sequence[int], per_chunk: int) -> dict[str, Any]:
         """Writes the film of an episode and returns where it is."""
         chunk, file = divmod(episode, per_chunk)
         path = self.folder / self.path.format(video_key=self.key, chunk_index=chunk, file_index=file)
         path.parent.mkdir(parents=True, exist_ok=True)
-        sampled: list[NDArray[np.uint8]] = []
-
-        def seen() -> Iterator[NDArray[np.uint8]]:
-            for index, picture in enumerate(_pictures(reach, numbers, self.size, self.of_scene[reach.scene])):
-                if index % _SAMPLED_PICTURES == 0:
-                    sampled.append(picture[::_SAMPLED_PIXELS, ::_SAMPLED_PIXELS])
-                yield picture
-
         # Every second picture can be decoded without the others, as in LeRobot's own films.
-        _encode(path, ".mp4", seen(), self.fps, self.size, g="2")
-        self.sampled.append(sampled)
+        _encode(path, ".mp4", self.seen(reach, numbers), self.fps, self.size, g="2")
         where = {"chunk_index": chunk, "file_index": file, "from_timestamp": 0.0, "to_timestamp": len(numbers) / self.fps}
         return {f"videos/{self.key}/{name}": value for name, value in where.items()}
 
@@ -185,6 +202,28 @@ class _Camera:
         film = {"height": height, "width": width, "codec": "h264", "pix_fmt": "yuv420p", "fps": self.fps, "channels": 3}
         about = {f"video.{name}": value for name, value in film.items()} | {"video.is_depth_map": False, "has_audio": False}
         return {"dtype": "video", "shape": [height, width, 3], "names": ["height", "width", "channels"], "info": about}
+
+
+class _Depth(_Camera):
+    """The depth that a camera sees, mm, as pictures within the table of frames. 0 is where nothing is."""
+
+    kind, channels, unit = "depth", 1, 1.0
+
+    def stored(self, picture: NDArray[Any]) -> NDArray[Any]:
+        return np.where(picture < _FARTHEST_M, np.rint(1000 * picture), 0).astype(np.uint16)
+
+    def pictures(self, reach: _core.Reach, numbers: Sequence[int]) -> Iterator[dict[str, bytes]]:
+        """The pictures as PNG, in the form of `datasets.Image`."""
+        encoder = _av().CodecContext.create("png", "w")
+        encoder.width, encoder.height, encoder.pix_fmt, encoder.time_base = *self.size, "gray16be", Fraction(1)
+        for picture in self.seen(reach, numbers):
+            (packet,) = encoder.encode(_av().VideoFrame.from_ndarray(picture, format="gray16be"))
+            yield {"bytes": bytes(packet)}
+
+    def feature(self) -> dict[str, Any]:
+        width, height = self.size
+        about = {"is_depth_map": True, "depth_unit": "mm"}
+        return {"dtype": "image", "shape": [height, width, 1], "names": ["height", "width", "channels"], "info": about}
 
 
 def _cameras(dataset: _core.Dataset, given: Mapping[str, _core.Camera] | None) -> dict[str, dict[str, _core.Camera]]:
@@ -211,6 +250,7 @@ def lerobot(
     cameras: Mapping[str, _core.Camera] | None = None,
     *,
     fps: int = 25,
+    depth: bool = False,
 ) -> int:
     """Write a data set with the pictures of cameras, in the LeRobotDataset v3.0 layout.
 
@@ -227,6 +267,9 @@ def lerobot(
         else one, ``front``, which sees the clutter of the shipped scenes. Width and height of a camera are even.
     fps : int
         Frames per second; a divisor of the data set's rate.
+    depth : bool
+        Whether the set also has the depth that each camera sees, mm, as ``observation.images.NAME_depth``: pictures of 16 bits,
+        with 0 where nothing is.
 
     Returns
     -------
@@ -236,7 +279,7 @@ def lerobot(
     Raises
     ------
     InputError
-        If the rate is no divisor, a size is odd, a link that carries a camera is not known, or the scenes of the data set have
+        If the rate is no divisor, a size is odd, the depth of a camera has the name of another one, a link that carries a camera is not known, or the scenes of the data set have
         different cameras.
     """
     try:
@@ -248,6 +291,8 @@ def lerobot(
     dataset = _core.Dataset(data)
     info = json.loads((data / "meta" / "info.json").read_text())
     chosen = _cameras(dataset, cameras)
+    if taken := [name for name in chosen if depth and f"{name}_depth" in chosen]:
+        raise _fault("cameras", f"{taken[0]}_depth", f"another name, which the depth of {taken[0]} needs", "rename that camera")
     if fps < 1 or info["fps"] % fps:
         allowed = ", ".join(str(rate) for rate in range(1, int(info["fps"]) + 1) if info["fps"] % rate == 0)
         raise _fault("fps", fps, allowed, "choose a divisor of the data set's rate")
@@ -256,7 +301,9 @@ def lerobot(
     folder = out.with_name(f".{out.name}.{os.getpid()}")
     (folder / "meta" / "episodes" / "chunk-000").mkdir(parents=True)
     try:
-        films = [_Camera(folder, name, fps, of_scene) for name, of_scene in chosen.items()]
+        films = [_Films(folder, name, fps, of_scene) for name, of_scene in chosen.items()]
+        depths = [_Depth(f"{name}_depth", of_scene) for name, of_scene in chosen.items() if depth]
+        drawn: list[_Films | _Depth] = [*films, *depths]
         files = sorted((data / "data").rglob("*.parquet"))
         frames = pa.concat_tables([pq.read_table(file) for file in files])
         frames = frames.filter(pa.array(frames["frame_index"].to_numpy() % every == 0))
@@ -268,7 +315,10 @@ def lerobot(
         table = pa.table(columns)
         path = folder / info["data_path"].format(chunk_index=0, file_index=0)
         path.parent.mkdir(parents=True)
-        pq.write_table(table, path, compression="zstd")
+        # The columns of `datasets.Image`.
+        image = pa.struct([("bytes", pa.binary()), ("path", pa.string())])
+        schema = pa.schema([*table.schema, *(pa.field(own.key, image) for own in depths)])
+        writer = pq.ParquetWriter(path, schema, compression="zstd")
         episode_of = table["episode_index"].to_numpy()
         episodes = pa.concat_tables([pq.read_table(file) for file in sorted((data / "meta" / "episodes").rglob("*.parquet"))])
         rows = episodes.select([own for own in episodes.column_names if not own.startswith("stats/")]).to_pylist()
@@ -278,18 +328,21 @@ def lerobot(
             episode = row["episode_index"]
             own = np.flatnonzero(episode_of == episode)
             reach, seen = dataset[episode], (numbers[own] * every).tolist()
+            depth_columns = [pa.array(list(camera.pictures(reach, seen)), image) for camera in depths]
+            writer.write_table(pa.table([*table.take(own).columns, *depth_columns], schema=schema))
             for film in films:
                 row.update(film.write(episode, reach, seen, info["chunks_size"]))
             row.update(length=len(own), dataset_from_index=int(own[0]), dataset_to_index=int(own[-1]) + 1)
             row.update({f"{kind}/{number}": 0 for kind in ("data", "meta/episodes") for number in ("chunk_index", "file_index")})
             found = {feature: _statistics(values[feature][own]) for feature in features}
-            found |= {film.key: _of_pictures(film.sampled[-1]) for film in films}
+            found |= {camera.key: camera.statistics(camera.sampled[-1:]) for camera in drawn}
             row.update({f"stats/{feature}/{kind}": value for feature, kinds in found.items() for kind, value in kinds.items()})
+        writer.close()
         pq.write_table(pa.Table.from_pylist(rows), folder / "meta" / "episodes" / "chunk-000" / "file-000.parquet")
         statistics = {feature: _statistics(values[feature]) for feature in features}
-        statistics |= {film.key: _of_pictures([picture for sampled in film.sampled for picture in sampled]) for film in films}
+        statistics |= {camera.key: camera.statistics(camera.sampled) for camera in drawn}
         (folder / "meta" / "stats.json").write_text(json.dumps(statistics))
-        features |= {film.key: film.feature() for film in films}
+        features |= {camera.key: camera.feature() for camera in drawn}
         info.update(total_frames=len(numbers), fps=fps, video_path=films[0].path, features=features)
         (folder / "meta" / "info.json").write_text(json.dumps(info, indent=2))
         for kept in ("tasks.parquet", "provenance.json"):
@@ -319,6 +372,7 @@ def main(arguments: list[str] | None = None) -> int:
     sets.add_argument("--out", required=True, type=Path, help="folder to write")
     sets.add_argument("--fps", type=int, default=25, help="frames per second, a divisor of the data set's rate")
     place: dict[str, Any] = {"type": float, "nargs": 3, "metavar": ("X", "Y", "Z")}
+    sets.add_argument("--depth", action="store_true", help="also write the depth that each camera sees")
     sets.add_argument("--eye", **place, default=argparse.SUPPRESS, help="place of a camera instead of those of the scene files, m, world frame")
     sets.add_argument("--target", **place, default=_TARGET, help="with --eye: the middle of its pictures, m, world frame")
     sets.add_argument("--fov", type=float, default=_FIELD_DEG, metavar="DEG", help="with --eye: angle between upper and lower edge")
@@ -347,7 +401,7 @@ def main(arguments: list[str] | None = None) -> int:
             if "eye" in options:
                 place = _core.Camera(options.eye, options.target, vertical_fov_deg=options.fov, size_px=size)
                 own = {str(options.name): place}
-            count = lerobot(options.data, options.out, own, fps=options.fps)
+            count = lerobot(options.data, options.out, own, fps=options.fps, depth=options.depth)
             print(f"{count} frames in {options.out}")
 
     return _export.status(run)
