@@ -82,12 +82,14 @@ fn scene(path: &Path, seed: u64) -> Result<Value, Fault> {
 fn arm(arm: &Arm) -> Result<Value, Fault> {
     let links = arm.links.iter().skip(1).zip(&arm.joints);
     let links = links.map(|(link, joint)| {
-        let [low, high] = joint.controller_limits_rad.map(f64::to_degrees);
+        let degrees = |limits_rad: [f64; 2]| limits_rad.map(|angle_rad| tenths(angle_rad.to_degrees()));
         json!({
             "joint": joint.name,
             "stiffness_nm_per_rad": joint.stiffness_nm_per_rad,
             "damping_nm_s_per_rad": joint.damping_nm_s_per_rad,
-            "controller_limits_deg": [tenths(low), tenths(high)],
+            "torque_limit_nm": joint.torque_limit_nm,
+            "limits_deg": degrees(joint.limits_rad),
+            "controller_limits_deg": degrees(joint.controller_limits_rad),
             "start_deg": tenths(joint.start_rad.to_degrees()),
             "moves": link.name,
             "mass_kg": link.mass_kg,

@@ -12,6 +12,22 @@ use super::overwrite::Overwrite;
 use super::picture;
 use crate::{Failure, output};
 
+/// Columns of the table of an arm's chain: title, unit and key.
+const CHAIN: [[&str; 3]; 10] = [
+    ["joint", "", "joint"],
+    ["moves", "", "moves"],
+    ["limits", "deg", "limits_deg"],
+    ["controller", "deg", "controller_limits_deg"],
+    ["start", "deg", "start_deg"],
+    ["stiffness", "Nm/rad", "stiffness_nm_per_rad"],
+    ["damping", "Nm s/rad", "damping_nm_s_per_rad"],
+    ["torque", "Nm", "torque_limit_nm"],
+    ["mass", "kg", "mass_kg"],
+    ["shapes", "", "shapes"],
+];
+/// The first of its columns are names.
+const NAMES: usize = 2;
+
 /// InspectOptions of `underbrush inspect`.
 #[derive(Args)]
 pub struct InspectOptions {
@@ -59,6 +75,7 @@ fn text(value: &Value, depth: usize) -> String {
             .map(|(key, value)| match value {
                 Value::Object(inner) if !inner.is_empty() => format!("{pad}{key}:\n{}", text(value, depth + 1)),
                 Value::String(plain) => format!("{pad}{key}: {plain}\n"),
+                Value::Array(joints) if key == "chain" => format!("{pad}{key}:\n{}", chain(joints)),
                 Value::Array(list) if list.iter().all(Value::is_object) && !list.is_empty() => {
                     let entries = list.iter().map(|entry| format!("{pad}  {entry}\n"));
                     format!("{pad}{key}:\n{}", entries.collect::<String>())
@@ -68,4 +85,25 @@ fn text(value: &Value, depth: usize) -> String {
             .collect(),
         other => format!("{pad}{other}\n"),
     }
+}
+
+/// The joints of an arm, one per line, under titles and units.
+fn chain(joints: &[Value]) -> String {
+    let cell = |value: &Value| match value {
+        Value::String(plain) => plain.clone(),
+        Value::Array(ends) => ends.iter().map(Value::to_string).collect::<Vec<_>>().join(" to "),
+        other => other.to_string(),
+    };
+    let columns = CHAIN.map(|[title, unit, key]| {
+        let cells = joints.iter().map(|joint| cell(&joint[key]));
+        [title.to_owned(), unit.to_owned()].into_iter().chain(cells).collect::<Vec<_>>()
+    });
+    let row = |number: usize| {
+        let padded = columns.iter().enumerate().map(|(column, cells)| {
+            let (cell, width) = (&cells[number], cells.iter().map(|cell| cell.chars().count()).max().unwrap_or(0));
+            if column < NAMES { format!("  {cell:width$}") } else { format!("  {cell:>width$}") }
+        });
+        format!("{}\n", padded.collect::<String>().trim_end())
+    };
+    (0..joints.len() + 2).map(row).collect()
 }

@@ -113,6 +113,24 @@ fn from_a_urdf_to_a_reach() {
     assert!(frames.iter().sum::<u64>() > 100, "{frames:?}");
 }
 
+/// Tests that the text of `inspect` is a table of the joints, which lines up and has the numbers of the arm's file and URDF.
+#[test]
+fn the_chain_is_a_table() {
+    let arm = Path::new(env!("CARGO_MANIFEST_DIR")).join("sim/arms/cody/cody.toml");
+    let text = underbrush!["inspect", arm].success();
+    let lines: Vec<&str> = text.lines().skip_while(|line| *line != "chain:").skip(1).take(9).collect();
+    let cells = |line: usize| {
+        lines[line].split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect::<Vec<_>>().join(" | ")
+    };
+    let titles = "joint | moves | limits | controller | start | stiffness | damping | torque | mass | shapes";
+    assert_eq!([cells(0), cells(1)], [titles, "deg | deg | deg | Nm/rad | Nm s/rad | Nm | kg"]);
+    // 2.5133 rad are 144.0 deg.
+    let elbow = "elbow_flexion | elbow | 0.0 to 144.0 | 0.0 to 144.0 | 122.0 | 25.0 | 1.43 | 20.0 | 0.3388 | 1";
+    assert_eq!(cells(5), elbow);
+    let ends: Vec<usize> = lines.iter().map(|line| line.len()).collect();
+    assert!(ends[2..].iter().all(|end| *end == ends[0]), "{text}");
+}
+
 /// Tests that the errors of `arm new` name what they are about: the places where a mesh was sought, the links that can be the
 /// tip, and a joint of the chain that slides.
 #[test]
