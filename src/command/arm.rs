@@ -121,6 +121,15 @@ fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
     }
     output::write_file(&out, files.arm_file.as_bytes())?;
     output::write_file(scene, files.scene.1.as_bytes())?;
+    output::remarks(files.raised.iter().map(|(link, share)| {
+        format!(
+            "warning: the inertia of {link} in {} is that of no body: a principal moment is {:.1} % above the sum of the other two. \
+             {} has the nearest one of a body, in [[inertia]]; correct it if you know better",
+            urdf.display(),
+            100.0 * share,
+            out.display(),
+        )
+    }));
     let links: Vec<&str> = files.arm.links.iter().map(|link| link.name.as_str()).collect();
     let outside_mm = files.outside_hulls_m * 1000.0;
     let report = json!({
@@ -130,6 +139,7 @@ fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
         "joints": files.arm.joints.len(),
         "links": links,
         "held_joints": files.held,
+        "raised_inertia": files.raised.iter().map(|(link, _)| link).collect::<Vec<_>>(),
         "hulls": files.hulls,
         "outside_hulls_mm": outside_mm,
     });

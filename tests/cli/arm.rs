@@ -131,6 +131,29 @@ fn the_chain_is_a_table() {
     assert!(ends[2..].iter().all(|end| *end == ends[0]), "{text}");
 }
 
+/// Tests that a link whose inertia no body has is raised to the nearest of a body with a warning, and that the arm is then sound,
+/// while without the table it is refused.
+#[test]
+fn an_inertia_of_no_body_is_raised() {
+    let folder = tempfile::tempdir().unwrap();
+    let urdf = write_urdf(folder.path());
+    write_mesh(folder.path());
+    let text = std::fs::read_to_string(&urdf).unwrap();
+    let (before, hand) = text.split_at(text.find("<link name=\"hand\">").unwrap());
+    std::fs::write(&urdf, before.to_owned() + &hand.replacen("izz=\"0.002\"", "izz=\"0.03\"", 1)).unwrap();
+    let arm = folder.path().join("crane.toml");
+    let made = underbrush!["arm", "new", urdf, "--tip", "tip", "--out", arm, "--json"];
+    assert!(made.stderr.contains("the inertia of hand") && made.stderr.contains("50.0 %"), "{}", made.stderr);
+    assert_eq!(made.json()["raised_inertia"], json!(["hand"]));
+    // 0.03 is 0.01 above 0.01 + 0.01; half of that goes to each of these.
+    let table = "[[inertia]]\nlink = \"hand\"\n# ixx, ixy, ixz, iyy, iyz, izz\nentries_kg_m2 = [0.015, 0.0, 0.0, 0.015, 0.0, 0.03]\n";
+    let text = std::fs::read_to_string(&arm).unwrap();
+    assert!(text.contains(table), "{text}");
+    underbrush!["inspect", arm].success();
+    std::fs::write(&arm, text.replace(table, "")).unwrap();
+    underbrush!["inspect", arm].refused(&["link hand, inertial.inertia", "sum of the other two", "[[inertia]]"]);
+}
+
 /// Tests that the errors of `arm new` name what they are about: the places where a mesh was sought, the links that can be the
 /// tip, and a joint of the chain that slides.
 #[test]

@@ -101,6 +101,7 @@ fn the_page_lists_every_key() {
                 ("### `[[joint]]`", "JointTable"),
                 ("### `[[hull]]`", "HullTable"),
                 ("### `[[held]]`", "HeldTable"),
+                ("### `[[inertia]]`", "InertiaTable"),
             ][..],
         ),
         (

@@ -9,6 +9,7 @@ use serde::Deserialize;
 use toml::Spanned;
 use underbrush_recording::{BodyShape, InputError, PLAIN, is_plain, short};
 
+use super::inertia::{self, Entries};
 use super::limits;
 use super::passing::passing_links;
 use super::schema::Within;
@@ -50,6 +51,10 @@ pub(super) struct ArmFile {
     #[serde(default)]
     #[schemars(with = "Vec<HeldTable>")]
     held: Vec<Spanned<HeldTable>>,
+    /// Inertia of links, in place of one in the URDF that no body has.
+    #[serde(default)]
+    #[schemars(with = "Vec<InertiaTable>")]
+    inertia: Vec<Spanned<InertiaTable>>,
 }
 
 /// A joint: a spring and a damper about an equilibrium angle, which the controller moves.
@@ -93,6 +98,18 @@ struct HeldTable {
     /// Displacement at which a joint that slides is held.
     #[schemars(transform = Within(limits::PLACE_M))]
     displacement_m: Option<f64>,
+}
+
+/// The inertia of a link of the URDF.
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+struct InertiaTable {
+    /// The link of the URDF.
+    link: String,
+    /// ixx, ixy, ixz, iyy, iyz and izz, in the frame of the link's `<inertial>`. None of the principal moments is above the sum
+    /// of the other two.
+    #[schemars(transform = Within(limits::INERTIA_ENTRY_KG_M2))]
+    entries_kg_m2: Entries,
 }
 
 /// A convex hull as a collision shape of a link.
@@ -195,7 +212,11 @@ fn read_held_chain(source: &Source, file: &ArmFile, urdf: &Source) -> Result<Cha
         }
     }
     let hulled = file.hull.iter().map(|hull| hull.get_ref().link.clone()).collect();
-    let chain = read_chain(urdf, &file.base_link, &Said { held, hulled })?;
+    let inertia = read_inertia(source, &file.inertia)?;
+    let chain = read_chain(urdf, &file.base_link, &Said { held, hulled, inertia })?;
+    for table in &file.inertia {
+        chain.frame(source, table.span().start, "inertia.link", &table.get_ref().link)?;
+    }
     for table in &file.held {
         let (start, table) = (table.span().start, table.get_ref());
         let Some(turns) = chain.held.get(&table.name) else {
@@ -208,6 +229,23 @@ fn read_held_chain(source: &Source, file: &ArmFile, urdf: &Source) -> Result<Cha
         }
     }
     Ok(chain)
+}
+
+/// The inertia of links, by their names.
+fn read_inertia(source: &Source, tables: &[Spanned<InertiaTable>]) -> Result<BTreeMap<String, Entries>, InputError> {
+    let mut found = BTreeMap::new();
+    for table in tables {
+        let (start, table) = (table.span().start, table.get_ref());
+        source.check_each(start, "inertia.entries_kg_m2", &table.entries_kg_m2, limits::INERTIA_ENTRY_KG_M2)?;
+        if let Some((found, allowed)) = inertia::fault(table.entries_kg_m2) {
+            return Err(source.fault_after(start, "inertia.entries_kg_m2", found, allowed));
+        }
+        if found.insert(table.link.clone(), table.entries_kg_m2).is_some() {
+            let found = format!("a second {}", table.link);
+            return Err(source.fault_after(start, "inertia.link", found, "one table for each link"));
+        }
+    }
+    Ok(found)
 }
 
 /// Combines each moving joint of the URDF with its table in the TOML file.

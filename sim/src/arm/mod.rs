@@ -17,6 +17,7 @@ mod at_start;
 pub mod cover;
 mod file;
 mod hulls;
+mod inertia;
 mod inverse;
 pub mod kinematics;
 pub(crate) mod limits;

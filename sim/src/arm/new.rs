@@ -9,9 +9,11 @@ use glam::DVec3;
 use underbrush_recording::InputError;
 
 use super::hulls::{MeshHull, hulls};
+use super::inertia::{self, Entries};
 use super::mesh::read_triangles;
 use super::new_text::{
-    RULES, controller_limits_deg, held_tables, joint_table, scene_text, skin_text, stiffness_nm_per_rad, two_digits,
+    RULES, controller_limits_deg, held_tables, inertia_tables, joint_table, scene_text, skin_text,
+    stiffness_nm_per_rad, two_digits,
 };
 use super::source::{Source, read_from_disk};
 use super::start::Room;
@@ -51,6 +53,9 @@ pub struct NewFiles {
     pub held: Vec<String>,
     /// Number of hulls.
     pub hulls: usize,
+    /// Links whose inertia is raised to that of a body, each with the share by which its largest principal moment exceeds the sum
+    /// of the other two in the URDF.
+    pub raised: Vec<(String, f64)>,
     /// How far corners of meshes stand out over their hulls at most, m.
     pub outside_hulls_m: f64,
 }
@@ -67,7 +72,9 @@ pub fn new_files(new: &NewArm) -> Result<NewFiles, InputError> {
     let held = tree.held();
     let (hull_text, hulled, found) = tree.hull_tables(new, &elements)?;
     let places = held.iter().map(|(joint, place)| (joint.name.to_owned(), *place)).collect();
-    let chain = read_chain(&source, tree.base, &Said { held: places, hulled })?;
+    let raised = tree.raised_inertia();
+    let inertia = raised.iter().map(|(link, entries, _)| (link.clone(), *entries)).collect();
+    let chain = read_chain(&source, tree.base, &Said { held: places, hulled, inertia })?;
     let skin_path = new.out.with_extension("skin.toml");
     let names = [&new.urdf, &skin_path].map(|path| relative(&new.out, path));
     let skin_text = skin_text(&new.out);
@@ -79,10 +86,11 @@ pub fn new_files(new: &NewArm) -> Result<NewFiles, InputError> {
              # follows the rules that are stated here; change what you know better.\n\n\
              name = {name:?}\nurdf = {urdf:?}\nskin = {skin:?}\n\n\
              # Its frame is the world frame: z up, x forward.\nbase_link = {:?}\ntip_link = {:?}\n\n\
-             # Choice: a knit cover, as on Cody.\nfriction = 0.3\n\n{RULES}{joints}{}{hull_text}",
+             # Choice: a knit cover, as on Cody.\nfriction = 0.3\n\n{RULES}{joints}{}{}{hull_text}",
             tree.base,
             new.tip_link,
             held_tables(&held),
+            inertia_tables(&raised),
         )
     };
     let assembled = |arm_file: &str| {
@@ -131,6 +139,7 @@ pub fn new_files(new: &NewArm) -> Result<NewFiles, InputError> {
         skin: (skin_path, skin_text.clone()),
         held: held.iter().map(|(joint, _)| joint.name.to_owned()).collect(),
         hulls: found.len(),
+        raised: raised.into_iter().map(|(link, _, share)| (link, share)).collect(),
         outside_hulls_m: found.iter().map(|hull| hull.outside_m).fold(0.0, f64::max),
         arm,
         arm_file,
@@ -206,6 +215,17 @@ impl<'a> Tree<'a> {
         };
         let side = self.joints.iter().filter(|joint| joint.moves() && !self.chain.contains(joint.name));
         side.map(|joint| (*joint, place(joint).unwrap_or_else(|| own(joint)))).collect()
+    }
+
+    /// The links whose inertia no body has and can be raised, each with the inertia of a body and the share by which its largest
+    /// principal moment is too large.
+    fn raised_inertia(&self) -> Vec<(String, Entries, f64)> {
+        let of_link = |link: &Element<'a>| {
+            let inertial = child(*link, "inertial").filter(|own| number(child(*own, "mass"), "value") > 0.0)?;
+            let (entries, share) = inertia::raised(inertia::entries(child(inertial, "inertia")))?;
+            Some((text(*link, "name").to_owned(), entries, share))
+        };
+        self.links.iter().filter_map(of_link).collect()
     }
 
     /// The `[[hull]]` tables of all meshes, the links that have some, and the hulls.

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use underbrush_recording::limits::short;
 
+use super::inertia::Entries;
 use super::start::Room;
 use super::urdf::{ChainJoint, Joint, child};
 
@@ -81,6 +82,18 @@ pub(super) fn held_tables(held: &[(Joint, f64)]) -> String {
         )
     };
     held.iter().map(table).collect()
+}
+
+pub(super) fn inertia_tables(raised: &[(String, Entries, f64)]) -> String {
+    let table = |(link, entries, share): &(String, Entries, f64)| {
+        format!(
+            "\n# No body has the inertia of this link in the URDF: its largest principal moment is {:.1} % above the sum of the other\n\
+             # two. This is the nearest one of a body: the other two are raised alike, until their sum is the largest.\n\
+             [[inertia]]\nlink = {link:?}\n# ixx, ixy, ixz, iyy, iyz, izz\nentries_kg_m2 = {entries:?}\n",
+            100.0 * share
+        )
+    };
+    raised.iter().map(table).collect()
 }
 
 pub(super) fn skin_text(arm_file: &Path) -> String {

@@ -7,6 +7,7 @@ use glam::{DMat3, DQuat, DVec3, EulerRot};
 use underbrush_recording::limits::{first_outside, short};
 use underbrush_recording::{BodyShape, InputError, PLAIN, Pose, is_plain};
 
+use super::inertia::{self, Entries};
 use super::limits::{self, MAX_JOINTS};
 use super::source::{Source, directions, listed, unit};
 use super::urdf_text::{Element, Elements, SHAPES, attribute, named, number, numbers};
@@ -31,6 +32,8 @@ pub(super) struct Said {
     pub(super) held: BTreeMap<String, f64>,
     /// Links whose meshes are replaced by hulls.
     pub(super) hulled: BTreeSet<String>,
+    /// Inertia of links, in place of that of the URDF.
+    pub(super) inertia: BTreeMap<String, Entries>,
 }
 
 impl Chain {
@@ -83,7 +86,7 @@ pub(super) fn read_chain(source: &Source, base: &str, said: &Said) -> Result<Cha
         elements: &elements,
         links: elements.of_kind("link").map(|link| (text(link, "name"), link)).collect(),
         joints: elements.of_kind("joint").map(with_place).collect(),
-        hulled: &said.hulled,
+        said,
     };
     reader.check_names()?;
     let mut chain =
@@ -119,7 +122,7 @@ struct Reader<'a> {
     /// The links, each with its name.
     links: Vec<(&'a str, Element<'a>)>,
     joints: Vec<Joint<'a>>,
-    hulled: &'a BTreeSet<String>,
+    said: &'a Said,
 }
 
 /// A joint of the file.
@@ -335,7 +338,7 @@ impl<'a> Reader<'a> {
                 }
             }
             for (number, collision) in named(*link, &["collision"]).enumerate() {
-                if self.hulled.contains(*part) && mesh(collision).is_some() {
+                if self.said.hulled.contains(*part) && mesh(collision).is_some() {
                     continue;
                 }
                 let place = match number {
@@ -364,25 +367,18 @@ impl<'a> Reader<'a> {
         Ok(Link { name: name.to_string(), mass_kg, center_of_mass_link, inertia_link, colliders })
     }
 
-    /// The inertia about the centre of mass, rotated by `rotation`. A body's principal moments are positive and none
-    /// exceeds the sum of the other two.
+    /// The inertia about the centre of mass, rotated by `rotation`.
     fn inertia(&self, link: &str, given: Option<Element>, rotation: DQuat) -> Result<DMat3, InputError> {
-        let entries = ["ixx", "ixy", "ixz", "iyy", "iyz", "izz"].map(|key| number(given, key));
+        let entries = self.said.inertia.get(link).copied().unwrap_or_else(|| inertia::entries(given));
         let [xx, xy, xz, yy, yz, zz] = entries;
         let entry = limits::INERTIA_ENTRY_KG_M2;
         if entries.iter().any(|value| !entry.hold(*value)) {
             let allowed = format!("numbers from {entry}");
             return Err(self.link_fault(link, "inertial.inertia", listed(&entries), &allowed));
         }
-        let matrix = nalgebra::Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        let mut moments = matrix.symmetric_eigenvalues();
-        moments.as_mut_slice().sort_by(f64::total_cmp);
-        // Values that are rounded to a few digits may violate the triangle inequality slightly.
-        let within = moments.iter().all(|moment| limits::INERTIA_KG_M2.hold(*moment));
-        if !within || moments[2] > (moments[0] + moments[1]) * 1.001 {
-            let found = format!("principal moments {:e}, {:e}, {:e}", moments[0], moments[1], moments[2]);
+        if let Some((found, allowed)) = inertia::fault(entries) {
             let allowed =
-                format!("principal moments of {}, none above the sum of the other two", limits::INERTIA_KG_M2);
+                format!("{allowed} (or [[inertia]] in the arm's TOML file, which `underbrush arm new` writes)");
             return Err(self.link_fault(link, "inertial.inertia", found, &allowed));
         }
         let rotation = DMat3::from_quat(rotation);

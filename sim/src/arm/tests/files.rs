@@ -65,6 +65,8 @@ fn bad_values_are_refused_with_their_place() {
         ("cody.urdf", "<mass value=\"2.0036\"/>", "<mass value=\"0\"/>", "link shoulder, inertial", "no mass"),
         ("cody.urdf", "ixx=\"0.003056\"", "ixx=\"-0.003056\"", "link shoulder, inertial.inertia", "principal moments"),
         ("cody.urdf", "ixx=\"0.003056\"", "ixx=\"0.3\"", "link shoulder, inertial.inertia", "sum of the other two"),
+        ("cody.toml", "friction = 0.3", "friction = 0.3\n[[inertia]]\nlink = \"elbow\"\nentries_kg_m2 = [3, 0, 0, 1, 0, 1]", "inertia.entries_kg_m2", "sum of the other two"),
+        ("cody.toml", "friction = 0.3", "friction = 0.3\n[[inertia]]\nlink = \"paddle\"\nentries_kg_m2 = [1, 0, 0, 1, 0, 1]", "inertia.link", "paddle"),
         ("cody.urdf", "ixx=\"0.003056\"", "ixx=\"nan\"", "link shoulder, inertial.inertia", "NaN"),
         ("cody.urdf", "<axis xyz=\"0 -1 0\"/>", "<axis xyz=\"0 0 0\"/>", "joint shoulder_flexion, axis", "not all zero"),
         ("cody.urdf", "lower=\"-0.8310\"", "lower=\"3\"", "joint shoulder_flexion, limit", "lower below upper"),
