@@ -24,6 +24,7 @@ const LEAST_N = 0.005;
 export class Details {
   /** Whether the features of a region are unfolded. */
   #featuresOpen = false;
+  #reach: Reach | null = null;
 
   constructor(readonly box: HTMLElement, readonly seek: (frame: number) => void, readonly selectObject: (object: number) => void) {}
 
@@ -35,7 +36,11 @@ export class Details {
       parts.push(element("p", { class: "key" }, "Click a taxel on the arm or on the map, or an object, to see its contact, trial, features and scores here."));
     }
     if (!reach.isTable) parts.push(...this.#touching(reach, state.frame));
-    this.box.replaceChildren(...parts);
+    // What has not changed stays, so that the pointer and the keyboard do not lose it while the reach plays.
+    const now = element("div", {}, ...parts);
+    if (reach === this.#reach && now.innerHTML === this.box.innerHTML) return;
+    this.#reach = reach;
+    this.box.replaceChildren(...now.childNodes);
   }
 
   /** What presses on the skin at the moment: the arrows as text. */

@@ -64,6 +64,7 @@ export class Pane {
     this.#hovered = null;
     this.maps = loaded.reach.header.patches.map((_, patch) => {
       const point = (taxel: number | null) => {
+        if (taxel === this.#hovered) return;
         this.#hovered = taxel;
         this.redraw();
       };

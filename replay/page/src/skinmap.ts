@@ -63,7 +63,11 @@ export class SkinMap {
 
   #listen(): void {
     const canvas = this.#canvas;
-    canvas.addEventListener("pointermove", (event) => this.pointed(this.#under(event)));
+    canvas.addEventListener("pointermove", (event) => {
+      // Between two taxels the last one stays, or else its text would flicker.
+      const taxel = this.#under(event);
+      if (taxel !== null) this.pointed(taxel);
+    });
     canvas.addEventListener("pointerleave", () => this.pointed(null));
     canvas.addEventListener("click", (event) => {
       const taxel = this.#under(event);

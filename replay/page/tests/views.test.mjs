@@ -72,6 +72,39 @@ test("a taxel is chosen in all views at once", async () => {
   await finish(page);
 });
 
+/** Pins that what is read does not flicker: the text of a taxel stays until the pointer leaves the map, and details that do not
+ * change stay the same elements. */
+test("what is pointed at stays", async () => {
+  const page = await start();
+  const map = page.locator('.skin-map[data-patch="flipper"]');
+  const [x, y] = await page.evaluate(() => {
+    const own = window.underbrushReplay.maps()[1];
+    const { first_taxel } = window.underbrushReplay.loaded().reach.header.patches[1];
+    return own.placeOf(first_taxel);
+  });
+  await map.hover({ position: { x, y } });
+  await settle(page);
+  const under = page.locator(".under").first();
+  assert.match(await under.textContent(), /^flipper taxel 0: /);
+  await map.hover({ position: { x: 1, y: 1 } });
+  await settle(page);
+  assert.match(await under.textContent(), /^flipper taxel 0: /);
+  await page.mouse.move(1, 1);
+  await settle(page);
+  assert.equal(await under.textContent(), "Point at a taxel to read it.");
+  await map.click({ position: { x, y } });
+  await settle(page);
+  const first = await page.locator("#details > *").first().elementHandle();
+  for (const colour of ["truth", "verdict"]) {
+    await page.locator("#colour").getByText(colour).click();
+    await settle(page);
+  }
+  assert.ok(await first.evaluate((own) => own.isConnected));
+  // Two patches, of which a model judges one.
+  assert.match(await page.locator("#legend").textContent(), /judges the patch forearm alone/);
+  await finish(page);
+});
+
 /** Pins that a click on the 3-D view chooses the object under the pointer, and that the keyboard turns the view. */
 test("the 3-D view can be clicked and turned", async () => {
   const { recording } = await readRecording("mixed.parquet");
