@@ -151,11 +151,12 @@ def test_an_interpreter_that_is_killed_leaves_a_set_to_resume(tmp_path: Path) ->
         "import sys; sys.path.insert(0, sys.argv[2]); from conftest import quick; import underbrush as ub;"
         "ub.generate(quick('leaf'), 6, sys.argv[1], seed=9, progress=False, jobs=1)"
     )
-    words = [sys.executable, "-c", program, str(out), str(Path(__file__).parent)]
+    words = [sys.executable, "-P", "-c", program, str(out), str(Path(__file__).parent)]
     process = subprocess.Popen(words)
     waited = time.monotonic() + 120
     while not list((out / "incomplete").glob("reach-*.bin")) and time.monotonic() < waited and process.poll() is None:
         time.sleep(0.02)
+    assert process.poll() is None
     process.kill()
     process.wait()
     with pytest.raises(ub.InputError):
