@@ -112,9 +112,14 @@ impl EstimatorArguments {
         self.classifier.unwrap_or(Chosen::OfTrials(CLASSIFIERS[0]))
     }
 
-    /// Whether neither a classifier nor how it is fitted is chosen.
+    /// Whether neither a classifier is chosen nor how hidden Markov models are fitted.
     pub fn is_open(&self) -> bool {
-        self.classifier.is_none() && self.given().is_empty()
+        self.classifier.is_none() && options::given(&self.recipe).is_empty()
+    }
+
+    /// The chosen features of each sample.
+    pub fn features(&self) -> Option<FeatureSet> {
+        self.features
     }
 
     /// Name of the classifier.

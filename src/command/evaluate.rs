@@ -12,7 +12,7 @@ use underbrush_classifier::evaluate::{
     category_roc, cross_validate, evaluate, outlier_roc,
 };
 use underbrush_classifier::registry::CLASSIFIERS;
-use underbrush_classifier::{Classifier, Decision, FeatureSet, Rule, Scores};
+use underbrush_classifier::{Classifier, ClassifierKind, Decision, FeatureSet, Rule, Scores};
 use underbrush_experiments::model_data;
 use underbrush_recording::{Category, InputError, Trial};
 
@@ -30,7 +30,7 @@ trial names its reach: trials of one reach resemble each other, so grouping by p
 more). The default recipe is the paper's.
 
 Without --classifier and options about fitting, all classifiers are compared on the same folds, the best first, and the \
-details are those of the paper's hidden Markov models. peak-force is the baseline of contacts: the largest force alone.
+details are those of the paper's hidden Markov models. With --features, all get these, and peak-force the force. peak-force is the baseline of contacts: the largest force alone.
 
 Compare an accuracy with the majority baseline, which is reached by always naming the most frequent category, and with the \
 balanced accuracy, the mean recall over the categories that the classifier knows. Uncertain counts as wrong, and so does \
@@ -152,22 +152,31 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     }
     let mut comparison = None;
     if let Some(folds) = folds.filter(|_| options.estimator.is_open()) {
-        comparison = Some(compare(&trials, folds, &decision, &evaluation));
+        comparison = Some(compare(&trials, folds, &decision, options.estimator.features(), &evaluation));
     }
     let results = EvaluationReport { folds, evaluation, by_samples, by_samples_of_all, comparison };
     output::result(json, &results, || text::of(&results))
 }
 
-/// All classifiers on the same folds, the best first. One whose usual features these trials lack, as those of a log of forces, is
-/// given the features that they have. One that cannot be fitted is left out, and the reason is told. The first of the list has
+/// All classifiers on the same folds, the best first, with the chosen features if there are any. Else one whose usual features
+/// these trials lack, as those of a log of forces, is given the features that they have. One that cannot be fitted is left out, and the reason is told. The first of the list has
 /// been judged: `first`.
-fn compare(trials: &[Trial], folds: Folds, decision: &Decision, first: &Evaluation) -> Vec<Compared> {
-    let available = FeatureSet::of_all(trials);
-    let judged = CLASSIFIERS.par_iter().enumerate().map(|(place, kind)| {
+fn compare(
+    trials: &[Trial],
+    folds: Folds,
+    decision: &Decision,
+    chosen: Option<FeatureSet>,
+    first: &Evaluation,
+) -> Vec<Compared> {
+    let available = FeatureSet::of_all(trials).filter(|_| chosen.is_none());
+    // Only its features make it another classifier than `logistic`.
+    let is_other = |kind: &ClassifierKind| chosen.is_none() || kind.name != "logistic-taxel";
+    let kinds = CLASSIFIERS.par_iter().enumerate().filter(|(_, kind)| is_other(kind));
+    let judged = kinds.map(|(place, kind)| {
         let judge = |features| cross_validate(trials, (kind.estimator)(features).as_ref(), folds, decision);
         let mut features = None;
         let own = (place > 0).then(|| {
-            judge(None).or_else(|error| {
+            judge(chosen).or_else(|error| {
                 features = available;
                 features.map_or(Err(error), |features| judge(Some(features)))
             })

@@ -25,6 +25,30 @@ fn a_wrench_tells_failures_of_a_gripper() {
     }
 }
 
+/// Tests that without a classifier all are compared on the chosen channels, the best first and each once.
+#[test]
+fn all_classifiers_are_compared_on_the_chosen_channels() {
+    let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/public-data/lp4-excerpt.csv");
+    let found =
+        underbrush!["evaluate", table, "--folds", "4", "--features", "column:fx,column:tz,force", "--json"].json();
+    let compared = found["comparison"].as_array().unwrap();
+    let balanced = |own: &Value| own["accuracy"]["balanced_accuracy"].as_f64().unwrap();
+    assert!(compared.is_sorted_by(|a, b| balanced(a) >= balanced(b)), "{compared:?}");
+    let mut names: Vec<_> = compared.iter().map(|own| own["classifier"].as_str().unwrap()).collect();
+    names.sort_unstable();
+    let all = [
+        "echo-state-network",
+        "hmm",
+        "logistic",
+        "mini-rocket",
+        "naive-bayes",
+        "nearest-neighbours",
+        "peak-force",
+        "trees",
+    ];
+    assert_eq!(names, all);
+}
+
 /// Tests that in the excerpt of a hand's grasps, five of each of ten objects, the fingertips tell most objects.
 #[test]
 fn fingertips_tell_objects() {

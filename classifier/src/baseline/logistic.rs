@@ -1,12 +1,13 @@
 //! Multinomial logistic regression over stream features.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{Limits, Sample, math};
 
 use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
-use super::table::{Standardization, Table};
+use super::table::{Row, Standardization, Table};
 use crate::error::{Fault, ModelError, check_limits};
 use crate::stream_feature::{Selection, StreamFeatures, TAXEL_AND_REGION};
 use crate::{ClassifierKind, FeatureSet, SampleFault};
@@ -107,6 +108,7 @@ impl Baseline for Logistic {
         let selection = Selection::of(self.features);
         let mut table = Table::of(trials, &selection)?;
         let standardization = Standardization::of(&mut table, &selection);
+        table.rows.iter_mut().for_each(|row| row.features.push(1.0));
         let weights = minimize(&table, selection.dimension() + 1, self.penalty)?;
         Ok(Learned { selection, standardization, weights })
     }
@@ -136,6 +138,7 @@ impl Baseline for Logistic {
     fn scores(&self, learned: &Learned, contact: &StreamFeatures, scores: &mut [f64]) {
         let mut features = learned.selection.values(contact);
         learned.standardization.apply(&mut features);
+        features.push(1.0);
         scores.copy_from_slice(&log_posterior(&learned.weights, &features));
     }
 }
@@ -157,20 +160,33 @@ pub(super) struct Parameters {
     weights: Vec<Vec<f64>>,
 }
 
-/// ln P(category | features), one per category.
+/// ln P(category | features), one per category, for features that end with 1.
 fn log_posterior(weights: &DMatrix<f64>, features: &[f64]) -> Vec<f64> {
-    let of = |row: usize| -> f64 {
-        let sum: f64 = features.iter().enumerate().map(|(d, feature)| weights[(row, d)] * feature).sum();
-        sum + weights[(row, features.len())]
-    };
-    let scores: Vec<f64> = (0..weights.nrows()).map(of).collect();
+    let scores = times(weights, features);
     let largest = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let total = largest + math::ln(scores.iter().map(|score| math::exp(score - largest)).sum::<f64>());
     scores.into_iter().map(|score| score - total).collect()
 }
 
+/// The product of a matrix and a vector.
+fn times(matrix: &DMatrix<f64>, vector: &[f64]) -> Vec<f64> {
+    let mut product = vec![0.0; matrix.nrows()];
+    for (column, x) in matrix.column_iter().zip(vector) {
+        product.iter_mut().zip(&column).for_each(|(sum, own)| *sum += own * x);
+    }
+    product
+}
+
+/// Adds the product of a column and a row.
+fn add_product(matrix: &mut DMatrix<f64>, column: &[f64], row: &[f64]) {
+    for (mut own, x) in matrix.column_iter_mut().zip(row) {
+        own.iter_mut().zip(column).for_each(|(entry, factor)| *entry += factor * x);
+    }
+}
+
 /// The weights that minimize mean cross-entropy plus penalty. The problem is strictly convex, so Newton's method with a
-/// backtracking line search finds its only minimum.
+/// backtracking line search finds its only minimum. Its steps come from conjugate gradients, because the Hessian of many
+/// categories and features is too large to be factorized.
 fn minimize(table: &Table, columns: usize, penalty: f64) -> Result<DMatrix<f64>, ModelError> {
     let categories = table.categories;
     let objective = |weights: &DMatrix<f64>| {
@@ -178,25 +194,23 @@ fn minimize(table: &Table, columns: usize, penalty: f64) -> Result<DMatrix<f64>,
             table.rows.iter().map(|row| -row.weight * log_posterior(weights, &row.features)[row.category]).sum();
         entropy + 0.5 * penalty * weights.norm_squared()
     };
-    let failed = || ModelError::Mismatch {
-        found: format!("a logistic regression with penalty {penalty} that has no minimum"),
-        allowed: "finite features and a positive penalty".into(),
-    };
     let mut weights = DMatrix::zeros(categories, columns);
     let mut value = objective(&weights);
     // Newton's method doubles the number of correct digits in each iteration; it usually takes a dozen iterations.
     for _ in 0..100 {
-        let (gradient, hessian) = derivatives(table, &weights, penalty);
-        let step = hessian.cholesky().ok_or_else(failed)?.solve(&gradient);
+        let step = NewtonStep::of(table, &weights, penalty);
+        let direction = step.direction();
         // The quadratic model predicts a further decrease of half of this, in nats.
-        let decrement = gradient.dot(&step);
+        let decrement = step.gradient.dot(&direction);
         if !decrement.is_finite() {
-            return Err(failed());
+            return Err(ModelError::Mismatch {
+                found: format!("a logistic regression with penalty {penalty} that has no minimum"),
+                allowed: "finite features and a positive penalty".into(),
+            });
         }
         if decrement < 1e-14 {
             break;
         }
-        let direction = DMatrix::from_fn(categories, columns, |category, d| step[category * columns + d]);
         let mut length = 1.0;
         loop {
             let next = &weights - length * &direction;
@@ -215,34 +229,81 @@ fn minimize(table: &Table, columns: usize, penalty: f64) -> Result<DMatrix<f64>,
     Ok(weights)
 }
 
-/// Gradient and Hessian of the objective, weights ordered by category, then column.
-fn derivatives(table: &Table, weights: &DMatrix<f64>, penalty: f64) -> (DVector<f64>, DMatrix<f64>) {
-    let (categories, columns) = weights.shape();
-    let size = categories * columns;
-    let mut gradient = DVector::from_fn(size, |index, _| penalty * weights[(index / columns, index % columns)]);
-    let mut hessian = DMatrix::from_diagonal_element(size, size, penalty);
-    let mut extended = vec![1.0; columns];
-    for row in &table.rows {
-        extended[..columns - 1].copy_from_slice(&row.features);
-        let posterior: Vec<f64> = log_posterior(weights, &row.features).into_iter().map(math::exp).collect();
-        for a in 0..categories {
-            let miss = posterior[a] - f64::from(u8::from(a == row.category));
-            for (d, x) in extended.iter().enumerate() {
-                gradient[a * columns + d] += row.weight * miss * x;
-            }
-            // Matrices are stored by column.
-            for b in 0..categories {
-                let bend = row.weight * posterior[a] * (f64::from(u8::from(a == b)) - posterior[b]);
-                for (d, x) in extended.iter().enumerate() {
-                    let column = &mut hessian.column_mut(a * columns + d);
-                    let part = &mut column.as_mut_slice()[b * columns..(b + 1) * columns];
-                    part.iter_mut().zip(&extended).for_each(|(entry, y)| *entry += bend * x * y);
-                }
-            }
-        }
-    }
-    (gradient, hessian)
+/// Derivatives of the objective. All matrices have a row for each category, and a column for each feature and the constant.
+struct NewtonStep<'a> {
+    table: &'a Table,
+    penalty: f64,
+    /// Probabilities of the categories, for each row of the table in turn.
+    posteriors: Vec<Vec<f64>>,
+    gradient: DMatrix<f64>,
+    /// The diagonal of the Hessian.
+    diagonal: DMatrix<f64>,
 }
+
+impl<'a> NewtonStep<'a> {
+    fn of(table: &'a Table, weights: &DMatrix<f64>, penalty: f64) -> Self {
+        let posterior = |row: &Row| log_posterior(weights, &row.features).into_iter().map(math::exp).collect();
+        let posteriors: Vec<Vec<f64>> = table.rows.par_iter().map(posterior).collect();
+        let (categories, columns) = weights.shape();
+        let mut gradient = penalty * weights;
+        let mut diagonal = DMatrix::from_element(categories, columns, penalty);
+        for (row, posterior) in table.rows.iter().zip(&posteriors) {
+            let truth = |category| f64::from(u8::from(category == row.category));
+            let misses: Vec<f64> = (0..categories).map(|own| row.weight * (posterior[own] - truth(own))).collect();
+            let bends: Vec<f64> = posterior.iter().map(|own| row.weight * own * (1.0 - own)).collect();
+            let squares: Vec<f64> = row.features.iter().map(|x| x * x).collect();
+            add_product(&mut gradient, &misses, &row.features);
+            add_product(&mut diagonal, &bends, &squares);
+        }
+        NewtonStep { table, penalty, posteriors, gradient, diagonal }
+    }
+
+    /// The Hessian times this.
+    fn bend(&self, along: &DMatrix<f64>) -> DMatrix<f64> {
+        // Parts of the rows are summed in order, so the result is the same for any number of threads.
+        let part = |(rows, posteriors): (&[Row], &[Vec<f64>])| {
+            let mut sum = DMatrix::zeros(along.nrows(), along.ncols());
+            for (row, posterior) in rows.iter().zip(posteriors) {
+                let scores = times(along, &row.features);
+                let mean: f64 = posterior.iter().zip(&scores).map(|(probability, score)| probability * score).sum();
+                let factor = |(probability, score): (&f64, &f64)| row.weight * probability * (score - mean);
+                let factors: Vec<f64> = posterior.iter().zip(&scores).map(factor).collect();
+                add_product(&mut sum, &factors, &row.features);
+            }
+            sum
+        };
+        let parts: Vec<_> = self.table.rows.par_chunks(ROWS).zip(self.posteriors.par_chunks(ROWS)).map(part).collect();
+        parts.into_iter().fold(self.penalty * along, |sum, part| sum + part)
+    }
+
+    /// The step of Newton's method, by conjugate gradients that are preconditioned with the diagonal. It is the more accurate the
+    /// smaller the gradient is, so that the number of correct digits still grows from step to step.
+    fn direction(&self) -> DMatrix<f64> {
+        let mut direction = DMatrix::zeros(self.gradient.nrows(), self.gradient.ncols());
+        let mut residual = self.gradient.clone();
+        let mut scaled = residual.component_div(&self.diagonal);
+        let mut along = scaled.clone();
+        let mut size = residual.dot(&scaled);
+        let enough = size * size.sqrt().min(0.01);
+        for _ in 0..2 * self.gradient.len() {
+            if size <= enough {
+                break;
+            }
+            let bend = self.bend(&along);
+            let length = size / along.dot(&bend);
+            direction += length * &along;
+            residual -= length * bend;
+            scaled = residual.component_div(&self.diagonal);
+            let next = residual.dot(&scaled);
+            along = &scaled + next / size * along;
+            size = next;
+        }
+        direction
+    }
+}
+
+/// Number of rows that are summed by one thread.
+const ROWS: usize = 512;
 
 /// The largest derivative of the objective at the fitted weights, by central differences.
 #[cfg(test)]
@@ -251,11 +312,12 @@ pub(super) fn largest_slope(trials: &[&underbrush_recording::Trial], estimator: 
     let trials = crate::estimator::trials_by_category(trials.iter().copied()).unwrap();
     let mut table = Table::of(&trials, &features).unwrap();
     Standardization::of(&mut table, &features);
+    table.rows.iter_mut().for_each(|row| row.features.push(1.0));
     let weights = minimize(&table, features.dimension() + 1, estimator.penalty).unwrap();
     let objective = |weights: &DMatrix<f64>| {
         let entropies = table.rows.iter().map(|row| {
             let scores: Vec<f64> = (0..weights.nrows())
-                .map(|c| (0..weights.ncols()).map(|d| weights[(c, d)] * row.features.get(d).unwrap_or(&1.0)).sum())
+                .map(|c| (0..weights.ncols()).map(|d| weights[(c, d)] * row.features[d]).sum())
                 .collect();
             let total: f64 = scores.iter().map(|score: &f64| math::exp(*score)).sum();
             -row.weight * math::ln(math::exp(scores[row.category]) / total)
