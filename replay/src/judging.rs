@@ -30,13 +30,16 @@ impl Judging {
     /// As [`Judging::check`].
     pub fn begin(&self, layout: &SkinLayout) -> Result<VerdictLog, OnlineError> {
         let online = self.by.begin(layout)?;
-        let patch = layout.chosen_patch(self.by.patch()).unwrap_or_default();
         let header = match &self.by {
-            OnlineModel::OfTrials(model, options) => VerdictHeader::of_trials(&self.name, model, options, patch),
-            OnlineModel::Touch(model) => VerdictHeader::of_touch(&self.name, model, patch),
+            OnlineModel::OfTrials(model, options) => {
+                let patch = layout.chosen_patch(self.by.patch()).unwrap_or_default();
+                VerdictHeader::of_trials(&self.name, model, options, patch)
+            }
+            OnlineModel::Touch(model) => {
+                VerdictHeader::of_touch(&self.name, model, model.options().judged_patches(layout))
+            }
         };
-        let earlier = layout.patches.iter().take(patch);
-        Ok(VerdictLog { online, verdicts: Verdicts::new(header, earlier.map(|patch| patch.taxels.len()).sum()) })
+        Ok(VerdictLog { online, verdicts: Verdicts::new(header, layout) })
     }
 
     /// The verdicts on all frames of a recording.

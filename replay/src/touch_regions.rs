@@ -31,9 +31,8 @@ impl TouchRegions {
     /// `code` gives the number of a verdict by its name.
     pub fn push(&mut self, judged: &TouchClassifier, taxels: &[&TaxelTouch], code: impl Fn(&str) -> u8) {
         self.of_taxel.extend(taxels.iter().map(|own| own.region as u16));
-        // The page shows one patch, the first that is judged.
-        let shown = judged.patches().first().map_or(&[][..], SkinTracker::regions);
-        for (own, region) in judged.regions().iter().zip(shown) {
+        let regions = judged.patches().iter().flat_map(SkinTracker::regions);
+        for (own, region) in judged.regions().iter().zip(regions) {
             self.contacts.push(own.contact as u32);
             self.samples.push(own.samples as u32);
             self.taxels.push(own.taxels[0] as u16);

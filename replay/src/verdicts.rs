@@ -4,6 +4,7 @@ use serde::Serialize;
 use underbrush_classifier::Model;
 use underbrush_classifier::online::{OnlineOptions, TaxelVerdict};
 use underbrush_classifier::touch::{REGION_FEATURES, TaxelTouch, TouchClassifier, TouchDecision, TouchModel};
+use underbrush_recording::SkinLayout;
 
 use crate::container::Sections;
 use crate::touch_regions::TouchRegions;
@@ -17,8 +18,8 @@ pub struct VerdictHeader {
     classifier: &'static str,
     /// The columns of its features; for a touch model, the features of a contact region.
     features: Vec<String>,
-    /// The patch that it judges.
-    patch: usize,
+    /// The patches that it judges, in ascending order.
+    patches: Vec<usize>,
     /// A taxel is judged where it senses more than this, N.
     pub(crate) threshold_n: f64,
     /// The categories that it knows.
@@ -58,7 +59,7 @@ impl VerdictHeader {
             model: name.into(),
             classifier: classifier.name(),
             features: columns.map(|column| column.to_string()).collect(),
-            patch,
+            patches: vec![patch],
             threshold_n: options.threshold_n,
             scores: categories.clone(),
             score_kind: ScoreKind::Nats,
@@ -68,7 +69,7 @@ impl VerdictHeader {
         }
     }
 
-    pub(crate) fn of_touch(name: &str, model: &TouchModel, patch: usize) -> Self {
+    pub(crate) fn of_touch(name: &str, model: &TouchModel, patches: Vec<usize>) -> Self {
         let categories = model.categories().to_vec();
         let around = |before: &[&str], after: &[&str]| -> Vec<String> {
             let names = before.iter().copied().chain(categories.iter().map(String::as_str));
@@ -78,7 +79,7 @@ impl VerdictHeader {
             model: name.into(),
             classifier: "touch",
             features: REGION_FEATURES.iter().map(|feature| (*feature).to_owned()).collect(),
-            patch,
+            patches,
             threshold_n: model.options().threshold_n,
             scores: around(&["nothing"], &[]),
             score_kind: ScoreKind::Probability,
@@ -100,8 +101,8 @@ impl VerdictHeader {
 pub struct Verdicts {
     /// What the page needs to know to read them.
     pub(crate) header: VerdictHeader,
-    /// The number of the judged patch's first taxel.
-    first_taxel: usize,
+    /// The number of each patch's first taxel.
+    first_taxels: Vec<usize>,
     starts: Vec<u32>,
     taxels: Vec<u32>,
     codes: Vec<u8>,
@@ -112,10 +113,14 @@ pub struct Verdicts {
 }
 
 impl Verdicts {
-    /// Verdicts without frames so far, on a patch whose first taxel has this number.
-    pub(crate) fn new(header: VerdictHeader, first_taxel: usize) -> Self {
+    /// Verdicts without frames so far, on this skin.
+    pub(crate) fn new(header: VerdictHeader, layout: &SkinLayout) -> Self {
+        let first_taxels = layout.patches.iter().scan(0, |end, patch| {
+            *end += patch.taxels.len();
+            Some(*end - patch.taxels.len())
+        });
         Verdicts {
-            first_taxel,
+            first_taxels: first_taxels.collect(),
             starts: vec![0],
             taxels: Vec::new(),
             codes: Vec::new(),
@@ -129,7 +134,7 @@ impl Verdicts {
     /// Adds the verdicts of a classifier of trials on a frame.
     pub(crate) fn push_of_trials<'a>(&mut self, frame: impl IntoIterator<Item = &'a TaxelVerdict>) {
         for taxel in frame {
-            self.push(taxel.taxel, taxel.samples, self.header.code(taxel.verdict.name()));
+            self.push(self.header.patches[0], taxel.taxel, taxel.samples, self.header.code(taxel.verdict.name()));
             self.scores.extend(&taxel.scores);
         }
         self.starts.push(self.taxels.len() as u32);
@@ -139,10 +144,10 @@ impl Verdicts {
     pub(crate) fn push_of_touch(&mut self, judged: &TouchClassifier) {
         let categories = judged.model().categories();
         // The classifier lists the taxels region by region.
-        let mut frame: Vec<&TaxelTouch> = judged.taxels().iter().filter(|own| own.patch == self.header.patch).collect();
-        frame.sort_unstable_by_key(|own| own.taxel);
+        let mut frame: Vec<&TaxelTouch> = judged.taxels().iter().collect();
+        frame.sort_unstable_by_key(|own| (own.patch, own.taxel));
         for own in &frame {
-            self.push(own.taxel, own.samples, self.header.code(own.touch.name(categories)));
+            self.push(own.patch, own.taxel, own.samples, self.header.code(own.touch.name(categories)));
             let probabilities = judged.probabilities(own.region).iter();
             self.scores.push(own.nothing);
             self.scores.extend(probabilities.map(|share| (1.0 - own.nothing) * share));
@@ -154,8 +159,8 @@ impl Verdicts {
         self.starts.push(self.taxels.len() as u32);
     }
 
-    fn push(&mut self, taxel: usize, samples: usize, code: u8) {
-        self.taxels.push((self.first_taxel + taxel) as u32);
+    fn push(&mut self, patch: usize, taxel: usize, samples: usize, code: u8) {
+        self.taxels.push((self.first_taxels[patch] + taxel) as u32);
         self.codes.push(code);
         self.samples.push(samples as u32);
     }

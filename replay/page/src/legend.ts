@@ -60,8 +60,8 @@ export function drawLegend(box: HTMLElement, reach: Reach, palette: Palette, col
     const names = colour === "truth" ? [...reach.categories, "spurious"] : (verdicts?.verdicts ?? []);
     entries.push(...names.map((name) => swatch(palette, name)));
     if (colour === "verdict") entries.push(text("dashed red frame: the verdict is wrong or uncertain"));
-    const { patches } = reach.header;
-    if (colour === "verdict" && verdicts !== null && patches.length > 1) entries.push(text(`the model judges the patch ${patches[verdicts.patch]!.name} alone`));
+    const judged = reach.judgedAlone;
+    if (colour === "verdict" && judged !== null) entries.push(text(`the model judges the ${judged} alone`));
   }
   const objects = reach.categories.map((name) => swatch(palette, name));
   if (colour !== "truth" && objects.length > 0) entries.push(element("span", { class: "entries" }, "objects:", ...objects));

@@ -47,7 +47,7 @@ export function plotsOf(reach: Reach, trials: Trials, series: Series, taxel: num
     id: "taxel", title: `Force on ${reach.taxelName(taxel)}`, unit: "N", time, fromZero: true,
     curves: [{ name: "sensed", colour: "accent", values: own(reach.sensed) }, ...(reach.isTable ? [] : [{ name: "true", colour: "quiet", dash: true, values: own(reach.trueForce) }])],
   });
-  if (verdicts !== null && reach.patchOf[taxel] === verdicts.patch) {
+  if (verdicts !== null && verdicts.patches.includes(reach.patchOf[taxel]!)) {
     const count = verdicts.scores.length;
     const shares = verdicts.score_kind === "probability";
     plots.push({

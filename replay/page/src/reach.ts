@@ -72,7 +72,7 @@ export interface VerdictHeader {
   model: string;
   classifier: string;
   features: string[];
-  patch: number;
+  patches: number[];
   threshold_n: number;
   /** The categories that the model knows. */
   categories: string[];
@@ -227,6 +227,13 @@ export class Reach {
 
   patch(taxel: number): Patch {
     return this.header.patches[this.patchOf[taxel]!]!;
+  }
+
+  /** The patches that the model judges, by name, if it leaves others out. */
+  get judgedAlone(): string | null {
+    const judged = this.header.verdicts?.patches ?? [];
+    if (judged.length === 0 || judged.length === this.header.patches.length) return null;
+    return `patch${judged.length > 1 ? "es" : ""} ${judged.map((patch) => this.header.patches[patch]!.name).join(", ")}`;
   }
 
   /** The controller's map in a frame. */

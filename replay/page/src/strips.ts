@@ -45,12 +45,12 @@ export class Strips {
 
   #strips(reach: Reach, trials: Trials, taxel: number | null): Strip[] {
     const { verdicts, threshold_n: threshold } = reach.header;
-    const judged = verdicts === null ? null : verdicts.patch;
+    const judged = verdicts === null ? null : verdicts.patches;
     const truth: Strip = {
       label: "truth",
       count: (frame, add) => {
         for (let row = reach.readingStart[frame]!; row < reach.readingStart[frame + 1]!; row++) {
-          const own = judged === null || reach.patchOf[reach.readingTaxel[row]!] === judged;
+          const own = judged === null || judged.includes(reach.patchOf[reach.readingTaxel[row]!]!);
           if (own && reach.sensed[row]! > threshold) add(reach.category(reach.readingObject[row]!));
         }
       },
@@ -73,7 +73,7 @@ export class Strips {
           if (row >= 0 && reach.sensed[row]! > threshold) add(reach.category(reach.readingObject[row]!));
         },
       });
-      if (judged !== null && reach.patchOf[taxel] === judged) {
+      if (judged !== null && judged.includes(reach.patchOf[taxel]!)) {
         strips.push({
           label: "its verdict",
           own: true,
@@ -104,7 +104,7 @@ export class Strips {
       this.#fill(context, reach, strip, top, palette, strip.own === true ? new Map() : seen);
     });
     const judged = reach.header.verdicts;
-    const where = judged === null ? "all patches" : `patch ${reach.header.patches[judged.patch]!.name}`;
+    const where = reach.judgedAlone ?? "all patches";
     const names = [...seen.keys()].sort(byName).map((name) => EXPLAINED[name] ?? name);
     say(this.#key, names.length === 0 ? `Nothing touches ${where} in this reach.` : `Shares of the taxels in contact on ${where}, from the bottom: ${names.join(", ")}.`);
     const common = strips.filter(({ own }) => own !== true).length;

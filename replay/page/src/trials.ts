@@ -124,7 +124,7 @@ export class Trials {
         const row = reach.reading(taxel, frame);
         if (row < 0) continue;
         if (reach.sensed[row]! > peak) [peak, peakFrame] = [reach.sensed[row]!, frame];
-        if (header === null || reach.patchOf[taxel] !== header.patch) continue;
+        if (header === null || !header.patches.includes(reach.patchOf[taxel]!)) continue;
         const now = this.verdict(taxel, frame)?.name ?? null;
         const pressing = reach.readingObject[row]!;
         if (judge(reach.category(pressing), now, header) === "wrong") wrongFrames++;

@@ -41,21 +41,23 @@ test("the page has the verdicts of the command line", async () => {
       });
     });
     assert.equal(found.length, lines.length);
-    let count = 0;
+    const { patches } = (await readRecording(`${SCENES[number]}.parquet`)).recording.layout;
+    // Taxels are numbered through all patches.
+    const numberOf = ({ patch, taxel }) => taxel + patches.slice(0, patches.findIndex(({ name }) => name === patch)).reduce((sum, { taxels }) => sum + taxels.length, 0);
+    const count = Object.fromEntries(patches.map(({ name }) => [name, 0]));
     for (const [frame, { taxels, regions }] of lines.entries()) {
-      // The page shows the first patch; a model may judge several.
-      const expected = taxels.filter(({ patch }) => patch === "forearm").toSorted((a, b) => a.taxel - b.taxel);
-      assert.deepEqual(found[frame].map(({ taxel, verdict }) => [taxel, verdict]), expected.map(({ taxel, verdict }) => [taxel, verdict]), `frame ${frame}`);
-      for (const [row, { contact, nothing, probabilities }] of expected.entries()) {
+      const expected = taxels.toSorted((a, b) => numberOf(a) - numberOf(b));
+      assert.deepEqual(found[frame].map(({ taxel, verdict }) => [taxel, verdict]), expected.map((own) => [numberOf(own), own.verdict]), `frame ${frame}`);
+      for (const [row, { patch, contact, nothing, probabilities }] of expected.entries()) {
         const own = found[frame][row];
-        const region = regions.find((region) => region.patch === "forearm" && region.contact === contact);
+        const region = regions.find((region) => region.patch === patch && region.contact === contact);
         for (const [name, share] of Object.entries({ nothing, ...probabilities })) assert.ok(Math.abs(own.probabilities[name] - share) < 1e-6);
         assert.deepEqual([own.region.contact, own.region.verdict, own.region.touchedTaxels], [contact, region.verdict, region.touched_taxels]);
         assert.ok(Math.abs(own.region.shareBeyond - region.share_beyond) < 1e-6);
-        count++;
+        count[patch]++;
       }
     }
-    assert.ok(count > 100, `${SCENES[number]}: only ${count} verdicts`);
+    for (const [patch, verdicts] of Object.entries(count)) assert.ok(verdicts > 100, `${SCENES[number]}: only ${verdicts} verdicts on ${patch}`);
     await finish(page);
   }
 });

@@ -120,14 +120,14 @@ fn what_follows_has_the_regions_of_a_touch_model() {
     );
 }
 
-/// Tests that objects that touch another patch, without a grid and far away, leave the verdicts on the patch that the page
-/// shows as they are.
+/// Tests that a second patch that feels the same far away has the same verdicts, with taxels and regions that are counted on
+/// from those of the first, and with objects of its own.
 #[test]
-fn the_page_shows_the_first_patch() {
+fn all_patches_have_verdicts() {
     let alone = pressed_by(Category::TRUNK, 1.1, 40);
     let mut both = alone.clone();
     let mut flipper = both.layout.patches[0].clone();
-    (flipper.name, flipper.grid) = ("flipper".into(), None);
+    flipper.name = "flipper".into();
     both.layout.patches.push(flipper);
     for frame in &mut both.frames {
         let mut pose = frame.patch_pose_world[0];
@@ -136,11 +136,20 @@ fn the_page_shows_the_first_patch() {
         let felt = frame.taxels.iter().map(|reading| TaxelReading { patch: 1, ..*reading });
         frame.taxels.extend(felt.collect::<Vec<_>>());
     }
+    let taxels = alone.layout.patches[0].taxels.len() as f64;
     let [one, two] = [alone, both].map(|reach| Packed::read(&pack(&reach, &KNOWN, Some(&judging())).unwrap()));
-    for name in ["verdict_start", "verdict_taxel", "verdict_code", "verdict_region"] {
-        assert_eq!(one.section(name), two.section(name), "{name}");
-    }
     assert!(!one.section("verdict_code").is_empty());
+    let [starts, regions] = ["verdict_start", "touch_start"].map(|name| one.section(name));
+    assert_eq!(two.section("verdict_start"), starts.iter().map(|start| 2.0 * start).collect::<Vec<_>>());
+    for (name, shift) in [("verdict_taxel", None), ("verdict_code", Some(0.0)), ("verdict_region", Some(f64::NAN))] {
+        let own = one.section(name);
+        let expected = starts.windows(2).zip(regions.windows(2)).flat_map(|(rows, regions)| {
+            let rows = &own[rows[0] as usize..rows[1] as usize];
+            let shift = shift.map_or(taxels, |shift: f64| if shift.is_nan() { regions[1] - regions[0] } else { shift });
+            rows.iter().copied().chain(rows.iter().map(move |value| value + shift)).collect::<Vec<_>>()
+        });
+        assert_eq!(two.section(name), expected.collect::<Vec<_>>(), "{name}");
+    }
 }
 
 /// Tests that a patch other than the one that the touch model was trained for is refused, and that a patch without a
