@@ -1,6 +1,7 @@
 """The sweep in both engines: this project's runs as a separate program, MuJoCo's through its Python package."""
 
 import json
+import math
 import subprocess
 import time
 
@@ -51,16 +52,20 @@ class Peer:
         return data.qpos[self.model.jnt_qposadr[joints]]
 
     def processor_time_s(self):
+        """Of a whole sweep, s; infinite if it is so unstable that MuJoCo gives up."""
         data = self.start()
         start = time.process_time()
-        for control in self.controls:
-            data.ctrl[:] = control
-            mujoco.mj_step(self.model, data, self.steps)
+        try:
+            for control in self.controls:
+                data.ctrl[:] = control
+                mujoco.mj_step(self.model, data, self.steps)
+        except mujoco.FatalError:
+            return math.inf
         return time.process_time() - start
 
     def forces(self, data=None, frames=slice(None)):
-        """Mean force of each frame on each link, N, world frame, frames × links × 3. `data` is the state to continue
-        from; the run begins at the start if it is left out."""
+        """Mean force of each frame on each link, N, world frame, frames × links × 3; NaN if the run is unstable.
+        `data` is the state to continue from; the run begins at the start if it is left out."""
         data = data or self.start()
         controls = self.controls[frames]
         forces = np.zeros((len(controls), len(self.setup["arm"]["links"]), 3))
@@ -68,7 +73,11 @@ class Peer:
         for frame, control in enumerate(controls):
             data.ctrl[:] = control
             for _ in range(self.steps):
-                mujoco.mj_step(self.model, data)
+                try:
+                    mujoco.mj_step(self.model, data)
+                except mujoco.FatalError:
+                    # An unstable run may throw the leaves into each other, until the contacts outgrow MuJoCo's memory.
+                    return np.full_like(forces, np.nan)
                 for number in range(data.ncon):
                     contact = data.contact[number]
                     first, second = self.link_of_body[self.model.geom_bodyid[contact.geom]]
