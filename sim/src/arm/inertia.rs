@@ -35,8 +35,8 @@ pub(super) fn fault(entries: Entries) -> Option<(String, String)> {
 }
 
 /// The inertia of a body that is nearest to one whose largest principal moment exceeds the sum of the other two, and by what share
-/// of the sum it does; none for others. The other two are raised alike until their sum is the largest: of the second moments of
-/// mass along the principal axes, which they are sums of, the one below zero becomes zero.
+/// of the sum it does; none for others. The other two are raised alike until their sum is the largest. A principal moment is the
+/// sum of the second moments of mass along the other two principal axes, and the one of these that is below zero becomes zero.
 pub(super) fn raised(entries: Entries) -> Option<(Entries, f64)> {
     fault(entries)?;
     let own = matrix(entries);
