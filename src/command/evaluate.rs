@@ -30,7 +30,8 @@ trial names its reach: trials of one reach resemble each other, so grouping by p
 more). The default recipe is the paper's.
 
 Without --classifier and options about fitting, all classifiers are compared on the same folds, the best first, and the \
-details are those of the paper's hidden Markov models. With --features, all get these, and peak-force the force. peak-force is the baseline of contacts: the largest force alone.
+details are those of the paper's hidden Markov models. With --features all use these features. peak-force is the baseline of \
+contacts: the largest force alone.
 
 Compare an accuracy with the majority baseline, which is reached by always naming the most frequent category, and with the \
 balanced accuracy, the mean recall over the categories that the classifier knows. Uncertain counts as wrong, and so does \
@@ -158,9 +159,9 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     output::result(json, &results, || text::of(&results))
 }
 
-/// All classifiers on the same folds, the best first, with the chosen features if there are any. Else one whose usual features
-/// these trials lack, as those of a log of forces, is given the features that they have. One that cannot be fitted is left out, and the reason is told. The first of the list has
-/// been judged: `first`.
+/// All classifiers on the same folds, the best first, with the chosen features if there are any. Without a choice, a classifier
+/// whose usual features these trials lack, as those of a log of forces, is given the features that they have. One that cannot be
+/// fitted is left out, and the reason is told. The first of the list has been judged: `first`.
 fn compare(
     trials: &[Trial],
     folds: Folds,

@@ -6,7 +6,7 @@ use serde::Serialize;
 use underbrush_recording::Recording;
 
 use crate::touch::{
-    Mobility, ObjectTouch, Stiffness, Touch, TouchClassifier, TouchObject, Votes, category_of, count_votes,
+    Mobility, ObjectTouch, Stiffness, Touch, TouchClassifier, TouchObject, Votes, category_of, count_votes, strongest,
     true_stiffness_n_per_m,
 };
 
@@ -106,18 +106,18 @@ impl ObjectJudge {
 
     fn close(&mut self, number: u64, recording: &Recording) {
         let Some(open) = self.open.remove(&number).filter(|open| open.is_judged) else { return };
-        let strongest = open.votes.iter().reduce(|most, other| if other.1 > most.1 { other } else { most });
-        let (Some((true_object, own_n)), Some(truth)) = (strongest, category_of(&open.votes, recording)) else {
+        let (Some((true_object, own_n)), Some(truth)) = (strongest(&open.votes), category_of(&open.votes, recording))
+        else {
             return;
         };
         let called_unknown = open.contacts.values().filter(|touch| **touch == Touch::Unknown).count();
         self.closed.push(JudgedObject {
             truth: truth.name().to_owned(),
-            true_object: *true_object,
-            true_stiffness_n_per_m: true_stiffness_n_per_m(recording, open.peak_frame, *true_object),
+            true_object,
+            true_stiffness_n_per_m: true_stiffness_n_per_m(recording, open.peak_frame, true_object),
             contacts: open.contacts.len(),
             contacts_called_unknown: called_unknown,
-            force_n: [open.votes.values().sum(), *own_n],
+            force_n: [open.votes.values().sum(), own_n],
             ..open.judged
         });
     }

@@ -1,13 +1,11 @@
 //! Training rows from recordings with ground truth.
 
-use std::collections::BTreeMap;
-
 use underbrush_recording::Recording;
 
 use super::contact_history::REGION_FEATURE_COUNT;
 use super::frame::SkinTracker;
 use super::network::Row;
-use super::object::{ObjectExample, ObjectExamples, ObjectTracker};
+use super::object::{ObjectExample, ObjectExamples, ObjectTracker, Votes, strongest};
 use super::options::TouchOptions;
 use super::region::Region;
 use super::taxel::TAXEL_FEATURE_COUNT;
@@ -124,13 +122,13 @@ impl Examples {
 /// the region.
 pub(super) fn truth(tracker: &SkinTracker, region: &Region, recording: &Recording) -> Option<String> {
     let image = tracker.image();
-    let mut forces: BTreeMap<u16, f64> = BTreeMap::new();
+    let mut forces = Votes::new();
     for &taxel in tracker.taxels(region) {
         if let Some(object) = image.object(taxel).filter(|_| image.is_touched(taxel)) {
             *forces.entry(object).or_default() += image.sensed_force_n(taxel);
         }
     }
-    let (object, _) = forces.into_iter().reduce(|most, other| if other.1 > most.1 { other } else { most })?;
+    let (object, _) = strongest(&forces)?;
     let object = recording.objects.get(usize::from(object))?;
     Some(object.category.name().to_owned())
 }

@@ -43,7 +43,7 @@ pub use object::{
     Mobility, OBJECT_FEATURE_COUNT, ObjectCategories, ObjectCourse, ObjectTracker, Stiffness, StiffnessTrees,
     TouchObject, UnknownObjects,
 };
-pub(crate) use object::{Votes, category_of, count_votes, true_stiffness_n_per_m};
+pub(crate) use object::{Votes, category_of, count_votes, strongest, true_stiffness_n_per_m};
 pub use online::{ObjectReport, ObjectTouch, RegionTouch, TaxelTouch, TouchClassifier};
 pub use options::TouchOptions;
 pub use region::Region;

@@ -203,19 +203,21 @@ impl TouchClassifier {
         for (index, (own, object)) in self.objects.iter_mut().zip(self.tracker.objects()).enumerate() {
             let (course, places) = (&object.course, index * count..(index + 1) * count);
             let is_due = course.frames() <= JUDGED_EVERY || course.frames().is_multiple_of(JUDGED_EVERY);
-            let needs_features = self.model.of_objects.is_some() || self.model.unknown.is_some();
-            let is_new = course.frames() != own.frames;
-            if let Some(trees) = self.model.stiffness.as_ref().filter(|_| is_new && course.is_at_largest_force()) {
-                own.learnt_stiffness = Some(trees.of(&course.features()));
-            }
-            if is_new && is_due && needs_features {
+            let categories = self.model.of_objects.as_ref().filter(|_| is_due);
+            let unknown = self.model.unknown.as_ref().filter(|_| is_due);
+            let stiffness = self.model.stiffness.as_ref().filter(|_| course.is_at_largest_force());
+            let needs_features = categories.is_some() || unknown.is_some() || stiffness.is_some();
+            if course.frames() != own.frames && needs_features {
                 let features: [f32; OBJECT_FEATURE_COUNT] = course.features();
-                if let Some(categories) = &self.model.of_objects {
+                if let Some(trees) = stiffness {
+                    own.learnt_stiffness = Some(trees.of(&features));
+                }
+                if let Some(categories) = categories {
                     let own = &mut self.by_trees[places.clone()];
                     categories.probabilities(&features, own);
                     own.iter_mut().for_each(|own| *own = math::ln(own.max(LEAST_PROBABILITY)));
                 }
-                if let Some(unknown) = self.model.unknown.as_ref().filter(|_| object.is_judged()) {
+                if let Some(unknown) = unknown.filter(|_| object.is_judged()) {
                     own.share_beyond = unknown.share_beyond(&features, course.samples());
                 }
             }

@@ -217,8 +217,8 @@ impl<'a> Tree<'a> {
         side.map(|joint| (*joint, place(joint).unwrap_or_else(|| own(joint)))).collect()
     }
 
-    /// The links whose inertia no body has and can be raised, each with the inertia of a body and the share by which its largest
-    /// principal moment is too large.
+    /// Links with an inertia that no body has, each with the nearest inertia of a body and the share by which its largest principal
+    /// moment is too large. Links that have no such nearest inertia are left out.
     fn raised_inertia(&self) -> Vec<(String, Entries, f64)> {
         let of_link = |link: &Element<'a>| {
             let inertial = child(*link, "inertial").filter(|own| number(child(*own, "mass"), "value") > 0.0)?;

@@ -27,5 +27,5 @@ pub use stiffness::StiffnessTrees;
 pub(crate) use stiffness::true_stiffness_n_per_m;
 pub use tracker::{ObjectTracker, TouchObject};
 pub(super) use training::{FittedObjects, ObjectExample, ObjectExamples, fit_objects};
-pub(crate) use training::{Votes, category_of, count_votes};
+pub(crate) use training::{Votes, category_of, count_votes, strongest};
 pub use unknown::UnknownObjects;

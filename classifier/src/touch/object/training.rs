@@ -106,7 +106,7 @@ impl ObjectExamples {
 
     fn close(&mut self, number: u64, recording: &Recording) {
         let Some(Open { votes, mut example, peak }) = self.open.remove(&number) else { return };
-        if let Some(object) = strongest(&votes).filter(|_| !example.rows.is_empty())
+        if let Some((object, _)) = strongest(&votes).filter(|_| !example.rows.is_empty())
             && let Some(own) = recording.objects.get(usize::from(object))
         {
             example.category = own.category.name();
@@ -131,14 +131,15 @@ impl ObjectExample {
     }
 }
 
-/// The true object that most of the force comes from.
-fn strongest(votes: &Votes) -> Option<u16> {
-    votes.iter().reduce(|most, other| if other.1 > most.1 { other } else { most }).map(|(object, _)| *object)
+/// The true object that most of the force comes from, and this force, N.
+pub(crate) fn strongest(votes: &Votes) -> Option<(u16, f64)> {
+    let votes = votes.iter().map(|(object, force_n)| (*object, *force_n));
+    votes.reduce(|most, other| if other.1 > most.1 { other } else { most })
 }
 
 /// The category of the true object that most of the force comes from.
 pub(crate) fn category_of(votes: &Votes, recording: &Recording) -> Option<Category> {
-    Some(recording.objects.get(usize::from(strongest(votes)?))?.category)
+    Some(recording.objects.get(usize::from(strongest(votes)?.0))?.category)
 }
 
 /// Calls `vote` with the object, the true object and the sensed force of each taxel that something presses on.
