@@ -10,6 +10,9 @@ mod hull;
 
 pub use hull::{MAX_CORNERS, convex_hull};
 
+/// More than what rounding changes in a distance, m.
+pub const ROUNDING_M: f64 = 1e-9;
+
 /// Converts a shape of a body to a parry shape and its pose in the frame of the body's shape; `None` for a hull without
 /// volume or with more than [`MAX_CORNERS`].
 pub fn engine_shape(shape: &BodyShape) -> Option<(SharedShape, Pose)> {
@@ -53,6 +56,19 @@ impl Capsule {
             end: pose.transform_point(bounds.center() + reach),
             radius_m,
         }
+    }
+
+    /// The ball around the capsule: its centre and its radius, m.
+    pub fn ball(&self) -> (DVec3, f64) {
+        (self.start.midpoint(self.end), 0.5 * self.start.distance(self.end) + self.radius_m)
+    }
+
+    /// Whether a point is farther than this from the surface, m.
+    pub fn is_farther(&self, point: DVec3, distance_m: f64) -> bool {
+        let (along, to_point) = (self.end - self.start, point - self.start);
+        let share = (to_point.dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let reach_m = self.radius_m + distance_m;
+        to_point.distance_squared(along * share) > reach_m * reach_m
     }
 
     /// Distance between the surfaces of two capsules, m; negative if they overlap.
@@ -111,6 +127,12 @@ impl PlacedShape {
     /// The shape on a body at `pose`, if its own pose is in the frame of the body.
     pub fn on(&self, pose: &Pose) -> Self {
         PlacedShape { shape: self.shape.clone(), pose: *pose * self.pose }
+    }
+
+    /// A ball that contains the shape: its centre, world frame, and its radius, m.
+    pub fn ball(&self) -> (DVec3, f64) {
+        let ball = self.shape.compute_local_bounding_sphere();
+        (self.pose.transform_point(ball.center), ball.radius)
     }
 
     /// Distance to the surface of a capsule, m; 0 if they overlap.
@@ -274,6 +296,23 @@ mod tests {
             // For lengths around 1 m that is an angle of 1.5e-8 rad, and an error of as many metres.
             prop_assert!((segment_distance(a, b, c, d) - expected).abs() < 1e-6, "{expected}");
             prop_assert!((segment_distance(c, d, a, b) - expected).abs() < 1e-6, "{expected}");
+        }
+    }
+
+    proptest! {
+        /// Tests that a point is farther from a capsule than a distance if, and only if, it is farther than the distance of
+        /// the point from the segment says, and that the ball around a capsule contains both of its ends.
+        #[test]
+        fn a_point_is_farther_than_its_distance_says(
+            (start, end, point) in (point(), point(), point()),
+            share in 0.0..2.0f64,
+        ) {
+            let capsule = Capsule { start, end, radius_m: 0.1 };
+            let distance_m = point_distance(point, start, end) - 0.1;
+            prop_assume!(distance_m > 0.0 && (share - 1.0).abs() > 1e-9);
+            prop_assert_eq!(capsule.is_farther(point, share * distance_m), share < 1.0);
+            let (middle, reach_m) = capsule.ball();
+            prop_assert!([start, end].iter().all(|end| middle.distance(*end) + 0.1 <= reach_m + 1e-12));
         }
     }
 

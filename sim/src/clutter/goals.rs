@@ -11,7 +11,7 @@ use underbrush_recording::{InputError, Pose};
 
 use super::PlacedObject;
 use crate::arm::{Arm, ArmAtStart};
-use crate::geometry::{Capsule, PlacedShape, segment_distance};
+use crate::geometry::{Capsule, PlacedShape, ROUNDING_M, segment_distance};
 use crate::range::{PLACE_M, Quantity};
 use crate::scene::Scene;
 
@@ -183,10 +183,20 @@ impl Surroundings {
         if -shape.extent_m(DVec3::NEG_Z) <= self.table_height_m {
             return Some("the table");
         }
-        if self.foam.iter().any(|(block, pose)| shape.distance_to(block, pose) <= 0.0) {
+        // Balls rule out most of what is far away.
+        let (middle, reach_m) = shape.ball();
+        let is_in = |(block, pose): &(Cuboid, Pose)| {
+            pose.position.distance(middle) <= reach_m + block.half_extents.length() + ROUNDING_M
+                && shape.distance_to(block, pose) <= 0.0
+        };
+        let is_near = |obstacle: &Capsule| {
+            !obstacle.is_farther(middle, reach_m + GOAL_MARGIN_M + ROUNDING_M)
+                && shape.distance(obstacle) < GOAL_MARGIN_M
+        };
+        if self.foam.iter().any(is_in) {
             return Some("foam");
         }
-        self.obstacles.iter().any(|obstacle| shape.distance(obstacle) < GOAL_MARGIN_M).then_some("an obstacle")
+        self.obstacles.iter().any(is_near).then_some("an obstacle")
     }
 }
 

@@ -144,8 +144,9 @@ struct Endless {
     axis: DVec3,
     /// Square of the radius, m².
     limit: f64,
-    /// Square of the sine of the angle between lines and axis.
+    /// Square of the sine of the angle between lines and axis, and its root.
     square: f64,
+    sine: f64,
     /// Unit vectors in the plane, along the axis and at right angles to it. Not used for lines along the axis.
     flat: DVec2,
     across: DVec2,
@@ -164,13 +165,14 @@ struct Round {
 impl Endless {
     fn new(axis: DVec3, radius_m: f64) -> Self {
         let square = axis.truncate().length_squared();
-        let flat = axis.truncate() / square.sqrt();
-        Endless { axis, limit: radius_m * radius_m, square, flat, across: flat.perp() }
+        let sine = square.sqrt();
+        let flat = axis.truncate() / sine;
+        Endless { axis, limit: radius_m * radius_m, square, sine, flat, across: flat.perp() }
     }
 
     /// The line at `offset` from a point of the axis.
     fn line(&self, offset: DVec3) -> Round {
-        let Endless { axis, limit, square, flat, across } = *self;
+        let Endless { axis, limit, square, sine, flat, across } = *self;
         if square <= PARALLEL * PARALLEL {
             let away = offset.truncate();
             return Round {
@@ -183,7 +185,7 @@ impl Endless {
         Round {
             inside: Slope { value: limit - distance * distance, gradient: across * (-2.0 * distance) },
             square,
-            middle: axis.z * offset.truncate().dot(flat) / square.sqrt() - offset.z,
+            middle: axis.z * offset.truncate().dot(flat) / sine - offset.z,
         }
     }
 }
