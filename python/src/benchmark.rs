@@ -7,12 +7,10 @@ use pyo3::prelude::*;
 use underbrush_experiments::benchmark::{EnteredController, Entry, TestSet, set_folder};
 use underbrush_experiments::verdict_controller::VerdictControl;
 
-use crate::controller;
 use crate::failure::{Answer, Failure};
-use crate::generate;
 use crate::interrupt::Stop;
-use crate::json;
 use crate::progress::{Reported, watched};
+use crate::{controller, generate, json};
 
 /// Judge a model or a controller on the frozen scenes of the benchmark, and write a row of its table.
 #[pyfunction]

@@ -9,11 +9,8 @@ use underbrush_classifier::{Decision, FORMAT, Model, OnlineClassifier, OnlineOpt
 use underbrush_recording::InputError;
 
 use crate::arguments::{decision, save};
-use crate::given;
-use crate::json;
 use crate::online::Online;
-use crate::pool;
-use crate::{Answer, Failure, Skin, Trials, array, place};
+use crate::{Answer, Failure, Skin, Trials, array, given, json, place, pool};
 
 /// A fitted classifier of trials, as a model file holds it.
 #[pyclass(frozen, name = "Model", module = "underbrush._core")]

@@ -10,10 +10,9 @@ use underbrush_experiments::{contact_trials, model_data};
 use underbrush_recording::disk::Dataset;
 
 use crate::arguments::cutting;
-use crate::json;
 use crate::pool::{self, alone};
 use crate::reach::{Reach, Source};
-use crate::{Answer, Column, Failure, PyTable, Reported, Skin, Trials, array, place, places, watched};
+use crate::{Answer, Column, Failure, PyTable, Reported, Skin, Trials, array, json, place, places, watched};
 
 /// A finished data set. It reads only what is asked for, reach by reach and column by column.
 #[pyclass(frozen, name = "Dataset", module = "underbrush._core")]

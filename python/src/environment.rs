@@ -7,11 +7,10 @@ use pyo3::types::PyDict;
 use underbrush_sim::environment::{ActionKind, EnvironmentOptions, Environments, Part, Stepped};
 use underbrush_sim::{ControllerKind, ReachPlan};
 
-use crate::given;
 use crate::picture::{self, PyCamera};
 use crate::pool::{self, Helpers};
 use crate::scene::scene;
-use crate::{Failure, array, locked};
+use crate::{Failure, array, given, locked};
 
 /// Several environments that are stepped together.
 #[pyclass(frozen, name = "Environments", module = "underbrush._core")]

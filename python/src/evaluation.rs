@@ -10,10 +10,8 @@ use underbrush_classifier::{Classifier, Estimator, Scores};
 
 use crate::arguments::decision;
 use crate::fitting::{Options, estimator_of};
-use crate::json;
-use crate::pool;
 use crate::python_classifier::PythonClassifier;
-use crate::{Answer, Failure, PyModel, Trials, given};
+use crate::{Answer, Failure, PyModel, Trials, given, json, pool};
 
 /// How trials are grouped into folds.
 fn folds(trials: &Trials, count: usize, group: Option<&str>) -> Result<Folds, Failure> {

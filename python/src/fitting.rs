@@ -13,9 +13,8 @@ use underbrush_classifier::{ClassifierKind, Estimator, HmmClassifier, Model, Rec
 use underbrush_experiments::model_data;
 
 use crate::arguments::features;
-use crate::pool;
 use crate::python_classifier::PythonEstimator;
-use crate::{Failure, PyModel, Stop, Trials, given};
+use crate::{Failure, PyModel, Stop, Trials, given, pool};
 
 /// Options of a classifier.
 #[pyclass(frozen, module = "underbrush._core")]

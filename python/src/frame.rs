@@ -8,8 +8,7 @@ use pyo3::types::PyDict;
 use underbrush_recording::limits::{self, Limits};
 use underbrush_recording::{Frame, Pose, SkinLayout, TaxelReading};
 
-use crate::json;
-use crate::{Answer, Failure, Skin, array, patch_index};
+use crate::{Answer, Failure, Skin, array, json, patch_index};
 
 /// One sample of arm and skin at 100 Hz, with its ground truth.
 #[pyclass(frozen, name = "Frame", module = "underbrush._core")]

@@ -7,9 +7,8 @@ use pyo3::types::{PyDict, PyList};
 use underbrush_classifier::{OnlineClassifier, OnlineOptions, Scores, TouchClassifier};
 use underbrush_recording::SkinLayout;
 
-use crate::json;
 use crate::python_classifier::PythonClassifier;
-use crate::{Failure, PyFrame, Skin, Stop, arguments, locked};
+use crate::{Failure, PyFrame, Skin, Stop, arguments, json, locked};
 
 /// Gives a verdict on each taxel in contact, in every frame.
 #[pyclass(frozen, module = "underbrush._core")]

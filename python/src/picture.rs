@@ -12,8 +12,7 @@ use underbrush_report::replayed;
 use underbrush_sim::scene::SceneCamera;
 use underbrush_sim::simulation::Simulation;
 
-use crate::pool;
-use crate::{Failure, array};
+use crate::{Failure, array, pool};
 
 /// Size of the pictures that notebooks show.
 const SHOWN: Size = Size { width: 800, height: 450 };

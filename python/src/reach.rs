@@ -18,12 +18,11 @@ use underbrush_sim::reach::ReachPlan;
 
 use crate::arguments::cutting;
 use crate::failure::{self, place};
-use crate::json;
 use crate::picture::{self, PyCamera};
 use crate::pool::{self, alone};
 use crate::scene::scene;
 use crate::table::{Column, LentColumns, PyTable, record_batch};
-use crate::{Answer, Failure, PyFrame, Skin, Stop, Trials, controller, patch_index, watched};
+use crate::{Answer, Failure, PyFrame, Skin, Stop, Trials, controller, json, patch_index, watched};
 
 /// Where a reach is stored.
 pub enum Source {

@@ -9,11 +9,9 @@ use underbrush_sim::materials::MaterialFile;
 use underbrush_sim::reach::ReachPlan;
 use underbrush_sim::scene::{Scene, shipped_by_name};
 
-use crate::given;
-use crate::json;
 use crate::picture::{self, PyCamera};
 use crate::pool::{alone, guarded};
-use crate::{Answer, Failure, array};
+use crate::{Answer, Failure, array, given, json};
 
 /// A scene: the ranges from which the clutter of every reach is drawn.
 #[pyclass(frozen, name = "Scene", module = "underbrush._core")]

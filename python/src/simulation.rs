@@ -13,8 +13,7 @@ use underbrush_sim::{ReachPlan, Simulation};
 
 use crate::picture::{self, PyCamera};
 use crate::pool::{self, alone};
-use crate::scene;
-use crate::{Answer, Failure, PyArm, PyFrame, Skin, array, locked};
+use crate::{Answer, Failure, PyArm, PyFrame, Skin, array, locked, scene};
 
 /// The arm in one draw of a scene, moved step by step.
 #[pyclass(frozen, name = "Simulation", module = "underbrush._core")]

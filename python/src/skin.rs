@@ -6,8 +6,7 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use underbrush_recording::{Patch, SkinLayout};
 
-use crate::json;
-use crate::{Answer, Failure, array};
+use crate::{Answer, Failure, array, json};
 
 /// The skin of an arm: patches of taxels.
 #[pyclass(frozen, module = "underbrush._core")]

@@ -18,11 +18,10 @@ use underbrush_recording::Recording;
 use crate::arguments::save;
 use crate::classifier::other_kind;
 use crate::failure::{Answer, Failure};
-use crate::json;
 use crate::online::Online;
-use crate::pool;
 use crate::reach::Reach;
 use crate::skin::Skin;
+use crate::{json, pool};
 
 /// A touch model: what presses on each taxel (nothing, a category, uncertain or unknown), in every frame.
 #[pyclass(frozen, name = "TouchModel", module = "underbrush._core")]

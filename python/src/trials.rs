@@ -11,9 +11,8 @@ use underbrush_recording::disk::{channel_names, check_free, read_trials, trial_t
 use underbrush_recording::{Sample, Trial};
 
 use crate::arguments::features;
-use crate::json;
 use crate::sequences::of_sequences;
-use crate::{Answer, Failure, PyTable, alone, array, place, places};
+use crate::{Answer, Failure, PyTable, alone, array, json, place, places};
 
 /// Contact trials: what one taxel, or one connected component, sensed from the beginning of a contact to its end.
 #[pyclass(frozen, module = "underbrush._core")]

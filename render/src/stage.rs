@@ -14,11 +14,10 @@ use underbrush_sim::body_log::{BodyLog, link_bodies};
 use underbrush_sim::scene::SceneCamera;
 use underbrush_sim::{Arm, Simulation};
 
-use crate::arrows;
 use crate::camera::bounds;
 use crate::mesh::Mesh;
 use crate::scene::{Kind, Scene, Surface};
-use crate::{Camera, RenderError, colour};
+use crate::{Camera, RenderError, arrows, colour};
 
 /// The label of the table; that of the background is 0.
 const TABLE: u16 = 1;

@@ -9,10 +9,9 @@ use underbrush_report::benchmark_text;
 use underbrush_sim::controller::ControllerKind;
 
 use crate::failure::Failure;
-use crate::input;
 use crate::options::named;
 use crate::progress::Shown;
-use crate::{interrupt, output};
+use crate::{input, interrupt, output};
 
 /// Shown at the end of `underbrush benchmark --help`.
 const EXAMPLE: &str = "\

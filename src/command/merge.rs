@@ -7,8 +7,7 @@ use underbrush_recording::disk::{Dataset, DiskError, Shards};
 
 use super::dataset_summary::Summary;
 use super::overwrite::Overwrite;
-use crate::{Failure, progress};
-use crate::{interrupt, output};
+use crate::{Failure, interrupt, output, progress};
 
 /// MergeOptions of `underbrush merge`.
 #[derive(Args)]

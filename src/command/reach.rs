@@ -7,18 +7,15 @@ use std::time::Instant;
 use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::trial::{PatchImage, TrialOptions, Unit};
-use underbrush_experiments::contact_trials;
-use underbrush_experiments::{audit, dataset};
+use underbrush_experiments::{audit, contact_trials, dataset};
 use underbrush_recording::disk::{remove_leftovers, write_recording};
 use underbrush_recording::{Audit, NamedStop, Recording};
 use underbrush_report::drawing::Rows;
 use underbrush_sim::{ControllerKind, ReachPlan, ReachSoFar, Scene};
 
-use super::picture;
 use super::touch::TouchDecisionArguments;
-use super::{DecisionArguments, Overwrite, VerdictArguments, Watched, replay};
-use crate::output;
-use crate::{Failure, Shown, input};
+use super::{DecisionArguments, Overwrite, VerdictArguments, Watched, picture, replay};
+use crate::{Failure, Shown, input, output};
 
 /// ReachOptions of `underbrush reach`.
 #[derive(Args)]

@@ -14,8 +14,7 @@ use underbrush_report::replayed::{MAX_PAGE_BYTES, known};
 
 use super::touch::TouchDecisionArguments;
 use super::{DecisionArguments, Overwrite, PictureArguments};
-use crate::{Failure, options};
-use crate::{input, output};
+use crate::{Failure, input, options, output};
 
 /// Shown at the end of `underbrush replay --help`.
 const EXAMPLES: &str = "\

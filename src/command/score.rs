@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
-use underbrush_classifier::Model;
-use underbrush_classifier::{ScoreKind, any_model};
+use underbrush_classifier::{Model, ScoreKind, any_model};
 
 use crate::input::{self, TrialArguments};
 use crate::options::named;

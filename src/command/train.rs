@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 use serde_json::json;
-use underbrush_classifier::any_model;
 use underbrush_classifier::evaluate::{ChosenThresholds, Folds, HeldOut, ThresholdError, ThresholdTargets};
 use underbrush_classifier::hmm::Stop;
 use underbrush_classifier::{
-    Classifier, DataKind, Estimator, HmmClassifier, Model, ModelError, Provenance, Rule, TrainingReport, is_trained,
+    Classifier, DataKind, Estimator, HmmClassifier, Model, ModelError, Provenance, Rule, TrainingReport, any_model,
+    is_trained,
 };
 use underbrush_experiments::model_data;
 use underbrush_recording::Trial;

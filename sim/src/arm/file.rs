@@ -10,12 +10,11 @@ use toml::Spanned;
 use underbrush_recording::{BodyShape, InputError, PLAIN, is_plain, short};
 
 use super::inertia::{self, Entries};
-use super::limits;
 use super::passing::passing_links;
 use super::schema::Within;
 use super::source::{Source, listed};
 use super::urdf::{Chain, ChainJoint, Said, read_chain};
-use super::{Arm, ArmSource, Joint, LinkCollider, skin_file};
+use super::{Arm, ArmSource, Joint, LinkCollider, limits, skin_file};
 use crate::geometry::MAX_CORNERS;
 
 /// An arm: its URDF, its skin, and the properties that URDF cannot express.

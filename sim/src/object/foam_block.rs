@@ -7,10 +7,9 @@ use glam::DVec3;
 use underbrush_recording::limits::SHARE;
 use underbrush_recording::{BodyShape, Category, Limits};
 
-use super::FRICTION;
 use super::{
-    Axis, Body, CollisionGroup, Declared, Drawing, EARTH_GRAVITY_M_PER_S2, Footing, Inertia, Joint, Kind, Maxwell,
-    Object, Spring, Structure, part,
+    Axis, Body, CollisionGroup, Declared, Drawing, EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Inertia, Joint, Kind,
+    Maxwell, Object, Spring, Structure, part,
 };
 use crate::{Draw, DrawError, Footprint, Surface};
 

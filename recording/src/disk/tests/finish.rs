@@ -1,6 +1,5 @@
-use std::fs;
 use std::path::Path;
-use std::thread;
+use std::{fs, thread};
 
 use super::Change;
 use super::dataset::{begin, contents, copy, make, plan, recordings, scene_text};

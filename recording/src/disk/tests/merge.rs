@@ -1,8 +1,7 @@
 use std::path::{Path, PathBuf};
 
-use super::Change;
 use super::dataset::{contents, plan, scene_text};
-use super::reach;
+use super::{Change, reach};
 use crate::disk::{Dataset, DatasetPlan, DatasetWriter, PlannedEpisode, Shard, Shards};
 use crate::{DiskError, InputError, Recording};
 

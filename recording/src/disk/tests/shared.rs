@@ -1,8 +1,7 @@
-use std::fs;
 use std::path::Path;
 use std::sync::Barrier;
-use std::thread;
 use std::time::Duration;
+use std::{fs, thread};
 
 use super::dataset::{contents, make, plan, recordings};
 use crate::DiskError;
