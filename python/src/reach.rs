@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use underbrush_classifier::DataSource;
 use underbrush_experiments::{VerdictControl, contact_trials, model_data};
 use underbrush_recording::disk::{
-    Dataset, check_free, read_recording, recording_columns, recording_table, remove_leftovers, write_recording,
+    Dataset, Episode, check_free, read_recording, recording_columns, recording_table, remove_leftovers, write_recording,
 };
 use underbrush_recording::{Body, Recording, SkinLayout};
 use underbrush_render::Stage;
@@ -63,18 +63,21 @@ impl Reach {
 
     /// The reach that is stored there.
     pub fn new(source: Source) -> Self {
-        let (scene, controller, seed_and_index, outcome, frames) = match &source {
-            Source::Memory(own) => {
-                let seed_and_index = (own.seed, own.reach_index);
-                (own.scene.clone(), own.controller.clone(), seed_and_index, own.outcome(), own.frames.len())
-            }
-            Source::Dataset(dataset, index) => {
-                let own = &dataset.episodes()[*index];
-                (own.scene.clone(), own.controller.clone(), (own.seed, own.reach_index), own.outcome, own.frames)
-            }
+        let own = match &source {
+            Source::Memory(recording) => Episode::of(recording),
+            Source::Dataset(dataset, index) => dataset.episodes()[*index].clone(),
         };
-        let (whole, layout, columns) = (OnceLock::new(), OnceLock::new(), LentColumns::default());
-        Reach { source, scene, controller, seed_and_index, outcome: outcome.name(), frames, whole, layout, columns }
+        Reach {
+            source,
+            scene: own.scene,
+            controller: own.controller,
+            seed_and_index: (own.seed, own.reach_index),
+            outcome: own.outcome.name(),
+            frames: own.frames,
+            whole: OnceLock::new(),
+            layout: OnceLock::new(),
+            columns: LentColumns::default(),
+        }
     }
 
     /// The whole recording. If the reach is in a data set, it is read when it is first needed.

@@ -44,11 +44,9 @@ impl InputError {
         allowed: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {
-        Self::of(file.as_ref().to_path_buf(), [field.into(), found.into(), allowed.into(), remedy.into()])
-    }
-
-    fn of(file: PathBuf, texts: [String; 4]) -> Self {
-        let [field, found, allowed, remedy] = texts.map(shortened);
+        let [field, found, allowed, remedy] =
+            [field.into(), found.into(), allowed.into(), remedy.into()].map(shortened);
+        let file = file.as_ref().to_path_buf();
         InputError { file, line: None, field, found, allowed, remedy, storage: false }
     }
 

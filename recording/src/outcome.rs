@@ -67,13 +67,8 @@ impl GoalOutcomes {
     }
 
     /// The number of goals with this outcome.
-    pub fn of(&self, outcome: Outcome) -> usize {
-        match outcome {
-            Outcome::Reached => self.reached,
-            Outcome::Stuck => self.stuck,
-            Outcome::TimedOut => self.timed_out,
-            Outcome::Aborted => self.aborted,
-        }
+    pub fn of(mut self, outcome: Outcome) -> usize {
+        *self.of_mut(outcome)
     }
 
     /// The number of goals with this outcome, to change it.

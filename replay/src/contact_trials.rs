@@ -3,7 +3,7 @@
 use underbrush_classifier::trial::{TrialError, TrialOptions, taxel_trials};
 use underbrush_recording::Recording;
 
-use crate::container::Sections;
+use crate::container::{Sections, first_taxels};
 
 /// Adds the contact trials of every taxel, sorted by patch, then first frame. The sections `trial_*` have one number
 /// per trial, and the sections `sample_*` one per sample, which is one per frame of the trial. Trials that end before
@@ -14,8 +14,7 @@ use crate::container::Sections;
 pub fn add(recording: &Recording, threshold_n: f64, from: usize, sections: &mut Sections) -> Result<(), TrialError> {
     let (mut taxels, mut firsts, mut starts, mut objects) = (Vec::new(), Vec::new(), vec![0], Vec::new());
     let (mut motions, mut regions, mut region_sums) = (Vec::new(), Vec::new(), Vec::new());
-    let mut first_taxel = 0;
-    for patch in &recording.layout.patches {
+    for (patch, first_taxel) in recording.layout.patches.iter().zip(first_taxels(&recording.layout)) {
         let options = TrialOptions { patch: Some(patch.name.clone()), threshold_n, ..TrialOptions::default() };
         for contact in taxel_trials(recording, &options)? {
             let samples = &contact.trial.samples;
@@ -40,7 +39,6 @@ pub fn add(recording: &Recording, threshold_n: f64, from: usize, sections: &mut 
             }
             starts.push(motions.len() as u32);
         }
-        first_taxel += patch.taxels.len() as u32;
     }
     sections.add("trial_taxel", taxels);
     sections.add("trial_first_frame", firsts);

@@ -13,6 +13,7 @@
 //! All numbers are little-endian. The page can take each section as a typed array without copying it.
 
 use serde::Serialize;
+use underbrush_recording::SkinLayout;
 
 /// The first bytes.
 const MAGIC: &[u8; 8] = b"ubreplay";
@@ -108,4 +109,19 @@ impl Sections {
         bytes.extend(rest);
         Ok(bytes)
     }
+}
+
+/// The number of the first taxel of each patch.
+pub fn first_taxels(layout: &SkinLayout) -> Vec<u32> {
+    let patches = &layout.patches;
+    starts(patches.iter().map(|patch| patch.taxels.len())).take(patches.len()).collect()
+}
+
+/// The first row of each of some groups of rows, then the number of all rows.
+pub fn starts(counts: impl Iterator<Item = usize>) -> impl Iterator<Item = u32> {
+    let ends = counts.scan(0, |end, count| {
+        *end += count as u32;
+        Some(*end)
+    });
+    std::iter::once(0).chain(ends)
 }

@@ -21,7 +21,6 @@ mod response;
 mod running_reach;
 mod server;
 mod source;
-mod touch_regions;
 mod trial_spans;
 mod trial_table;
 mod verdicts;

@@ -11,7 +11,7 @@ use underbrush_recording::{
     Outcome, Pose, Recording, Taxel,
 };
 
-use crate::container::{MAX_BYTES, Sections};
+use crate::container::{MAX_BYTES, Sections, first_taxels, starts};
 use crate::judging::unjudged;
 use crate::verdicts::VerdictHeader;
 use crate::{Judging, ReplayContext, Verdicts, contact_trials};
@@ -98,7 +98,7 @@ pub fn pack_from(
     if from == 0 {
         add_taxels(recording, &mut sections);
     }
-    add_readings(frames, &first_taxels(recording), &mut sections);
+    add_readings(frames, &first_taxels(&recording.layout), &mut sections);
     add_tracks(&recording.bodies, from, &mut sections);
     let threshold_n =
         verdicts.map_or_else(|| TrialOptions::default().threshold_n, |verdicts| verdicts.header.threshold_n);
@@ -138,7 +138,7 @@ pub fn pack_from(
 
 impl<'a> Fixed<'a> {
     fn of(recording: &'a Recording) -> Self {
-        let patches = recording.layout.patches.iter().zip(first_taxels(recording));
+        let patches = recording.layout.patches.iter().zip(first_taxels(&recording.layout));
         let patches = patches.map(|(patch, first_taxel)| PatchHeader {
             name: &patch.name,
             link: &patch.link,
@@ -153,21 +153,6 @@ impl<'a> Fixed<'a> {
             bodies: &recording.bodies,
         }
     }
-}
-
-/// The number of the first taxel of each patch.
-fn first_taxels(recording: &Recording) -> Vec<u32> {
-    let patches = &recording.layout.patches;
-    starts(patches.iter().map(|patch| patch.taxels.len())).take(patches.len()).collect()
-}
-
-/// The first row of each of some groups of rows, then the number of all rows.
-fn starts(counts: impl Iterator<Item = usize>) -> impl Iterator<Item = u32> {
-    let ends = counts.scan(0, |end, count| {
-        *end += count as u32;
-        Some(*end)
-    });
-    std::iter::once(0).chain(ends)
 }
 
 /// Adds one row per frame.

@@ -4,11 +4,11 @@ use std::io::Write;
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::ReplayContext;
 use crate::live::{Live, LiveStatus};
 use crate::pack::pack_from;
 use crate::response::{FIELDS, Response};
-use crate::source::{no_such_reach, summary};
+use crate::source::no_such_reach;
+use crate::{ReplayContext, Summary};
 
 /// A page gets the status at most this often.
 const STATUS_EVERY: Duration = Duration::from_millis(100);
@@ -29,9 +29,8 @@ impl Running {
         let Some((latest, status)) = self.live.so_far() else {
             return no_answer();
         };
-        let mut summary = summary(0, &latest.recording, String::new(), &self.known);
-        summary.running = !status.ended;
-        Response::list(&[summary])
+        let line = Summary::of(&latest.recording, &self.known);
+        Response::list(&[Summary { running: !status.ended, ..line }])
     }
 
     /// The reach so far; with `from=N` in the query only what follows the first N frames.

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use underbrush_recording::disk::{Dataset, is_folder, is_recording, read_recording, read_trials};
+use underbrush_recording::disk::{Dataset, Episode, is_folder, is_recording, read_recording, read_trials};
 use underbrush_recording::{Fault, GoalOutcomes, Outcome, Recording, SkinLayout};
 
 use crate::judging::unjudged;
@@ -167,23 +167,8 @@ impl Source {
         let peaks = dataset.peak_contact_forces_n()?;
         let input = self.datasets.len();
         for (index, (episode, peak_force_n)) in dataset.episodes().iter().zip(peaks).enumerate() {
-            self.reaches.push(Summary {
-                number: self.places.len(),
-                source: file_name(path),
-                scene: episode.scene.clone(),
-                seed: episode.seed.to_string(),
-                reach_index: episode.reach_index,
-                controller: episode.controller.clone(),
-                outcome: episode.outcome,
-                goal_outcomes: episode.goal_outcomes,
-                duration_s: episode.frames as f64 / rate_hz,
-                contacts: episode.contacts,
-                peak_force_n,
-                audit_warnings: (self.known.audit_warnings)(&episode.audit, dataset.layout()),
-                running: false,
-                log: episode.controller == Recording::UNKNOWN_CONTROLLER,
-                table: false,
-            });
+            let line = Summary::new(episode, rate_hz, dataset.layout(), &self.known);
+            self.reaches.push(Summary { number: self.places.len(), source: file_name(path), peak_force_n, ..line });
             self.places.push(Place::Dataset { input, index });
         }
         self.datasets.push(dataset);
@@ -212,30 +197,41 @@ impl Source {
 
     /// Adds a recording to the list.
     fn list(&mut self, recording: &Recording, source: String) {
-        let summary = summary(self.reaches.len(), recording, source, &self.known);
-        self.reaches.push(summary);
+        let number = self.reaches.len();
+        self.reaches.push(Summary { number, source, ..Summary::of(recording, &self.known) });
     }
 }
 
-/// The line of a recording in the list.
-pub fn summary(number: usize, recording: &Recording, source: String, known: &ReplayContext) -> Summary {
-    let forces = recording.contacts.iter().map(|contact| contact.peak_force_n);
-    Summary {
-        number,
-        source,
-        scene: recording.scene.clone(),
-        seed: recording.seed.to_string(),
-        reach_index: recording.reach_index,
-        controller: recording.controller.clone(),
-        outcome: recording.outcome(),
-        goal_outcomes: recording.goal_outcomes(),
-        duration_s: recording.frames.len() as f64 / recording.rate_hz,
-        contacts: recording.contacts.len(),
-        peak_force_n: forces.fold(0.0, f64::max),
-        audit_warnings: (known.audit_warnings)(&recording.audit, &recording.layout),
-        running: false,
-        log: recording.is_log(),
-        table: recording.joint_names.is_empty(),
+impl Summary {
+    /// The line of a reach, as far as the entry of a data set says what is in it.
+    fn new(episode: &Episode, rate_hz: f64, layout: &SkinLayout, known: &ReplayContext) -> Self {
+        Summary {
+            number: 0,
+            source: String::new(),
+            scene: episode.scene.clone(),
+            seed: episode.seed.to_string(),
+            reach_index: episode.reach_index,
+            controller: episode.controller.clone(),
+            outcome: episode.outcome,
+            goal_outcomes: episode.goal_outcomes,
+            duration_s: episode.frames as f64 / rate_hz,
+            contacts: episode.contacts,
+            peak_force_n: 0.0,
+            audit_warnings: (known.audit_warnings)(&episode.audit, layout),
+            running: false,
+            log: episode.controller == Recording::UNKNOWN_CONTROLLER,
+            table: false,
+        }
+    }
+
+    /// The line of a recording without a number and a source.
+    pub fn of(recording: &Recording, known: &ReplayContext) -> Self {
+        let forces = recording.contacts.iter().map(|contact| contact.peak_force_n);
+        Summary {
+            peak_force_n: forces.fold(0.0, f64::max),
+            table: recording.joint_names.is_empty(),
+            ..Summary::new(&Episode::of(recording), recording.rate_hz, &recording.layout, known)
+        }
     }
 }
 

@@ -3,11 +3,13 @@
 use serde::Serialize;
 use underbrush_classifier::Model;
 use underbrush_classifier::online::{OnlineOptions, TaxelVerdict};
-use underbrush_classifier::touch::{REGION_FEATURES, TaxelTouch, TouchClassifier, TouchDecision, TouchModel};
+use underbrush_classifier::touch::{
+    REGION_FEATURE_COUNT, REGION_FEATURES, RegionTouch, SkinTracker, TaxelTouch, TouchClassifier, TouchDecision,
+    TouchModel,
+};
 use underbrush_recording::SkinLayout;
 
-use crate::container::Sections;
-use crate::touch_regions::TouchRegions;
+use crate::container::{Sections, first_taxels, starts};
 
 /// What the page needs to know to read the verdicts.
 #[derive(Clone, Debug, Serialize)]
@@ -95,90 +97,116 @@ impl VerdictHeader {
     }
 }
 
-/// Verdicts on every taxel in contact. The verdicts of frame f are the rows `starts[f]` to `starts[f + 1]`, sorted by
-/// taxel.
+/// Verdicts on every taxel in contact, and the contact regions of a touch model, frame by frame.
 #[derive(Clone, Debug)]
 pub struct Verdicts {
     /// What the page needs to know to read them.
     pub(crate) header: VerdictHeader,
     /// The number of each patch's first taxel.
-    first_taxels: Vec<usize>,
-    starts: Vec<u32>,
-    taxels: Vec<u32>,
-    codes: Vec<u8>,
-    samples: Vec<u32>,
+    first_taxels: Vec<u32>,
+    frames: Vec<JudgedFrame>,
+}
+
+/// The verdicts on a frame.
+#[derive(Clone, Debug, Default)]
+struct JudgedFrame {
+    /// The taxels in contact, in the order of their numbers.
+    taxels: Vec<JudgedTaxel>,
+    /// A number for each of the header's scores, taxel by taxel.
     scores: Vec<f64>,
-    /// The contact regions of a touch model.
-    regions: Option<TouchRegions>,
+    regions: Vec<JudgedRegion>,
+}
+
+/// The verdict on a taxel.
+#[derive(Clone, Debug)]
+struct JudgedTaxel {
+    number: u32,
+    samples: u32,
+    code: u8,
+    /// The index of its region among those of the frame.
+    region: u16,
+}
+
+/// The verdict on a contact region.
+#[derive(Clone, Debug)]
+struct JudgedRegion {
+    touch: RegionTouch,
+    code: u8,
+    features: [f64; REGION_FEATURE_COUNT],
 }
 
 impl Verdicts {
     /// Verdicts without frames so far, on this skin.
     pub(crate) fn new(header: VerdictHeader, layout: &SkinLayout) -> Self {
-        let first_taxels = layout.patches.iter().scan(0, |end, patch| {
-            *end += patch.taxels.len();
-            Some(*end - patch.taxels.len())
-        });
-        Verdicts {
-            first_taxels: first_taxels.collect(),
-            starts: vec![0],
-            taxels: Vec::new(),
-            codes: Vec::new(),
-            samples: Vec::new(),
-            scores: Vec::new(),
-            regions: header.touch.map(|_| TouchRegions::new()),
-            header,
-        }
+        Verdicts { header, first_taxels: first_taxels(layout), frames: Vec::new() }
     }
 
     /// Adds the verdicts of a classifier of trials on a frame.
-    pub(crate) fn push_of_trials<'a>(&mut self, frame: impl IntoIterator<Item = &'a TaxelVerdict>) {
-        for taxel in frame {
-            self.push(self.header.patches[0], taxel.taxel, taxel.samples, self.header.code(taxel.verdict.name()));
-            self.scores.extend(&taxel.scores);
+    pub(crate) fn push_of_trials<'a>(&mut self, verdicts: impl IntoIterator<Item = &'a TaxelVerdict>) {
+        let mut frame = JudgedFrame::default();
+        for own in verdicts {
+            let place = (self.header.patches[0], own.taxel);
+            frame.taxels.push(self.taxel(place, own.samples, own.verdict.name(), 0));
+            frame.scores.extend(&own.scores);
         }
-        self.starts.push(self.taxels.len() as u32);
+        self.frames.push(frame);
     }
 
     /// Adds the verdicts of a touch model on the frame that it has judged last.
     pub(crate) fn push_of_touch(&mut self, judged: &TouchClassifier) {
         let categories = judged.model().categories();
         // The classifier lists the taxels region by region.
-        let mut frame: Vec<&TaxelTouch> = judged.taxels().iter().collect();
-        frame.sort_unstable_by_key(|own| (own.patch, own.taxel));
-        for own in &frame {
-            self.push(own.patch, own.taxel, own.samples, self.header.code(own.touch.name(categories)));
+        let mut verdicts: Vec<&TaxelTouch> = judged.taxels().iter().collect();
+        verdicts.sort_unstable_by_key(|own| (own.patch, own.taxel));
+        let mut frame = JudgedFrame::default();
+        for own in verdicts {
+            let place = (own.patch, own.taxel);
+            frame.taxels.push(self.taxel(place, own.samples, own.touch.name(categories), own.region));
             let probabilities = judged.probabilities(own.region).iter();
-            self.scores.push(own.nothing);
-            self.scores.extend(probabilities.map(|share| (1.0 - own.nothing) * share));
+            frame.scores.push(own.nothing);
+            frame.scores.extend(probabilities.map(|share| (1.0 - own.nothing) * share));
         }
-        let code = |name: &str| self.header.code(name);
-        if let Some(regions) = &mut self.regions {
-            regions.push(judged, &frame, code);
-        }
-        self.starts.push(self.taxels.len() as u32);
+        let courses = judged.patches().iter().flat_map(SkinTracker::regions).map(|region| &region.course);
+        frame.regions.extend(judged.regions().iter().zip(courses).map(|(own, course)| JudgedRegion {
+            touch: *own,
+            code: self.header.code(own.touch.name(categories)),
+            features: course.features(),
+        }));
+        self.frames.push(frame);
     }
 
-    fn push(&mut self, patch: usize, taxel: usize, samples: usize, code: u8) {
-        self.taxels.push((self.first_taxels[patch] + taxel) as u32);
-        self.codes.push(code);
-        self.samples.push(samples as u32);
+    fn taxel(&self, (patch, taxel): (usize, usize), samples: usize, verdict: &str, region: usize) -> JudgedTaxel {
+        JudgedTaxel {
+            number: self.first_taxels[patch] + taxel as u32,
+            samples: samples as u32,
+            code: self.header.code(verdict),
+            region: region as u16,
+        }
     }
 
-    /// Adds the verdicts on the frames from number `from` on as the sections `verdict_*`. Rows are counted from the
-    /// first of these verdicts, and `verdict_score` has one number for each of the header's scores.
+    /// Adds the verdicts on the frames from number `from` on as the sections `verdict_*`, and the regions of a touch model as
+    /// the sections `touch_*`. Those of a frame are the rows from its number in `verdict_start` or `touch_start` to the next
+    /// one; rows are counted from the first of these frames. `verdict_score` has one number for each of the header's scores.
     pub(crate) fn add(&self, from: usize, sections: &mut Sections) {
-        let starts = self.starts.get(from..).unwrap_or_default();
-        let first = starts.first().copied().unwrap_or_default() as usize;
-        let rows = first..self.taxels.len();
-        sections.add("verdict_start", starts.iter().map(|start| start - first as u32));
-        sections.add("verdict_taxel", self.taxels[rows.clone()].iter().copied());
-        sections.add("verdict_code", self.codes[rows.clone()].iter().copied());
-        sections.add("verdict_samples", self.samples[rows.clone()].iter().copied());
-        let scores = &self.scores[first * self.header.scores.len()..];
-        sections.add_single("verdict_score", scores.iter().copied());
-        if let Some(regions) = &self.regions {
-            regions.add(from, rows, sections);
+        let frames = self.frames.get(from..).unwrap_or_default();
+        let taxels = || frames.iter().flat_map(|frame| &frame.taxels);
+        sections.add("verdict_start", starts(frames.iter().map(|frame| frame.taxels.len())));
+        sections.add("verdict_taxel", taxels().map(|own| own.number));
+        sections.add("verdict_code", taxels().map(|own| own.code));
+        sections.add("verdict_samples", taxels().map(|own| own.samples));
+        sections.add_single("verdict_score", frames.iter().flat_map(|frame| frame.scores.iter().copied()));
+        if self.header.touch.is_none() {
+            return;
         }
+        let regions = || frames.iter().flat_map(|frame| &frame.regions);
+        sections.add("verdict_region", taxels().map(|own| own.region));
+        sections.add("touch_start", starts(frames.iter().map(|frame| frame.regions.len())));
+        sections.add("touch_contact", regions().map(|own| own.touch.contact as u32));
+        sections.add("touch_samples", regions().map(|own| own.touch.samples as u32));
+        sections.add("touch_taxels", regions().map(|own| own.touch.taxels[0] as u16));
+        sections.add("touch_touched_taxels", regions().map(|own| own.touch.taxels[1] as u16));
+        sections.add("touch_code", regions().map(|own| own.code));
+        sections.add_single("touch_share_beyond", regions().map(|own| own.touch.share_beyond));
+        sections.add_single("touch_feature", regions().flat_map(|own| own.features));
     }
 }

@@ -1,7 +1,12 @@
 //! Rules for a single frame: one number per joint, one pose per patch, taxels that exist and are sorted.
 
-use super::violation::{Violation, finite, require};
+use super::physics::check_contact_forces;
+use super::violation::{Violation, finite, require, require_unit};
 use crate::{BodyOwner, Frame, Pose, Recording};
+
+/// Tolerance for the length of a quaternion. Choice: ten times the rounding error of single precision, which many
+/// drivers use.
+const QUATERNION_TOLERANCE: f64 = 1e-6;
 
 /// Checks the lengths, indices and numbers of a frame.
 pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) -> Result<(), Violation> {
@@ -29,6 +34,9 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
     let sorted = frame.taxels.is_sorted_by(|a, b| (a.patch, a.taxel) < (b.patch, b.taxel));
     let found = || "out of order, or one twice".to_string();
     require(sorted, || field("taxels"), found, "each taxel once, sorted by patch, then taxel")?;
+    let is_turn = |pose: &Pose, name| require_unit(pose.orientation.length(), QUATERNION_TOLERANCE, || field(name));
+    is_turn(&frame.end_effector_pose_world, "end_effector_pose_world")?;
+    frame.patch_pose_world.iter().try_for_each(|pose| is_turn(pose, "patch_pose_world"))?;
     for (position, reading) in frame.taxels.iter().enumerate() {
         let field = || field(&format!("taxels[{position}]"));
         let patch = recording.layout.patches.get(usize::from(reading.patch));
@@ -47,6 +55,9 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
             f64::from(reading.sensed_force_n as f32),
         ];
         finite(forces, field)?;
+        for (name, force) in [("true_normal_force_n", forces[0]), ("sensed_force_n", reading.sensed_force_n)] {
+            require(force >= 0.0, || format!("{}.{name}", field()), || force.to_string(), "0 or more")?;
+        }
         let something = reading.object.is_some() || forces.iter().any(|&force| force != 0.0);
         require(something, field, || "all zeros".into(), "only taxels with a force or an object")?;
     }
@@ -60,15 +71,11 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
             (Some(BodyOwner::Link(_)), None) => point.body != point.link,
             _ => false,
         };
-        require(
-            is_other,
-            field,
-            || format!("body {}", point.body),
-            "the index of a body of the object, or of another link",
-        )?;
+        let allowed = "the index of a body of the object, or of another link";
+        require(is_other, field, || format!("body {}", point.body), allowed)?;
         let known = point.patch.is_none_or(|patch| usize::from(patch) < patches);
         require(known, field, || format!("patch {:?}", point.patch), "a patch of the layout")?;
         finite(point.numbers().map(f64::from), field)?;
     }
-    Ok(())
+    check_contact_forces(frame, field)
 }

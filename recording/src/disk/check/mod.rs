@@ -11,7 +11,7 @@ mod violation;
 use self::bodies::check_bodies;
 use self::frames::check_frame;
 pub(super) use self::layout::{check_layout, check_robot};
-use self::physics::check_physics;
+use self::physics::check_times;
 use self::violation::finite;
 pub(super) use self::violation::{Violation, require};
 use crate::{Audit, Category, Outcome, Recording};
@@ -67,7 +67,11 @@ fn check_header(recording: &Recording) -> Result<(), Violation> {
         check_place(recording, &contact.link, contact.patch, Some(contact.object), field)?;
         let ordered = contact.first_frame <= contact.last_frame;
         require(ordered, || field(".last_frame"), || contact.last_frame.to_string(), "first_frame or later")?;
-        finite([contact.peak_force_n, contact.mean_force_n], || field(".peak_force_n and mean_force_n"))?;
+        let forces = [contact.peak_force_n, contact.mean_force_n];
+        finite(forces, || field(".peak_force_n and mean_force_n"))?;
+        for (name, force) in [".peak_force_n", ".mean_force_n"].into_iter().zip(forces) {
+            require(force >= 0.0, || field(name), || force.to_string(), "0 or more")?;
+        }
     }
     Ok(())
 }
@@ -104,7 +108,7 @@ pub(super) fn check_recording(recording: &Recording) -> Result<(), Violation> {
         require(inside, field, || contact.last_frame.to_string(), "the index of a frame")?;
     }
     recording.frames.iter().enumerate().try_for_each(|(index, frame)| check_frame(recording, index, frame))?;
-    check_physics(recording)?;
+    check_times(recording)?;
     // Last, because tracks refer to frames.
     check_bodies(recording)
 }

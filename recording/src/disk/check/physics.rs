@@ -1,14 +1,9 @@
-//! Physical rules for a recording: time advances at the frame rate, orientations are rotations, and normal forces push. The contacts on a patch
-//! add up to its force.
+//! Physical rules for a recording: time advances at the frame rate, and the contacts on a patch add up to its force.
 
 use glam::DVec3;
 
-use super::violation::{Violation, require, require_unit};
-use crate::{Frame, Pose, Recording};
-
-/// Tolerance for the length of a quaternion. Choice: ten times the rounding error of single precision, which many
-/// drivers use.
-const QUATERNION_TOLERANCE: f64 = 1e-6;
+use super::violation::{Violation, require};
+use crate::{Frame, Recording};
 
 /// Relative tolerance for the frame rate. Choice: ten times the error of a computer's clock, and far less than the
 /// error of a wrong rate.
@@ -17,23 +12,9 @@ const RATE_TOLERANCE: f64 = 1e-3;
 /// Relative tolerance for a sum of forces: rounding of some ten of them to single precision.
 const SUM_TOLERANCE: f64 = 1e-6;
 
-/// Checks times, orientations and forces of a recording. Its numbers must be finite.
-pub(super) fn check_physics(recording: &Recording) -> Result<(), Violation> {
-    check_times(recording)?;
-    for (index, frame) in recording.frames.iter().enumerate() {
-        check_frame(index, frame)?;
-    }
-    for (index, contact) in recording.contacts.iter().enumerate() {
-        for (name, force) in [("peak_force_n", contact.peak_force_n), ("mean_force_n", contact.mean_force_n)] {
-            require(force >= 0.0, || format!("contacts[{index}].{name}"), || force.to_string(), "0 or more")?;
-        }
-    }
-    Ok(())
-}
-
 /// `timestamp` is computed from index and rate, so the frames' times may jitter but must stay on that grid. A frame
 /// that a driver has dropped must be filled in.
-fn check_times(recording: &Recording) -> Result<(), Violation> {
+pub(super) fn check_times(recording: &Recording) -> Result<(), Violation> {
     let start_s = recording.frames.first().map_or(0.0, |frame| frame.time_s);
     let mut before_s = f64::NEG_INFINITY;
     for (index, frame) in recording.frames.iter().enumerate() {
@@ -55,24 +36,8 @@ fn check_times(recording: &Recording) -> Result<(), Violation> {
     Ok(())
 }
 
-fn check_frame(index: usize, frame: &Frame) -> Result<(), Violation> {
-    let field = |name: &str| format!("frames[{index}].{name}");
-    let is_turn = |pose: &Pose, name| require_unit(pose.orientation.length(), QUATERNION_TOLERANCE, || field(name));
-    is_turn(&frame.end_effector_pose_world, "end_effector_pose_world")?;
-    frame.patch_pose_world.iter().try_for_each(|pose| is_turn(pose, "patch_pose_world"))?;
-    for (position, reading) in frame.taxels.iter().enumerate() {
-        for (name, force) in
-            [("true_normal_force_n", reading.true_normal_force_n), ("sensed_force_n", reading.sensed_force_n)]
-        {
-            let field = || field(&format!("taxels[{position}].{name}"));
-            require(force >= 0.0, field, || force.to_string(), "0 or more")?;
-        }
-    }
-    check_contact_points(frame, field)
-}
-
 /// The contacts of a patch add up to the patch's force. A recording may come without contacts, as one of a robot does.
-fn check_contact_points(frame: &Frame, field: impl Fn(&str) -> String) -> Result<(), Violation> {
+pub(super) fn check_contact_forces(frame: &Frame, field: impl Fn(&str) -> String) -> Result<(), Violation> {
     if frame.contact_points.is_empty() {
         return Ok(());
     }

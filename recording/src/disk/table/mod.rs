@@ -16,7 +16,8 @@ pub(super) mod write;
 
 pub(super) use batch::Batch;
 pub(super) use column::{Column, Rows, Text, Type, Value, Values};
-pub(super) use read::{ParquetTable, Want};
-pub(super) use row::{Described, Row, Width, row};
-pub(super) use row_groups::Footers;
+pub(super) use parquet_input::broken;
+pub(super) use read::{COLUMNS_KEY, ParquetTable, Want};
+pub(super) use row::{Described, Row, Width, part_names, row};
+pub(super) use row_groups::{EpisodeRows, Footers};
 pub(super) use write::{EPISODE_COLUMN, ParquetFile, ROWS_PER_BATCH, write_table};

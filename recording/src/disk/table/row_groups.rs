@@ -49,18 +49,21 @@ impl EpisodeRows {
         Err(broken(&self.path, found))
     }
 
+    /// The rows, each with its batch, which names the file in errors.
+    pub(in crate::disk) fn rows<R: Row>(&self) -> Result<Vec<(&Batch, R)>, DiskError> {
+        let mut rows = Vec::with_capacity(self.count());
+        for batch in &self.batches {
+            rows.extend(batch.rows_as()?.into_iter().map(|row| (batch, row)));
+        }
+        Ok(rows)
+    }
+
     /// What `read` makes of the rows.
     pub(in crate::disk) fn read<R: Row, T>(
         &self,
         read: impl Fn(&Batch, R) -> Result<T, DiskError>,
     ) -> Result<Vec<T>, DiskError> {
-        let mut found = Vec::with_capacity(self.count());
-        for batch in &self.batches {
-            for row in batch.rows_as()? {
-                found.push(read(batch, row)?);
-            }
-        }
-        Ok(found)
+        self.rows()?.into_iter().map(|(batch, row)| read(batch, row)).collect()
     }
 }
 

@@ -5,9 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::Category;
-use crate::disk::table::column::{Column, Type};
-use crate::disk::table::read::COLUMNS_KEY;
-use crate::disk::table::row::{Described, part_names};
+use crate::disk::table::{COLUMNS_KEY, Column, Described, Type, part_names};
 use crate::disk::tables::dictionary::Table;
 
 /// The codes of the built-in categories and of `further` ones with their names; −1 is none.

@@ -43,34 +43,25 @@ pub struct Episode {
     pub audit: Audit,
 }
 
-/// The place of the frames of an episode, as in the fields of the same names in [`Episode`].
-pub(in crate::disk) struct Place {
-    pub(in crate::disk) frames: usize,
-    pub(in crate::disk) first_index: usize,
-    pub(in crate::disk) chunk_index: usize,
-    pub(in crate::disk) file_index: usize,
-}
-
 impl Episode {
-    /// The entry of a recording, which may be without frames.
-    pub(in crate::disk) fn new(task: String, place: Place, recording: Recording) -> Self {
-        let Place { frames, first_index, chunk_index, file_index } = place;
+    /// What the entry of a recording says apart from its task and its place in the files, which are empty.
+    pub fn of(recording: &Recording) -> Self {
         Episode {
-            task,
-            frames,
-            first_index,
-            chunk_index,
-            file_index,
+            task: String::new(),
+            frames: recording.frames.len(),
+            first_index: 0,
+            chunk_index: 0,
+            file_index: 0,
+            scene: recording.scene.clone(),
+            seed: recording.seed,
+            reach_index: recording.reach_index,
+            controller: recording.controller.clone(),
             outcome: recording.outcome(),
             goal_outcomes: recording.goal_outcomes(),
             safety_stop: recording.safety_stop(),
             objects: recording.objects.len(),
             contacts: recording.contacts.len(),
             touched_frames: recording.touched_frames(),
-            scene: recording.scene,
-            seed: recording.seed,
-            reach_index: recording.reach_index,
-            controller: recording.controller,
             audit: recording.audit,
         }
     }

@@ -4,8 +4,7 @@
 use std::path::Path;
 
 use crate::disk::check::check_layout;
-use crate::disk::table::parquet_input::broken;
-use crate::disk::table::{ParquetTable, Row, Want, write_table};
+use crate::disk::table::{ParquetTable, Row, Want, broken, write_table};
 use crate::disk::tables::description::about_entry;
 use crate::disk::tables::dictionary::{SkinTaxel, TAXELS};
 use crate::{DiskError, Patch, SkinLayout, Taxel};

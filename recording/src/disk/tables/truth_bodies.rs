@@ -2,8 +2,7 @@
 
 use glam::DVec3;
 
-use crate::disk::table::batch::Batch;
-use crate::disk::table::row_groups::EpisodeRows;
+use crate::disk::table::{Batch, EpisodeRows};
 use crate::disk::tables::dictionary::TruthBody;
 use crate::{Body, BodyOwner, BodyPart, BodyShape, DiskError, Pose, Recording};
 
@@ -85,29 +84,27 @@ fn shape_of(batch: &Batch, row: &TruthBody) -> Result<Option<BodyShape>, DiskErr
 /// Reads the bodies of an episode, without their motion.
 pub(in crate::disk) fn read_bodies(rows: &EpisodeRows) -> Result<Vec<Body>, DiskError> {
     let mut bodies: Vec<Body> = Vec::new();
-    for batch in &rows.batches {
-        for row in batch.rows_as::<TruthBody>()? {
-            let next = bodies.len();
-            let index = usize::try_from(row.body_index).ok();
-            if index == Some(next) {
-                let owner = match (&row.link, row.object_index.map(u16::try_from)) {
-                    (Some(link), _) => BodyOwner::Link(link.to_string()),
-                    (None, Some(Ok(object))) => BodyOwner::Object(object),
-                    _ => return Err(batch.error("object_index", "no object and no link", "one of them")),
-                };
-                bodies.push(Body {
-                    owner,
-                    parts: Vec::new(),
-                    rest_pose_world: Pose::new(row.rest_position_world, row.rest_orientation_world),
-                    track: Vec::new(),
-                });
-            } else if next == 0 || index != Some(next - 1) {
-                let allowed = format!("{next}, as bodies are in order");
-                return Err(batch.error("body_index", row.body_index.to_string(), allowed));
-            }
-            if let (Some(shape), Some(body)) = (shape_of(batch, &row)?, bodies.last_mut()) {
-                body.parts.push(BodyPart { shape, pose_body: Pose::new(row.position_body, row.orientation_body) });
-            }
+    for (batch, row) in rows.rows::<TruthBody>()? {
+        let next = bodies.len();
+        let index = usize::try_from(row.body_index).ok();
+        if index == Some(next) {
+            let owner = match (&row.link, row.object_index.map(u16::try_from)) {
+                (Some(link), _) => BodyOwner::Link(link.to_string()),
+                (None, Some(Ok(object))) => BodyOwner::Object(object),
+                _ => return Err(batch.error("object_index", "no object and no link", "one of them")),
+            };
+            bodies.push(Body {
+                owner,
+                parts: Vec::new(),
+                rest_pose_world: Pose::new(row.rest_position_world, row.rest_orientation_world),
+                track: Vec::new(),
+            });
+        } else if next == 0 || index != Some(next - 1) {
+            let allowed = format!("{next}, as bodies are in order");
+            return Err(batch.error("body_index", row.body_index.to_string(), allowed));
+        }
+        if let (Some(shape), Some(body)) = (shape_of(batch, &row)?, bodies.last_mut()) {
+            body.parts.push(BodyPart { shape, pose_body: Pose::new(row.position_body, row.orientation_body) });
         }
     }
     Ok(bodies)

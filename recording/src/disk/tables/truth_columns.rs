@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use crate::disk::table::row::Width;
+use crate::disk::table::Width;
 use crate::disk::tables::frames::{
     Fault, FrameColumn, Place, ReachRows, frame_columns, is_nothing, reading_of, readings_of, set,
 };

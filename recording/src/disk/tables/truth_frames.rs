@@ -6,8 +6,7 @@
 
 use glam::DVec3;
 
-use crate::disk::table::row_groups::EpisodeRows;
-use crate::disk::table::{Batch, Text};
+use crate::disk::table::{Batch, EpisodeRows, Text};
 use crate::disk::tables::dictionary::{TruthPatch, TruthTaxel};
 use crate::disk::tables::frames::{Place, is_nothing, reading_of};
 use crate::disk::tables::truth_columns::NONE;
@@ -57,21 +56,19 @@ fn place(rows: &Batch, recording: &Recording, frame: i64, patch: &str) -> Result
 
 /// Adds the ground truth of taxels to an episode's frames.
 pub(in crate::disk) fn add_taxels(rows: &EpisodeRows, recording: &mut Recording) -> Result<(), DiskError> {
-    for batch in &rows.batches {
-        for row in batch.rows_as::<TruthTaxel>()? {
-            let place = place(batch, recording, row.frame_index, &row.patch)?;
-            let count = recording.layout.patches[place.patch].taxels.len();
-            let taxel = usize::try_from(row.taxel).ok().filter(|taxel| *taxel < count);
-            let taxel = taxel.ok_or_else(|| {
-                let allowed = format!("the index of a taxel in a patch of {count}");
-                batch.error("taxel", row.taxel.to_string(), allowed)
-            })?;
-            let object = object_of(batch, recording, &row)?;
-            let reading = reading_of(recording, place, taxel);
-            reading.true_normal_force_n = row.normal_force_n;
-            reading.true_shear_force_n = [row.shear_force_tangent_n, row.shear_force_binormal_n];
-            reading.object = object;
-        }
+    for (batch, row) in rows.rows::<TruthTaxel>()? {
+        let place = place(batch, recording, row.frame_index, &row.patch)?;
+        let count = recording.layout.patches[place.patch].taxels.len();
+        let taxel = usize::try_from(row.taxel).ok().filter(|taxel| *taxel < count);
+        let taxel = taxel.ok_or_else(|| {
+            let allowed = format!("the index of a taxel in a patch of {count}");
+            batch.error("taxel", row.taxel.to_string(), allowed)
+        })?;
+        let object = object_of(batch, recording, &row)?;
+        let reading = reading_of(recording, place, taxel);
+        reading.true_normal_force_n = row.normal_force_n;
+        reading.true_shear_force_n = [row.shear_force_tangent_n, row.shear_force_binormal_n];
+        reading.object = object;
     }
     Ok(())
 }
@@ -116,11 +113,9 @@ pub(in crate::disk) fn patch_rows(episode: usize, recording: &Recording) -> Vec<
 
 /// Adds the contact forces on patches to an episode's frames.
 pub(in crate::disk) fn add_patches(rows: &EpisodeRows, recording: &mut Recording) -> Result<(), DiskError> {
-    for batch in &rows.batches {
-        for row in batch.rows_as::<TruthPatch>()? {
-            let place = place(batch, recording, row.frame_index, &row.patch)?;
-            recording.frames[place.frame].contact_force_world[place.patch] = row.contact_force_world;
-        }
+    for (batch, row) in rows.rows::<TruthPatch>()? {
+        let place = place(batch, recording, row.frame_index, &row.patch)?;
+        recording.frames[place.frame].contact_force_world[place.patch] = row.contact_force_world;
     }
     Ok(())
 }

@@ -1,8 +1,7 @@
 //! The tables of a reach that are lists of what a recording holds: objects, goals, contacts, contact points and poses of the
 //! ground truth, and the controller's map.
 
-use crate::disk::table::row_groups::EpisodeRows;
-use crate::disk::table::{Batch, Text};
+use crate::disk::table::{Batch, EpisodeRows, Text};
 use crate::disk::tables::dictionary::{MapRow, TruthContact, TruthContactPoint, TruthGoal, TruthObject, TruthPose};
 use crate::disk::tables::truth_columns::NONE;
 use crate::{
@@ -192,34 +191,32 @@ pub(in crate::disk) fn contact_point_rows(episode: usize, recording: &Recording)
 
 /// Adds the contacts to an episode's frames.
 pub(in crate::disk) fn add_contact_points(rows: &EpisodeRows, recording: &mut Recording) -> Result<(), DiskError> {
-    for batch in &rows.batches {
-        for row in batch.rows_as::<TruthContactPoint>()? {
-            let owner = BodyOwner::Link(row.link.to_string());
-            let link = recording.bodies.iter().position(|body| body.owner == owner);
-            let link = link.ok_or_else(|| batch.error("link", &*row.link, "the name of a link in truth/bodies"))?;
-            let point = ContactPoint {
-                link: link as u16,
-                patch: patch_index(batch, "patch", row.patch.as_deref(), &recording.layout)?,
-                object: match row.object_index {
-                    none if none == i32::from(NONE) => None,
-                    object => Some(batch.index("object_index", object, OBJECTS)?),
-                },
-                body: batch.index("body_index", row.body_index, OBJECTS)?,
-                position_world: row.position_world.into(),
-                normal_world: row.normal_world.into(),
-                force_world: row.force_world.into(),
-                moment_world: row.moment_world.into(),
-                slip_world: row.slip_world.into(),
-                depth_m: row.depth_m,
-                area_m2: row.area_m2,
-            };
-            let index: u32 = batch.index("frame_index", row.frame_index, COUNTS)?;
-            let frames = recording.frames.len();
-            let frame = recording.frames.get_mut(index as usize).ok_or_else(|| {
-                batch.error("frame_index", index.to_string(), format!("the index of a frame in an episode of {frames}"))
-            })?;
-            frame.contact_points.push(point);
-        }
+    for (batch, row) in rows.rows::<TruthContactPoint>()? {
+        let owner = BodyOwner::Link(row.link.to_string());
+        let link = recording.bodies.iter().position(|body| body.owner == owner);
+        let link = link.ok_or_else(|| batch.error("link", &*row.link, "the name of a link in truth/bodies"))?;
+        let point = ContactPoint {
+            link: link as u16,
+            patch: patch_index(batch, "patch", row.patch.as_deref(), &recording.layout)?,
+            object: match row.object_index {
+                none if none == i32::from(NONE) => None,
+                object => Some(batch.index("object_index", object, OBJECTS)?),
+            },
+            body: batch.index("body_index", row.body_index, OBJECTS)?,
+            position_world: row.position_world.into(),
+            normal_world: row.normal_world.into(),
+            force_world: row.force_world.into(),
+            moment_world: row.moment_world.into(),
+            slip_world: row.slip_world.into(),
+            depth_m: row.depth_m,
+            area_m2: row.area_m2,
+        };
+        let index: u32 = batch.index("frame_index", row.frame_index, COUNTS)?;
+        let frames = recording.frames.len();
+        let frame = recording.frames.get_mut(index as usize).ok_or_else(|| {
+            batch.error("frame_index", index.to_string(), format!("the index of a frame in an episode of {frames}"))
+        })?;
+        frame.contact_points.push(point);
     }
     Ok(())
 }
@@ -241,18 +238,16 @@ pub(in crate::disk) fn pose_rows(episode: usize, recording: &Recording) -> Vec<T
 /// Adds the motion to an episode's bodies.
 pub(in crate::disk) fn add_poses(rows: &EpisodeRows, bodies: &mut [Body]) -> Result<(), DiskError> {
     let count = bodies.len();
-    for batch in &rows.batches {
-        for row in batch.rows_as::<TruthPose>()? {
-            let index = usize::try_from(row.body_index).ok();
-            let body = index.and_then(|index| bodies.get_mut(index)).ok_or_else(|| {
-                batch.error("body_index", row.body_index.to_string(), format!("a body below {count}"))
-            })?;
-            body.track.push(TrackPoint {
-                frame: batch.index("frame_index", row.frame_index, COUNTS)?,
-                position_world_m: row.position_world,
-                orientation_world: row.orientation_world,
-            });
-        }
+    for (batch, row) in rows.rows::<TruthPose>()? {
+        let index = usize::try_from(row.body_index).ok();
+        let body = index
+            .and_then(|index| bodies.get_mut(index))
+            .ok_or_else(|| batch.error("body_index", row.body_index.to_string(), format!("a body below {count}")))?;
+        body.track.push(TrackPoint {
+            frame: batch.index("frame_index", row.frame_index, COUNTS)?,
+            position_world_m: row.position_world,
+            orientation_world: row.orientation_world,
+        });
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::cell::{Cell, Cells};
 use super::collect::Collector;
 use super::{COLUMNS, TrialRow, channel_column, channel_columns, place_columns, push};
-use crate::disk::table::row::Row;
+use crate::disk::table::Row;
 use crate::disk::whole_file;
 use crate::limits::CSV_BYTES;
 use crate::text_line::line_of_row;

@@ -19,8 +19,7 @@ pub use parquet_table::trial_table;
 
 use super::DiskError;
 use super::check::{Violation, require};
-use super::table::column::{Column, Rows, Text};
-use super::table::row::{Row, row};
+use super::table::{Column, Row, Rows, Text, row};
 use super::whole_file::remove_leftovers;
 use crate::disk::tables::dictionary::Table;
 use crate::{Category, InputError, PLAIN, Trial, distinct, is_plain};

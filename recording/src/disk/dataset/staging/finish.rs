@@ -17,7 +17,7 @@ use crate::disk::dataset::checksums::{FileSum, files_of_set};
 use crate::disk::dataset::info::{FORMAT, Info, ProvenanceFile};
 use crate::disk::dataset::names;
 use crate::disk::recording_file::batches;
-use crate::disk::tables::episode::{Episode, Place};
+use crate::disk::tables::episode::Episode;
 use crate::disk::tables::episode_table::write_episodes;
 use crate::disk::tables::frames::{FRAME_COLUMNS, Numbering, ReachRows, columns_of, features};
 use crate::disk::tables::tasks::{number_tasks, write_tasks};
@@ -83,9 +83,9 @@ pub(in crate::disk) fn assemble_from(
         });
         files.write_frames(&columns_of(&features, &rows, 0..0), &mut columns)?;
         files.end_episode(position, &recording)?;
-        let place = Place { frames, first_index: assembled.total_frames, chunk_index, file_index };
+        let (task, first_index) = (planned.task.clone(), assembled.total_frames);
         assembled.total_frames += frames;
-        assembled.episodes.push(Episode::new(planned.task.clone(), place, recording));
+        assembled.episodes.push(Episode { task, first_index, chunk_index, file_index, ..Episode::of(&recording) });
     }
     assembled.files_end(&mut files, dir)?;
     write_episodes(&dir.join(names::EPISODES), &assembled.episodes)?;

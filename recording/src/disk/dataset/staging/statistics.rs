@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use crate::disk::table::column::{Column, Values};
+use crate::disk::table::{Column, Values};
 use crate::disk::tables::frames::Feature;
 
 /// The quantiles that LeRobot stores, by name, in percent.
