@@ -9,7 +9,7 @@ use underbrush_recording::{BodyShape, Category, Limits};
 
 use super::{
     Axis, Body, CollisionGroup, Declared, Drawing, EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Inertia, Joint, Kind,
-    Maxwell, Object, Spring, Structure, part,
+    Maxwell, Object, Spring, Structure, declared, part,
 };
 use crate::{Draw, DrawError, Footprint, Surface};
 
@@ -22,45 +22,25 @@ const MODULUS_PA: Limits = Limits::new(1.0e3, 1.0e9, "Pa");
 
 impl Kind for FoamBlock {
     const GROUP: (&'static str, &'static str) = ("FoamBlockSpecification", "A group of foam blocks in a scene file.");
-    const QUANTITIES: &'static [Declared] = &[
+    const QUANTITIES: &'static [Declared] = declared! {
         // Choice: bricks of floral foam are 8 cm high. A single height keeps the platform level, as in the paper's Fig. 2.
         // Limits: from a mat to a block as high as the clutter.
-        Declared {
-            name: "height_m",
-            text: "Height, m.",
-            default: Draw::Fixed(0.08),
-            limits: Limits::new(0.01, 0.5, "m"),
-        },
+        /// Height, m.
+        height_m: Draw::Fixed(0.08), 0.01, 0.5;
         // The paper combines wet and dry foam but gives no proportion. Choice: half of each.
-        Declared {
-            name: "wet_share",
-            text: "Probability that a block is wet, 0 to 1.",
-            default: Draw::Fixed(0.5),
-            limits: SHARE,
-        },
+        /// Probability that a block is wet, 0 to 1.
+        wet_share: Draw::Fixed(0.5), SHARE.min, SHARE.max;
         // Choice: dry phenolic floral foam has a modulus of a few MPa before it crushes.
-        Declared {
-            name: "dry_modulus_pa",
-            text: "Modulus of dry foam, Pa.",
-            default: Draw::Uniform(1.0e6, 3.0e6),
-            limits: MODULUS_PA,
-        },
+        /// Modulus of dry foam, Pa.
+        dry_modulus_pa: Draw::Uniform(1.0e6, 3.0e6), MODULUS_PA.min, MODULUS_PA.max;
         // Choice: foam that is soaked and has been pierced before holds a root about forty times more softly.
-        Declared {
-            name: "wet_modulus_pa",
-            text: "Modulus of wet foam around a leaf's root, Pa.",
-            default: Draw::Uniform(3.0e4, 8.0e4),
-            limits: MODULUS_PA,
-        },
+        /// Modulus of wet foam around a leaf's root, Pa.
+        wet_modulus_pa: Draw::Uniform(3.0e4, 8.0e4), MODULUS_PA.min, MODULUS_PA.max;
         // Choice: no. In the paper's Fig. 2 blocks cover the ground and hold each other. A dry block of 50 g that stands alone
         // slides at 0.2 N, less than the force of one leaf, and the arm would sweep the clutter away.
-        Declared {
-            name: "stands_free",
-            text: "Whether a block stands free and carries its leaves: 1 yes, 0 no; the nearest whole number of what is drawn.",
-            default: Draw::Fixed(0.0),
-            limits: SHARE,
-        },
-    ];
+        /// Whether a block stands free and carries its leaves: 1 yes, 0 no; the nearest whole number of what is drawn.
+        stands_free: Draw::Fixed(0.0), SHARE.min, SHARE.max;
+    };
     const CATEGORY: Category = Category::BLOCK;
 
     fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {

@@ -274,6 +274,19 @@ impl<K: Kind> JsonSchema for Group<K> {
     }
 }
 
+/// Declares quantities: `name: default, lowest, highest;`, with what each is as its documentation.
+macro_rules! declared {
+    ($($(#[doc = $text:literal])+ $name:ident: $default:expr, $low:expr, $high:expr;)+) => {
+        &[$($crate::object::group::Declared {
+            name: stringify!($name),
+            text: concat!($($text),+),
+            default: $default,
+            limits: underbrush_recording::Limits::new($low, $high, ""),
+        },)+]
+    };
+}
+pub(super) use declared;
+
 /// Declares the quantities of a kind of objects once: `name: default, lowest, highest;`, with what it is as its
 /// documentation. Makes the type with a value for each, the list of declarations, and how all are drawn, in this order.
 macro_rules! quantities {
@@ -287,12 +300,8 @@ macro_rules! quantities {
         }
 
         impl $drawn {
-            const DECLARED: &'static [$crate::object::group::Declared] = &[$($crate::object::group::Declared {
-                name: stringify!($name),
-                text: concat!($($text),+),
-                default: $default,
-                limits: underbrush_recording::Limits::new($low, $high, ""),
-            },)+];
+            const DECLARED: &'static [$crate::object::group::Declared] =
+                $crate::object::group::declared! { $($(#[doc = $text])+ $name: $default, $low, $high;)+ };
 
             fn draw_all<K: $crate::object::group::Kind>(
                 drawing: &mut $crate::object::group::Drawing<'_, K>,

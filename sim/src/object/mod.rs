@@ -55,7 +55,7 @@ macro_rules! for_each_object_kind {
 }
 use blade::{Blade, COLLISION_THICKNESS_M, Hinge, NEVER_YIELDS_NM, SHEET_TORSION_OVER_BENDING, yields};
 pub(crate) use for_each_object_kind;
-use group::{Declared, Drawing, Kind, quantities};
+use group::{Declared, Drawing, Kind, declared, quantities};
 use root::{NEVER_PULLED_N, grip, root_stiffness_nm_per_rad};
 use structure::{Axis, Body, CollisionGroup, Grip, Inertia, Joint, Maxwell, Spring, part};
 
