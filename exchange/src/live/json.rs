@@ -18,6 +18,12 @@ pub struct LineError {
     pub allowed: String,
 }
 
+impl LineError {
+    pub(super) fn new(field: impl Into<String>, found: impl Into<String>, allowed: impl Into<String>) -> Self {
+        LineError { field: field.into(), found: found.into(), allowed: allowed.into() }
+    }
+}
+
 /// A value with its path in the line.
 #[derive(Clone)]
 pub struct Spot<'a> {
@@ -104,11 +110,8 @@ pub fn parse(text: &str) -> Result<Value, LineError> {
         let message = error.to_string();
         // serde's line number is always 1; the answer gives the line's number in the stream.
         let cause = message.rsplit_once(" at line ").map_or(&*message, |(cause, _)| cause);
-        LineError {
-            field: "line".into(),
-            found: format!("{cause} at byte {} of {}", error.column(), quoted(text)),
-            allowed: "one JSON object, each key once".into(),
-        }
+        let found = format!("{cause} at byte {} of {}", error.column(), quoted(text));
+        LineError::new("line", found, "one JSON object, each key once")
     })
 }
 
@@ -131,11 +134,7 @@ impl<'a> Spot<'a> {
 
     /// The value of a required key.
     pub fn need(&self, key: &str, allowed: &str) -> Result<Spot<'a>, LineError> {
-        self.get(key).ok_or_else(|| LineError {
-            field: self.path_of(key),
-            found: "nothing".into(),
-            allowed: allowed.into(),
-        })
+        self.get(key).ok_or_else(|| LineError::new(self.path_of(key), "nothing", allowed))
     }
 
     /// All keys of an object.
@@ -145,7 +144,7 @@ impl<'a> Spot<'a> {
 
     /// The error for a key that is not allowed.
     pub fn unknown(&self, key: &str, allowed: String) -> LineError {
-        LineError { field: self.path.clone(), found: format!("key {:?}", quoted(key)), allowed }
+        LineError::new(&self.path, format!("key {:?}", quoted(key)), allowed)
     }
 
     fn path_of(&self, key: &str) -> String {
@@ -176,10 +175,7 @@ impl<'a> Spot<'a> {
 
     /// The error for this value.
     pub fn error(&self, allowed: impl Into<String>) -> LineError {
-        LineError {
-            field: if self.path.is_empty() { "line".into() } else { self.path.clone() },
-            found: quoted(&self.value.to_string()),
-            allowed: allowed.into(),
-        }
+        let field = if self.path.is_empty() { "line" } else { &self.path };
+        LineError::new(field, quoted(&self.value.to_string()), allowed)
     }
 }

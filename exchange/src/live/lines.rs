@@ -43,21 +43,17 @@ impl<R: BufRead> Lines<R> {
             let whole = self.buffer.last() == Some(&b'\n');
             if !whole && self.buffer.len() > self.max_bytes {
                 self.reader.skip_until(b'\n')?;
-                break Err(LineError {
-                    field: "line".into(),
-                    found: format!("more than {} bytes", self.max_bytes),
-                    allowed: format!("at most {} bytes for this skin", self.max_bytes),
-                });
+                let allowed = format!("at most {} bytes for this skin", self.max_bytes);
+                break Err(LineError::new("line", format!("more than {} bytes", self.max_bytes), allowed));
             }
             if !self.buffer.trim_ascii().is_empty() {
                 break Ok(());
             }
         };
         let text = result.and_then(|()| {
-            std::str::from_utf8(self.buffer.trim_ascii()).map_err(|error| LineError {
-                field: "line".into(),
-                found: format!("bytes that are not UTF-8 after byte {}", error.valid_up_to()),
-                allowed: "JSON in UTF-8".into(),
+            std::str::from_utf8(self.buffer.trim_ascii()).map_err(|error| {
+                let found = format!("bytes that are not UTF-8 after byte {}", error.valid_up_to());
+                LineError::new("line", found, "JSON in UTF-8")
             })
         });
         Ok(Some((self.number, text)))
