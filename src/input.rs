@@ -32,9 +32,9 @@ pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>
     let trials = trials(path, arguments)?;
     let is_table = !is_folder(path)? && !is_recording(path)?;
     if is_table && arguments.is_paper() {
+        let path = path.display();
         output::remark(format!(
-            "{}: the trials of a table keep their labels, which --preset paper does not change",
-            path.display()
+            "{path}: the trials of a table keep their labels, which --preset paper does not change"
         ));
     }
     if trials.is_empty() {

@@ -120,10 +120,8 @@ impl TrialArguments {
 
     /// Refuses all options, because a touch model knows its patch and threshold and judges frames.
     pub fn refuse_for_touch_model(&self) -> Result<(), Failure> {
-        self.refuse_but(
-            &[],
-            "a touch model, which judges frames, not trials, and has a patch and a threshold of its own",
-        )
+        let what = "a touch model, which judges frames, not trials, and has a patch and a threshold of its own";
+        self.refuse_but(&[], what)
     }
 
     /// Refuses options that do not apply to verdicts frame by frame.

@@ -19,12 +19,9 @@ fn sample(name: &str, set: &FeatureSet, numbers: &[f64], place: usize) -> Result
             "force_n" => sample.force_n = *number,
             "motion_m" => sample.motion_m = Some(*number),
             "region_taxels" if number.fract() != 0.0 || !limits::REGION_TAXELS.hold(*number) => {
-                return Err(Failure::argument(
-                    name,
-                    format!("{number} for {} in sample {place}", feature.name),
-                    format!("whole numbers, {}", limits::REGION_TAXELS),
-                    "give numbers of taxels",
-                ));
+                let found = format!("{number} for {} in sample {place}", feature.name);
+                let allowed = format!("whole numbers, {}", limits::REGION_TAXELS);
+                return Err(Failure::argument(name, found, allowed, "give numbers of taxels"));
             }
             "region_taxels" => region.taxels = *number as u32,
             "region_largest_force_n" => region.largest_force_n = *number,

@@ -95,12 +95,9 @@ impl Region {
         let max_sum = largest * taxels;
         let holds = sum >= largest * (1.0 - ROUNDING) && sum <= max_sum * (1.0 + ROUNDING);
         (!holds).then(|| {
-            let allowed = format!(
-                "{} to {} N: between the largest force and {} times that, one for each taxel",
-                short(largest),
-                short(max_sum),
-                self.taxels
-            );
+            let (largest, most) = (short(largest), short(max_sum));
+            let bound = format!("between the largest force and {} times that, one for each taxel", self.taxels);
+            let allowed = format!("{largest} to {most} N: {bound}");
             ("region_force_sum_n", allowed)
         })
     }

@@ -109,10 +109,10 @@ impl Shared {
         let path = self.path(&request.target).map(str::to_owned);
         let answer = match &path {
             Some(path) => self.refusal(&request, path).unwrap_or_else(|| self.answer(&request, path)),
-            None => Response::text(
-                403,
-                "the address lacks the key of this server; open the whole address that the program has printed",
-            ),
+            None => {
+                let remedy = "open the whole address that the program has printed";
+                Response::text(403, format!("the address lacks the key of this server; {remedy}"))
+            }
         };
         match &self.content {
             // The status is sent until the reach ends.

@@ -96,11 +96,8 @@ pub fn check(path: &Path, reach: u64, trials: &[&Trial], spans: &Spans) -> Resul
         let own_s = trial.samples.iter().map(|sample| sample.time_s);
         let mut pairs = times_s[first..=last].iter().zip(own_s);
         if let Some((time_s, _)) = pairs.find(|(time_s, own_s)| *time_s != own_s) {
-            let found = format!(
-                "{} s in reach {reach}, at which trial {} has no sample although it goes on",
-                short(*time_s),
-                trial.trial
-            );
+            let (time, number) = (short(*time_s), trial.trial);
+            let found = format!("{time} s in reach {reach}, at which trial {number} has no sample although it goes on");
             let allowed = "all taxels sampled at the same times";
             let remedy = "bring the samples to common times, or number the reaches in the column reach";
             return Err(InputError::new(path, "time_s", found, allowed, remedy));

@@ -80,10 +80,8 @@ impl PlacedObject {
         let [x, y] = self.object.half_sizes_m();
         let half_height = self.object.height_m() / 2.0;
         let center = self.foot_world + DVec3::Z * half_height;
-        (
-            Cuboid::new(DVec3::new(x, y, half_height)),
-            Pose::new(center, DQuat::from_scaled_axis(DVec3::Z * self.yaw_rad)),
-        )
+        let pose = Pose::new(center, DQuat::from_scaled_axis(DVec3::Z * self.yaw_rad));
+        (Cuboid::new(DVec3::new(x, y, half_height)), pose)
     }
 
     /// An upright capsule that contains the whole object at rest.

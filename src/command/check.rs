@@ -63,9 +63,6 @@ pub fn run(options: CheckOptions, json: bool) -> Result<(), Failure> {
     if checked.passed {
         return Ok(());
     }
-    let broken = checked.broken();
-    Err(Failure::run(format!(
-        "{} not hold; if the change is wanted, write new bounds with --bless",
-        output::counted(broken, "bound does", "bounds do")
-    )))
+    let broken = output::counted(checked.broken(), "bound does", "bounds do");
+    Err(Failure::run(format!("{broken} not hold; if the change is wanted, write new bounds with --bless")))
 }

@@ -65,10 +65,8 @@ pub fn run(options: FitSkinOptions, json: bool) -> Result<(), Failure> {
             let [value, low, high] =
                 [estimate.value, estimate.interval[0], estimate.interval[1]].map(|own| own.max(0.0));
             let source = format!("fit-skin of {}; the range is that of 95 %", options.press.display());
-            (
-                name.to_owned(),
-                Constant { value, range: [low.min(value), high.max(value)], source, affects: affects.into() },
-            )
+            let range = [low.min(value), high.max(value)];
+            (name.to_owned(), Constant { value, range, source, affects: affects.into() })
         };
         let mut constants = BTreeMap::from([
             constant("skin_modulus_n_per_m3", &fit.modulus_n_per_m3, "Peak force and onset of hard touches"),
@@ -77,11 +75,8 @@ pub fn run(options: FitSkinOptions, json: bool) -> Result<(), Failure> {
         let Estimate { value, interval: [low, high] } = fit.hardening_per_m;
         if low > 0.0 {
             let thickness = Estimate { value: 1.0 / value, interval: [1.0 / high, 1.0 / low] };
-            constants.extend([constant(
-                "skin_thickness_m",
-                &thickness,
-                "Depth and peak force of hard touches and edges",
-            )]);
+            let affects = "Depth and peak force of hard touches and edges";
+            constants.extend([constant("skin_thickness_m", &thickness, affects)]);
         }
         output::write_file(out, MaterialFile { constants }.text().as_bytes())?;
     }

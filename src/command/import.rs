@@ -63,14 +63,12 @@ pub fn run(options: ImportOptions, json: bool) -> Result<(), Failure> {
             "" => format!("{count} without a category"),
             name => format!("{count} {name}"),
         });
-        format!(
-            "{}, {} from {} of {}: {}\n{file}",
-            output::counted(trials, "trial", "trials"),
-            output::counted(samples, "sample", "samples"),
-            output::counted(frames, "frame", "frames"),
-            output::counted(reaches, "reach", "reaches"),
-            named.collect::<Vec<_>>().join(", ")
-        )
+        let trials = output::counted(trials, "trial", "trials");
+        let samples = output::counted(samples, "sample", "samples");
+        let frames = output::counted(frames, "frame", "frames");
+        let reaches = output::counted(reaches, "reach", "reaches");
+        let named = named.collect::<Vec<_>>().join(", ");
+        format!("{trials}, {samples} from {frames} of {reaches}: {named}\n{file}")
     })
 }
 

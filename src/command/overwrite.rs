@@ -22,10 +22,9 @@ impl Overwrite {
     pub fn file<'a>(self, path: &Path, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), Failure> {
         check_not_input(path, inputs)?;
         if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
-            return Err(Failure::usage(format!(
-                "{}: is a folder or not a regular file; give the name of a file to write",
-                path.display()
-            )));
+            let path = path.display();
+            let text = format!("{path}: is a folder or not a regular file; give the name of a file to write");
+            return Err(Failure::usage(text));
         }
         check_free(path, self.force)?;
         output::create_parents(path)

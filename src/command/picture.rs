@@ -110,11 +110,8 @@ impl PictureArguments {
             (None, _) => Ok(()),
             (Some(path), None) => check_png(path, overwrite, inputs),
             (Some(path), Some(_)) => {
-                check_ending(
-                    path,
-                    "gif",
-                    "choose such a name; `python -m underbrush.video film` writes .mp4 and .webp",
-                )?;
+                let remedy = "choose such a name; `python -m underbrush.video film` writes .mp4 and .webp";
+                check_ending(path, "gif", remedy)?;
                 overwrite.file(path, inputs)
             }
         }

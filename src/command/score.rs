@@ -33,10 +33,8 @@ pub fn by_kind(mut model: Model, path: &Path, by: Option<ScoreKind>, option: &st
     if let Some(kind) = by {
         let name = model.classifier.name();
         model.score_by(kind).map_err(|_| {
-            Failure::usage(format!(
-                "{option} applies to hidden Markov models only, and {} is a model of the classifier {name}; leave it out",
-                path.display()
-            ))
+            let own = format!("{} is a model of the classifier {name}", path.display());
+            Failure::usage(format!("{option} applies to hidden Markov models only, and {own}; leave it out"))
         })?;
     }
     Ok(model)

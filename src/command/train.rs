@@ -261,19 +261,14 @@ fn thresholds_text(chosen: Option<&ChosenThresholds>) -> String {
     text += &format!("On {} held-out trials:", chosen.trials);
     for (category, own) in &chosen.true_positive_rate {
         let others = chosen.false_positive_rate.get(category).copied().unwrap_or_default();
-        text += &format!(
-            " {} of {category} and {} of the others are taken for {category},",
-            percent(*own),
-            percent(others)
-        );
+        let (own, others) = (percent(*own), percent(others));
+        text += &format!(" {own} of {category} and {others} of the others are taken for {category},");
     }
     text += &format!(" {} uncertain, {} outliers\n", percent(chosen.uncertain), percent(chosen.outlier));
     if let Some(rates) = &chosen.sample_by_sample {
+        let (uncertain, outliers, verdicts) = (percent(rates.uncertain), percent(rates.outlier), rates.verdicts);
         text += &format!(
-            "Sample by sample, as online, {} of {} verdicts are uncertain, {} outliers\n",
-            percent(rates.uncertain),
-            rates.verdicts,
-            percent(rates.outlier)
+            "Sample by sample, as online, {uncertain} of {verdicts} verdicts are uncertain, {outliers} outliers\n"
         );
     }
     text

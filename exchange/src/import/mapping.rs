@@ -291,16 +291,12 @@ impl Mapping {
                 return Err(self.fault(field, short(number), limits.to_string()));
             }
         }
+        let Mapping { time, force, trial, .. } = self;
         let pairs = [
-            ("time.from", self.time.from.is_some(), "time.rate_hz", self.time.rate_hz.is_some()),
-            ("time.rate_hz", self.time.rate_hz.is_some(), "time.unit", self.time.unit.is_some()),
-            ("force.unit", self.force.unit.is_some(), "force.scale_n", self.force.scale_n.is_some()),
-            (
-                "trial.category",
-                self.trial.category.is_some(),
-                "trial.category_from",
-                self.trial.category_from.is_some(),
-            ),
+            ("time.from", time.from.is_some(), "time.rate_hz", time.rate_hz.is_some()),
+            ("time.rate_hz", time.rate_hz.is_some(), "time.unit", time.unit.is_some()),
+            ("force.unit", force.unit.is_some(), "force.scale_n", force.scale_n.is_some()),
+            ("trial.category", trial.category.is_some(), "trial.category_from", trial.category_from.is_some()),
         ];
         for (one, has_one, other, has_other) in pairs {
             if has_one && has_other {
@@ -310,11 +306,8 @@ impl Mapping {
         if let Some(Grid { rows, columns, .. }) = self.grid {
             let taxels = self.force.taxels.unwrap_or(1) as usize;
             if rows.checked_mul(columns) != Some(taxels) {
-                return Err(self.fault(
-                    "grid.rows",
-                    format!("{rows} x {columns}"),
-                    format!("a grid of {taxels} taxels"),
-                ));
+                let found = format!("{rows} x {columns}");
+                return Err(self.fault("grid.rows", found, format!("a grid of {taxels} taxels")));
             }
         }
         for (number, own) in self.channels.iter().enumerate() {
@@ -333,11 +326,8 @@ impl Mapping {
             return Err(self.fault(&format!("label[{number}].to_s"), found, "a time after from_s"));
         }
         if !self.labels.is_empty() && self.trial.category_from.is_some() {
-            return Err(self.fault(
-                "trial.category_from",
-                "[[label]], too".into(),
-                "one of category_from and [[label]]",
-            ));
+            let allowed = "one of category_from and [[label]]";
+            return Err(self.fault("trial.category_from", "[[label]], too".into(), allowed));
         }
         if self.trial.category.as_deref() == Some("") || self.trial.patch.as_deref() == Some("") {
             let field = if self.trial.patch.as_deref() == Some("") { "trial.patch" } else { "trial.category" };

@@ -86,10 +86,8 @@ fn imported(path: &Path, mapping: &Mapping, mut recorder: Option<Recorder>) -> R
     let trials = cutter.finish();
     if trials.is_empty() && recorder.is_none() {
         let found = format!("none in {} frames", cutter.frames);
-        let allowed = format!(
-            "at least one contact above {} N with {} samples or more",
-            mapping.threshold_n, mapping.min_samples
-        );
+        let Mapping { threshold_n, min_samples, .. } = mapping;
+        let allowed = format!("at least one contact above {threshold_n} N with {min_samples} samples or more");
         let remedy = "check the unit of the mapping, or lower `threshold_n` or `min_samples` there";
         return Err(InputError::new(path, "trials", found, allowed, remedy));
     }

@@ -107,11 +107,8 @@ fn faults(arm: &Arm, new: &NewPatch) -> (Vec<String>, Option<usize>) {
     match link.map(|link| &arm.links[link]) {
         None => {
             let names: Vec<&str> = arm.links.iter().map(|link| link.name.as_str()).collect();
-            faults.push(format!(
-                "no link {:?}; links that move as one go by the first: {}",
-                new.link,
-                names.join(", ")
-            ));
+            let names = names.join(", ");
+            faults.push(format!("no link {:?}; links that move as one go by the first: {names}", new.link));
         }
         Some(link) if link.colliders.is_empty() => faults.push(format!("link {} has no collision shape", link.name)),
         Some(link) => {
@@ -340,14 +337,11 @@ fn listed(covered: &[Option<&str>]) -> Result<(), String> {
         }
     }
     let count: usize = by_link.iter().map(|(_, taxels)| taxels.len()).sum();
-    let lists = by_link.iter().map(|(link, taxels)| format!("{} inside of {link} ({})", taxels.len(), runs(taxels)));
+    let list = |(link, taxels): &(&str, Vec<usize>)| format!("{} inside of {link} ({})", taxels.len(), runs(taxels));
+    let lists = by_link.iter().map(list).collect::<Vec<_>>().join("; ");
     match count {
         0 => Ok(()),
-        _ => Err(format!(
-            "{count} of {} taxels cannot be touched: {}",
-            covered.len(),
-            lists.collect::<Vec<_>>().join("; ")
-        )),
+        _ => Err(format!("{count} of {} taxels cannot be touched: {lists}", covered.len())),
     }
 }
 

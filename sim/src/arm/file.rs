@@ -181,12 +181,8 @@ fn read_passing_links(
         if first == second {
             let [name, other] = pair.get_ref();
             let found = format!("{name:?} and {other:?}, one rigid link");
-            return Err(source.fault_after(
-                start,
-                "passing_links",
-                found,
-                "two links with a moving joint between them",
-            ));
+            let allowed = "two links with a moving joint between them";
+            return Err(source.fault_after(start, "passing_links", found, allowed));
         }
         found.push([first.min(second), first.max(second)]);
     }

@@ -56,10 +56,8 @@ impl Arm {
 
     /// Mass matrix M of the joints, kg m², with the armatures on its diagonal: ½ q̇ᵀ M q̇ is the kinetic energy.
     pub fn mass_matrix(&self, link_poses: &[Pose]) -> DMatrix<f64> {
-        let mut sum = DMatrix::from_diagonal(&DVector::from_iterator(
-            self.joints.len(),
-            self.joints.iter().map(|joint| joint.armature_kg_m2),
-        ));
+        let armatures = self.joints.iter().map(|joint| joint.armature_kg_m2);
+        let mut sum = DMatrix::from_diagonal(&DVector::from_iterator(self.joints.len(), armatures));
         for (index, (link, pose)) in self.links.iter().zip(link_poses).enumerate() {
             let linear = self.position_jacobian(link_poses, index, pose.transform_point(link.center_of_mass_link));
             let angular = self.angular_jacobian(link_poses, index);

@@ -180,13 +180,11 @@ impl Arm {
         let first = files.first().map_or("arm.toml", |file| file.name.as_str());
         let read = |path: &Path| match files.iter().find(|file| Path::new(&file.name) == path) {
             Some(file) => Ok(file.text.clone()),
-            None => Err(InputError::new(
-                path,
-                "file",
-                "no such file among the arm's files",
-                "the text of every file that the arm file names",
-                "give this file, too",
-            )),
+            None => {
+                let found = "no such file among the arm's files";
+                let allowed = "the text of every file that the arm file names";
+                Err(InputError::new(path, "file", found, allowed, "give this file, too"))
+            }
         };
         file::assemble(Path::new(first), &read)
     }

@@ -98,12 +98,9 @@ fn doubts(patch: &Patch, link: &Link) -> Vec<String> {
     let off = distances.iter().filter(|distance| distance.abs() > bound_m).count();
     let farthest = (0..count).max_by(|a, b| distances[*a].abs().total_cmp(&distances[*b].abs()));
     if let Some(farthest) = farthest.filter(|_| off > 0) {
-        found.push(format!(
-            "patch {}: {off} of {count} taxels are more than {:.1} mm off the collision surface; taxel {farthest} is {}",
-            patch.name,
-            bound_m * 1000.0,
-            place(distances[farthest], &link.name)
-        ));
+        let (bound_mm, place) = (bound_m * 1000.0, place(distances[farthest], &link.name));
+        let text = format!("{off} of {count} taxels are more than {bound_mm:.1} mm off the collision surface");
+        found.push(format!("patch {}: {text}; taxel {farthest} is {place}", patch.name));
     }
     let misaligned = |taxel: &&Taxel| surface.facing_cosine(taxel.position_link, taxel.normal_link) <= FACING_COSINE;
     let misaligned = patch.taxels.iter().filter(misaligned).count();

@@ -246,12 +246,9 @@ impl Plant {
             let center = DVec3::Z * (0.5 * length_m);
             let mass_kg = self.stem_mass_kg() * length_m / height_m;
             let inertia = Inertia::of_cylinder(mass_kg, radius_m, length_m);
+            let bends = vec![(Axis::RotationX, spring), (Axis::RotationY, spring)];
             bodies.push(Body {
-                joint: Some(Joint::parallel(
-                    bodies.len() - 1,
-                    origin_parent,
-                    vec![(Axis::RotationX, spring), (Axis::RotationY, spring)],
-                )),
+                joint: Some(Joint::parallel(bodies.len() - 1, origin_parent, bends)),
                 inertia: Inertia { center_of_mass_body: center, ..inertia },
                 parts: vec![rod(length_m)],
                 collision_group: if number == 0 { CollisionGroup::Rooted } else { CollisionGroup::Bendable },

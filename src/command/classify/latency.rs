@@ -40,13 +40,9 @@ impl Latency {
     pub fn text(&self) -> Option<String> {
         let answers: u64 = self.counts.iter().sum();
         (answers > 0).then(|| {
-            format!(
-                "{} answered: median {:.0} µs, 99 % within {:.0} µs, at most {:.0} µs",
-                output::counted(answers, "frame", "frames"),
-                self.quantile_us(0.5, answers),
-                self.quantile_us(0.99, answers),
-                self.max_us
-            )
+            let [median_us, most_us] = [0.5, 0.99].map(|share| self.quantile_us(share, answers));
+            let (frames, max_us) = (output::counted(answers, "frame", "frames"), self.max_us);
+            format!("{frames} answered: median {median_us:.0} µs, 99 % within {most_us:.0} µs, at most {max_us:.0} µs")
         })
     }
 

@@ -131,10 +131,8 @@ impl Online<'_> {
             }
         }
         if bad_lines > 0 {
-            output::remark(format!(
-                "warning: {}; the answers say what is wrong",
-                output::counted(bad_lines, "bad line", "bad lines")
-            ));
+            let bad_lines = output::counted(bad_lines, "bad line", "bad lines");
+            output::remark(format!("warning: {bad_lines}; the answers say what is wrong"));
         }
         Ok(())
     }

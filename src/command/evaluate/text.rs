@@ -111,11 +111,8 @@ fn evaluation(evaluation: &Evaluation) -> String {
         .text();
     text += "\n";
     text += &accuracies(evaluation);
-    text += &format!(
-        "\naccuracy {} %; 95 % interval {} % as if trials were independent",
-        percent(evaluation.accuracy),
-        interval(evaluation.accuracy_interval_by_trial)
-    );
+    let (accuracy, by_trial) = (percent(evaluation.accuracy), interval(evaluation.accuracy_interval_by_trial));
+    text += &format!("\naccuracy {accuracy} %; 95 % interval {by_trial} % as if trials were independent");
     if let Some(by_reach) = evaluation.accuracy_interval_by_reach {
         text += &format!(", {} % resampling whole reaches", interval(by_reach));
     }

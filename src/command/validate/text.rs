@@ -33,14 +33,9 @@ pub fn falsified(report: &FalsifiedReport) -> String {
     let mut text = String::new();
     for outcome in &report.checks {
         let broken = outcome.comparisons.iter().filter(|found| found.broken).count();
-        let _ = writeln!(
-            text,
-            "{} {}: {broken} of {} comparisons fail as they should\n{}.",
-            outcome.number,
-            outcome.name,
-            outcome.comparisons.len(),
-            outcome.summary
-        );
+        let FalsifiedOutcome { number, name, summary, comparisons, .. } = outcome;
+        let all = comparisons.len();
+        let _ = writeln!(text, "{number} {name}: {broken} of {all} comparisons fail as they should\n{summary}.");
         for (index, wrong) in outcome.falsifications.iter().enumerate() {
             let _ = writeln!(text, "[{}] {}: {}", index + 1, wrong.wrong, wrong.by);
         }
@@ -51,14 +46,10 @@ pub fn falsified(report: &FalsifiedReport) -> String {
         text.push('\n');
     }
     let runs: usize = report.checks.iter().map(|outcome| outcome.falsifications.len()).sum();
-    let _ = write!(
-        text,
-        "{} comparisons of {} checks with {runs} wrong parameters: {} fail as they should, {} hold",
-        report.comparisons,
-        report.checks.len(),
-        report.broken,
-        report.comparisons - report.broken
-    );
+    let FalsifiedReport { comparisons, broken, checks, .. } = report;
+    let (checks, hold) = (checks.len(), comparisons - broken);
+    let _ = write!(text, "{comparisons} comparisons of {checks} checks with {runs} wrong parameters: ");
+    let _ = write!(text, "{broken} fail as they should, {hold} hold");
     text
 }
 

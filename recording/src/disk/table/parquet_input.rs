@@ -151,14 +151,9 @@ impl ChunkReader for ParquetInput {
 
 /// The error for a file that is not a complete Parquet file.
 pub(in crate::disk) fn broken(path: &Path, cause: impl ToString) -> DiskError {
-    InputError::new(
-        path,
-        "Parquet",
-        cause.to_string(),
-        "a complete Parquet file, uncompressed or compressed with zstd or snappy",
-        "copy the file again, or write it again with zstd or snappy",
-    )
-    .into()
+    let allowed = "a complete Parquet file, uncompressed or compressed with zstd or snappy";
+    let remedy = "copy the file again, or write it again with zstd or snappy";
+    InputError::new(path, "Parquet", cause.to_string(), allowed, remedy).into()
 }
 
 #[cfg(test)]
