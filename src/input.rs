@@ -18,11 +18,11 @@ use crate::{Failure, Shown, output};
 pub fn only(paths: &[PathBuf]) -> Result<&Path, Failure> {
     match paths {
         [path] => Ok(path),
-        _ => Err(Failure::usage(format!(
-            "{} inputs; allowed: one, because only the classifier touch takes several; give one data set, recording or table of \
-             trials",
-            paths.len()
-        ))),
+        _ => {
+            let allowed = "one, because only the classifier touch takes several";
+            let remedy = "give one data set, recording or table of trials";
+            Err(Failure::usage(format!("{} inputs; allowed: {allowed}; {remedy}", paths.len())))
+        }
     }
 }
 
@@ -31,29 +31,23 @@ pub fn only(paths: &[PathBuf]) -> Result<&Path, Failure> {
 pub fn some_trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Failure> {
     let trials = trials(path, arguments)?;
     let is_table = !is_folder(path)? && !is_recording(path)?;
+    let path = path.display();
     if is_table && arguments.is_paper() {
-        let path = path.display();
-        output::remark(format!(
-            "{path}: the trials of a table keep their labels, which --preset paper does not change"
-        ));
+        let kept = "the trials of a table keep their labels, which --preset paper does not change";
+        output::remark(format!("{path}: {kept}"));
     }
     if trials.is_empty() {
+        let (threshold_n, samples) = (arguments.threshold_n(), arguments.min_samples());
         if is_table {
-            return Err(Failure::usage(format!(
-                "{}: no trial in this table has {} samples or more; lower --min-samples, or give a table with longer trials",
-                path.display(),
-                arguments.min_samples()
-            )));
+            let remedy = "lower --min-samples, or give a table with longer trials";
+            let text = format!("{path}: no trial in this table has {samples} samples or more; {remedy}");
+            return Err(Failure::usage(text));
         }
         let patch = arguments.patch();
         let patch = patch.map_or("the first patch".into(), |name| format!("patch {name}"));
-        return Err(Failure::usage(format!(
-            "{}: no contact on {patch} above {} N with {} samples or more; lower --threshold-n or --min-samples, or \
-             generate more reaches",
-            path.display(),
-            arguments.threshold_n(),
-            arguments.min_samples()
-        )));
+        let found = format!("no contact on {patch} above {threshold_n} N with {samples} samples or more");
+        let remedy = "lower --threshold-n or --min-samples, or generate more reaches";
+        return Err(Failure::usage(format!("{path}: {found}; {remedy}")));
     }
     Ok(trials)
 }

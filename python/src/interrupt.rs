@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use crate::Failure;
 
 /// Tells a run to end.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub struct Stop {
     flag: AtomicBool,
     /// The exception that ends the run.

@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use underbrush_classifier::online_model::OnlineJudge;
 use underbrush_classifier::{OnlineClassifier, OnlineOptions, Scores, TouchClassifier};
 use underbrush_recording::SkinLayout;
 
@@ -25,14 +26,9 @@ pub struct Online {
 }
 
 struct State {
-    kind: Kind,
+    judge: OnlineJudge,
     /// Time of the last frame, s.
     last_s: Option<f64>,
-}
-
-enum Kind {
-    Contacts(Box<OnlineClassifier>),
-    Touch(Box<TouchClassifier>),
 }
 
 impl Online {
@@ -43,18 +39,18 @@ impl Online {
         skin: &Skin,
         needs_pose_of: Option<usize>,
     ) -> Self {
-        Online::new(Kind::Contacts(Box::new(classifier)), categories, skin, needs_pose_of.into_iter().collect())
+        Online::new(OnlineJudge::OfTrials(Box::new(classifier)), categories, skin, needs_pose_of.into_iter().collect())
     }
 
     /// Verdicts of a touch model.
     pub fn of_touch(classifier: TouchClassifier, skin: &Skin) -> Self {
         let patches = classifier.model().options().judged_patches(&skin.layout);
         let categories = classifier.model().categories().to_vec();
-        Online::new(Kind::Touch(Box::new(classifier)), categories, skin, patches)
+        Online::new(OnlineJudge::Touch(Box::new(classifier)), categories, skin, patches)
     }
 
-    fn new(kind: Kind, categories: Vec<String>, skin: &Skin, needs_poses_of: Vec<usize>) -> Self {
-        let (state, layout) = (Mutex::new(State { kind, last_s: None }), Arc::clone(&skin.layout));
+    fn new(judge: OnlineJudge, categories: Vec<String>, skin: &Skin, needs_poses_of: Vec<usize>) -> Self {
+        let (state, layout) = (Mutex::new(State { judge, last_s: None }), Arc::clone(&skin.layout));
         Online { state, categories, layout, needs_poses_of, raised: None }
     }
 
@@ -78,9 +74,9 @@ impl Online {
     /// high_n_per_m; missing until it is judged), moved_m and mobility (holds, gives-way, comes-back or stays).
     fn objects<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
         let state = self.lock()?;
-        let reports = match &state.kind {
-            Kind::Contacts(_) => Vec::new(),
-            Kind::Touch(classifier) => classifier.object_reports().collect(),
+        let reports = match &state.judge {
+            OnlineJudge::OfTrials(_) => Vec::new(),
+            OnlineJudge::Touch(classifier) => classifier.object_reports().collect(),
         };
         json::to_python(py, &reports)
     }
@@ -95,8 +91,8 @@ impl Online {
         }
         if let Some(patch) = self.needs_poses_of.iter().copied().find(|patch| !frame.has_pose(*patch)) {
             let name = &self.layout.patches[patch].name;
-            let (found, remedy) =
-                (format!("no pose of the patch {name}"), format!("make it with patch_poses={{{name:?}: …}}"));
+            let found = format!("no pose of the patch {name}");
+            let remedy = format!("make it with patch_poses={{{name:?}: …}}");
             let allowed = "a frame with this pose, because the classifier uses motion";
             return Err(Failure::argument("frame", found, allowed, remedy));
         }
@@ -108,8 +104,8 @@ impl Online {
             return Err(Failure::argument("frame", format!("the time {time_s} s"), allowed, remedy));
         }
         let verdicts = PyList::empty(py);
-        match &mut state.kind {
-            Kind::Contacts(classifier) => {
+        match &mut state.judge {
+            OnlineJudge::OfTrials(classifier) => {
                 for taxel in classifier.update(&frame.frame)? {
                     let verdict = PyDict::new(py);
                     verdict.set_item("taxel", taxel.taxel)?;
@@ -119,7 +115,7 @@ impl Online {
                     verdicts.append(verdict)?;
                 }
             }
-            Kind::Touch(classifier) => {
+            OnlineJudge::Touch(classifier) => {
                 classifier.update(&frame.frame)?;
                 for taxel in classifier.taxels() {
                     let verdict = PyDict::new(py);

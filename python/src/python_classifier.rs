@@ -70,12 +70,6 @@ pub struct PythonClassifier {
     raised: Arc<Stop>,
 }
 
-impl std::fmt::Debug for Stop {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("Stop")
-    }
-}
-
 impl PythonClassifier {
     /// A classifier that keeps in `raised` what the object raises.
     ///

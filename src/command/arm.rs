@@ -1,6 +1,6 @@
 //! `underbrush arm`: makes the files of a user's own arm.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use serde_json::json;
@@ -122,12 +122,10 @@ fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
     output::write_file(&out, files.arm_file.as_bytes())?;
     output::write_file(scene, files.scene.1.as_bytes())?;
     output::remarks(files.raised.iter().map(|(link, share)| {
+        let (urdf, out, percent) = (urdf.display(), out.display(), 100.0 * share);
         format!(
-            "warning: the inertia of {link} in {} is that of no body: a principal moment is {:.1} % above the sum of the other two. \
-             {} has the nearest one of a body, in [[inertia]]; correct it if you know better",
-            urdf.display(),
-            100.0 * share,
-            out.display(),
+            "warning: the inertia of {link} in {urdf} is that of no body: a principal moment is {percent:.1} % above the sum of the \
+             other two. {out} has the nearest one of a body, in [[inertia]]; correct it if you know better"
         )
     }));
     let links: Vec<&str> = files.arm.links.iter().map(|link| link.name.as_str()).collect();
@@ -145,17 +143,13 @@ fn new(options: NewOptions, json: bool) -> Result<(), Failure> {
     });
     output::result(json, &report, || {
         let held = if files.held.is_empty() { String::new() } else { format!("; held: {}", files.held.join(", ")) };
-        let show = Path::display;
+        let (out, skin, scene) = (out.display(), skin.display(), scene.display());
+        let (joints, links) = (files.arm.joints.len(), links.join(", "));
+        let hulls = output::counted(files.hulls, "hull", "hulls");
         format!(
-            "Wrote {}, {} and {}.\n{} joints{held}\nlinks: {}\n{}; meshes stand out at most {outside_mm:.1} mm\n\
-             Next: underbrush arm skin {} --link LINK --pitch-mm 10 --patch NAME\n",
-            show(&out),
-            show(skin),
-            show(scene),
-            files.arm.joints.len(),
-            links.join(", "),
-            output::counted(files.hulls, "hull", "hulls"),
-            show(&out),
+            "Wrote {out}, {skin} and {scene}.\n{joints} joints{held}\nlinks: {links}\n\
+             {hulls}; meshes stand out at most {outside_mm:.1} mm\n\
+             Next: underbrush arm skin {out} --link LINK --pitch-mm 10 --patch NAME\n"
         )
     })
 }

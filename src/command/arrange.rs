@@ -64,10 +64,8 @@ pub fn run(options: ArrangeOptions, json: bool) -> Result<(), Failure> {
         file: out,
     };
     output::result(json, &report, || {
+        let Report { objects, goals, .. } = report;
         let file = report.file.display();
-        format!(
-            "Wrote {file} with {} objects and {} goals. Next: underbrush reach {file}\n",
-            report.objects, report.goals
-        )
+        format!("Wrote {file} with {objects} objects and {goals} goals. Next: underbrush reach {file}\n")
     })
 }

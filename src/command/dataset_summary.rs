@@ -57,16 +57,8 @@ impl Summary {
         let ways = self.goals_with_a_way.map_or(String::new(), |(ways, goals)| {
             format!("{ways} of {goals} goals have a way round all fixed obstacles\n")
         });
-        format!(
-            "{}, {:.0} s of simulated time{pace}\n\
-             {}\n\
-             {ways}{}\n\
-             data set in {}",
-            counted(self.reaches, "reach", "reaches"),
-            self.simulated_s,
-            self.ends.text(),
-            text::audit(&self.audit),
-            self.dataset.display()
-        )
+        let (reaches, simulated_s) = (counted(self.reaches, "reach", "reaches"), self.simulated_s);
+        let (ends, audit, dataset) = (self.ends.text(), text::audit(&self.audit), self.dataset.display());
+        format!("{reaches}, {simulated_s:.0} s of simulated time{pace}\n{ends}\n{ways}{audit}\ndata set in {dataset}")
     }
 }

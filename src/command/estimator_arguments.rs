@@ -50,11 +50,10 @@ fn classifier() -> impl TypedValueParser<Value = Chosen> {
 }
 
 fn features_help() -> String {
-    let list = FEATURES.map(|feature| format!("{} ({})", feature.name, feature.description));
+    let list = FEATURES.map(|feature| format!("{} ({})", feature.name, feature.description)).join(", ");
     format!(
-        "Features of each sample, joined by commas [default: force for hmm, each other classifier its own]: {}, column:NAME (any \
-         column of numbers in a table of trials)",
-        list.join(", ")
+        "Features of each sample, joined by commas [default: force for hmm, each other classifier its own]: {list}, column:NAME \
+         (any column of numbers in a table of trials)"
     )
 }
 

@@ -197,9 +197,9 @@ impl Report {
             .collect();
         goals.text()
             + &format!(
-                "\n{} (seed {}, reach {}, {}): {} of {} goals reached{}\n\
+                "\n{} (seed {}, reach {}, {}): {} of {} goals reached{aborted}\n\
                  {:.1} s of simulated time in {:.2} s: {:.0} times real time on one core\n\
-                 {}; peak force {:.2} N, mean {:.2} N{}\n\
+                 {}; peak force {:.2} N, mean {:.2} N{limit}\n\
                  true contact: {}\n\
                  {}\n\
                  largest relative difference between taxel and contact forces: {:.1e}",
@@ -209,14 +209,12 @@ impl Report {
                 self.controller,
                 self.goals_reached,
                 self.goals.len(),
-                aborted,
                 self.simulated_s,
                 self.wall_s,
                 self.simulated_over_wall,
                 output::counted(self.contacts, "contact", "contacts"),
                 self.peak_contact_force_n,
                 self.mean_contact_force_n,
-                limit,
                 touched.join(", "),
                 self.trials(),
                 self.audit.largest_force_residual

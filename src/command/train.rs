@@ -239,11 +239,9 @@ const NEARLY_ALL: f64 = 0.9;
 /// Prints what a user should know before relying on thresholds that leave this fraction uncertain.
 fn warn(uncertain: f64, of_what: &str) {
     if uncertain > NEARLY_ALL {
-        output::remark(format!(
-            "warning: with these thresholds {:.1} % of {of_what} are uncertain; allow a higher \
-             --false-positive-rate, or use classify --decision argmax",
-            100.0 * uncertain
-        ));
+        let found = format!("with these thresholds {:.1} % of {of_what} are uncertain", 100.0 * uncertain);
+        let remedy = "allow a higher --false-positive-rate, or use classify --decision argmax";
+        output::remark(format!("warning: {found}; {remedy}"));
     }
 }
 

@@ -44,10 +44,9 @@ pub fn run(options: TrialsOptions, json: bool) -> Result<(), Failure> {
         let [trials, samples] = counts.map(|(count, one, many)| output::counted(count, one, many));
         let mut text = format!("{trials}, {samples} in {file}");
         if touch_unknown < count {
-            text += &format!(
-                "\n{} never touched: the forces there come from the sensor alone (spurious readings, creep, crosstalk)",
-                output::counted(never_touched, "of the trials was", "of the trials were")
-            );
+            let untouched = output::counted(never_touched, "of the trials was", "of the trials were");
+            let causes = "the forces there come from the sensor alone (spurious readings, creep, crosstalk)";
+            text += &format!("\n{untouched} never touched: {causes}");
         }
         text
     })

@@ -81,16 +81,13 @@ pub fn new_files(new: &NewArm) -> Result<NewFiles, InputError> {
     let name = new.out.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let file = |joints: &str| {
         let [urdf, skin] = &names;
+        let (base, tip, held, inertia) = (tree.base, &new.tip_link, held_tables(&held), inertia_tables(&raised));
         format!(
             "# The arm {name}, written by `underbrush arm new`. docs/arms.md explains every key. What the URDF does not say\n\
              # follows the rules that are stated here; change what you know better.\n\n\
              name = {name:?}\nurdf = {urdf:?}\nskin = {skin:?}\n\n\
-             # Its frame is the world frame: z up, x forward.\nbase_link = {:?}\ntip_link = {:?}\n\n\
-             # Choice: a knit cover, as on Cody.\nfriction = 0.3\n\n{RULES}{joints}{}{}{hull_text}",
-            tree.base,
-            new.tip_link,
-            held_tables(&held),
-            inertia_tables(&raised),
+             # Its frame is the world frame: z up, x forward.\nbase_link = {base:?}\ntip_link = {tip:?}\n\n\
+             # Choice: a knit cover, as on Cody.\nfriction = 0.3\n\n{RULES}{joints}{held}{inertia}{hull_text}"
         )
     };
     let assembled = |arm_file: &str| {

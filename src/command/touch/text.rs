@@ -108,12 +108,10 @@ fn objects(figures: &TouchFigures) -> String {
         .percent("wrong %", 1, |own| own.wrong)
         .percent("called unknown %", 1, |own| own.called_unknown);
     let grouping = figures.grouping.map_or(String::new(), |own| {
-        format!(
-            "{} of contacts for {} true objects; {:.1} % of the force comes from the object that each group stands for\n",
-            output::counted(own.groups, "group", "groups"),
-            own.true_objects,
-            100.0 * own.purity
-        )
+        let (groups, objects) = (output::counted(own.groups, "group", "groups"), own.true_objects);
+        let purity =
+            format!("{:.1} % of the force comes from the object that each group stands for", 100.0 * own.purity);
+        format!("{groups} of contacts for {objects} true objects; {purity}\n")
     });
     if figures.object_verdicts.is_empty() { grouping } else { rows.text() + &grouping }
 }
@@ -140,12 +138,11 @@ fn verdicts(figures: &TouchFigures) -> String {
 }
 
 fn by_reach(own: &ReachFigures) -> String {
+    let reaches = output::counted(own.reaches, "reach", "reaches");
+    let (wrong, unknown) = (percent(own.wrong_category), percent(own.called_unknown));
     format!(
-        "Of the taxel frames of a reach that a known category presses on, on average over {}: {} % called another \
-         category, {} % called unknown\n",
-        output::counted(own.reaches, "reach", "reaches"),
-        percent(own.wrong_category),
-        percent(own.called_unknown)
+        "Of the taxel frames of a reach that a known category presses on, on average over {reaches}: {wrong} % called another \
+         category, {unknown} % called unknown\n"
     )
 }
 
@@ -176,12 +173,10 @@ fn first_right(figures: &TouchFigures) -> String {
 }
 
 fn probabilities(figures: &TouchFigures) -> String {
+    let (nothing, lost) = (percent(figures.spurious_called_nothing), percent(figures.touches_lost));
+    let (calibration, brier) = (number(figures.expected_calibration_error), number(figures.brier_score));
     format!(
-        "Spurious readings called nothing: {} %; true contacts lost by that: {} %\n\
-         Expected calibration error {}, Brier score {}\n",
-        percent(figures.spurious_called_nothing),
-        percent(figures.touches_lost),
-        number(figures.expected_calibration_error),
-        number(figures.brier_score)
+        "Spurious readings called nothing: {nothing} %; true contacts lost by that: {lost} %\n\
+         Expected calibration error {calibration}, Brier score {brier}\n"
     )
 }
