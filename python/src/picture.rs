@@ -61,7 +61,8 @@ pub fn draw<'py>(
     kind: &str,
 ) -> Result<Bound<'py, PyAny>, Failure> {
     let size = Size { width, height };
-    let (scene, camera, _) = Stage::now(simulation, frame, camera.map(|camera| &camera.0), size.check()?.aspect())?;
+    let camera = camera.map(|camera| &camera.0);
+    let (scene, camera, _) = Stage::now(simulation, frame, camera, size.check()?.aspect(), false)?;
     pixels(py, &[0], |_| Ok((&scene, camera)), size, kind, vec![height, width])
 }
 
@@ -78,10 +79,10 @@ pub fn png_of(recording: &Recording, frame: Option<usize>) -> Result<Vec<u8>, Fa
     Ok(underbrush_render::png(&moment.rgb(&stage.camera(SHOWN.aspect()), SHOWN)?, SHOWN)?)
 }
 
-/// A simulation as it is now, as PNG.
+/// A simulation as it is now, with arrows of the contact forces, as PNG.
 pub fn png(simulation: &Simulation) -> Result<Vec<u8>, Failure> {
     let goal = simulation.clutter().goals.first().copied().unwrap_or_default();
-    let (scene, camera, _) = Stage::now(simulation, &simulation.frame(0, goal), None, SHOWN.aspect())?;
+    let (scene, camera, _) = Stage::now(simulation, &simulation.frame(0, goal), None, SHOWN.aspect(), true)?;
     Ok(underbrush_render::png(&scene.rgb(&camera, SHOWN)?, SHOWN)?)
 }
 

@@ -128,7 +128,7 @@ impl PySimulation {
         Ok(largest.map_or(0.0, |force| force.force_n))
     }
 
-    /// Draw arm and clutter as they are now.
+    /// Draw arm and clutter as they are now, with an arrow for each contact force on the arm.
     fn draw<'py>(&self, py: Python<'py>) -> Answer<'py> {
         Ok(picture::shown(py, picture::png(&*self.lock()?)?)?)
     }
@@ -156,7 +156,7 @@ impl PySimulation {
     fn labels(&self) -> Result<Vec<String>, Failure> {
         let simulation = self.lock()?;
         let frame = self.frame(&simulation).frame;
-        Ok(Stage::now(&simulation, &frame, None, 1.0)?.2)
+        Ok(Stage::now(&simulation, &frame, None, 1.0, false)?.2)
     }
 
     fn _repr_png_<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyBytes>, Failure> {

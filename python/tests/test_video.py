@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 import underbrush as ub
 import underbrush.video
+from conftest import quick
 
 av = pytest.importorskip("av")
 pa = pytest.importorskip("pyarrow")
@@ -63,8 +64,8 @@ def test_a_frame_is_drawn_in_colour_depth_and_labels(data: ub.Dataset) -> None:
 
 
 def test_readers_see_forces_as_arrows(data: ub.Dataset, tmp_path: Path) -> None:
-    """Tests that the frame with the most contacts has the colour of arrows in what `draw` and `film` show, and in what `render`
-    draws only with `arrows`."""
+    """Tests that the frame with the most contacts has the colour of arrows in what `draw` (also of a running simulation) and
+    `film` show, and in what `render` draws only with `arrows`."""
     contacts = [[len(own) for own in pa.table(reach.frames)["truth.contact_points"].to_pylist()] for reach in data]
     number = int(np.argmax([max(own) for own in contacts]))
     reach, fullest = data[number], int(np.argmax(contacts[number]))
@@ -72,6 +73,13 @@ def test_readers_see_forces_as_arrows(data: ub.Dataset, tmp_path: Path) -> None:
 
     def has_arrows(picture: NDArray[np.uint8]) -> bool:
         return bool((picture == ARROW).all(-1).any())
+
+    (seed, index), name = reach.seed_and_index, reach.scene.removesuffix("-quick")
+    simulation = ub.Simulation(quick(name), seed=seed, index=index)
+    for angles in reach.equilibrium_angle_rad[: fullest + 1]:
+        simulation.step(angles)
+    simulation.draw().save(tmp_path / "now.png")
+    assert has_arrows(_decoded(tmp_path / "now.png")[1][0]) and not has_arrows(simulation.render(**size))
 
     without, found = reach.render([fullest], **size)[0], reach.render([fullest], **size, arrows=True)[0]
     assert has_arrows(found) and not has_arrows(without)

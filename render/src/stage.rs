@@ -164,7 +164,7 @@ impl<'a> Stage<'a> {
     }
 
     /// A running simulation as it is now: everything in it, the camera of a scene or else one that sees everything and stays where
-    /// it is while the simulation runs, and the labels. The colours of forces end at 5 N.
+    /// it is while the simulation runs, and the labels. The colours of forces end at 5 N. `has_arrows` as [`Stage::with_arrows`].
     ///
     /// # Errors
     /// [`RenderError::NoBodies`] and [`RenderError::Link`].
@@ -173,10 +173,12 @@ impl<'a> Stage<'a> {
         frame: &Frame,
         camera: Option<&SceneCamera>,
         aspect: f64,
+        has_arrows: bool,
     ) -> Result<(Scene, Camera, Vec<String>), RenderError> {
         let (bodies, clutter) = (BodyLog::now(simulation).finish(), simulation.clutter());
         let layout = &simulation.arm().skin.layout;
         let stage = Stage::new(&bodies, &clutter.records(), layout, LIVE_N, &clutter.goals)?;
+        let stage = Stage { has_arrows, ..stage };
         let camera = camera.map_or_else(|| Ok(stage.camera(aspect)), |camera| stage.scene_camera(camera, u32::MAX))?;
         Ok((stage.moment(u32::MAX, frame), camera, stage.labels))
     }

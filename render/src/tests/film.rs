@@ -64,7 +64,7 @@ fn a_simulation_is_drawn_like_its_recording() {
     let mut angles = plan.arm.start_posture_rad();
     let size = Size { width: 120, height: 90 };
     let goal = simulation.clutter().goals[0];
-    let (_, first, _) = Stage::now(&simulation, &simulation.frame(0, goal), None, size.aspect()).unwrap();
+    let (_, first, _) = Stage::now(&simulation, &simulation.frame(0, goal), None, size.aspect(), false).unwrap();
     for _ in 0..60 {
         so_far.observe(Observed { simulation: &simulation, frame: &simulation.frame(0, goal), map: &[] });
         angles.iter_mut().for_each(|angle| *angle += 0.004);
@@ -73,7 +73,7 @@ fn a_simulation_is_drawn_like_its_recording() {
     let frame = simulation.frame(0, goal);
     so_far.observe(Observed { simulation: &simulation, frame: &frame, map: &[] });
     let recording = so_far.recording().unwrap();
-    let (now, camera, labels) = Stage::now(&simulation, &frame, None, size.aspect()).unwrap();
+    let (now, camera, labels) = Stage::now(&simulation, &frame, None, size.aspect(), false).unwrap();
     assert_eq!(camera, first);
     let stage = Stage::of(&recording, None).unwrap();
     assert_eq!(labels, stage.labels());
