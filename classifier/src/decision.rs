@@ -259,9 +259,7 @@ impl Judge {
     /// The choice is uncertain if no model admits the data (all scores are −inf) or two categories tie. A single
     /// category always wins. Scores beyond the number of categories are ignored.
     pub fn choose(&self, log_likelihood: &[f64]) -> Choice {
-        let Some((index, margin)) = self.margin(log_likelihood) else {
-            return Choice::Uncertain;
-        };
+        let Some((index, margin)) = self.margin(log_likelihood) else { return Choice::Uncertain };
         match self.rule {
             _ if margin == 0.0 => Choice::Uncertain,
             Rule::Argmax => Choice::Category(index),

@@ -234,9 +234,7 @@ impl OnlineClassifier {
             Some(slot) => slot,
             None => {
                 // There are as many slots as taxels.
-                let Some(Reverse(slot)) = self.free.pop() else {
-                    return Ok(());
-                };
+                let Some(Reverse(slot)) = self.free.pop() else { return Ok(()) };
                 self.scorer.begin(slot);
                 contact.slot = Some(slot);
                 contact.travel = Travel::from(position_world);

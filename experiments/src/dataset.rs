@@ -71,9 +71,7 @@ pub fn stored_arm(files: &[FileText]) -> Result<Arm, InputError> {
 /// # Errors
 /// If a reach differs although the same version made both, or if a set cannot be read.
 pub fn require_same_reaches(made: &Dataset, source: &Dataset) -> Result<(), Fault> {
-    let Some(index) = made.first_difference(source)? else {
-        return Ok(());
-    };
+    let Some(index) = made.first_difference(source)? else { return Ok(()) };
     let (episode, dir) = (&made.episodes()[index], source.dir().display());
     let difference = format!("reach {} of {} differs from the one in {dir}", episode.reach_index, episode.scene);
     let [own, other] = [made, source].map(|set| set.provenance().program_version.as_str());
@@ -209,9 +207,7 @@ impl Campaign {
 
     /// Refuses more parts than reaches. A part without a reach could not be made, so the others could not be merged.
     fn check_parts(&self) -> Result<(), Fault> {
-        let Some(Shard { count, .. }) = self.shard else {
-            return Ok(());
-        };
+        let Some(Shard { count, .. }) = self.shard else { return Ok(()) };
         let reaches: u64 = self.scenes.iter().map(|(_, reaches)| reaches).sum();
         if count <= reaches {
             return Ok(());

@@ -175,9 +175,7 @@ pub fn run(session: &Session) -> Result<TestReaches, Fault> {
     }
     let mut categories = Vec::new();
     for own in &file.engineered {
-        let Some(category) = experiment.category(&own.label) else {
-            continue;
-        };
+        let Some(category) = experiment.category(&own.label) else { continue };
         categories.push(category);
         searches.push(search(&own.scene, Wanted::Only(category), 1, own.draws(session.quick))?);
     }

@@ -28,9 +28,7 @@ impl Estimate {
     /// As [`Estimate::of`], for a statistic of several groups of reaches. Each group is resampled on its own.
     pub(crate) fn of_groups<R: Sync>(groups: &[&[R]], statistic: impl Fn(&[Vec<&R>]) -> Option<f64> + Sync) -> Self {
         let all: Vec<Vec<&R>> = groups.iter().map(|own| own.iter().collect()).collect();
-        let Some(value) = statistic(&all) else {
-            return Estimate::default();
-        };
+        let Some(value) = statistic(&all) else { return Estimate::default() };
         let resample = |number: usize| {
             // Each resample has its own random stream, so that threads may compute them in any order.
             let mut rng = ChaCha8Rng::seed_from_u64(number as u64);

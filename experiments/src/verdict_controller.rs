@@ -196,9 +196,7 @@ struct VerdictController {
 impl VerdictController {
     /// The verdict on a contact. A taxel under the model's threshold, or on a patch that it does not judge, has none.
     fn verdict(&self, contact: &TaxelContact) -> Option<Verdict> {
-        let Some(classifier) = &self.classifier else {
-            return contact.verdict.clone();
-        };
+        let Some(classifier) = &self.classifier else { return contact.verdict.clone() };
         let mut taxels = classifier.taxels().iter().filter(|_| self.is_judged);
         let own = taxels.find(|own| (own.patch, own.taxel) == (contact.patch, contact.taxel))?;
         let categories = classifier.model().categories();

@@ -112,9 +112,7 @@ fn percent(share: &Estimate) -> String {
 }
 
 fn number(estimate: &Estimate, digits: usize) -> String {
-    let Some(value) = estimate.value else {
-        return "-".into();
-    };
+    let Some(value) = estimate.value else { return "-".into() };
     let interval = estimate.interval.map(|[low, high]| format!(" ({low:.digits$} to {high:.digits$})"));
     format!("{value:.digits$}{}", interval.unwrap_or_default())
 }

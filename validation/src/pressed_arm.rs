@@ -149,9 +149,7 @@ impl PressedArm {
             let softness = DMatrix::from_diagonal(&DVector::from_iterator(moved.len(), softness));
             let back = &softness * jacobian.transpose();
             let missing = Vector3::from((goal - place).to_array());
-            let Some(force) = (&jacobian * &back).lu().solve(&missing) else {
-                return moved;
-            };
+            let Some(force) = (&jacobian * &back).lu().solve(&missing) else { return moved };
             let step = back * force;
             moved.iter_mut().zip(step.iter()).for_each(|(angle, step)| *angle += step);
         }

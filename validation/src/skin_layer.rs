@@ -205,9 +205,7 @@ fn forearm(simulated: Simulated) -> Found {
     let stiffness = arm.skin.stiffness_n_per_m3;
     let link = arm.link_index("forearm");
     let index = arm.skin.surfaces.iter().position(|surface| Some(surface.link) == link);
-    let Some(index) = index else {
-        return Err(Fault::Run("no skin on the forearm".into()));
-    };
+    let Some(index) = index else { return Err(Fault::Run("no skin on the forearm".into())) };
     let mut patch = SkinPatch::of_arm(&arm).swap_remove(index);
     // The integral over each taxel is that of a linear layer.
     patch.surface.thickness_m = None;

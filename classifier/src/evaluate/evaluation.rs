@@ -64,9 +64,7 @@ impl Evaluation {
     ) -> Result<Self, EvaluateError> {
         let records = || predictions.iter().map(|own| own.record(models));
         let confusion = ConfusionMatrix::of(records(), models);
-        let Some(accuracy) = confusion.accuracy() else {
-            return Err(EvaluateError::NoTruth);
-        };
+        let Some(accuracy) = confusion.accuracy() else { return Err(EvaluateError::NoTruth) };
         let correct = records().filter(|record| record.is_right(models)).count();
         Ok(Evaluation {
             accuracy: accuracy.accuracy,

@@ -112,9 +112,7 @@ impl Stream {
     /// The taxels in contact with objects of this category, summed over all frames.
     pub fn tally_of(&self, truth: Category) -> Tally {
         let mut tally = Tally::default();
-        let Some(row) = self.truths.iter().position(|other| *other == truth) else {
-            return tally;
-        };
+        let Some(row) = self.truths.iter().position(|other| *other == truth) else { return tally };
         for (verdict, count) in self.verdicts.iter().zip(&self.taxel_frames[row]) {
             tally.count(Some(truth), verdict, *count);
         }

@@ -87,9 +87,7 @@ impl FilterBank {
             #[inline(always)]
             || {
                 for group in &mut self.groups {
-                    let Some(some) = group.waiting.iter().position(|&waiting| waiting) else {
-                        continue;
-                    };
+                    let Some(some) = group.waiting.iter().position(|&waiting| waiting) else { continue };
                     // Idle streams run on another stream's sample. Their state is reset at their own next sample.
                     for stream in 0..STREAMS {
                         if !group.waiting[stream] {

@@ -88,9 +88,7 @@ fn training_numbers(training: &BTreeMap<String, TrainingHistory>) -> Result<(), 
 
 /// The recipe describes how the models were made, so it must agree with them.
 fn agreement(classifier: &HmmClassifier) -> Result<(), Fault> {
-    let Some(recipe) = &classifier.recipe else {
-        return Ok(());
-    };
+    let Some(recipe) = &classifier.recipe else { return Ok(()) };
     let fault = |key: &str, found: String, allowed: String| Fault::new(format!("recipe.{key}"), found, allowed);
     if recipe.features != classifier.features() {
         let (found, allowed) = (recipe.features.columns().join(", "), classifier.features().columns().join(", "));

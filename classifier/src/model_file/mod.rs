@@ -145,9 +145,7 @@ impl Model {
     /// Warns of a fit that cannot tell anything apart, or that has more parameters than data.
     pub fn warn_of_little_data(&self) {
         warn_of_one_category(&self.classifier.categories());
-        let (Some(models), Some(training)) = (self.as_hmm(), self.classifier.training()) else {
-            return;
-        };
+        let (Some(models), Some(training)) = (self.as_hmm(), self.classifier.training()) else { return };
         for (category, scorer) in models.models() {
             let samples = training.get(category).map_or(usize::MAX, |history| history.samples);
             let states = scorer.model.states;

@@ -118,9 +118,7 @@ pub fn check_patch<'a>(
     arms: impl IntoIterator<Item = &'a Arm>,
     source: &Source,
 ) -> Result<(), InputError> {
-    let Some(patch) = file.trials.patch.as_deref() else {
-        return Ok(());
-    };
+    let Some(patch) = file.trials.patch.as_deref() else { return Ok(()) };
     let without = |arm: &&Arm| arm.skin.layout.patch_index(patch).is_none();
     match arms.into_iter().find(without) {
         None => Ok(()),

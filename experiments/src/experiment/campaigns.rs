@@ -147,9 +147,7 @@ fn measure(session: &Session, seed: u64) -> Result<OneOfMany, Fault> {
 impl Campaigns {
     /// Means and spreads over campaigns, each with its seed; `None` without campaigns. Figures are matched by name.
     pub fn of(experiment: &Experiment, campaigns: &[(u64, OneOfMany)]) -> Result<Option<Self>, Fault> {
-        let Some((_, first)) = campaigns.first() else {
-            return Ok(None);
-        };
+        let Some((_, first)) = campaigns.first() else { return Ok(None) };
         let mut table_1 = Vec::new();
         for Cell { key, paper, .. } in &first.table_1 {
             let name = format!("cross-validation, {}", key.with_recipe());

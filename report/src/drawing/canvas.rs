@@ -108,9 +108,7 @@ impl<'a> Canvas<'a> {
     fn points(&mut self, points: &[Point], style: &Style) {
         let plot = self.plot;
         for point in points {
-            let Some((x, y)) = plot.x_px(point.x).zip(plot.y_px(point.y)) else {
-                continue;
-            };
+            let Some((x, y)) = plot.x_px(point.x).zip(plot.y_px(point.y)) else { continue };
             let ends = point.interval.and_then(|(low, high)| plot.y_px(low).zip(plot.y_px(high)));
             if let Some((low, high)) = ends {
                 let _ = writeln!(
@@ -131,9 +129,7 @@ impl<'a> Canvas<'a> {
         self.stacked.resize(self.stacked.len().max(heights.len()), 0.0);
         for (place, height) in heights.iter().enumerate() {
             let (from, to) = (self.stacked[place], self.stacked[place] + height);
-            let Some((low, high)) = plot.y_px(from).zip(plot.y_px(to)) else {
-                continue;
-            };
+            let Some((low, high)) = plot.y_px(from).zip(plot.y_px(to)) else { continue };
             let Some(x) = plot.x_px(place as f64) else { continue };
             self.stacked[place] = to;
             let size = (0.72 * slot, (low - high).max(0.0));
@@ -179,9 +175,7 @@ impl<'a> Canvas<'a> {
         let text = svg_text(space, middle + 5.0, &attributes, name);
         let _ = writeln!(self.svg, "<path d=\"M{LEFT} {middle:.1}H{:.1}\" stroke=\"#d8dce0\"/>{text}", WIDTH - RIGHT);
         for (from, to) in bands {
-            let Some((left, right)) = self.plot.x_px(*from).zip(self.plot.x_px(*to)) else {
-                continue;
-            };
+            let Some((left, right)) = self.plot.x_px(*from).zip(self.plot.x_px(*to)) else { continue };
             let _ = writeln!(
                 self.svg,
                 "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{height}\" fill=\"{fill}\" stroke=\"{}\" stroke-width=\"0.8\"/>",

@@ -80,12 +80,8 @@ pub fn features(entries: &[ClassifierEntry], accuracies: &[(&str, f64)]) -> Opti
     let mut sentences = Vec::new();
     for (place, entry) in entries.iter().enumerate() {
         for other in &entries[place + 1..] {
-            let (Some(first), Some(second)) = (accuracy(entry), accuracy(other)) else {
-                continue;
-            };
-            let (Some(seen), Some(other_seen)) = (entry.features, other.features) else {
-                continue;
-            };
+            let (Some(first), Some(second)) = (accuracy(entry), accuracy(other)) else { continue };
+            let (Some(seen), Some(other_seen)) = (entry.features, other.features) else { continue };
             let (same, all) = (seen.names(), other_seen.names());
             let same_method = entry.method.name == other.method.name;
             if let Some(added) = all.strip_prefix(same.as_slice()).filter(|_| same_method) {
@@ -117,9 +113,7 @@ fn speeds(speeds: &[Speed], min_samples: usize) -> String {
         own.map_or(f64::NAN, |point| 100.0 * point.accuracy)
     };
     let count = |points: &[AccuracyBySamples]| points.last().map_or(0, |point| point.lasting);
-    let Some(first) = speeds.first() else {
-        return String::new();
-    };
+    let Some(first) = speeds.first() else { return String::new() };
     let row = |Speed { classifier, lasting_contacts, all_contacts }: &Speed| {
         let [early, last] = [Some(12), None].map(|samples| {
             let (lasting, all) = (after(lasting_contacts, samples), after(all_contacts, samples));

@@ -28,9 +28,7 @@ pub fn address(moment: &Moment, place: usize) -> String {
 }
 
 fn add_moment(report: &mut Report, moment: &Moment, place: usize) {
-    let Some(patch) = moment.recording.layout.patches.get(moment.patch) else {
-        return;
-    };
+    let Some(patch) = moment.recording.layout.patches.get(moment.patch) else { return };
     let Some(grid) = patch.grid else { return };
     let looks = &report.looks;
     let Moment { scene, reach_index, verdicts, pressed, .. } = moment;

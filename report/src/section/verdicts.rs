@@ -9,9 +9,7 @@ use crate::{Cell, Layer, Report, Rows, Shape, Table, roc};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &VerdictFigures) {
-    let Some(verdicts) = &outcome.verdicts else {
-        return;
-    };
+    let Some(verdicts) = &outcome.verdicts else { return };
     report.section("verdicts", "verdicts on every taxel, frame by frame");
     report.page.paragraph(&format!(
         "Small networks see the course of each contact region: its forces, its size, and how far its object gave way. They tell \

@@ -215,9 +215,7 @@ impl Stream {
             *place = Some(self.contacts.len());
             self.contacts.push(StreamContact { truth, samples: 0, first_right: None });
         }
-        let Some(contact) = place.and_then(|place| self.contacts.get_mut(place)) else {
-            return;
-        };
+        let Some(contact) = place.and_then(|place| self.contacts.get_mut(place)) else { return };
         contact.samples = taxel.samples;
         let verdict = self.verdicts.get(taxel.verdict).map(String::as_str);
         if contact.first_right.is_none() && truth.is_some_and(|truth| verdict == Some(truth.name())) {

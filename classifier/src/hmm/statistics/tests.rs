@@ -63,9 +63,7 @@ fn the_scaled_pass_counts_what_log_space_counts() {
             let sequence = press(samples, dimension, number, &mut rng);
             let mut pass = scaled::Pass::new(&linear, states);
             tried += 1;
-            let Some(log_likelihood) = pass.count(&linear, &sequence) else {
-                continue;
-            };
+            let Some(log_likelihood) = pass.count(&linear, &sequence) else { continue };
             counted += 1;
             let mut found = Statistics::zero(states, dimension);
             pass.add_to(&mut found, &model);
