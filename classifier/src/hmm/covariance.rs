@@ -2,43 +2,46 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// Raises the eigenvalues of a covariance (D × D, row-major, in place) to at least `floor`.
+/// Raises the eigenvalues of a covariance (D × D, in place) to at least `floor`.
 ///
 /// For D = 1 this is the plain variance floor. For D > 1 the eigenvalues are clipped rather than the diagonal: that
 /// keeps the matrix safely positive definite for any correlation. Among all covariances whose eigenvalues are at least
 /// `floor`, the clipped one has the highest likelihood, so Baum-Welch with this floor still never decreases the
 /// likelihood.
-pub(super) fn floor_eigenvalues(covariance: &mut [f64], dimension: usize, floor: f64) {
+pub(super) fn floor_eigenvalues(covariance: &mut [Vec<f64>], floor: f64) {
     if floor <= 0.0 {
         return;
     }
-    if dimension == 1 {
-        covariance[0] = covariance[0].max(floor);
+    if let [row] = covariance {
+        row[0] = row[0].max(floor);
         return;
     }
-    let mut eigen = SymmetricEigen::new(DMatrix::from_row_slice(dimension, dimension, covariance));
+    let mut eigen = SymmetricEigen::new(matrix(covariance));
     if eigen.eigenvalues.iter().all(|&value| value >= floor) {
         return;
     }
     eigen.eigenvalues.apply(|value| *value = value.max(floor));
     let floored = eigen.recompose();
-    for row in 0..dimension {
-        for column in 0..dimension {
-            covariance[row * dimension + column] = 0.5 * (floored[(row, column)] + floored[(column, row)]);
+    for (row, values) in covariance.iter_mut().enumerate() {
+        for (column, value) in values.iter_mut().enumerate() {
+            *value = 0.5 * (floored[(row, column)] + floored[(column, row)]);
         }
     }
 }
 
-/// Whether the standard deviation of a covariance (D × D, row-major) is below 1e-8 of `largest_observation` in some
+/// Whether the standard deviation of a covariance (D × D) is below 1e-8 of `largest_observation` in some
 /// direction: in f64 such a variance cannot be distinguished from zero.
-pub(super) fn is_singular(covariance: &[f64], dimension: usize, largest_observation: f64) -> bool {
+pub(super) fn is_singular(covariance: &[Vec<f64>], largest_observation: f64) -> bool {
     let min_variance = (1e-8 * largest_observation).powi(2);
-    let smallest = if dimension == 1 {
-        covariance[0]
-    } else {
-        DMatrix::from_row_slice(dimension, dimension, covariance).symmetric_eigenvalues().min()
+    let smallest = match covariance {
+        [row] => row[0],
+        rows => matrix(rows).symmetric_eigenvalues().min(),
     };
     !smallest.is_finite() || smallest <= min_variance
+}
+
+fn matrix(rows: &[Vec<f64>]) -> DMatrix<f64> {
+    DMatrix::from_fn(rows.len(), rows.len(), |row, column| rows[row][column])
 }
 
 #[cfg(test)]
@@ -49,14 +52,14 @@ mod tests {
     #[test]
     fn the_floor_raises_small_eigenvalues_only() {
         let (large, small, floor) = (3.0, 1e-9, 1e-4);
-        let mut covariance =
-            [(large + small) / 2.0, (large - small) / 2.0, (large - small) / 2.0, (large + small) / 2.0];
-        floor_eigenvalues(&mut covariance, 2, floor);
-        assert!((covariance[0] + covariance[1] - large).abs() < 1e-12);
-        assert!((covariance[0] - covariance[1] - floor).abs() < 1e-12);
-        let before = [2.0, 0.5, 0.5, 1.0];
-        let mut untouched = before;
-        floor_eigenvalues(&mut untouched, 2, floor);
+        let (own, other) = ((large + small) / 2.0, (large - small) / 2.0);
+        let mut covariance = [vec![own, other], vec![other, own]];
+        floor_eigenvalues(&mut covariance, floor);
+        assert!((covariance[0][0] + covariance[0][1] - large).abs() < 1e-12);
+        assert!((covariance[0][0] - covariance[0][1] - floor).abs() < 1e-12);
+        let before = [vec![2.0, 0.5], vec![0.5, 1.0]];
+        let mut untouched = before.clone();
+        floor_eigenvalues(&mut untouched, floor);
         assert_eq!(untouched, before);
     }
 }

@@ -35,8 +35,8 @@ pub(super) struct FilterTables {
 impl FilterTables {
     pub(super) fn new(model: &GaussianHmm) -> Self {
         FilterTables {
-            forward: ForwardTables::new(&model.initial, &model.transition),
-            viterbi: ViterbiTables::new(&model.initial, &model.transition),
+            forward: ForwardTables::new(model.parameters()),
+            viterbi: ViterbiTables::new(model.parameters()),
         }
     }
 }

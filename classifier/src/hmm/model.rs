@@ -60,13 +60,7 @@ pub struct GaussianHmm {
     /// Number of states N.
     pub states: usize,
     pub(super) dimension: usize,
-    pub(super) initial: Vec<f64>,
-    /// N × N.
-    pub(super) transition: Vec<f64>,
-    /// N × D.
-    pub(super) mean: Vec<f64>,
-    /// N × D × D.
-    pub(super) covariance: Vec<f64>,
+    pub(super) parameters: HmmParameters,
     /// Means and covariances as densities need them; checking the covariances computes them anyway.
     pub(super) gaussians: Gaussians,
 }
@@ -111,15 +105,7 @@ impl GaussianHmm {
                 "train with a variance floor above 0, or raise the diagonal",
             )
         })?;
-        Ok(GaussianHmm {
-            states,
-            dimension,
-            initial: parameters.initial,
-            transition: parameters.transition.concat(),
-            mean,
-            covariance,
-            gaussians,
-        })
+        Ok(GaussianHmm { states, dimension, parameters, gaussians })
     }
 
     /// Number of features D.
@@ -128,18 +114,8 @@ impl GaussianHmm {
     }
 
     /// The parameters in the form that is written to a file.
-    pub fn parameters(&self) -> HmmParameters {
-        let rows = |flat: &[f64], width: usize| flat.chunks_exact(width).map(<[f64]>::to_vec).collect::<Vec<_>>();
-        HmmParameters {
-            initial: self.initial.clone(),
-            transition: rows(&self.transition, self.states),
-            mean: rows(&self.mean, self.dimension),
-            covariance: self
-                .covariance
-                .chunks_exact(self.dimension * self.dimension)
-                .map(|block| rows(block, self.dimension))
-                .collect(),
-        }
+    pub fn parameters(&self) -> &HmmParameters {
+        &self.parameters
     }
 }
 
@@ -238,7 +214,7 @@ mod tests {
     #[test]
     fn parameters_come_back_as_they_went_in() {
         let model = GaussianHmm::new(valid()).unwrap();
-        assert_eq!(model.parameters(), valid());
+        assert_eq!(*model.parameters(), valid());
         assert_eq!((model.states, model.dimension()), (2, 2));
     }
 }

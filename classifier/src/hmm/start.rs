@@ -31,12 +31,12 @@ pub fn equal_slice_start(
     let mut covariance = Vec::with_capacity(states);
     for state in 0..states {
         let (state_mean, mut state_covariance) = slice_moments(sequences, dimension, state, states);
-        floor_eigenvalues(&mut state_covariance, dimension, variance_floor);
-        if is_singular(&state_covariance, dimension, largest) {
+        floor_eigenvalues(&mut state_covariance, variance_floor);
+        if is_singular(&state_covariance, largest) {
             return Err(TrainingError::SingularCovariance { state, iteration: 0 });
         }
         mean.push(state_mean);
-        covariance.push(state_covariance.chunks_exact(dimension).map(<[f64]>::to_vec).collect());
+        covariance.push(state_covariance);
     }
     let parameters = HmmParameters {
         initial: initial.probabilities(states),
@@ -48,7 +48,12 @@ pub fn equal_slice_start(
 }
 
 /// Mean and covariance (divided by the number of samples) of one slice over all sequences.
-fn slice_moments(sequences: &[Observations], dimension: usize, slice: usize, slices: usize) -> (Vec<f64>, Vec<f64>) {
+fn slice_moments(
+    sequences: &[Observations],
+    dimension: usize,
+    slice: usize,
+    slices: usize,
+) -> (Vec<f64>, Vec<Vec<f64>>) {
     let samples = || {
         sequences.iter().flat_map(move |sequence| {
             let count = sequence.sample_count();
@@ -64,15 +69,15 @@ fn slice_moments(sequences: &[Observations], dimension: usize, slice: usize, sli
         mean.iter_mut().zip(sample).for_each(|(sum, value)| *sum += value);
     }
     mean.iter_mut().for_each(|sum| *sum /= count);
-    let mut covariance = vec![0.0; dimension * dimension];
+    let mut covariance = vec![vec![0.0; dimension]; dimension];
     for sample in samples() {
         for row in 0..dimension {
             for column in 0..dimension {
-                covariance[row * dimension + column] += (sample[row] - mean[row]) * (sample[column] - mean[column]);
+                covariance[row][column] += (sample[row] - mean[row]) * (sample[column] - mean[column]);
             }
         }
     }
-    covariance.iter_mut().for_each(|sum| *sum /= count);
+    covariance.iter_mut().flatten().for_each(|sum| *sum /= count);
     (mean, covariance)
 }
 

@@ -105,7 +105,7 @@ impl Statistics {
                 continue;
             }
             self.occupancy[state] += gamma;
-            let mean = &model.mean[state * d..(state + 1) * d];
+            let mean = &model.parameters().mean[state];
             for row in 0..d {
                 let weighted = gamma * (sample[row] - mean[row]);
                 self.first[state * d + row] += weighted;

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::covariance::{floor_eigenvalues, is_singular};
-use super::model::{GaussianHmm, HmmParameters};
+use super::model::GaussianHmm;
 use super::statistics::Statistics;
 use super::training_error::TrainingError;
 use crate::feature::Observations;
@@ -115,9 +115,8 @@ pub fn train(
         let after = collect(&candidate, iteration + 1)?;
         let stop = judge(statistics.log_likelihood, after.log_likelihood, iteration, options.tolerance);
         history.log_likelihood.push(after.log_likelihood);
-        if let Some(Stop::Fell { .. }) = stop {
-            // The candidate is worse: keep the current model.
-        } else {
+        // A candidate that is worse does not replace the current model.
+        if !matches!(stop, Some(Stop::Fell { .. })) {
             (model, statistics) = (candidate, after);
         }
         if let Some(stop) = stop {
@@ -150,7 +149,7 @@ fn maximize(
     iteration: usize,
 ) -> Result<GaussianHmm, TrainingError> {
     let (n, d) = (model.states, model.dimension);
-    let mut parameters = model.parameters();
+    let mut parameters = model.parameters().clone();
     normalize(&statistics.initial, &mut parameters.initial);
     for (counts, row) in statistics.transition.chunks_exact(n).zip(&mut parameters.transition) {
         normalize(counts, row);
@@ -161,19 +160,18 @@ fn maximize(
             continue;
         }
         let step: Vec<f64> = statistics.first[state * d..(state + 1) * d].iter().map(|sum| sum / occupancy).collect();
-        let mut covariance = vec![0.0; d * d];
+        let covariance = &mut parameters.covariance[state];
         for row in 0..d {
             for column in 0..d {
                 let second = statistics.second[(state * d + row) * d + column] / occupancy;
-                covariance[row * d + column] = second - step[row] * step[column];
+                covariance[row][column] = second - step[row] * step[column];
             }
         }
-        floor_eigenvalues(&mut covariance, d, variance_floor);
-        if is_singular(&covariance, d, largest_observation) {
+        floor_eigenvalues(covariance, variance_floor);
+        if is_singular(covariance, largest_observation) {
             return Err(TrainingError::SingularCovariance { state, iteration });
         }
         parameters.mean[state].iter_mut().zip(&step).for_each(|(mean, step)| *mean += step);
-        parameters.covariance[state] = covariance.chunks_exact(d).map(<[f64]>::to_vec).collect();
     }
     Ok(GaussianHmm::new(parameters)?)
 }
@@ -189,13 +187,8 @@ fn normalize(counts: &[f64], row: &mut [f64]) {
 
 /// The model with its covariances raised to the floor.
 fn floored(model: &GaussianHmm, variance_floor: f64) -> Result<GaussianHmm, TrainingError> {
-    let d = model.dimension;
-    let mut parameters: HmmParameters = model.parameters();
-    for covariance in &mut parameters.covariance {
-        let mut flat = covariance.concat();
-        floor_eigenvalues(&mut flat, d, variance_floor);
-        *covariance = flat.chunks_exact(d).map(<[f64]>::to_vec).collect();
-    }
+    let mut parameters = model.parameters().clone();
+    parameters.covariance.iter_mut().for_each(|covariance| floor_eigenvalues(covariance, variance_floor));
     Ok(GaussianHmm::new(parameters)?)
 }
 

@@ -9,7 +9,7 @@ use underbrush_recording::InputError;
 
 use super::{HmmClassifier, check};
 use crate::feature::{FEATURES, FeatureSet, Scaling, feature_list_schema};
-use crate::hmm::{GaussianHmm, HmmParameters, Scorer, TrainingHistory};
+use crate::hmm::{GaussianHmm, HmmParameters, TrainingHistory};
 use crate::{Document, Recipe};
 
 /// The keys of hidden Markov models in a file. Only the first two are required.
@@ -59,13 +59,12 @@ impl HmmClassifier {
     }
 
     pub(super) fn entries(&self) -> Vec<(&'static str, Value)> {
-        let parameters = |(name, scorer): (&String, &Scorer)| (name.clone(), scorer.model.parameters());
-        let models: BTreeMap<String, HmmParameters> = self.models.iter().map(parameters).collect();
+        let models = self.models.iter().map(|(name, scorer)| (name, scorer.model.parameters()));
         vec![
             ("features", json!(self.features.columns())),
             ("recipe", json!(self.recipe)),
             ("scaling", json!(self.scaling)),
-            ("models", json!(models)),
+            ("models", json!(models.collect::<BTreeMap<_, _>>())),
             ("training", json!(self.training)),
         ]
     }

@@ -11,6 +11,7 @@ use std::f64::consts::LN_2;
 use std::ops::Range;
 
 use crate::hmm::gaussian::Gaussians;
+use crate::hmm::model::HmmParameters;
 use crate::hmm::tile::{
     ROUNDER, Tile, WIDTH, add, exp2_fraction, larger, largest, logarithm, map, multiply, scale_mantissa, select, zip,
 };
@@ -50,13 +51,12 @@ pub(super) struct ForwardTables {
 }
 
 impl ForwardTables {
-    /// Tables for N initial and N × N transition probabilities (row: from, column: to).
-    pub(super) fn new(initial: &[f64], transition: &[f64]) -> Self {
+    pub(super) fn new(HmmParameters { initial, transition, .. }: &HmmParameters) -> Self {
         let states = initial.len();
         let mut into = Vec::with_capacity(states);
-        let mut entries = Vec::with_capacity(transition.len());
+        let mut entries = Vec::with_capacity(states * states);
         for to in 0..states {
-            let entry = |from: usize| transition.get(from * states + to).copied().unwrap_or(0.0);
+            let entry = |from: usize| transition.get(from).map_or(0.0, |row| row[to]);
             let first = (0..states).find(|&from| entry(from) > 0.0).unwrap_or(0) / CHUNK * CHUNK;
             let end =
                 (0..states).rfind(|&from| entry(from) > 0.0).map_or(first, |last| (last + 1).next_multiple_of(CHUNK));

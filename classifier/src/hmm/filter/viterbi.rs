@@ -3,6 +3,7 @@
 use std::f64::consts::LN_2;
 
 use crate::hmm::gaussian::Gaussians;
+use crate::hmm::model::HmmParameters;
 use crate::hmm::tile::{Tile, WIDTH, add, larger, largest, map, tiled, tiles_for, zip};
 use underbrush_recording::math;
 
@@ -18,10 +19,10 @@ pub(super) struct ViterbiTables {
 }
 
 impl ViterbiTables {
-    pub(super) fn new(initial: &[f64], transition: &[f64]) -> Self {
+    pub(super) fn new(HmmParameters { initial, transition, .. }: &HmmParameters) -> Self {
         let (states, tiles) = (initial.len(), tiles_for(initial.len()));
         let log2 = |from: usize, to: usize| match from.max(to) < states {
-            true => math::log2(transition[from * states + to]),
+            true => math::log2(transition[from][to]),
             false => f64::NEG_INFINITY,
         };
         let left_to_right = (0..states).all(|from| (0..from).all(|to| log2(from, to) == f64::NEG_INFINITY));

@@ -28,7 +28,7 @@ impl Pass {
     pub(super) fn new(model: &GaussianHmm) -> Self {
         let zeros = || vec![0.0; model.states];
         Pass {
-            log_transition: model.transition.iter().map(|p| math::ln(*p)).collect(),
+            log_transition: model.parameters().transition.iter().flatten().map(|p| math::ln(*p)).collect(),
             log_density: Vec::new(),
             log_alpha: Vec::new(),
             log_beta: zeros(),
@@ -50,7 +50,7 @@ impl Pass {
             let before = &past[past.len().saturating_sub(n)..];
             for (j, (alpha, density)) in present[..n].iter_mut().zip(density).enumerate() {
                 let into = if t == 0 {
-                    math::ln(model.initial[j])
+                    math::ln(model.parameters().initial[j])
                 } else {
                     let column = self.log_transition[j..].iter().step_by(n);
                     fill(&mut self.terms, before.iter().zip(column).map(|(alpha, a)| alpha + a));

@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use crate::hmm::gaussian::Gaussians;
-use crate::hmm::model::GaussianHmm;
+use crate::hmm::model::{GaussianHmm, HmmParameters};
 use crate::hmm::tile::{
     self, ROUNDER, Tile, WIDTH, add, exp2, exponent, integer_power_of_two, larger, map, tiled, tiles_for, zip,
 };
@@ -36,14 +36,14 @@ pub(super) struct LinearModel<'a> {
 
 impl<'a> LinearModel<'a> {
     pub(super) fn new(model: &'a GaussianHmm) -> Self {
-        let n = model.states;
+        let (n, HmmParameters { initial, transition, .. }) = (model.states, model.parameters());
         let raised = |p: f64| if p > 0.0 { larger(p, MIN_TRANSITION) } else { 0.0 };
-        let forward = TiledMatrix::new(n, |from, to| raised(model.transition[from * n + to]));
+        let forward = TiledMatrix::new(n, |from, to| raised(transition[from][to]));
         LinearModel {
             tiles: tiles_for(n),
             gaussians: &model.gaussians,
-            initial: tiled(1, n, 0.0, |_, state| model.initial[state]),
-            backward: TiledMatrix::new(n, |to, from| raised(model.transition[from * n + to])),
+            initial: tiled(1, n, 0.0, |_, state| initial[state]),
+            backward: TiledMatrix::new(n, |to, from| raised(transition[from][to])),
             exponents: forward.map(|p| if p > 0.0 { exponent(p) as f64 } else { f64::NEG_INFINITY }),
             forward,
         }

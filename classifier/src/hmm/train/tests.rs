@@ -5,7 +5,7 @@ use rand_distr::{Distribution, Normal};
 
 use super::*;
 use crate::hmm::scorer::tests::small_problem;
-use crate::hmm::{InitialDistribution, Topology, equal_slice_start};
+use crate::hmm::{HmmParameters, InitialDistribution, Topology, equal_slice_start};
 
 /// Draws a sequence of one feature from a model.
 fn sample(parameters: &HmmParameters, count: usize, rng: &mut ChaCha8Rng) -> Observations {
@@ -90,7 +90,8 @@ fn one_iteration_matches_counting_by_hand() {
     }
     let observations: Vec<_> = sequences.iter().map(|s| Observations::new(1, s.to_vec()).unwrap()).collect();
     let options = TrainingOptions { iterations: 1, tolerance: 0.0, variance_floor: 0.0 };
-    let found = train(&GaussianHmm::new(start).unwrap(), &observations, &options).unwrap().0.parameters();
+    let (model, _) = train(&GaussianHmm::new(start).unwrap(), &observations, &options).unwrap();
+    let found = model.parameters();
     for i in 0..2 {
         let mean = sum[i] / weight[i];
         assert!((found.initial[i] - first[i] / 2.0).abs() < 1e-13);

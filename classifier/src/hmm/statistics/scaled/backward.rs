@@ -123,7 +123,7 @@ impl Pass {
         let (first, second) = (self.first.as_flattened(), self.second.as_flattened());
         for state in 0..n {
             // Raised weights must not give an impossible initial state a count.
-            if model.initial[state] > 0.0 {
+            if model.parameters().initial[state] > 0.0 {
                 statistics.initial[state] += initial[state];
             }
             statistics.occupancy[state] += occupancy[state];
