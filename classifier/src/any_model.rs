@@ -21,10 +21,6 @@ pub enum AnyModel {
 /// The name of the format without its version.
 const TOUCH_NAME: &str = "underbrush-touch/";
 
-fn refused(error: InputError) -> ModelError {
-    ModelError::Input(Box::new(error))
-}
-
 /// Reads a model file of either kind, by its format, or an ONNX model, by the ending of its name.
 ///
 /// # Errors
@@ -33,7 +29,7 @@ pub fn load(path: &Path) -> Result<AnyModel, ModelError> {
     if path.extension().is_some_and(|ending| ending == "onnx") {
         return Ok(AnyModel::OfTrials(load_onnx(path)?));
     }
-    let text = read_text(path, &JSON_BYTES, "a readable model file", "check the path").map_err(refused)?;
+    let text = read_text(path, &JSON_BYTES, "a readable model file", "check the path")?;
     parse(path, &text)
 }
 
@@ -63,7 +59,7 @@ fn load_onnx(path: &Path) -> Result<Model, ModelError> {
 fn load_onnx(path: &Path) -> Result<Model, ModelError> {
     let found = "an ONNX model, which this program was built without";
     let remedy = "build it with `cargo build --release --features onnx`";
-    Err(refused(InputError::new(path, "file", found, "a model file of underbrush", remedy)))
+    Err(InputError::new(path, "file", found, "a model file of underbrush", remedy).into())
 }
 
 /// Reads a classifier of trials.
@@ -76,7 +72,7 @@ pub fn load_of_trials(path: &Path) -> Result<Model, ModelError> {
         AnyModel::Touch(_) => {
             let remedy =
                 "train a classifier of trials, or use this model with classify, evaluate or inspect: it judges frames";
-            Err(refused(InputError::new(path, "format", TOUCH_FORMAT, FORMAT, remedy)))
+            Err(InputError::new(path, "format", TOUCH_FORMAT, FORMAT, remedy).into())
         }
     }
 }

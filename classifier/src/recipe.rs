@@ -101,12 +101,8 @@ impl Recipe {
 
     /// Checks that every number is within its range.
     pub(crate) fn check(&self) -> Result<(), Fault> {
-        for (option, value, limits) in [
-            ("states", self.states as f64, STATES),
-            ("max_samples", self.max_samples.map_or(1.0, |count| count as f64), SAMPLES),
-        ] {
-            check_limits(option, value, limits)?;
-        }
+        check_limits("states", self.states as f64, STATES)?;
+        check_limits("max_samples", self.max_samples.map_or(1.0, |count| count as f64), SAMPLES)?;
         check_training(&self.training)
     }
 }

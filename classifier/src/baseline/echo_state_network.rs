@@ -164,12 +164,11 @@ impl Baseline for EchoStateNetwork {
         Ok(Learned { network, readout: fitted::from_columns(size, readout) })
     }
 
-    fn begin(&self, learned: &Learned) -> Contact {
-        let (size, categories) = learned.readout.shape();
-        Contact { state: DVector::zeros(size), sum: DVector::zeros(categories), samples: 0 }
-    }
-
     fn push(&self, learned: &Learned, contact: &mut Contact, sample: &Sample) -> Result<bool, SampleFault> {
+        if contact.samples == 0 {
+            let (size, categories) = learned.readout.shape();
+            *contact = Contact { state: DVector::zeros(size), sum: DVector::zeros(categories), samples: 0 };
+        }
         learned.network.step(self, &mut contact.state, sample)?;
         contact.sum += learned.readout.tr_mul(&contact.state);
         contact.samples += 1;
@@ -244,7 +243,7 @@ pub(super) struct Parameters {
 }
 
 /// A contact so far.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Contact {
     state: DVector<f64>,
     /// Sum of the readouts so far.

@@ -30,8 +30,8 @@ pub(super) trait Baseline:
     type Parameters: Serialize + DeserializeOwned + JsonSchema;
     /// What is fitted, ready for use.
     type Learned: Debug + Send + Sync;
-    /// What is known of a contact so far.
-    type Contact: Clone + Debug + Send;
+    /// What is known of a contact so far. The default is a contact without samples.
+    type Contact: Clone + Debug + Default + Send;
 
     /// The features of each sample.
     fn features(&self) -> FeatureSet;
@@ -49,9 +49,6 @@ pub(super) trait Baseline:
 
     /// Checks and applies what a file holds, for this many categories.
     fn learned(&self, parameters: Self::Parameters, categories: usize) -> Result<Self::Learned, Fault>;
-
-    /// A contact without samples.
-    fn begin(&self, learned: &Self::Learned) -> Self::Contact;
 
     /// As [`ContactScorer::push`].
     fn push(&self, learned: &Self::Learned, contact: &mut Self::Contact, sample: &Sample) -> Result<bool, SampleFault>;
@@ -117,8 +114,8 @@ impl<B: Baseline> Classifier for BaselineClassifier<B> {
     }
 
     fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
-        let state = self.0.options.begin(&self.0.learned);
-        Box::new(Independent::new(Contact { fitted: Arc::clone(&self.0), state }, contacts))
+        let fresh = Contact { fitted: Arc::clone(&self.0), state: B::Contact::default() };
+        Box::new(Independent::new(fresh, contacts))
     }
 
     fn file_entries(&self) -> Vec<(&'static str, Value)> {

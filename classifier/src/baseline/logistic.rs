@@ -127,10 +127,6 @@ impl Baseline for Logistic {
         Ok(Learned { selection, standardization, weights: fitted::from_columns(columns, &weights).transpose() })
     }
 
-    fn begin(&self, _: &Learned) -> StreamFeatures {
-        StreamFeatures::default()
-    }
-
     fn push(&self, learned: &Learned, contact: &mut StreamFeatures, sample: &Sample) -> Result<bool, SampleFault> {
         learned.selection.push(contact, sample).map(|()| true)
     }

@@ -124,10 +124,6 @@ impl Baseline for MiniRocket {
         Ok(Learned { convolutions, weights: fitted::from_columns(size, &weights) })
     }
 
-    fn begin(&self, _: &Learned) -> Outputs {
-        Outputs::default()
-    }
-
     fn push(&self, learned: &Learned, contact: &mut Outputs, sample: &Sample) -> Result<bool, SampleFault> {
         learned.convolutions.push(self.features, contact, sample).map(|()| true)
     }

@@ -92,10 +92,12 @@ impl Default for NaiveBayes {
 /// alone. Choice: a tenth of the standard deviation over all categories.
 const MIN_VARIANCE: f64 = 1e-2;
 
+type Learned = (Selection, Parameters);
+
 impl Baseline for NaiveBayes {
     const NAME: &'static str = "naive-bayes";
     type Parameters = Parameters;
-    type Learned = (Selection, Parameters);
+    type Learned = Learned;
     type Contact = StreamFeatures;
 
     fn features(&self) -> FeatureSet {
@@ -104,17 +106,13 @@ impl Baseline for NaiveBayes {
 
     fn check(&self) -> Result<(), Fault> {
         if self.selection().dimension() == 0 {
-            let found = self.features.to_string();
-            return Err(Fault::new(
-                "features",
-                found,
-                "features from which there is something to compute, such as force",
-            ));
+            let allowed = "features from which there is something to compute, such as force";
+            return Err(Fault::new("features", self.features.to_string(), allowed));
         }
         Ok(())
     }
 
-    fn learn(&self, trials: &TrialsByCategory) -> Result<Self::Learned, ModelError> {
+    fn learn(&self, trials: &TrialsByCategory) -> Result<Learned, ModelError> {
         let selection = self.selection();
         // The peak of a contact is known at its end.
         let mut table = match self.only_peak_force {
@@ -138,11 +136,11 @@ impl Baseline for NaiveBayes {
         Ok((selection, Parameters { standardization, mean, variance }))
     }
 
-    fn parameters((_, learned): &Self::Learned) -> Parameters {
+    fn parameters((_, learned): &Learned) -> Parameters {
         learned.clone()
     }
 
-    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Self::Learned, Fault> {
+    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Learned, Fault> {
         let selection = self.selection();
         let dimension = selection.dimension();
         parameters.standardization.check(dimension).map_err(|fault| fault.within("standardization"))?;
@@ -151,20 +149,16 @@ impl Baseline for NaiveBayes {
         Ok((selection, parameters))
     }
 
-    fn begin(&self, _: &Self::Learned) -> StreamFeatures {
-        StreamFeatures::default()
-    }
-
     fn push(
         &self,
-        (selection, _): &Self::Learned,
+        (selection, _): &Learned,
         contact: &mut StreamFeatures,
         sample: &Sample,
     ) -> Result<bool, SampleFault> {
         selection.push(contact, sample).map(|()| true)
     }
 
-    fn scores(&self, (selection, learned): &Self::Learned, contact: &StreamFeatures, scores: &mut [f64]) {
+    fn scores(&self, (selection, learned): &Learned, contact: &StreamFeatures, scores: &mut [f64]) {
         let mut features = selection.values(contact);
         learned.standardization.apply(&mut features);
         for ((score, mean), variance) in scores.iter_mut().zip(&learned.mean).zip(&learned.variance) {

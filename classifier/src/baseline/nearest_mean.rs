@@ -74,10 +74,6 @@ impl Baseline for NearestMean {
         Ok(parameters)
     }
 
-    fn begin(&self, _: &Parameters) -> Contact {
-        Contact::default()
-    }
-
     fn push(&self, _: &Parameters, contact: &mut Contact, sample: &Sample) -> Result<bool, SampleFault> {
         if contact.samples == SAMPLES {
             return Ok(false);

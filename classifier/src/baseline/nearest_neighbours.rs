@@ -174,10 +174,6 @@ impl Baseline for NearestNeighbours {
         })
     }
 
-    fn begin(&self, _: &Learned) -> Vec<f64> {
-        Vec::new()
-    }
-
     fn push(&self, _: &Learned, contact: &mut Vec<f64>, sample: &Sample) -> Result<bool, SampleFault> {
         self.features.push_within(self.window, contact, sample)
     }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_recording::Trial;
 
 use super::fitted::{FITTED, POSITIVE, TrialsByCategory, check_list};
-use crate::error::{Fault, check_limits};
+use crate::error::Fault;
 use crate::feature::FeatureError;
 use crate::stream_feature::{SAMPLE_COUNTS, Selection};
 
@@ -73,15 +73,12 @@ impl Standardization {
     pub(super) fn of(table: &mut Table, set: &Selection) -> Self {
         let moment = |f: &dyn Fn(&Row) -> f64| table.rows.iter().map(|row| row.weight * f(row)).sum::<f64>();
         let mean: Vec<f64> = (0..set.dimension()).map(|d| moment(&|row| row.features[d])).collect();
-        let deviation = mean
-            .iter()
-            .enumerate()
-            .map(|(d, mean)| {
-                let deviation = moment(&|row| (row.features[d] - mean).powi(2)).sqrt();
-                (deviation > 1e-12).then_some(deviation)
-            })
-            .collect();
-        let standardization = Standardization { mean, standard_deviation: deviation };
+        let deviation = |(d, mean): (usize, &f64)| {
+            let deviation = moment(&|row| (row.features[d] - mean).powi(2)).sqrt();
+            (deviation > 1e-12).then_some(deviation)
+        };
+        let standard_deviation = mean.iter().enumerate().map(deviation).collect();
+        let standardization = Standardization { mean, standard_deviation };
         for row in &mut table.rows {
             standardization.apply(&mut row.features);
         }
@@ -98,14 +95,7 @@ impl Standardization {
     /// Checks numbers read from a file, for this many stream features.
     pub(super) fn check(&self, dimension: usize) -> Result<(), Fault> {
         check_list("mean", &self.mean, dimension, FITTED)?;
-        let field = "standard_deviation";
-        if self.standard_deviation.len() != dimension {
-            let found = format!("{} numbers", self.standard_deviation.len());
-            return Err(Fault::new(field, found, format!("{dimension} numbers")));
-        }
-        let mut places = self.standard_deviation.iter().enumerate();
-        places.try_for_each(|(index, deviation)| {
-            check_limits(format!("{field}[{index}]"), deviation.unwrap_or(1.0), POSITIVE)
-        })
+        let deviations: Vec<f64> = self.standard_deviation.iter().map(|deviation| deviation.unwrap_or(1.0)).collect();
+        check_list("standard_deviation", &deviations, dimension, POSITIVE)
     }
 }

@@ -68,17 +68,19 @@ pub(super) struct Parameters {
     trees: Vec<Boosted>,
 }
 
+type Learned = (Selection, Parameters);
+
 impl Baseline for Trees {
     const NAME: &'static str = "trees";
     type Parameters = Parameters;
-    type Learned = (Selection, Parameters);
+    type Learned = Learned;
     type Contact = StreamFeatures;
 
     fn features(&self) -> FeatureSet {
         self.features
     }
 
-    fn learn(&self, trials: &TrialsByCategory) -> Result<Self::Learned, ModelError> {
+    fn learn(&self, trials: &TrialsByCategory) -> Result<Learned, ModelError> {
         let selection = Selection::of(self.features);
         let table = Table::of(trials, &selection)?;
         let features: Vec<Vec<f32>> = table.rows.iter().map(|row| single(&row.features)).collect();
@@ -97,11 +99,11 @@ impl Baseline for Trees {
         Ok((selection, Parameters { trees }))
     }
 
-    fn parameters((_, parameters): &Self::Learned) -> Parameters {
+    fn parameters((_, parameters): &Learned) -> Parameters {
         parameters.clone()
     }
 
-    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Self::Learned, Fault> {
+    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Learned, Fault> {
         let selection = Selection::of(self.features);
         let fits = |own: &Boosted| own.features() == selection.dimension();
         if parameters.trees.len() != categories || !parameters.trees.iter().all(fits) {
@@ -112,20 +114,16 @@ impl Baseline for Trees {
         Ok((selection, parameters))
     }
 
-    fn begin(&self, _: &Self::Learned) -> StreamFeatures {
-        StreamFeatures::default()
-    }
-
     fn push(
         &self,
-        learned: &Self::Learned,
+        (selection, _): &Learned,
         contact: &mut StreamFeatures,
         sample: &Sample,
     ) -> Result<bool, SampleFault> {
-        learned.0.push(contact, sample).map(|()| true)
+        selection.push(contact, sample).map(|()| true)
     }
 
-    fn scores(&self, (selection, parameters): &Self::Learned, contact: &StreamFeatures, scores: &mut [f64]) {
+    fn scores(&self, (selection, parameters): &Learned, contact: &StreamFeatures, scores: &mut [f64]) {
         let features = single(&selection.values(contact));
         for (score, trees) in scores.iter_mut().zip(&parameters.trees) {
             *score = 1.0 / (1.0 + math::exp(-trees.score(&features)));

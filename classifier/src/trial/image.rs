@@ -11,11 +11,17 @@ pub struct PatchImage {
     patch_index: usize,
     patch: Patch,
     threshold_n: f64,
-    sensed_force_n: Vec<f64>,
-    object: Vec<Option<u16>>,
-    /// Whether an object truly presses on each taxel.
-    touched: Vec<bool>,
+    taxels: Vec<TaxelState>,
     pose_world: Option<Pose>,
+}
+
+/// A taxel in the frame. Without a reading it senses nothing.
+#[derive(Clone, Copy, Debug, Default)]
+struct TaxelState {
+    sensed_force_n: f64,
+    object: Option<u16>,
+    /// Whether an object truly presses on it.
+    is_touched: bool,
 }
 
 impl PatchImage {
@@ -38,17 +44,8 @@ impl PatchImage {
             _ => TrialError::NoPatch,
         })?;
         let patch = layout.patches[patch_index].clone();
-        let count = patch.taxels.len();
-        let (sensed_force_n, object) = (vec![0.0; count], vec![None; count]);
-        Ok(PatchImage {
-            patch_index,
-            patch,
-            threshold_n,
-            sensed_force_n,
-            object,
-            touched: vec![false; count],
-            pose_world: None,
-        })
+        let taxels = vec![TaxelState::default(); patch.taxels.len()];
+        Ok(PatchImage { patch_index, patch, threshold_n, taxels, pose_world: None })
     }
 
     /// Reads a frame; `frame_index` is used only in errors.
@@ -67,22 +64,22 @@ impl PatchImage {
             return Err(bad(format!("pose {pose:?} of {name}"), "finite numbers".into()));
         }
         self.pose_world = Some(pose);
-        self.sensed_force_n.fill(0.0);
-        self.object.fill(None);
-        self.touched.fill(false);
+        self.taxels.fill(TaxelState::default());
         for reading in frame.taxels.iter().filter(|reading| usize::from(reading.patch) == self.patch_index) {
             let taxel = usize::from(reading.taxel);
-            let count = self.sensed_force_n.len();
-            let force = self.sensed_force_n.get_mut(taxel).ok_or_else(|| {
+            let count = self.taxels.len();
+            let state = self.taxels.get_mut(taxel).ok_or_else(|| {
                 bad(format!("taxel {taxel} of patch {name}"), format!("taxels 0 to {}", count.saturating_sub(1)))
             })?;
             if !reading.sensed_force_n.is_finite() {
                 let found = format!("{} N sensed by taxel {taxel} of {name}", reading.sensed_force_n);
                 return Err(bad(found, "finite forces".into()));
             }
-            *force = reading.sensed_force_n;
-            self.object[taxel] = reading.object;
-            self.touched[taxel] = reading.true_normal_force_n > 0.0;
+            *state = TaxelState {
+                sensed_force_n: reading.sensed_force_n,
+                object: reading.object,
+                is_touched: reading.true_normal_force_n > 0.0,
+            };
         }
         Ok(())
     }
@@ -104,17 +101,17 @@ impl PatchImage {
 
     /// The sensed force of a taxel, N; 0 for a taxel that the patch does not have.
     pub fn sensed_force_n(&self, taxel: usize) -> f64 {
-        self.sensed_force_n.get(taxel).copied().unwrap_or(0.0)
+        self.taxels.get(taxel).map_or(0.0, |own| own.sensed_force_n)
     }
 
     /// Ground truth: the object that presses hardest on a taxel.
     pub fn object(&self, taxel: usize) -> Option<u16> {
-        self.object.get(taxel).copied().flatten()
+        self.taxels.get(taxel)?.object
     }
 
     /// Ground truth: whether an object presses on a taxel, however lightly.
     pub fn is_touched(&self, taxel: usize) -> bool {
-        self.touched.get(taxel).copied().unwrap_or(false)
+        self.taxels.get(taxel).is_some_and(|own| own.is_touched)
     }
 
     /// Ground truth: the category of the object that presses hardest on a taxel; `None` if nothing does.

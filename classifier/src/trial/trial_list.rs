@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use underbrush_recording::{Category, ObjectRecord, Recording, Sample, Trial};
+use underbrush_recording::{Category, Recording, Sample, Trial};
 
 use super::{Labels, TrialError, TrialOptions};
 
@@ -90,24 +90,19 @@ impl<'a> TrialList<'a> {
             return Ok(());
         };
         let object = trial.object();
-        let record: Option<&ObjectRecord> = match object {
-            None => None,
-            Some(index) => {
-                let objects = &self.recording.objects;
-                Some(objects.get(usize::from(index)).ok_or_else(|| TrialError::BadFrame {
-                    frame: trial.first_frame,
-                    found: format!("object {index} as ground truth of a contact that starts here"),
-                    allowed: format!("indices of the recording's {} objects", objects.len()),
-                })?)
-            }
+        let objects = &self.recording.objects;
+        let record = |index: u16| {
+            objects.get(usize::from(index)).ok_or_else(|| TrialError::BadFrame {
+                frame: trial.first_frame,
+                found: format!("object {index} as ground truth of a contact that starts here"),
+                allowed: format!("indices of the recording's {} objects", objects.len()),
+            })
         };
+        let category = self.environment.or(object.map(record).transpose()?.map(|record| record.category));
         let key = (trial.first_frame, trial.taxel);
         let trial = Trial {
             trial: 0,
-            category: self
-                .environment
-                .or(record.map(|record| record.category))
-                .map(|category| category.name().to_owned()),
+            category: category.map(|category| category.name().to_owned()),
             reach: Some(self.recording.reach_index),
             patch: Some(self.patch.clone()),
             taxel: u32::try_from(trial.taxel).ok(),
