@@ -32,6 +32,16 @@ impl Verdict {
             Verdict::Outlier => "outlier",
         }
     }
+
+    /// Its index among the verdicts of a classifier with these categories ([`Choice::index`]); `None` for a category
+    /// that is not one of them.
+    pub fn index(&self, categories: &[String]) -> Option<usize> {
+        match self {
+            Verdict::Category(name) => categories.iter().position(|own| own == name),
+            Verdict::Uncertain => Some(categories.len()),
+            Verdict::Outlier => Some(categories.len() + 1),
+        }
+    }
 }
 
 impl fmt::Display for Verdict {

@@ -44,12 +44,7 @@ impl Prediction {
 
     /// The record of this verdict by a classifier with these categories.
     pub fn record<'a>(&'a self, categories: &[String]) -> Record<'a> {
-        let own = |name: &String| categories.iter().position(|category| category == name);
-        let verdict = match &self.verdict {
-            Verdict::Category(name) => own(name).unwrap_or(categories.len()),
-            Verdict::Uncertain => categories.len(),
-            Verdict::Outlier => categories.len() + 1,
-        };
+        let verdict = self.verdict.index(categories).unwrap_or(categories.len());
         Record { truth: &self.category, verdict, scores: &self.scores, reach: self.reach, weight: 1 }
     }
 }

@@ -138,14 +138,24 @@ pub fn choose_thresholds(
     let categories = held_out.known_categories();
     let with_rule = |rule| Decision { prior: prior.clone(), rule };
     let judge = with_rule(Rule::Argmax).prepare(categories)?;
-    let margins: Vec<HeldOutMargin> = margins(held_out, &judge);
+    let margins = margins(held_out, &judge);
     let category_above = category_above(&margins, categories, targets.false_positive_rate)?;
     let decision = with_rule(Rule::OutlierBand {
         uncertain_below: uncertain_below(&margins, categories, prior, targets.outlier_prior, category_above),
         category_above,
     });
     let judge = decision.prepare(categories)?;
-    Ok(measure(held_out, decision, &judge, targets))
+    let rates = rates_by(&judge, held_out, held_out.predictions.iter().map(|own| (own, own.scores.as_slice())));
+    Ok(ChosenThresholds {
+        decision,
+        targets,
+        trials: rates.verdicts,
+        false_positive_rate: rates.false_positive_rate,
+        true_positive_rate: rates.true_positive_rate,
+        uncertain: rates.uncertain,
+        outlier: rates.outlier,
+        sample_by_sample: None,
+    })
 }
 
 fn check(targets: ThresholdTargets) -> Result<(), ThresholdError> {
@@ -209,8 +219,7 @@ fn category_above(margins: &[HeldOutMargin], categories: &[String], rate: f64) -
         // are.
         let next = mistakes.get(allowed as usize).copied().unwrap_or(0.0);
         if next.is_infinite() {
-            let category = category.clone();
-            return Err(ThresholdError::NoThreshold { category, rate });
+            return Err(ThresholdError::NoThreshold { category: category.clone(), rate });
         }
         threshold = threshold.max(next);
     }
@@ -264,20 +273,6 @@ fn rates_by<'a>(
         ..prediction.record(categories)
     });
     ConfusionMatrix::of(records, categories).rates()
-}
-
-fn measure(held_out: &Evaluation, decision: Decision, judge: &Judge, targets: ThresholdTargets) -> ChosenThresholds {
-    let rates = rates_by(judge, held_out, held_out.predictions.iter().map(|own| (own, own.scores.as_slice())));
-    ChosenThresholds {
-        decision,
-        targets,
-        trials: rates.verdicts,
-        false_positive_rate: rates.false_positive_rate,
-        true_positive_rate: rates.true_positive_rate,
-        uncertain: rates.uncertain,
-        outlier: rates.outlier,
-        sample_by_sample: None,
-    }
 }
 
 /// A cross-validation that also keeps the scores after each sample.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use serde::Serialize;
-use underbrush_recording::{Category, Recording};
+use underbrush_recording::Recording;
 
 use super::confusion::{Accuracy, ConfusionMatrix};
 use super::prediction::Record;
@@ -151,7 +151,10 @@ impl TouchEvaluation {
         let touching = tracker.and_then(|tracker| tracker.image().pressing(taxel.taxel, recording));
         let truth = match touching {
             None => Touch::Nothing,
-            Some(category) => known(categories, category).map_or(Touch::Unknown, Touch::Category),
+            Some(category) => {
+                let known = categories.iter().position(|own| own == category.name());
+                known.map_or(Touch::Unknown, Touch::Category)
+            }
         };
         let row = match truth {
             Touch::Nothing => 0,
@@ -160,18 +163,16 @@ impl TouchEvaluation {
         };
         self.tallies[row].count(taxel.touch, truth);
         let probabilities = classifier.probabilities(taxel.region);
-        self.calibrate(taxel.nothing, probabilities, truth);
+        if truth != Touch::Unknown {
+            self.calibrate(taxel.nothing, probabilities, row);
+        }
         let place = (taxel.patch, taxel.taxel);
         let contact = open.entry(place).or_insert_with(|| OpenContact::new(categories.len()));
         contact.push(taxel, probabilities, truth);
     }
 
-    fn calibrate(&mut self, nothing: f64, probabilities: &[f64], truth: Touch) {
-        let class = match truth {
-            Touch::Nothing => 0,
-            Touch::Category(index) => index + 1,
-            Touch::Uncertain | Touch::Unknown => return,
-        };
+    /// Counts the probabilities of a taxel frame whose truth is this class: 0 is nothing, and the categories follow.
+    fn calibrate(&mut self, nothing: f64, probabilities: &[f64], class: usize) {
         let (mut likeliest, mut largest) = (0, nothing);
         let joint =
             std::iter::once(nothing).chain(probabilities.iter().map(|probability| (1.0 - nothing) * probability));
@@ -243,8 +244,4 @@ impl TouchEvaluation {
         let count: usize = self.calibration.iter().map(|bin| bin.count).sum();
         (count > 0).then(|| self.squared_error / count as f64)
     }
-}
-
-fn known(categories: &[String], category: Category) -> Option<usize> {
-    categories.iter().position(|own| own == category.name())
 }

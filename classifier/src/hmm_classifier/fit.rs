@@ -31,12 +31,7 @@ impl HmmClassifier {
     /// # Errors
     /// [`ModelError`] if the recipe is outside its ranges, no trial has a category, a trial lacks a feature, or
     /// training fails.
-    pub fn train(trials: &[Trial], recipe: &Recipe) -> Result<(Self, TrainingReport), ModelError> {
-        Self::train_on(trials, recipe)
-    }
-
-    /// [`HmmClassifier::train`] for any iterator over trials, such as a fold that borrows them.
-    pub(crate) fn train_on<'a>(
+    pub fn train<'a>(
         trials: impl IntoIterator<Item = &'a Trial, IntoIter: Clone>,
         recipe: &Recipe,
     ) -> Result<(Self, TrainingReport), ModelError> {

@@ -234,7 +234,7 @@ impl Classifier for HmmClassifier {
 
 impl Estimator for Recipe {
     fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
-        let (models, _) = HmmClassifier::train_on(trials.iter().copied(), self)?;
+        let (models, _) = HmmClassifier::train(trials.iter().copied(), self)?;
         Ok(Box::new(models))
     }
 }

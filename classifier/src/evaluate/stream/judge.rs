@@ -40,16 +40,11 @@ pub fn classify_stream(
 ) -> Result<Stream, OnlineError> {
     let mut online = OnlineClassifier::new(classifier, &recording.layout, options)?;
     let categories = classifier.categories();
-    let place = |verdict: &Verdict| match verdict {
-        Verdict::Category(name) => categories.iter().position(|own| own == name),
-        Verdict::Uncertain => Some(categories.len()),
-        Verdict::Outlier => Some(categories.len() + 1),
-    };
     let stream = Stream::new(&categories, &[], recording, truth);
     stream.judged_by(recording, options.patch.as_deref(), truth, |frame, judged| {
         let verdicts = online.update(frame)?;
         let taxels = verdicts.filter_map(|taxel| {
-            Some(Judged { taxel: taxel.taxel, samples: taxel.samples, verdict: place(&taxel.verdict)? })
+            Some(Judged { taxel: taxel.taxel, samples: taxel.samples, verdict: taxel.verdict.index(&categories)? })
         });
         judged.extend(taxels);
         Ok(())
@@ -99,13 +94,12 @@ struct Pressing {
 
 impl Pressing {
     fn of(frame: &Frame, patch: usize, recording: &Recording, truths: &[Category]) -> Self {
-        let mut by_taxel = Vec::new();
-        for reading in frame.taxels.iter().filter(|reading| usize::from(reading.patch) == patch) {
-            let object = reading.object.and_then(|object| recording.objects.get(usize::from(object)));
-            if let Some(object) = object {
-                by_taxel.push((usize::from(reading.taxel), object.category));
-            }
-        }
+        let readings = frame.taxels.iter().filter(|reading| usize::from(reading.patch) == patch);
+        let pressed = readings.filter_map(|reading| {
+            let object = recording.objects.get(usize::from(reading.object?))?;
+            Some((usize::from(reading.taxel), object.category))
+        });
+        let by_taxel: Vec<(usize, Category)> = pressed.collect();
         let presses = |truth: &Category| by_taxel.iter().any(|(_, category)| category == truth);
         let touched = truths.iter().map(presses).collect();
         Pressing { by_taxel, touched }
