@@ -283,8 +283,12 @@ impl Campaign {
             let file = &scene.file;
             let own = json!({ "physics": file.physics, "sensor": file.sensor });
             options.insert(scene.name.clone(), own);
-            controller_parameters
-                .insert(scene.name.clone(), json!(ControllerParameters::of(plan, self.verdicts.as_ref())));
+            let parameters = ControllerParameters {
+                preset: plan.controller.preset(),
+                rules: &plan.rules,
+                verdicts: self.verdicts.as_ref().map(|verdicts| verdicts.parameters(&plan.scene)),
+            };
+            controller_parameters.insert(scene.name.clone(), json!(parameters));
             let files = plan.arm.files.iter();
             let arm = ArmText {
                 name: plan.arm.name.clone(),
@@ -327,16 +331,6 @@ struct ControllerParameters<'a> {
     rules: &'a ReachRules,
     #[serde(skip_serializing_if = "Option::is_none")]
     verdicts: Option<VerdictParameters<'a>>,
-}
-
-impl<'a> ControllerParameters<'a> {
-    fn of(plan: &'a ReachPlan, verdicts: Option<&'a VerdictControl>) -> Self {
-        ControllerParameters {
-            preset: plan.controller.preset(),
-            rules: &plan.rules,
-            verdicts: verdicts.map(|verdicts| verdicts.parameters(&plan.scene)),
-        }
-    }
 }
 
 /// The plan of the reaches of a scene, with an arm that replaces the scene's if one is given.

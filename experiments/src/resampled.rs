@@ -25,6 +25,14 @@ impl Estimate {
         Estimate::of_groups(&groups, |groups| statistic(&groups[0]))
     }
 
+    /// A sum over the reaches, divided by another one.
+    pub(crate) fn of_ratio<R: Sync>(reaches: &[R], above: fn(&R) -> f64, below: fn(&R) -> f64) -> Self {
+        Estimate::of(reaches, |own| {
+            let sum = |of: fn(&R) -> f64| own.iter().map(|reach| of(reach)).sum::<f64>();
+            Some(sum(above) / sum(below)).filter(|ratio| ratio.is_finite())
+        })
+    }
+
     /// As [`Estimate::of`], for a statistic of several groups of reaches. Each group is resampled on its own.
     pub(crate) fn of_groups<R: Sync>(groups: &[&[R]], statistic: impl Fn(&[Vec<&R>]) -> Option<f64> + Sync) -> Self {
         let all: Vec<Vec<&R>> = groups.iter().map(|own| own.iter().collect()).collect();

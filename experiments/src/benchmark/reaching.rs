@@ -95,13 +95,7 @@ pub(super) fn ranking(halves: [&[Reach]; 2]) -> Ranking {
 
 /// The figures of some reaches.
 pub(super) fn figures(reaches: &[Reach]) -> Reaching {
-    let ratio = |above: fn(&Reach) -> f64, below: fn(&Reach) -> f64| {
-        Estimate::of(reaches, move |own| {
-            let sum = |of: fn(&Reach) -> f64| own.iter().map(|reach| of(reach)).sum::<f64>();
-            let ratio = sum(above) / sum(below);
-            ratio.is_finite().then_some(ratio)
-        })
-    };
+    let ratio = |above: fn(&Reach) -> f64, below: fn(&Reach) -> f64| Estimate::of_ratio(reaches, above, below);
     Reaching {
         reaches: reaches.len(),
         goals: reaches.iter().map(|reach| reach.goals).sum(),

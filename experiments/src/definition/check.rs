@@ -57,21 +57,17 @@ pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
         let allowed = "at least the largest of `states`: a model's start takes a sample for each state";
         return fault("trials.min_samples", &trials.min_samples.to_string(), allowed);
     }
-    let tested = file.engineered.iter().map(|own| own.label.as_str());
-    for label in tested {
-        if !labels.contains(label) {
-            return fault("engineered.label", label, "a label of the training scenes");
-        }
+    let mut tested = file.engineered.iter().map(|own| own.label.as_str());
+    if let Some(label) = tested.find(|label| !labels.contains(label)) {
+        return fault("engineered.label", label, "a label of the training scenes");
     }
     Ok(())
 }
 
 /// Checks that nothing that names a row or a column of a table is in the file twice.
 fn check_names(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
-    let of_entries = |entries: &[ClassifierEntry]| -> Vec<String> {
-        let names = entries.iter().map(|entry| entry.name.clone());
-        names.collect()
-    };
+    let of_entries =
+        |entries: &[ClassifierEntry]| -> Vec<String> { entries.iter().map(|entry| entry.name.clone()).collect() };
     let recipes = file.recipes.iter().map(|recipe| recipe.name().to_owned());
     let names: [(&str, Vec<String>); 5] = [
         ("states", file.states.iter().map(usize::to_string).collect()),
@@ -103,13 +99,11 @@ pub fn check_labels(
         || file.verdicts.is_some();
     let labels = file.training.iter().map(|own| &own.label);
     let unknown = |label: &&String| online && category(scenes, label).is_none();
-    match labels.into_iter().find(unknown) {
-        None => Ok(()),
-        Some(label) => {
-            let allowed = "the category of an object: verdicts are held against what presses on each taxel";
-            Err(source.field("training.label", label).fault(label, allowed))
-        }
+    if let Some(label) = labels.into_iter().find(unknown) {
+        let allowed = "the category of an object: verdicts are held against what presses on each taxel";
+        return Err(source.field("training.label", label).fault(label, allowed));
     }
+    Ok(())
 }
 
 /// Checks that the skin of every arm has the patch, if the file names one.
@@ -120,15 +114,13 @@ pub fn check_patch<'a>(
 ) -> Result<(), InputError> {
     let Some(patch) = file.trials.patch.as_deref() else { return Ok(()) };
     let without = |arm: &&Arm| arm.skin.layout.patch_index(patch).is_none();
-    match arms.into_iter().find(without) {
-        None => Ok(()),
-        Some(arm) => {
-            let patches = arm.skin.layout.patches.iter();
-            let names: Vec<&str> = patches.map(|patch| patch.name.as_str()).collect();
-            let allowed = format!("a patch of the skin of {}: {}", arm.name, names.join(", "));
-            Err(source.field("trials.patch", patch).fault(patch, allowed))
-        }
+    if let Some(arm) = arms.into_iter().find(without) {
+        let patches = arm.skin.layout.patches.iter();
+        let names: Vec<&str> = patches.map(|patch| patch.name.as_str()).collect();
+        let allowed = format!("a patch of the skin of {}: {}", arm.name, names.join(", "));
+        return Err(source.field("trials.patch", patch).fault(patch, allowed));
     }
+    Ok(())
 }
 
 /// The category with this name: a built-in one, or the category of an object in the scenes.

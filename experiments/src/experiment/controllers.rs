@@ -95,17 +95,12 @@ impl Counted {
 
 impl ControllerFigures {
     fn of(name: &str, reaches: &[Counted]) -> Self {
-        let sum = |own: &[&Counted], of: fn(&Counted) -> f64| own.iter().map(|own| of(own)).sum::<f64>();
-        let a_goal = |of: fn(&Counted) -> f64| {
-            Estimate::of(reaches, |own| {
-                Some(sum(own, of) / sum(own, |own| own.goals)).filter(|share| share.is_finite())
-            })
-        };
+        let a_goal = |of: fn(&Counted) -> f64| Estimate::of_ratio(reaches, of, |own| own.goals);
         ControllerFigures {
             name: name.into(),
             reached: a_goal(|own| own.reached),
             goal_s: a_goal(|own| own.seconds),
-            trunk_peak_n: Estimate::of(reaches, |own| Some(sum(own, |own| own.trunk_peak_n) / own.len() as f64)),
+            trunk_peak_n: Estimate::of_ratio(reaches, |own| own.trunk_peak_n, |_| 1.0),
             safety_stops: reaches.iter().map(|own| own.safety_stops).sum(),
         }
     }
