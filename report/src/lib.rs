@@ -32,7 +32,7 @@ use underbrush_experiments::results::Results;
 use underbrush_recording::Fault;
 
 use accuracy_chart::{AccuracyChart, lowest};
-use drawing::{Axis, Cell, Dash, Layer, Mark, Page, Rows, Shape, Style, Table, chart, escape, slug};
+use drawing::{Axis, Cell, Dash, Layer, Mark, Page, Rows, Shape, Style, Table, chart, escape, joined, slug};
 use report::{Report, possessive};
 use text::counted;
 

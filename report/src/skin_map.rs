@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
-use crate::drawing::{Mark, escape, svg_head};
+use crate::drawing::{Mark, escape, joined, svg_head};
 use underbrush_classifier::decision::Verdict;
 use underbrush_classifier::frequencies;
 use underbrush_recording::Grid;
@@ -38,10 +38,9 @@ pub fn svg(
     let top = LEGEND + rows as f64 * LEGEND_ROW - 6.0;
     let height = top + grid.rows as f64 * CELL_PX + 28.0;
     let counts = frequencies(verdicts.values().map(Verdict::name));
-    let counts: Vec<String> = counts.iter().map(|(name, count)| format!("{name} {count}")).collect();
+    let counts = joined(counts.iter().map(|(name, count)| format!("{name} {count}")), ", ");
     let untouched = verdicts.keys().filter(|taxel| !pressed.contains(taxel)).count();
-    let described =
-        format!("Taxels in contact by verdict: {}; nothing presses on {untouched} of them", counts.join(", "));
+    let described = format!("Taxels in contact by verdict: {counts}; nothing presses on {untouched} of them");
     let title = format!("Verdicts on the unrolled {patch}");
     let mut svg = svg_head(name, &title, &described, [width, height]);
     svg += &legend;

@@ -5,7 +5,7 @@ use std::fmt::Display;
 
 use underbrush_experiments::audit::Worst;
 
-use crate::drawing::{Rows, Table};
+use crate::drawing::{Rows, Table, joined};
 
 /// A number with its noun, such as "1 reach" or "2 reaches".
 ///
@@ -63,8 +63,8 @@ pub fn first_columns(own: &Table, columns: usize) -> String {
         let cells = line.iter().zip(&widths).enumerate().map(|(column, (cell, width))| {
             if column == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
         });
-        cells.collect::<Vec<_>>().join("  ").trim_end().to_string() + "\n"
+        joined(cells, "  ").trim_end().to_string() + "\n"
     };
-    let rule = widths.iter().map(|width| "-".repeat(*width)).collect::<Vec<_>>().join("  ");
+    let rule = joined(widths.iter().map(|width| "-".repeat(*width)), "  ");
     padded(&lines[0]) + &rule + "\n" + &lines[1..].iter().map(padded).collect::<String>()
 }

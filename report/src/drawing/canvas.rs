@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::axis::Fitted;
 use super::layer::{Layer, Mark, Point, Shape, Style};
-use super::markup::{svg_rect, svg_text};
+use super::markup::{joined, svg_rect, svg_text};
 
 /// Sizes of the drawing and of the margins around the data, px. The drawing is scaled to the available width.
 pub(super) const WIDTH: f64 = 540.0;
@@ -193,8 +193,7 @@ fn corners(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 }
 
 fn listed(points: &[(f64, f64)]) -> String {
-    let points: Vec<String> = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
-    points.join(" ")
+    joined(points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")), " ")
 }
 
 /// Thins points in ascending x: of the points that fall on the same half pixel, it keeps the first, the lowest, the

@@ -41,6 +41,17 @@ pub fn slug(text: &str) -> String {
     words.filter(|word| !word.is_empty()).collect::<Vec<_>>().join("-")
 }
 
+/// The parts as one text, with a separator between them.
+///
+/// ```
+/// use underbrush_report::drawing::joined;
+///
+/// assert_eq!(joined([1, 2].map(|number| number.to_string()), "; "), "1; 2");
+/// ```
+pub fn joined(parts: impl IntoIterator<Item = String>, separator: &str) -> String {
+    parts.into_iter().collect::<Vec<String>>().join(separator)
+}
+
 /// Words of a picture at a position, px. Attributes begin with a space.
 pub fn svg_text(x: f64, y: f64, attributes: &str, words: &str) -> String {
     format!("<text x=\"{x:.1}\" y=\"{y:.1}\"{attributes}>{}</text>", escape(words))

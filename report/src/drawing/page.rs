@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::markup::{escape, slug};
+use super::markup::{escape, joined, slug};
 use super::table::Table;
 
 /// A page that is being written. All text is escaped; SVG is copied unchanged.
@@ -93,8 +93,8 @@ impl Page {
 
     /// Charts and pictures side by side, without a caption.
     pub fn side_by_side(&mut self, parts: &[String]) {
-        let parts: Vec<String> = parts.iter().map(|part| format!("<div>{part}</div>")).collect();
-        let _ = writeln!(self.body, "<div class=\"first\">\n{}</div>", parts.join("\n"));
+        let parts = joined(parts.iter().map(|part| format!("<div>{part}</div>")), "\n");
+        let _ = writeln!(self.body, "<div class=\"first\">\n{parts}</div>");
     }
 
     /// Cards with a heading and a list of statements. A card without statements is left out.
@@ -103,7 +103,7 @@ impl Page {
             let heading = escape(heading);
             format!("<section><h2>{heading}</h2>{}</section>", list(statements))
         });
-        let _ = writeln!(self.body, "<div class=\"cards\">\n{}</div>", cards.collect::<Vec<_>>().join("\n"));
+        let _ = writeln!(self.body, "<div class=\"cards\">\n{}</div>", joined(cards, "\n"));
     }
 
     /// A paragraph.
@@ -141,12 +141,11 @@ impl Page {
     /// Related charts above one caption, side by side if there is room.
     pub fn figure(&mut self, caption: &str, charts: &[String]) {
         let class = if charts.len() == 1 { "charts one" } else { "charts" };
-        let charts: Vec<String> = charts.iter().map(|chart| format!("<div>{chart}</div>")).collect();
+        let (charts, caption) =
+            (joined(charts.iter().map(|chart| format!("<div>{chart}</div>")), "\n"), escape(caption));
         let _ = writeln!(
             self.body,
-            "<figure><div class=\"{class}\">\n{}</div>\n<figcaption>{}</figcaption></figure>",
-            charts.join("\n"),
-            escape(caption)
+            "<figure><div class=\"{class}\">\n{charts}</div>\n<figcaption>{caption}</figcaption></figure>"
         );
     }
 
@@ -160,11 +159,8 @@ impl Page {
         if links.is_empty() {
             return;
         }
-        let links: Vec<String> = links
-            .iter()
-            .map(|(address, text)| format!("<a href=\"{}\">{}</a>", escape(address), escape(text)))
-            .collect();
-        let _ = writeln!(self.body, "<p>{}: {}</p>", escape(words), links.join(", "));
+        let link = |(address, text): &(String, String)| format!("<a href=\"{}\">{}</a>", escape(address), escape(text));
+        let _ = writeln!(self.body, "<p>{}: {}</p>", escape(words), joined(links.iter().map(link), ", "));
     }
 
     /// The whole page.
@@ -181,6 +177,6 @@ impl Page {
 }
 
 fn list(items: &[String]) -> String {
-    let items: Vec<String> = items.iter().map(|item| format!("<li>{}</li>", escape(item))).collect();
-    format!("<ul>\n{}\n</ul>\n", items.join("\n"))
+    let items = items.iter().map(|item| format!("<li>{}</li>", escape(item)));
+    format!("<ul>\n{}\n</ul>\n", joined(items, "\n"))
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::markup::escape;
+use super::markup::{escape, joined};
 
 /// One entry of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -183,8 +183,7 @@ impl Table {
         let header = self.columns.iter().map(|column| Cell::from(column.as_str()));
         let mut csv = String::new();
         for row in std::iter::once(header.collect()).chain(self.rows.iter().cloned()) {
-            let cells: Vec<String> = row.iter().map(Cell::csv).collect();
-            csv += &cells.join(",");
+            csv += &joined(row.iter().map(Cell::csv), ",");
             csv.push('\n');
         }
         csv

@@ -4,7 +4,7 @@ use underbrush_experiments::accuracy::Figures;
 use underbrush_experiments::experiment::ablation::{AS_IS, Ablated, AblationResults, described};
 use underbrush_experiments::{TableOneUnit, unit_name};
 
-use crate::{Report, Rows, Table};
+use crate::{Report, Rows, Table, joined};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &AblationResults) {
@@ -33,7 +33,7 @@ fn sentence(rows: &[Ablated]) -> Option<String> {
         let (points, more) = (difference(row), difference(row) - own);
         format!("{change}: {points:.1} points ({more:+.1}), {orderings_holding} of {orderings} orderings hold")
     };
-    let parts = changed.iter().map(part).collect::<Vec<_>>().join("; ");
+    let parts = joined(changed.iter().map(part), "; ");
     let Ablated { orderings_holding, orderings, .. } = as_is;
     let cells = as_is.table_1.len();
     let nearer = changed.iter().filter(|row| difference(row) < own).count();

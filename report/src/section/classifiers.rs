@@ -5,7 +5,7 @@ use underbrush_experiments::definition::ClassifierEntry;
 use underbrush_experiments::experiment::classifiers::{Compared, ComparedClassifiers, Speed};
 
 use crate::report::{ACCURACY_HEADINGS, Report, by_touch};
-use crate::{AccuracyChart, Cell, Rows, Table, lowest, style};
+use crate::{AccuracyChart, Cell, Rows, Table, joined, lowest, style};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ComparedClassifiers) {
@@ -121,12 +121,11 @@ fn speeds(speeds: &[Speed], min_samples: usize) -> String {
         });
         format!("{classifier}: {early} after 12 samples, {last} at the end")
     };
-    let rows: Vec<String> = speeds.iter().map(row).collect();
     format!(
         "{} of {} contacts last {min_samples} samples or more. Accuracy on the longer ones and on all: {}.",
         count(&first.lasting_contacts),
         count(&first.all_contacts),
-        rows.join("; ")
+        joined(speeds.iter().map(row), "; ")
     )
 }
 

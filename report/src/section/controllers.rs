@@ -3,7 +3,7 @@
 use underbrush_experiments::experiment::controllers::{ComparedControllers, ControllerFigures};
 use underbrush_experiments::resampled::Estimate;
 
-use crate::drawing::{Axis, Cell, Dash, Layer, Point, Rows, Shape, Style, Table, chart};
+use crate::drawing::{Axis, Cell, Dash, Layer, Point, Rows, Shape, Style, Table, chart, joined};
 use crate::report::Report;
 use crate::style::FIRST;
 
@@ -43,7 +43,7 @@ fn compared(
     });
     let points: Vec<Point> = points.collect();
     let told = outcome.controllers.iter().zip(&points).map(|(own, point)| format!("{}: {:.1}", own.name, point.y));
-    let description = format!("{label}. {}.", told.collect::<Vec<_>>().join("; "));
+    let description = format!("{label}. {}.", joined(told, "; "));
     let names = (1..=outcome.controllers.len()).map(|number| number.to_string());
     let axes = (Axis::names("controller, by its row in the table", names), Axis::from_zero(label));
     let style = Style { dash: Dash::Dotted, ..FIRST };

@@ -3,7 +3,7 @@
 use underbrush_experiments::experiment::example_trials::{Example, ExampleTrials, Typical};
 use underbrush_recording::{FRAME_PERIOD_S, Sample};
 
-use crate::{Axis, CategoryLooks, Layer, Report, Rows, Shape, Table, chart, replay_links};
+use crate::{Axis, CategoryLooks, Layer, Report, Rows, Shape, Table, chart, joined, replay_links};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &ExampleTrials) {
@@ -15,10 +15,9 @@ pub fn add(report: &mut Report, outcome: &ExampleTrials) {
         let (motion_cm, lasts_s) = (100.0 * motion_m, *samples as f64 * FRAME_PERIOD_S);
         format!("{category}: peak {peak_force_n:.2} N, motion up to {motion_cm:.1} cm in {lasts_s:.2} s")
     };
-    let parts: Vec<String> = outcome.figure_5.iter().map(part).collect();
     let caption = format!(
         "One taxel trial of each category: among those of a second or more, the one with the median peak force. {}.",
-        parts.join("; ")
+        joined(outcome.figure_5.iter().map(part), "; ")
     );
     let medians = &outcome.figure_5_medians;
     let text = match report.published().is_some() {
@@ -50,8 +49,8 @@ fn typical(medians: &[Typical]) -> String {
             "{category}, {trials} trials: force {early_n:.2} N after 0.1 s, peak {peak_force_n:.2} N, motion {motion_cm:.1} cm"
         )
     };
-    let parts: Vec<String> = medians.iter().map(part).collect();
-    format!("Medians over the trials in which something touched the taxel. {}.", parts.join("; "))
+    let parts = joined(medians.iter().map(part), "; ");
+    format!("Medians over the trials in which something touched the taxel. {parts}.")
 }
 
 /// Compares the paper's statements with the medians over all touched trials; `None` without leaves or trunks.

@@ -3,7 +3,7 @@
 use underbrush_experiments::experiment::moments::{Moment, ReachMoments};
 use underbrush_render::{RenderError, Size, png};
 
-use crate::{CategoryLooks, Mark, Report, escape, replay_links, replayed, skin_map, slug};
+use crate::{CategoryLooks, Mark, Report, escape, joined, replay_links, replayed, skin_map, slug};
 
 /// As wide as half the page on a screen with two pixels for one.
 const SIZE: Size = Size { width: 960, height: 640 };
@@ -103,5 +103,5 @@ pub fn marks_in_words(labels: &[&str], looks: &CategoryLooks) -> String {
         format!("{first} {} {}{verb} {what}", look.colour_name, shape(look.mark))
     };
     let names = labels.iter().copied().chain(["outlier", "uncertain"]);
-    names.enumerate().map(entry).collect::<Vec<_>>().join(", ")
+    joined(names.enumerate().map(entry), ", ")
 }

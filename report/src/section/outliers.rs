@@ -10,7 +10,7 @@ use underbrush_experiments::thresholds::Thresholds;
 use underbrush_recording::{Category, FRAME_PERIOD_S};
 
 use crate::style::{FIRST, INK, OUTLIER};
-use crate::{Axis, CategoryLooks, Dash, Layer, Report, Rows, Shape, Style, Table, chart, replay_links, roc};
+use crate::{Axis, CategoryLooks, Dash, Layer, Report, Rows, Shape, Style, Table, chart, joined, replay_links, roc};
 
 /// Share of taxel frames left uncertain above which the page says that a rule fails. Choice: such a rule decides on
 /// fewer than one in ten.
@@ -77,7 +77,7 @@ fn thresholds(thresholds: &Thresholds) -> String {
         let found = chosen.true_positive_rate.get(category).copied().unwrap_or(f64::NAN);
         format!("{category}: {:.1} % of its own trials and {:.1} % of the others", 100.0 * found, 100.0 * rate)
     });
-    let (trials, rates) = (chosen.trials, rates.collect::<Vec<_>>().join(", "));
+    let (trials, rates) = (chosen.trials, joined(rates, ", "));
     let ThresholdTargets { false_positive_rate, outlier_prior } = chosen.targets;
     let (uncertain, outlier) = (100.0 * chosen.uncertain, 100.0 * chosen.outlier);
     format!(

@@ -5,7 +5,7 @@ use underbrush_experiments::experiment::table_one::TableOne;
 use underbrush_experiments::table_cell::{Cell, CellKey, unit_name};
 
 use crate::agreement::{self, Compared};
-use crate::drawing::{Rows, Table};
+use crate::drawing::{Rows, Table, joined};
 use crate::report::{ACCURACY_COLUMNS, Report, by_touch, possessive, seeds};
 
 /// Adds the section.
@@ -62,7 +62,7 @@ pub fn recipes_in_words(recipes: &[RecipeName]) -> String {
             _ => format!("the {name} {scored}"),
         }
     });
-    format!("{}.", parts.collect::<Vec<_>>().join(", "))
+    format!("{}.", joined(parts, ", "))
 }
 
 /// A note that agreement is not a prediction, and whether parameters were chosen on this run's seeds; `None` if the
@@ -102,13 +102,12 @@ fn baselines(report: &Report, cells: &[Cell]) -> String {
         Some(format!("{here:.1} % for {} trials{published}", unit_name(by)))
     };
     let units = [TableOneUnit::Component, TableOneUnit::Taxel];
-    let units: Vec<String> = units.into_iter().filter_map(of).collect();
     let labels = report.results.definition.labels();
     format!(
         "An accuracy means little without its baseline. The majority baseline is the accuracy of always giving the most \
          frequent category: {}. The balanced accuracy is the mean of the recalls of {}; for a constant verdict it is \
          {:.0} %.",
-        units.join(" and "),
+        joined(units.into_iter().filter_map(of), " and "),
         labels.join(", "),
         100.0 / labels.len() as f64
     )

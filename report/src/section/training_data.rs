@@ -3,7 +3,7 @@
 use underbrush_experiments::experiment::training_data::{TrainingSummary, TrialsPerReach};
 use underbrush_experiments::table_cell::unit_name;
 
-use crate::{Report, Rows, Table};
+use crate::{Report, Rows, Table, joined};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &TrainingSummary) {
@@ -49,11 +49,10 @@ pub fn untouched(rows: &[TrialsPerReach]) -> String {
         let (unit, percent) = (unit_name(*by), 100.0 * *untouched as f64 / *trials as f64);
         format!("{untouched} of {trials} {unit} trials of {category} ({percent:.0} %)")
     };
-    let parts: Vec<String> = with_trials.map(part).collect();
     format!(
         "In some trials nothing ever touched the skin. They come from spurious readings, creep or crosstalk, and carry the \
          label of their scene, as they would on the robot: {}. Accuracies are also given separately for touched and \
          untouched trials.",
-        parts.join(", ")
+        joined(with_trials.map(part), ", ")
     )
 }

@@ -6,7 +6,7 @@ use underbrush_experiments::experiment::truncation::{Truncated, TruncatedAccurac
 use underbrush_recording::distinct;
 
 use crate::report::{ACCURACY_HEADINGS, Report, by_touch};
-use crate::{AccuracyChart, Cell, Rows, Table, lowest, style};
+use crate::{AccuracyChart, Cell, Rows, Table, joined, lowest, style};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &TruncatedAccuracy) {
@@ -56,8 +56,7 @@ fn sentence(points: &[Truncated]) -> String {
         }
         Some(text)
     };
-    let parts: Vec<String> = states(points).into_iter().filter_map(part).collect();
-    format!("With {}.", parts.join("; "))
+    format!("With {}.", joined(states(points).into_iter().filter_map(part), "; "))
 }
 
 fn chart(points: &[Truncated]) -> String {

@@ -5,7 +5,7 @@ use underbrush_classifier::evaluate::touch::CalibrationBin;
 use underbrush_experiments::experiment::verdicts::{VerdictFigures, Verdicts};
 
 use crate::style::FIRST;
-use crate::{Cell, Layer, Report, Rows, Shape, Table, roc};
+use crate::{Cell, Layer, Report, Rows, Shape, Table, joined, roc};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &VerdictFigures) {
@@ -97,8 +97,8 @@ fn rates(bin: &CalibrationBin) -> Option<(f64, f64)> {
 
 fn calibration_chart(bins: &[CalibrationBin]) -> String {
     let points: Vec<(f64, f64)> = bins.iter().filter_map(rates).collect();
-    let told: Vec<String> = points.iter().map(|(said, found)| format!("{said:.0}: {found:.0}")).collect();
-    let description = format!("Per cent true by probability in per cent. {}.", told.join(", "));
+    let told = joined(points.iter().map(|(said, found)| format!("{said:.0}: {found:.0}")), ", ");
+    let description = format!("Per cent true by probability in per cent. {told}.");
     let axes = ("probability of the likeliest class / %", "it is true / %");
     let layers = vec![Layer::new("held-out reaches", FIRST, Shape::Line(points))];
     let names = ("verdict-calibration", "Do probabilities mean what they say?");
