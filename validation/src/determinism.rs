@@ -107,14 +107,12 @@ fn copy(more_rad: f64) -> Result<[Vec<u8>; 2], Fault> {
     pressed.hold(&equilibrium, 0.2);
     let mut copied = pressed.simulation.clone();
     let pushed: Vec<f64> = equilibrium.iter().map(|angle| angle + more_rad).collect();
-    let mut found = [Vec::new(), Vec::new()];
+    let mut found = [String::new(), String::new()];
     for _ in 0..100 {
-        let reports = [pressed.simulation.step(&equilibrium), copied.step(&pushed)];
-        for (report, bytes) in reports.into_iter().zip(&mut found) {
-            bytes.extend(format!("{report:?}").into_bytes());
-        }
+        found[0] += &format!("{:?}", pressed.simulation.step(&equilibrium));
+        found[1] += &format!("{:?}", copied.step(&pushed));
     }
-    Ok(found)
+    Ok(found.map(String::into_bytes))
 }
 
 /// The reports of a simulation and of one that was loaded from its saved state, as bytes, from the middle of a reach to
@@ -132,14 +130,12 @@ fn restore(lost: bool) -> Result<[Vec<u8>; 2], Fault> {
     if lost {
         loaded.set_joint_velocity(&vec![0.0; plan.arm.joints.len()]);
     }
-    let mut found = [Vec::new(), Vec::new()];
+    let mut found = [String::new(), String::new()];
     for frame in after {
-        for (simulation, bytes) in [&mut original, &mut loaded].into_iter().zip(&mut found) {
-            let report = simulation.step(&frame.equilibrium_angle_rad);
-            bytes.extend(format!("{report:?}").into_bytes());
-        }
+        found[0] += &format!("{:?}", original.step(&frame.equilibrium_angle_rad));
+        found[1] += &format!("{:?}", loaded.step(&frame.equilibrium_angle_rad));
     }
-    Ok(found)
+    Ok(found.map(String::into_bytes))
 }
 
 /// The number of bytes that differ, including the bytes by which one side is longer. Empty input counts as one

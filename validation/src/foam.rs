@@ -129,13 +129,11 @@ fn returning_slice(simulated: Simulated) -> Found {
     let force_n = |time_s: f64| way[(time_s / Driven::STEP_S).round() as usize - 1].force;
     let expected = |time_s| solid().there_and_back_force(1.0, time_s);
     let [expected, found] = [expected(1.5) / expected(0.5), force_n(1.5) / force_n(0.5)];
+    let reason = "2 %: the spring's own damper adds 0.1 N to 24 N while loading and subtracts it from 17 N while unloading; the \
+                  dashpot lags by one step";
     Ok(vec![
         Comparison::of("roll's slice, force at 5 mm while unloading, over that while loading", "", expected, found)
-            .relative(
-                0.02,
-                "2 %: the spring's own damper adds 0.1 N to 24 N while loading and subtracts it from 17 N \
-             while unloading; the dashpot lags by one step",
-            ),
+            .relative(0.02, reason),
     ])
 }
 

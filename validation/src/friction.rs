@@ -110,23 +110,17 @@ fn sliding_forearm(simulated: Simulated) -> Found {
             balancing_n += balancing;
         }
     }
+    let balanced =
+        "forearm dragged along a trunk, normal force that balances springs and dampers with Coulomb friction";
+    let (expected, found) = (balancing_n / f64::from(FRAMES - STEADY), pressing_n / f64::from(FRAMES - STEADY));
+    let reason =
+        "2 %: the closed form leaves out the arm's inertia, whose share falls from 8 % to 1 % while the arm speeds up";
     Ok(vec![
         Comparison::of("sliding forearm, largest shear of a taxel over μ times its normal force", "", 1.0, largest)
             .at_most(1e-6, "1e-6: Coulomb's bound, up to rounding"),
         Comparison::of("sliding forearm, share of the friction force that opposes the slip", "", 1.0, opposed / whole)
             .absolute(1e-3, "0.1 %: friction opposes the slip, whose direction changes a little within a frame"),
-        Comparison::of(
-            "forearm dragged along a trunk, normal force that balances springs and dampers with Coulomb \
-             friction",
-            "N",
-            balancing_n / f64::from(FRAMES - STEADY),
-            pressing_n / f64::from(FRAMES - STEADY),
-        )
-        .relative(
-            0.02,
-            "2 %: the closed form leaves out the arm's inertia, whose share falls from 8 % to 1 % while \
-             the arm speeds up",
-        ),
+        Comparison::of(balanced, "N", expected, found).relative(0.02, reason),
     ])
 }
 

@@ -42,13 +42,12 @@ fn compare(simulated: Simulated) -> Found {
             let wrench = [point.position_world, point.force_world, point.moment_world].map(|part| part.as_dvec3());
             pressed.arm.add_torque_nm(poses, point.link.into(), wrench, contacts.as_mut_slice());
         }
+        let reason =
+            "0.1 %: a state of rest has no discretization error; what remains is creep of the contact under friction";
         Ok(Comparison {
             residual: (&springs + &contacts).norm() / contacts.norm(),
-            ..Comparison::of(format!("joint torques, {name} (norm)"), "Nm", contacts.norm(), springs.norm()).relative(
-                1e-3,
-                "0.1 %: a state of rest has no discretization error; what remains is creep of the contact \
-                 under friction",
-            )
+            ..Comparison::of(format!("joint torques, {name} (norm)"), "Nm", contacts.norm(), springs.norm())
+                .relative(1e-3, reason)
         })
     };
     [

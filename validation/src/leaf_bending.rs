@@ -75,20 +75,17 @@ fn load_below_tip(simulated: Simulated) -> Found {
 }
 
 fn large_deflection(simulated: Simulated) -> Found {
+    let reason = "1.5 (π²/24n²) ∫ s (1−s) κ² ds: the leading error of a chain with Gauss-Legendre hinges, and half as much again \
+                  because it changes the lever";
     let mut comparisons = Vec::new();
     let mut compare = |what: String, segments: u32, bending: f64, expected: elastica::Tip, found: DVec3| {
+        let tolerance = 1.5 * chain::far_bending_error(bending, segments);
         for (direction, expected, found) in [
             ("sideways", expected.sideways, found.x / LENGTH_M),
             ("shortening", expected.shortening, 1.0 - found.z / LENGTH_M),
         ] {
-            comparisons.push(
-                Comparison::of(format!("{what}, {segments} hinges: {direction} in lengths"), "", expected, found)
-                    .absolute(
-                        1.5 * chain::far_bending_error(bending, segments),
-                        "1.5 (π²/24n²) ∫ s (1−s) κ² ds: the leading error of a chain with Gauss-Legendre hinges, \
-                         and half as much again because it changes the lever",
-                    ),
-            );
+            let quantity = format!("{what}, {segments} hinges: {direction} in lengths");
+            comparisons.push(Comparison::of(quantity, "", expected, found).absolute(tolerance, reason));
         }
     };
     for (load, segments) in [(0.45, 8), (1.0, 8), (2.0, 8), (3.0, 8), (3.0, 20)] {

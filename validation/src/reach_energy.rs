@@ -27,13 +27,11 @@ fn compare(name: &str, scene: &str, simulated: Simulated) -> Found {
     if sums.contacts_j == 0.0 {
         return Err(Fault::Run(format!("the reach among {name} touched nothing")));
     }
+    let reason = "1 % of the work exchanged: impacts and dampers are resolved to first order in the step of 1 ms";
     Ok(vec![Comparison {
         residual: (found - sums.actuators_j).abs() / sums.exchanged_j,
         ..Comparison::of(format!("work of the actuators in a reach among {name}"), "J", sums.actuators_j, found)
-            .relative(
-                0.01,
-                "1 % of the work exchanged: impacts and dampers are resolved to first order in the step of 1 ms",
-            )
+            .relative(0.01, reason)
     }])
 }
 

@@ -72,14 +72,13 @@ fn taxels(simulated: Simulated) -> Found {
     }
     let half_pitch = "half the pitch between columns: a taxel measures how much presses on it, not where";
     let moment = "moment about the link of taxels against contacts, largest difference over the force";
+    let cones = "1e-6: the cones hold up to rounding, the contact's friction up to the solver's convergence";
     Ok(vec![
         Comparison::of("forces of taxels against contacts, largest relative difference", "", 0.0, worst.force)
             .absolute(1e-9, "1e-9: the skin conserves force up to rounding"),
         Comparison::of(moment, "m", 0.0, worst.moment_m).absolute(HALF_PITCH_M, half_pitch),
-        Comparison::of("largest shear of a taxel, relative to its friction cone", "", 1.0, worst.slip).at_most(
-            1e-6,
-            "1e-6: the cones hold up to rounding, the contact's friction up to the solver's convergence",
-        ),
+        Comparison::of("largest shear of a taxel, relative to its friction cone", "", 1.0, worst.slip)
+            .at_most(1e-6, cones),
     ])
 }
 
