@@ -17,24 +17,6 @@ pub struct Trials {
     pub taxel: Vec<Trial>,
 }
 
-/// The training scene of each reach of a campaign.
-pub struct Labelled {
-    /// Number of reaches and label of each scene, in the order of the reaches.
-    scenes: Vec<(u64, String)>,
-}
-
-impl Labelled {
-    /// The label of the reach at a position of the campaign.
-    fn label(&self, place: usize) -> Option<&str> {
-        let mut end = 0;
-        let scene = self.scenes.iter().find(|(reaches, _)| {
-            end += reaches;
-            (place as u64) < end
-        });
-        scene.map(|(_, label)| label.as_str())
-    }
-}
-
 /// The training data of a run.
 pub struct TrainingData {
     /// The reaches.
@@ -49,7 +31,7 @@ pub struct TrainingData {
 pub fn run(session: &Session) -> Result<TrainingData, Fault> {
     let (experiment, progress) = (session.experiment, session.progress);
     let dataset = session.stage("Training reaches", || {
-        let (campaign, _) = campaign(experiment, session.seed, &reaches(experiment, session.quick), |_| {})?;
+        let campaign = campaign(experiment, session.seed, &reaches(experiment, session.quick), |_| {})?;
         let folder = session.folder.join("dataset");
         match Dataset::open(&folder) {
             Ok(dataset) if campaign.has_made(&dataset)? => {
@@ -70,6 +52,19 @@ pub fn reaches(experiment: &Experiment, quick: bool) -> Vec<u64> {
     training.map(|training| training.reaches(quick)).collect()
 }
 
+/// The index of the training scene of the reach at a position of a campaign with these numbers of reaches of each scene,
+/// and the index of the reach in its scene.
+pub fn scene_of(place: u64, reaches: &[u64]) -> Option<(usize, u64)> {
+    let mut index = place;
+    for (scene, reaches) in reaches.iter().enumerate() {
+        if index < *reaches {
+            return Some((scene, index));
+        }
+        index -= reaches;
+    }
+    None
+}
+
 /// A campaign with these numbers of reaches of each training scene, after `change` has been applied to each scene. A
 /// data set stores the text of a scene and would not show the change, so use changed campaigns only for
 /// [`Trials::of_campaign`].
@@ -78,8 +73,8 @@ pub fn campaign(
     seed: u64,
     reaches: &[u64],
     change: impl Fn(&mut SceneFile),
-) -> Result<(Campaign, Labelled), Fault> {
-    let (mut scenes, mut labels, mut arms) = (Vec::new(), Vec::new(), BTreeMap::new());
+) -> Result<Campaign, Fault> {
+    let (mut scenes, mut arms) = (Vec::new(), BTreeMap::new());
     for (training, reaches) in experiment.file.training.iter().zip(reaches) {
         let mut scene = experiment.scene(&training.scene)?.clone();
         change(&mut scene.file);
@@ -87,10 +82,8 @@ pub fn campaign(
             arms.insert(scene.name.clone(), arm.clone());
         }
         scenes.push((scene, *reaches));
-        labels.push((*reaches, training.label.clone()));
     }
-    let campaign = Campaign { scenes, arms, seed, controller: experiment.file.controller, ..Campaign::default() };
-    Ok((campaign, Labelled { scenes: labels }))
+    Ok(Campaign { scenes, arms, seed, controller: experiment.file.controller, ..Campaign::default() })
 }
 
 impl Trials {
@@ -121,45 +114,39 @@ impl Trials {
 
     /// The trials of the run's training reaches, extracted with these options.
     pub fn of_dataset(session: &Session, dataset: &Dataset, options: &TrialOptions) -> Result<Self, Fault> {
-        let (_, labelled) =
-            campaign(session.experiment, session.seed, &reaches(session.experiment, session.quick), |_| {})?;
+        let reaches = reaches(session.experiment, session.quick);
         let mut parts = Vec::new();
         contact_trials::each_episode(dataset, session.progress, |_, recording| {
             parts.push(Trials::cut(recording, options)?);
             Ok(())
         })?;
-        Ok(Trials::joined(options, &labelled, parts))
+        Ok(Trials::joined(session.experiment, &reaches, options, parts))
     }
 
-    /// The trials of all reaches of a campaign, in their order.
-    pub fn of_recordings(
-        experiment: &Experiment,
-        labelled: &Labelled,
-        recordings: &[Recording],
-    ) -> Result<Self, Fault> {
+    /// The trials of all reaches of a campaign with these numbers of reaches of each training scene, in their order.
+    pub fn of_recordings(experiment: &Experiment, reaches: &[u64], recordings: &[Recording]) -> Result<Self, Fault> {
         let options = experiment.trial_options();
         let parts = recordings.iter().map(|recording| Trials::cut(recording, &options));
-        Ok(Trials::joined(&options, labelled, parts.collect::<Result<_, _>>()?))
+        Ok(Trials::joined(experiment, reaches, &options, parts.collect::<Result<_, _>>()?))
     }
 
-    /// Runs a campaign and keeps only its trials, because the frames of twenty campaigns would fill a disk.
-    pub fn of_campaign(
-        experiment: &Experiment,
-        (campaign, labelled): &(Campaign, Labelled),
-        progress: &dyn Progress,
-    ) -> Result<Self, Fault> {
+    /// Runs a campaign of the training scenes and keeps only its trials, because the frames of twenty campaigns would fill a disk.
+    pub fn of_campaign(experiment: &Experiment, campaign: &Campaign, progress: &dyn Progress) -> Result<Self, Fault> {
         let options = experiment.trial_options();
+        let reaches: Vec<u64> = campaign.scenes.iter().map(|(_, reaches)| *reaches).collect();
         let parts = campaign.each(progress, |recording| Trials::cut(&recording, &options))?;
-        Ok(Trials::joined(&options, labelled, parts))
+        Ok(Trials::joined(experiment, &reaches, &options, parts))
     }
 
     /// The trials of all reaches together. They have the labels of their scenes, unless trials are labelled by what
     /// touches the taxel.
-    fn joined(options: &TrialOptions, labelled: &Labelled, parts: Vec<Trials>) -> Self {
+    fn joined(experiment: &Experiment, reaches: &[u64], options: &TrialOptions, parts: Vec<Trials>) -> Self {
+        let labels: Vec<&str> = experiment.file.training.iter().map(|own| own.label.as_str()).collect();
+        let is_labelled = options.labels == Labels::Environment;
         let mut trials = Trials::default();
         for (place, own) in parts.into_iter().enumerate() {
-            let label = (options.labels == Labels::Environment).then(|| labelled.label(place)).flatten();
-            trials.append(place, label, own);
+            let scene = scene_of(place as u64, reaches).filter(|_| is_labelled);
+            trials.append(place, scene.map(|(scene, _)| labels[scene]), own);
         }
         trials
     }

@@ -5,7 +5,7 @@ use underbrush_recording::Recording;
 use super::contact_history::REGION_FEATURE_COUNT;
 use super::frame::SkinTracker;
 use super::network::Row;
-use super::object::{ObjectExample, ObjectExamples, ObjectTracker, Votes, strongest};
+use super::object::{ObjectExample, ObjectExamples, ObjectTracker, Votes, category_of};
 use super::options::TouchOptions;
 use super::region::Region;
 use super::taxel::TAXEL_FEATURE_COUNT;
@@ -128,7 +128,5 @@ pub(super) fn truth(tracker: &SkinTracker, region: &Region, recording: &Recordin
             *forces.entry(object).or_default() += image.sensed_force_n(taxel);
         }
     }
-    let (object, _) = strongest(&forces)?;
-    let object = recording.objects.get(usize::from(object))?;
-    Some(object.category.name().to_owned())
+    category_of(&forces, recording).map(|category| category.name().to_owned())
 }

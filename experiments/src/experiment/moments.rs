@@ -6,7 +6,6 @@ use serde::Serialize;
 use underbrush_classifier::decision::{Decision, Rule, Verdict};
 use underbrush_classifier::{HmmClassifier, OnlineClassifier};
 use underbrush_recording::{Fault, Frame, Recording};
-use underbrush_sim::reach::Observed;
 
 use crate::frame_verdicts::{self, Classified};
 use crate::{Session, online_models, reaches};
@@ -75,36 +74,19 @@ fn take(
     rule: Rule,
 ) -> Result<Option<Moment>, Fault> {
     let Some(shown) = shown else { return Ok(None) };
-    let best = shown
-        .stream
-        .frames
-        .iter()
-        .enumerate()
-        .max_by_key(|(index, frame)| (frame.in_contact, std::cmp::Reverse(*index)));
+    let frames = shown.stream.frames.iter().enumerate();
+    let best = frames.max_by_key(|(index, frame)| (frame.in_contact, std::cmp::Reverse(*index)));
     let Some((chosen, _)) = best else { return Ok(None) };
     let plan = reaches::plan(session.experiment, &shown.source, session.seed)?;
     let options = frame_verdicts::options(session.experiment, rule);
     let mut classifier = OnlineClassifier::new(models, &plan.arm.skin.layout, &options)?;
-    let (mut index, mut taken, mut fault) = (0, None, None);
-    let mut observer = |Observed { frame, .. }: Observed| {
-        if index <= chosen && fault.is_none() {
-            match classifier.update(frame) {
-                Ok(judged) if index == chosen => {
-                    taken = Some(judged.map(|taxel| (taxel.taxel, taxel.verdict.clone())).collect());
-                }
-                Ok(_) => {}
-                Err(error) => fault = Some(error),
-            }
-        }
-        index += 1;
-    };
-    let stop = || session.progress.is_stopped();
-    let recording = plan.run_until(shown.reach_index, &mut observer, &stop)?;
-    if let Some(error) = fault {
-        return Err(error.into());
+    let recording = plan.run_until(shown.reach_index, &mut |_| {}, &|| session.progress.is_stopped())?;
+    let mut verdicts = BTreeMap::new();
+    for frame in recording.frames.iter().take(chosen + 1) {
+        verdicts = classifier.update(frame)?.map(|taxel| (taxel.taxel, taxel.verdict.clone())).collect();
     }
     let patch = recording.layout.chosen_patch(session.experiment.file.trials.patch.as_deref()).unwrap_or_default();
-    Ok(taken.map(|verdicts| Moment {
+    Ok(Some(Moment {
         pressed: pressed(&recording.frames[chosen], patch),
         frame_index: chosen,
         patch,

@@ -74,14 +74,9 @@ impl Folded {
 /// The fold of a reach in a campaign with `reaches` reaches of each scene, of which the first `counts` are used; `None`
 /// for the others.
 fn fold_of(reach: u64, reaches: &[u64], counts: &[u64]) -> Option<usize> {
-    let mut index = reach;
-    for (reaches, count) in reaches.iter().zip(counts) {
-        if index < *reaches {
-            return (index < *count).then_some(usize::from(2 * index >= *count));
-        }
-        index -= reaches;
-    }
-    None
+    let (scene, index) = training::scene_of(reach, reaches)?;
+    let count = counts[scene];
+    (index < count).then_some(usize::from(2 * index >= count))
 }
 
 /// Recordings of a campaign with their folds.
@@ -111,10 +106,10 @@ pub fn run(session: &Session) -> Result<ComparedSettings, Fault> {
             let mut verdict_transfer = Vec::new();
             let mut settings = vec![Folded::new(NOMINAL, &data.trials.taxel, &reaches, &counts)];
             for setting in &experiment.file.settings {
-                let (campaign, labelled) =
+                let campaign =
                     training::campaign(experiment, session.seed, &counts, |scene| scene.robot = setting.robot)?;
                 let recordings = campaign.recordings(session.progress)?;
-                let trials = Trials::of_recordings(experiment, &labelled, &recordings)?;
+                let trials = Trials::of_recordings(experiment, &counts, &recordings)?;
                 settings.push(Folded::new(&setting.name, &trials.taxel, &counts, &counts));
                 if experiment.file.verdicts.is_some() {
                     let here = folded((0..).zip(recordings).collect(), &counts, &counts);
