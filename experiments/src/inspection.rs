@@ -231,26 +231,24 @@ fn model(path: &Path) -> Result<Value, Fault> {
 
 fn model_of_trials(path: &Path, model: &Model) -> Value {
     let classifier = &model.classifier;
-    let mut found = serde_json::Map::from_iter([
-        ("model".to_owned(), json!(path.display().to_string())),
-        ("classifier".to_owned(), json!(classifier.name())),
-        ("categories".to_owned(), json!(classifier.categories())),
-        ("features".to_owned(), json!(classifier.features().columns())),
-        ("decision".to_owned(), json!(model.decision)),
-        ("provenance".to_owned(), json!(model.provenance)),
-        ("check".to_owned(), json!("sound; all numbers are within their ranges and fit together")),
-    ]);
+    let mut found = json!({
+        "model": path.display().to_string(),
+        "classifier": classifier.name(),
+        "categories": classifier.categories(),
+        "features": classifier.features().columns(),
+        "decision": model.decision,
+        "provenance": model.provenance,
+        "check": "sound; all numbers are within their ranges and fit together",
+    });
     if let Some(models) = model.as_hmm() {
         let states: BTreeMap<&str, usize> =
             models.models().iter().map(|(category, scorer)| (category.as_str(), scorer.model.states)).collect();
-        found.insert("states_by_category".into(), json!(states));
-        found.insert("score".into(), json!(models.score_kind()));
-        found.insert("recipe".into(), json!(models.recipe));
-        let check = "sound; distributions sum to one, covariances are positive definite";
-        found.insert("check".into(), json!(check));
-    } else {
-        let options = classifier.file_entries().into_iter().find(|(key, _)| *key == "options");
-        found.extend(options.map(|(key, value)| (key.to_owned(), value)));
+        found["states_by_category"] = json!(states);
+        found["score"] = json!(models.score_kind());
+        found["recipe"] = json!(models.recipe);
+        found["check"] = "sound; distributions sum to one, covariances are positive definite".into();
+    } else if let Some((key, value)) = classifier.file_entries().into_iter().find(|(key, _)| *key == "options") {
+        found[key] = value;
     }
-    Value::Object(found)
+    found
 }

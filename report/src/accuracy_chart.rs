@@ -1,6 +1,6 @@
 //! Charts of accuracies in per cent over named places: several series, the majority baseline and published figures.
 
-use crate::drawing::{Axis, Chart, Dash, Layer, Point, Shape, Style};
+use crate::drawing::{Axis, Chart, Dash, Layer, Point, Shape, Style, joined};
 use crate::style::{INK, MAJORITY};
 
 /// A chart that is being put together, with its description in words.
@@ -34,7 +34,7 @@ impl AccuracyChart {
             return;
         }
         let told = points.iter().map(|(place, percent, _)| format!("{}: {percent:.1}", self.places[*place]));
-        self.description += &format!(" {name}: {}.", told.collect::<Vec<_>>().join(", "));
+        self.description += &format!(" {name}: {}.", joined(told, ", "));
         let point = |(place, y, interval)| Point { x: place as f64 + aside, y, interval };
         self.layers.push(Layer::new(name, style, Shape::Points(points.into_iter().map(point).collect())));
     }

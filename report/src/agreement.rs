@@ -5,7 +5,7 @@ use underbrush_experiments::table_cell::{CellKey, Ordering};
 use underbrush_recording::distinct;
 
 use crate::style::{self, PUBLISHED};
-use crate::{AccuracyChart, Report, Rows, Table, counted, lowest, possessive};
+use crate::{AccuracyChart, Report, Rows, Table, counted, joined, lowest, possessive};
 
 /// A difference that counts as agreement, points: the target for the mean over the cells.
 const CLOSE_POINTS: f64 = 3.0;
@@ -39,10 +39,8 @@ pub fn sentences(what: &str, cells: &[&Compared]) -> String {
             "{name}, {accuracy:.1} % (majority {majority_baseline:.1} %, balanced accuracy {balanced_accuracy:.1} %)"
         )
     });
-    let below: Vec<String> = below.collect();
-    let agreement = with_published(what, cells);
-    let below = below_majority(&below, cells.len());
-    agreement.map_or(below.clone(), |agreement| format!("{agreement} {below}"))
+    let below = below_majority(&below.collect::<Vec<String>>(), cells.len());
+    joined(with_published(what, cells).into_iter().chain([below]), " ")
 }
 
 fn with_published(what: &str, cells: &[&Compared]) -> Option<String> {

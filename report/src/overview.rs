@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use underbrush_experiments::table_cell::{Ordering, unit_name};
 
 use crate::agreement::{self, Compared};
+use crate::drawing::joined;
 use crate::report::Report;
 use crate::section::{campaigns, moments, table_one};
 
@@ -13,10 +14,9 @@ const SIMILAR: f64 = 1.25;
 
 /// What is compared: the means of all campaigns, or else the only campaign.
 struct Comparison<'a> {
-    /// The cells of the first recipe.
-    first: Vec<Compared<'a>>,
+    /// The cells of all recipes.
     all: Vec<Compared<'a>>,
-    orderings: Vec<&'a Ordering>,
+    orderings: &'a [Ordering],
     /// By recipe: the mean difference from the published cells, points.
     points: &'a BTreeMap<String, f64>,
     /// Name of the unit and the category, number of trials per reach here, and the published one.
@@ -32,11 +32,10 @@ impl<'a> Comparison<'a> {
     fn of(report: &Report<'a>) -> Self {
         let outcomes = &report.results.outcomes;
         let trials_name = |unit, category: &str| format!("{} trials of {category}", unit_name(unit));
-        let mut own = match &outcomes.campaigns.campaigns {
+        match &outcomes.campaigns.campaigns {
             Some(own) => Comparison {
-                first: Vec::new(),
                 all: own.table_1.iter().map(campaigns::compared).collect(),
-                orderings: own.orderings.iter().collect(),
+                orderings: &own.orderings,
                 points: &own.mean_absolute_difference_points,
                 trials: (own.trials_per_reach.iter())
                     .map(|row| (trials_name(row.by, &row.category), row.per_reach.mean, row.paper))
@@ -50,9 +49,8 @@ impl<'a> Comparison<'a> {
                 whiskers: "± one standard deviation",
             },
             None => Comparison {
-                first: Vec::new(),
                 all: outcomes.table_one.table_1.iter().map(table_one::compared).collect(),
-                orderings: outcomes.table_one.orderings.iter().collect(),
+                orderings: &outcomes.table_one.orderings,
                 points: &outcomes.table_one.mean_absolute_difference_points,
                 trials: (outcomes.training_data.trials_per_reach.iter())
                     .map(|row| (trials_name(row.by, &row.category), row.per_reach, row.paper))
@@ -64,11 +62,12 @@ impl<'a> Comparison<'a> {
                 of_what: "one campaign".to_owned(),
                 whiskers: "95 % intervals",
             },
-        };
-        let recipe = own.all.first().map(|cell| cell.key.recipe.clone());
-        own.first = own.all.iter().filter(|cell| Some(&cell.key.recipe) == recipe.as_ref()).copied().collect();
-        own.orderings.retain(|ordering| Some(&ordering.recipe) == recipe.as_ref());
-        own
+        }
+    }
+
+    /// The first recipe, of which the first screen tells.
+    fn recipe(&self) -> Option<&str> {
+        self.all.first().map(|cell| cell.key.recipe.as_str())
     }
 }
 
@@ -108,18 +107,18 @@ fn lead(comparison: &Comparison, name: &str) -> String {
              baseline {majority:.1} %)."
         )
     });
-    let points = comparison.first.first().and_then(|cell| comparison.points.get(&cell.key.recipe));
+    let points = comparison.recipe().and_then(|recipe| comparison.points.get(recipe));
     let near = points.map(|points| {
         format!("{name} differs from the paper's by {points:.1} points on average ({}).", comparison.of_what)
     });
-    near.into_iter().chain(best).collect::<Vec<_>>().join(" ")
+    joined(near.into_iter().chain(best), " ")
 }
 
 /// What agrees with the published figures, and what does not.
 fn compare(comparison: &Comparison, is_quick: bool) -> (Vec<String>, Vec<String>) {
     let (mut agrees, mut differs) = (Vec::new(), Vec::new());
-    let pairs: Vec<(&Compared, f64)> =
-        comparison.first.iter().filter_map(|cell| Some((cell, cell.published?))).collect();
+    let cells = comparison.all.iter().filter(|cell| Some(cell.key.recipe.as_str()) == comparison.recipe());
+    let pairs: Vec<(&Compared, f64)> = cells.filter_map(|cell| Some((cell, cell.published?))).collect();
     let is_within = |(cell, published): &&(&Compared, f64)| {
         let reach = if cell.covers { 1.0 } else { 2.0 };
         let wide = |end: f64| cell.accuracy + reach * (end - cell.accuracy);
@@ -142,7 +141,8 @@ fn compare(comparison: &Comparison, is_quick: bool) -> (Vec<String>, Vec<String>
             pair.1
         ));
     }
-    for ordering in comparison.orderings.iter().filter(|_| !is_quick) {
+    let orderings = comparison.orderings.iter().filter(|own| Some(own.recipe.as_str()) == comparison.recipe());
+    for ordering in orderings.filter(|_| !is_quick) {
         let side = if ordering.holds { &mut agrees } else { &mut differs };
         let Ordering { statement, pairs_holding, pairs, .. } = ordering;
         side.push(match ordering.holds {
@@ -165,8 +165,8 @@ fn why(report: &Report, comparison: &Comparison) -> Vec<String> {
     let outcomes = &report.results.outcomes;
     let rows = &outcomes.training_data.trials_per_reach;
     let (trials, untouched) = rows.iter().fold((0, 0), |sum, row| (sum.0 + row.trials, sum.1 + row.untouched));
-    let recipe = comparison.first.first().map(|cell| &cell.key.recipe);
-    let cells = outcomes.table_one.table_1.iter().filter(|cell| Some(&cell.key.recipe) == recipe);
+    let cells = outcomes.table_one.table_1.iter();
+    let cells = cells.filter(|cell| Some(cell.key.recipe.as_str()) == comparison.recipe());
     let parts = cells.filter_map(|cell| Some([cell.accuracy.touched.as_ref()?, cell.accuracy.untouched.as_ref()?]));
     let parts: Vec<[f64; 2]> = parts.map(|parts| parts.map(|part| part.accuracy)).collect();
     if !parts.is_empty() {

@@ -7,7 +7,7 @@ use underbrush_recording::Trial;
 
 use super::error::EvaluateError;
 use crate::estimator::is_trained;
-use crate::frequency::frequencies;
+use crate::frequency::{frequencies, most_frequent};
 
 /// What is kept together in a fold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -68,7 +68,7 @@ impl Folds {
         let by = FoldBy::advised(trials);
         let units = match by {
             FoldBy::Position => frequencies(used().map(category)),
-            FoldBy::Reach => frequencies(votes(used()).values().filter_map(winner)),
+            FoldBy::Reach => frequencies(votes(used()).values().filter_map(most_frequent)),
         };
         let min = units.into_values().min().unwrap_or(0);
         Folds { count: min.clamp(2, 5), by }
@@ -93,7 +93,7 @@ impl Folds {
                     return Err(EvaluateError::NoReach { trial: trial.trial });
                 }
                 let votes = votes(trials.iter().copied());
-                let units: Vec<&str> = votes.values().filter_map(winner).collect();
+                let units: Vec<&str> = votes.values().filter_map(most_frequent).collect();
                 let folds = self.assign_units(&units, "reaches")?;
                 let fold_of: BTreeMap<u64, usize> = votes.keys().copied().zip(folds).collect();
                 Ok(trials.iter().filter_map(|trial| fold_of.get(&trial.reach?).copied()).collect())
@@ -130,9 +130,4 @@ fn votes<'a>(trials: impl Iterator<Item = &'a Trial>) -> BTreeMap<u64, BTreeMap<
         }
     }
     votes
-}
-
-fn winner<'a>(votes: &BTreeMap<&'a str, usize>) -> Option<&'a str> {
-    let max = votes.values().max()?;
-    votes.iter().find(|(_, count)| *count == max).map(|(category, _)| *category)
 }

@@ -6,6 +6,7 @@ use glam::DVec3;
 use underbrush_recording::{Category, Recording, Sample, Trial};
 
 use super::{Labels, TrialError, TrialOptions};
+use crate::frequency::most_frequent;
 
 /// A trial and the object that caused it.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,12 +56,6 @@ impl OpenTrial {
             *self.votes.entry(object).or_default() += 1;
         }
     }
-
-    /// The object with the most samples; in a tie, the smallest index.
-    fn object(&self) -> Option<u16> {
-        let max = self.votes.values().max()?;
-        self.votes.iter().find(|(_, count)| *count == max).map(|(object, _)| *object)
-    }
 }
 
 /// The trials that have ended.
@@ -89,7 +84,7 @@ impl<'a> TrialList<'a> {
         let Some(trial) = trial.filter(|trial| trial.samples.len() >= self.options.min_samples.max(1)) else {
             return Ok(());
         };
-        let object = trial.object();
+        let object = most_frequent(&trial.votes);
         let objects = &self.recording.objects;
         let record = |index: u16| {
             objects.get(usize::from(index)).ok_or_else(|| TrialError::BadFrame {

@@ -31,12 +31,11 @@ pub fn numbers(file: &SuiteFile, source: &Source) -> Result<(), InputError> {
         }
     }
     let bless = file.bless;
-    if !(bless.false_alarm >= 1e-9 && bless.false_alarm <= 0.5) {
+    if !(1e-9..=0.5).contains(&bless.false_alarm) {
         let found = bless.false_alarm.to_string();
-        let allowed = "a probability from 1e-9 to 0.5";
-        return Err(source.field("bless.false_alarm", "").fault(found, allowed));
+        return Err(source.field("bless.false_alarm", "").fault(found, "a probability from 1e-9 to 0.5"));
     }
-    if !(bless.largest_factor >= 1.0 && bless.largest_factor <= 1000.0) {
+    if !(1.0..=1000.0).contains(&bless.largest_factor) {
         let found = bless.largest_factor.to_string();
         return Err(source.field("bless.largest_factor", "").fault(found, "a factor from 1 to 1000"));
     }
