@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
-use underbrush_recording::{InputError, TEXT_BYTES, line_at, read_text};
+use underbrush_recording::{InputError, TEXT_BYTES, line_at, read_text, toml_fault};
 
 /// A file's path and text, to which errors refer.
 pub struct Source<'a> {
@@ -28,12 +28,8 @@ impl Source<'_> {
     /// The contents of the file; `kind` is the name of its schema, as for `underbrush schema`.
     pub fn parse<T: DeserializeOwned>(&self, kind: &str) -> Result<T, InputError> {
         toml::from_str(self.text).map_err(|error| {
-            let line = self.line_of(error.span().unwrap_or_default().start);
-            let at = self.text.lines().nth(line - 1).unwrap_or_default();
-            let key = at.split_once('=').map_or(at, |(key, _)| key).trim();
-            let field = if key.is_empty() { kind.to_owned() } else { format!("{kind}, {key}") };
-            let allowed = format!("the keys that `underbrush schema {kind}` lists");
-            InputError::new(self.path, field, error.message(), allowed, "correct the line").at_line(line)
+            let stopped = (error.message(), error.span().unwrap_or_default().start);
+            toml_fault(self.path, self.text, kind, stopped, &format!("the keys that `underbrush schema {kind}` lists"))
         })
     }
 

@@ -27,6 +27,7 @@ pub mod plain_text;
 pub mod reach;
 pub mod regular_file;
 pub mod text_line;
+pub mod toml_text;
 pub mod trial;
 
 pub use audit::{Audit, AuditField};
@@ -48,4 +49,5 @@ pub use plain_text::{PLAIN, escaped, is_plain};
 pub use reach::{Contact, ContactForces, GoalRecord, ObjectRecord, Recording};
 pub use regular_file::{open_regular, read_bytes, read_text};
 pub use text_line::line_at;
+pub use toml_text::toml_fault;
 pub use trial::{Region, Sample, Trial};

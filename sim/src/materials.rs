@@ -6,7 +6,7 @@ use std::path::Path;
 use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::{InputError, Limits, TEXT_BYTES, line_at, read_text, short};
+use underbrush_recording::{InputError, Limits, TEXT_BYTES, read_text, short, toml_fault};
 
 use crate::arm::{Arm, limits};
 use crate::range::{DrawError, Limited, Quantity, Within};
@@ -145,9 +145,8 @@ impl MaterialFile {
 
     fn parse(path: &Path, text: &str) -> Result<MaterialFile, InputError> {
         let constants: BTreeMap<String, Constant> = toml::from_str(text).map_err(|error| {
-            let allowed = "tables [NAME] with value, range, source and affects";
-            let fault = InputError::new(path, "materials", error.message(), allowed, "correct this line");
-            fault.at_line(line_at(text, error.span().unwrap_or_default().start))
+            let stopped = (error.message(), error.span().unwrap_or_default().start);
+            toml_fault(path, text, "materials", stopped, "tables [NAME] with value, range, source and affects")
         })?;
         for (name, Constant { value, range: [low, high], .. }) in &constants {
             let fault =

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
 use underbrush_recording::disk::TRIAL_COLUMNS;
-use underbrush_recording::{Grid, InputError, Limits, TEXT_BYTES, is_plain, line_at, read_text, short};
+use underbrush_recording::{Grid, InputError, Limits, TEXT_BYTES, is_plain, read_text, short, toml_fault};
 
 /// Frames per second: from one reading in a hundred seconds to a fast vibration sensor.
 const RATE_HZ: Limits = Limits::new(0.01, 1e5, "Hz");
@@ -235,9 +235,8 @@ impl Mapping {
     /// Parses and checks the text of a mapping file. `path` is for errors.
     fn parse(path: &Path, text: String) -> Result<Self, InputError> {
         let file: MappingFile = toml::from_str(&text).map_err(|error| {
-            let allowed = "the keys that `underbrush schema mapping` lists";
-            let fault = InputError::new(path, "mapping", error.message(), allowed, "correct this line");
-            fault.at_line(line_at(&text, error.span().unwrap_or_default().start))
+            let stopped = (error.message(), error.span().unwrap_or_default().start);
+            toml_fault(path, &text, "mapping", stopped, "the keys that `underbrush schema mapping` lists")
         })?;
         let MappingFile { time, force, trial, grid, skin, label, channel } = file;
         let threshold_n = trial.threshold_n.unwrap_or(0.03);

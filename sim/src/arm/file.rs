@@ -74,7 +74,6 @@ struct JointTable {
     armature_kg_m2: f64,
     /// Stiffness in the controller's model of the joint. Equal to `stiffness_nm_per_rad` unless the model is wrong on
     /// purpose.
-    #[serde(alias = "believed_stiffness_nm_per_rad")]
     #[schemars(transform = Within(limits::STIFFNESS_NM_PER_RAD))]
     model_stiffness_nm_per_rad: f64,
     /// Smallest and largest angle that the controller asks for, within the joint limits of the URDF.
@@ -129,7 +128,7 @@ pub(super) type Read<'a> = &'a dyn Fn(&Path) -> Result<String, InputError>;
 pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
     let open = |path: &Path| Ok(Source { path: path.to_path_buf(), text: read(path)? });
     let source = open(path)?;
-    let file: ArmFile = source.toml("compare with the arm file of `cody`, which ships with underbrush")?;
+    let file: ArmFile = source.toml("the keys of an arm file, such as that of `cody`, which ships with underbrush")?;
     if !is_plain(&file.name) {
         return Err(source.fault_after(0, "name", format!("{:?}", file.name), PLAIN));
     }

@@ -244,7 +244,7 @@ pub fn load_layout(path: impl AsRef<Path>) -> Result<SkinLayout, InputError> {
 
 fn layout_of(path: &Path) -> Result<SkinLayout, InputError> {
     let source = source::Source { path: path.to_path_buf(), text: source::read_from_disk(path)? };
-    let keys: toml::Table = source.toml("give the file of an arm, which names a urdf, or a skin file")?;
+    let keys: toml::Table = source.toml("the keys of an arm file, which names a urdf, or of a skin file")?;
     match keys.contains_key("urdf") {
         true => Ok(Arm::load(path)?.skin.layout),
         false => skin_file::read_layout(&source),

@@ -148,7 +148,7 @@ pub(super) fn read_layout(source: &Source) -> Result<SkinLayout, InputError> {
 }
 
 fn read_file(source: &Source) -> Result<SkinFile, InputError> {
-    let file: SkinFile = source.toml("compare with the skin file of `cody`, which ships with underbrush")?;
+    let file: SkinFile = source.toml("the keys of a skin file, such as that of `cody`, which ships with underbrush")?;
     source.check(0, "stiffness_n_per_m3", file.stiffness_n_per_m3, limits::SKIN_N_PER_M3)?;
     if let Some(thickness_m) = file.thickness_m {
         source.check(0, "thickness_m", thickness_m, limits::LAYER_M)?;

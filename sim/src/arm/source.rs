@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use serde::de::DeserializeOwned;
-use underbrush_recording::{InputError, Limits, TEXT_BYTES, line_at, read_text, short};
+use underbrush_recording::{InputError, Limits, TEXT_BYTES, line_at, read_text, short, toml_fault};
 
 use super::limits::DIRECTION;
-use crate::toml_text::{key_at, sets_key};
+use crate::toml_text::sets_key;
 
 /// A file's path and text.
 pub(super) struct Source {
@@ -39,14 +39,10 @@ pub(super) fn directions() -> String {
 
 impl Source {
     /// Parses the text as TOML.
-    pub(super) fn toml<T: DeserializeOwned>(&self, remedy: &str) -> Result<T, InputError> {
+    pub(super) fn toml<T: DeserializeOwned>(&self, allowed: &str) -> Result<T, InputError> {
         toml::from_str(&self.text).map_err(|error| {
-            let span = error.span().unwrap_or_default();
-            let key = key_at(&self.text, span.start);
-            let field = if key.is_empty() { "TOML".into() } else { format!("TOML, {key}") };
-            let allowed = "the keys of this kind of file";
-            let fault = InputError::new(&self.path, field, error.message(), allowed, remedy);
-            fault.at_line(self.line(span.start))
+            let stopped = (error.message(), error.span().unwrap_or_default().start);
+            toml_fault(&self.path, &self.text, "TOML", stopped, allowed)
         })
     }
 

@@ -6,14 +6,14 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use underbrush_recording::limits::{TEXT_BYTES, first_outside, short};
-use underbrush_recording::{FRAME_PERIOD_S, InputError, PLAIN, is_plain, line_at, read_text};
+use underbrush_recording::{FRAME_PERIOD_S, InputError, PLAIN, is_plain, line_at, read_text, toml_fault};
 
 use crate::arm::Arm;
 use crate::materials::{MaterialFile, MaterialsSection};
 use crate::object::COLLIDING_KINDS;
 use crate::range::{Limited, PLACE_M, YAW_DEG};
 use crate::sensor::Fault;
-use crate::toml_text::{key_at, sets_key};
+use crate::toml_text::sets_key;
 use content::objects_hash;
 
 mod camera;
@@ -104,12 +104,8 @@ impl Scene {
     // Not generic, so that the reader of scenes is compiled once and not in each crate that calls it.
     fn of_text(path: &Path, text: String) -> Result<Scene, InputError> {
         let file: SceneFile = toml::from_str(&text).map_err(|error| {
-            let span = error.span().unwrap_or_default();
-            let key = key_at(&text, span.start);
-            let field = if key.is_empty() { "scene".into() } else { format!("scene, {key}") };
-            let allowed = "the keys that `underbrush schema` lists";
-            let fault = InputError::new(path, field, error.message(), allowed, "correct this line");
-            fault.at_line(line_at(&text, span.start))
+            let stopped = (error.message(), error.span().unwrap_or_default().start);
+            toml_fault(path, &text, "scene", stopped, "the keys that `underbrush schema` lists")
         })?;
         let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
         let scene = Scene {

@@ -62,13 +62,10 @@ options! {
         /// force. After release it recovers as slowly.
         creep_share_per_decade: f64 = 0.05, limits::CREEP_SHARE;
         /// Long-run share of the taxels with a spurious reading: a force although nothing touches them.
-        #[serde(alias = "stray_share")]
         spurious_share: f64 = SPURIOUS_SHARE, limits::SPURIOUS_SHARE;
         /// Mean duration of a spurious reading, s.
-        #[serde(alias = "stray_time_s")]
         spurious_time_s: f64 = 6.0, limits::SPURIOUS_TIME_S;
         /// Smallest and largest spurious reading, N; values between them are equally likely.
-        #[serde(alias = "stray_force_n")]
         spurious_force_n: [f64; 2] = [0.02, 0.10];
         /// Delay of the readings in frames of 10 ms.
         delay_frames: u32 = 1, limits::DELAY_FRAMES;

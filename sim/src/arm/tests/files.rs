@@ -22,20 +22,6 @@ fn cody_from_disk_is_cody() {
 }
 
 #[test]
-fn earlier_keys_are_still_read() {
-    // Tests that the model stiffness is read under its earlier key too, and that an error about it names its line.
-    let earlier = |value: &str| {
-        let (present, value) = ("model_stiffness_nm_per_rad = 3.2", format!("believed_stiffness_nm_per_rad = {value}"));
-        altered_cody("cody.toml", present, &value)
-    };
-    let arm = earlier("4.5").unwrap();
-    assert_eq!(arm.joints[3].model_stiffness_nm_per_rad, 4.5);
-    let error = earlier("0.0").unwrap_err();
-    let line = cody_file(Path::new("cody.toml")).unwrap().lines().position(|line| line.ends_with("rad = 3.2"));
-    assert_eq!(error.line, line.map(|line| line + 1), "{error}");
-}
-
-#[test]
 fn bad_values_are_refused_with_their_place() {
     // Tests that every kind of bad value gives an error that names one of the arm's files and the field. Each case
     // holds the file, the original text, its replacement, a part of the error's field, and a part of its text.
