@@ -88,7 +88,11 @@ pub(super) fn batches(frames: usize) -> impl Iterator<Item = Range<usize>> {
 /// [`DiskError::Unwritable`] for a recording that breaks a rule of its types (lengths, indices, finite numbers, taxel
 /// order); [`DiskError::Io`] and [`DiskError::Encode`] if the file cannot be written.
 pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<(), DiskError> {
-    let path = path.as_ref();
+    write_to(path.as_ref(), recording)
+}
+
+// Not generic, so that it is compiled once and not in each crate that calls it.
+fn write_to(path: &Path, recording: &Recording) -> Result<(), DiskError> {
     check_recording(recording).map_err(|violation| violation.unwritable(path))?;
     let header = serde_json::to_string(&without_frames(recording))
         .map_err(|error| DiskError::io(path, "write")(error.into()))?;
@@ -147,7 +151,11 @@ fn open_recording(path: &Path) -> Result<(Recording, ParquetTable), DiskError> {
 /// [`DiskError::Input`] for a file that is truncated, changed in any bit, missing, of another format or version, or
 /// whose content breaks a rule of [`Recording`]; [`DiskError::Io`] if it cannot be read.
 pub fn read_recording(path: impl AsRef<Path>) -> Result<Recording, DiskError> {
-    let path = path.as_ref();
+    read_from(path.as_ref())
+}
+
+// Not generic, so that it is compiled once and not in each crate that calls it.
+fn read_from(path: &Path) -> Result<Recording, DiskError> {
     let (mut recording, table) = open_recording(path)?;
     check_layout(&recording.layout).map_err(|violation| violation.misread(path))?;
     let features = features_of(&recording);

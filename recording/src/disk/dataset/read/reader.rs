@@ -101,7 +101,11 @@ impl Dataset {
     /// [`DiskError::Unfinished`] while reaches are missing; [`DiskError::Input`] for a folder that is not a data set,
     /// for another version, and for missing, truncated or changed files, each by name.
     pub fn open(dir: impl AsRef<Path>) -> Result<Self, DiskError> {
-        let dir = dir.as_ref().to_path_buf();
+        Self::open_folder(dir.as_ref().to_path_buf())
+    }
+
+    // Not generic, so that it is compiled once and not in each crate that calls it.
+    fn open_folder(dir: PathBuf) -> Result<Self, DiskError> {
         recognize(&dir)?;
         require_version(dir.join(names::INFO), "codebase_version", CODEBASE_VERSION)?;
         require_version(dir.join(names::PROVENANCE), "format", FORMAT)?;

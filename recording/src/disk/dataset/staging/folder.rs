@@ -116,7 +116,11 @@ fn require_same(dir: &Path, stored: &Value, plan: &DatasetPlan) -> Result<(), Di
 /// [`DiskError::Input`] if the folder holds anything else, which then stays, as does the set; [`DiskError::InUse`] while
 /// a process writes the set; [`DiskError::Io`] if it cannot be removed.
 pub fn remove_dataset(dir: impl AsRef<Path>) -> Result<(), DiskError> {
-    let dir = dir.as_ref();
+    remove_from(dir.as_ref())
+}
+
+// Not generic, so that it is compiled once and not in each crate that calls it.
+fn remove_from(dir: &Path) -> Result<(), DiskError> {
     let _lock = match look(dir)? {
         Folder::Empty | Folder::Foreign => return Ok(()),
         Folder::Begun => {

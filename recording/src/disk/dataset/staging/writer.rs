@@ -47,7 +47,11 @@ impl DatasetWriter {
     /// the folder already holds; [`DiskError::PlanDiffers`] for another plan; [`DiskError::InUse`] while another
     /// process writes there.
     pub fn create(dir: impl AsRef<Path>, plan: DatasetPlan, resume: bool) -> Result<Self, DiskError> {
-        let dir = dir.as_ref().to_path_buf();
+        Self::create_in(dir.as_ref().to_path_buf(), plan, resume)
+    }
+
+    // Not generic, so that it is compiled once and not in each crate that calls it.
+    fn create_in(dir: PathBuf, plan: DatasetPlan, resume: bool) -> Result<Self, DiskError> {
         check_plan(&plan).map_err(|violation| violation.unwritable(&dir))?;
         match look(&dir)? {
             Folder::Foreign => return Err(DiskError::FolderNotEmpty { dir }),
