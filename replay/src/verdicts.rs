@@ -112,7 +112,7 @@ pub struct Verdicts {
 struct JudgedFrame {
     /// The taxels in contact, in the order of their numbers.
     taxels: Vec<JudgedTaxel>,
-    /// A number for each of the header's scores, taxel by taxel.
+    /// For each taxel, one number for each of the header's scores.
     scores: Vec<f64>,
     regions: Vec<JudgedRegion>,
 }

@@ -63,7 +63,7 @@ impl Capsule {
         (self.start.midpoint(self.end), 0.5 * self.start.distance(self.end) + self.radius_m)
     }
 
-    /// Whether a point is farther than this from the surface, m.
+    /// Whether a point is farther from the surface than this distance, m.
     pub fn is_farther(&self, point: DVec3, distance_m: f64) -> bool {
         let (along, to_point) = (self.end - self.start, point - self.start);
         let share = (to_point.dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);

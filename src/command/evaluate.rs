@@ -159,9 +159,9 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     output::result(json, &results, || text::of(&results))
 }
 
-/// All classifiers on the same folds, the best first, with the chosen features if there are any. Without a choice, a classifier
-/// whose usual features these trials lack, as those of a log of forces, is given the features that they have. One that cannot be
-/// fitted is left out, and the reason is told. The first of the list has been judged: `first`.
+/// Judges all classifiers on the same folds and lists the best first. They use the chosen features. If none are chosen, a classifier
+/// uses its usual features, or those that the trials have if they lack some of these (a log of forces has no motion). A classifier that
+/// cannot be fitted is left out, and the reason is printed. `first` is the first of the list, which has been judged already.
 fn compare(
     trials: &[Trial],
     folds: Folds,
