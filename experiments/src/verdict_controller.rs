@@ -115,7 +115,7 @@ impl VerdictControl {
         let mut allowed = AllowedForces::default();
         for (name, force_n) in scene.file.allowed_force_n.iter().chain(&self.asked_n) {
             match name.as_str() {
-                UNKNOWN => allowed.unknown_n = *force_n,
+                UNKNOWN => allowed.unknown_n = Some(*force_n),
                 _ => _ = allowed.categories_n.insert(name.clone(), *force_n),
             }
         }

@@ -97,8 +97,10 @@ fn run(verdicts: Option<&VerdictControl>) -> (Recording, Vec<TaxelContact>) {
 /// usual limit; and that a spurious reading is ignored.
 #[test]
 fn each_verdict_has_its_limit() {
-    let allowed =
-        AllowedForces { categories_n: [("leaf".to_owned(), 7.0), ("trunk".to_owned(), 2.0)].into(), unknown_n: 1.25 };
+    let allowed = AllowedForces {
+        categories_n: [("leaf".to_owned(), 7.0), ("trunk".to_owned(), 2.0)].into(),
+        unknown_n: Some(1.25),
+    };
     for (touched, expected) in [
         (Touched::Nothing, Allowance::Ignored),
         (Touched::Category("grass".into()), Allowance::Usual),

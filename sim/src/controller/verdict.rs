@@ -46,17 +46,17 @@ pub struct Verdict {
 pub struct AllowedForces {
     /// The limits by the name of a category, N.
     pub categories_n: BTreeMap<String, f64>,
-    /// The limit on objects unlike all known categories, N.
-    pub unknown_n: f64,
+    /// The limit on objects unlike all known categories, N, if they have one.
+    pub unknown_n: Option<f64>,
 }
 
 impl Default for AllowedForces {
     /// 6 N on leaves, twice the 3 N of `cody-2013`. A leaf bends away before a taxel feels as much (5.4 N at most in 14
-    /// mixed reaches), so this limit hardly ever holds the arm back. 1.5 N on trunks and unknown objects, half of the
+    /// mixed reaches), so this limit hardly ever holds the arm back. 1.5 N on trunks, half of the
     /// limit of `cody-2013`. This limit must be above 1 N, the force at which the controller begins to take a reading
     /// for a contact, because the force of a contact over its limit may not rise at all.
     fn default() -> Self {
-        AllowedForces { categories_n: [("leaf".to_owned(), 6.0), ("trunk".to_owned(), 1.5)].into(), unknown_n: 1.5 }
+        AllowedForces { categories_n: [("leaf".to_owned(), 6.0), ("trunk".to_owned(), 1.5)].into(), unknown_n: None }
     }
 }
 
@@ -74,14 +74,12 @@ pub enum Allowance {
 impl AllowedForces {
     /// What a verdict means for a contact.
     pub fn of(&self, touched: &Touched) -> Allowance {
+        let limit = |force_n: Option<f64>| force_n.map_or(Allowance::Usual, Allowance::AtMost);
         match touched {
             Touched::Nothing => Allowance::Ignored,
             Touched::Uncertain => Allowance::Usual,
-            Touched::Unknown => Allowance::AtMost(self.unknown_n),
-            Touched::Category(name) => {
-                let own = self.categories_n.get(&**name);
-                own.map_or(Allowance::Usual, |force_n| Allowance::AtMost(*force_n))
-            }
+            Touched::Unknown => limit(self.unknown_n),
+            Touched::Category(name) => limit(self.categories_n.get(&**name).copied()),
         }
     }
 }

@@ -33,7 +33,7 @@ pub struct SceneFile {
     #[serde(default)]
     pub robot: RobotSection,
     /// With `--verdicts`: how hard the arm may press on objects of a category, or on `unknown` ones, N. The controller's
-    /// own limit holds for all others, and so do 6 N on leaves and 1.5 N on trunks and unknown objects, if not given.
+    /// own limit holds for all others, and so do 6 N on leaves and 1.5 N on trunks, if not given.
     #[serde(default)]
     #[schemars(inner(range(min = limits::ALLOWED_FORCE_N.min, max = limits::ALLOWED_FORCE_N.max)))]
     pub allowed_force_n: BTreeMap<String, f64>,

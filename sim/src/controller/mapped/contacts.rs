@@ -21,8 +21,12 @@ const AWAY_M_PER_RAD: f64 = 0.02;
 pub(super) struct Judged<'a> {
     pub(super) contact: &'a TaxelContact,
     pub(super) kind: ObstacleKind,
-    limit_n: f64,
+    pub(super) limit_n: f64,
 }
+
+/// What gives way may be pressed by so many times the usual limit, as leaves may. Choice: so may what a model does not call
+/// fixed, although it is not certain what it is or does not know it, because fixed objects are soon called so.
+pub(super) const GIVES_WAY: f64 = 2.0;
 
 /// The kinds and limits of contacts. `usual_n` is the limit where no verdict gives another. An object that is to be
 /// pressed less than that is fixed, one that may be pressed as much or more gives way. `knows_all` says that all fixed
@@ -37,9 +41,10 @@ fn judge(contact: &TaxelContact, usual_n: f64, knows_all: bool) -> Judged<'_> {
     let (kind, limit_n) = match *allowed_force_n {
         Some(allowed_n) if is_named && allowed_n < usual_n => (ObstacleKind::Fixed, allowed_n),
         Some(allowed_n) if is_named => (ObstacleKind::Yielding, allowed_n),
-        // Twice the usual limit, as on leaves.
-        _ if knows_all => (ObstacleKind::Yielding, 2.0 * usual_n),
-        allowed_n => (ObstacleKind::Doubtful, allowed_n.unwrap_or(usual_n)),
+        _ if knows_all => (ObstacleKind::Yielding, GIVES_WAY * usual_n),
+        Some(allowed_n) => (ObstacleKind::Doubtful, allowed_n),
+        None if verdict.is_some() && !is_named => (ObstacleKind::Doubtful, GIVES_WAY * usual_n),
+        None => (ObstacleKind::Doubtful, usual_n),
     };
     Judged { contact, kind, limit_n }
 }

@@ -1,12 +1,12 @@
 //! A controller that maps what the arm touches and plans a way round it for the whole arm.
 //!
 //! It plans a way to the goal and follows it with compliant joints. A force holds it up only where the motion goes into
-//! the contact. When it touches something fixed, or when something stops it, it puts that on the map, goes back the way
-//! it came and plans anew. Near the goal the published one-step controller takes over.
+//! the contact. When something holds or stops it, it puts that on the map, goes back the way it came and plans anew. At the
+//! end of the way it pushes on until the end effector is at the goal.
 //!
-//! What a contact is, it learns from the verdicts that come with contacts. Objects that are to be pressed less than the
-//! usual limit are obstacles from the first touch; others only if they stop the arm. Without verdicts, whatever stops
-//! the arm is an obstacle.
+//! What a contact is, it learns from the verdicts that come with contacts, and from what it feels. Objects that are to be
+//! pressed less than the usual limit, and those of which nothing is known, are obstacles once they have held; others only if
+//! they stop the arm.
 
 use std::borrow::Cow;
 use std::collections::VecDeque;
@@ -19,9 +19,7 @@ use self::contacts::{Judged, judged, largest_share};
 use self::map::Map;
 use self::pursuit::Pursuit;
 use self::trust::Trust;
-use super::{
-    ControlStatus, Controller, ControllerInput, ControllerOutput, Intent, ModelPredictive, Preset, TaxelContact,
-};
+use super::{ControlStatus, Controller, ControllerInput, ControllerOutput, Intent, Preset, TaxelContact};
 use crate::arm::Arm;
 use crate::geometry::Capsule;
 use contacts::touches;
@@ -50,9 +48,13 @@ mod turning;
 const LEAD_RAD: f64 = 0.175;
 /// An arm that is behind by less than this does not go back, rad.
 const BEHIND_RAD: f64 = 0.035;
-/// Largest offset of the equilibrium angles that is added to push on, rad, and how fast it grows, 1/s.
+/// Largest offset of the equilibrium angles that is added to push on, rad, and how fast it grows, 1/s: on the way, where the arm
+/// is to stay soft, and at its end, where what is left of the way is short.
 const PUSH_RAD: f64 = 0.21;
 const PUSH_PER_S: f64 = 1.0;
+const PUSH_AT_END_PER_S: f64 = 8.0;
+/// An offset that grows by more than this in a control step still gains, rad.
+const GAIN_RAD: f64 = 0.001;
 /// Bound on |φ − q|, rad: that of `cody-2013`.
 const OFFSET_RAD: f64 = 0.349;
 /// Above this share of the allowed force the arm goes back.
@@ -61,13 +63,11 @@ const TOO_HARD: f64 = 1.5;
 const BARE: f64 = 2.0;
 /// Without progress for so long the arm is stopped, s. Choice: just below the shortest patience of the scenes that ship.
 const STOP_S: f64 = 0.8;
-/// Progress on the path that counts, control steps, and towards the goal, m.
+/// Progress on the path that counts, control steps, and towards the goal, m: a fifth of how near the arm must come.
 const PROGRESS_STEPS: f64 = 1.0;
-const PROGRESS_M: f64 = 0.008;
+const PROGRESS_M: f64 = 0.002;
 /// A goal is given up after this time, s. Choice: several times what a way takes.
 const PATIENCE_S: f64 = 30.0;
-/// Within this distance of the goal the published controller takes over at the end of the path, m.
-const NEAR_M: f64 = 0.05;
 /// Postures of the trail are this far apart, rad, and at most so many.
 const TRAIL_RAD: f64 = 0.02;
 const TRAIL: usize = 400;
@@ -84,7 +84,6 @@ pub struct Mapped {
     /// reached over everything would need no map.
     top_m: f64,
     preset: Preset,
-    near_goal: ModelPredictive,
     /// How far each joint moves in a control step, rad.
     step_rad: Vec<f64>,
     map: Map,
@@ -97,8 +96,7 @@ pub struct Mapped {
 }
 
 impl Mapped {
-    /// The controller of an arm. The parameters give rate, speed, the usual force limit and the floor, and those of the
-    /// controller that takes over near the goal.
+    /// The controller of an arm. The parameters give rate, speed, the usual force limit and the floor.
     pub fn new(preset: Preset, arm: &Arm) -> Self {
         let largest_step_rad = preset.equilibrium_step_rad.unwrap_or(f64::INFINITY);
         let step_rad =
@@ -108,7 +106,6 @@ impl Mapped {
             bare: BareSurface::new(arm, &shapes),
             shapes,
             top_m: arm.joints.first().map_or(0.0, |joint| joint.origin_parent.position.z),
-            near_goal: ModelPredictive::new(preset.clone(), arm),
             step_rad: step_rad.collect(),
             arm: arm.clone(),
             preset,
@@ -159,7 +156,8 @@ impl Mapped {
                 self.trail.pop_front();
             }
         }
-        let contacts = judged(input.contacts, self.preset.force_limit_n, self.knows_all);
+        let mut contacts = judged(input.contacts, self.preset.force_limit_n, self.knows_all);
+        self.trust.allow_what_gave_way(&mut contacts, self.preset.force_limit_n);
         // The map is of objects. Where the arm touches itself it is stopped by something that the map does not explain.
         let of_itself =
             |own: &Judged| self.shapes.is_near_itself(link_poses, own.contact.link, own.contact.position_world);
@@ -197,30 +195,33 @@ impl Mapped {
             (own.best_steps, own.best_s) = (own.at_steps, self.time_s);
         }
         let distance_m = input.end_effector_pose_world.position.distance(own.goal);
-        let is_near = own.at_steps >= end_steps && distance_m < NEAR_M;
-        if is_near && distance_m < own.nearest_m - PROGRESS_M {
+        let is_at_end = own.at_steps >= end_steps;
+        if is_at_end && distance_m < own.nearest_m - PROGRESS_M {
             (own.nearest_m, own.best_s) = (distance_m, self.time_s);
         }
         if self.time_s - own.best_s > STOP_S {
             self.stopped(q, &objects, bare.map(|(force_n, touch, _)| (force_n, touch)));
             return (hold(phi), Intent::TurningRound);
         }
-        if is_near {
-            // Here, too, the controller judges its own progress.
-            return (self.near_goal.control(input), Intent::TurningRound);
-        }
         if share > TOO_HARD && behind_rad > BEHIND_RAD {
             own.at_steps = (own.at_steps - 1.0).max(0.0);
         } else if share < 1.0 && behind_rad < LEAD_RAD {
             own.at_steps = (own.at_steps + 1.0).min(end_steps);
         }
-        let planned = own.path.at(own.at_steps);
+        // At the end of the way it only matters where the end effector is.
+        let at_goal = if is_at_end { self.arm.posture_at(own.goal, q) } else { None };
+        let planned = at_goal.unwrap_or_else(|| own.path.at(own.at_steps));
+        let push_per_s = if is_at_end { PUSH_AT_END_PER_S } else { PUSH_PER_S };
         let mut angles = Vec::with_capacity(q.len());
         for (joint, planned) in planned.iter().enumerate() {
             let push = &mut own.push_rad[joint];
             if share < 1.0 {
-                let change = PUSH_PER_S / self.preset.rate_hz * (planned - q[joint]);
+                let before_rad = push.abs();
+                let change = push_per_s / self.preset.rate_hz * (planned - q[joint]);
                 *push = (*push + change).clamp(-PUSH_RAD, PUSH_RAD);
+                if is_at_end && push.abs() > before_rad + GAIN_RAD {
+                    own.best_s = self.time_s;
+                }
             } else {
                 *push *= 0.9;
             }

@@ -105,23 +105,21 @@ impl Mapped {
         self.plan(q, back_unexplained_rad.max(back_frozen_rad));
     }
 
-    /// New touches of objects go on the map that are called fixed, or that have held and of which nothing is said. Returns
-    /// whether that calls for a new plan.
+    /// Objects that have held go on the map if they are called fixed, or if nothing is said of them. Returns whether that calls
+    /// for a new plan.
     pub(super) fn learn_touches(&mut self, contacts: &[Judged]) -> bool {
-        let usual_n = self.preset.force_limit_n;
         let Some(own) = &mut self.pursuit else { return false };
         let is_graced = self.time_s - own.touched_s < GRACE_S;
         let mut calls = false;
-        let mut new = touches(contacts, ObstacleKind::Fixed, self.time_s);
-        new.retain(|(force_n, touch)| !self.trust.wants_to_press(touch, *force_n, usual_n));
-        let mut doubtful = touches(contacts, ObstacleKind::Doubtful, self.time_s);
-        doubtful.retain(|(_, touch)| self.trust.has_held(touch));
-        new.append(&mut doubtful);
-        for (force_n, touch) in new {
+        let of = |kind| touches(contacts, kind, self.time_s).into_iter();
+        for (force_n, touch) in of(ObstacleKind::Fixed).chain(of(ObstacleKind::Doubtful)) {
+            if !self.trust.has_held(&touch) {
+                continue;
+            }
             let known = self.map.obstacles.len();
             let is_news = self.map.learn(&touch, false);
             let is_new = self.map.obstacles.len() > known;
-            calls |= is_news && (is_new || !is_graced || force_n > STRONG * usual_n);
+            calls |= is_news && (is_new || !is_graced || force_n > STRONG * self.preset.force_limit_n);
         }
         if calls {
             own.touched_s = self.time_s;

@@ -125,18 +125,25 @@ fn contact(force_n: f64, inward: DVec3, category: Option<(&str, f64)>) -> TaxelC
     }
 }
 
-/// Tests that a category is fixed if it may be pressed less than usual and gives way otherwise, whatever its name, and
-/// that contacts without a category are doubtful, or give way if all obstacles are known.
+/// Tests that a category is fixed if it may be pressed less than usual and gives way otherwise, whatever its name; that
+/// contacts without a category are doubtful, or give way if all obstacles are known; and that what a model does not call
+/// fixed may be pressed like what gives way, unless it has a limit of its own.
 #[test]
 fn allowed_forces_decide_what_is_fixed() {
+    let plain = |force_n: f64| contact(force_n, DVec3::NEG_X, None);
+    let uncertain = Some(Verdict { touched: Touched::Uncertain, probability: 0.6 });
     let contacts = [
         contact(1.0, DVec3::NEG_X, Some(("reed", 1.5))),
         contact(1.0, DVec3::NEG_X, Some(("trunk", 5.0))),
-        contact(1.0, DVec3::NEG_X, None),
+        plain(1.0),
+        TaxelContact { verdict: uncertain.clone(), ..plain(1.0) },
+        TaxelContact { verdict: uncertain, allowed_force_n: Some(2.0), ..plain(1.0) },
     ];
-    let kinds = |knows_all| judged(&contacts, 3.0, knows_all).iter().map(|own| own.kind).collect::<Vec<_>>();
-    assert_eq!(kinds(false), [ObstacleKind::Fixed, ObstacleKind::Yielding, ObstacleKind::Doubtful]);
-    assert_eq!(kinds(true), [ObstacleKind::Fixed, ObstacleKind::Yielding, ObstacleKind::Yielding]);
+    let [fixed, yielding, doubtful] = [ObstacleKind::Fixed, ObstacleKind::Yielding, ObstacleKind::Doubtful];
+    let kinds =
+        |knows_all| judged(&contacts, 3.0, knows_all).iter().map(|own| (own.kind, own.limit_n)).collect::<Vec<_>>();
+    assert_eq!(kinds(false), [(fixed, 1.5), (yielding, 5.0), (doubtful, 3.0), (doubtful, 6.0), (doubtful, 2.0)]);
+    assert_eq!(kinds(true)[2], (yielding, 6.0));
 }
 
 /// Tests that a force counts against a motion into its contact, and not against one away from it.
@@ -224,10 +231,11 @@ fn bare_contacts_are_found_from_torques() {
 }
 
 /// Pushes springs of these stiffnesses, N/m, one after the other along y at 0.05 m/s for a second, all with this verdict.
-/// Returns whether verdicts are believed after each.
-fn pushed(category: (&str, f64), springs_n_per_m: &[f64]) -> Vec<bool> {
+/// Returns after each whether verdicts are believed, and how hard it may be pressed, N.
+fn pushed(category: (&str, f64), springs_n_per_m: &[f64]) -> Vec<(bool, f64)> {
     let mut trust = Trust::default();
     let mut push = |number: usize, stiffness_n_per_m: f64| {
+        let mut limit_n = f64::NAN;
         for step in 1..=25 {
             let time_s = 10.0 * number as f64 + 0.04 * f64::from(step);
             let pushed_m = 0.002 * f64::from(step);
@@ -236,10 +244,14 @@ fn pushed(category: (&str, f64), springs_n_per_m: &[f64]) -> Vec<bool> {
             // A controller that holds the limit overshoots it.
             if force_n < 2.0 * category.1 {
                 let felt = TaxelContact { position_world, ..contact(force_n, DVec3::NEG_Y, Some(category)) };
-                trust.take_in(&judged(&[felt], 3.0, false), 3.0, time_s);
+                trust.take_in(&judged(std::slice::from_ref(&felt), 3.0, false), 3.0, time_s);
+                let contacts = [felt];
+                let mut judged = judged(&contacts, 3.0, false);
+                trust.allow_what_gave_way(&mut judged, 3.0);
+                limit_n = judged[0].limit_n;
             }
         }
-        trust.is_given()
+        (trust.is_given(), limit_n)
     };
     springs_n_per_m.iter().enumerate().map(|(number, stiffness)| push(number, *stiffness)).collect()
 }
@@ -247,12 +259,19 @@ fn pushed(category: (&str, f64), springs_n_per_m: &[f64]) -> Vec<bool> {
 /// Tests that verdicts that springs confirm are believed, and that wrong ones are not as soon as they are in the majority.
 #[test]
 fn what_is_felt_decides_whether_verdicts_are_believed() {
-    assert_eq!(pushed(("leaf", 6.0), &[10.0, 40.0]), [true, true]);
-    assert_eq!(pushed(("trunk", 1.5), &[400.0, 300.0]), [true, true]);
-    assert_eq!(pushed(("trunk", 1.5), &[10.0]), [false]);
-    assert_eq!(pushed(("leaf", 6.0), &[10.0, 400.0, 400.0, 10.0]), [true, true, false, false]);
-    // Neither soft nor hard: says nothing.
-    assert_eq!(pushed(("trunk", 1.5), &[150.0, 400.0, 30.0]), [true, true, true]);
+    let believed = |category, springs: &[f64]| pushed(category, springs).iter().map(|own| own.0).collect::<Vec<_>>();
+    assert_eq!(believed(("leaf", 6.0), &[10.0, 40.0]), [true, true]);
+    assert_eq!(believed(("trunk", 1.5), &[150.0, 300.0]), [true, true]);
+    assert_eq!(believed(("trunk", 1.5), &[10.0]), [false]);
+    assert_eq!(believed(("leaf", 6.0), &[10.0, 400.0, 400.0, 10.0]), [true, true, false, false]);
+}
+
+/// Tests that what has given way may be pressed as hard as leaves, whatever it is called, and that what holds may not.
+#[test]
+fn what_gave_way_may_be_pressed() {
+    let limits_n = |category, springs: &[f64]| pushed(category, springs).iter().map(|own| own.1).collect::<Vec<_>>();
+    assert_eq!(limits_n(("trunk", 1.5), &[400.0, 400.0, 10.0, 400.0]), [1.5, 1.5, 6.0, 1.5]);
+    assert_eq!(limits_n(("leaf", 7.0), &[10.0]), [7.0]);
 }
 
 /// Tests that the recorded map has obstacles beside trunks that were touched, and none before the first touch.
