@@ -21,8 +21,9 @@ pub(super) struct Summary {
     simulated_s: f64,
     /// Wall time for making the set, s; `None` if the set was already finished, or was merged.
     wall_s: Option<f64>,
-    /// How many goals have a way at all, and how many goals there are; `None` for a set that was not simulated just now.
-    pub(super) goals_with_a_way: Option<(usize, usize)>,
+    /// How many goals of some reaches have a way at all, how many goals these reaches have, and how many reaches they are; `None`
+    /// for a set that was not simulated just now.
+    pub(super) goals_with_a_way: Option<[usize; 3]>,
     #[serde(flatten)]
     ends: Ends,
     /// The worst residuals of the audit, each with its reach.
@@ -54,8 +55,9 @@ impl Summary {
         let pace = self.wall_s.map_or(String::new(), |wall_s| {
             format!(" in {wall_s:.0} s ({:.0} times real time)", self.simulated_s / wall_s.max(1e-9))
         });
-        let ways = self.goals_with_a_way.map_or(String::new(), |(ways, goals)| {
-            format!("{ways} of {goals} goals have a way round all fixed obstacles\n")
+        let ways = self.goals_with_a_way.map_or(String::new(), |[ways, goals, looked_at]| {
+            let of = if looked_at < self.reaches { format!(" of {looked_at} reaches") } else { String::new() };
+            format!("{ways} of {goals} goals{of} have a way round all fixed obstacles\n")
         });
         let (reaches, simulated_s) = (counted(self.reaches, "reach", "reaches"), self.simulated_s);
         let (ends, audit, dataset) = (self.ends.text(), text::audit(&self.audit), self.dataset.display());
