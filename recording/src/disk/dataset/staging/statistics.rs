@@ -57,29 +57,28 @@ impl ColumnStatistics {
     }
 
     fn add(&mut self, numbers: &[f64]) {
-        // Numbers change little from row to row, so consecutive samples are often in the same bin. A run is this bin
-        // and the number of its samples so far.
-        let mut runs = vec![(0, 0); self.elements.len()];
-        for row in numbers.chunks_exact(self.elements.len()) {
+        let width = self.elements.len();
+        for row in numbers.chunks_exact(width) {
             self.count += 1;
             let share = 1.0 / self.count as f64;
-            for ((element, run), &number) in self.elements.iter_mut().zip(&mut runs).zip(row) {
+            for (element, &number) in self.elements.iter_mut().zip(row) {
                 element.min = element.min.min(number);
                 element.max = element.max.max(number);
                 let difference = number - element.mean;
                 element.mean += difference * share;
                 element.squares += difference * (number - element.mean);
-                if number != 0.0 {
-                    let bin = bin(number);
-                    if run.0 != bin {
-                        element.add_run(std::mem::replace(run, (bin, 0)));
-                    }
-                    run.1 += 1;
-                }
             }
         }
-        for (element, run) in self.elements.iter_mut().zip(runs) {
-            element.add_run(run);
+        // Sorted, because to find a bin among thousands costs more than everything else here.
+        let mut bins = Vec::new();
+        for (index, element) in self.elements.iter_mut().enumerate() {
+            let own = numbers.iter().skip(index).step_by(width).filter(|number| **number != 0.0);
+            bins.clear();
+            bins.extend(own.map(|number| bin(*number)));
+            bins.sort_unstable();
+            for same in bins.chunk_by(|first, second| first == second) {
+                *element.bins.entry(same[0]).or_insert(0) += same.len() as u64;
+            }
         }
     }
 
@@ -99,13 +98,6 @@ impl ColumnStatistics {
 }
 
 impl Element {
-    /// Adds samples that are all in one bin.
-    fn add_run(&mut self, (bin, samples): (i32, u64)) {
-        if samples > 0 {
-            *self.bins.entry(bin).or_insert(0) += samples;
-        }
-    }
-
     fn percentile(&self, count: u64, percent: u64) -> f64 {
         let zeros = count - self.bins.values().sum::<u64>();
         let below = self.bins.range(..0);
