@@ -13,6 +13,8 @@ from pathlib import Path
 import pytest
 
 import underbrush
+import underbrush.__main__
+import underbrush.mcap
 
 COMMAND = Path(sys.executable).with_name("underbrush")
 
@@ -45,6 +47,54 @@ def test_exit_status_and_json() -> None:
     assert (good.returncode, bad.returncode) == (0, 2)
     assert json.loads(good.stdout)["scene"] == "mixed"
     assert json.loads(bad.stdout)["error"]["file"] == "nothing"
+
+
+def test_it_writes_what_only_the_package_can(data: underbrush.Dataset, tmp_path: Path) -> None:
+    """Tests that exports and films are those of the modules, with the options of the command line and its remedies."""
+    out = [tmp_path / name for name in ("command.mcap", "module.mcap", "bag", "set.hdf5", "film.mp4", "film.webp")]
+    data[1].save(tmp_path / "reach.parquet")
+    reach = str(tmp_path / "reach.parquet")
+    for kind, path in (("mcap", out[0]), ("ros2", out[2]), ("hdf5", out[3])):
+        assert run("export", reach, "--to", kind, "--out", str(path)).returncode == 0
+        refused = run("export", "--to", kind, reach, "--out", str(path))
+        assert refused.returncode == 2 and "--force" in refused.stderr
+        assert run("export", reach, f"--to={kind}", "--out", str(path), "--force").returncode == 0
+    underbrush.mcap.export(data[1], out[1])
+    assert out[0].read_bytes() == out[1].read_bytes()
+    options = ["--reaches", "1", "--size", "128x96", "--fps", "10", "--speed", "4"]
+    for path in out[4:]:
+        filmed = run("replay", str(data.path), "--video", str(path), *options)
+        assert filmed.stdout == f"{(len(data[1]) - 1) // 40 + 1} pictures in {path}\n", filmed.stderr
+    assert all(path.exists() for path in out)
+
+
+def test_the_rest_is_left_to_the_command_line(tmp_path: Path) -> None:
+    """Tests the errors of the command line for other formats, options without a value, and JSON."""
+    assert "possible values" in run("export", "reach.parquet", "--to", "csv", "--out", "file").stderr
+    assert "a value is required" in run("export", "reach.parquet", "--to").stderr
+    assert ".gif" in run("replay", str(tmp_path), "--video", "film.avi").stderr
+    found = run("export", "reach.parquet", "--to", "ros2", "--out", "bag", "--json")
+    assert found.returncode == 2 and "underbrush.ros2" in json.loads(found.stdout)["error"]["message"]
+
+
+def test_a_missing_extra_is_named(
+    data: underbrush.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Tests that the error without rosbags, PyAV, mcap or h5py says what to install."""
+    calls = {
+        "rosbags": ["export", str(data.path), "--to", "ros2", "--out", str(tmp_path / "bag")],
+        "mcap": ["export", str(data.path), "--to", "mcap", "--out", str(tmp_path / "log")],
+        "h5py": ["export", str(data.path), "--to", "hdf5", "--out", str(tmp_path / "set.hdf5")],
+        "av": ["replay", str(data.path), "--video", str(tmp_path / "film.mp4")],
+    }
+    extras = {"rosbags": "ros2", "mcap": "mcap", "h5py": "hdf5", "av": "video"}
+    for package, arguments in calls.items():
+        with monkeypatch.context() as patched:
+            for name in [name for name in sys.modules if name.split(".")[0] == package] + [package]:
+                patched.setitem(sys.modules, name, None)
+            patched.setattr(sys, "argv", ["underbrush", *arguments])
+            assert underbrush.__main__.main() == 2
+        assert f"pip install 'underbrush[{extras[package]}]'" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of a shell")

@@ -1,5 +1,7 @@
 """Files and data sets that exist already."""
 
+import pickle
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -36,3 +38,34 @@ def test_only_force_overwrites(data: ub.Dataset, trials: ub.Trials, tmp_path: Pa
     with pytest.raises(ub.InputError, match="leave one out"):
         ub.generate(quick("leaf"), 1, out, resume=True, force=True, progress=False)
     assert len(ub.Dataset(out)) == 1
+
+
+def test_remedies_are_those_of_python(data: ub.Dataset, tmp_path: Path) -> None:
+    """Tests that errors name arguments and functions of Python and no option of the command line, and so do their remedies."""
+
+    def interrupted(done: int, total: int, text: str) -> None:
+        raise KeyboardInterrupt
+
+    scene, begun = quick("leaf"), tmp_path / "begun"
+    with pytest.raises(KeyboardInterrupt):
+        ub.generate(scene, 3, begun, progress=interrupted)
+    data[0].save(tmp_path / "reach.parquet")
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text("sumary = 1\n")
+    controllers = [scene, scene.changed({"controller": "blind"}, name="blind")]
+    calls: dict[str, tuple[Callable[[], object], str]] = {
+        "finished": (lambda: ub.generate(scene, 1, data.path, progress=False), "force=True"),
+        "unfinished": (lambda: ub.generate(scene, 3, begun, progress=False), "resume=True to finish it, or with force=True"),
+        "saved": (lambda: data[0].save(tmp_path / "reach.parquet"), "force=True"),
+        "no part": (lambda: ub.merge([data.path], tmp_path / "merged"), "underbrush.generate(..., shard=(I, N))"),
+        "no suite": (lambda: ub.check("nosuch.toml"), "python -m underbrush schema suite"),
+        "key of a suite": (lambda: ub.check(wrong), "python -m underbrush schema suite"),
+        "key of a scene": (lambda: ub.Scene(wrong), "python -m underbrush schema"),
+        "controllers": (lambda: ub.generate(controllers, 1, tmp_path / "two", progress=False), "the argument controller"),
+    }
+    for name, (call, named) in calls.items():
+        with pytest.raises(ub.InputError) as caught:
+            call()
+        text, again = str(caught.value), pickle.loads(pickle.dumps(caught.value))
+        assert named in text and "--" not in text and "--" not in (caught.value.remedy or ""), f"{name}: {text}"
+        assert (str(again), again.remedy, again.allowed) == (text, caught.value.remedy, caught.value.allowed)

@@ -11,6 +11,8 @@ import pytest
 import underbrush as ub
 import underbrush.ros2
 
+from conftest import ROOT, quick
+
 rosbag2 = pytest.importorskip("rosbags.rosbag2")
 mcap = pytest.importorskip("mcap.reader")
 ros2 = pytest.importorskip("mcap_ros2.decoder")
@@ -104,3 +106,17 @@ def test_nothing_else_is_overwritten(reach: ub.Reach, tmp_path: Path) -> None:
     with pytest.raises(ub.InputError, match="choose another name"):
         underbrush.ros2.export(reach, tmp_path / "other", force=True)
     assert (tmp_path / "other" / "thesis.txt").exists()
+
+
+def test_a_data_set_has_the_urdf_of_its_arm(tmp_path: Path) -> None:
+    """Tests that the bags of a data set hold the URDF of its arm, also those that the command writes, and another URDF if it is given."""
+    cody = (ROOT / "sim" / "arms" / "cody" / "cody.urdf").read_text()
+    one = ub.generate(quick("leaf"), 1, tmp_path / "one", seed=1, progress=False)
+    underbrush.ros2.export(one, tmp_path / "bags")
+    assert (tmp_path / "bags" / "reach-000000" / "robot.urdf").read_text() == cody
+    (tmp_path / "other.urdf").write_text(URDF)
+    for options, urdf in (([], cody), (["--urdf", str(tmp_path / "other.urdf"), "--force"], URDF)):
+        assert underbrush.ros2.main(["export", str(one.path), "--out", str(tmp_path / "bag"), *options]) == 0
+        assert (tmp_path / "bag" / "robot.urdf").read_text() == urdf
+        with rosbag2.Reader(tmp_path / "bag") as reader:
+            assert "/robot_description" in {connection.topic for connection in reader.connections}

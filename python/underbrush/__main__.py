@@ -1,13 +1,49 @@
 """The command ``underbrush``, also as ``python -m underbrush``."""
 
+from __future__ import annotations
+
+import argparse
+import importlib
 import signal
 import sys
+from pathlib import Path
 
 from underbrush._core import run_command_line
+
+# The formats of `underbrush export --to` and of films of `underbrush replay --video` that modules of this package write.
+_EXPORTS = ("hdf5", "mcap", "ros2")
+_FILMS = (".mp4", ".webp")
+
+
+def _of_python(arguments: list[str]) -> tuple[str, list[str]] | None:
+    """The module that does what these arguments ask for, and its arguments. None if the command line does it.
+
+    The modules do not write JSON. With ``--json`` the command line ends with an error that names the module.
+    """
+    if "--json" in arguments:
+        return None
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
+    for option in ("--to", "--video", "--reaches", "--size"):
+        parser.add_argument(option)
+    try:
+        given, others = parser.parse_known_args(arguments[1:])
+    except argparse.ArgumentError:
+        return None
+    if arguments[:1] == ["export"] and given.to in _EXPORTS:
+        return given.to, ["export", *others]
+    if arguments[:1] == ["replay"] and Path(given.video or "").suffix.lower() in _FILMS:
+        index = ["--index", given.reaches] if given.reaches else []
+        size = ["--size", *given.size.split("x")] if given.size else []
+        return "video", ["film", *others, "--out", given.video, *index, *size]
+    return None
 
 
 def main() -> int:
     """Run the command line with the arguments of this process, and return its exit status."""
+    if found := _of_python(sys.argv[1:]):
+        module, arguments = found
+        status: int = importlib.import_module(f"underbrush.{module}").main(arguments)
+        return status
     # The command line handles Ctrl-C by itself. Python's handler would wait until it returns.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     return run_command_line(["underbrush", *sys.argv[1:]])

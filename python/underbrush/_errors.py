@@ -2,6 +2,28 @@
 
 from __future__ import annotations
 
+import re
+
+# What messages of the command line are called in Python, the longer ones first.
+_IN_PYTHON = [
+    (r"`underbrush generate --shard I/N`", "`underbrush.generate(..., shard=(I, N))`"),
+    (r"`underbrush train --classifier touch`", "`underbrush.TouchModel.fit`"),
+    (r"`underbrush generate`", "`underbrush.generate`"),
+    (r"`underbrush (schema[ a-z]*)`", r"the command `python -m underbrush \1`"),
+    (r"\(--decision uncertain\)", "(such as decision=15.0)"),
+    (r"(?<!\S)--(bless|force|resume)\b", r"\1=True"),
+    (r"(?<!\S)--shard\b", "shard=(I, N)"),
+    (r"(?<!\S)--features (\w+)", r'features="\1"'),
+    (r"(?<!\S)--(controller|out|reaches|verdicts)\b", r"the argument \1"),
+]
+
+
+def _in_python(text: str) -> str:
+    """A message of the libraries with the names of arguments and functions in place of options and commands."""
+    for pattern, name in _IN_PYTHON:
+        text = re.sub(pattern, name, text)
+    return text
+
 
 class InputError(ValueError):
     """Bad input: where it is, what was found there, what is allowed, and the remedy.
@@ -18,6 +40,8 @@ class InputError(ValueError):
         What was found there, what is allowed, and what to do. ``None`` if the message says all of this in one sentence.
     """
 
+    # `args` has the words of the command line, which the exports as commands print.
+
     def __init__(
         self,
         message: str,
@@ -33,11 +57,11 @@ class InputError(ValueError):
         self.line = line
         self.field = field
         self.found = found
-        self.allowed = allowed
-        self.remedy = remedy
+        self.allowed = None if allowed is None else _in_python(allowed)
+        self.remedy = None if remedy is None else _in_python(remedy)
 
     def __str__(self) -> str:
-        return str(self.args[0])
+        return _in_python(str(self.args[0]))
 
 
 def refused(argument: str, found: str, allowed: str, remedy: str) -> InputError:
@@ -48,6 +72,9 @@ def refused(argument: str, found: str, allowed: str, remedy: str) -> InputError:
 
 class RunError(RuntimeError):
     """A run that failed although its input was good, for example because of a fault inside the physics engine."""
+
+    def __str__(self) -> str:
+        return _in_python(super().__str__())
 
 
 class StorageError(RunError, OSError):

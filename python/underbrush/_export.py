@@ -61,7 +61,8 @@ def status(run: Callable[[], object]) -> int:
     try:
         run()
     except (InputError, ImportError, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
+        # A command names its options, not arguments of Python.
+        print(f"error: {error.args[0] if isinstance(error, InputError) else error}", file=sys.stderr)
         return 1 if isinstance(error, OSError) else 2
     return 0
 

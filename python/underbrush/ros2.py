@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 import shutil
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -172,6 +172,17 @@ class _Bag:
                     self.send(topic, self.make("WrenchStamped", header=self.header(_WORLD), wrench=wrench))
 
 
+def _urdf_of(dataset: _core.Dataset | None, urdf: str | PathLike[str] | None) -> Callable[[str], str | None]:
+    """The URDF of the arm in a scene: this file, else what the data set was made from."""
+    if urdf is not None:
+        text = Path(urdf).read_text(encoding="utf-8")
+        return lambda scene: text
+    if dataset is None:
+        return lambda scene: None
+    arms = [{Path(file["name"]).suffix: file["text"] for file in arm["files"]} for arm in dataset.provenance["arms"]]
+    return {scene["name"]: arms[scene["arm"]].get(".urdf") for scene in dataset.provenance["scenes"]}.get
+
+
 def export(
     reaches: _core.Reach | _core.Dataset | Iterable[_core.Reach],
     path: str | PathLike[str],
@@ -189,7 +200,8 @@ def export(
         For a single reach, the folder of the bag. Otherwise a folder in which each reach gets a bag ``reach-000000``,
         ``reach-000001``, ….
     urdf : path, optional
-        The URDF of the arm. It is copied into each bag as ``robot.urdf`` and sent on ``/robot_description``.
+        The URDF of the arm. It is copied into each bag as ``robot.urdf`` and sent on ``/robot_description``. A data set
+        holds the URDF of its arm, and needs this only for another one.
     force : bool
         Remove a bag that exists. Folders that are no bags are never removed.
 
@@ -198,15 +210,22 @@ def export(
     InputError
         If the folder exists, and ``force`` is not set or it is no bag.
     """
-    path = Path(path)
-    text = None if urdf is None else Path(urdf).read_text(encoding="utf-8")
+    dataset = reaches if isinstance(reaches, _core.Dataset) else None
+    _export_with(_urdf_of(dataset, urdf), reaches, Path(path), force)
+
+
+def _export_with(
+    urdf_of: Callable[[str], str | None], reaches: _core.Reach | _core.Dataset | Iterable[_core.Reach], path: Path, force: bool
+) -> None:
+    """Writes the bags of reaches with the URDF of each scene."""
     if not isinstance(reaches, _core.Reach):
         path.mkdir(parents=True, exist_ok=True)
         for number, reach in enumerate(_export.each(reaches)):
-            export(reach, path / f"reach-{number:06}", urdf=urdf, force=force)
+            _export_with(urdf_of, reach, path / f"reach-{number:06}", force)
         return
+    text = urdf_of(reaches.scene)
     if path.exists() and not (force and (path / "metadata.yaml").exists()):
-        remedy = "choose another name" if force else "choose another name, or use force=True (--force) if it is a bag"
+        remedy = "choose another name" if force else "choose another name, or overwrite it with --force if it is a bag"
         raise InputError(f"{path}: exists already; {remedy}", file=str(path))
     path.parent.mkdir(parents=True, exist_ok=True)
     whole = path.with_name(f".{path.name}.part")
@@ -234,12 +253,14 @@ def main(arguments: list[str] | None = None) -> int:
     commands = parser.add_subparsers(dest="command", required=True)
     out = "folder of the bag; for several reaches the folder, with one bag reach-000000, ... for each"
     own = _export.export_parser(commands, "write reaches as bags of ROS 2", out)
-    own.add_argument("--urdf", type=Path, help="URDF of the arm, for /robot_description")
+    own.add_argument("--urdf", type=Path, help="URDF of the arm, for /robot_description [default: of a data set, that of its arm]")
     options = parser.parse_args(arguments)
 
     def run() -> None:
         count, reaches = _export.reaches_in(options.data, options.out)
-        export(next(reaches) if count == 1 else reaches, options.out, urdf=options.urdf, force=options.force)
+        is_set = len(options.data) == 1 and options.data[0].is_dir()
+        urdf_of = _urdf_of(_core.Dataset(options.data[0]) if is_set else None, options.urdf)
+        _export_with(urdf_of, next(reaches) if count == 1 else reaches, options.out, options.force)
 
     return _export.status(run)
 

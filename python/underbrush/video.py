@@ -296,7 +296,8 @@ def lerobot(
     if fps < 1 or info["fps"] % fps:
         allowed = ", ".join(str(rate) for rate in range(1, int(info["fps"]) + 1) if info["fps"] % rate == 0)
         raise _fault("fps", fps, allowed, "choose a divisor of the data set's rate")
-    _core._check_free(out, False)
+    if out.exists():
+        raise _fault("out", f"{out}, which exists already", "a new folder", "choose another name")
     every = int(info["fps"]) // fps
     folder = out.with_name(f".{out.name}.{os.getpid()}")
     (folder / "meta" / "episodes" / "chunk-000").mkdir(parents=True)
