@@ -130,11 +130,12 @@ fn contacts_get_the_limits_of_their_verdicts() {
         same.into_iter().map(|contact| TaxelContact { verdict: None, ..contact }).collect();
     assert!(uncertain == plain && unjudged == usual);
 
-    for (touch, expected) in [(Touch::Category(0), 6.0), (Touch::Category(1), 1.5), (Touch::Unknown, 1.5)] {
+    let limits = [(Touch::Category(0), Some(6.0)), (Touch::Category(1), Some(1.5)), (Touch::Unknown, None)];
+    for (touch, expected) in limits {
         let (_, contacts) = run(Some(&always(touch)));
         assert!(contacts.iter().filter(judged).count() > 100);
         for contact in &contacts {
-            let limit = judged(&contact).then_some(expected);
+            let limit = expected.filter(|_| judged(&contact));
             assert_eq!(contact.allowed_force_n, limit, "{touch:?}, {contact:?}");
         }
     }
