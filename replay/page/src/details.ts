@@ -28,6 +28,11 @@ export class Details {
 
   constructor(readonly box: HTMLElement, readonly seek: (frame: number) => void, readonly selectObject: (object: number) => void) {}
 
+  /** Unfolds the features of a region when a region is shown next. */
+  unfold(): void {
+    this.#featuresOpen = true;
+  }
+
   show(reach: Reach, trials: Trials, state: State): void {
     const parts: Node[] = [];
     if (state.taxel !== null) parts.push(...this.#taxel(reach, trials, state.taxel, state.frame));
@@ -50,8 +55,8 @@ export class Details {
     const lines = pushes.sort((a, b) => b.size - a.size).map(({ object, patch, size, largest }) => {
       const link = element("button", { type: "button", class: "link" }, reach.objectName(object));
       link.addEventListener("click", () => this.selectObject(object));
-      const over = largest > limit ? `, a taxel at ${newtons(largest)} is over the limit` : "";
-      return element("li", {}, link, ` on ${reach.header.patches[patch]!.name}: ${newtons(size)}${over}`);
+      const over = largest > limit ? ` (above the limit of ${limit} N)` : "";
+      return element("li", {}, link, ` on ${reach.header.patches[patch]!.name}: ${newtons(size)}, largest taxel ${newtons(largest)}${over}`);
     });
     const none = element("p", { class: "key" }, "Nothing presses on the skin.");
     return [element("h3", {}, "Pressing now"), lines.length === 0 ? none : element("ul", { class: "contacts" }, ...lines)];

@@ -68,9 +68,9 @@ export function drawLegend(box: HTMLElement, reach: Reach, palette: Palette, col
   // A table of trials has neither true forces nor a hand.
   if (!reach.isTable) {
     const cm = 100 * METRES_PER_NEWTON;
-    const over = limit === null ? "" : "; red if a taxel is above the limit";
+    const over = limit === null ? "" : `; red if one taxel of the contact reads more than the controller's limit of ${limit} N`;
     if (reach.header.map.length > 0) entries.push(text("cages: the controller's map: dark for what is fixed, blue for what is doubtful, green for what gives way"));
-    entries.push(text(`arrows: force on the skin from ${WEAKEST_N} N, ${cm} cm per newton${over}`), text("blue: goal and path of the hand; grid of 10 cm"));
+    entries.push(text(`arrows: force of a whole contact from ${WEAKEST_N} N, ${cm} cm per newton${over}`), text("blue: goal and path of the hand; grid of 10 cm"));
   }
   box.replaceChildren(...entries);
 }

@@ -1,6 +1,7 @@
-// The lists of the page: the reaches, and the contact trials of the reach that is shown, mistakes first.
+// The lists of the page: the reaches, and the mistakes and contact trials of the reach that is shown.
 
 import { element, newtons, seconds } from "./dom.ts";
+import type { Mistake } from "./mistakes.ts";
 import type { Reach } from "./reach.ts";
 import type { Summary } from "./source.ts";
 import { type Column, Table, tabs } from "./table.ts";
@@ -69,15 +70,15 @@ function wrongFrames(trial: Trial): string {
 }
 
 /** A trial with its reach, for the table. */
-export interface TrialRow {
+interface TrialRow {
   trial: Trial;
   reach: Reach;
 }
 
-export function trialTable(name: string, noun: [string, string], choose: (trial: Trial) => void): Table<TrialRow> {
+function trialTable(choose: (trial: Trial) => void): Table<TrialRow> {
   return new Table<TrialRow>(
-    name,
-    noun,
+    "Contact trials",
+    ["contact trial", "contact trials"],
     [
       { title: "start / s", text: ({ trial, reach }) => reach.time[trial.first]!.toFixed(2), value: ({ trial }) => trial.first },
       { title: "taxel", text: ({ trial, reach }) => reach.taxelName(trial.taxel) },
@@ -98,18 +99,51 @@ export function trialTable(name: string, noun: [string, string], choose: (trial:
   );
 }
 
+/** A mistake with its reach, for the table. */
+interface MistakeRow {
+  mistake: Mistake;
+  reach: Reach;
+}
+
+/** Keeps the given order, the worst first, until a column is sorted by. */
+function mistakeTable(choose: (mistake: Mistake) => void): Table<MistakeRow> {
+  const time = (frames: number, reach: Reach) => (frames / reach.header.rate_hz).toFixed(2);
+  return new Table<MistakeRow>(
+    "Mistakes",
+    ["mistake", "mistakes"],
+    [
+      { title: "object", text: ({ mistake, reach }) => reach.objectName(mistake.object) },
+      { title: "taxel", text: ({ mistake, reach }) => reach.taxelName(mistake.taxel), hint: () => "The taxel that feels the most where the longest wrong time begins" },
+      { title: "truth", text: ({ mistake }) => mistake.truth },
+      { title: "verdict", text: ({ mistake }) => mistake.verdict, hint: () => "The verdict for most of the time in contact" },
+      { title: "judged", text: ({ mistake }) => mistake.judgement },
+      { title: "wrong / s", text: ({ mistake, reach }) => time(mistake.wrongFrames, reach), value: ({ mistake }) => mistake.wrongFrames, hint: () => "Time in contact with a wrong verdict" },
+      { title: "contact / s", text: ({ mistake, reach }) => time(mistake.frames, reach), value: ({ mistake }) => mistake.frames, hint: () => "Time in contact with a verdict" },
+      { title: "mean / N", text: ({ mistake }) => mistake.meanForce.toFixed(2), value: ({ mistake }) => mistake.meanForce, hint: () => "Mean sensed force while the verdict is wrong" },
+      { title: "peak / N", text: ({ mistake }) => mistake.peakForce.toFixed(2), value: ({ mistake }) => mistake.peakForce, hint: () => "Largest sensed force while the verdict is wrong" },
+      { title: "longest from / s", text: ({ mistake, reach }) => reach.time[mistake.run.first]!.toFixed(2), value: ({ mistake }) => mistake.run.first, hint: () => "Beginning of the longest wrong time, to which a click leads" },
+    ],
+    [
+      { label: "Truth", all: "all", of: ({ mistake }) => mistake.truth },
+      { label: "Verdict", all: "all", of: ({ mistake }) => mistake.verdict },
+      { label: "Judged", all: "all", of: ({ mistake }) => mistake.judgement },
+    ],
+    ({ mistake }) => choose(mistake),
+  );
+}
+
 export class Lists {
   readonly #reaches: Table<Summary>;
-  readonly #mistakes: Table<TrialRow>;
+  readonly #mistakes: Table<MistakeRow>;
   readonly #trials: Table<TrialRow>;
   readonly #noMistakes = element("p", {});
   readonly open: (id: string) => void;
 
-  constructor(box: HTMLElement, all: Summary[], choose: (reach: Summary) => void, follow: (trial: Trial) => void) {
+  constructor(box: HTMLElement, all: Summary[], choose: (reach: Summary) => void, follow: (trial: Trial) => void, followMistake: (mistake: Mistake) => void) {
     this.#reaches = reachTable(choose);
     this.fill(all);
-    this.#mistakes = trialTable("Mistakes", ["wrong or uncertain trial", "wrong or uncertain trials"], follow);
-    this.#trials = trialTable("Contact trials", ["contact trial", "contact trials"], follow);
+    this.#mistakes = mistakeTable(followMistake);
+    this.#trials = trialTable(follow);
     this.open = tabs(box, [
       { id: "reaches", title: "Reaches", content: this.#reaches.box, opened: () => this.#reaches.refresh() },
       { id: "mistakes", title: "Mistakes", content: element("div", {}, this.#noMistakes, this.#mistakes.box), opened: () => this.#mistakes.refresh() },
@@ -125,16 +159,19 @@ export class Lists {
   load(number: number, reach: Reach, trials: Trials): void {
     this.#reaches.reveal((row) => row.number === number);
     this.#trials.fill(trials.all.map((trial) => ({ trial, reach })));
-    this.#mistakes.fill(trials.mistakes.map((trial) => ({ trial, reach })));
-    const judged = reach.header.verdicts !== null;
-    this.#mistakes.box.hidden = !judged;
-    this.#noMistakes.hidden = judged;
-    this.#noMistakes.textContent = "There are no verdicts. Start “underbrush replay” with --model to see what a model says.";
+    const none = trials.mistakes.length === 0;
+    this.#mistakes.box.hidden = none;
+    this.#noMistakes.hidden = !none;
+    this.#noMistakes.textContent = reach.header.verdicts === null
+      ? "There are no verdicts. Start “underbrush replay” with --model to see what a model says."
+      : "Nothing is judged wrong or uncertain for most of its time in contact.";
+    this.#mistakes.fill(trials.mistakes.map((mistake) => ({ mistake, reach })));
   }
 
-  /** Marks the trial of the selection. */
-  mark(chosen: Trial | null): void {
-    for (const table of [this.#mistakes, this.#trials]) table.mark(({ trial }) => trial === chosen);
+  /** Marks the trial and the mistake of the selection. */
+  mark(chosen: Trial | null, chosenMistake: Mistake | null): void {
+    this.#trials.mark(({ trial }) => trial === chosen);
+    this.#mistakes.mark(({ mistake }) => mistake === chosenMistake);
   }
 }
 

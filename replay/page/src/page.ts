@@ -8,6 +8,7 @@ import { find, newtons, say, seconds } from "./dom.ts";
 import { Header } from "./header.ts";
 import { drawLegend } from "./legend.ts";
 import { describe, Lists } from "./lists.ts";
+import type { Mistake } from "./mistakes.ts";
 import { Opening } from "./opening.ts";
 import { Pace } from "./pace.ts";
 import { type Loaded, Pane } from "./pane.ts";
@@ -20,6 +21,7 @@ import { type State, Store } from "./state.ts";
 import { Strips } from "./strips.ts";
 import { Switches } from "./switches.ts";
 import { Timeline } from "./timeline.ts";
+import { Tour } from "./tour.ts";
 import { type Actions, addTransport } from "./transport.ts";
 
 export class Page {
@@ -34,6 +36,7 @@ export class Page {
   readonly #switches: Switches;
   readonly #address: AddressBar;
   readonly #playback: Playback;
+  readonly #tour: Tour;
   readonly #pace = new Pace();
   /** Loads reaches into the views. */
   readonly opening: Opening;
@@ -60,7 +63,7 @@ export class Page {
     this.#lists = new Lists(find("lists"), all, (row) => open(row.number), (trial) => {
       this.#set({ taxel: trial.taxel, object: trial.object < 0 ? null : trial.object, playing: false });
       seek(trial.first);
-    });
+    }, (mistake) => this.#follow(mistake));
     this.#switches = new Switches((values) => this.#set(values));
     this.#header = new Header(all, {
       open,
@@ -73,7 +76,9 @@ export class Page {
       seek, everything: () => this.#everything(), wake: redraw,
     });
     this.#address = new AddressBar(this.#store.state, reach, (asked) => this.opening.follow(asked));
-    addTransport(this.#actions(seek, open));
+    const actions = this.#actions(seek, open);
+    this.#tour = new Tour(actions);
+    addTransport(actions);
     this.#store.listen((changed) => this.#update(changed));
     this.#followSizes();
     followPrint(() => this.#everything(), () => {
@@ -92,6 +97,12 @@ export class Page {
     this.#wake();
   }
 
+  /** Goes to the beginning of the longest wrong run of a mistake, selects it, and shows why the model said so. */
+  #follow({ taxel, object, run }: Mistake): void {
+    this.#details.unfold();
+    this.#set({ taxel, object: object < 0 ? null : object, playing: false, ...this.#playback.seek(run.first) });
+  }
+
   #actions(seek: (frame: number) => void, open: (number: number) => void): Actions {
     return {
       seek,
@@ -104,6 +115,8 @@ export class Page {
       loaded: () => this.#loaded,
       state: this.#store.state,
       set: (values) => this.#set(values),
+      follow: (mistake) => this.#follow(mistake),
+      endTour: () => this.#tour.end(),
     };
   }
 
@@ -172,6 +185,7 @@ export class Page {
     const { state } = this.#store;
     const { reach, trials, series } = loaded;
     const [palette, anew] = [this.#palette, changed.has("reach")];
+    if (anew) this.#tour.shown(state.reach);
     if (changed.has("beside")) void this.opening.showBeside();
     this.#dirty = true;
     if (anew || changed.has("colour")) drawLegend(find("legend"), reach, palette, state.colour, loaded.largest);
@@ -183,16 +197,17 @@ export class Page {
     this.#pace.decide(state, changed, this.#panes[0].view?.software === true);
     if (!this.#pace.follows) return;
     const time = reach.time[state.frame]!;
-    this.#timeline.show(reach, state.frame);
-    this.#strips.show(time);
+    const mistake = trials.mistakeAt(state);
+    this.#timeline.show(reach, state.frame, mistake?.run ?? null);
+    this.#strips.show(reach, state.frame, mistake?.run ?? null);
     this.#plots.show(state.frame);
     if (this.#pace.describes) {
       this.#details.show(reach, trials, state);
       const trial = state.taxel === null ? null : trials.at(state.taxel, state.frame);
-      this.#lists.mark(trial);
+      this.#lists.mark(trial, mistake);
       document.body.dataset["trial"] = trial === null ? "" : describe(trial, reach);
     }
-    say(find("clock"), `${seconds(time)} of ${seconds(reach.duration)} · frame ${state.frame} · ${newtons(series.largest[state.frame]!)}`);
+    say(find("clock"), `${seconds(time)} of ${seconds(reach.duration)} · frame ${state.frame} · largest taxel ${newtons(series.largest[state.frame]!)}`);
     say(find("play"), state.playing ? "Pause" : "Play");
     this.#switches.show(state);
     find<HTMLSelectElement>("rate").value = String(state.rate);

@@ -86,7 +86,8 @@ class Plot {
       },
       axes: [{ ...axis, show: last, size: AXIS, values: (_, ticks) => ticks.map((tick) => `${tick} s`) }, { ...axis, size: LEFT, gap: 6 }],
       series: [{}, ...series],
-      hooks: { setCursor: [(plot) => this.#say(plot.cursor.idx ?? this.#frame)] },
+      // A new plot has no scales, and so no place for the line at the current time, before it is ready.
+      hooks: { ready: [() => this.show(this.#frame)], setCursor: [(plot) => this.#say(plot.cursor.idx ?? this.#frame)] },
     };
     this.#plot = new uPlot(options, [data.time, ...columns] as unknown as uPlot.AlignedData, this.#place);
     this.#plot.over.append(this.#head);
@@ -94,7 +95,6 @@ class Plot {
     this.#plot.over.addEventListener("pointerdown", drag);
     this.#plot.over.addEventListener("pointermove", drag);
     this.#place.setAttribute("aria-label", summary(data));
-    this.show(this.#frame);
   }
 
   show(frame: number): void {

@@ -3,7 +3,9 @@
 import { LEFT, TimeAxis } from "./axis.ts";
 import { drawMark, look, type Palette } from "./colours.ts";
 import { element, prepare, say, seconds } from "./dom.ts";
+import type { Run } from "./mistakes.ts";
 import type { Reach } from "./reach.ts";
+import { Shade } from "./shade.ts";
 import type { Trials } from "./trials.ts";
 
 const EXPLAINED: Record<string, string> = {
@@ -28,19 +30,21 @@ export class Strips {
   readonly #canvas = element("canvas", { role: "img", class: "strips" });
   readonly #key = element("p", { class: "key" });
   readonly #head = element("div", { class: "playhead" });
+  readonly #shade = new Shade();
   #axis = new TimeAxis(1, 1);
 
   constructor(readonly box: HTMLElement, seek: (time: number) => void) {
     box.classList.add("timed");
-    box.append(element("h3", {}, "What touches the skin"), element("div", { class: "timed" }, this.#canvas, this.#head), this.#key);
+    box.append(element("h3", {}, "What touches the skin"), element("div", { class: "timed" }, this.#canvas, this.#shade.box, this.#head), this.#key);
     const drag = (event: PointerEvent) => event.buttons === 1 && seek(this.#axis.time(event.offsetX));
     this.#canvas.addEventListener("pointerdown", drag);
     this.#canvas.addEventListener("pointermove", drag);
   }
 
-  /** Moves the line at the current time. */
-  show(time: number): void {
-    this.#head.style.transform = `translateX(${this.#axis.x(time)}px)`;
+  /** Moves the line at the current time and shades the run of the chosen mistake. */
+  show(reach: Reach, frame: number, run: Run | null): void {
+    this.#head.style.transform = `translateX(${this.#axis.x(reach.time[frame]!)}px)`;
+    this.#shade.show(this.#axis, reach, run);
   }
 
   #strips(reach: Reach, trials: Trials, taxel: number | null): Strip[] {

@@ -3,7 +3,9 @@
 import { LEFT, RIGHT, TimeAxis } from "./axis.ts";
 import { drawMark, look, type Palette } from "./colours.ts";
 import { element, plural, prepare, say, seconds } from "./dom.ts";
+import type { Run } from "./mistakes.ts";
 import type { Reach } from "./reach.ts";
+import { Shade } from "./shade.ts";
 import type { Trials } from "./trials.ts";
 
 const ROW = 17;
@@ -11,6 +13,8 @@ const ROW = 17;
 export class Timeline {
   readonly input: HTMLInputElement;
   readonly #canvas = element("canvas", { role: "img" });
+  readonly #shade = new Shade();
+  #axis = new TimeAxis(1, 1);
 
   constructor(readonly box: HTMLElement, readonly key: HTMLElement, seek: (frame: number) => void) {
     this.input = element("input", { type: "range", min: 0, max: 0, step: 1, value: 0, "aria-label": "Time in the reach", class: "scrubber" });
@@ -18,21 +22,22 @@ export class Timeline {
     // The thumb is 14 px wide and its middle must stand at the time.
     this.input.style.marginLeft = `${LEFT - 7}px`;
     this.input.style.width = `calc(100% - ${LEFT + RIGHT - 14}px)`;
-    box.append(this.#canvas, this.input);
+    box.append(element("div", { class: "timed" }, this.#canvas, this.#shade.box), this.input);
   }
 
   load(reach: Reach): void {
     this.input.max = String(reach.frames - 1);
   }
 
-  show(reach: Reach, frame: number): void {
+  show(reach: Reach, frame: number, run: Run | null): void {
+    this.#shade.show(this.#axis, reach, run);
     this.input.value = String(frame);
     this.input.setAttribute("aria-valuetext", `${seconds(reach.time[frame]!)}, frame ${frame} of ${reach.frames}`);
   }
 
   /** Draws the marks. They do not depend on the frame. */
   draw(reach: Reach, trials: Trials, palette: Palette): void {
-    const axis = new TimeAxis(this.box.clientWidth, reach.duration);
+    const axis = (this.#axis = new TimeAxis(this.box.clientWidth, reach.duration));
     const { goals, contacts, verdicts } = reach.header;
     const rows = verdicts === null ? 2 : 3;
     const context = prepare(this.#canvas, axis.width, rows * ROW + 2);
@@ -75,18 +80,18 @@ export class Timeline {
     context.globalAlpha = 1;
     if (verdicts !== null) {
       const places = new Set<number>();
-      for (const trial of trials.mistakes) {
-        const x = Math.round(axis.x(reach.time[trial.first]!));
+      for (const { run, judgement } of trials.mistakes) {
+        const x = Math.round(axis.x(reach.time[run.first]!));
         if (places.has(Math.round(x / 4))) continue;
         places.add(Math.round(x / 4));
         context.fillStyle = context.strokeStyle = palette.variable("over");
-        drawMark(context, look(trial.judgement === "wrong" ? "outlier" : "uncertain").mark, x, 2.5 * ROW, 4);
+        drawMark(context, look(judgement === "wrong" ? "outlier" : "uncertain").mark, x, 2.5 * ROW, 4);
       }
     }
-    const mistakes = verdicts === null ? "" : `, ${plural(trials.mistakes.length, "wrong or uncertain trial")}`;
+    const mistakes = verdicts === null ? "" : `, ${plural(trials.mistakes.length, "mistake")}`;
     this.#canvas.setAttribute("aria-label", `${plural(goals.length, "goal")}, ${plural(contacts.length, "contact")}${mistakes}`);
     const order = reach.categories.length > 1 ? `The playback bar shows contacts from top to bottom with ${reach.categories.join(", ")}.` : "";
-    const crosses = verdicts === null ? "" : "Mistakes are marked where the trial begins: × wrong, ○ uncertain.";
+    const crosses = verdicts === null ? "" : "A mistake is marked where its longest wrong time begins: × wrong, ○ uncertain. That time is shaded for the chosen one.";
     say(this.key, `${order} ${crosses}`.trim());
   }
 }

@@ -1,6 +1,7 @@
 // Play, steps, rates, jumps and their keys.
 
 import { button, element, find } from "./dom.ts";
+import type { Mistake } from "./mistakes.ts";
 import type { Loaded } from "./pane.ts";
 import { CAMERAS, COLOURS, RATES, type State } from "./state.ts";
 
@@ -13,17 +14,26 @@ export interface Actions {
   loaded(): Loaded | null;
   state: Readonly<State>;
   set(values: Partial<State>): void;
+  follow(mistake: Mistake): void;
+  /** Ends the tour, and says whether there was one. */
+  endTour(): boolean;
 }
 
 type Jump = "contact" | "mistake" | "peak" | "goal";
 
+interface Target {
+  frame: number;
+  taxel: number | null;
+  mistake?: Mistake;
+}
+
 /** The frames that a jump can go to, in order. */
-function targets(loaded: Loaded, jump: Jump): { frame: number; taxel: number | null }[] {
+function targets(loaded: Loaded, jump: Jump): Target[] {
   const { reach, trials } = loaded;
   const plain = (frame: number) => ({ frame, taxel: null });
   if (jump === "contact") return [...new Set(reach.header.contacts.map((contact) => contact.first_frame))].sort((a, b) => a - b).map(plain);
   if (jump === "goal") return reach.header.goals.map((goal) => plain(reach.frameAt(goal.start_time_s)));
-  if (jump === "mistake") return trials.mistakes.map((trial) => ({ frame: trial.first, taxel: trial.taxel }));
+  if (jump === "mistake") return trials.mistakes.map((mistake) => ({ frame: mistake.run.first, taxel: mistake.taxel, mistake })).sort((a, b) => a.frame - b.frame);
   const peaks = trials.all.filter((trial) => trial.peak > 0.5 * loaded.largest);
   const best = loaded.series.largest.reduce((most, force, frame, all) => (force > all[most]! ? frame : most), 0);
   return [...peaks.map((trial) => ({ frame: trial.peakFrame, taxel: trial.taxel })), plain(best)].sort((a, b) => a.frame - b.frame);
@@ -36,6 +46,7 @@ function go(actions: Actions, jump: Jump, forward: boolean): void {
   const all = targets(loaded, jump);
   const next = forward ? all.find((target) => target.frame > frame) : all.findLast((target) => target.frame < frame);
   if (next === undefined) return;
+  if (next.mistake !== undefined) return actions.follow(next.mistake);
   actions.set({ playing: false });
   if (next.taxel !== null) actions.set({ taxel: next.taxel });
   actions.seek(next.frame);
@@ -66,7 +77,7 @@ const KEYS: Key[] = [
   { keys: ["v", "V"], shown: "V", text: "next view: whole, hand, top, side", act: (actions) => view(actions) },
   { keys: ["["], shown: "[ ]", text: "previous or next reach", act: (actions) => actions.reach(-1) },
   { keys: ["]"], shown: "", text: "", act: (actions) => actions.reach(1) },
-  { keys: ["Escape"], shown: "Esc", text: "select nothing", act: (actions) => actions.set({ taxel: null, object: null }) },
+  { keys: ["Escape"], shown: "Esc", text: "end the tour, or select nothing", act: (actions) => actions.endTour() || actions.set({ taxel: null, object: null }) },
   { keys: ["?"], shown: "?", text: "this list", act: () => find<HTMLDialogElement>("help").showModal() },
 ];
 

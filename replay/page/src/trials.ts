@@ -1,7 +1,9 @@
 // Contact trials of a reach: what one taxel felt from the beginning of a contact to its end, and what the model said.
 
 import { judge, type Judgement } from "./judgement.ts";
+import { type Mistake, mistakesOf } from "./mistakes.ts";
 import { type Reach, search } from "./reach.ts";
+import type { State } from "./state.ts";
 
 export interface Trial {
   index: number;
@@ -76,6 +78,8 @@ function touchRegions({ data, header }: Reach): TouchRegions | null {
 /** The trials of a reach and the verdicts on them. */
 export class Trials {
   readonly all: Trial[];
+  /** The worst first. */
+  readonly mistakes: Mistake[];
   readonly verdictStart: Uint32Array | null;
   readonly verdictTaxel: Uint32Array;
   readonly verdictCode: Uint8Array;
@@ -106,6 +110,7 @@ export class Trials {
       else others.push(trial);
     }
     this.all.sort((a, b) => a.first - b.first || a.taxel - b.taxel);
+    this.mistakes = mistakesOf(this);
   }
 
   #read(): Trial[] {
@@ -173,8 +178,9 @@ export class Trials {
     return this.of(taxel).find((trial) => trial.first <= frame && frame <= trial.last) ?? null;
   }
 
-  /** The trials that end with a wrong verdict, or with none that decides. */
-  get mistakes(): Trial[] {
-    return this.all.filter((trial) => trial.judgement === "wrong" || trial.judgement === "uncertain");
+  /** The mistake on the chosen object, or on the trial that is open on the chosen taxel. */
+  mistakeAt({ taxel, object, frame }: Pick<State, "taxel" | "object" | "frame">): Mistake | null {
+    const trial = taxel === null ? null : this.at(taxel, frame);
+    return this.mistakes.find((mistake) => (mistake.trial === null ? mistake.object === object : mistake.trial === trial)) ?? null;
   }
 }

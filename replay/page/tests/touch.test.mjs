@@ -90,9 +90,8 @@ test("a chosen taxel shows probabilities and its region", async () => {
   await finish(page);
 });
 
-/** Pins that the list of mistakes of a touch model leads to a reading on which it is wrong or uncertain, and that a spurious
- * reading that it calls nothing is no mistake. */
-test("mistakes of a touch model are listed", async () => {
+/** Pins how the trials of a touch model are judged: a spurious reading that it calls nothing is right. */
+test("trials are judged by what a touch model can say", async () => {
   const page = await start(`#reach=${SCENES.indexOf("outlier")}`);
   const trials = await page.evaluate(() => window.underbrushReplay.loaded().trials.all.map(({ truth, verdict, judgement }) => ({ truth, verdict, judgement })));
   for (const { truth, verdict, judgement } of trials.filter(({ verdict }) => verdict !== null)) {
@@ -101,12 +100,5 @@ test("mistakes of a touch model are listed", async () => {
     assert.equal(judgement, expected, `${truth} called ${verdict}`);
   }
   assert.ok(trials.some(({ truth, judgement }) => truth === "spurious" && judgement === "right"));
-  const mistakes = trials.filter(({ judgement }) => judgement === "wrong" || judgement === "uncertain").length;
-  assert.ok(mistakes > 0);
-  await page.locator("#tab-mistakes").click();
-  assert.match(await page.locator("#panel-mistakes [role=status]").textContent(), new RegExp(`^${mistakes} wrong or uncertain trial`));
-  await page.locator("#panel-mistakes tbody tr").first().click();
-  await settle(page);
-  assert.match(await page.locator("#details").textContent(), /verdict of the trial.*(wrong|uncertain)/);
   await finish(page);
 });

@@ -63,7 +63,7 @@ export class Arrows extends Group {
       (arrow.group.children[1] as Mesh).position.y = length;
       if (!texts && !appeared) return;
       arrow.label.classList.toggle("over", over);
-      say(arrow.label, over ? `${newtons(force)} over` : newtons(force));
+      say(arrow.label, newtons(force));
     });
   }
 
