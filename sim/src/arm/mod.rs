@@ -63,6 +63,8 @@ pub struct Arm {
     pub end_effector_pose_link: Pose,
     /// Coefficient of friction of its surface.
     pub friction: f64,
+    /// How fast the controller `mapped` pushes on where its way ends before the goal, 1/s.
+    pub push_per_s: f64,
     /// Pairs of links that pass through each other instead of colliding, the one nearer to the base first, indices in
     /// [`Arm::links`].
     pub passing_links: Vec<[usize; 2]>,

@@ -48,11 +48,10 @@ mod turning;
 const LEAD_RAD: f64 = 0.175;
 /// An arm that is behind by less than this does not go back, rad.
 const BEHIND_RAD: f64 = 0.035;
-/// Largest offset of the equilibrium angles that is added to push on, rad, and how fast it grows, 1/s: on the way, where the arm
-/// is to stay soft, and at its end, where what is left of the way is short.
+/// Largest offset of the equilibrium angles that is added to push on, rad, and how fast it grows on the way, where the arm is to
+/// stay soft, 1/s. At the end of the way the arm says how fast.
 const PUSH_RAD: f64 = 0.21;
 const PUSH_PER_S: f64 = 1.0;
-const PUSH_AT_END_PER_S: f64 = 8.0;
 /// An offset that grows by more than this in a control step still gains, rad.
 const GAIN_RAD: f64 = 0.001;
 /// Bound on |φ − q|, rad: that of `cody-2013`.
@@ -211,7 +210,7 @@ impl Mapped {
         // At the end of the way it only matters where the end effector is.
         let at_goal = if is_at_end { self.arm.posture_at(own.goal, q) } else { None };
         let planned = at_goal.unwrap_or_else(|| own.path.at(own.at_steps));
-        let push_per_s = if is_at_end { PUSH_AT_END_PER_S } else { PUSH_PER_S };
+        let push_per_s = if is_at_end { self.arm.push_per_s } else { PUSH_PER_S };
         let mut angles = Vec::with_capacity(q.len());
         for (joint, planned) in planned.iter().enumerate() {
             let push = &mut own.push_rad[joint];
