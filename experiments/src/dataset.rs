@@ -164,8 +164,8 @@ impl Campaign {
         Ok(self.plan(&self.plans()?, &self.jobs())?.provenance == *dataset.provenance())
     }
 
-    /// How many goals of a sample of its reaches have a way at all, how many goals these reaches have, and how many reaches they
-    /// are ([`ReachPlan::ways`]). A reach takes about a tenth of the time in which it is simulated.
+    /// Goals that have a way ([`ReachPlan::ways`]), all goals, and reaches, of a sample of its reaches. Checking a reach takes about
+    /// a tenth of the time that simulating it takes.
     pub fn goals_with_a_way(&self) -> Result<[usize; 3], Fault> {
         let plans = self.plans()?;
         let jobs = self.jobs();

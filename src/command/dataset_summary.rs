@@ -21,8 +21,7 @@ pub(super) struct Summary {
     simulated_s: f64,
     /// Wall time for making the set, s; `None` if the set was already finished, or was merged.
     wall_s: Option<f64>,
-    /// How many goals of some reaches have a way at all, how many goals these reaches have, and how many reaches they are; `None`
-    /// for a set that was not simulated just now.
+    /// Goals that have a way, all goals, and reaches, of a sample of the reaches; `None` for a set that was not simulated just now.
     pub(super) goals_with_a_way: Option<[usize; 3]>,
     #[serde(flatten)]
     ends: Ends,

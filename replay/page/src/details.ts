@@ -4,7 +4,8 @@ import { element, newtons, plural, seconds } from "./dom.ts";
 import type { Reach } from "./reach.ts";
 import { pushesAt } from "./series.ts";
 import type { State } from "./state.ts";
-import type { Trial, Trials } from "./trials.ts";
+import type { Trial } from "./trial.ts";
+import type { Trials } from "./trials.ts";
 
 type Row = [string, string | Node];
 

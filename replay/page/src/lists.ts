@@ -5,7 +5,8 @@ import type { Mistake } from "./mistakes.ts";
 import type { Reach } from "./reach.ts";
 import type { Summary } from "./source.ts";
 import { type Column, Table, tabs } from "./table.ts";
-import type { Trial, Trials } from "./trials.ts";
+import type { Trial } from "./trial.ts";
+import type { Trials } from "./trials.ts";
 
 /** The number of goals; 0 for a robot's log, of which nobody knows what the robot was to do. */
 export function goalCount({ goal_outcomes: { reached, stuck, timed_out, aborted } }: Pick<Summary, "goal_outcomes">): number {

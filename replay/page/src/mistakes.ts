@@ -2,8 +2,15 @@
 // objects. A classifier of trials judges the contacts of single taxels, so its mistakes are those of trials.
 
 import { judge, type Judgement } from "./judgement.ts";
-import type { VerdictHeader } from "./reach.ts";
-import type { Trial, Trials } from "./trials.ts";
+import type { Reach, VerdictHeader } from "./reach.ts";
+import type { Trial, VerdictRow } from "./trial.ts";
+
+/** The trials of a reach, and the verdict on a taxel in a frame. */
+interface Trials {
+  readonly reach: Reach;
+  readonly all: Trial[];
+  verdict(taxel: number, frame: number): VerdictRow | null;
+}
 
 /** Frames that follow one another, both ends included. */
 export interface Run {
