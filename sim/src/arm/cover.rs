@@ -19,7 +19,7 @@ use crate::geometry::PlacedShape;
 pub struct NewPatch {
     /// Its name.
     pub name: String,
-    /// The moving link, or base, that it covers.
+    /// The moving link, or base, that it covers, or a link that is rigidly joined to it.
     pub link: String,
     /// Distance between neighbouring taxels, m.
     pub pitch_m: f64,
@@ -79,6 +79,7 @@ pub fn cover(arm_file: &Path, new: &NewPatch) -> Result<Covered, InputError> {
     let (Some(link), true) = (link, faults.is_empty()) else {
         return Err(refused(faults.join("; "), "a patch that fits the arm", "change the options"));
     };
+    let new = &NewPatch { link: arm.links[link].name.clone(), ..new.clone() };
     let (table, left_out) = match arm.links[link].colliders.as_slice() {
         [only] if round(only).is_some() => grid(&arm, link, only, new),
         _ => points(&arm, link, new),
@@ -103,12 +104,12 @@ pub fn cover(arm_file: &Path, new: &NewPatch) -> Result<Covered, InputError> {
 /// What is wrong with the options, all of it, and the link.
 fn faults(arm: &Arm, new: &NewPatch) -> (Vec<String>, Option<usize>) {
     let mut faults = Vec::new();
-    let link = arm.link_index(&new.link);
+    let link = arm.links.iter().position(|link| link.name == new.link || link.joined.contains(&new.link));
     match link.map(|link| &arm.links[link]) {
         None => {
-            let names: Vec<&str> = arm.links.iter().map(|link| link.name.as_str()).collect();
-            let names = names.join(", ");
-            faults.push(format!("no link {:?}; links that move as one go by the first: {names}", new.link));
+            let names = arm.links.iter().flat_map(|link| std::iter::once(&link.name).chain(&link.joined));
+            let names: Vec<&str> = names.map(String::as_str).collect();
+            faults.push(format!("no link {:?}; there are {}", new.link, names.join(", ")));
         }
         Some(link) if link.colliders.is_empty() => faults.push(format!("link {} has no collision shape", link.name)),
         Some(link) => {

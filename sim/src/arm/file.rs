@@ -34,11 +34,6 @@ pub(super) struct ArmFile {
     /// Coefficient of friction of the arm's surface, with or without skin.
     #[schemars(transform = Within(limits::FRICTION))]
     friction: f64,
-    /// How fast the controller `mapped` pushes on where its way ends before the goal: how fast the offset of an equilibrium angle
-    /// grows, as a share of the angle that is missing.
-    #[serde(default = "push_per_s")]
-    #[schemars(transform = Within(limits::PUSH_PER_S))]
-    push_per_s: f64,
     /// One table for each moving joint of the chain.
     #[schemars(with = "Vec<JointTable>", length(min = 1))]
     joint: Vec<Spanned<JointTable>>,
@@ -59,11 +54,6 @@ pub(super) struct ArmFile {
     #[serde(default)]
     #[schemars(with = "Vec<InertiaTable>")]
     inertia: Vec<Spanned<InertiaTable>>,
-}
-
-/// As on the way. Faster, the Panda of docs/arms presses with more than 100 N in 19 of 40 reaches.
-fn push_per_s() -> f64 {
-    1.0
 }
 
 /// A joint: a spring and a damper about an equilibrium angle, which the controller moves.
@@ -146,7 +136,6 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
     let urdf = open(&folder.join(&file.urdf))?;
     let mut chain = read_held_chain(&source, &file, &urdf)?;
     source.check(0, "friction", file.friction, limits::FRICTION)?;
-    source.check(0, "push_per_s", file.push_per_s, limits::PUSH_PER_S)?;
     for hull in &file.hull {
         add_hull(&source, hull, &mut chain)?;
     }
@@ -169,7 +158,6 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
         end_effector_link,
         end_effector_pose_link,
         friction: file.friction,
-        push_per_s: file.push_per_s,
         passing_links: named,
         skin,
     };

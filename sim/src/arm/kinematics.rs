@@ -68,6 +68,19 @@ impl Arm {
         sum
     }
 
+    /// The rate at which the joints' damping D slows their slowest motion in a posture, 1/s: the smallest eigenvalue of
+    /// M⁻¹ D. Zero if a motion is not damped.
+    pub fn damping_rate_per_s(&self, posture_rad: &[f64]) -> f64 {
+        let damping = self.joints.iter().map(|joint| joint.damping_nm_s_per_rad);
+        let mut rates = DMatrix::from_diagonal(&DVector::from_iterator(self.joints.len(), damping));
+        // M = L Lᵀ, and L⁻¹ D L⁻ᵀ has the same eigenvalues.
+        let Some(root) = self.mass_matrix(&self.forward_kinematics(posture_rad)).cholesky() else { return 0.0 };
+        root.l_dirty().solve_lower_triangular_mut(&mut rates);
+        rates.transpose_mut();
+        root.l_dirty().solve_lower_triangular_mut(&mut rates);
+        rates.symmetric_eigenvalues().min()
+    }
+
     fn jacobian(&self, link_poses: &[Pose], link: usize, column: impl Fn(DVec3, DVec3) -> DVec3) -> Matrix3xX<f64> {
         let mut jacobian = Matrix3xX::zeros(self.joints.len());
         for ((joint, pose), mut entries) in

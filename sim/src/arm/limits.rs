@@ -6,9 +6,6 @@ pub(crate) use underbrush_recording::limits::SHARE;
 /// Coefficient of friction: rubber on a rough surface reaches 1 to 1.5.
 pub(crate) const FRICTION: Limits = Limits::new(0.0, 2.0, "");
 
-/// Pushing on, 1/s: from not at all to faster than a control step.
-pub(super) const PUSH_PER_S: Limits = Limits::new(0.0, 10.0, "1/s");
-
 /// Stiffness of a joint: from a finger's tendon to a drive with stiff position control.
 pub(super) const STIFFNESS_NM_PER_RAD: Limits = Limits::new(1e-3, 1e5, "Nm/rad");
 

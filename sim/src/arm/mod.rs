@@ -63,8 +63,6 @@ pub struct Arm {
     pub end_effector_pose_link: Pose,
     /// Coefficient of friction of its surface.
     pub friction: f64,
-    /// How fast the controller `mapped` pushes on where its way ends before the goal, 1/s.
-    pub push_per_s: f64,
     /// Pairs of links that pass through each other instead of colliding, the one nearer to the base first, indices in
     /// [`Arm::links`].
     pub passing_links: Vec<[usize; 2]>,
@@ -88,6 +86,8 @@ pub struct ArmSource {
 pub struct Link {
     /// Name in the URDF; for rigidly joined links, the name of the one closest to the base.
     pub name: String,
+    /// The names of the links that are rigidly joined to that one.
+    pub joined: Vec<String>,
     /// Mass, kg; 0 for a base without inertia.
     pub mass_kg: f64,
     /// Centre of mass, m, link frame.

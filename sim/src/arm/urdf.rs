@@ -364,7 +364,8 @@ impl<'a> Reader<'a> {
             let outer = DMat3::from_cols(r * r.x, r * r.y, r * r.z);
             inertia_link += *inertia + (DMat3::IDENTITY * r.length_squared() - outer) * *mass;
         }
-        Ok(Link { name: name.to_string(), mass_kg, center_of_mass_link, inertia_link, colliders })
+        let joined = frames.iter().skip(1).map(|(name, _)| (*name).to_owned()).collect();
+        Ok(Link { name: name.to_string(), joined, mass_kg, center_of_mass_link, inertia_link, colliders })
     }
 
     /// The inertia about the centre of mass, rotated by `rotation`.

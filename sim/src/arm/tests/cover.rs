@@ -10,10 +10,11 @@ use underbrush_recording::InputError;
 /// Writes an arm of one joint whose link has these collision shapes, m.
 fn arm_with(folder: &Path, shapes: &str) -> PathBuf {
     let urdf = format!(
-        "<robot name=\"rod\"><link name=\"base\"/><link name=\"rod\"><inertial><mass value=\"1\"/>\
+        "<robot name=\"rod\"><link name=\"base\"/><link name=\"tip\"/><link name=\"rod\"><inertial><mass value=\"1\"/>\
          <inertia ixx=\"1\" ixy=\"0\" ixz=\"0\" iyy=\"1\" iyz=\"0\" izz=\"1\"/></inertial>{shapes}</link>\
          <joint name=\"hinge\" type=\"revolute\"><parent link=\"base\"/><child link=\"rod\"/><axis xyz=\"0 0 1\"/>\
-         <limit lower=\"-1\" upper=\"1\" effort=\"10\" velocity=\"1\"/></joint></robot>"
+         <limit lower=\"-1\" upper=\"1\" effort=\"10\" velocity=\"1\"/></joint>\
+         <joint name=\"end\" type=\"fixed\"><parent link=\"rod\"/><child link=\"tip\"/></joint></robot>"
     );
     let arm = "name = \"rod\"\nurdf = \"rod.urdf\"\nskin = \"rod.skin.toml\"\nbase_link = \"base\"\ntip_link = \"rod\"\n\
                friction = 0.3\n[[joint]]\nname = \"hinge\"\nstiffness_nm_per_rad = 10.0\ndamping_nm_s_per_rad = 1.0\n\
@@ -53,6 +54,15 @@ fn a_cylinder_gets_a_grid() {
         assert!(normal.abs_diff_eq((place / 0.025).with_z(0.0), 1e-6), "{normal}");
     }
     assert_eq!(covered.arm.skin_doubts(), [""; 0]);
+}
+
+/// Tests that a link that is rigidly joined to another stands for both.
+#[test]
+fn a_joined_link_stands_for_the_first() {
+    let of =
+        |name: &str| covered(&shape("sphere radius=\"0.025\"", "0 0 0.3"), |new| new.link = name.into()).unwrap().text;
+    assert_eq!(of("tip"), of("rod"));
+    assert!(of("tip").contains("link = \"rod\""));
 }
 
 /// Tests that a ball gets taxels all over: on its surface, facing out, at least 0.9 pitches apart, no place farther than one

@@ -144,18 +144,19 @@ impl Obstacle {
         (self.mean_m - before).norm()
     }
 
-    /// The obstacle as a planner sees it. It stands on the ground; its top is at `top_m`, world frame, unless it is seen
-    /// as low or known.
+    /// The obstacle as a planner sees it. It stands on the ground; its top is at `top_m`, world frame, or a little above
+    /// the highest touch if that is higher, unless it is seen as low or known.
     pub fn capsule(&self, caution: Caution, top_m: f64) -> Capsule {
         let thinner_m = match caution.is_thin && !self.is_known {
             true => self.covariance_m2.diagonal().max().sqrt(),
             false => 0.0,
         };
         let radius_m = (self.radius_m() - thinner_m).max(RADII_M[0]);
+        let least_m = self.touched_height_m + ABOVE_TOUCH_M;
         let top_m = match (self.is_known, caution.is_low) {
             (true, _) => self.touched_height_m,
-            (false, true) => top_m.min(self.touched_height_m + ABOVE_TOUCH_M),
-            (false, false) => top_m,
+            (false, true) => least_m,
+            (false, false) => top_m.max(least_m),
         };
         let at = |height_m: f64| DVec3::new(self.mean_m.x, self.mean_m.y, height_m);
         Capsule { start: at(top_m - DEPTH_M), end: at(top_m - radius_m), radius_m }

@@ -49,9 +49,13 @@ const LEAD_RAD: f64 = 0.175;
 /// An arm that is behind by less than this does not go back, rad.
 const BEHIND_RAD: f64 = 0.035;
 /// Largest offset of the equilibrium angles that is added to push on, rad, and how fast it grows on the way, where the arm is to
-/// stay soft, 1/s. At the end of the way the arm says how fast.
+/// stay soft, 1/s. At the end of the way its damping says how fast.
 const PUSH_RAD: f64 = 0.21;
 const PUSH_PER_S: f64 = 1.0;
+/// How fast the offset grows at most, as a share of the rate at which damping slows the slowest motion of the joints. An
+/// integrator makes the joints swing without end above that rate (Routh's criterion for M q̈ + D q̇ + K (q − φ) = 0 with
+/// φ̇ = rate (target − q)). Choice: a gain margin of 2.
+const PUSH_SHARE: f64 = 0.5;
 /// An offset that grows by more than this in a control step still gains, rad.
 const GAIN_RAD: f64 = 0.001;
 /// Bound on |φ − q|, rad: that of `cody-2013`.
@@ -70,6 +74,8 @@ const PATIENCE_S: f64 = 30.0;
 /// Postures of the trail are this far apart, rad, and at most so many.
 const TRAIL_RAD: f64 = 0.02;
 const TRAIL: usize = 400;
+/// What stands on the floor is at least this high if its height is not known, m. Choice: the tallest stems that ship.
+const STEM_M: f64 = 0.5;
 /// An arm that leaves whatever presses on it counts this share of the force.
 const LEAVING_SHARE: f64 = 0.2;
 
@@ -79,9 +85,11 @@ pub struct Mapped {
     arm: Arm,
     shapes: ArmShapes,
     bare: BareSurface,
-    /// Obstacles are as high as the first joint if their height is not known, m, world frame. Choice: an arm that
-    /// reached over everything would need no map.
+    /// Obstacles are as high as this if their height is not known, m, world frame: as the first joint, because an arm that
+    /// reached over everything would need no map, and at least [`STEM_M`] above the floor.
     top_m: f64,
+    /// How fast the offset of the equilibrium angles grows at the end of the way, 1/s.
+    push_per_s: f64,
     preset: Preset,
     /// How far each joint moves in a control step, rad.
     step_rad: Vec<f64>,
@@ -104,7 +112,12 @@ impl Mapped {
         Mapped {
             bare: BareSurface::new(arm, &shapes),
             shapes,
-            top_m: arm.joints.first().map_or(0.0, |joint| joint.origin_parent.position.z),
+            top_m: arm
+                .joints
+                .first()
+                .map_or(0.0, |joint| joint.origin_parent.position.z)
+                .max(preset.floor_height_m + STEM_M),
+            push_per_s: PUSH_SHARE * arm.damping_rate_per_s(&arm.start_posture_rad()),
             step_rad: step_rad.collect(),
             arm: arm.clone(),
             preset,
@@ -177,7 +190,13 @@ impl Mapped {
             return (hold(&own.waiting_rad), Intent::TurningRound);
         }
         let end_steps = own.path.length();
-        let ahead: Vec<f64> = difference(&own.path.at(own.at_steps + 6.0), &own.path.at(own.at_steps));
+        let is_at_end = own.at_steps >= end_steps;
+        // At the end of the way it only matters where the end effector is.
+        let at_goal = is_at_end.then(|| self.arm.posture_at(own.goal, q).unwrap_or_else(|| own.path.at(end_steps)));
+        let ahead = match &at_goal {
+            Some(posture) => difference(posture, q),
+            None => difference(&own.path.at(own.at_steps + 6.0), &own.path.at(own.at_steps)),
+        };
         let mut share = largest_share(&contacts, &ahead);
         let bare = self.bare.touch(&self.arm, link_poses, input, self.time_s);
         if let Some((force_n, _, into)) = &bare
@@ -194,7 +213,6 @@ impl Mapped {
             (own.best_steps, own.best_s) = (own.at_steps, self.time_s);
         }
         let distance_m = input.end_effector_pose_world.position.distance(own.goal);
-        let is_at_end = own.at_steps >= end_steps;
         if is_at_end && distance_m < own.nearest_m - PROGRESS_M {
             (own.nearest_m, own.best_s) = (distance_m, self.time_s);
         }
@@ -207,10 +225,8 @@ impl Mapped {
         } else if share < 1.0 && behind_rad < LEAD_RAD {
             own.at_steps = (own.at_steps + 1.0).min(end_steps);
         }
-        // At the end of the way it only matters where the end effector is.
-        let at_goal = if is_at_end { self.arm.posture_at(own.goal, q) } else { None };
         let planned = at_goal.unwrap_or_else(|| own.path.at(own.at_steps));
-        let push_per_s = if is_at_end { self.arm.push_per_s } else { PUSH_PER_S };
+        let push_per_s = if is_at_end { self.push_per_s } else { self.push_per_s.min(PUSH_PER_S) };
         let mut angles = Vec::with_capacity(q.len());
         for (joint, planned) in planned.iter().enumerate() {
             let push = &mut own.push_rad[joint];

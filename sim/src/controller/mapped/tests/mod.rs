@@ -177,10 +177,16 @@ fn plan(seed: u64) -> ReachPlan {
     ReachPlan::new(Scene::parse("row.toml", text.into()).unwrap(), None, seed).unwrap()
 }
 
-/// Tests that the arm gets round a row of trunks that it does not know to at least as many goals as the published
-/// controller, that a reach repeats bit for bit, and that a goal that is given up has a reason.
+/// A reach of the Panda in docs/arms, whose base is lower than the table.
+fn plan_of_panda(seed: u64) -> ReachPlan {
+    let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/arms/panda/foliage.toml")).unwrap();
+    ReachPlan::new(scene, Some(crate::controller::ControllerKind::Mapped), seed).unwrap()
+}
+
+/// Tests that Cody and a Panda get round trunks that they do not know to more goals than with the published controller,
+/// that a reach repeats bit for bit, and that a goal that is given up has a reason.
 #[test]
-fn the_arm_gets_round_trunks() {
+fn arms_get_round_trunks() {
     let reached = |plan: &ReachPlan| {
         let reaches: Vec<_> = (0..3).map(|index| plan.run(index, &mut |_| {}).unwrap()).collect();
         for goal in reaches.iter().flat_map(|reach| &reach.goals) {
@@ -193,8 +199,81 @@ fn the_arm_gets_round_trunks() {
     };
     let own = plan(5);
     assert!(own.run(0, &mut |_| {}).unwrap() == own.run(0, &mut |_| {}).unwrap());
-    let published = ReachPlan::new(own.scene.clone(), Some(crate::controller::ControllerKind::Cody2013), 5).unwrap();
-    assert!(reached(&own) > reached(&published));
+    for own in [own, plan_of_panda(4)] {
+        let kind = crate::controller::ControllerKind::Cody2013;
+        let published = ReachPlan::new(own.scene.clone(), Some(kind), own.seed).unwrap();
+        assert!(reached(&own) > reached(&published));
+    }
+}
+
+/// Tests that an obstacle is at least as high as the place where it was touched, and stands as high as the tallest stems
+/// before an arm whose base is lower than the table.
+#[test]
+fn obstacles_are_higher_than_touches() {
+    let low = touch(0.5, 0.0, DVec3::X, ObstacleKind::Fixed, 0.0);
+    let high = Touch { position_world: low.position_world.with_z(0.6), ..low };
+    let top_m = |touch: &Touch, caution| {
+        let mut map = Map::default();
+        map.learn(touch, false);
+        let capsule = map.capsules(caution, 0.5)[0];
+        capsule.end.z + capsule.radius_m
+    };
+    let is_low = Caution { is_low: true, ..Caution::NONE };
+    let tops_m =
+        [(low, Caution::NONE), (low, is_low), (high, Caution::NONE), (high, is_low)].map(|own| top_m(&own.0, own.1));
+    for (found_m, expected_m) in tops_m.into_iter().zip([0.5, -0.26, 0.64, 0.64]) {
+        assert!((found_m - expected_m).abs() < 1e-12, "{tops_m:?}");
+    }
+    let plan = plan_of_panda(4);
+    let own = Mapped::new(plan.controller.preset().unwrap().clone(), &plan.arm);
+    // A table at 0.2 m under 8 cm of foam, and the first joint at 0.333 m.
+    assert!((own.top_m - 0.78).abs() < 1e-12, "{}", own.top_m);
+}
+
+/// Tests that at the end of its way an arm that something holds is pushed on by an offset that grows by the missing angle
+/// times half the rate at which the joints' damping slows their slowest motion.
+#[test]
+fn damping_says_how_fast_the_arm_pushes_on() {
+    let arm = Arm::cody().unwrap();
+    let mut own = Mapped::new(Preset::cody_2013(), &arm);
+    let q = arm.start_posture_rad();
+    let poses = arm.forward_kinematics(&q);
+    let end_effector = arm.end_effector_pose(&poses);
+    let goal = end_effector.position + DVec3::new(0.0, 0.0, 0.03);
+    let missing_rad = difference(&arm.posture_at(goal, &q).unwrap(), &q);
+    let jacobian = Matrix3xX::zeros(7);
+    let mut phi = q.clone();
+    let mut offsets_rad = Vec::new();
+    for _ in 0..30 {
+        phi = own
+            .control(&ControllerInput {
+                joint_angle_rad: &q,
+                joint_velocity_rad_per_s: &[0.0; 7],
+                equilibrium_angle_rad: &phi,
+                end_effector_pose_world: end_effector,
+                end_effector_jacobian: &jacobian,
+                goal_position_world: goal,
+                contacts: &[],
+            })
+            .equilibrium_angle_rad;
+        offsets_rad.push(difference(&phi, &q));
+    }
+    // The rate makes D − rate M singular.
+    let damping = nalgebra::DVector::from_iterator(7, arm.joints.iter().map(|joint| joint.damping_nm_s_per_rad));
+    let is_slower =
+        |rate: f64| (nalgebra::DMatrix::from_diagonal(&damping) - arm.mass_matrix(&poses) * rate).cholesky().is_some();
+    let (mut slow, mut fast) = (0.0, 1e3);
+    for _ in 0..60 {
+        let middle = (slow + fast) / 2.0;
+        if is_slower(middle) { slow = middle } else { fast = middle }
+    }
+    let joint = (0..7).max_by(|a, b| missing_rad[*a].abs().total_cmp(&missing_rad[*b].abs())).unwrap();
+    // The arm is at the end of its way after half a second.
+    for pair in offsets_rad[13..].windows(2) {
+        let growth_rad = pair[1][joint] - pair[0][joint];
+        let expected_rad = 0.5 * slow * missing_rad[joint] / 25.0;
+        assert!((growth_rad / expected_rad - 1.0).abs() < 1e-6, "{growth_rad} rad, {expected_rad} rad");
+    }
 }
 
 /// Tests that a force on a part without skin is found where it acts, from the torques of the joints alone.
