@@ -15,6 +15,7 @@ import underbrush
 import underbrush.distributed
 import underbrush.gym
 import underbrush.hdf5
+import underbrush.live
 import underbrush.mcap
 import underbrush.results
 import underbrush.ros2
@@ -70,6 +71,7 @@ def page() -> str:
         ("underbrush.sklearn", underbrush.sklearn, list(underbrush.sklearn.__all__)),
         ("underbrush.distributed", underbrush.distributed, ["generate", "reproduce", "benchmark"]),
         ("underbrush.rerun", underbrush.rerun, ["log"]),
+        ("underbrush.live", underbrush.live, ["Server", "classify"]),
         ("underbrush.hdf5", underbrush.hdf5, ["export", "csv_of"]),
         ("underbrush.mcap", underbrush.mcap, ["export", "csv_of"]),
         ("underbrush.ros2", underbrush.ros2, ["export"]),

@@ -10,7 +10,8 @@ from pathlib import Path
 
 from underbrush._core import run_command_line
 
-# The formats of `underbrush export --to` and of films of `underbrush replay --video` that modules of this package write.
+# The formats of `underbrush export --to` and of films of `underbrush replay --video` that modules of this package write. Another
+# one sends `underbrush classify - --foxglove PORT` to Foxglove.
 _EXPORTS = ("hdf5", "mcap", "ros2")
 _FILMS = (".mp4", ".webp")
 
@@ -23,7 +24,7 @@ def _of_python(arguments: list[str]) -> tuple[str, list[str]] | None:
     if "--json" in arguments:
         return None
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
-    for option in ("--to", "--video", "--reaches", "--size"):
+    for option in ("--to", "--video", "--reaches", "--size", "--foxglove"):
         parser.add_argument(option)
     try:
         given, others = parser.parse_known_args(arguments[1:])
@@ -31,6 +32,8 @@ def _of_python(arguments: list[str]) -> tuple[str, list[str]] | None:
         return None
     if arguments[:1] == ["export"] and given.to in _EXPORTS:
         return given.to, ["export", *others]
+    if arguments[:1] == ["classify"] and given.foxglove:
+        return "live", arguments[1:]
     if arguments[:1] == ["replay"] and Path(given.video or "").suffix.lower() in _FILMS:
         index = ["--index", given.reaches] if given.reaches else []
         size = ["--size", *given.size.split("x")] if given.size else []

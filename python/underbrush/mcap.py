@@ -112,6 +112,11 @@ _NAMES = {str: "string", int: "integer", float: "number", bool: "boolean"}
 _FLOAT64 = 8
 
 
+def schema(name: str) -> dict[str, Any]:
+    """The JSON Schema of one of Foxglove's messages."""
+    return {"title": name, **_schema(_SCHEMAS[name])}
+
+
 def _schema(kind: Any) -> dict[str, Any]:
     """The JSON Schema of a message or field, without references, because Foxglove does not follow them."""
     if isinstance(kind, dict):
@@ -254,15 +259,15 @@ class _Writer:
         self.schemas: dict[str, int] = {}
         self.sequence = 0
 
-    def channel(self, topic: str, schema: str) -> None:
-        """Adds a channel, and its schema unless it is there."""
-        is_ros = not schema.startswith("foxglove")
-        if schema not in self.schemas:
-            definition = _JOINT_STATE if is_ros else json.dumps({"title": schema, **_schema(_SCHEMAS[schema])})
+    def channel(self, topic: str, name: str) -> None:
+        """Adds a channel, and the schema of this name unless it is there."""
+        is_ros = not name.startswith("foxglove")
+        if name not in self.schemas:
+            definition = _JOINT_STATE if is_ros else json.dumps(schema(name))
             encoding = "ros2msg" if is_ros else "jsonschema"
-            self.schemas[schema] = self.writer.register_schema(schema, encoding, definition.encode())
+            self.schemas[name] = self.writer.register_schema(name, encoding, definition.encode())
         encoding = "cdr" if is_ros else "json"
-        self.channels[topic] = self.writer.register_channel(topic, encoding, self.schemas[schema])
+        self.channels[topic] = self.writer.register_channel(topic, encoding, self.schemas[name])
 
     def send(self, topic: str, nanoseconds: int, message: bytes | dict[str, Any]) -> None:
         if isinstance(message, dict):
@@ -284,9 +289,8 @@ class _Writer:
             self.channel(topic, "foxglove.SceneUpdate")
         patches = reach.skin.layout["patches"]
         for patch in patches:
-            if patch["grid"] is not None:
-                self.channel(f"/skin/{patch['name']}", "foxglove.Grid")
-            self.channel(f"/skin/{patch['name']}/pressed", "foxglove.PointCloud")
+            for topic, name in skin_topics(patch):
+                self.channel(topic, name)
         # Each of these properties makes its value anew.
         bodies, objects, names = reach.bodies, reach.objects, reach.joint_names
         column = reach.column
@@ -304,22 +308,37 @@ class _Writer:
             if frame == 0 or not np.array_equal(goals[frame], goals[frame - 1]):
                 self.send("/goal", now, {"deletions": [], "entities": [_goal(now, goals[frame])]})
             for patch in patches:
-                self.skin(now, patch, sensed_n[patch["name"]][frame])
+                for topic, message in skin_messages(now, patch, sensed_n[patch["name"]][frame]):
+                    self.send(topic, now, message)
         self.writer.finish()
 
-    def skin(self, nanoseconds: int, patch: dict[str, Any], force_n: NDArray[np.float64]) -> None:
-        """Sends what a patch senses."""
-        topic, start = f"/skin/{patch['name']}", {"timestamp": _time(nanoseconds)}
-        if patch["grid"] is not None:
-            columns = patch["grid"]["columns"]
-            cell_m = float(np.sqrt(patch["taxels"][0]["area_m2"])) if patch["taxels"] else 0.0
-            grid = {"frame_id": topic[1:], "pose": _pose(), "column_count": columns, "cell_size": _named("xy", (cell_m, cell_m))}
-            self.send(topic, nanoseconds, {**start, **grid, "row_stride": 8 * columns, "cell_stride": 8, **_packed([_FORCE], force_n)})
-        pressed = np.flatnonzero(force_n > 0)
-        points = [[*patch["taxels"][taxel]["position_link"], force_n[taxel]] for taxel in pressed]
-        cloud = {"frame_id": patch["link"], "pose": _pose(), "point_stride": 32}
-        packed = _packed(["x", "y", "z", _FORCE], np.array(points, dtype=np.float64))
-        self.send(f"{topic}/pressed", nanoseconds, {**start, **cloud, **packed})
+
+def skin_topics(patch: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """The topics of what a patch senses, with the names of their schemas."""
+    topic = f"/skin/{patch['name']}"
+    if patch["grid"] is not None:
+        yield topic, "foxglove.Grid"
+    yield f"{topic}/pressed", "foxglove.PointCloud"
+
+
+def skin_messages(nanoseconds: int, patch: dict[str, Any], force_n: NDArray[np.float64]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """What a patch senses, as messages with their topics."""
+    topic, start = f"/skin/{patch['name']}", {"timestamp": _time(nanoseconds)}
+    if patch["grid"] is not None:
+        columns = patch["grid"]["columns"]
+        cell_m = float(np.sqrt(patch["taxels"][0]["area_m2"])) if patch["taxels"] else 0.0
+        grid = {"frame_id": topic[1:], "pose": _pose(), "column_count": columns, "cell_size": _named("xy", (cell_m, cell_m))}
+        yield topic, {**start, **grid, "row_stride": 8 * columns, "cell_stride": 8, **_packed([_FORCE], force_n)}
+    pressed = np.flatnonzero(force_n > 0)
+    points = [[*patch["taxels"][taxel]["position_link"], force_n[taxel]] for taxel in pressed]
+    cloud = {"frame_id": patch["link"], "pose": _pose(), "point_stride": 32}
+    yield f"{topic}/pressed", {**start, **cloud, **_packed(["x", "y", "z", _FORCE], np.array(points, dtype=np.float64))}
+
+
+def transform(nanoseconds: int, child: str, position: Iterable[float], orientation: Iterable[float]) -> dict[str, Any]:
+    """The pose of a frame in the world."""
+    pose = {"translation": _named("xyz", position), "rotation": _named("xyzw", orientation)}
+    return {"timestamp": _time(nanoseconds), "parent_frame_id": _WORLD, "child_frame_id": child, **pose}
 
 
 class _Transforms:
@@ -343,8 +362,7 @@ class _Transforms:
         sent = []
 
         def send(child: str, position: Sequence[float], orientation: Sequence[float]) -> None:
-            pose = {"translation": _named("xyz", position), "rotation": _named("xyzw", orientation)}
-            sent.append({"timestamp": _time(nanoseconds), "parent_frame_id": _WORLD, "child_frame_id": child, **pose})
+            sent.append(transform(nanoseconds, child, position, orientation))
 
         for (body, child), moved in zip(self.bodies, self.moved):
             last = int(np.searchsorted(moved, frame, side="right")) - 1
