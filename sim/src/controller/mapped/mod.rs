@@ -52,8 +52,8 @@ const BEHIND_RAD: f64 = 0.035;
 /// stay soft, 1/s. At the end of the way its damping says how fast.
 const PUSH_RAD: f64 = 0.21;
 const PUSH_PER_S: f64 = 1.0;
-/// How fast the offset grows at most, as a share of the rate at which damping slows the slowest motion of the joints. An
-/// integrator makes the joints swing without end above that rate (Routh's criterion for M q̈ + D q̇ + K (q − φ) = 0 with
+/// How fast the offset grows at most, as a share of the rate at which damping slows the slowest motion of the joints. Below that
+/// rate an integrator cannot make the joints swing without end (Routh's criterion for M q̈ + D q̇ + K (q − φ) = 0 with
 /// φ̇ = rate (target − q)). Choice: a gain margin of 2.
 const PUSH_SHARE: f64 = 0.5;
 /// An offset that grows by more than this in a control step still gains, rad.
