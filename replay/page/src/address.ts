@@ -7,6 +7,7 @@ import { CAMERAS, COLOURS, RATES, type State } from "./state.ts";
 export interface Asked {
   reach: number | null;
   beside: number | null;
+  ghost: number | null;
   time: number | null;
   taxel: string | null;
   object: number | null;
@@ -31,6 +32,7 @@ export function readAddress(hash: string): Asked {
   return {
     reach: whole(values.get("reach")),
     beside: whole(values.get("beside")),
+    ghost: whole(values.get("ghost")),
     time: Number.isFinite(time) ? time : null,
     taxel: values.get("taxel"),
     object: whole(values.get("object")),
@@ -52,13 +54,11 @@ export function writeAddress(state: State, reach: Reach): string {
   const time = Number(reach.time[state.frame]!.toFixed(4));
   const values = new URLSearchParams({ reach: String(state.reach), t: String(time) });
   if (state.beside !== null) values.set("beside", String(state.beside));
+  if (state.ghost !== null) values.set("ghost", String(state.ghost));
   if (state.colour !== "force") values.set("colour", state.colour);
   if (state.camera !== "free") values.set("view", state.camera);
   if (state.rate !== 1) values.set("rate", String(state.rate));
-  if (state.taxel !== null) {
-    const patch = reach.patch(state.taxel);
-    values.set("taxel", `${patch.name}.${state.taxel - patch.first_taxel}`);
-  }
+  if (state.taxel !== null) values.set("taxel", reach.taxelAddress(state.taxel));
   if (state.object !== null) values.set("object", String(state.object));
   return `#${values}`;
 }

@@ -47,8 +47,8 @@ export function colourBar(palette: Palette, largest: number, limit: number | nul
   return canvas;
 }
 
-/** All entries for a way of colouring. */
-export function drawLegend(box: HTMLElement, reach: Reach, palette: Palette, colour: ColourBy, largest: number): void {
+/** All entries for a way of colouring. `ghost` is the name of the ghost, if there is one. */
+export function drawLegend(box: HTMLElement, reach: Reach, palette: Palette, colour: ColourBy, largest: number, ghost: string | null): void {
   const { verdicts, force_limit_n: limit } = reach.header;
   const entries: HTMLElement[] = [];
   const text = (words: string) => element("span", { class: "entry" }, words);
@@ -72,5 +72,6 @@ export function drawLegend(box: HTMLElement, reach: Reach, palette: Palette, col
     if (reach.header.map.length > 0) entries.push(text("cages: the controller's map: dark for what is fixed, blue for what is doubtful, green for what gives way"));
     entries.push(text(`arrows: force of a whole contact from ${WEAKEST_N} N, ${cm} cm per newton${over}`), text("blue: goal and path of the hand; grid of 10 cm"));
   }
+  if (ghost !== null) entries.push(text(`orange, seen through: the arm of reach ${ghost}`));
   box.replaceChildren(...entries);
 }

@@ -3,10 +3,12 @@
 import { element, newtons, seconds } from "./dom.ts";
 import type { Mistake } from "./mistakes.ts";
 import type { Reach } from "./reach.ts";
-import type { Summary } from "./source.ts";
+import type { Source, Summary } from "./source.ts";
 import { type Column, Table, tabs } from "./table.ts";
 import type { Trial } from "./trial.ts";
 import type { Trials } from "./trials.ts";
+import type { WorstMistake } from "./worst.ts";
+import { WorstList } from "./worstlist.ts";
 
 /** The number of goals; 0 for a robot's log, of which nobody knows what the robot was to do. */
 export function goalCount({ goal_outcomes: { reached, stuck, timed_out, aborted } }: Pick<Summary, "goal_outcomes">): number {
@@ -133,21 +135,35 @@ function mistakeTable(choose: (mistake: Mistake) => void): Table<MistakeRow> {
   );
 }
 
+/** What a click on a row leads to. */
+export interface ListActions {
+  open(reach: Summary): void;
+  trial(trial: Trial): void;
+  mistake(mistake: Mistake): void;
+  worst(mistake: WorstMistake): void;
+}
+
 export class Lists {
   readonly #reaches: Table<Summary>;
   readonly #mistakes: Table<MistakeRow>;
   readonly #trials: Table<TrialRow>;
   readonly #noMistakes = element("p", {});
+  /** Of a single reach the list of mistakes says as much. */
+  readonly #worst: WorstList | null;
+  #number = 0;
   readonly open: (id: string) => void;
 
-  constructor(box: HTMLElement, all: Summary[], choose: (reach: Summary) => void, follow: (trial: Trial) => void, followMistake: (mistake: Mistake) => void) {
-    this.#reaches = reachTable(choose);
+  constructor(box: HTMLElement, source: Source, all: Summary[], actions: ListActions) {
+    this.#reaches = reachTable(actions.open);
     this.fill(all);
-    this.#mistakes = mistakeTable(followMistake);
-    this.#trials = trialTable(follow);
+    this.#mistakes = mistakeTable(actions.mistake);
+    this.#trials = trialTable(actions.trial);
+    const worst = all.length < 2 ? null : new WorstList(source, all, actions.worst);
+    this.#worst = worst;
     this.open = tabs(box, [
       { id: "reaches", title: "Reaches", content: this.#reaches.box, opened: () => this.#reaches.refresh() },
       { id: "mistakes", title: "Mistakes", content: element("div", {}, this.#noMistakes, this.#mistakes.box), opened: () => this.#mistakes.refresh() },
+      ...(worst === null ? [] : [{ id: "worst", title: "Worst ten", content: worst.box, opened: () => worst.opened() }]),
       { id: "trials", title: "Contact trials", content: this.#trials.box, opened: () => this.#trials.refresh() },
     ]);
   }
@@ -158,6 +174,7 @@ export class Lists {
   }
 
   load(number: number, reach: Reach, trials: Trials): void {
+    this.#number = number;
     this.#reaches.reveal((row) => row.number === number);
     this.#trials.fill(trials.all.map((trial) => ({ trial, reach })));
     const none = trials.mistakes.length === 0;
@@ -173,6 +190,7 @@ export class Lists {
   mark(chosen: Trial | null, chosenMistake: Mistake | null): void {
     this.#trials.mark(({ trial }) => trial === chosen);
     this.#mistakes.mark(({ mistake }) => mistake === chosenMistake);
+    this.#worst?.mark(this.#number, chosenMistake);
   }
 }
 

@@ -128,6 +128,11 @@ function momentsOfTrial(trials: Trials, { taxel, first, last }: Trial, header: V
   return moments;
 }
 
+/** What mistakes are sorted by: wrong frames times mean force. */
+export function harm({ wrongFrames, meanForce }: Mistake): number {
+  return wrongFrames * meanForce;
+}
+
 /** The mistakes of a reach. First are those that were wrong for long while they pressed hard: by wrong time times force. */
 export function mistakesOf(trials: Trials): Mistake[] {
   const { reach } = trials;
@@ -136,6 +141,5 @@ export function mistakesOf(trials: Trials): Mistake[] {
   const all = header.touch === null
     ? trials.all.map((trial) => mistakeOf(trial.object, trial, trial.truth, momentsOfTrial(trials, trial, header), header))
     : [...momentsOfObjects(trials, header)].map(([object, moments]) => mistakeOf(object, null, reach.category(object), moments, header));
-  const harm = ({ wrongFrames, meanForce }: Mistake) => wrongFrames * meanForce;
   return all.filter((mistake) => mistake !== null).sort((a, b) => harm(b) - harm(a) || a.run.first - b.run.first);
 }

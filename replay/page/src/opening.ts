@@ -3,6 +3,7 @@
 import { type Asked, findTaxel } from "./address.ts";
 import { Container } from "./container.ts";
 import { find } from "./dom.ts";
+import { GhostChoice } from "./ghost.ts";
 import { join } from "./grow.ts";
 import { type Header, nameOf } from "./header.ts";
 import type { Lists } from "./lists.ts";
@@ -46,7 +47,11 @@ export class Opening {
   /** The list is shown before anything is done for the first reach. */
   readonly #listed = shown().then(() => void performance.mark("listed"));
 
-  constructor(readonly source: Source, readonly all: Summary[], readonly views: Views) {}
+  readonly ghosts: GhostChoice;
+
+  constructor(readonly source: Source, readonly all: Summary[], readonly views: Views) {
+    this.ghosts = new GhostChoice(source, all, views.store, views.wake);
+  }
 
   get #loaded(): Loaded | null {
     return this.views.panes[0].loaded;
@@ -80,6 +85,7 @@ export class Opening {
       const colour = this.#allowVerdict(reach) || store.state.colour !== "verdict" ? store.state.colour : "truth";
       const object = reach.header.objects[asked?.object ?? -1] === undefined ? null : asked!.object;
       store.set({ reach: number, playing: false, colour, taxel: findTaxel(reach, asked?.taxel ?? null), object });
+      this.ghosts.offer(number);
       header.describe(summary, reach);
       this.views.seek(reach.frameNearest(asked?.time ?? 0));
       store.touch("reach", "frame");
@@ -147,14 +153,25 @@ export class Opening {
     this.views.everything();
   }
 
+  /** Shows the ghost of the state, or none. */
+  async showGhost(): Promise<void> {
+    const loaded = this.#loaded;
+    if (loaded === null) return;
+    const ghost = await this.ghosts.load(loaded.reach);
+    if (loaded !== this.#loaded) return;
+    this.views.panes[0].haunt(ghost);
+    this.views.wake();
+  }
+
   /** Goes where an address points. */
   follow(asked: Asked): void {
     const { store } = this.views;
-    store.set({ ...asked.state, beside: asked.beside });
+    store.set({ ...asked.state, beside: asked.beside, ghost: asked.ghost });
     const number = asked.reach ?? store.state.reach;
     if (number !== store.state.reach) void this.open(number, asked);
     else if (this.#loaded !== null) {
       store.set({ taxel: findTaxel(this.#loaded.reach, asked.taxel), object: asked.object });
+      this.ghosts.offer(number);
       if (asked.time !== null) this.views.seek(this.#loaded.reach.frameNearest(asked.time));
     }
     this.views.wake();
@@ -163,6 +180,6 @@ export class Opening {
   /** The state in which a page begins. */
   static first(all: Summary[], asked: Asked): State {
     const reach = asked.reach !== null && asked.reach < all.length ? asked.reach : 0;
-    return { reach, beside: null, frame: 0, playing: false, rate: 1, colour: "force", camera: "free", taxel: null, object: null, ...asked.state };
+    return { reach, beside: null, ghost: asked.ghost, frame: 0, playing: false, rate: 1, colour: "force", camera: "free", shadows: null, taxel: null, object: null, ...asked.state };
   }
 }

@@ -23,6 +23,7 @@ import { Switches } from "./switches.ts";
 import { Timeline } from "./timeline.ts";
 import { Tour } from "./tour.ts";
 import { type Actions, addTransport } from "./transport.ts";
+import type { WorstMistake } from "./worst.ts";
 
 export class Page {
   readonly #store: Store;
@@ -60,10 +61,15 @@ export class Page {
     this.#strips = new Strips(find("strips"), seekTime);
     this.#plots = new Plots(find("plots"), seekTime);
     this.#details = new Details(find("details"), seek, (object) => this.#set({ object }));
-    this.#lists = new Lists(find("lists"), all, (row) => open(row.number), (trial) => {
-      this.#set({ taxel: trial.taxel, object: trial.object < 0 ? null : trial.object, playing: false });
-      seek(trial.first);
-    }, (mistake) => this.#follow(mistake));
+    this.#lists = new Lists(find("lists"), source, all, {
+      open: (row) => open(row.number),
+      trial: (trial) => {
+        this.#set({ taxel: trial.taxel, object: trial.object < 0 ? null : trial.object, playing: false });
+        seek(trial.first);
+      },
+      mistake: (mistake) => this.#follow(mistake),
+      worst: (mistake) => this.#open(mistake),
+    });
     this.#switches = new Switches((values) => this.#set(values));
     this.#header = new Header(all, {
       open,
@@ -101,6 +107,13 @@ export class Page {
   #follow({ taxel, object, run }: Mistake): void {
     this.#details.unfold();
     this.#set({ taxel, object: object < 0 ? null : object, playing: false, ...this.#playback.seek(run.first) });
+  }
+
+  /** Goes to a mistake of any reach, as to one of the reach that is shown. */
+  #open({ reach, time, taxelAddress, object }: WorstMistake): void {
+    const { beside, ghost } = this.#store.state;
+    this.#details.unfold();
+    this.opening.follow({ reach: reach.number, beside, ghost, time, taxel: taxelAddress, object: object < 0 ? null : object, state: { playing: false } });
   }
 
   #actions(seek: (frame: number) => void, open: (number: number) => void): Actions {
@@ -187,8 +200,11 @@ export class Page {
     const [palette, anew] = [this.#palette, changed.has("reach")];
     if (anew) this.#tour.shown(state.reach);
     if (changed.has("beside")) void this.opening.showBeside();
+    if (anew || changed.has("ghost")) void this.opening.showGhost();
     this.#dirty = true;
-    if (anew || changed.has("colour")) drawLegend(find("legend"), reach, palette, state.colour, loaded.largest);
+    if (anew || changed.has("colour") || changed.has("ghost")) {
+      drawLegend(find("legend"), reach, palette, state.colour, loaded.largest, state.ghost === null ? null : this.opening.ghosts.name(state.ghost));
+    }
     if (anew) this.#timeline.draw(reach, trials, palette);
     if (anew || changed.has("taxel")) {
       this.#strips.draw(reach, trials, palette, state.taxel);
@@ -209,7 +225,7 @@ export class Page {
     }
     say(find("clock"), `${seconds(time)} of ${seconds(reach.duration)} · frame ${state.frame} · largest taxel ${newtons(series.largest[state.frame]!)}`);
     say(find("play"), state.playing ? "Pause" : "Play");
-    this.#switches.show(state);
+    this.#switches.show(state, this.#panes[0].view?.software === true);
     find<HTMLSelectElement>("rate").value = String(state.rate);
     this.#header.show(state);
     this.#address.write();

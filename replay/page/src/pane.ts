@@ -37,6 +37,7 @@ export class Pane {
   view: View3D | null = null;
   loaded: Loaded | null = null;
   maps: SkinMap[] = [];
+  #ghost: Reach | null = null;
   #hovered: number | null = null;
   #looks: ((taxel: number) => TaxelLook) | null = null;
 
@@ -60,6 +61,7 @@ export class Pane {
     this.loaded = loaded;
     say(this.#title, title);
     this.makeView();
+    this.#ghost = null;
     this.view?.load(loaded.reach);
     this.#hovered = null;
     this.maps = loaded.reach.header.patches.map((_, patch) => {
@@ -78,6 +80,13 @@ export class Pane {
   grow(loaded: Loaded): void {
     this.loaded = loaded;
     this.view?.load(loaded.reach, true);
+  }
+
+  /** Shows the arm of another reach, too, or of none. */
+  haunt(reach: Reach | null): void {
+    if (this.#ghost === reach) return;
+    this.#ghost = reach;
+    this.view?.haunt(reach);
   }
 
   /** How each taxel looks in a frame; worked out once a frame. */
@@ -113,7 +122,7 @@ export class Pane {
     const [taxel, object] = own ? [state.taxel, state.object] : [null, null];
     const quiet = palette.variable("plate");
     const looks = this.#looks;
-    this.view?.show(frame, { palette, camera: state.camera, taxel, object, texts, colourOf: (at) => looks(at).colour ?? quiet });
+    this.view?.show(frame, { palette, camera: state.camera, shadows: state.shadows, taxel, object, texts, colourOf: (at) => looks(at).colour ?? quiet });
     for (const map of this.maps) map.draw(palette, looks, taxel, this.#hovered);
     if (texts) this.#say(frame, taxel);
   }

@@ -254,6 +254,12 @@ export class Reach {
     return `${patch.name} row ${Math.floor(index / patch.grid.columns)}, column ${index % patch.grid.columns}`;
   }
 
+  /** A taxel as addresses name it: "forearm.142". */
+  taxelAddress(taxel: number): string {
+    const patch = this.patch(taxel);
+    return `${patch.name}.${taxel - patch.first_taxel}`;
+  }
+
   objectName(object: number): string {
     const found = this.header.objects[object];
     return found === undefined ? "nothing" : `${found.kind.replace(/_/g, " ")} ${object}`;

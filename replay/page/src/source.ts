@@ -30,16 +30,15 @@ export interface Source {
   bytes(number: number, from?: number): Promise<ArrayBuffer>;
 }
 
-function decode(text: string): ArrayBuffer {
-  let binary: string;
+async function decode(text: string): Promise<ArrayBuffer> {
   try {
-    binary = atob(text.trim());
+    const binary = atob(text.trim());
+    const bytes = new Uint8Array(binary.length);
+    for (let index = 0; index < binary.length; index++) bytes[index] = binary.charCodeAt(index);
+    return await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
   } catch {
     throw new DataError("The data in this file are cut off or damaged. Copy or write the file again.");
   }
-  const bytes = new Uint8Array(binary.length);
-  for (let index = 0; index < binary.length; index++) bytes[index] = binary.charCodeAt(index);
-  return bytes.buffer;
 }
 
 /** The data that “underbrush replay --out” put into this file. */

@@ -8,12 +8,16 @@ export interface State {
   reach: number;
   /** Number of a second reach that is shown beside it. */
   beside: number | null;
+  /** Number of a reach of the same draw whose arm is shown see-through. */
+  ghost: number | null;
   frame: number;
   playing: boolean;
   /** Seconds of the reach per second. */
   rate: number;
   colour: ColourBy;
   camera: CameraKind;
+  /** Whether there are shadows; null for where the processor does not draw. */
+  shadows: boolean | null;
   taxel: number | null;
   object: number | null;
 }

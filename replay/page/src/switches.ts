@@ -6,6 +6,7 @@ import type { CameraKind, ColourBy, State } from "./state.ts";
 export class Switches {
   readonly #colour: Map<ColourBy, HTMLInputElement>;
   readonly #camera: Map<CameraKind, HTMLInputElement>;
+  readonly #shadows = find<HTMLInputElement>("shadows");
 
   constructor(set: (values: Partial<State>) => void) {
     this.#colour = choices<ColourBy>(find("colour"), "colour", [
@@ -19,6 +20,7 @@ export class Switches {
       { value: "top", text: "top", title: "From above" },
       { value: "side", text: "side", title: "From the right side" },
     ], (camera) => set({ camera }));
+    this.#shadows.addEventListener("change", () => set({ shadows: this.#shadows.checked }));
   }
 
   /** Verdicts can be shown only if there is a model. */
@@ -26,7 +28,9 @@ export class Switches {
     this.#colour.get("verdict")!.disabled = !allowed;
   }
 
-  show(state: State): void {
+  /** `software` says that the processor draws. */
+  show(state: State, software: boolean): void {
+    this.#shadows.checked = state.shadows ?? !software;
     for (const [value, input] of this.#colour) input.checked = state.colour === value;
     for (const [value, input] of this.#camera) input.checked = state.camera === value;
   }

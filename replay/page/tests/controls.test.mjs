@@ -210,8 +210,7 @@ test("strips, plots, reach buttons, tabs and links", async () => {
   await ready(page, 0);
   // By keyboard: to the tab of trials, into the table, and open its first trial.
   await page.getByRole("tab", { name: "Reaches" }).focus();
-  await page.keyboard.press("ArrowRight");
-  await page.keyboard.press("ArrowRight");
+  for (let tab = 0; tab < 3; tab++) await page.keyboard.press("ArrowRight");
   assert.equal(await page.getByRole("tab", { name: "Contact trials" }).getAttribute("aria-selected"), "true");
   const row = page.locator("#panel-trials tbody tr").first();
   const [start_s, taxel] = await row.locator("th, td").allTextContents();

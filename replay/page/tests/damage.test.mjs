@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync, writeFileSync, cpSync, readdirSync, rmSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
+import { deflateSync, inflateSync } from "node:zlib";
 
 import { file, finishAll, launch, makeData, open, program, ready, serve } from "./support.mjs";
 
@@ -30,12 +31,17 @@ async function messageOf(name, change) {
 
 const DATA = '<script type="application/octet-stream" id="underbrush-reach-0">';
 
-/** Replaces the packed bytes of the reach. */
-function withBytes(text, change) {
+/** Replaces the compressed bytes of the reach. */
+function withCompressed(text, change) {
   const start = text.indexOf(DATA) + DATA.length;
   const end = text.indexOf("</script>", start);
   const bytes = Buffer.from(text.slice(start, end), "base64");
   return text.slice(0, start) + Buffer.from(change(bytes)).toString("base64") + text.slice(end);
+}
+
+/** Replaces the packed bytes of the reach. */
+function withBytes(text, change) {
+  return withCompressed(text, (bytes) => deflateSync(change(inflateSync(bytes))));
 }
 
 /** Pins the message for a file that was cut off in its data, as by a full disk or a broken download. */
@@ -61,6 +67,13 @@ test("damaged and foreign data are refused", async () => {
   }
   assert.match(await messageOf("newer", (text) => withBytes(text, (bytes) => { bytes[8] = 9; return bytes; })), /version 9.*version 2/);
   assert.match(await messageOf("foreign", (text) => withBytes(text, () => readFileSync(file("trunk.parquet")))), /not the data of a reach/);
+  for (const place of [0, 5000, -1]) {
+    const flipped = await messageOf("flipped", (text) => withCompressed(text, (bytes) => {
+      bytes[place < 0 ? bytes.length + place : place] ^= 4;
+      return bytes;
+    }));
+    assert.match(flipped, /damaged/, `compressed byte ${place}`);
+  }
   assert.match(await messageOf("torn", (text) => text.replace(DATA, `${DATA}§§§`)), /damaged/);
 });
 

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { SCENES, felt, file, finishAll, fullestFrame, launch, makeData, open, program, readRecording, ready, says, seek, serve, settle } from "./support.mjs";
+import { SCENES, felt, file, finishAll, fullestFrame, launch, makeData, open, program, readRecording, ready, says, seek, serve, settle, storedPose } from "./support.mjs";
 
 let browser;
 before(async () => {
@@ -68,16 +68,6 @@ test("the skin maps show the stored forces", async () => {
     await close();
   }
 });
-
-/** The pose of a body in a frame: the last one that moved it, as docs/data.md says. */
-function storedPose(recording, rows, body, frame) {
-  for (let at = frame; at >= 0; at--) {
-    const moved = rows[at]["truth.moved_body"].indexOf(body);
-    if (moved >= 0) return rows[at]["truth.moved_pose"].slice(7 * moved, 7 * moved + 7);
-  }
-  const { position, orientation } = recording.bodies[body].rest_pose_world;
-  return [...position, ...orientation];
-}
 
 /** The distance of the farthest point of a shape from its middle, m. */
 function extent({ sphere, cylinder, capsule, box, hull }) {

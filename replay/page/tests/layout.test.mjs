@@ -62,3 +62,25 @@ test("no empty stripe lies between the panels", async () => {
   }
   await finish(page);
 });
+
+/** Tests that a browser without WebGL shows its message in place of the 3-D view, no higher than its text, with no empty stripe
+ * below it, and no choice of views. */
+test("without WebGL there is no empty view", async () => {
+  for (const width of [390, 1280, 1600]) {
+    const before = () => {
+      HTMLCanvasElement.prototype.getContext = ((original) => function (kind, ...more) {
+        return kind === "webgl2" ? null : original.call(this, kind, ...more);
+      })(HTMLCanvasElement.prototype.getContext);
+    };
+    const page = await open(browser, server.address, { viewport: { width, height: 900 }, before });
+    await ready(page);
+    const box = (selector) => page.locator(selector).boundingBox();
+    assert.match(await page.locator(".no-webgl").textContent(), /cannot draw in 3-D/);
+    const [message, panes, stage, legend] = await Promise.all([".no-webgl", "#panes", ".stage", "#legend"].map(box));
+    assert.ok(panes.height - message.height < 2 && legend.y - message.y - message.height < 12, `${width} px: the view is empty`);
+    const next = await box(width < 1560 ? ".time" : ".list");
+    assert.ok(next.y - stage.y - stage.height < 20, `${width} px: an empty stripe below the message`);
+    assert.ok(await page.locator("#camera").isHidden(), "the view can be turned");
+    await finish(page);
+  }
+});

@@ -161,6 +161,16 @@ export async function readRecording(name) {
   return { recording: JSON.parse(text), rows };
 }
 
+/** The pose of a body in a frame: the last one that moved it, as docs/data.md says. */
+export function storedPose(recording, rows, body, frame) {
+  for (let at = frame; at >= 0; at--) {
+    const moved = rows[at]["truth.moved_body"].indexOf(body);
+    if (moved >= 0) return rows[at]["truth.moved_pose"].slice(7 * moved, 7 * moved + 7);
+  }
+  const { position, orientation } = recording.bodies[body].rest_pose_world;
+  return [...position, ...orientation];
+}
+
 /** Taxels with a force in a row, strongest first: their index in all patches and their force. */
 export function felt(recording, row) {
   const found = [];

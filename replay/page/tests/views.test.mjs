@@ -174,3 +174,61 @@ test("an address brings a finding back", async () => {
   assert.deepEqual([kept.frame, kept.colour, kept.camera, kept.rate, kept.taxel, kept.object], [0, "force", "free", 1, null, null]);
   await finish(odd);
 });
+
+/** Tests that shadows are off where the processor draws until they are asked for, that links then darken the ground where the line
+ * from the lamp through them meets it, that nothing becomes lighter, and that taxels keep their colours. */
+test("the lamp casts shadows", async () => {
+  const { recording, rows } = await readRecording("mixed.parquet");
+  const page = await start("#reach=0&view=top");
+  const frame = fullestFrame(recording, rows);
+  await seek(page, frame);
+  const box = page.getByLabel("Shadows");
+  assert.ok(!(await box.isChecked()));
+  const lamp = [-0.2242, -0.5231, 0.8222];
+  const ground = Math.min(...recording.objects.map(({ position_world: [, , z] }) => z));
+  const links = recording.bodies.flatMap(({ owner, parts }, body) => (owner.link !== undefined && parts.length > 0 ? [body] : []));
+  const taxels = felt(recording, rows[frame]).map(({ taxel }) => taxel);
+  /** Brightness at the ends of the lines through the middles of the links, and the number of
+   * pressed taxels that are seen in their colour. */
+  const look = () => page.evaluate(([lamp, ground, links, taxels]) => {
+    const drawn = window.underbrushReplay.drawn();
+    const bright = (point) => drawn.pixel(...drawn.project(point)).slice(0, 3).reduce((sum, value) => sum + value);
+    const ends = links.map((body) => {
+      const { world } = drawn.body(body);
+      const middle = [0, 1, 2].map((axis) => world.reduce((sum, point) => sum + point[axis], 0) / world.length);
+      return middle.map((value, axis) => value - (lamp[axis] * (middle[2] - ground)) / lamp[2]);
+    });
+    // Taxels that the view does not show have no pixel of their colour.
+    const seen = taxels.map((taxel) => drawn.taxel(taxel)).filter(({ position, colour }) => {
+      const pixel = drawn.pixel(...drawn.project(position));
+      return [1, 3, 5].every((at, channel) => Math.abs(Number.parseInt(colour.slice(at, at + 2), 16) - pixel[channel]) < 2);
+    });
+    return { ends: ends.map(bright), seen: seen.length };
+  }, [lamp, ground, links, taxels]);
+  const before = await look();
+  await box.check();
+  await settle(page);
+  const after = await look();
+  assert.ok(after.ends.some((value, at) => value < before.ends[at] - 20), `${before.ends} becomes ${after.ends}`);
+  assert.ok(after.ends.every((value, at) => value <= before.ends[at] + 3), `${before.ends} becomes ${after.ends}`);
+  assert.ok(before.seen > 0 && after.seen === before.seen, `${before.seen} taxels have their colour, then ${after.seen}`);
+  await box.uncheck();
+  await settle(page);
+  assert.deepEqual(await look(), before);
+  await finish(page);
+});
+
+/** Tests that there are shadows from the beginning where a graphics card draws. */
+test("a graphics card casts shadows at once", async () => {
+  const page = await start("#reach=0", {
+    before: () => {
+      const original = WebGL2RenderingContext.prototype.getParameter;
+      WebGL2RenderingContext.prototype.getParameter = function (name) {
+        // UNMASKED_RENDERER_WEBGL
+        return name === 0x9246 ? "a graphics card" : original.call(this, name);
+      };
+    },
+  });
+  assert.ok(await page.getByLabel("Shadows").isChecked());
+  await finish(page);
+});

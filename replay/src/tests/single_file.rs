@@ -2,6 +2,7 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use miniz_oxide::inflate::decompress_to_vec_zlib;
 
 use super::source;
 use crate::page::PAGE;
@@ -13,14 +14,15 @@ fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
     &text[from..from + text[from..].find(end).unwrap()]
 }
 
-/// Tests that the file holds the bytes that the server would send, for the chosen reaches, which are renumbered.
+/// Tests that the file holds the bytes that the server would send, compressed, for the chosen reaches, which are renumbered.
 #[test]
 fn a_single_file_holds_the_packed_reaches() {
     let folder = tempfile::tempdir().unwrap();
     let source = source(folder.path());
     let page = single_file(&source, &[1], usize::MAX).unwrap();
     let data = between(&page, "id=\"underbrush-reach-0\">", "</script>");
-    assert_eq!(STANDARD.decode(data).unwrap(), source.pack(1).unwrap());
+    let packed = STANDARD.decode(data).unwrap();
+    assert_eq!(decompress_to_vec_zlib(&packed).unwrap(), source.pack(1).unwrap());
     assert!(!page.contains("id=\"underbrush-reach-1\">"));
     let list = between(&page, "id=\"underbrush-reaches\">", "</script>");
     let list: serde_json::Value = serde_json::from_str(list).unwrap();
@@ -33,8 +35,8 @@ fn a_single_file_holds_the_packed_reaches() {
 fn a_file_that_is_too_large_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let source = source(folder.path());
-    let one = source.pack(0).unwrap().len();
-    let max_bytes = PAGE.len() + 2 * one;
+    let one = single_file(&source, &[0], usize::MAX).unwrap().len() - PAGE.len();
+    let max_bytes = PAGE.len() + one * 3 / 2;
     let error = single_file(&source, &[0, 1], max_bytes).unwrap_err().to_string();
     assert!(error.contains("only the first 1 reaches fit"), "{error}");
     let fitting = (single_file(&source, &[0], max_bytes).unwrap(), 1);

@@ -3,7 +3,7 @@
 
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, DynamicDrawUsage, Mesh, type ShaderMaterial, type Side } from "three";
 
-import { lightOn, tint, tinted } from "./light.ts";
+import { inShade, lightOn, shaded, tint } from "./light.ts";
 
 /** Vertices with a normal and a colour each, which belong to objects. */
 export class Batch extends Mesh<BufferGeometry, ShaderMaterial> {
@@ -18,7 +18,8 @@ export class Batch extends Mesh<BufferGeometry, ShaderMaterial> {
 
   /** `owners` has the object of each vertex, or -1 for a link of the arm; `index` three vertices a triangle. */
   constructor(owners: Int16Array, index: number[], side: Side) {
-    super(new BufferGeometry(), tinted(side));
+    super(new BufferGeometry(), shaded(side));
+    this.castShadow = this.receiveShadow = true;
     this.#owners = owners;
     this.#thin = side === DoubleSide;
     this.positions = new Float32Array(3 * owners.length);
@@ -50,7 +51,9 @@ export class Batch extends Mesh<BufferGeometry, ShaderMaterial> {
     for (let vertex = first; vertex < first + count; vertex++) {
       const colour = this.#colours.get(this.#owners[vertex]!);
       if (colour === undefined) continue;
-      tint(bytes, vertex, colour, lightOn(normals[3 * vertex]!, normals[3 * vertex + 1]!, normals[3 * vertex + 2]!, this.#thin));
+      const [x, y, z] = [normals[3 * vertex]!, normals[3 * vertex + 1]!, normals[3 * vertex + 2]!];
+      tint(bytes, vertex, colour, lightOn(x, y, z, this.#thin));
+      bytes[4 * vertex + 3] = 255 * inShade(x, y, z, this.#thin);
     }
     this.#tint.needsUpdate = true;
   }

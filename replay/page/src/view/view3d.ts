@@ -1,6 +1,6 @@
 // The 3-D view of one reach: arm, skin, objects, contact forces, goal and path of the hand.
 
-import { GridHelper, type LineBasicMaterial, Mesh, MeshBasicMaterial, OctahedronGeometry, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from "three";
+import { Color, GridHelper, type LineBasicMaterial, Mesh, MeshBasicMaterial, OctahedronGeometry, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from "three";
 
 import type { Palette } from "../colours.ts";
 import { element, prepare } from "../dom.ts";
@@ -9,9 +9,11 @@ import { pushesAt } from "../series.ts";
 import type { CameraKind } from "../state.ts";
 import { Arrows } from "./arrows.ts";
 import { Bodies } from "./bodies.ts";
+import { Ghost } from "./ghost.ts";
 import { ControllerMap } from "./map.ts";
 import { Path } from "./path.ts";
 import { prepareWebGL, Quality } from "./quality.ts";
+import { GROUND, Shadows } from "./shadows.ts";
 import { Skin } from "./skin.ts";
 import { Viewpoint } from "./viewpoint.ts";
 
@@ -21,6 +23,8 @@ export interface Shown {
   camera: CameraKind;
   taxel: number | null;
   object: number | null;
+  /** Whether there are shadows; null for where the processor does not draw. */
+  shadows: boolean | null;
   /** Whether the texts beside the arrows are brought up to date. */
   texts: boolean;
   /** The CSS colour of each taxel. */
@@ -49,11 +53,13 @@ export class View3D {
   #bodies: Bodies | null = null;
   #skin: Skin | null = null;
   #reach: Reach | null = null;
+  #ghost: Ghost | null = null;
   /** The theme whose colours everything has. */
   #painted: Palette | null = null;
   /** Width and height of the view, CSS pixels. */
   #size: [number, number] = [0, 0];
   readonly #quality: Quality;
+  readonly #shadows: Shadows;
 
   /** Throws if the browser cannot make WebGL. */
   constructor(name: string, redraw: () => void, picked: (hit: Hit) => void) {
@@ -65,7 +71,8 @@ export class View3D {
     this.#renderer.sortObjects = false;
     this.box = element("div", { class: "view-box" }, canvas, this.#labels);
     this.#viewpoint = new Viewpoint(canvas, redraw);
-    this.#scene.add(this.#arrows, this.#goal, this.#path, this.#map);
+    this.#shadows = new Shadows(this.#renderer);
+    this.#scene.add(this.#shadows, this.#arrows, this.#goal, this.#path, this.#map);
     this.#listen(canvas, picked);
     new ResizeObserver(([entry]) => {
       this.#size = [entry!.contentRect.width, entry!.contentRect.height];
@@ -104,20 +111,32 @@ export class View3D {
       old?.removeFromParent();
       old?.traverse((node) => node instanceof Mesh && node.geometry.dispose());
     }
+    this.haunt(null);
     this.#reach = reach;
     this.#bodies = new Bodies(reach);
     this.#skin = new Skin(reach);
     this.#scene.add(this.#bodies, this.#skin);
     this.#path.load(reach);
     const feet = reach.header.objects.map((object) => object.position_world[2]!);
-    this.#grid = new GridHelper(2, 20);
+    const height = feet.length > 0 ? Math.min(...feet) : null;
+    this.#grid = new GridHelper(GROUND.side_m, 20);
     this.#grid.rotation.x = Math.PI / 2;
-    this.#grid.position.set(0.6, -0.2, feet.length > 0 ? Math.min(...feet) : 0);
-    this.#grid.visible = feet.length > 0;
+    this.#grid.position.set(GROUND.x, GROUND.y, height ?? 0);
+    this.#grid.visible = height !== null;
+    this.#shadows.lay(height);
     (this.#grid.material as LineBasicMaterial).vertexColors = false;
     this.#scene.add(this.#grid);
     this.#painted = null;
     if (!grown) this.#viewpoint.forget();
+  }
+
+  /** Shows the arm of another reach, too, or of none. */
+  haunt(reach: Reach | null): void {
+    this.#ghost?.removeFromParent();
+    this.#ghost?.geometry.dispose();
+    this.#ghost = reach === null ? null : new Ghost(reach);
+    if (this.#ghost !== null) this.#scene.add(this.#ghost);
+    this.#painted = null;
   }
 
   /** Whether the processor draws, so that every change on the screen costs time. */
@@ -132,6 +151,7 @@ export class View3D {
     if (this.#painted !== palette) this.#recolour(palette);
     this.#bodies.place(frame);
     this.#bodies.recolour(palette, shown.object);
+    this.#ghost?.placeAt(this.#reach.time[frame]!);
     this.#skin.place(frame);
     this.#skin.paint(shown.colourOf);
     this.#skin.mark(shown.taxel, palette.variable("ink"));
@@ -140,6 +160,7 @@ export class View3D {
     this.#goal.visible = this.#reach.header.goals.length > 0;
     this.#path.show(frame);
     this.#map.show(this.#reach, frame, this.#grid?.visible === true ? this.#grid.position.z : null);
+    this.#shadows.cast(shown.shadows ?? !this.software);
     this.#viewpoint.look(shown.camera, new Vector3().fromArray(this.#reach.tip, 7 * frame), this.#path.geometry.boundingSphere!.center);
   }
 
@@ -149,6 +170,8 @@ export class View3D {
     this.#renderer.setClearColor(palette.variable("view"));
     this.#arrows.recolour(palette.variable("ink"), palette.variable("over"));
     this.#map.recolour(palette);
+    const second = new Color(palette.variable("second"));
+    this.#ghost?.paint(() => second);
     this.#goal.material.color.set(palette.variable("accent"));
     this.#path.material.color.set(palette.variable("accent"));
     (this.#grid?.material as LineBasicMaterial | undefined)?.color.set(palette.variable("grid"));
@@ -202,6 +225,7 @@ export class View3D {
     return {
       body: (body: number) => this.#bodies?.drawn(body) ?? null,
       hinges: (object: number) => this.#bodies?.hinges(object) ?? null,
+      ghost: (body: number) => this.#ghost?.drawn(body) ?? null,
       obstacles: this.#map.drawn,
       taxel: (taxel: number) => this.#skin?.drawn(taxel) ?? null,
       project,
