@@ -19,6 +19,9 @@ trap 'rm -rf "$wheels"' EXIT
 "$python" -m pip install --quiet --force-reinstall --no-deps "$wheels"/*.whl
 "$python" -m pip install --quiet "underbrush[test,docs] @ file://$(echo "$wheels"/*.whl)"
 
+# The wheel is small, and works where nothing else is.
+"$python" -P wheel.py "$wheels"/*.whl
+
 # The installed package is tested, not the folder beside this file: separate programs and -P keep this folder out of the
 # module path.
 export UNDERBRUSH=${UNDERBRUSH:-$CARGO_TARGET_DIR/release/underbrush}
@@ -30,8 +33,14 @@ export UNDERBRUSH=${UNDERBRUSH:-$CARGO_TARGET_DIR/release/underbrush}
 policy=examples/policy.py
 "$python" -P notebooks.py --check $(ls examples/*.py | grep -v "$policy")
 "$python" -P notebooks.py --check --cells "$policy"
-"$python" "$policy" --quick > /dev/null
+MPLBACKEND=agg "$python" "$policy" --quick > /dev/null
 # The page of all calls matches the docstrings.
 "$python" -P docs.py --check ../docs/python-api.md
-# The documentation is a site without broken links.
-"$venv/bin/mkdocs" build --strict --quiet --config-file ../mkdocs.yml --site-dir "$wheels/site"
+# The documentation is a site without broken links, with pages of all commands and files. axe-core and Chromium are those of
+# replay/ci.sh, which .ci/run runs before.
+"$venv/bin/mkdocs" build --strict --config-file ../mkdocs.yml --site-dir "$wheels/site"
+if [ -d ../replay/page/node_modules ] && [ -x "${CHROMIUM:-/usr/bin/chromium}" ]; then
+    node ../docs/site/check.mjs "$wheels/site"
+else
+    echo "The site was not checked in Chromium: run replay/ci.sh before, which installs what that needs" >&2
+fi

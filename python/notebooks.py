@@ -5,7 +5,8 @@
     python -P notebooks.py --cells examples/*.py    # writes or, with --check, compares the cells alone, and runs nothing
 
 The script's docstring becomes a cell of text, and `# %%` begins a cell of code. Printed text is stored but not compared, because
-other versions of other packages print other numbers. The pictures are the same on every machine.
+other versions of other packages print other numbers. The pictures of underbrush are the same on every machine. Of plots only the
+number is compared, because other versions of Matplotlib draw other fonts.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ def notebook(script: str) -> Any:
 
 def run(own: Any, folder: Path) -> None:
     """Runs the cells in their folder. What differs from run to run is left out."""
-    options: dict[str, Any] = {"timeout": 600, "record_timing": False, "coalesce_streams": True}
+    options: dict[str, Any] = {"timeout": 3600, "record_timing": False, "coalesce_streams": True}
     NotebookClient(own, resources={"metadata": {"path": str(folder)}}, **options).execute()
     own["metadata"]["language_info"] = {"name": "python"}
     for cell in own["cells"]:
@@ -48,8 +49,12 @@ def run(own: Any, folder: Path) -> None:
 
 def compared(own: Any) -> tuple[list[str], list[str]]:
     """The texts of the cells, and their pictures."""
-    outputs = [shown for cell in own["cells"] for shown in cell.get("outputs", [])]
-    pictures = [shown["data"]["image/png"].strip() for shown in outputs if "image/png" in shown.get("data", {})]
+    outputs = [shown["data"] for cell in own["cells"] for shown in cell.get("outputs", []) if "data" in shown]
+    pictures = [
+        "plot" if data.get("text/plain", "").startswith("<Figure") else data["image/png"].strip()
+        for data in outputs
+        if "image/png" in data
+    ]
     return [cell["source"] for cell in own["cells"]], pictures
 
 

@@ -103,7 +103,7 @@ enum Command {
     Inspect(command::inspect::InspectOptions),
     /// Show reaches in the browser: the arm in 3-D, its skin, plots and verdicts over time
     Replay(command::replay::ReplayOptions),
-    /// Name the Python call that writes reaches for other tools (MCAP, ROS 2, HDF5)
+    /// Write reaches for other tools (MCAP, ROS 2, HDF5). Without the Python package, name the call that does
     Export(command::export::ExportOptions),
     /// Cut contact trials from a CSV file of a real robot
     Import(command::import::ImportOptions),

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from typing import Any
 
 import gymnasium
+import matplotlib.pyplot as plt
 import numpy as np
 from numpy.typing import NDArray
 
@@ -100,11 +101,13 @@ random = np.random.default_rng(0)
 # At the start it goes ahead at full speed, whatever the skin senses.
 START = np.array([0.0, -4.0, -3.0, 0.0, 0.0, 0.0])
 mean, spread = START.copy(), np.array([0.7, 1.5, 0.5, 0.1, 0.1, 0.1])
+history = []
 for number in range(ROUNDS):
     candidates = mean + spread * random.standard_normal((CANDIDATES, len(mean)))
     candidates[0] = mean
     # Other reaches in every round, the same for all candidates.
     returns = episodes(candidates, [100 + number] * CANDIDATES, REACHES)["return"].mean(axis=1)
+    history.append(returns)
     best = candidates[np.argsort(-returns)[: CANDIDATES // 4]]
     # Half a step towards the best, because few reaches say little.
     mean, spread = (mean + best.mean(axis=0)) / 2, np.maximum((spread + best.std(axis=0)) / 2, 0.02)
@@ -112,11 +115,16 @@ for number in range(ROUNDS):
 
 
 # %%
-def interval(values: Numbers) -> str:
+def interval(values: Numbers) -> tuple[float, float, float]:
     """Mean and 95 % interval by the bootstrap over seeds, whose reaches are kept together."""
     drawn = random.integers(0, len(values), (2000, len(values)))
     low, high = np.percentile(values[drawn].mean(axis=(1, 2)), [2.5, 97.5])
-    return f"{values.mean():6.2f} ({low:.2f} to {high:.2f})"
+    return float(values.mean()), float(low), float(high)
+
+
+def told(found: dict[str, Numbers]) -> str:
+    """The intervals of all that was measured, as text."""
+    return ", ".join("{} {:6.2f} ({:.2f} to {:.2f})".format(what, *interval(values)) for what, values in found.items())
 
 
 compared: dict[str, tuple[Numbers, str, Policy]] = {
@@ -132,7 +140,23 @@ results = {
 }
 print(f"{len(seeds) * TEST_REACHES} reaches of {len(seeds)} seeds that were not trained on; mean (95 % interval)")
 for name, found in results.items():
-    print(f"{name}: " + ", ".join(f"{what} {interval(values)}" for what, values in found.items()))
+    print(f"{name}: {told(found)}")
 for other in ("policy before", "published, goal"):
     pairs = {what: results["policy after"][what] - values for what, values in results[other].items()}
-    print(f"policy after minus {other}: " + ", ".join(f"{what} {interval(values)}" for what, values in pairs.items()))
+    print(f"policy after minus {other}: {told(pairs)}")
+
+# %%
+# Left: the candidates of each round, and their mean. Each round has other reaches, so what learning does is seen in the spread, and
+# right: the force and the time of reaches that were not trained on.
+figure, (left, *right) = plt.subplots(1, 3, figsize=(10, 3), layout="constrained", width_ratios=(2, 1, 1))
+for number, returns in enumerate(history):
+    left.plot(np.full(len(returns), number), returns, ".", color="tab:gray", alpha=0.5)
+left.plot([returns.mean() for returns in history], "o-", color="tab:blue")
+left.set(xlabel="round", ylabel="return")
+for axes, what, unit in zip(right, ("mean force", "time"), ("N", "s")):
+    for row, (name, found) in enumerate(results.items()):
+        middle, low, high = interval(found[what])
+        axes.plot([low, high], [row, row], "-", middle, row, "o", color="tab:blue")
+    axes.set(xlabel=f"{what} / {unit}", xlim=(0, None))
+    axes.set_yticks(range(len(results)), list(results) if axes is right[0] else [""] * len(results))
+plt.show()

@@ -1,5 +1,6 @@
 //! Arms: joints, links and skin.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
@@ -31,6 +32,12 @@ impl PyArm {
     #[getter]
     fn name(&self) -> &str {
         &self.arm.name
+    }
+
+    /// Texts of the files that it was read from, by their names: its TOML file, its URDF and its skin file.
+    #[getter]
+    fn files(&self) -> BTreeMap<&str, &str> {
+        self.arm.files.iter().map(|file| (file.name.as_str(), file.text.as_str())).collect()
     }
 
     /// Names of the joints.

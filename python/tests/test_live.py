@@ -30,7 +30,7 @@ def model(tmp_path_factory: pytest.TempPathFactory, trials: ub.Trials) -> Path:
 @contextmanager
 def running(model: Path) -> Iterator[tuple[subprocess.Popen[str], int]]:
     """The command, and the port that it opened."""
-    command = [sys.executable, "-m", "underbrush", "classify", str(model), "-", "--foxglove", "0"]
+    command = [sys.executable, "-P", "-m", "underbrush", "classify", str(model), "-", "--foxglove", "0"]
     with subprocess.Popen(
         command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, bufsize=1
     ) as process:
@@ -92,7 +92,7 @@ def test_frames_and_verdicts_come_in_foxglove(model: Path) -> None:
 def test_bad_lines_and_resets_are_answered_as_without_foxglove(model: Path) -> None:
     """Tests that the output is byte for byte that of the command without a viewer."""
     lines = '{"time_s":0.01,"taxels":[]}\n\nnothing\n{"reset":true}\n{"time_s":0.01,"taxels":[{"taxel":9999,"sensed_force_n":1}]}\n'
-    command = [sys.executable, "-m", "underbrush", "classify", str(model), "-"]
+    command = [sys.executable, "-P", "-m", "underbrush", "classify", str(model), "-"]
     alone = subprocess.run(command, input=lines, capture_output=True, text=True, check=True)
     beside = subprocess.run([*command, "--foxglove", "0"], input=lines, capture_output=True, text=True, check=True)
     assert beside.stdout == alone.stdout and alone.stdout.count("\n") == 4
@@ -100,6 +100,6 @@ def test_bad_lines_and_resets_are_answered_as_without_foxglove(model: Path) -> N
 
 def test_a_model_that_is_not_there_is_an_error(tmp_path: Path) -> None:
     """Tests the exit status and the message."""
-    command = [sys.executable, "-m", "underbrush", "classify", str(tmp_path / "no.json"), "-", "--foxglove", "0"]
+    command = [sys.executable, "-P", "-m", "underbrush", "classify", str(tmp_path / "no.json"), "-", "--foxglove", "0"]
     found = subprocess.run(command, input='{"time_s":0.01,"taxels":[]}\n', capture_output=True, text=True, check=False)
     assert found.returncode == 2 and "no.json" in found.stderr

@@ -11,7 +11,7 @@ import pytest
 import underbrush as ub
 import underbrush.ros2
 
-from conftest import ROOT, quick
+from conftest import QUICK, ROOT, quick
 
 rosbag2 = pytest.importorskip("rosbags.rosbag2")
 mcap = pytest.importorskip("mcap.reader")
@@ -120,3 +120,14 @@ def test_a_data_set_has_the_urdf_of_its_arm(tmp_path: Path) -> None:
         assert (tmp_path / "bag" / "robot.urdf").read_text() == urdf
         with rosbag2.Reader(tmp_path / "bag") as reader:
             assert "/robot_description" in {connection.topic for connection in reader.connections}
+
+
+def test_a_recording_of_the_arm_that_ships_has_its_urdf(reach: ub.Reach, tmp_path: Path) -> None:
+    """Tests that the bag of one recording holds Cody's URDF if the arm is Cody's, and none if the skin is another's."""
+    reach.save(tmp_path / "reach.parquet")
+    assert underbrush.ros2.main(["export", str(tmp_path / "reach.parquet"), "--out", str(tmp_path / "bag")]) == 0
+    assert (tmp_path / "bag" / "robot.urdf").read_text() == (ROOT / "sim" / "arms" / "cody" / "cody.urdf").read_text()
+    scene = ROOT / "benchmarks" / "incidental-contact-1" / "scenes" / "other-arm" / "other-arm.toml"
+    other = ub.reach(ub.Scene(scene).changed(QUICK, name="other"))
+    underbrush.ros2.export(other, tmp_path / "other")
+    assert not (tmp_path / "other" / "robot.urdf").exists()

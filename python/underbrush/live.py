@@ -117,7 +117,7 @@ def classify(arguments: list[str], frames: Iterable[str], out: TextIO, server: S
     int
         The exit status of the command.
     """
-    command = [sys.executable, "-m", "underbrush", "classify", *arguments]
+    command = [sys.executable, "-P", "-m", "underbrush", "classify", *arguments]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1) as child:
         assert child.stdin is not None and child.stdout is not None
         for line in frames:

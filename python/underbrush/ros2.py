@@ -172,15 +172,23 @@ class _Bag:
                     self.send(topic, self.make("WrenchStamped", header=self.header(_WORLD), wrench=wrench))
 
 
-def _urdf_of(dataset: _core.Dataset | None, urdf: str | PathLike[str] | None) -> Callable[[str], str | None]:
-    """The URDF of the arm in a scene: this file, else what the data set was made from."""
+def _of_cody(reach: _core.Reach) -> str | None:
+    """The URDF of the arm that ships, if the joints and the skin are that arm's. A recording does not hold the files of its arm."""
+    cody = _core.Arm.cody()
+    is_cody = reach.joint_names == cody.joints and reach.skin.layout == cody.skin.layout
+    return cody.files["cody.urdf"] if is_cody else None
+
+
+def _urdf_of(dataset: _core.Dataset | None, urdf: str | PathLike[str] | None) -> Callable[[_core.Reach], str | None]:
+    """The URDF of the arm of a reach: this file, else what the data set was made from."""
     if urdf is not None:
         text = Path(urdf).read_text(encoding="utf-8")
-        return lambda scene: text
+        return lambda reach: text
     if dataset is None:
-        return lambda scene: None
+        return _of_cody
     arms = [{Path(file["name"]).suffix: file["text"] for file in arm["files"]} for arm in dataset.provenance["arms"]]
-    return {scene["name"]: arms[scene["arm"]].get(".urdf") for scene in dataset.provenance["scenes"]}.get
+    texts = {scene["name"]: arms[scene["arm"]].get(".urdf") for scene in dataset.provenance["scenes"]}
+    return lambda reach: texts.get(reach.scene)
 
 
 def export(
@@ -201,7 +209,8 @@ def export(
         ``reach-000001``, ….
     urdf : path, optional
         The URDF of the arm. It is copied into each bag as ``robot.urdf`` and sent on ``/robot_description``. A data set
-        holds the URDF of its arm, and needs this only for another one.
+        holds the URDF of its arm, and needs this only for another one. Other reaches need it if their arm is not the one
+        that ships.
     force : bool
         Remove a bag that exists. Folders that are no bags are never removed.
 
@@ -215,7 +224,7 @@ def export(
 
 
 def _export_with(
-    urdf_of: Callable[[str], str | None], reaches: _core.Reach | _core.Dataset | Iterable[_core.Reach], path: Path, force: bool
+    urdf_of: Callable[[_core.Reach], str | None], reaches: _core.Reach | _core.Dataset | Iterable[_core.Reach], path: Path, force: bool
 ) -> None:
     """Writes the bags of reaches with the URDF of each scene."""
     if not isinstance(reaches, _core.Reach):
@@ -223,7 +232,7 @@ def _export_with(
         for number, reach in enumerate(_export.each(reaches)):
             _export_with(urdf_of, reach, path / f"reach-{number:06}", force)
         return
-    text = urdf_of(reaches.scene)
+    text = urdf_of(reaches)
     if path.exists() and not (force and (path / "metadata.yaml").exists()):
         remedy = "choose another name" if force else "choose another name, or overwrite it with --force if it is a bag"
         raise InputError(f"{path}: exists already; {remedy}", file=str(path))
@@ -253,7 +262,7 @@ def main(arguments: list[str] | None = None) -> int:
     commands = parser.add_subparsers(dest="command", required=True)
     out = "folder of the bag; for several reaches the folder, with one bag reach-000000, ... for each"
     own = _export.export_parser(commands, "write reaches as bags of ROS 2", out)
-    own.add_argument("--urdf", type=Path, help="URDF of the arm, for /robot_description [default: of a data set, that of its arm]")
+    own.add_argument("--urdf", type=Path, help="URDF of the arm, for /robot_description [default: of a data set that of its arm, else that of Cody if it is the arm]")
     options = parser.parse_args(arguments)
 
     def run() -> None:

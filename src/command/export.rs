@@ -1,4 +1,4 @@
-//! `underbrush export`: names the Python call that writes reaches for other tools.
+//! `underbrush export`: names the Python call that writes reaches for other tools. The command that pip installs writes them.
 
 use std::path::PathBuf;
 
@@ -16,9 +16,9 @@ pub struct ExportOptions {
     _data: Vec<PathBuf>,
     /// Format to write
     #[arg(long, value_name = "FORMAT", value_parser = named::<String>(&[
-        ("mcap", "For Foxglove: python -m underbrush.mcap export"),
-        ("ros2", "Bags of ROS 2: python -m underbrush.ros2 export"),
-        ("hdf5", "In the shape of robomimic's data sets: python -m underbrush.hdf5 export"),
+        ("mcap", "For Foxglove; the same as python -m underbrush.mcap export"),
+        ("ros2", "Bags of ROS 2; the same as python -m underbrush.ros2 export"),
+        ("hdf5", "In the shape of robomimic's data sets; the same as python -m underbrush.hdf5 export"),
     ]))]
     to: String,
     /// File or folder to write

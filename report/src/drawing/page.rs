@@ -28,43 +28,8 @@ pub struct Page {
     in_section: bool,
 }
 
-/// One column of readable width, with figures in as many columns as there is room for. A table that is too wide for the page
-/// scrolls; its caption does not. Where people prefer dark pages, charts are inverted; turning their hues back keeps the colours.
-const STYLE: &str = "\
-:root { color-scheme: light dark; --ink: #1d2126; --page: #ffffff; --faint: #3c444c; --line: #c8ced4; --card: #f3f5f7; --link: #0b57a4 }
-body { font: 1rem/1.5 system-ui, sans-serif; color: var(--ink); background: var(--page); margin: 0 auto; padding: 1rem; max-width: 64rem }
-h1 { font-size: 1.7rem; line-height: 1.2 } h2 { font-size: 1.2rem; display: inline } .cards h2 { font-size: 1rem; display: block; margin: 0 }
-p, ul { max-width: 44rem } a { color: var(--link) } .lead { font-size: 1.2rem; max-width: 54rem }
-details { border-top: 1px solid var(--line); padding: .55rem 0 } summary { cursor: pointer }
-.first { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 26rem), 1fr)); gap: 1.2rem; align-items: center }
-img { width: 100%; height: auto; display: block; border-radius: .4rem }
-.cards { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 18rem), 1fr)); gap: 1rem; margin: 1.2rem 0 }
-.cards section { background: var(--card); border-radius: .4rem; padding: .8rem 1rem } .cards ul { padding-left: 1.1rem; margin: .4rem 0 0 }
-.scroll { overflow-x: auto } table { border-collapse: collapse; margin: 1rem 0; font-variant-numeric: tabular-nums }
-caption { text-align: left; font-weight: 600; padding-bottom: .3rem; max-width: min(44rem, calc(100vw - 2rem)) }
-th, td { padding: .2rem .45rem; border-bottom: 1px solid var(--line); text-align: left; vertical-align: top; white-space: nowrap }
-th { border-bottom: 2px solid #8a939c; font-weight: 600; white-space: normal; vertical-align: bottom }
-th.number, td.number { text-align: right }
-figure { margin: 1.2rem 0 } figcaption { max-width: 44rem; color: var(--faint) }
-.charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 25rem), 1fr)); gap: 1rem }
-.charts.one { display: block; max-width: 36rem } svg { width: 100%; height: auto; display: block }
-.paper { border-left: 4px solid #c98a00; padding-left: .8rem; max-width: 43rem }
-@media (prefers-color-scheme: dark) {
-:root { --ink: #e4e7ea; --page: #141414; --faint: #b4bbc2; --line: #3a4046; --card: #1f2225; --link: #7db7f0 }
-svg { filter: invert(.92) hue-rotate(180deg) } }
-@media (max-width: 40rem) { table { font-size: .85rem } th, td { padding: .2rem .25rem } td:not(.number) { white-space: normal }
-td:first-child:not(.number) { min-width: 7rem } }
-@media print { :root { color-scheme: light } body { max-width: none; padding: 0; font-size: 10pt } figure, table { break-inside: avoid }
-summary { break-after: avoid } .scroll { overflow: visible } .charts { grid-template-columns: 1fr 1fr } .charts.one { max-width: 14cm } a { color: inherit } }
-";
-
-/// Opens the section that an address names, and all of them in print.
-const SCRIPT: &str = "\
-const show = () => document.getElementById(location.hash.slice(1))?.closest('details')?.setAttribute('open', '');
-addEventListener('hashchange', show);
-addEventListener('beforeprint', () => document.querySelectorAll('details').forEach(own => own.setAttribute('open', '')));
-show();
-";
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
 
 impl Page {
     /// An empty page.

@@ -1,13 +1,9 @@
-"""For MkDocs: makes the site of this folder fit for phones and for search without a server."""
+"""For MkDocs: makes the site fit for phones and for search without a server."""
 
 import re
 from pathlib import Path
 from typing import Any
 
-# A wide table scrolls within its own box.
-STYLE = """
-table { display: block; overflow-x: auto; }
-"""
 # A page that was opened from disk may neither start a worker nor read the index, but it may load a script with both.
 FROM_DISK = """
 if (location.protocol === "file:") {
@@ -28,11 +24,14 @@ def on_page_markdown(markdown: str, page: Any, **_: object) -> str:
     return re.sub(rf"\[([^\]]+)\]\((?:\.\./){{{depth}}}[^)]*\)", r"\1", markdown)
 
 
+def on_page_content(html: str, **_: object) -> str:
+    """Tables get a box in which they scroll."""
+    return html.replace("<table>", '<div class="scroll"><table>').replace("</table>", "</table></div>")
+
+
 def on_post_build(config: Any, **_: object) -> None:
-    """Adds the style, and search from disk."""
-    site = Path(config.site_dir)
-    style, search = site / "css" / "base.css", site / "search"
-    style.write_text(style.read_text() + STYLE)
+    """Adds search from disk."""
+    search = Path(config.site_dir) / "search"
     (search / "main.js").write_text(FROM_DISK + (search / "main.js").read_text())
     lunr, worker, index = ((search / name).read_text() for name in ("lunr.js", "worker.js", "search_index.json"))
     run = f"window.postMessage = message => onWorkerMessage({{ data: message }});\ndata = {index};\nonScriptsLoaded();\n"
