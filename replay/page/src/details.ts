@@ -6,6 +6,7 @@ import { pushesAt } from "./series.ts";
 import type { State } from "./state.ts";
 import type { Trial } from "./trial.ts";
 import type { Trials } from "./trials.ts";
+import { UsualFeatures } from "./usual.ts";
 
 type Row = [string, string | Node];
 
@@ -26,6 +27,7 @@ export class Details {
   /** Whether the features of a region are unfolded. */
   #featuresOpen = false;
   #reach: Reach | null = null;
+  #usual: UsualFeatures | null = null;
 
   constructor(readonly box: HTMLElement, readonly seek: (frame: number) => void, readonly selectObject: (object: number) => void) {}
 
@@ -128,8 +130,25 @@ export class Details {
       ["taxels", `${region.taxels}, of which ${region.touchedTaxels} are not called nothing`],
       ["known contacts as unusual", `${(100 * region.shareBeyond).toFixed(1)} % (unknown at ${100 * share} % or less)`],
     ];
-    const features = header.features.map((name, index): Row => [name, region.features[index]!.toFixed(2)]);
-    const more = element("details", { class: "features", open: this.#featuresOpen }, element("summary", {}, "Features that the model sees (logarithmic scales)"), this.#rows(features));
+    // The truth of the region is that of this taxel.
+    const reading = reach.reading(taxel, frame);
+    const truth = reading < 0 ? null : reach.category(reach.readingObject[reading]!);
+    if (this.#usual?.reach !== reach) this.#usual = new UsualFeatures(reach, trials);
+    const usual = truth === null ? null : this.#usual.of(truth);
+    const features = header.features.map((name, index): Row => {
+      const value = region.features[index]!;
+      const [low, high] = usual?.[index] ?? [-Infinity, Infinity];
+      if (value >= low && value <= high) return [name, value.toFixed(2)];
+      return [name, element("strong", {}, `${value.toFixed(2)} ${value > high ? "▲" : "▼"} ${low.toFixed(2)} to ${high.toFixed(2)}`)];
+    });
+    const key = `▲ and ▼: above and below the middle 80 % of the regions of this reach that are truly ${truth}. These may have decided.`;
+    const more = element(
+      "details",
+      { class: "features", open: this.#featuresOpen },
+      element("summary", {}, "Features that the model sees (logarithmic scales)"),
+      usual === null ? "" : element("p", { class: "key" }, key),
+      this.#rows(features),
+    );
     more.addEventListener("toggle", () => (this.#featuresOpen = more.open));
     return [element("h4", {}, `Contact region ${region.contact}`), this.#rows(rows), more];
   }

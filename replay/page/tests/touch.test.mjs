@@ -80,6 +80,12 @@ test("a chosen taxel shows probabilities and its region", async () => {
   assert.equal(await page.locator(".features dd").first().isVisible(), false);
   await page.locator(".features summary").click();
   assert.equal(await page.locator(".features dd").count(), 30);
+  // Marks are of values outside the range that is written beside them.
+  assert.match(await page.locator(".features .key").textContent(), /middle 80 % of the regions of this reach that are truly \w+/);
+  for (const text of await page.locator(".features dd strong").allTextContents()) {
+    const [, value, mark, low, high] = /^(-?[\d.]+) ([▲▼]) (-?[\d.]+) to (-?[\d.]+)$/.exec(text);
+    assert.ok(mark === "▲" ? Number(value) >= Number(high) : Number(value) <= Number(low), text);
+  }
   await seek(page, frame + 1);
   assert.ok(await page.locator(".features dd").first().isVisible(), "the features folded up");
   assert.match(await page.locator('[data-plot="scores"] h3').textContent(), /^Probabilities of forearm row \d+, column \d+$/);
