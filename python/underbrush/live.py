@@ -71,7 +71,7 @@ class Server:
         return port
 
     def send(self, frame: dict[str, Any], answer: dict[str, Any]) -> None:
-        """Send a frame and its answer, both as ``docs/live-stream.md`` describes them. Their time in Foxglove is now."""
+        """Send a frame and its answer, as ``docs/live-stream.md`` describes them. Foxglove shows them at the present time."""
         now = time.time_ns()
         self._log("/verdicts", now, answer)
         if "error" in answer or "reset" in answer:
