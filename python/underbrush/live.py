@@ -1,4 +1,4 @@
-"""The live stream of verdicts in `Foxglove <https://foxglove.dev>`_, while a robot touches things.
+"""Verdicts in `Foxglove <https://foxglove.dev>`_ while a robot touches things.
 
     my-robot | underbrush classify model.json - --foxglove 8765
 

@@ -85,8 +85,8 @@ pub struct Mapped {
     arm: Arm,
     shapes: ArmShapes,
     bare: BareSurface,
-    /// Obstacles are as high as this if their height is not known, m, world frame: as the first joint, because an arm that
-    /// reached over everything would need no map, and at least [`STEM_M`] above the floor.
+    /// Top of obstacles whose height is not known, m, world frame: the height of the first joint, but at least [`STEM_M`] above
+    /// the floor. Choice: an arm that reached over everything would need no map.
     top_m: f64,
     /// How fast the offset of the equilibrium angles grows at the end of the way, 1/s.
     push_per_s: f64,

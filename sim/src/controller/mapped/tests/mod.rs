@@ -177,7 +177,7 @@ fn plan(seed: u64) -> ReachPlan {
     ReachPlan::new(Scene::parse("row.toml", text.into()).unwrap(), None, seed).unwrap()
 }
 
-/// A reach of the Panda in docs/arms, whose base is lower than the table.
+/// A reach of the Panda in docs/arms. Its base stands below the table.
 fn plan_of_panda(seed: u64) -> ReachPlan {
     let scene = Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/arms/panda/foliage.toml")).unwrap();
     ReachPlan::new(scene, Some(crate::controller::ControllerKind::Mapped), seed).unwrap()
