@@ -1,16 +1,22 @@
 //! The page, and the single file with its data inside.
 
 use std::fmt::Write;
+use std::sync::LazyLock;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use miniz_oxide::deflate::compress_to_vec_zlib;
+use miniz_oxide::inflate::decompress_to_vec_zlib;
 use underbrush_recording::Fault;
 
 use crate::Source;
 
 /// The built page: one HTML file with its script and style inside.
-pub static PAGE: &str = include_str!("../page/dist/index.html");
+pub static PAGE: LazyLock<String> = LazyLock::new(|| {
+    let page = decompress_to_vec_zlib(include_bytes!(concat!(env!("OUT_DIR"), "/page.zlib")));
+    // What the build has compressed can be read again, and is text.
+    page.ok().and_then(|page| String::from_utf8(page).ok()).unwrap_or_default()
+});
 /// The place of the data in a single file. The build makes sure that the page has it exactly once.
 const MARKER: &str = "<!--underbrush-data-->";
 

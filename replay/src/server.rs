@@ -156,7 +156,7 @@ impl Shared {
         let number = path.strip_prefix("/api/reach/").filter(|number| is_number(number));
         let command = path.strip_prefix(COMMAND).filter(|_| request.method == "POST");
         match (&self.content, number, command) {
-            _ if path == "/" => Response::new(200, "text/html; charset=utf-8", PAGE),
+            _ if path == "/" => Response::new(200, "text/html; charset=utf-8", PAGE.as_bytes()),
             (Content::Stored(source, _), ..) if path == "/api/reaches" => Response::list(&source.reaches),
             (Content::Stored(source, kept), Some(number), _) => reach(source, kept, number),
             (Content::Running(running), ..) if path == "/api/reaches" => running.list(),

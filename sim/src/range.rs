@@ -148,7 +148,7 @@ impl Quantity {
                 Some(uniform.sample(random)).filter(physical).ok_or(error)
             }
             Draw::Normal(mean, deviation) => {
-                let mut normal = || mean + deviation * standard_normals(random)[0];
+                let mut normal = || mean + deviation * standard_normals(random)[0].value();
                 (0..DRAWS).map(|_| normal()).find(physical).ok_or(error)
             }
         }

@@ -2,6 +2,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde::{Deserialize, Serialize};
 use underbrush_recording::math;
 
 /// The stream for one purpose (such as `"clutter"`, `"goals"` or `"sensor"`) of one reach of one scene, which is named by
@@ -29,15 +30,36 @@ pub fn stream(seed: u64, scene: &str, reach_index: u64, purpose: &str) -> ChaCha
     ChaCha8Rng::from_seed(*hasher.finalize().as_bytes())
 }
 
+/// A draw from the standard normal distribution, x √(−2 ln s / s). Its logarithm is computed only where the value is needed.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Normal {
+    x: f64,
+    square: f64,
+}
+
+impl Normal {
+    /// The value of the draw.
+    pub fn value(self) -> f64 {
+        self.x * (-2.0 * math::ln(self.square) / self.square).sqrt()
+    }
+
+    /// Whether the size of the draw times `scale` is certainly less than `limit`, because −ln s < (1 − s) / √s.
+    pub fn is_within(self, limit: f64, scale: f64) -> bool {
+        let (size, square) = (scale * self.x, self.square);
+        // Rounding errors are far smaller than this.
+        let limit = limit * (1.0 - 1e-9);
+        limit > 0.0 && 2.0 * size * size * (1.0 - square) < limit * limit * square * square.sqrt()
+    }
+}
+
 /// Two independent draws from the standard normal distribution (Marsaglia's polar method). `rand_distr` takes its
 /// logarithm from the machine, and the last digits of a draw would depend on it.
-pub fn standard_normals(random: &mut ChaCha8Rng) -> [f64; 2] {
+pub fn standard_normals(random: &mut ChaCha8Rng) -> [Normal; 2] {
     loop {
         let [x, y] = [0, 1].map(|_| 2.0 * random.random::<f64>() - 1.0);
         let square = x * x + y * y;
         if 0.0 < square && square < 1.0 {
-            let scale = (-2.0 * math::ln(square) / square).sqrt();
-            return [x * scale, y * scale];
+            return [x, y].map(|x| Normal { x, square });
         }
     }
 }
@@ -53,7 +75,8 @@ mod tests {
     fn normal_draws_are_normal() {
         let mut random = stream(1, "test", 0, "normal");
         let count = 200_000.0;
-        let draws: Vec<f64> = (0..100_000).flat_map(|_| standard_normals(&mut random)).collect();
+        let pairs = (0..100_000).flat_map(|_| standard_normals(&mut random));
+        let draws: Vec<f64> = pairs.map(Normal::value).collect();
         let product: f64 = draws.chunks_exact(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / 100_000.0;
         assert!(product.abs() < 5.0 / f64::sqrt(100_000.0), "the draws of a pair are correlated: {product}");
         let mean = |of: &dyn Fn(f64) -> f64| draws.iter().map(|draw| of(*draw)).sum::<f64>() / count;
@@ -65,6 +88,21 @@ mod tests {
         ] {
             assert!((found - expected).abs() < 5.0 * f64::sqrt(variance / count), "{found} {expected}");
         }
+    }
+
+    /// Tests that no draw is larger than a limit that it is said to be within, and that nine in ten draws of less than half a
+    /// limit of six deviations are known to be within it.
+    #[test]
+    fn draws_are_within_their_limits() {
+        let mut random = stream(1, "test", 0, "limits");
+        let draws: Vec<Normal> = (0..100_000).flat_map(|_| standard_normals(&mut random)).collect();
+        for limit in [-1.0, 0.0, 0.01, 0.5, 2.0, 6.0] {
+            let within = || draws.iter().filter(|draw| draw.is_within(2.0 * limit, 2.0));
+            assert!(within().all(|draw| draw.value().abs() < limit), "{limit}");
+        }
+        let small = || draws.iter().filter(|draw| draw.value().abs() < 3.0);
+        let known = small().filter(|draw| draw.is_within(6.0, 1.0)).count();
+        assert!(10 * known > 9 * small().count(), "{known}");
     }
 
     /// Tests that a change of any of the four arguments gives another stream, and that the same arguments give the same

@@ -65,12 +65,9 @@ impl Capacitive {
             for (crept, advance) in crept.iter_mut().zip(self.creep_advance) {
                 *crept += (felt - *crept) * advance;
             }
-            let analog = felt + self.creep_share * crept.iter().sum::<f64>() + offset + self.noise.draw(random);
-            *reading = if analog.abs() < self.gate_n || analog < self.floor_n {
-                0.0
-            } else {
-                self.converter.convert(analog).clamp(0.0, self.saturation_n)
-            };
+            let clean = felt + self.creep_share * crept.iter().sum::<f64>() + offset;
+            let analog = self.noise.over_gate(clean, self.gate_n, random).filter(|analog| *analog >= self.floor_n);
+            *reading = analog.map_or(0.0, |analog| self.converter.convert(analog).clamp(0.0, self.saturation_n));
         }
     }
 }

@@ -3,14 +3,14 @@
 use rand_chacha::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use crate::seed::standard_normals;
+use crate::seed::{Normal, standard_normals};
 
 /// White Gaussian noise of one standard deviation for all taxels.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Noise {
     standard_deviation_n: f64,
     /// The second of two draws, for the next reading.
-    spare: Option<f64>,
+    spare: Option<Normal>,
 }
 
 impl Noise {
@@ -19,15 +19,29 @@ impl Noise {
         Noise { standard_deviation_n, spare: None }
     }
 
-    /// Draws the noise of one reading, N. A number is drawn even if the noise is off, so that the noise of one
-    /// technology does not depend on whether the other has any.
+    /// Draws the noise of one reading, N.
     pub fn draw(&mut self, random: &mut ChaCha8Rng) -> f64 {
-        let normal = self.spare.take().unwrap_or_else(|| {
+        self.next(random).value() * self.standard_deviation_n
+    }
+
+    /// Draws the noise of a reading of `clean_n` (N), and adds it; `None` if the sum is smaller than `gate_n`, N.
+    pub fn over_gate(&mut self, clean_n: f64, gate_n: f64, random: &mut ChaCha8Rng) -> Option<f64> {
+        let normal = self.next(random);
+        if normal.is_within(gate_n - clean_n.abs(), self.standard_deviation_n) {
+            return None;
+        }
+        let reading_n = clean_n + normal.value() * self.standard_deviation_n;
+        (reading_n.abs() >= gate_n).then_some(reading_n)
+    }
+
+    /// A number is drawn even if the noise is off, so that the noise of one technology does not depend on whether the other
+    /// has any.
+    fn next(&mut self, random: &mut ChaCha8Rng) -> Normal {
+        self.spare.take().unwrap_or_else(|| {
             let [first, second] = standard_normals(random);
             self.spare = Some(second);
             first
-        });
-        normal * self.standard_deviation_n
+        })
     }
 }
 

@@ -41,12 +41,8 @@ impl Fabric {
             // The fabric's conductance is proportional to the force, which in a voltage divider gives F S / (F + S).
             // The driver calibrates only the slope at small forces.
             let divided = *memory / (1.0 + *memory / self.full_scale_n);
-            let analog = divided + self.noise.draw(random);
-            *reading = if analog.abs() < self.gate_n {
-                0.0
-            } else {
-                self.converter.convert(analog).clamp(0.0, self.full_scale_n)
-            };
+            let analog = self.noise.over_gate(divided, self.gate_n, random);
+            *reading = analog.map_or(0.0, |analog| self.converter.convert(analog).clamp(0.0, self.full_scale_n));
         }
     }
 }

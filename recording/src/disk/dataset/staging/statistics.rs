@@ -5,7 +5,6 @@
 //! between platforms. A quantile is the nearest-rank sample, rounded towards zero to 10 bits after the leading one:
 //! exact for whole numbers up to 2047, otherwise less than 0.1 % too small.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
@@ -19,22 +18,18 @@ const PERCENTILES: [(&str, u64); 5] = [("q01", 1), ("q10", 10), ("q50", 50), ("q
 /// Bits of a number below its histogram bin: all but 10 of the mantissa.
 const BIN_SHIFT: u32 = 42;
 
-/// Statistics of one column, number by number.
-#[derive(Debug, Serialize, Deserialize)]
+/// Statistics of one column: a list of each, with an entry for each number of a row.
+#[derive(Debug, Default, Serialize, Deserialize)]
 struct ColumnStatistics {
     count: u64,
-    elements: Vec<Element>,
-}
-
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct Element {
-    min: f64,
-    max: f64,
-    mean: f64,
-    squares: f64,
+    min: Vec<f64>,
+    max: Vec<f64>,
+    mean: Vec<f64>,
+    /// Sums of squared differences from the mean.
+    squares: Vec<f64>,
     /// Samples by bin. Zeros are left out, because most taxels have many of them; their number is the rest of the
     /// count.
-    bins: BTreeMap<i32, u64>,
+    bins: Vec<BTreeMap<i32, u64>>,
 }
 
 /// The bin of a number; bins sort as numbers do.
@@ -51,67 +46,68 @@ fn smallest_in(bin: i32) -> f64 {
 
 impl ColumnStatistics {
     fn new(width: usize) -> Self {
-        let element =
-            Element { min: f64::INFINITY, max: f64::NEG_INFINITY, mean: 0.0, squares: 0.0, bins: BTreeMap::new() };
-        ColumnStatistics { count: 0, elements: vec![element; width] }
+        ColumnStatistics {
+            count: 0,
+            min: vec![f64::INFINITY; width],
+            max: vec![f64::NEG_INFINITY; width],
+            mean: vec![0.0; width],
+            squares: vec![0.0; width],
+            bins: vec![BTreeMap::new(); width],
+        }
     }
 
-    fn add(&mut self, numbers: &[f64]) {
-        let width = self.elements.len();
-        for row in numbers.chunks_exact(width) {
+    fn add<T: Copy>(&mut self, values: &[T], number: impl Fn(T) -> f64) {
+        let mut bins = Vec::new();
+        for row in values.chunks_exact(self.bins.len()) {
             self.count += 1;
             let share = 1.0 / self.count as f64;
-            for (element, &number) in self.elements.iter_mut().zip(row) {
-                element.min = element.min.min(number);
-                element.max = element.max.max(number);
-                let difference = number - element.mean;
-                element.mean += difference * share;
-                element.squares += difference * (number - element.mean);
+            let figures = self.min.iter_mut().zip(&mut self.max).zip(&mut self.mean).zip(&mut self.squares);
+            for ((((min, max), mean), squares), value) in figures.zip(row) {
+                let number = number(*value);
+                *min = min.min(number);
+                *max = max.max(number);
+                let difference = number - *mean;
+                *mean += difference * share;
+                *squares += difference * (number - *mean);
             }
+            let numbers = row.iter().map(|value| number(*value)).enumerate();
+            bins.extend(numbers.filter(|(_, number)| *number != 0.0).map(|(element, number)| (element, bin(number))));
         }
         // Sorted, because to find a bin among thousands costs more than everything else here.
-        let mut bins = Vec::new();
-        for (index, element) in self.elements.iter_mut().enumerate() {
-            let own = numbers.iter().skip(index).step_by(width).filter(|number| **number != 0.0);
-            bins.clear();
-            bins.extend(own.map(|number| bin(*number)));
-            bins.sort_unstable();
-            for same in bins.chunk_by(|first, second| first == second) {
-                *element.bins.entry(same[0]).or_insert(0) += same.len() as u64;
-            }
+        bins.sort_unstable();
+        for same in bins.chunk_by(|first, second| first == second) {
+            let (element, bin) = same[0];
+            *self.bins[element].entry(bin).or_insert(0) += same.len() as u64;
         }
     }
 
     fn summary(&self) -> Value {
-        let each = |pick: &dyn Fn(&Element) -> f64| -> Value { self.elements.iter().map(pick).collect() };
         let mut summary = Map::new();
-        summary.insert("min".into(), each(&|element| element.min));
-        summary.insert("max".into(), each(&|element| element.max));
-        summary.insert("mean".into(), each(&|element| element.mean));
-        summary.insert("std".into(), each(&|element| (element.squares / self.count as f64).sqrt()));
+        summary.insert("min".into(), json!(self.min));
+        summary.insert("max".into(), json!(self.max));
+        summary.insert("mean".into(), json!(self.mean));
+        let deviation = |squares: &f64| (squares / self.count as f64).sqrt();
+        summary.insert("std".into(), self.squares.iter().map(deviation).collect());
         summary.insert("count".into(), json!([self.count]));
         for (name, percent) in PERCENTILES {
-            summary.insert(name.into(), each(&|element| element.percentile(self.count, percent)));
+            summary.insert(name.into(), (0..self.bins.len()).map(|element| self.percentile(element, percent)).collect());
         }
         summary.into()
     }
-}
 
-impl Element {
-    fn percentile(&self, count: u64, percent: u64) -> f64 {
-        let zeros = count - self.bins.values().sum::<u64>();
-        let below = self.bins.range(..0);
-        let above = self.bins.range(0..);
+    fn percentile(&self, element: usize, percent: u64) -> f64 {
+        let bins = &self.bins[element];
+        let zeros = self.count - bins.values().sum::<u64>();
         let zero = std::iter::once((0.0, zeros));
-        let mut bins = below.map(pair).chain(zero).chain(above.map(pair));
+        let mut bins = bins.range(..0).map(pair).chain(zero).chain(bins.range(0..).map(pair));
         // The nearest rank: the smallest sample that at least this share of the samples does not exceed.
-        let mut rank = (percent * count).div_ceil(100);
+        let mut rank = (percent * self.count).div_ceil(100);
         let sample = bins.find_map(|(number, samples)| {
             let found = rank <= samples;
             rank = rank.saturating_sub(samples);
             found.then_some(number)
         });
-        sample.unwrap_or(self.max).clamp(self.min, self.max)
+        sample.unwrap_or(self.max[element]).clamp(self.min[element], self.max[element])
     }
 }
 
@@ -135,25 +131,20 @@ impl Statistics {
     /// Adds rows, given the same columns.
     pub(in crate::disk) fn add(&mut self, columns: &[Column]) {
         for ((_, statistics), column) in self.columns.iter_mut().zip(columns) {
-            statistics.add(&numbers(column));
+            match &column.values {
+                Values::Float64(numbers) => statistics.add(numbers, |number| number),
+                Values::Float32(numbers) => statistics.add(numbers, f64::from),
+                Values::Int64(numbers) => statistics.add(numbers, |number| number as f64),
+                Values::Int32(numbers) => statistics.add(numbers, f64::from),
+                // Frames have no others.
+                _ => {}
+            }
         }
     }
 
     /// The content of `meta/stats.json`: one list per statistic, with one entry per number.
     pub(in crate::disk) fn summary(&self) -> BTreeMap<&str, Value> {
         self.columns.iter().map(|(name, column)| (name.as_str(), column.summary())).collect()
-    }
-}
-
-/// All numbers of a column, row by row.
-fn numbers(column: &Column) -> Cow<'_, [f64]> {
-    match &column.values {
-        Values::Float64(numbers) => Cow::Borrowed(numbers),
-        Values::Float32(numbers) => numbers.iter().map(|number| f64::from(*number)).collect(),
-        Values::Int64(numbers) => numbers.iter().map(|number| *number as f64).collect(),
-        Values::Int32(numbers) => numbers.iter().map(|number| f64::from(*number)).collect(),
-        // Frames have no others.
-        _ => Cow::default(),
     }
 }
 
@@ -173,13 +164,13 @@ mod tests {
             ),
         ) {
             let mut column = ColumnStatistics::new(1);
-            column.add(&samples);
+            column.add(&samples, |number| number);
             let mut sorted = samples.clone();
             sorted.sort_by(f64::total_cmp);
             for (_, percent) in PERCENTILES {
                 let covers = |rank: &usize| rank * 100 >= percent as usize * samples.len();
                 let exact = sorted[(1..=samples.len()).find(covers).unwrap() - 1];
-                let found = column.elements[0].percentile(column.count, percent);
+                let found = column.percentile(0, percent);
                 let clamped = found == sorted[0] || found == sorted[samples.len() - 1];
                 prop_assert!(clamped || found.abs() <= exact.abs(), "{found} for {exact}");
                 prop_assert!((found - exact).abs() <= exact.abs() / 1024.0, "{found} for {exact}");
@@ -193,8 +184,8 @@ mod tests {
         ) {
             let mut column = ColumnStatistics::new(2);
             let (first, second) = rows.split_at(rows.len() / 2);
-            column.add(&first.concat());
-            column.add(&second.concat());
+            column.add(&first.concat(), |number| number);
+            column.add(&second.concat(), |number| number);
             let count = rows.len() as f64;
             let summary = column.summary();
             for element in 0..2 {
