@@ -27,6 +27,8 @@ pub struct BodyLog {
     bodies: Vec<Body>,
     /// For each body of an object, the object and the body's index in it.
     places: Vec<(usize, usize)>,
+    /// Poses in the last frame, world frame; `None` before the first.
+    last_world: Vec<Option<Pose>>,
 }
 
 impl BodyLog {
@@ -50,7 +52,7 @@ impl BodyLog {
                 });
             }
         }
-        BodyLog { bodies, places }
+        BodyLog { last_world: vec![None; bodies.len()], bodies, places }
     }
 
     /// The bodies of a running simulation, with their present poses. At rest the arm is in its start posture.
@@ -69,8 +71,11 @@ impl BodyLog {
         let places = self.places.iter();
         let of_objects = places.map(|(object, body)| &report.objects[*object].body_pose_world[*body]);
         let poses = report.link_pose_world.iter().chain(of_objects);
-        for (body, pose) in self.bodies.iter_mut().zip(poses) {
-            body.observe(report.frame, pose);
+        for ((body, last), pose) in self.bodies.iter_mut().zip(&mut self.last_world).zip(poses) {
+            // Most bodies rest.
+            if last.replace(*pose) != Some(*pose) {
+                body.observe(report.frame, pose);
+            }
         }
     }
 

@@ -79,6 +79,7 @@ pub struct TaxelForce {
 pub struct SpreadBuffers {
     faces: Faces,
     cells: Vec<Cell>,
+    near: Vec<Cell>,
     /// The pressed taxels, each with the sum of its pressures, N, and the part of it that it feels.
     taxels: Vec<(usize, f64, f64)>,
     carriers: Vec<Carrier>,
@@ -148,7 +149,7 @@ impl SkinPatch {
             origin: shape_pose.inverse_transform_point(center),
             axes: [across, along, inward].map(|axis| shape_pose.inverse_transform_vector(axis)),
         };
-        let SpreadBuffers { faces, cells, taxels, .. } = &mut *buffers;
+        let SpreadBuffers { faces, cells, near, taxels, .. } = &mut *buffers;
         let chords = Chords::new(shape, &view, faces);
         let under = self.nearby(contacts).filter(|point| is_facing(point.normal_link, inward));
         cells.clear();
@@ -171,7 +172,7 @@ impl SkinPatch {
             }
         }));
         taxels.clear();
-        if let Some(pose) = indent(cells, &interface.layer, normal_sum.length()) {
+        if let Some(pose) = indent(cells, near, &interface.layer, normal_sum.length()) {
             for cell in cells.iter() {
                 let pressure = cell.stiffness * interface.layer.pressed(cell.depth(&pose)).0;
                 match taxels.last_mut() {
@@ -265,9 +266,10 @@ fn is_facing(normal_link: DVec3, inward: DVec3) -> bool {
 }
 
 fn near_contacts(center: DVec3, corner_m: f64, contacts: &[ContactPoint]) -> bool {
-    contacts
-        .iter()
-        .any(|contact| center.distance(contact.position_link) < contact.radius_m + corner_m + SEARCH_MARGIN_M)
+    contacts.iter().any(|contact| {
+        let limit_m = contact.radius_m + corner_m + SEARCH_MARGIN_M;
+        center.distance_squared(contact.position_link) < limit_m * limit_m
+    })
 }
 
 #[cfg(test)]
