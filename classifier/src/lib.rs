@@ -66,6 +66,7 @@ pub mod estimator;
 pub mod evaluate;
 mod fault;
 pub mod feature;
+mod feature_table;
 mod file_text;
 pub mod fit_options;
 mod frequency;

@@ -14,37 +14,6 @@ mod state;
 
 pub use state::StreamFeatures;
 
-/// All stream features: the name of each, and the features of a sample that it is computed from.
-pub const STREAM_FEATURES: [(&str, &[&Feature]); 27] = [
-    ("samples", &[]),
-    ("force", &[&FORCE]),
-    ("first force", &[&FORCE]),
-    ("largest force", &[&FORCE]),
-    ("mean force", &[&FORCE]),
-    ("deviation of force", &[&FORCE]),
-    ("variation of force per second", &[&FORCE]),
-    ("largest step of force", &[&FORCE]),
-    ("slope of force over time", &[&FORCE]),
-    ("slope of force over motion", &[&FORCE, &MOTION]),
-    ("motion", &[&MOTION]),
-    ("largest motion", &[&MOTION]),
-    ("path per second", &[&MOTION]),
-    ("slope of region's largest force over time", &[&REGION_MAX_FORCE]),
-    ("slope of region's largest force over motion", &[&REGION_MAX_FORCE, &MOTION]),
-    ("region's largest force", &[&REGION_MAX_FORCE]),
-    ("first region's largest force", &[&REGION_MAX_FORCE]),
-    ("largest region's largest force", &[&REGION_MAX_FORCE]),
-    ("mean region's largest force", &[&REGION_MAX_FORCE]),
-    ("deviation of region's largest force", &[&REGION_MAX_FORCE]),
-    ("variation of region's largest force per second", &[&REGION_MAX_FORCE]),
-    ("region's taxels", &[&AREA]),
-    ("mean region's taxels", &[&AREA]),
-    ("largest region's taxels", &[&AREA]),
-    ("region's force", &[&REGION_FORCE_SUM]),
-    ("mean region's force", &[&REGION_FORCE_SUM]),
-    ("mean share of region's largest force", &[&FORCE, &REGION_MAX_FORCE]),
-];
-
 /// The stream features of each channel, in the channel's own unit.
 pub const CHANNEL_FEATURES: [&str; 6] = ["last", "first", "largest", "smallest", "mean", "deviation"];
 
@@ -72,7 +41,7 @@ pub const SAMPLE_COUNTS: [usize; 9] = [1, 2, 3, 6, 12, 25, 50, 100, 200];
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selection {
     inputs: FeatureSet,
-    /// Indices in [`STREAM_FEATURES`].
+    /// Indices in [`StreamFeatures::NAMES`].
     chosen: Vec<usize>,
     channels: Vec<&'static Feature>,
 }
@@ -80,14 +49,14 @@ pub struct Selection {
 impl Selection {
     /// The stream features that need no features of a sample other than these.
     pub fn of(inputs: FeatureSet) -> Self {
-        let computable = |index: &usize| STREAM_FEATURES[*index].1.iter().all(|needed| inputs.contains(needed));
-        let chosen = (0..STREAM_FEATURES.len()).filter(computable).collect();
+        let computable = |index: &usize| StreamFeatures::NEEDED[*index].iter().all(|needed| inputs.contains(needed));
+        let chosen = (0..StreamFeatures::COUNT).filter(computable).collect();
         Selection { inputs, chosen, channels: inputs.channels().collect() }
     }
 
     /// The one with this name alone, if it can be computed.
     pub fn only(mut self, name: &str) -> Self {
-        self.chosen.retain(|index| STREAM_FEATURES[*index].0 == name);
+        self.chosen.retain(|index| StreamFeatures::NAMES[*index] == name);
         self.channels.clear();
         self
     }
@@ -103,7 +72,7 @@ impl Selection {
             .channels
             .iter()
             .flat_map(|channel| CHANNEL_FEATURES.iter().map(|name| format!("{name} of {}", channel.column)));
-        self.chosen.iter().map(|index| STREAM_FEATURES[*index].0.to_owned()).chain(of_channels)
+        self.chosen.iter().map(|index| StreamFeatures::NAMES[*index].to_owned()).chain(of_channels)
     }
 
     /// Adds the next sample of a contact.
@@ -111,7 +80,7 @@ impl Selection {
     /// # Errors
     /// [`SampleFault`] if the sample lacks a feature or has a number that is not finite; `state` then stays as it was.
     pub fn push(&self, state: &mut StreamFeatures, sample: &Sample) -> Result<(), SampleFault> {
-        let mut values = [0.0; STREAM_FEATURES.len()];
+        let mut values = [0.0; StreamFeatures::COUNT];
         self.inputs.read(sample, &mut values)?;
         if !sample.time_s.is_finite() {
             let (column, value) = ("time_s", sample.time_s);

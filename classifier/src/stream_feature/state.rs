@@ -2,7 +2,9 @@
 
 use underbrush_recording::{Sample, math};
 
-use super::{CHANNEL_FEATURES, STREAM_FEATURES};
+use super::CHANNEL_FEATURES;
+use crate::feature::{AREA, FORCE, Feature, MOTION, REGION_FORCE_SUM, REGION_MAX_FORCE};
+use crate::feature_table::features;
 
 /// Values well below a knee are only multiplied by a factor; values above it are compressed logarithmically. Choice:
 /// forces near the contact threshold, motions of a tenth of a millimetre, rates that such changes give between two
@@ -149,54 +151,56 @@ impl StreamFeatures {
         })
     }
 
-    /// All stream features after the samples so far, in the order of [`STREAM_FEATURES`]; zeros before the first
-    /// sample.
-    pub fn values(&self) -> [f64; STREAM_FEATURES.len()] {
-        let count = self.count.max(1.0);
-        let per_second = |sum: f64| {
-            if self.elapsed_s > 0.0 { sum / self.elapsed_s } else { 0.0 }
-        };
-        let force = |newtons: f64| compress(newtons, FORCE_KNEE_N);
-        let rate = |course: &Course| compress(per_second(course.variation), FORCE_RATE_KNEE_N_PER_S);
-        let over_time = |course: &Course| {
-            let slope = if self.time.squares > 0.0 { course.with_time / self.time.squares } else { 0.0 };
-            compress(slope, FORCE_SLOPE_KNEE_N_PER_S)
-        };
-        let over_motion = |course: &Course| {
-            // Treats one knee of motion as noise, so that a taxel at rest gets no stiffness.
-            let squares = self.motion.squares + count * MOTION_KNEE_M * MOTION_KNEE_M;
-            compress(course.with_motion / squares, STIFFNESS_KNEE_N_PER_M)
-        };
-        let deviation = |course: &Course| force((course.value.moments.squares.max(0.0) / count).sqrt());
-        let motion = |metres: f64| compress(metres, MOTION_KNEE_M);
-        [
-            math::ln(count),
-            force(self.force.value.last),
-            force(self.force.value.first),
-            force(self.force.value.largest),
-            force(self.force.value.moments.mean),
-            deviation(&self.force),
-            rate(&self.force),
-            force(self.force.largest_step),
-            over_time(&self.force),
-            over_motion(&self.force),
-            motion(self.motion_m),
-            motion(self.largest_motion_m),
-            compress(per_second(self.path_m), SPEED_KNEE_M_PER_S),
-            over_time(&self.region),
-            over_motion(&self.region),
-            force(self.region.value.last),
-            force(self.region.value.first),
-            force(self.region.value.largest),
-            force(self.region.value.moments.mean),
-            deviation(&self.region),
-            rate(&self.region),
-            math::ln_1p(self.taxels),
-            math::ln_1p(self.mean_taxels),
-            math::ln_1p(self.largest_taxels),
-            force(self.sum_n),
-            force(self.mean_sum_n),
-            self.mean_share,
-        ]
+    features! {
+        /// The features of a sample that each is computed from.
+        const NEEDED: &'static [&'static Feature];
+        /// All stream features after the samples so far, in the order of [`StreamFeatures::NAMES`]; zeros before the first
+        /// sample.
+        pub fn values(&self) {
+            let count = self.count.max(1.0);
+            let per_second = |sum: f64| {
+                if self.elapsed_s > 0.0 { sum / self.elapsed_s } else { 0.0 }
+            };
+            let force = |newtons: f64| compress(newtons, FORCE_KNEE_N);
+            let rate = |course: &Course| compress(per_second(course.variation), FORCE_RATE_KNEE_N_PER_S);
+            let over_time = |course: &Course| {
+                let slope = if self.time.squares > 0.0 { course.with_time / self.time.squares } else { 0.0 };
+                compress(slope, FORCE_SLOPE_KNEE_N_PER_S)
+            };
+            let over_motion = |course: &Course| {
+                // Treats one knee of motion as noise, so that a taxel at rest gets no stiffness.
+                let squares = self.motion.squares + count * MOTION_KNEE_M * MOTION_KNEE_M;
+                compress(course.with_motion / squares, STIFFNESS_KNEE_N_PER_M)
+            };
+            let deviation = |course: &Course| force((course.value.moments.squares.max(0.0) / count).sqrt());
+            let motion = |metres: f64| compress(metres, MOTION_KNEE_M);
+            ("samples", &[], math::ln(count)),
+            ("force", &[&FORCE], force(self.force.value.last)),
+            ("first force", &[&FORCE], force(self.force.value.first)),
+            ("largest force", &[&FORCE], force(self.force.value.largest)),
+            ("mean force", &[&FORCE], force(self.force.value.moments.mean)),
+            ("deviation of force", &[&FORCE], deviation(&self.force)),
+            ("variation of force per second", &[&FORCE], rate(&self.force)),
+            ("largest step of force", &[&FORCE], force(self.force.largest_step)),
+            ("slope of force over time", &[&FORCE], over_time(&self.force)),
+            ("slope of force over motion", &[&FORCE, &MOTION], over_motion(&self.force)),
+            ("motion", &[&MOTION], motion(self.motion_m)),
+            ("largest motion", &[&MOTION], motion(self.largest_motion_m)),
+            ("path per second", &[&MOTION], compress(per_second(self.path_m), SPEED_KNEE_M_PER_S)),
+            ("slope of region's largest force over time", &[&REGION_MAX_FORCE], over_time(&self.region)),
+            ("slope of region's largest force over motion", &[&REGION_MAX_FORCE, &MOTION], over_motion(&self.region)),
+            ("region's largest force", &[&REGION_MAX_FORCE], force(self.region.value.last)),
+            ("first region's largest force", &[&REGION_MAX_FORCE], force(self.region.value.first)),
+            ("largest region's largest force", &[&REGION_MAX_FORCE], force(self.region.value.largest)),
+            ("mean region's largest force", &[&REGION_MAX_FORCE], force(self.region.value.moments.mean)),
+            ("deviation of region's largest force", &[&REGION_MAX_FORCE], deviation(&self.region)),
+            ("variation of region's largest force per second", &[&REGION_MAX_FORCE], rate(&self.region)),
+            ("region's taxels", &[&AREA], math::ln_1p(self.taxels)),
+            ("mean region's taxels", &[&AREA], math::ln_1p(self.mean_taxels)),
+            ("largest region's taxels", &[&AREA], math::ln_1p(self.largest_taxels)),
+            ("region's force", &[&REGION_FORCE_SUM], force(self.sum_n)),
+            ("mean region's force", &[&REGION_FORCE_SUM], force(self.mean_sum_n)),
+            ("mean share of region's largest force", &[&FORCE, &REGION_MAX_FORCE], self.mean_share),
+        }
     }
 }

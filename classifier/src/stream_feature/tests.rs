@@ -31,7 +31,7 @@ fn features_are_those_of_the_whole_computed_at_once() {
         (2.04, 0.9, 0.003, 5, 1.5, 4.0),
     ];
     let found = Selection::of(TAXEL_AND_REGION).after(&trial(&rows), &[4]).unwrap().remove(0);
-    let of = |name: &str| found[STREAM_FEATURES.iter().position(|known| known.0 == name).unwrap()];
+    let of = |name: &str| found[StreamFeatures::NAMES.iter().position(|known| *known == name).unwrap()];
     let mean = |f: &dyn Fn(&Row) -> f64| rows.iter().map(f).sum::<f64>() / 4.0;
     let time = mean(&|row| row.0);
     let motion = mean(&|row| row.2);
@@ -78,7 +78,7 @@ fn nothing_looks_ahead() {
 #[test]
 fn inputs_select_stream_features() {
     let names = |inputs: FeatureSet| Selection::of(inputs).names().collect::<Vec<_>>();
-    let all = STREAM_FEATURES.map(|feature| feature.0);
+    let all = StreamFeatures::NAMES;
     assert_eq!(names(FeatureSet::FORCE_AND_MOTION), all[..13]);
     assert_eq!(names(TAXEL_AND_REGION), all);
     assert_eq!(names(FeatureSet::FORCE), all[..9]);

@@ -34,28 +34,6 @@ pub(super) fn compress_lanes<const LANES: usize>(values: &mut [[f64; LANES]], kn
     }
 }
 
-/// The names in a table of features and knees.
-pub(super) const fn names<const COUNT: usize>(features: &[(&'static str, f64); COUNT]) -> [&'static str; COUNT] {
-    let mut names = [""; COUNT];
-    let mut index = 0;
-    while index < COUNT {
-        names[index] = features[index].0;
-        index += 1;
-    }
-    names
-}
-
-/// The knees in a table of features and knees.
-pub(super) const fn knees<const COUNT: usize>(features: &[(&'static str, f64); COUNT]) -> [f64; COUNT] {
-    let mut knees = [PLAIN; COUNT];
-    let mut index = 0;
-    while index < COUNT {
-        knees[index] = features[index].1;
-        index += 1;
-    }
-    knees
-}
-
 /// The natural logarithm of a number of at least 1, within 1e-9. The standard function is not used, because it comes
 /// from the platform's library, so its last digits differ between platforms, and because it does not use vector
 /// instructions.

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::compress::{COUNT_KNEE, PLAIN, compress, knees, names};
+use super::compress::{COUNT_KNEE, PLAIN, compress};
+use crate::feature_table::features;
 use underbrush_recording::math;
 
 /// Forces and motion of a contact region in one frame. Motions are means over its taxels, weighted by their forces.
@@ -42,48 +43,12 @@ const RECENT_S: f64 = 0.1;
 /// How many samples count as the beginning.
 const FIRST_SAMPLES: f64 = 5.0;
 
-/// The features of a region and their knees.
-const FEATURES: [(&str, f64); 30] = [
-    ("samples", COUNT_KNEE),
-    ("force", FORCE_KNEE_N),
-    ("largest force so far", FORCE_KNEE_N),
-    ("mean force", FORCE_KNEE_N),
-    ("first force", FORCE_KNEE_N),
-    ("taxel force", FORCE_KNEE_N),
-    ("largest taxel force so far", FORCE_KNEE_N),
-    ("taxels", COUNT_KNEE),
-    ("most taxels so far", COUNT_KNEE),
-    ("extent", MOTION_KNEE_M),
-    ("press", MOTION_KNEE_M),
-    ("largest press so far", MOTION_KNEE_M),
-    ("path of press", MOTION_KNEE_M),
-    ("path of slide", MOTION_KNEE_M),
-    ("path on the skin", MOTION_KNEE_M),
-    ("distance on the skin", MOTION_KNEE_M),
-    ("distance in the world", MOTION_KNEE_M),
-    ("stiffness at the largest force", STIFFNESS_KNEE_N_PER_M),
-    ("slope of force over press", STIFFNESS_KNEE_N_PER_M),
-    ("correlation of force and press", PLAIN),
-    ("recent slope of force over press", STIFFNESS_KNEE_N_PER_M),
-    ("slope of force over time", RATE_KNEE_N_PER_S),
-    ("recent roughness", PLAIN),
-    ("largest step of force", FORCE_KNEE_N),
-    ("force over largest force", PLAIN),
-    ("work", WORK_KNEE_J),
-    ("variation of force", FORCE_KNEE_N),
-    ("speed of press at first", SPEED_KNEE_M_PER_S),
-    ("rise of force at first", RATE_KNEE_N_PER_S),
-    ("share of the strongest taxel", PLAIN),
-];
 
 /// Names of the features of a region, in order.
-pub const REGION_FEATURES: [&str; FEATURES.len()] = names(&FEATURES);
+pub const REGION_FEATURES: [&str; REGION_FEATURE_COUNT] = Course::NAMES;
 
 /// Number of features of a region.
-pub const REGION_FEATURE_COUNT: usize = FEATURES.len();
-
-/// The knees of the features of a region.
-pub(super) const REGION_KNEES: [f64; FEATURES.len()] = knees(&FEATURES);
+pub const REGION_FEATURE_COUNT: usize = Course::COUNT;
 
 /// Running statistics of a contact region.
 #[derive(Clone, Copy, Debug, Default)]
@@ -202,47 +167,52 @@ impl Course {
 
     /// The features of the contact so far, in the order of [`REGION_FEATURES`].
     pub fn features(&self) -> [f64; REGION_FEATURE_COUNT] {
-        compress(self.values(), &REGION_KNEES)
+        compress(self.values(), &Course::KNEES)
     }
 
-    /// The features before they are compressed.
-    pub(super) fn values(&self) -> [f64; REGION_FEATURE_COUNT] {
-        let square = MOTION_KNEE_M * MOTION_KNEE_M;
-        let per_time = |value: f64, time_s: f64| if time_s > 0.0 { value / time_s } else { 0.0 };
-        let deviation_n = (self.force_squares.max(0.0) / self.count.max(1.0)).sqrt();
-        let correlation = self.force_press
-            / (self.force_squares.max(1e-6) * (self.press_squares + self.count * 1e-2 * square)).sqrt();
-        [
-            self.count,
-            self.now.force_n,
-            self.largest_force_n,
-            self.mean[0],
-            self.first_force_n,
-            self.now.largest_force_n,
-            self.largest_taxel_force_n,
-            self.now.taxels,
-            self.most_taxels,
-            self.now.extent_m,
-            self.press_m,
-            self.largest_press_m,
-            self.press_path_m,
-            self.slide_path_m,
-            self.skin_path_m,
-            self.now.center_link.distance(self.first_link),
-            self.now.center_world.distance(self.first_world),
-            self.largest_force_n / (self.press_at_largest_m.max(0.0) + MOTION_KNEE_M),
-            self.force_press / (self.press_squares + self.count * square),
-            correlation,
-            self.recent_force_press / (self.recent_press_squares + square),
-            per_time(self.force_time, self.time_squares),
-            self.roughness,
-            self.largest_step_n,
-            self.now.force_n / self.largest_force_n.max(f64::MIN_POSITIVE),
-            self.work_j,
-            deviation_n,
-            per_time(self.first_press_m, self.first_s),
-            per_time(self.first_rise_n, self.first_s),
-            self.now.largest_force_n / self.now.force_n.max(f64::MIN_POSITIVE),
-        ]
+    features! {
+        /// Their knees.
+        const KNEES: f64;
+        /// The features before they are compressed.
+        pub(super) fn values(&self) {
+            let square = MOTION_KNEE_M * MOTION_KNEE_M;
+            let per_time = |value: f64, time_s: f64| if time_s > 0.0 { value / time_s } else { 0.0 };
+            let deviation_n = (self.force_squares.max(0.0) / self.count.max(1.0)).sqrt();
+            let correlation = self.force_press
+                / (self.force_squares.max(1e-6) * (self.press_squares + self.count * 1e-2 * square)).sqrt();
+            let stiffness_n_per_m = self.largest_force_n / (self.press_at_largest_m.max(0.0) + MOTION_KNEE_M);
+            let slope_n_per_m = self.force_press / (self.press_squares + self.count * square);
+            let recent_n_per_m = self.recent_force_press / (self.recent_press_squares + square);
+            ("samples", COUNT_KNEE, self.count),
+            ("force", FORCE_KNEE_N, self.now.force_n),
+            ("largest force so far", FORCE_KNEE_N, self.largest_force_n),
+            ("mean force", FORCE_KNEE_N, self.mean[0]),
+            ("first force", FORCE_KNEE_N, self.first_force_n),
+            ("taxel force", FORCE_KNEE_N, self.now.largest_force_n),
+            ("largest taxel force so far", FORCE_KNEE_N, self.largest_taxel_force_n),
+            ("taxels", COUNT_KNEE, self.now.taxels),
+            ("most taxels so far", COUNT_KNEE, self.most_taxels),
+            ("extent", MOTION_KNEE_M, self.now.extent_m),
+            ("press", MOTION_KNEE_M, self.press_m),
+            ("largest press so far", MOTION_KNEE_M, self.largest_press_m),
+            ("path of press", MOTION_KNEE_M, self.press_path_m),
+            ("path of slide", MOTION_KNEE_M, self.slide_path_m),
+            ("path on the skin", MOTION_KNEE_M, self.skin_path_m),
+            ("distance on the skin", MOTION_KNEE_M, self.now.center_link.distance(self.first_link)),
+            ("distance in the world", MOTION_KNEE_M, self.now.center_world.distance(self.first_world)),
+            ("stiffness at the largest force", STIFFNESS_KNEE_N_PER_M, stiffness_n_per_m),
+            ("slope of force over press", STIFFNESS_KNEE_N_PER_M, slope_n_per_m),
+            ("correlation of force and press", PLAIN, correlation),
+            ("recent slope of force over press", STIFFNESS_KNEE_N_PER_M, recent_n_per_m),
+            ("slope of force over time", RATE_KNEE_N_PER_S, per_time(self.force_time, self.time_squares)),
+            ("recent roughness", PLAIN, self.roughness),
+            ("largest step of force", FORCE_KNEE_N, self.largest_step_n),
+            ("force over largest force", PLAIN, self.now.force_n / self.largest_force_n.max(f64::MIN_POSITIVE)),
+            ("work", WORK_KNEE_J, self.work_j),
+            ("variation of force", FORCE_KNEE_N, deviation_n),
+            ("speed of press at first", SPEED_KNEE_M_PER_S, per_time(self.first_press_m, self.first_s)),
+            ("rise of force at first", RATE_KNEE_N_PER_S, per_time(self.first_rise_n, self.first_s)),
+            ("share of the strongest taxel", PLAIN, self.now.largest_force_n / self.now.force_n.max(f64::MIN_POSITIVE)),
+        }
     }
 }

@@ -5,7 +5,7 @@ use underbrush_recording::{Frame, Pose, SkinLayout};
 use super::compress::compress;
 use super::options::TouchOptions;
 use super::region::{Motion, Region, RegionTracker};
-use super::taxel::{TAXEL_FEATURE_COUNT, TAXEL_KNEES, TaxelCourse};
+use super::taxel::{TAXEL_FEATURE_COUNT, TaxelCourse};
 use crate::trial::{PatchImage, TrialError};
 
 /// Follows taxels and regions of one patch. Nothing is allocated after the first frames.
@@ -96,7 +96,7 @@ impl SkinTracker {
     /// The features of a taxel in contact, which belongs to this region; `None` without contact.
     pub fn taxel_features(&self, taxel: usize, region: &Region) -> Option<[f64; TAXEL_FEATURE_COUNT]> {
         let values = self.taxel_values(taxel, region)?;
-        Some(compress(values, &TAXEL_KNEES))
+        Some(compress(values, &TaxelCourse::KNEES))
     }
 
     /// The features of a taxel in contact, before they are compressed.

@@ -6,13 +6,13 @@ use serde::Serialize;
 use underbrush_recording::{Frame, SkinLayout, math};
 
 use super::batch_scores::FeatureRows;
-use super::contact_history::{REGION_FEATURE_COUNT, REGION_KNEES};
+use super::contact_history::{Course, REGION_FEATURE_COUNT};
 use super::decision::Touch;
 use super::frame::SkinTracker;
 use super::model::TouchModel;
 use super::network::softmax;
 use super::object::{Mobility, OBJECT_FEATURE_COUNT, ObjectTracker, Stiffness, TouchObject};
-use super::taxel::{TAXEL_FEATURE_COUNT, TAXEL_KNEES};
+use super::taxel::{TAXEL_FEATURE_COUNT, TaxelCourse};
 use crate::trial::TrialError;
 
 /// What touches a taxel in contact.
@@ -176,8 +176,8 @@ impl TouchClassifier {
             }
         }
         self.tracker.update(&self.patches, frame.time_s);
-        self.region_features.compress(&REGION_KNEES);
-        self.taxel_features.compress(&TAXEL_KNEES);
+        self.region_features.compress(&Course::KNEES);
+        self.taxel_features.compress(&TaxelCourse::KNEES);
         self.model.category.probabilities(&self.region_features, &mut self.probabilities);
         self.model.touched.probabilities(&self.taxel_features, &mut self.touched);
         self.judge_objects();

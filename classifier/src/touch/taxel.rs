@@ -1,7 +1,8 @@
 //! What one taxel has sensed since its contact began, to tell a touch from a spurious reading.
 
-use super::compress::{COUNT_KNEE, PLAIN, knees, names};
+use super::compress::{COUNT_KNEE, PLAIN};
 use super::contact_history::Course;
+use crate::feature_table::features;
 
 /// Knees as for regions. Changes of a steady reading are noise of about 2 mN.
 const FORCE_KNEE_N: f64 = 0.05;
@@ -10,34 +11,12 @@ const MOTION_KNEE_M: f64 = 5e-4;
 const STIFFNESS_KNEE_N_PER_M: f64 = 10.0;
 const RECENT_SHARE: f64 = 0.1;
 
-/// The features of a taxel and their knees.
-const FEATURES: [(&str, f64); 16] = [
-    ("samples", COUNT_KNEE),
-    ("force", FORCE_KNEE_N),
-    ("first force", FORCE_KNEE_N),
-    ("largest force so far", FORCE_KNEE_N),
-    ("mean force", FORCE_KNEE_N),
-    ("deviation of force", CHANGE_KNEE_N),
-    ("recent change of force", CHANGE_KNEE_N),
-    ("force over largest force", PLAIN),
-    ("share of the region's strongest taxel", PLAIN),
-    ("force of the strongest neighbour", FORCE_KNEE_N),
-    ("taxels in the region", COUNT_KNEE),
-    ("force in the region", FORCE_KNEE_N),
-    ("way of the skin", MOTION_KNEE_M),
-    ("way of the skin in the region's contact", MOTION_KNEE_M),
-    ("recent change of the region's force", PLAIN),
-    ("slope of force over press", STIFFNESS_KNEE_N_PER_M),
-];
 
 /// Names of the features of a taxel, in order.
-pub const TAXEL_FEATURES: [&str; FEATURES.len()] = names(&FEATURES);
+pub const TAXEL_FEATURES: [&str; TAXEL_FEATURE_COUNT] = TaxelCourse::NAMES;
 
 /// Number of features of a taxel.
-pub const TAXEL_FEATURE_COUNT: usize = FEATURES.len();
-
-/// The knees of the features of a taxel.
-pub(super) const TAXEL_KNEES: [f64; FEATURES.len()] = knees(&FEATURES);
+pub const TAXEL_FEATURE_COUNT: usize = TaxelCourse::COUNT;
 
 /// Running statistics of a taxel.
 #[derive(Clone, Copy, Debug, Default)]
@@ -84,28 +63,32 @@ impl TaxelCourse {
         self.force_press += press_deviation * (force_n - self.mean_n);
     }
 
-    /// The features of the taxel's contact so far, in the order of [`TAXEL_FEATURES`], before they are compressed.
-    /// `region` is the course of the region that the taxel belongs to.
-    pub(super) fn values(&self, region: &Course, strongest_neighbour_n: f64) -> [f64; TAXEL_FEATURE_COUNT] {
-        let share = |part: f64, whole: f64| part / whole.max(f64::MIN_POSITIVE);
-        let now = region.now();
-        [
-            self.count,
-            self.last_n,
-            self.first_n,
-            self.largest_n,
-            self.mean_n,
-            (self.squares.max(0.0) / self.count.max(1.0)).sqrt(),
-            self.change_n,
-            share(self.last_n, self.largest_n),
-            share(self.last_n, now.largest_force_n),
-            strongest_neighbour_n,
-            now.taxels,
-            now.force_n,
-            self.way_m,
-            region.way_m(),
-            region.roughness(),
-            self.force_press / (self.press_squares + self.count * MOTION_KNEE_M * MOTION_KNEE_M),
-        ]
+    features! {
+        /// Their knees.
+        const KNEES: f64;
+        /// The features of the taxel's contact so far, in the order of [`TAXEL_FEATURES`], before they are compressed.
+        /// `region` is the course of the region that the taxel belongs to.
+        pub(super) fn values(&self, region: &Course, strongest_neighbour_n: f64) {
+            let share = |part: f64, whole: f64| part / whole.max(f64::MIN_POSITIVE);
+            let now = region.now();
+            let slope_n_per_m =
+                self.force_press / (self.press_squares + self.count * MOTION_KNEE_M * MOTION_KNEE_M);
+            ("samples", COUNT_KNEE, self.count),
+            ("force", FORCE_KNEE_N, self.last_n),
+            ("first force", FORCE_KNEE_N, self.first_n),
+            ("largest force so far", FORCE_KNEE_N, self.largest_n),
+            ("mean force", FORCE_KNEE_N, self.mean_n),
+            ("deviation of force", CHANGE_KNEE_N, (self.squares.max(0.0) / self.count.max(1.0)).sqrt()),
+            ("recent change of force", CHANGE_KNEE_N, self.change_n),
+            ("force over largest force", PLAIN, share(self.last_n, self.largest_n)),
+            ("share of the region's strongest taxel", PLAIN, share(self.last_n, now.largest_force_n)),
+            ("force of the strongest neighbour", FORCE_KNEE_N, strongest_neighbour_n),
+            ("taxels in the region", COUNT_KNEE, now.taxels),
+            ("force in the region", FORCE_KNEE_N, now.force_n),
+            ("way of the skin", MOTION_KNEE_M, self.way_m),
+            ("way of the skin in the region's contact", MOTION_KNEE_M, region.way_m()),
+            ("recent change of the region's force", PLAIN, region.roughness()),
+            ("slope of force over press", STIFFNESS_KNEE_N_PER_M, slope_n_per_m),
+        }
     }
 }

@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use super::fit::Fit;
 use super::resistance::{Mobility, Place, Stiffness};
-use crate::touch::compress::{COUNT_KNEE, PLAIN, compress, knees};
+use crate::feature_table::features;
+use crate::touch::compress::{COUNT_KNEE, PLAIN, compress};
 use crate::touch::contact_history::{Course, Measure, REGION_FEATURE_COUNT};
 
 /// Lower ends of the levels of force at which the shape of the contact is described, N.
@@ -21,34 +22,9 @@ const COMPLIANCE_KNEE_M_PER_N: f64 = 1e-3;
 /// A force is steady while it changes by less than this in a frame: this share of it, and this much, N.
 const STEADY: (f64, f64) = (0.02, 0.005);
 
-/// The features of an object beside those of its contacts, and their knees.
-const FEATURES: [(&str, f64); 20] = [
-    ("slope of force over press while loading", STIFFNESS_KNEE_N_PER_M),
-    ("slope of force over press while unloading", STIFFNESS_KNEE_N_PER_M),
-    ("compliance", COMPLIANCE_KNEE_M_PER_N),
-    ("standard error of the compliance", COMPLIANCE_KNEE_M_PER_N),
-    ("work of the skin", WORK_KNEE_J),
-    ("work given back", WORK_KNEE_J),
-    ("share of the work given back", PLAIN),
-    ("press at steady force", MOTION_KNEE_M),
-    ("share of the time at steady force", PLAIN),
-    ("press since the largest force", MOTION_KNEE_M),
-    ("contacts so far", COUNT_KNEE),
-    ("most contacts at once", COUNT_KNEE),
-    ("largest distance between contacts", MOTION_KNEE_M),
-    ("largest distance in the world", MOTION_KNEE_M),
-    ("impulse", 0.1),
-    ("radius", MOTION_KNEE_M),
-    ("compliance of the circle", COMPLIANCE_KNEE_M_PER_N),
-    ("residual of the circle", MOTION_KNEE_M),
-    ("turn of the normal", PLAIN),
-    ("path of the contact", MOTION_KNEE_M),
-];
-const KNEES: [f64; FEATURES.len()] = knees(&FEATURES);
-
 /// Number of features of an object: those of all its contacts together, those of its strongest contact, the shape of the
 /// contact at each level of force, and some of its own.
-pub const OBJECT_FEATURE_COUNT: usize = 2 * REGION_FEATURE_COUNT + LEVELS_N.len() * OF_LEVEL.len() + FEATURES.len();
+pub const OBJECT_FEATURE_COUNT: usize = 2 * REGION_FEATURE_COUNT + LEVELS_N.len() * OF_LEVEL.len() + ObjectCourse::COUNT;
 
 /// What the skin senses of an object in one frame: its contacts together, and the strongest one.
 #[derive(Clone, Copy, Debug, Default)]
@@ -238,42 +214,45 @@ impl ObjectCourse {
             compress(means, &OF_LEVEL)
         });
         let [all, strongest] = [self.all.features(), self.strongest.features()];
-        let own = compress(self.values(), &KNEES);
+        let own = compress(self.values(), &ObjectCourse::KNEES);
         let mut values = all.iter().chain(&strongest).chain(of_levels.iter().flatten()).chain(&own);
         std::array::from_fn(|_| values.next().copied().unwrap_or_default() as f32)
     }
 
-    /// Its own features, before they are compressed.
-    fn values(&self) -> [f64; FEATURES.len()] {
-        let square = MOTION_KNEE_M * MOTION_KNEE_M;
-        let slope = |[squares, products]: [f64; 2]| products / (squares + square);
-        let count = self.count.max(1.0);
-        let [force, press, force_squares, press_squares, product] = self.moments.map(|sum| sum / count);
-        let force_variance = (force_squares - force * force).max(1e-4);
-        let compliance = (product - force * press) / force_variance;
-        let left = press_squares - press * press - compliance * compliance * force_variance;
-        let circle = self.circle.found();
-        [
-            slope(self.slopes[0]),
-            slope(self.slopes[1]),
-            compliance,
-            (left.max(0.0) / (force_variance * count)).sqrt(),
-            self.work_j[0],
-            self.work_j[1],
-            self.work_j[1] / (self.work_j[0] + WORK_KNEE_J),
-            self.steady_press_m,
-            self.steady / count,
-            self.press_m - self.press_at_largest_m,
-            self.contacts,
-            self.most_contacts,
-            self.span_m,
-            self.farthest_m,
-            self.impulse_ns,
-            circle.radius_m,
-            circle.compliance_m_per_n,
-            circle.residual_m,
-            circle.turn,
-            circle.path_m,
-        ]
+    features! {
+        /// Their knees.
+        const KNEES: f64;
+        /// Its own features, before they are compressed.
+        fn values(&self) {
+            let square = MOTION_KNEE_M * MOTION_KNEE_M;
+            let slope = |[squares, products]: [f64; 2]| products / (squares + square);
+            let count = self.count.max(1.0);
+            let [force, press, force_squares, press_squares, product] = self.moments.map(|sum| sum / count);
+            let force_variance = (force_squares - force * force).max(1e-4);
+            let compliance = (product - force * press) / force_variance;
+            let left = press_squares - press * press - compliance * compliance * force_variance;
+            let error = (left.max(0.0) / (force_variance * count)).sqrt();
+            let circle = self.circle.found();
+            ("slope of force over press while loading", STIFFNESS_KNEE_N_PER_M, slope(self.slopes[0])),
+            ("slope of force over press while unloading", STIFFNESS_KNEE_N_PER_M, slope(self.slopes[1])),
+            ("compliance", COMPLIANCE_KNEE_M_PER_N, compliance),
+            ("standard error of the compliance", COMPLIANCE_KNEE_M_PER_N, error),
+            ("work of the skin", WORK_KNEE_J, self.work_j[0]),
+            ("work given back", WORK_KNEE_J, self.work_j[1]),
+            ("share of the work given back", PLAIN, self.work_j[1] / (self.work_j[0] + WORK_KNEE_J)),
+            ("press at steady force", MOTION_KNEE_M, self.steady_press_m),
+            ("share of the time at steady force", PLAIN, self.steady / count),
+            ("press since the largest force", MOTION_KNEE_M, self.press_m - self.press_at_largest_m),
+            ("contacts so far", COUNT_KNEE, self.contacts),
+            ("most contacts at once", COUNT_KNEE, self.most_contacts),
+            ("largest distance between contacts", MOTION_KNEE_M, self.span_m),
+            ("largest distance in the world", MOTION_KNEE_M, self.farthest_m),
+            ("impulse", 0.1, self.impulse_ns),
+            ("radius", MOTION_KNEE_M, circle.radius_m),
+            ("compliance of the circle", COMPLIANCE_KNEE_M_PER_N, circle.compliance_m_per_n),
+            ("residual of the circle", MOTION_KNEE_M, circle.residual_m),
+            ("turn of the normal", PLAIN, circle.turn),
+            ("path of the contact", MOTION_KNEE_M, circle.path_m),
+        }
     }
 }
