@@ -88,8 +88,9 @@ impl From<InputError> for ModelError {
 }
 
 /// A value outside its range, in a field of a model file or an option of a classifier.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Fault {
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("{field} is {found}; allowed: {allowed}")]
+pub struct Fault {
     pub(crate) field: String,
     pub(crate) found: String,
     pub(crate) allowed: String,

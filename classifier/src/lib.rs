@@ -89,7 +89,7 @@ mod vector;
 
 pub use decision::{Decision, Rule};
 pub use document::{Document, FORMAT};
-pub use error::ModelError;
+pub use error::{Fault, ModelError};
 pub use estimator::is_trained;
 pub use estimator::{Classifier, ClassifierKind, Estimator};
 pub use evaluate::{Evaluation, FoldBy, Folds, ThresholdTargets, cross_validate};

@@ -26,7 +26,7 @@ const MOST_FRAMES: f64 = 720_000.0;
 /// The reaches of a table, in the order of their indices.
 ///
 /// # Errors
-/// If a trial has no taxel (it is then a trial of a contact region), if a recording cannot have the name of a category,
+/// If a trial has no taxel (it is then a trial of a contact region or of something without taxels), if a recording cannot have the name of a category,
 /// if a reach has too long a gap, or if frames would change the trials.
 pub fn reaches(path: &Path, trials: &[Trial]) -> Result<Vec<Recording>, InputError> {
     let layout = layout(path, trials)?;
@@ -68,9 +68,10 @@ pub fn check_model(path: &Path, judging: &Judging) -> Result<(), InputError> {
         },
         JudgingModel::Touch(_) => format!("the touch model {}", judging.name),
     };
-    let allowed = "a classifier of trials by force alone, because the replay of a table has no motion and no \
-                   neighbours of taxels";
-    Err(InputError::new(path, "model", found, allowed, "train one with --features force"))
+    let allowed = "a classifier of trials by the column force_n alone, because the replay of a table has no other channels, no \
+                   motion and no neighbours of taxels";
+    let remedy = "train one with --features force; to see another channel, copy it to the column force_n first";
+    Err(InputError::new(path, "model", found, allowed, remedy))
 }
 
 /// Each patch with all taxels up to the largest number, and further taxels that fill its last row.
@@ -81,7 +82,10 @@ fn layout(path: &Path, trials: &[Trial]) -> Result<SkinLayout, InputError> {
         let Some(taxel) = taxel else {
             let found = trial.taxel.map_or("nothing".to_owned(), |taxel| taxel.to_string());
             let allowed = format!("the number of a taxel from 0 to {}, in all trials", MAX_TAXELS - 1);
-            let remedy = format!("fill it in for trial {}; trials of contact regions cannot be replayed", trial.trial);
+            let remedy = format!(
+                "fill it in for trial {}; where a trial has the force of several taxels, or no taxels were numbered, fill in 0",
+                trial.trial
+            );
             return Err(InputError::new(path, "taxel", found, allowed, remedy));
         };
         let count = taxels.entry(patch_name(trial)).or_default();

@@ -170,8 +170,7 @@ fn compare(
     first: &Evaluation,
 ) -> Vec<Compared> {
     let available = FeatureSet::of_all(trials).filter(|_| chosen.is_none());
-    // Only its features make it another classifier than `logistic`.
-    let is_other = |kind: &ClassifierKind| chosen.is_none() || kind.name != "logistic-taxel";
+    let is_other = |kind: &ClassifierKind| chosen.is_none() || !kind.is_by_features;
     let kinds = CLASSIFIERS.par_iter().enumerate().filter(|(_, kind)| is_other(kind));
     let judged = kinds.map(|(place, kind)| {
         let judge = |features| cross_validate(trials, (kind.estimator)(features).as_ref(), folds, decision);

@@ -64,7 +64,7 @@ pub(super) const fn kind<B: Baseline>(
     estimator: fn(Option<FeatureSet>) -> Box<dyn Estimator>,
 ) -> ClassifierKind {
     let schema = Keys::<B, B::Parameters>::json_schema;
-    ClassifierKind { name: B::NAME, aliases, summary, estimator, load: load::<B>, schema }
+    ClassifierKind { name: B::NAME, aliases, summary, is_by_features: false, estimator, load: load::<B>, schema }
 }
 
 #[derive(Debug)]

@@ -23,6 +23,7 @@ pub(crate) const KIND: ClassifierKind = fitted::kind::<Logistic>(
 pub(crate) const TAXEL_KIND: ClassifierKind = ClassifierKind {
     name: "logistic-taxel",
     summary: "The same without the contact region: logistic with the features force,motion",
+    is_by_features: true,
     estimator: |features| Box::new(Logistic::with(features.unwrap_or(FeatureSet::FORCE_AND_MOTION))),
     ..KIND
 };

@@ -119,6 +119,8 @@ pub struct ClassifierKind {
     pub aliases: &'static [&'static str],
     /// One line for the help.
     pub summary: &'static str,
+    /// Whether only its own features tell it from another one in the list, so that with given features there is no need for it.
+    pub is_by_features: bool,
     /// The default options, with these features if any are given.
     pub estimator: fn(Option<FeatureSet>) -> Box<dyn Estimator>,
     /// Reads and checks what [`Classifier::file_entries`] of this kind wrote.

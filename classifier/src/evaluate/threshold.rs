@@ -40,6 +40,7 @@ use underbrush_recording::Trial;
 
 use super::{ConfusionMatrix, EvaluateError, Evaluation, Folds, Prediction, Rates, Record, across_folds, predict};
 use crate::decision::{Decision, DecisionError, Judge, Rule};
+use crate::error::Fault;
 use crate::estimator::Estimator;
 
 /// The rates that thresholds must satisfy.
@@ -87,15 +88,8 @@ pub enum ThresholdError {
     #[error(transparent)]
     Decision(#[from] DecisionError),
     /// A rate out of range.
-    #[error("{name} is {found}; allowed: {allowed}")]
-    BadTarget {
-        /// Name of the rate.
-        name: &'static str,
-        /// The number found.
-        found: f64,
-        /// What is allowed.
-        allowed: &'static str,
-    },
+    #[error(transparent)]
+    BadTarget(#[from] Fault),
     /// Too little data for so small a rate.
     #[error(
         "only {found} held-out trials belong to other categories than {category}; a false-positive rate of {rate} needs at \
@@ -158,21 +152,15 @@ pub fn choose_thresholds(
     })
 }
 
-fn check(targets: ThresholdTargets) -> Result<(), ThresholdError> {
+fn check(targets: ThresholdTargets) -> Result<(), Fault> {
     let ThresholdTargets { false_positive_rate, outlier_prior } = targets;
     if !(false_positive_rate > 0.0 && false_positive_rate < 1.0) {
-        return Err(ThresholdError::BadTarget {
-            name: "the false-positive rate",
-            found: false_positive_rate,
-            allowed: "above 0 and below 1",
-        });
+        let found = false_positive_rate.to_string();
+        return Err(Fault::new("the false-positive rate", found, "above 0 and below 1"));
     }
     if !(0.0..0.5).contains(&outlier_prior) {
-        return Err(ThresholdError::BadTarget {
-            name: "the outlier prior",
-            found: outlier_prior,
-            allowed: "at least 0 and below 0.5; something met more often is not an outlier but a category to train",
-        });
+        let allowed = "at least 0 and below 0.5; something met more often is not an outlier but a category to train";
+        return Err(Fault::new("the outlier prior", outlier_prior.to_string(), allowed));
     }
     Ok(())
 }

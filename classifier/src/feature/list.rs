@@ -1,6 +1,5 @@
 //! The list of features that a classifier can use of each sample.
 
-use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::{LazyLock, Mutex, PoisonError};
@@ -152,15 +151,3 @@ impl PartialEq for Feature {
 }
 
 impl Eq for Feature {}
-
-impl PartialOrd for Feature {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Feature {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.column.cmp(other.column)
-    }
-}

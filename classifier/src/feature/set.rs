@@ -26,7 +26,7 @@ use super::observations::Observations;
 /// assert_eq!(features.to_string(), "force+area");
 /// # Ok::<(), underbrush_classifier::feature::FeatureError>(())
 /// ```
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 pub struct FeatureSet {
     /// The features come first, then `None`.
     features: [Option<&'static Feature>; MOST],

@@ -24,6 +24,7 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
     name: "hmm",
     aliases: &[],
     summary: "The paper's hidden Markov models, one per category",
+    is_by_features: false,
     estimator: |features| {
         let recipe = Recipe::authors();
         Box::new(Recipe { features: features.unwrap_or(recipe.features), ..recipe })

@@ -44,64 +44,18 @@ pub struct Row<const INPUTS: usize> {
 
 /// A fitted network. It gives the log-probability of each class, up to a common constant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(try_from = "NetworkFile", into = "NetworkFile")]
-pub struct Network {
-    pub(super) mean: Vec<f64>,
-    pub(super) scale: Vec<f64>,
-    pub(super) hidden: Vec<[f64; HIDDEN]>,
-    pub(super) output: Vec<[f64; HIDDEN]>,
-    pub(super) output_constant: Vec<f64>,
-}
-
-/// A network in a model file.
-#[derive(Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct NetworkFile {
+pub struct Network {
     /// Mean of each feature in training.
-    mean: Vec<f64>,
+    pub(super) mean: Vec<f64>,
     /// Factor that each feature's deviation from its mean is multiplied by.
-    scale: Vec<f64>,
+    pub(super) scale: Vec<f64>,
     /// For each feature a weight per hidden unit, then the constants.
-    hidden: Vec<Vec<f64>>,
+    pub(super) hidden: Vec<[f64; HIDDEN]>,
     /// For each class a weight per hidden unit.
-    output: Vec<Vec<f64>>,
+    pub(super) output: Vec<[f64; HIDDEN]>,
     /// For each class a constant.
-    output_constant: Vec<f64>,
-}
-
-impl TryFrom<NetworkFile> for Network {
-    type Error = String;
-
-    fn try_from(file: NetworkFile) -> Result<Self, String> {
-        let rows = |name: &str, rows: Vec<Vec<f64>>| -> Result<Vec<[f64; HIDDEN]>, String> {
-            let row = |row: Vec<f64>| {
-                let found = row.len();
-                row.try_into()
-                    .map_err(|_| format!("a row of {found} weights in {name}, where there are {HIDDEN} hidden units"))
-            };
-            rows.into_iter().map(row).collect()
-        };
-        Ok(Network {
-            mean: file.mean,
-            scale: file.scale,
-            hidden: rows("hidden", file.hidden)?,
-            output: rows("output", file.output)?,
-            output_constant: file.output_constant,
-        })
-    }
-}
-
-impl From<Network> for NetworkFile {
-    fn from(network: Network) -> Self {
-        let rows = |rows: Vec<[f64; HIDDEN]>| rows.into_iter().map(Vec::from).collect();
-        NetworkFile {
-            mean: network.mean,
-            scale: network.scale,
-            hidden: rows(network.hidden),
-            output: rows(network.output),
-            output_constant: network.output_constant,
-        }
-    }
+    pub(super) output_constant: Vec<f64>,
 }
 
 impl Network {

@@ -11,6 +11,8 @@ use thiserror::Error;
 use trial_list::{OpenTrial, TrialList, knows_truth};
 use underbrush_recording::{Recording, Sample};
 
+use crate::error::Fault;
+
 pub(crate) use component::{Regions, neighbours_of_patch};
 pub use image::PatchImage;
 pub use tracking::component_trials;
@@ -138,15 +140,8 @@ pub enum TrialError {
         found: String,
     },
     /// An option is out of range.
-    #[error("{option} is {found}; allowed: {allowed}")]
-    BadOption {
-        /// Name of the option.
-        option: &'static str,
-        /// The number found.
-        found: f64,
-        /// What is allowed.
-        allowed: &'static str,
-    },
+    #[error(transparent)]
+    BadOption(#[from] Fault),
     /// A frame does not fit the layout, or contains NaN or infinity.
     #[error("frame {frame} (counted from 0): {found}; allowed: {allowed}; repair or drop the recording")]
     BadFrame {

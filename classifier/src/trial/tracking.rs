@@ -7,6 +7,7 @@ use super::component::{Component, components, grid};
 use super::image::PatchImage;
 use super::trial_list::{ContactTrial, OpenTrial, TrialList, knows_truth};
 use super::{TrialError, TrialOptions};
+use crate::error::Fault;
 
 /// One trial for each connected component, tracked from the start to the end of its contact (section IV-C).
 ///
@@ -25,7 +26,7 @@ pub fn component_trials(recording: &Recording, options: &TrialOptions) -> Result
     let reach = options.association_distance_m;
     if !reach.is_finite() || reach < 0.0 {
         let allowed = "a finite distance from 0 m";
-        return Err(TrialError::BadOption { option: "association_distance_m", found: reach, allowed });
+        return Err(Fault::new("association_distance_m", reach.to_string(), allowed).into());
     }
     let mut image = PatchImage::new(&recording.layout, options.patch.as_deref(), options.threshold_n)?;
     let grid = grid(&image, options.wrap)?;
