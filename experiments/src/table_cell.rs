@@ -9,15 +9,15 @@ use underbrush_classifier::feature::FeatureSet;
 use crate::accuracy::Accuracy;
 use crate::definition::{OrderingName, TableOneUnit};
 
-/// A cell of the table.
+/// A cell of the table, of one campaign or, with their figures, of many.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Cell {
+pub struct Cell<F = Accuracy> {
     /// Which cell.
     #[serde(flatten)]
     pub key: CellKey,
-    /// Its accuracy here.
+    /// Its figures here.
     #[serde(flatten)]
-    pub accuracy: Accuracy,
+    pub figures: F,
     /// The published accuracy, per cent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paper: Option<f64>,

@@ -83,7 +83,8 @@ fn layout(path: &Path, trials: &[Trial]) -> Result<SkinLayout, InputError> {
             let found = trial.taxel.map_or("nothing".to_owned(), |taxel| taxel.to_string());
             let allowed = format!("the number of a taxel from 0 to {}, in all trials", MAX_TAXELS - 1);
             let remedy = format!(
-                "fill it in for trial {}; where a trial has the force of several taxels, or no taxels were numbered, fill in 0",
+                "fill it in for trial {}; if the table knows no taxels, add a column taxel of zeros, and a column reach with the \
+                 number of each trial",
                 trial.trial
             );
             return Err(InputError::new(path, "taxel", found, allowed, remedy));

@@ -56,7 +56,7 @@ impl<'a> Comparison<'a> {
                     .map(|row| (trials_name(row.by, &row.category), row.per_reach, row.paper))
                     .collect(),
                 classifiers: (outcomes.classifiers.classifiers.iter())
-                    .map(|own| (own.classifier.as_str(), &own.accuracy))
+                    .map(|own| (own.classifier.as_str(), &own.figures))
                     .map(|(name, own)| (name, [own.accuracy, own.balanced_accuracy, own.majority_baseline]))
                     .collect(),
                 of_what: "one campaign".to_owned(),
@@ -167,7 +167,7 @@ fn why(report: &Report, comparison: &Comparison) -> Vec<String> {
     let (trials, untouched) = rows.iter().fold((0, 0), |sum, row| (sum.0 + row.trials, sum.1 + row.untouched));
     let cells = outcomes.table_one.table_1.iter();
     let cells = cells.filter(|cell| Some(cell.key.recipe.as_str()) == comparison.recipe());
-    let parts = cells.filter_map(|cell| Some([cell.accuracy.touched.as_ref()?, cell.accuracy.untouched.as_ref()?]));
+    let parts = cells.filter_map(|cell| Some([cell.figures.touched.as_ref()?, cell.figures.untouched.as_ref()?]));
     let parts: Vec<[f64; 2]> = parts.map(|parts| parts.map(|part| part.accuracy)).collect();
     if !parts.is_empty() {
         let [touched, nothing] = [0, 1].map(|side| parts.iter().map(|own| own[side]).sum::<f64>() / parts.len() as f64);

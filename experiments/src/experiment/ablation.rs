@@ -102,7 +102,7 @@ impl Ablated {
         let table_1: Vec<Cell> = cells.into_iter().filter(|cell| cell.key.recipe == recipe).collect();
         let of = |unit: TableOneUnit| {
             let own: Vec<&Accuracy> =
-                table_1.iter().filter(|cell| cell.key.by == unit).map(|cell| &cell.accuracy).collect();
+                table_1.iter().filter(|cell| cell.key.by == unit).map(|cell| &cell.figures).collect();
             let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
             (!own.is_empty()).then(|| Figures::over(&own, Accuracy::figures, mean))
         };

@@ -10,7 +10,7 @@ use super::classifiers::{self, Compared};
 use super::table_one;
 use super::training_data::{self, TrialsPerReach};
 use crate::accuracy::{Accuracy, Figures, Part, Spread};
-use crate::table_cell::{self, Cell, CellKey, Ordering, unit_name};
+use crate::table_cell::{self, Cell, Ordering, unit_name};
 use crate::training::{self, Trials};
 use crate::{Experiment, Session, TableOneUnit};
 
@@ -27,7 +27,7 @@ pub struct Campaigns {
     /// The campaigns' seeds.
     pub seeds: Vec<u64>,
     /// The cross-validation table.
-    pub table_1: Vec<CampaignCell>,
+    pub table_1: Vec<Cell<CampaignFigures>>,
     /// By recipe: mean absolute difference of the mean cells from the published ones.
     pub mean_absolute_difference_points: BTreeMap<String, f64>,
     /// Published statements on the mean cells.
@@ -35,7 +35,7 @@ pub struct Campaigns {
     /// Trials per reach.
     pub trials_per_reach: Vec<CampaignTrials>,
     /// Other classifiers.
-    pub classifiers: Vec<CampaignClassifier>,
+    pub classifiers: Vec<Compared<CampaignFigures>>,
 }
 
 /// The figures of a cell over campaigns.
@@ -48,30 +48,6 @@ pub struct CampaignFigures {
     pub touched: Option<Figures<Spread>>,
     /// The figures of the other trials; `None` if no campaign has such trials.
     pub untouched: Option<Figures<Spread>>,
-}
-
-/// A classifier over campaigns.
-#[derive(Serialize)]
-pub struct CampaignClassifier {
-    /// Its name.
-    pub classifier: String,
-    /// Its figures.
-    #[serde(flatten)]
-    pub figures: CampaignFigures,
-}
-
-/// A cell over campaigns.
-#[derive(Serialize)]
-pub struct CampaignCell {
-    /// Which cell.
-    #[serde(flatten)]
-    pub key: CellKey,
-    /// Its figures.
-    #[serde(flatten)]
-    pub figures: CampaignFigures,
-    /// The published accuracy, per cent.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub paper: Option<f64>,
 }
 
 /// Trials per reach over campaigns.
@@ -153,9 +129,9 @@ impl Campaigns {
             let name = format!("cross-validation, {}", key.with_recipe());
             let own = matched(campaigns, &name, |campaign| {
                 let cells = campaign.table_1.iter();
-                cells.filter(|cell| cell.key == *key).map(|cell| &cell.accuracy)
+                cells.filter(|cell| cell.key == *key).map(|cell| &cell.figures)
             })?;
-            table_1.push(CampaignCell { key: key.clone(), figures: CampaignFigures::of(&own), paper: *paper });
+            table_1.push(Cell { key: key.clone(), figures: CampaignFigures::of(&own), paper: *paper });
         }
         let mut trials_per_reach = Vec::new();
         for row in &first.trials_per_reach {
@@ -173,11 +149,11 @@ impl Campaigns {
         for Compared { classifier, .. } in &first.classifiers {
             let own = matched(campaigns, classifier, |campaign| {
                 let all = campaign.classifiers.iter();
-                all.filter(|own| own.classifier == *classifier).map(|own| &own.accuracy)
+                all.filter(|own| own.classifier == *classifier).map(|own| &own.figures)
             })?;
-            classifiers.push(CampaignClassifier { classifier: classifier.clone(), figures: CampaignFigures::of(&own) });
+            classifiers.push(Compared { classifier: classifier.clone(), figures: CampaignFigures::of(&own) });
         }
-        let mean = |cell: &CampaignCell| cell.figures.all.accuracy.mean;
+        let mean = |cell: &Cell<CampaignFigures>| cell.figures.all.accuracy.mean;
         let keyed: Vec<_> = table_1.iter().map(|cell| (&cell.key, mean(cell))).collect();
         let statements = experiment.published().map_or(&[][..], |own| &own.orderings);
         Ok(Some(Campaigns {

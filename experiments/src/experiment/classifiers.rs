@@ -20,14 +20,15 @@ pub struct ComparedClassifiers {
     pub speeds: Vec<Speed>,
 }
 
-/// One classifier on whole taxel trials, cross-validated in two folds of whole reaches.
+/// One classifier on whole taxel trials, cross-validated in two folds of whole reaches, in one campaign or, with their figures,
+/// in many.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Compared {
+pub struct Compared<F = Accuracy> {
     /// Its name.
     pub classifier: String,
-    /// Its accuracy.
+    /// Its figures.
     #[serde(flatten)]
-    pub accuracy: Accuracy,
+    pub figures: F,
 }
 
 /// Accuracy of one classifier by samples since contact, as fractions.
@@ -75,7 +76,7 @@ pub fn run(session: &Session) -> Result<ComparedClassifiers, Fault> {
 pub fn compare(experiment: &Experiment, taxel_trials: &[Trial]) -> Result<Vec<Compared>, Fault> {
     each(experiment, |entry, estimator| {
         let evaluation = cross_validate(taxel_trials, estimator, FOLDS, &Decision::argmax())?;
-        Ok(Compared { classifier: entry.name.clone(), accuracy: Accuracy::of(&evaluation) })
+        Ok(Compared { classifier: entry.name.clone(), figures: Accuracy::of(&evaluation) })
     })
 }
 

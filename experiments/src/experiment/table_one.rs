@@ -73,7 +73,7 @@ pub fn evaluate(
         let evaluation = cross_validate(trials, &recipe, Folds::paper(), &Decision::argmax())?;
         let published = experiment.published();
         let cell = Cell {
-            accuracy: Accuracy::of(&evaluation),
+            figures: Accuracy::of(&evaluation),
             paper: published.and_then(|own| own.accuracy_percent(by, features, states)),
             key: CellKey { by, features, states, recipe: name.name().into() },
         };
@@ -86,12 +86,12 @@ pub fn evaluate(
 /// Mean absolute difference of the cells from the published ones, by recipe, points.
 pub fn mean_difference(cells: &[Cell]) -> BTreeMap<String, f64> {
     let cells = cells.iter();
-    table_cell::mean_difference(cells.map(|cell| (cell.key.recipe.as_str(), cell.accuracy.accuracy, cell.paper)))
+    table_cell::mean_difference(cells.map(|cell| (cell.key.recipe.as_str(), cell.figures.accuracy, cell.paper)))
 }
 
 /// The published statements on these cells.
 pub fn orderings(experiment: &Experiment, cells: &[Cell]) -> Vec<Ordering> {
     let statements = experiment.published().map_or(&[][..], |own| &own.orderings);
-    let keyed: Vec<_> = cells.iter().map(|cell| (&cell.key, cell.accuracy.accuracy)).collect();
+    let keyed: Vec<_> = cells.iter().map(|cell| (&cell.key, cell.figures.accuracy)).collect();
     table_cell::orderings(statements, &keyed)
 }

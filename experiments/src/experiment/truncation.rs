@@ -42,7 +42,7 @@ pub fn run(session: &Session) -> Result<TruncatedAccuracy, Fault> {
     let table = session.once(table_one::run)?;
     let whole = states.iter().filter_map(|&states| {
         let (cell, _) = table.of_taxels(base.features, states, recipe)?;
-        Some(Truncated { states, max_samples: None, accuracy: cell.accuracy.clone() })
+        Some(Truncated { states, max_samples: None, accuracy: cell.figures.clone() })
     });
     let cases: Vec<(usize, usize)> =
         file.truncations.iter().flat_map(|length| states.iter().map(move |states| (*states, *length))).collect();

@@ -37,14 +37,14 @@ fn around(accuracy: f64) -> Accuracy {
 fn cell(states: usize, accuracy: f64) -> Cell {
     Cell {
         key: CellKey { by: TableOneUnit::Taxel, features: FeatureSet::FORCE, states, recipe: "authors".into() },
-        accuracy: around(accuracy),
+        figures: around(accuracy),
         paper: Some(80.24),
     }
 }
 
 fn campaign(table_1: Vec<Cell>, classifiers: &[(&str, f64)]) -> OneOfMany {
     let classifiers =
-        classifiers.iter().map(|(name, accuracy)| Compared { classifier: (*name).into(), accuracy: around(*accuracy) });
+        classifiers.iter().map(|(name, accuracy)| Compared { classifier: (*name).into(), figures: around(*accuracy) });
     OneOfMany { trials_per_reach: Vec::new(), table_1, classifiers: classifiers.collect() }
 }
 
@@ -150,7 +150,7 @@ fn the_papers_own_table_is_no_distance_from_itself() {
         let cells = TABLE_ONE_PAPER.into_iter().zip([1.0, -1.0].into_iter().cycle());
         let cell = move |((by, features, states, paper), sign): ((TableOneUnit, FeatureSet, usize, f64), f64)| Cell {
             key: CellKey { by, features, states, recipe: "authors".into() },
-            accuracy: around(paper + sign * shift),
+            figures: around(paper + sign * shift),
             paper: Some(paper),
         };
         Ablated::new(&Experiment::paper().unwrap(), "any", cells.map(cell), Vec::new())

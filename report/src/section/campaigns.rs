@@ -1,8 +1,8 @@
 //! Several independent campaigns: mean and spread.
 
 use underbrush_experiments::accuracy::Figures;
-use underbrush_experiments::experiment::campaigns::{CampaignCell, Campaigns, ComparedCampaigns};
-use underbrush_experiments::table_cell::unit_name;
+use underbrush_experiments::experiment::campaigns::{CampaignFigures, Campaigns, ComparedCampaigns};
+use underbrush_experiments::table_cell::{Cell, unit_name};
 
 use super::classifiers;
 use super::table_one::trials_and_features;
@@ -38,7 +38,7 @@ pub fn add(report: &mut Report, outcome: &ComparedCampaigns) {
 }
 
 /// The cell, to be compared with the published one. Its interval is one standard deviation.
-pub fn compared(cell: &CampaignCell) -> Compared<'_> {
+pub fn compared(cell: &Cell<CampaignFigures>) -> Compared<'_> {
     let Figures { accuracy: own, balanced_accuracy, majority_baseline } = &cell.figures.all;
     let deviation = own.standard_deviation.unwrap_or(0.0);
     Compared {

@@ -25,10 +25,10 @@ pub fn add(report: &mut Report, outcome: &ComparedClassifiers) {
     );
     report.page.paragraph(&best_of(&outcome.classifiers, best));
     let accuracies: Vec<(&str, f64)> =
-        outcome.classifiers.iter().map(|own| (own.classifier.as_str(), own.accuracy.accuracy)).collect();
+        outcome.classifiers.iter().map(|own| (own.classifier.as_str(), own.figures.accuracy)).collect();
     report.page.paragraphs(features(&file.classifiers, &accuracies));
     report.printed(table(&outcome.classifiers, best), 7);
-    let rows = outcome.classifiers.iter().map(|own| (own.classifier.clone(), &own.accuracy));
+    let rows = outcome.classifiers.iter().map(|own| (own.classifier.clone(), &own.figures));
     report.printed(by_touch("classifiers_by_touch", "Other classifiers", rows), 9);
     if outcome.speeds.is_empty() {
         return;
@@ -54,9 +54,9 @@ pub fn add(report: &mut Report, outcome: &ComparedClassifiers) {
 
 /// The classifier with the highest accuracy, compared with the published best.
 fn best_of(classifiers: &[Compared], published: Option<f64>) -> String {
-    let best = classifiers.iter().max_by(|a, b| a.accuracy.accuracy.total_cmp(&b.accuracy.accuracy));
+    let best = classifiers.iter().max_by(|a, b| a.figures.accuracy.total_cmp(&b.figures.accuracy));
     let Some(best) = best else { return String::new() };
-    let own = &best.accuracy;
+    let own = &best.figures;
     let against = published.map_or(String::new(), |paper| {
         let place = match () {
             () if own.low > paper => "its whole interval is above",
@@ -163,8 +163,8 @@ fn table(classifiers: &[Compared], published: Option<f64>) -> Table {
                    and majority baseline";
     Rows::of(classifiers)
         .column("classifier", |own| own.classifier.as_str())
-        .accuracy(ACCURACY_HEADINGS, 1, |own| &own.accuracy)
-        .against_best(published, |own| own.accuracy.accuracy)
+        .accuracy(ACCURACY_HEADINGS, 1, |own| &own.figures)
+        .against_best(published, |own| own.figures.accuracy)
         .table("classifiers", caption)
 }
 

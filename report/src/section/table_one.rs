@@ -32,7 +32,7 @@ pub fn add(report: &mut Report, outcome: &TableOne) {
         report.print(&table, 9);
     }
     report.tables.push(all(&name, &outcome.table_1));
-    let rows = outcome.table_1.iter().map(|cell| (cell.key.with_recipe(), &cell.accuracy));
+    let rows = outcome.table_1.iter().map(|cell| (cell.key.with_recipe(), &cell.figures));
     report.printed(by_touch("table_1_by_touch", &name, rows), 9);
     agreement::add_orderings(report, "orderings", "The paper's orderings", &outcome.orderings);
 }
@@ -41,11 +41,11 @@ pub fn add(report: &mut Report, outcome: &TableOne) {
 pub fn compared(cell: &Cell) -> Compared<'_> {
     Compared {
         key: &cell.key,
-        accuracy: cell.accuracy.accuracy,
-        interval: Some((cell.accuracy.low, cell.accuracy.high)),
+        accuracy: cell.figures.accuracy,
+        interval: Some((cell.figures.low, cell.figures.high)),
         covers: true,
-        balanced_accuracy: cell.accuracy.balanced_accuracy,
-        majority_baseline: cell.accuracy.majority_baseline,
+        balanced_accuracy: cell.figures.balanced_accuracy,
+        majority_baseline: cell.figures.majority_baseline,
         published: cell.paper,
     }
 }
@@ -96,7 +96,7 @@ pub fn choices(report: &Report) -> Option<String> {
 fn baselines(report: &Report, cells: &[Cell]) -> String {
     let of = |by: TableOneUnit| {
         let cell = cells.iter().find(|cell| cell.key.by == by)?;
-        let here = cell.accuracy.majority_baseline;
+        let here = cell.figures.majority_baseline;
         let published = published_majority_percent(report, by);
         let published = published.map_or(String::new(), |percent| format!(" ({percent:.1} % by the paper's counts)"));
         Some(format!("{here:.1} % for {} trials{published}", unit_name(by)))
@@ -131,8 +131,8 @@ fn of_recipe(name: &str, cells: &[Cell], recipe: &str) -> Table {
     Rows::of(cells.iter().filter(|cell| cell.key.recipe == recipe))
         .column("trials, features", |cell| trials_and_features(&cell.key))
         .column("states", |cell| cell.key.states)
-        .accuracy(["here", "from", "to", "balanced", "majority"], 1, |cell| &cell.accuracy)
-        .against_published(|cell| cell.accuracy.accuracy, |cell| cell.paper)
+        .accuracy(["here", "from", "to", "balanced", "majority"], 1, |cell| &cell.figures)
+        .against_published(|cell| cell.figures.accuracy, |cell| cell.paper)
         .table("table_1", caption)
 }
 
@@ -141,8 +141,8 @@ fn all(name: &str, cells: &[Cell]) -> Table {
     let published = cells.iter().any(|cell| cell.paper.is_some());
     Rows::of(cells)
         .key(|cell| &cell.key)
-        .column("trials", |cell| cell.accuracy.trials)
-        .accuracy(ACCURACY_COLUMNS, 2, |cell| &cell.accuracy)
+        .column("trials", |cell| cell.figures.trials)
+        .accuracy(ACCURACY_COLUMNS, 2, |cell| &cell.figures)
         .when(published, |rows| rows.number("paper_percent", 2, |cell| cell.paper))
         .table("table_1", name)
 }
