@@ -43,7 +43,6 @@ const RECENT_S: f64 = 0.1;
 /// How many samples count as the beginning.
 const FIRST_SAMPLES: f64 = 5.0;
 
-
 /// Names of the features of a region, in order.
 pub const REGION_FEATURES: [&str; REGION_FEATURE_COUNT] = Course::NAMES;
 

@@ -11,7 +11,6 @@ const MOTION_KNEE_M: f64 = 5e-4;
 const STIFFNESS_KNEE_N_PER_M: f64 = 10.0;
 const RECENT_SHARE: f64 = 0.1;
 
-
 /// Names of the features of a taxel, in order.
 pub const TAXEL_FEATURES: [&str; TAXEL_FEATURE_COUNT] = TaxelCourse::NAMES;
 

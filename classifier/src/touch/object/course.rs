@@ -24,7 +24,8 @@ const STEADY: (f64, f64) = (0.02, 0.005);
 
 /// Number of features of an object: those of all its contacts together, those of its strongest contact, the shape of the
 /// contact at each level of force, and some of its own.
-pub const OBJECT_FEATURE_COUNT: usize = 2 * REGION_FEATURE_COUNT + LEVELS_N.len() * OF_LEVEL.len() + ObjectCourse::COUNT;
+pub const OBJECT_FEATURE_COUNT: usize =
+    2 * REGION_FEATURE_COUNT + LEVELS_N.len() * OF_LEVEL.len() + ObjectCourse::COUNT;
 
 /// What the skin senses of an object in one frame: its contacts together, and the strongest one.
 #[derive(Clone, Copy, Debug, Default)]
