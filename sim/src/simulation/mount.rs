@@ -7,9 +7,9 @@ use underbrush_recording::Pose as WorldPose;
 use super::bounds::Bounds;
 use crate::contact::surface::Surface;
 
-/// How far a shape may move before the pairs are found anew, m. Choice: the way of the hand in ten frames at 0.2 m/s. A
+/// How far a shape may move before the pairs are found anew, m. Choice: the way of the hand in five frames at 0.2 m/s. A
 /// larger value means fewer searches and more pairs.
-pub(super) const ROOM_M: f64 = 0.02;
+pub(super) const ROOM_M: f64 = 0.01;
 
 /// A link of a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
