@@ -151,9 +151,9 @@ impl SkinPatch {
         };
         let SpreadBuffers { faces, cells, near, taxels, .. } = &mut *buffers;
         let chords = Chords::new(shape, &view, faces);
-        let under = self.nearby(contacts).filter(|point| is_facing(point.normal_link, inward));
+        let under = self.nearby(contacts).filter(|(_, point)| is_facing(point.normal_link, inward));
         cells.clear();
-        cells.extend(under.map(|point| {
+        cells.extend(under.map(|(number, point)| {
             let offset = point.position_link - center;
             let place = DVec2::new(offset.dot(across), offset.dot(along));
             // Beside the shape, the gap is the distance from it, because its edge drags the layer along.
@@ -164,17 +164,20 @@ impl SkinPatch {
             );
             Cell {
                 taxel: point.taxel,
+                point: number,
                 gap,
                 place: Vector3::new(1.0, place.x, place.y),
                 stiffness: interface.stiffness_n_per_m3 * point.area_m2,
                 share: -point.normal_link.dot(inward),
                 felt_share: point.felt_share,
+                pressure_n: 0.0,
             }
         }));
         taxels.clear();
         if let Some(pose) = indent(cells, near, &interface.layer, normal_sum.length()) {
-            for cell in cells.iter() {
+            for cell in cells.iter_mut() {
                 let pressure = cell.stiffness * interface.layer.pressed(cell.depth(&pose)).0;
+                cell.pressure_n = pressure;
                 match taxels.last_mut() {
                     Some((taxel, sum, felt)) if *taxel == cell.taxel => {
                         *sum += pressure;
@@ -192,6 +195,20 @@ impl SkinPatch {
         }
         self.balance(total, interface.friction, buffers);
         &buffers.forces
+    }
+
+    /// How the taxels feel the last forces that [`SkinPatch::spread`] wrote into these buffers: sub-points and the normal force
+    /// on each, N. A taxel's force is divided among its sub-points in proportion to their pressures.
+    pub fn felt_points<'a>(&'a self, buffers: &'a SpreadBuffers) -> impl Iterator<Item = (usize, f64)> + 'a {
+        buffers.forces.iter().flat_map(move |force| {
+            let cells = buffers.cells.iter().filter(|cell| cell.taxel == force.taxel && cell.pressure_n > 0.0);
+            let pressed: f64 = cells.clone().map(|cell| cell.pressure_n).sum();
+            // A contact between the sub-points is narrower than one, and any one of the taxel stands for it.
+            let narrow = (pressed == 0.0)
+                .then(|| (force.taxel * self.points_per_taxel(), force.normal_force_n * force.felt_share));
+            let share = force.normal_force_n / pressed;
+            cells.map(move |cell| (cell.point, share * cell.felt_share * cell.pressure_n)).chain(narrow)
+        })
     }
 
     /// Scales the normal forces of the taxels and adds shear so that the vector sum is `total`.
@@ -226,13 +243,16 @@ impl SkinPatch {
         }));
     }
 
-    fn nearby<'a>(&'a self, contacts: &'a [ContactPoint]) -> impl Iterator<Item = &'a SurfacePoint> {
+    /// The sub-points of the taxels near these contacts, with their indices.
+    fn nearby<'a>(&'a self, contacts: &'a [ContactPoint]) -> impl Iterator<Item = (usize, &'a SurfacePoint)> {
+        let count = self.points_per_taxel();
         self.sub_points
-            .chunks_exact(self.points_per_taxel())
+            .chunks_exact(count)
             .zip(&self.centers_link)
             .zip(&self.corners_m)
-            .filter(|((_, center), corner_m)| near_contacts(**center, **corner_m, contacts))
-            .flat_map(|((points, _), _)| points)
+            .enumerate()
+            .filter(|(_, ((_, center), corner_m))| near_contacts(**center, **corner_m, contacts))
+            .flat_map(move |(taxel, ((points, _), _))| (taxel * count..).zip(points))
     }
 
     /// All taxels have the same number of sub-points.

@@ -5,6 +5,8 @@
 //! | capacitive | crosstalk → creep → spurious readings → noise → gate and floor → quantum → saturation |
 //! | fabric | hysteresis → saturating response → noise → gate → counts |
 //! | both | before: bandwidth → gain → drift; after: dead taxels → delay |
+//!
+//! Fabric that responds by conductance begins with the evenly spread force that has the conductance of the true pressures.
 
 use std::ops::Range;
 
@@ -28,7 +30,7 @@ use crate::arm::skin::Technology;
 use crate::seed::stream;
 use capacitive::Capacitive;
 use fabric::Fabric;
-pub use options::{FabricOptions, Fault, SensorModel, SensorOptions};
+pub use options::{FabricOptions, FabricResponse, Fault, SensorModel, SensorOptions};
 use transducer::Transducers;
 
 /// The electronics of one patch.
@@ -82,7 +84,7 @@ impl Sensor {
         for (patch, surface) in skin.layout.patches.iter().zip(&skin.surfaces) {
             let electronics = match surface.technology {
                 Technology::Capacitive => Electronics::Capacitive(Capacitive::new(options, patch)),
-                Technology::Fabric => Electronics::Fabric(Fabric::new(&options.fabric, patch.taxels.len())),
+                Technology::Fabric => Electronics::Fabric(Fabric::new(&options.fabric, &patch.taxels)),
             };
             let first = taxels;
             taxels += patch.taxels.len();
@@ -106,6 +108,20 @@ impl Sensor {
     /// Adds to the true normal force on a taxel in the frame that is sampled next, N.
     pub fn press(&mut self, patch: usize, taxel: usize, normal_force_n: f64) {
         self.true_force_n[self.patches[patch].1.start + taxel] += normal_force_n;
+    }
+
+    /// Whether the readings of a patch depend on where on a taxel a force acts. Its taxels then take [`Sensor::press_parts`].
+    pub fn feels_parts(&self, patch: usize) -> bool {
+        matches!(&self.patches[patch].0, Electronics::Fabric(fabric) if fabric.feels_parts())
+    }
+
+    /// Presses parts of a taxel: `(normal force, area)`, N and m². A patch that does not feel parts takes their sum.
+    pub fn press_parts(&mut self, patch: usize, taxel: usize, parts: impl Iterator<Item = (f64, f64)>) {
+        let force_n = match &self.patches[patch].0 {
+            Electronics::Fabric(fabric) => fabric.even_force_n(taxel, parts),
+            Electronics::Capacitive(_) => parts.map(|(force_n, _)| force_n).sum(),
+        };
+        self.press(patch, taxel, force_n);
     }
 
     /// Samples all taxels once and clears the true forces.

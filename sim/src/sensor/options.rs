@@ -89,7 +89,7 @@ pub enum SensorModel {
     Paper,
     /// Each taxel was calibrated against a load cell, as on robots of today: no spread of gains, drift, creep, hysteresis,
     /// spurious readings, or saturating response of fabric. What remains are noise, gate, resolution, range, crosstalk,
-    /// bandwidth, delay and dead taxels.
+    /// bandwidth, delay, dead taxels, and that of fabric with `response = "conductance"`: no load cell says how a force is spread.
     Calibrated,
 }
 
@@ -105,17 +105,32 @@ options! {
     #[serde(deny_unknown_fields, default)]
     #[schemars(transform = with_limits(FabricOptions::default().numbers()))]
     pub struct FabricOptions {
-        /// Quantization steps per newton (about 30 on the robot).
+        /// What the reading depends on.
+        response: FabricResponse = FabricResponse::TotalForce;
+        /// Quantization steps per newton (about 30 on the robot). With `conductance` the converter has 1024 steps over the
+        /// supply voltage, and 0 means none.
         counts_per_n: f64 = 30.0, limits::COUNTS_PER_N;
-        /// Full scale S, N: the reading of a force F is F S / (F + S).
+        /// Full scale S, N: the reading of a force F is F S / (F + S). With `conductance` it has no effect.
         full_scale_n: f64 = 34.1, limits::SATURATION_N;
         /// Hysteresis: by what share of its largest value the force must fall before the reading begins to fall.
         hysteresis_share: f64 = 0.25, limits::HYSTERESIS_SHARE;
-        /// Standard deviation of a taxel's noise, N.
+        /// Standard deviation of a taxel's noise, N; with `conductance` that of an unloaded taxel.
         noise_n: f64 = 1.0 / 60.0, limits::NOISE_N;
         /// Readings below this many standard deviations of the noise are 0.
         gate_sigmas: f64 = 6.0, limits::GATE_SIGMAS;
     }
+}
+
+/// What the reading of a fabric taxel depends on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FabricResponse {
+    /// The total force alone: a leaf's edge and a trunk of equal force read the same.
+    #[default]
+    TotalForce,
+    /// The pressure on each part of the taxel, as in the authors' model: the parts are resistors in parallel. The reading is
+    /// the force that would give the same voltage if it were spread evenly over the taxel, so that it is larger for an edge.
+    Conductance,
 }
 
 /// What is wrong with an option: `(key, found, allowed)`.
@@ -135,6 +150,7 @@ impl SensorOptions {
             spurious_time_s: 8.0,
             delay_frames: 0,
             fabric: FabricOptions {
+                response: FabricResponse::TotalForce,
                 counts_per_n: 0.0,
                 full_scale_n: f64::INFINITY,
                 hysteresis_share: 0.0,

@@ -27,12 +27,15 @@ struct Loads {
     taxels: Vec<(Place, Load)>,
     /// Normal force by taxel and object, N. An object with several collision shapes, such as a leaf, has one sum.
     normal_n_by_object: Vec<((Place, u16), f64)>,
+    /// What is felt on each sub-point of the patches whose sensor asks for it, N, by patch and sub-point.
+    points_n: Vec<((usize, usize), f64)>,
 }
 
 impl Loads {
     fn clear(&mut self) {
         self.taxels.clear();
         self.normal_n_by_object.clear();
+        self.points_n.clear();
     }
 
     fn add(&mut self, place: Place, object: Option<u16>, force: &TaxelForce) {
@@ -128,10 +131,22 @@ pub(super) fn sense(
         for force in skin.spread(points, shape, &shape_pose, surface, spread) {
             loads.add((patch, force.taxel), object, force);
         }
+        if sensor.feels_parts(patch) {
+            for (point, felt_n) in skin.felt_points(spread) {
+                *entry(&mut loads.points_n, (patch, point)) += felt_n;
+            }
+        }
     }
     for ((patch, taxel), load) in &loads.taxels {
-        sensor.press(*patch, *taxel, load.felt_n);
         let skin = &patches[*patch];
+        if sensor.feels_parts(*patch) {
+            let points = loads.points_n.iter().filter(|((own, _), _)| own == patch);
+            let points = points.map(|((_, point), felt_n)| (&skin.sub_points[*point], *felt_n));
+            let own = points.filter(|(point, _)| point.taxel == *taxel);
+            sensor.press_parts(*patch, *taxel, own.map(|(point, felt_n)| (felt_n, point.area_m2)));
+        } else {
+            sensor.press(*patch, *taxel, load.felt_n);
+        }
         let force = load.shear_link - skin.normals_link[*taxel] * load.normal_n;
         wrenches[*patch].felt.add(skin.centers_link[*taxel], force);
     }
@@ -203,6 +218,7 @@ fn residuals(wrenches: &[PatchWrenches]) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{ReachPlan, Scene};
 
     /// Tests that a taxel's object is the one that presses most in sum: two pieces of a leaf count more than a trunk
     /// that presses harder than either, and of two equal objects the first is named.
@@ -222,5 +238,42 @@ mod tests {
         assert!((load.normal_n - 1.0).abs() < 1e-15 && load.shear_link == DVec3::new(1.0, 1.0, 0.0));
         loads.add(taxel, Some(trunk), &force(0.2, DVec3::ZERO));
         assert_eq!(loads.object(taxel), Some(trunk));
+    }
+
+    /// Tests that conductance changes only what fabric senses: along the same way the true forces and the readings of the forearm
+    /// stay the same, and on the flipper some readings become larger, and none smaller.
+    #[test]
+    fn conductance_changes_only_what_fabric_senses() {
+        let plan = |fabric: &str| {
+            let scene = format!(
+                "summary = \"Leaves\"\n[goals]\ncount = 1\n[sensor.fabric]\n{fabric}\nhysteresis_share = 0\nnoise_n = 0\n\
+                 [[objects.foam_block]]\ncount = 4\n[[objects.leaf]]\ncount = 20\n[[objects.trunk]]\ncount = 4\n"
+            );
+            ReachPlan::new(Scene::parse("leaves.toml", scene).unwrap(), None, 5).unwrap()
+        };
+        let plans = [plan("response = \"total_force\""), plan("response = \"conductance\"")];
+        let frames = plans[0].run(0, &mut |_| {}).unwrap().frames;
+        let mut simulations = plans.map(|plan| plan.simulation(0).unwrap());
+        let (mut more, mut less) = (0, 0);
+        for frame in frames {
+            let [total, parts] =
+                simulations.each_mut().map(|own| own.step(&frame.equilibrium_angle_rad).tactile.taxels.clone());
+            let key = |own: &TaxelReading| (own.patch, own.taxel);
+            let truth = |own: &&TaxelReading| own.true_normal_force_n > 0.0;
+            let forces = |list: &[TaxelReading]| -> Vec<_> {
+                list.iter().filter(truth).map(|own| (key(own), own.true_normal_force_n)).collect()
+            };
+            assert_eq!(forces(&total), forces(&parts));
+            for reading in &total {
+                let other = parts.iter().find(|other| key(other) == key(reading));
+                let sensed_n = other.map_or(0.0, |other| other.sensed_force_n);
+                if reading.patch == 0 {
+                    assert_eq!(sensed_n, reading.sensed_force_n);
+                }
+                more += usize::from(sensed_n > reading.sensed_force_n + 0.1);
+                less += usize::from(sensed_n < reading.sensed_force_n - 0.1);
+            }
+        }
+        assert!(more > 0 && less == 0, "{more} more, {less} less");
     }
 }

@@ -9,6 +9,8 @@ use crate::newton::minimize;
 #[derive(Clone, Debug)]
 pub(super) struct Cell {
     pub(super) taxel: usize,
+    /// Index of the sub-point in its patch.
+    pub(super) point: usize,
     pub(super) gap: f64,
     /// (1, x₁, x₂): the derivative of its indentation with respect to depth and tilts.
     pub(super) place: Vector3<f64>,
@@ -18,6 +20,8 @@ pub(super) struct Cell {
     pub(super) share: f64,
     /// Share of its pressure that its taxel feels.
     pub(super) felt_share: f64,
+    /// Its pressure times its area in the pose found, N.
+    pub(super) pressure_n: f64,
 }
 
 impl Cell {

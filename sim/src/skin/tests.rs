@@ -255,3 +255,37 @@ fn a_plate_between_two_columns_is_felt_through_the_gap() {
         }
     }
 }
+
+/// Tests that what the sub-points feel adds up to what each taxel feels, under a trunk on a skin with gaps and under a wire.
+#[test]
+fn sub_points_add_up_to_their_taxels() {
+    for (radius_m, gap_share) in [(0.02, 0.3), (0.0001, 1.0)] {
+        let skin = forearm_with_gaps(gap_share);
+        let contact = contact(&skin, 0.0054, 0.13, 2.0, 0.2, 0.0);
+        let (shape, pose) = trunk(&contact, radius_m, 0.0);
+        let (hard, mut buffers) = (Surface::hard(FRICTION), SpreadBuffers::default());
+        let forces = skin.spread(&[contact], &shape, &pose, &hard, &mut buffers).to_vec();
+        assert!(!forces.is_empty());
+        for force in forces {
+            let points = skin.felt_points(&buffers).filter(|(point, _)| skin.sub_points[*point].taxel == force.taxel);
+            let felt_n: f64 = points.map(|(_, felt_n)| felt_n).sum();
+            assert!((felt_n - force.normal_force_n * force.felt_share).abs() < 1e-12, "{felt_n}, {force:?}");
+        }
+    }
+}
+
+/// Tests that a contact whose normal runs along the sleeve, so that no sub-point faces it, presses one sub-point of its taxel with
+/// all of the normal force.
+#[test]
+fn a_contact_that_no_sub_point_faces_presses_one() {
+    let skin = forearm();
+    let above = contact(&skin, 0.0, 0.0, 0.3, 0.0, 0.0);
+    let along = DVec3::Z;
+    let contact = ContactPoint { inward_link: along, force_link: above.force_link + along, ..above };
+    let (hard, mut buffers) = (Surface::hard(FRICTION), SpreadBuffers::default());
+    let pose = Pose::new(contact.position_link - along * 0.01, glam::DQuat::IDENTITY);
+    let forces = skin.spread(&[contact], &Ball::new(0.01), &pose, &hard, &mut buffers).to_vec();
+    let points: Vec<(usize, f64)> = skin.felt_points(&buffers).collect();
+    let [(point, felt_n)] = points[..] else { panic!("{forces:?} {points:?}") };
+    assert_eq!((skin.sub_points[point].taxel, felt_n), (forces[0].taxel, forces[0].normal_force_n));
+}

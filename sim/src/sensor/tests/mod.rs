@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use proptest::prelude::*;
 use underbrush_recording::FRAME_PERIOD_S;
 
-use super::{FabricOptions, Sensor, SensorModel, SensorOptions};
+use super::{FabricOptions, FabricResponse, Sensor, SensorModel, SensorOptions};
 use crate::arm::Arm;
 
 /// Patches of Cody's skin.
