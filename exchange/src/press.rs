@@ -38,6 +38,10 @@ const MAX_STEPS: usize = 50;
 /// The largest share of its thickness by which a layer can have been pressed. Beyond, its force has no bound.
 const MOST_PRESSED: f64 = 0.98;
 
+/// Speeds of which the middle four fifths differ by less than this share of their median are one speed. Then the force of the loss
+/// is that of a stiffer layer.
+const ONE_SPEED: f64 = 0.1;
+
 /// Shortest time at one depth from which creep is fitted, s.
 const MIN_HOLD_S: f64 = 2.0;
 
@@ -75,8 +79,8 @@ pub struct Estimate {
 pub struct PressFit {
     /// Foundation modulus C, N/m³.
     pub modulus_n_per_m3: Estimate,
-    /// Loss time τ, s.
-    pub loss_time_s: Estimate,
+    /// Loss time τ, s; `None` if the punch only pressed at one speed.
+    pub loss_time_s: Option<Estimate>,
     /// Hardening β, 1/m: the inverse of the thickness of the layer.
     pub hardening_per_m: Estimate,
     /// Share of the force that a hold at one depth loses per decade of time; `None` without a hold of 2 s.
@@ -130,9 +134,13 @@ pub fn read_press(path: &Path) -> Result<Vec<PressSample>, InputError> {
 /// # Errors
 /// When there are too few samples under load, or the terms cannot be told apart.
 pub fn fit_press(samples: &[PressSample], punch: Punch) -> Result<PressFit, PressError> {
-    let rows = rows(samples);
+    let mut rows = rows(samples);
     if rows.len() < MIN_SAMPLES {
         return Err(PressError::FewSamples(rows.len()));
+    }
+    let one_speed = has_one_speed(&rows);
+    if one_speed {
+        rows.iter_mut().for_each(|row| row.speed_m_per_s = 0.0);
     }
     let best = fit(&rows, punch).ok_or(PressError::Indistinct)?;
     // Near the best fit the law is linear in its constants, so a draw needs one step of the method.
@@ -159,7 +167,7 @@ pub fn fit_press(samples: &[PressSample], punch: Punch) -> Result<PressFit, Pres
     let squares: f64 = linear.iter().map(|row| row.missing_n.powi(2)).sum();
     Ok(PressFit {
         modulus_n_per_m3,
-        loss_time_s,
+        loss_time_s: (!one_speed).then_some(loss_time_s),
         hardening_per_m,
         relaxation_share_per_decade: relaxation(samples),
         residual_share: (squares / rows.len() as f64).sqrt() / largest_n,
@@ -256,21 +264,31 @@ fn rows(samples: &[PressSample]) -> Vec<Row> {
     samples.windows(3).filter_map(row).collect()
 }
 
+/// Whether the punch only pressed at one speed.
+fn has_one_speed(rows: &[Row]) -> bool {
+    let mut speeds: Vec<f64> = rows.iter().map(|row| row.speed_m_per_s).collect();
+    speeds.sort_by(f64::total_cmp);
+    let [low, median, high] = [1, 5, 9].map(|tenths| speeds[(speeds.len() - 1) * tenths / 10]);
+    high - low < ONE_SPEED * median.abs()
+}
+
 /// Least squares: the changes of ln C, β and τ that make up for what is missing. `None` if they cannot be told apart.
 fn solve(rows: &[Linear]) -> Option<[f64; 3]> {
     // Columns of unit length keep the rank apart from the units.
     let lengths = [0, 1, 2].map(|at| rows.iter().map(|row| row.slopes[at].powi(2)).sum::<f64>().sqrt());
-    if lengths.contains(&0.0) {
+    // Without speeds there is no loss.
+    let count = if lengths[2] > 0.0 { 3 } else { 2 };
+    if lengths[..count].contains(&0.0) {
         return None;
     }
-    let matrix = DMatrix::from_fn(rows.len(), 3, |row, at| rows[row].slopes[at] / lengths[at]);
+    let matrix = DMatrix::from_fn(rows.len(), count, |row, at| rows[row].slopes[at] / lengths[at]);
     let missing = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.missing_n));
     let found = matrix.svd(true, true);
     if found.singular_values.min() < 1e-6 * found.singular_values.max() {
         return None;
     }
     let solution = found.solve(&missing, 0.0).ok()?;
-    Some([0, 1, 2].map(|at| solution[at] / lengths[at]))
+    Some([0, 1, 2].map(|at| solution.get(at).map_or(0.0, |own| own / lengths[at])))
 }
 
 /// The times of at least 2 s in which the depth stays within 2 % of the largest.

@@ -17,7 +17,7 @@ use crate::{Failure, output};
 ///
 /// Press one pad of the skin on a hard ground with a flat punch or a ball, to several depths and at two speeds or more, and
 /// write time_s, depth_m and force_n as CSV. The fit is p + τ dp/dt with p = C d / (1 − β d): the pressure p at the depth d of a
-/// layer of the thickness 1/β. C, τ and, if the press shows that the layer hardens, 1/β are written as a file of materials,
+/// layer of the thickness 1/β. C and, if the press shows them, τ and 1/β are written as a file of materials,
 /// for `underbrush generate --materials FILE`.
 #[derive(Args)]
 pub struct FitSkinOptions {
@@ -68,10 +68,10 @@ pub fn run(options: FitSkinOptions, json: bool) -> Result<(), Failure> {
             let range = [low.min(value), high.max(value)];
             (name.to_owned(), Constant { value, range, source, affects: affects.into() })
         };
-        let mut constants = BTreeMap::from([
-            constant("skin_modulus_n_per_m3", &fit.modulus_n_per_m3, "Peak force and onset of hard touches"),
-            constant("skin_loss_time_s", &fit.loss_time_s, "Peak force of impacts"),
-        ]);
+        let affects = "Peak force and onset of hard touches";
+        let mut constants = BTreeMap::from([constant("skin_modulus_n_per_m3", &fit.modulus_n_per_m3, affects)]);
+        let loss_time = fit.loss_time_s.as_ref();
+        constants.extend(loss_time.map(|own| constant("skin_loss_time_s", own, "Peak force of impacts")));
         let Estimate { value, interval: [low, high] } = fit.hardening_per_m;
         if low > 0.0 {
             let thickness = Estimate { value: 1.0 / value, interval: [1.0 / high, 1.0 / low] };
@@ -92,10 +92,13 @@ fn text(fit: &PressFit) -> String {
         || "no hold of 2 s at one depth, so creep is not known\n".into(),
         |share| format!("a hold loses {:.1} % of its force per decade of time\n", 100.0 * share),
     );
+    let loss = fit.loss_time_s.map_or_else(
+        || "only one speed, so the loss time is not known\n".into(),
+        |loss| line("loss time τ", loss, 1e3, "ms"),
+    );
     format!(
-        "{}{}{}{hold}{} samples down to {:.2} mm; {:.1} % of the largest force is left unexplained\n",
+        "{}{loss}{}{hold}{} samples down to {:.2} mm; {:.1} % of the largest force is left unexplained\n",
         line("foundation modulus C", fit.modulus_n_per_m3, 1e-6, "N/cm³"),
-        line("loss time τ", fit.loss_time_s, 1e3, "ms"),
         line("hardening β", fit.hardening_per_m, 1e-3, "1/mm"),
         fit.samples,
         1e3 * fit.largest_depth_m,

@@ -50,7 +50,7 @@ fn a_press_gives_back_its_law() {
     for punch in [Punch::Flat(4e-4), Punch::Ball(0.01)] {
         let fit = fit_press(&press(punch, 0.0, 0), punch).unwrap();
         for (found, expected) in
-            [(fit.modulus_n_per_m3, MODULUS), (fit.hardening_per_m, HARDENING), (fit.loss_time_s, LOSS_S)]
+            [(fit.modulus_n_per_m3, MODULUS), (fit.hardening_per_m, HARDENING), (fit.loss_time_s.unwrap(), LOSS_S)]
         {
             assert!((found.value / expected - 1.0).abs() < 0.03, "{punch:?}: {found:?}, {expected}");
         }
@@ -65,7 +65,7 @@ fn intervals_hold_the_truth() {
     let mut held = [0; 3];
     for seed in 0..100 {
         let fit = fit_press(&press(punch, 0.01, seed), punch).unwrap();
-        let estimates = [(fit.modulus_n_per_m3, MODULUS), (fit.hardening_per_m, HARDENING), (fit.loss_time_s, LOSS_S)];
+        let estimates = [(fit.modulus_n_per_m3, MODULUS), (fit.hardening_per_m, HARDENING), (fit.loss_time_s.unwrap(), LOSS_S)];
         for (count, (found, truth)) in held.iter_mut().zip(estimates) {
             *count += usize::from((found.interval[0]..=found.interval[1]).contains(&truth));
         }
@@ -87,6 +87,23 @@ fn relaxation_is_that_of_the_hold() {
     }));
     let found = relaxation(&samples).unwrap();
     assert!((found - 0.06).abs() < 1e-3, "{found}");
+}
+
+/// Tests that a press at one speed says nothing about the loss, and gives back stiffness and hardening.
+#[test]
+fn one_speed_tells_no_loss() {
+    let punch = Punch::Flat(4e-4);
+    let force = |depth_m: f64| 4e-4 * MODULUS * depth_m / (1.0 - HARDENING * depth_m);
+    let sample = |at: usize| (at as f64 * 0.002, at as f64 * 4e-6);
+    let samples: Vec<PressSample> = (0..500)
+        .map(sample)
+        .map(|(time_s, depth_m)| PressSample { time_s, depth_m, force_n: force(depth_m) })
+        .collect();
+    let fit = fit_press(&samples, punch).unwrap();
+    assert_eq!(fit.loss_time_s, None);
+    for (found, expected) in [(fit.modulus_n_per_m3, MODULUS), (fit.hardening_per_m, HARDENING)] {
+        assert!((found.value / expected - 1.0).abs() < 1e-6, "{found:?}, {expected}");
+    }
 }
 
 /// Tests that presses at one depth and speed are refused, and those that are too short.
