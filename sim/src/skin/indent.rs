@@ -37,8 +37,8 @@ const TILT_COST: f64 = 1e-4;
 /// The largest number of trials for the share of a step. Bisection alone reaches a share of 2⁻³⁰ with them.
 const MAX_TRIALS: usize = 30;
 
-/// Cells whose gap is larger than the first depth by more than this, m, are hardly ever pressed. Choice: a few times what the
-/// shape moves from there.
+/// Cells whose gap is larger than the first depth by more than this, m, are looked at only for a pose that may press them. Choice:
+/// a few times what the shape moves from there.
 const FAR_M: f64 = 0.004;
 
 /// Depth and tilts of a rigid shape that is pressed on the cells of a layer with `force` (N) through the origin; `None` if
@@ -53,35 +53,18 @@ pub(super) fn indent(cells: &[Cell], near: &mut Vec<Cell>, layer: &Layer, force:
     near.extend(cells.iter().filter(|cell| cell.gap <= far_m).cloned());
     let rest = cells.iter().filter(|cell| cell.gap > far_m);
     let levers = rest.fold(Vector3::zeros(), |most: Vector3<f64>, cell| most.sup(&cell.place.abs()));
-    let tilt_cost = TILT_COST * stiffness * 1e-4;
-    let (pose, deepest_m) = pose_on(near, layer, force, depth, tilt_cost, &levers);
-    // The cells that were left out were pressed by none of the poses, so they change nothing.
-    Some(if deepest_m < far_m { pose } else { pose_on(cells, layer, force, depth, tilt_cost, &levers).0 })
-}
-
-/// Depth and tilts on some cells, from a first depth, and the largest indentation that any pose on the way may have caused in
-/// places with these levers.
-fn pose_on(
-    cells: &[Cell],
-    layer: &Layer,
-    force: f64,
-    depth: f64,
-    tilt_cost: f64,
-    levers: &Vector3<f64>,
-) -> (Vector3<f64>, f64) {
-    let deepest_m = std::cell::Cell::new(f64::NEG_INFINITY);
-    let look = |pose: &Vector3<f64>| {
-        let most = levers.dot(&Vector3::new(pose[0], pose[1].abs(), pose[2].abs()));
-        deepest_m.set(deepest_m.get().max(most));
+    // The cells that a pose may press, in their order.
+    let under = |pose: &Vector3<f64>| {
+        let deepest_m = levers.dot(&Vector3::new(pose[0], pose[1].abs(), pose[2].abs()));
+        if deepest_m < far_m { near.as_slice() } else { cells }
     };
-    let cost = Matrix3::from_diagonal(&Vector3::new(0.0, 1.0, 1.0)) * tilt_cost;
+    let cost = Matrix3::from_diagonal(&Vector3::new(0.0, 1.0, 1.0)) * (TILT_COST * stiffness * 1e-4);
     let load = Vector3::new(force, 0.0, 0.0);
     // The slope of the energy, and its curvature.
     let state_at = |pose: Vector3<f64>| {
-        look(&pose);
         let mut slope = cost * pose - load;
         let mut curvature = cost;
-        for cell in cells {
+        for cell in under(&pose) {
             let depth = cell.depth(&pose);
             if depth > 0.0 {
                 let (pressed, rate) = layer.pressed(depth);
@@ -94,10 +77,9 @@ fn pose_on(
     // The slope of the energy along a way from a pose, and its own slope, after a share of the way.
     let along = |pose: &Vector3<f64>, way: &Vector3<f64>, share: f64| {
         let there = pose + way * share;
-        look(&there);
         let resistance = cost * way;
         let (mut slope, mut curvature) = (resistance.dot(&there) - load.dot(way), resistance.dot(way));
-        for cell in cells {
+        for cell in under(&there) {
             let depth = cell.depth(&there);
             if depth > 0.0 {
                 let (pressed, rate) = layer.pressed(depth);
@@ -126,7 +108,7 @@ fn pose_on(
             trial_slope.dot(&way).abs() < slope.dot(&way).abs()
         },
     );
-    (pose, deepest_m.get())
+    Some(pose)
 }
 
 /// The share of a Newton step after which the slope along it is at most half as steep as at its start. While few cells are
