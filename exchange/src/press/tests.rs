@@ -65,7 +65,8 @@ fn intervals_hold_the_truth() {
     let mut held = [0; 3];
     for seed in 0..100 {
         let fit = fit_press(&press(punch, 0.01, seed), punch).unwrap();
-        let estimates = [(fit.modulus_n_per_m3, MODULUS), (fit.hardening_per_m, HARDENING), (fit.loss_time_s.unwrap(), LOSS_S)];
+        let estimates =
+            [(fit.modulus_n_per_m3, MODULUS), (fit.hardening_per_m, HARDENING), (fit.loss_time_s.unwrap(), LOSS_S)];
         for (count, (found, truth)) in held.iter_mut().zip(estimates) {
             *count += usize::from((found.interval[0]..=found.interval[1]).contains(&truth));
         }

@@ -90,7 +90,8 @@ impl ColumnStatistics {
         summary.insert("std".into(), self.squares.iter().map(deviation).collect());
         summary.insert("count".into(), json!([self.count]));
         for (name, percent) in PERCENTILES {
-            summary.insert(name.into(), (0..self.bins.len()).map(|element| self.percentile(element, percent)).collect());
+            summary
+                .insert(name.into(), (0..self.bins.len()).map(|element| self.percentile(element, percent)).collect());
         }
         summary.into()
     }
