@@ -142,10 +142,15 @@ def main() -> None:
     options = parser.parse_args()
     reader, where, licence, citation, known = SETS[options.set]
     read = Reader()
+    source = f"Get the data from\n  {where}\nLicence: {licence}\nCite: {citation}"
     try:
         channels, interval_s, trials = reader(options.data, read)
     except OSError as error:
-        sys.exit(f"{error}\nGet the data from\n  {where}\nLicence: {licence}\nCite: {citation}")
+        sys.exit(f"{error}\n{source}")
+    except (IndexError, ValueError) as error:
+        sys.exit(f"{options.data} is not of this set: {error}\n{source}")
+    if not trials:
+        sys.exit(f"{options.data} has no trials of this set\n{source}")
     if read.sha256.hexdigest() not in known:
         note = f"note: these are not the files that the guide's figures are from (SHA-256 {read.sha256.hexdigest()})"
         print(note, file=sys.stderr)
