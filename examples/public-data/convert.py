@@ -149,8 +149,8 @@ def main() -> None:
         sys.exit(f"{error}\n{source}")
     except (IndexError, ValueError) as error:
         sys.exit(f"{options.data} is not of this set: {error}\n{source}")
-    if not trials:
-        sys.exit(f"{options.data} has no trials of this set\n{source}")
+    if not trials or not all(samples for _, samples in trials):
+        sys.exit(f"{options.data} is not of this set: a trial has no samples\n{source}")
     if read.sha256.hexdigest() not in known:
         note = f"note: these are not the files that the guide's figures are from (SHA-256 {read.sha256.hexdigest()})"
         print(note, file=sys.stderr)
