@@ -125,11 +125,12 @@ options! {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FabricResponse {
-    /// The total force alone: a leaf's edge and a trunk of equal force read the same.
+    /// The total force alone, however it is spread over the taxel.
     #[default]
     TotalForce,
     /// The pressure on each part of the taxel, as in the authors' model: the parts are resistors in parallel. The reading is
-    /// the force that would give the same voltage if it were spread evenly over the taxel, so that it is larger for an edge.
+    /// the force that would give the same voltage if it were spread evenly over the taxel. It is larger than the true force, the
+    /// more so the smaller the loaded area is.
     Conductance,
 }
 
