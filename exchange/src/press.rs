@@ -38,8 +38,8 @@ const MAX_STEPS: usize = 50;
 /// The largest share of its thickness by which a layer can have been pressed. Beyond, its force has no bound.
 const MOST_PRESSED: f64 = 0.98;
 
-/// Speeds of which the middle four fifths differ by less than this share of their median are one speed. Then the force of the loss
-/// is that of a stiffer layer.
+/// A press has one speed if the middle four fifths of its speeds differ by less than this share of their median. Loss then cannot
+/// be told from stiffness.
 const ONE_SPEED: f64 = 0.1;
 
 /// Shortest time at one depth from which creep is fitted, s.

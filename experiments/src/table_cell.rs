@@ -9,7 +9,7 @@ use underbrush_classifier::feature::FeatureSet;
 use crate::accuracy::Accuracy;
 use crate::definition::{OrderingName, TableOneUnit};
 
-/// A cell of the table, of one campaign or, with their figures, of many.
+/// A cell of the table, of one campaign or of many.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cell<F = Accuracy> {
     /// Which cell.

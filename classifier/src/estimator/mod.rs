@@ -119,7 +119,7 @@ pub struct ClassifierKind {
     pub aliases: &'static [&'static str],
     /// One line for the help.
     pub summary: &'static str,
-    /// Whether only its own features tell it from another one in the list, so that with given features there is no need for it.
+    /// Whether it differs from another classifier in the list only by its features. It is left out where a user names features.
     pub is_by_features: bool,
     /// The default options, with these features if any are given.
     pub estimator: fn(Option<FeatureSet>) -> Box<dyn Estimator>,

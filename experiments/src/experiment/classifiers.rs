@@ -20,8 +20,8 @@ pub struct ComparedClassifiers {
     pub speeds: Vec<Speed>,
 }
 
-/// One classifier on whole taxel trials, cross-validated in two folds of whole reaches, in one campaign or, with their figures,
-/// in many.
+/// One classifier on whole taxel trials, cross-validated in two folds of whole reaches, in one campaign or in
+/// many.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Compared<F = Accuracy> {
     /// Its name.

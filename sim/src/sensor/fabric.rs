@@ -57,7 +57,7 @@ impl Divider {
         Divider { full_scale_n: SATURATION_PA * area_m2, ratio: SERIES_OHM * area_m2 / UNPRESSED_OHM_M2 }
     }
 
-    /// The share of the supply voltage by which an evenly spread force lowers that of the taxel.
+    /// How far an evenly spread force lowers the voltage across the taxel, as a share of the supply voltage.
     fn signal(&self, force_n: f64) -> f64 {
         let conductance = 0.5 + 0.5 * math::exp(STEEPNESS * (force_n / self.full_scale_n).min(1.0));
         1.0 / (1.0 + self.ratio) - 1.0 / (1.0 + self.ratio * conductance)

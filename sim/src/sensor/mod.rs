@@ -6,7 +6,8 @@
 //! | fabric | hysteresis → saturating response → noise → gate → counts |
 //! | both | before: bandwidth → gain → drift; after: dead taxels → delay |
 //!
-//! Fabric that responds by conductance begins with the evenly spread force that has the conductance of the true pressures.
+//! With `response = "conductance"`, fabric starts from the evenly spread force that would give the same conductance as the true
+//! pressures.
 
 use std::ops::Range;
 

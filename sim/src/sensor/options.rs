@@ -129,8 +129,8 @@ pub enum FabricResponse {
     #[default]
     TotalForce,
     /// The pressure on each part of the taxel, as in the authors' model: the parts are resistors in parallel. The reading is
-    /// the force that would give the same voltage if it were spread evenly over the taxel. It is larger than the true force, the
-    /// more so the smaller the loaded area is.
+    /// the force that would give the same voltage if it were spread evenly over the taxel. If only a part
+    /// of the taxel is loaded, it is larger than the true force, the more so the smaller that part is.
     Conductance,
 }
 

@@ -82,7 +82,7 @@ proptest! {
         prop_assert!((reading - force_n).abs() < ROUNDING * force_n + 1e-12, "{reading}");
     }
 
-    /// Tests that a force on half of the taxel reads as much as the sum of the conductances of both halves says:
+    /// Tests the reading of a force on half of the taxel against the sum of the conductances of both halves:
     /// S/6 ln((exp(12 F/S) + 1) / 2), which is more than F.
     #[test]
     fn a_force_on_half_of_the_fabric_reads_more(force_n in 1.0..56.0f64) {
