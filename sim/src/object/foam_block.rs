@@ -14,7 +14,7 @@ use super::{
 use crate::{Draw, DrawError, Footprint, Surface};
 
 /// Length and width of a block, m (paper, section IV-A).
-const LENGTH_M: f64 = 0.25;
+pub(crate) const LENGTH_M: f64 = 0.25;
 const WIDTH_M: f64 = 0.10;
 
 /// From the softest foams, of a few kPa, to solid plastic.
@@ -191,6 +191,7 @@ impl Object for FoamBlock {
             joint: Some(Joint::parallel(0, DVec3::ZERO, vec![(Axis::TranslationZ, self.spring())])),
             inertia: Inertia::of_box(self.moving_mass_kg(), center, size_m),
             parts: vec![part(BodyShape::Box { size_m }, center)],
+            collision_group: CollisionGroup::Foam,
             ..Body::foot()
         };
         Structure { bodies: vec![Body::foot(), top], axisymmetric: false, surface: Surface::hard(FRICTION) }

@@ -280,13 +280,13 @@ impl Inertia {
 /// What the shapes of a body collide with. All of them collide with the arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CollisionGroup {
-    /// Heavy or fixed objects such as trunks and foam blocks: they collide with [`CollisionGroup::Bendable`] bodies,
-    /// but not with each other.
+    /// Fixed objects such as trunks: they collide with what bends, but not with each other and not with foam.
     Fixed,
+    /// Fixed blocks of foam: as [`CollisionGroup::Fixed`], but roots pass through the blocks that they stand in.
+    Foam,
     /// Moving parts: they collide with every group.
     Bendable,
-    /// The lowest part of something that bends. It may stand inside foam, so it does not collide with
-    /// [`CollisionGroup::Fixed`] bodies.
+    /// The lowest part of something that bends. It collides with every group, but not with the foam that it stands in.
     Rooted,
     /// Something that no joint holds: it collides with every group, and with the table, which lies at the height of the
     /// object's foot.

@@ -9,6 +9,10 @@ const FIXED: Group = Group::GROUP_2;
 const BENDABLE: Group = Group::GROUP_3;
 pub const ROOTED: Group = Group::GROUP_4;
 const TABLE: Group = Group::GROUP_5;
+pub const FOAM: Group = Group::GROUP_6;
+
+/// What bends.
+const BENDING: Group = BENDABLE.union(ROOTED);
 
 fn colliding(own: Group, others: Group) -> InteractionGroups {
     InteractionGroups::new(own, others, InteractionTestMode::And)
@@ -16,20 +20,18 @@ fn colliding(own: Group, others: Group) -> InteractionGroups {
 
 /// Links of the arm. Which of them meet each other is said by [`crate::arm::Arm::passing_links`].
 pub fn arm() -> InteractionGroups {
-    colliding(ARM, ARM | FIXED | BENDABLE | ROOTED)
+    colliding(ARM, ARM | FIXED | FOAM | BENDING)
 }
 
 /// Bodies of objects.
 pub fn of_object(group: CollisionGroup) -> InteractionGroups {
     match group {
-        // Trunks and foam blocks.
-        CollisionGroup::Fixed => colliding(FIXED, ARM | BENDABLE),
-        // Moving parts of leaves and rolls.
-        CollisionGroup::Bendable => colliding(BENDABLE, ARM | FIXED | BENDABLE | ROOTED),
-        // The lowest part of a leaf or roll. It stands inside foam, with which it must not collide.
-        CollisionGroup::Rooted => colliding(ROOTED, ARM | BENDABLE),
-        // Objects that stand free on the table: like moving parts, but they also collide with the table.
-        CollisionGroup::Standing => colliding(BENDABLE, ARM | FIXED | BENDABLE | ROOTED | TABLE),
+        CollisionGroup::Fixed => colliding(FIXED, ARM | BENDING),
+        CollisionGroup::Foam => colliding(FOAM, ARM | BENDING),
+        CollisionGroup::Bendable => colliding(BENDABLE, ARM | FIXED | FOAM | BENDING),
+        CollisionGroup::Rooted => colliding(ROOTED, ARM | FIXED | FOAM | BENDING),
+        // Like moving parts, but they also collide with the table.
+        CollisionGroup::Standing => colliding(BENDABLE, ARM | FIXED | FOAM | BENDING | TABLE),
     }
 }
 

@@ -27,6 +27,10 @@ pub(super) struct Mount {
     /// The kind of what carries it, if it has a name.
     pub(super) kind: Option<usize>,
     pub(super) is_root: bool,
+    /// Whether it is a fixed block of foam.
+    pub(super) is_foam: bool,
+    /// Its extent along the axes of the world when its tree was put in, at rest, m.
+    pub(super) built_extent: [DVec3; 2],
     /// Whether its link can move.
     pub(super) moves: bool,
     pub(super) pose_link: WorldPose,
@@ -39,6 +43,11 @@ pub(super) struct Mount {
     /// Its pose when the step began, world frame, and the axes of that pose.
     pub(super) pose_world: WorldPose,
     pub(super) axes_world: DMat3,
+}
+
+/// The gaps along the axes between two extents, m; negative where they overlap.
+pub(super) fn gaps_m([low, high]: &[DVec3; 2], [other_low, other_high]: &[DVec3; 2]) -> DVec3 {
+    (*low - *other_high).max(*other_low - *high)
 }
 
 impl Mount {
@@ -64,6 +73,12 @@ impl Mount {
     pub(super) fn belongs_to(&self, other: &Mount) -> bool {
         let is_root_in = |root: &Mount, carrier: &Mount| root.is_root && carrier.part == 0;
         self.at.slot == other.at.slot && (self.part == other.part || is_root_in(self, other) || is_root_in(other, self))
+    }
+
+    /// Whether it is a root, and the other is foam under it at rest.
+    pub(super) fn stands_in(&self, other: &Mount) -> bool {
+        let gaps_m = gaps_m(&self.built_extent, &other.built_extent);
+        self.is_root && other.is_foam && gaps_m.truncate().max_element() < 0.0
     }
 
     /// A lower bound on the distance to another shape, m.

@@ -11,7 +11,7 @@ use underbrush_recording::Pose as WorldPose;
 
 use super::bounds::Bounds;
 pub(super) use super::mount::PlacedLink;
-use super::mount::{Mount, ROOM_M};
+use super::mount::{Mount, ROOM_M, gaps_m};
 use crate::contact::surface::Surface;
 use crate::dynamics::Tree;
 use crate::geometry::{from_parry, parry_pose};
@@ -84,6 +84,12 @@ pub(super) struct Scene {
     is_changed: bool,
 }
 
+/// The extent of a shape along the axes of the world, m.
+fn extent(shape: &dyn Shape, mount: &Mount) -> [DVec3; 2] {
+    let extent = shape.compute_aabb(&parry_pose(&mount.pose_world));
+    [extent.mins, extent.maxs]
+}
+
 /// Whether these two are a pair, in either order.
 fn is_pair<T: PartialEq>([one, other]: &[T; 2], two: [T; 2]) -> bool {
     [&two[0], &two[1]] == [one, other] || [&two[1], &two[0]] == [one, other]
@@ -124,6 +130,8 @@ impl Scene {
                 part,
                 kind: None,
                 is_root: groups.memberships == super::groups::ROOTED,
+                is_foam: groups.memberships == super::groups::FOAM,
+                built_extent: [DVec3::ZERO; 2],
                 moves: tree.moves(link),
                 pose_link: inserted.position_wrt_parent().map_or(WorldPose::IDENTITY, from_parry),
                 bounds: Bounds::of(inserted.shape()),
@@ -134,6 +142,7 @@ impl Scene {
                 axes_world: DMat3::IDENTITY,
             };
             mount.place(&tree.links()[link].pose_world);
+            mount.built_extent = extent(inserted.shape(), &mount);
             let index = index(collider);
             if self.mounts.len() <= index {
                 self.mounts.resize(index + 1, None);
@@ -297,9 +306,8 @@ impl Scene {
         }
         for (handle, collider) in self.colliders.iter() {
             if let Some(mount) = &mut self.mounts[index(handle)] {
-                let extent = collider.shape().compute_aabb(&parry_pose(&mount.pose_world));
                 (mount.found_center, mount.found_axes) = (mount.center(), mount.axes_world);
-                mount.found_extent = [extent.mins, extent.maxs];
+                mount.found_extent = extent(collider.shape(), mount);
             }
         }
         let Finder { broad_phase, narrow_phase, is_filled } = &mut self.finder;
@@ -332,11 +340,11 @@ impl Scene {
     /// left its room. The broad phase has compared their groups; its own boxes may be larger.
     fn may_meet(&self, pair: &[ColliderHandle; 2]) -> bool {
         let [first, second] = pair.map(|collider| self.mount(collider));
-        let ([low, high], [other_low, other_high]) = (first.found_extent, second.found_extent);
-        let apart = (low - other_high).max(other_low - high);
         !first.belongs_to(second)
+            && !first.stands_in(second)
+            && !second.stands_in(first)
             && !self.passing.iter().any(|pair| is_pair(pair, [first.kind, second.kind]))
             && !self.passing_links.iter().any(|pair| is_pair(pair, [first.at, second.at]))
-            && apart.max_element() <= 2.0 * ROOM_M + NEAR_M
+            && gaps_m(&first.found_extent, &second.found_extent).max_element() <= 2.0 * ROOM_M + NEAR_M
     }
 }
