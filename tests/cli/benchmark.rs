@@ -60,7 +60,7 @@ fn a_row_does_not_depend_on_who_made_the_reaches() {
 }
 
 /// Tests that the class "nothing" is fitted for a model without it and not for a touch model, that the audit half depends on
-/// the bytes of the model's file and the public half does not, and that the same entry has the same row.
+/// the bytes of the model's file, and that the public half does not.
 #[test]
 fn the_audit_half_follows_from_the_model() {
     let folder = tempfile::tempdir().unwrap();
@@ -79,7 +79,6 @@ fn the_audit_half_follows_from_the_model() {
     assert_ne!(verdicts(&first)["audit"], verdicts(&second)["audit"]);
     let fitted_n = verdicts(&first)["public"]["nothing_up_to_n"].as_f64().unwrap();
     assert!((0.03..5.0).contains(&fitted_n), "{fitted_n}");
-    assert_eq!(row(&model), first);
     let touch = concat!(env!("CARGO_MANIFEST_DIR"), "/suites/touch.json");
     let text = underbrush!["benchmark", "verdicts", "--model", touch, "--quick", "--out", out].success();
     assert!(text.contains("The public and the audit half"), "{text}");

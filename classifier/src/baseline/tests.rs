@@ -1,5 +1,6 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 use underbrush_recording::{Region, Sample, Trial};
 
 use super::*;
@@ -93,6 +94,7 @@ fn frequent_categories_have_no_advantage() {
     const SETS: u64 = 60;
     for (name, estimator) in estimators() {
         let shares: Vec<f64> = (0..SETS)
+            .into_par_iter()
             .map(|set| {
                 let trials: Vec<Trial> =
                     (0..240).map(|n| draw(1000 * set + n, if n % 6 == 0 { "leaf" } else { "trunk" })).collect();

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::fit::Fit;
 use super::resistance::{Mobility, Place, Stiffness};
+use super::response::{RESPONSE_FEATURE_COUNT, Response};
 use crate::feature_table::features;
 use crate::touch::compress::{COUNT_KNEE, PLAIN, compress};
 use crate::touch::contact_history::{Course, Measure, REGION_FEATURE_COUNT};
@@ -15,17 +16,18 @@ const OF_LEVEL: [f64; 4] = [COUNT_KNEE, PLAIN, MOTION_KNEE_M, MOTION_KNEE_M];
 /// Stands for a level that was not reached; all that is described is positive or small.
 const NOT_REACHED: f64 = -1.0;
 /// Knees as for regions.
-const MOTION_KNEE_M: f64 = 5e-4;
-const STIFFNESS_KNEE_N_PER_M: f64 = 10.0;
+pub(super) const FORCE_KNEE_N: f64 = 0.1;
+pub(super) const MOTION_KNEE_M: f64 = 5e-4;
+pub(super) const STIFFNESS_KNEE_N_PER_M: f64 = 10.0;
 const WORK_KNEE_J: f64 = 1e-4;
 const COMPLIANCE_KNEE_M_PER_N: f64 = 1e-3;
 /// A force is steady while it changes by less than this in a frame: this share of it, and this much, N.
 const STEADY: (f64, f64) = (0.02, 0.005);
 
 /// Number of features of an object: those of all its contacts together, those of its strongest contact, the shape of the
-/// contact at each level of force, and some of its own.
+/// contact at each level of force, some of its own, and how it answers to the skin.
 pub const OBJECT_FEATURE_COUNT: usize =
-    2 * REGION_FEATURE_COUNT + LEVELS_N.len() * OF_LEVEL.len() + ObjectCourse::COUNT;
+    2 * REGION_FEATURE_COUNT + LEVELS_N.len() * OF_LEVEL.len() + ObjectCourse::COUNT + RESPONSE_FEATURE_COUNT;
 
 /// What the skin senses of an object in one frame: its contacts together, and the strongest one.
 #[derive(Clone, Copy, Debug, Default)]
@@ -111,6 +113,7 @@ pub struct ObjectCourse {
     path_to_largest: Fit,
     place: Place,
     place_at_largest: Place,
+    response: Response,
 }
 
 impl ObjectCourse {
@@ -204,6 +207,7 @@ impl ObjectCourse {
         self.span_m = self.span_m.max(frame.span_m);
         self.farthest_m = self.farthest_m.max(now.center_world.distance(self.first_world));
         self.circle.push(now.center_world.truncate(), now.normal_world.truncate(), force_n, force_n);
+        self.response.push(time_s, force_n, now.press_m, now.slide_m);
         self.all.push(&now, time_s);
         self.strongest = frame.strongest;
     }
@@ -216,7 +220,8 @@ impl ObjectCourse {
         });
         let [all, strongest] = [self.all.features(), self.strongest.features()];
         let own = compress(self.values(), &ObjectCourse::KNEES);
-        let mut values = all.iter().chain(&strongest).chain(of_levels.iter().flatten()).chain(&own);
+        let response = self.response.features();
+        let mut values = all.iter().chain(&strongest).chain(of_levels.iter().flatten()).chain(&own).chain(&response);
         std::array::from_fn(|_| values.next().copied().unwrap_or_default() as f32)
     }
 

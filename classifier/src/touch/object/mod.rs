@@ -3,7 +3,7 @@
 //! | step | where |
 //! |---|---|
 //! | contacts that begin near each other are one object | [`ObjectTracker`] |
-//! | the course of an object becomes features | [`ObjectCourse`], [`Fit`](fit::Fit) |
+//! | the course of an object becomes features | [`ObjectCourse`], [`Fit`](fit::Fit), [`Response`](response::Response) |
 //! | which known category it is | [`ObjectCategories`] |
 //! | boosted trees for each category, and for each family of auxiliary unknown objects | [`Boosted`](crate::boosted::Boosted) |
 //! | how stiff it is, and whether it gives way | [`Stiffness`], [`StiffnessTrees`], [`Mobility`] |
@@ -13,6 +13,7 @@ mod category;
 mod course;
 mod fit;
 mod resistance;
+mod response;
 mod stiffness;
 #[cfg(test)]
 mod tests;
