@@ -32,12 +32,12 @@ pub struct Measure {
 
 /// Values well below a knee are only multiplied by a factor; values above it are compressed logarithmically. Choices: a
 /// contact force near the threshold, the motion of the arm in a frame, and the stiffness of the softest leaves.
-const FORCE_KNEE_N: f64 = 0.1;
-const MOTION_KNEE_M: f64 = 5e-4;
-const STIFFNESS_KNEE_N_PER_M: f64 = 10.0;
+pub(super) const FORCE_KNEE_N: f64 = 0.1;
+pub(super) const MOTION_KNEE_M: f64 = 5e-4;
+pub(super) const STIFFNESS_KNEE_N_PER_M: f64 = 10.0;
 const RATE_KNEE_N_PER_S: f64 = 1.0;
 const SPEED_KNEE_M_PER_S: f64 = 0.01;
-const WORK_KNEE_J: f64 = 1e-4;
+pub(super) const WORK_KNEE_J: f64 = 1e-4;
 /// Time constant of averages of the recent past, s. A verdict is wanted within a tenth of a second.
 const RECENT_S: f64 = 0.1;
 /// How many samples count as the beginning.

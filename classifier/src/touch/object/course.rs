@@ -7,7 +7,9 @@ use super::resistance::{Mobility, Place, Stiffness};
 use super::response::{RESPONSE_FEATURE_COUNT, Response};
 use crate::feature_table::features;
 use crate::touch::compress::{COUNT_KNEE, PLAIN, compress};
-use crate::touch::contact_history::{Course, Measure, REGION_FEATURE_COUNT};
+use crate::touch::contact_history::{
+    Course, MOTION_KNEE_M, Measure, REGION_FEATURE_COUNT, STIFFNESS_KNEE_N_PER_M, WORK_KNEE_J,
+};
 
 /// Lower ends of the levels of force at which the shape of the contact is described, N.
 const LEVELS_N: [f64; 4] = [0.1, 0.3, 0.8, 2.0];
@@ -15,11 +17,7 @@ const LEVELS_N: [f64; 4] = [0.1, 0.3, 0.8, 2.0];
 const OF_LEVEL: [f64; 4] = [COUNT_KNEE, PLAIN, MOTION_KNEE_M, MOTION_KNEE_M];
 /// Stands for a level that was not reached; all that is described is positive or small.
 const NOT_REACHED: f64 = -1.0;
-/// Knees as for regions.
-pub(super) const FORCE_KNEE_N: f64 = 0.1;
-pub(super) const MOTION_KNEE_M: f64 = 5e-4;
-pub(super) const STIFFNESS_KNEE_N_PER_M: f64 = 10.0;
-const WORK_KNEE_J: f64 = 1e-4;
+/// A knee, as those of regions.
 const COMPLIANCE_KNEE_M_PER_N: f64 = 1e-3;
 /// A force is steady while it changes by less than this in a frame: this share of it, and this much, N.
 const STEADY: (f64, f64) = (0.02, 0.005);
