@@ -17,7 +17,7 @@ mod further_categories;
 mod sentences;
 mod unrolled_skin;
 
-/// A small experiment with every kind of section. Eight reaches of a scene are enough for two contacts of each
+/// A small experiment with every kind of section. Six reaches of a scene are enough for two contacts of each
 /// category, whatever happens in a single reach.
 const EXPERIMENT: &str = r#"title = "A small experiment"
 states = [5]
@@ -25,8 +25,8 @@ recipes = ["authors", "modern"]
 truncations = [6]
 ablation = ["trials_of_any_length"]
 training = [
-    { scene = "leaves.toml", label = "leaf", reaches = 8 },
-    { scene = "trunks.toml", label = "trunk", reaches = 8 },
+    { scene = "leaves.toml", label = "leaf", reaches = 6 },
+    { scene = "trunks.toml", label = "trunk", reaches = 6 },
 ]
 engineered = [
     { scene = "leaves-alone.toml", label = "leaf" },
