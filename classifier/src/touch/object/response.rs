@@ -1,7 +1,7 @@
 //! How an object answers to the skin: to the first touch, to each step of the skin, and to its vibration.
 //!
-//! Stiffness alone hardly tells a branch or a roll from a leaf. A leaf gives way at once; what has mass or loss answers to a
-//! quick push with a larger force, and later. Three groups of features say so:
+//! Stiffness alone hardly tells a branch or a roll from a leaf. A leaf gives way at once. Objects with mass or loss answer a quick
+//! push with a larger force, or later. Three groups of features describe this:
 //!
 //! * the rise of force over press in the first frames,
 //! * the spectra of force and of the skin's path along its normal, and how the two belong together, in five bands of an octave,
@@ -18,7 +18,7 @@ use crate::touch::contact_history::{FORCE_KNEE_N, MOTION_KNEE_M, STIFFNESS_KNEE_
 
 /// Frames after the first touch at which force and press are features.
 const EARLY_FRAMES: [usize; 6] = [2, 3, 5, 10, 20, 40];
-/// What is taken then, with its knee: force, press, and the rise of force over press.
+/// The features at each of these frames, with their knees: force, press, and the rise of force over press.
 const OF_EARLY: [f64; 3] = [FORCE_KNEE_N, MOTION_KNEE_M, STIFFNESS_KNEE_N_PER_M];
 /// Added to the press that the rise of force is divided by, m. Choice: the skin's way in a frame at 2 cm/s.
 const LEAST_PRESS_M: f64 = 2e-4;
@@ -28,8 +28,8 @@ const WINDOW: usize = 64;
 const HOP: usize = 32;
 /// The first line of each band and the first line beyond it. A line is 1/0.64 s, so the bands begin at 1.6, 3.1, 6.3, 12.5 and 25 Hz.
 const BANDS: [[usize; 2]; 5] = [[1, 2], [2, 4], [4, 8], [8, 16], [16, 27]];
-/// What is taken of a band, with its knee: the power of the force as a share of its mean, the power of the skin's path, the real part
-/// and the phase of the stiffness, and the coherence of force and path.
+/// The features of a band, with their knees: the power of the force over the square of its mean, the power of the skin's path, the real
+/// part and the phase of the stiffness, and the coherence of force and path.
 const OF_BAND: [f64; 5] = [PLAIN, PLAIN, STIFFNESS_KNEE_N_PER_M, PLAIN, PLAIN];
 /// Added to powers, so that their logarithms and ratios exist.
 const LEAST_SHARE: f64 = 1e-9;
@@ -37,7 +37,7 @@ const LEAST_POWER_M2: f64 = 1e-12;
 /// A spectrum or a step counts if the force is larger than this, N. Choice: half as much again as spurious readings.
 const FELT_N: f64 = 0.15;
 
-/// What the next step of the force is a linear function of: press in this frame and in the last one, mm; the force, tens of N; the
+/// The terms of the linear model of the next step of the force: press in this frame and in the last one, mm; the force, tens of N; the
 /// products of the force with press and with slide, N mm; and a constant.
 const TERMS: usize = 6;
 const CONSTANT: f64 = 0.1;
@@ -45,7 +45,8 @@ const CONSTANT: f64 = 0.1;
 const RIDGE: f64 = 0.05;
 /// The fewest steps of a fit.
 const FEWEST_STEPS: f64 = 15.0;
-/// Of the model: its coefficients, the logarithm of what is left as a share of the mean force, and the sum of the first two.
+/// Features of the model: its coefficients, the logarithm of its error as a share of the mean force, and the sum of the first two
+/// coefficients.
 const OF_MODEL: usize = TERMS + 2;
 
 /// Stands for what was not measured; far below everything else.
@@ -80,7 +81,7 @@ pub(super) struct Response {
     path_m: f64,
     first_force_n: f64,
     early: [[f64; OF_EARLY.len()]; EARLY_FRAMES.len()],
-    /// Force, N, and path, m, of the last frames; the frame with number n is at n modulo its length.
+    /// Force, N, and path, m, of the last frames. Frame n is at index n modulo the length.
     window: [[f64; 2]; WINDOW],
     spectra: f64,
     bands: [Band; BANDS.len()],
@@ -130,9 +131,10 @@ impl Response {
         }
         if self.in_a_row > 2 && before_n > FELT_N {
             let (now_mm, last_mm) = (1e3 * press_m, 1e3 * self.press_m);
-            let row = [now_mm, last_mm, 0.1 * before_n, before_n * now_mm, before_n * 1e3 * slide_m, CONSTANT];
-            let row =
-                SVector::<f64, { TERMS + 1 }>::from_fn(|term, _| row.get(term).copied().unwrap_or(force_n - before_n));
+            let slid_n_mm = before_n * 1e3 * slide_m;
+            let step_n = force_n - before_n;
+            let row = [now_mm, last_mm, 0.1 * before_n, before_n * now_mm, slid_n_mm, CONSTANT, step_n];
+            let row = SVector::from(row);
             self.products += row * row.transpose();
             self.steps += 1.0;
             self.sum_n += before_n;
