@@ -29,7 +29,7 @@ pub(super) struct Mount {
     pub(super) is_root: bool,
     /// Whether it is a fixed block of foam.
     pub(super) is_foam: bool,
-    /// Its extent along the axes of the world when its tree was put in, at rest, m.
+    /// Its extent along the axes of the world when its tree was inserted, at rest, m.
     pub(super) built_extent: [DVec3; 2],
     /// Whether its link can move.
     pub(super) moves: bool,

@@ -31,7 +31,7 @@ const BANDS: [[usize; 2]; 5] = [[1, 2], [2, 4], [4, 8], [8, 16], [16, 27]];
 /// The features of a band, with their knees: the power of the force over the square of its mean, the power of the skin's path, the real
 /// part and the phase of the stiffness, and the coherence of force and path.
 const OF_BAND: [f64; 5] = [PLAIN, PLAIN, STIFFNESS_KNEE_N_PER_M, PLAIN, PLAIN];
-/// Added to powers, so that their logarithms and ratios exist.
+/// Added to powers, so that their logarithms and ratios are finite.
 const LEAST_SHARE: f64 = 1e-9;
 const LEAST_POWER_M2: f64 = 1e-12;
 /// A spectrum or a step counts if the force is larger than this, N. Choice: half as much again as spurious readings.
@@ -51,7 +51,7 @@ const OF_MODEL: usize = TERMS + 2;
 
 /// Stands for what was not measured; far below everything else.
 const MISSING: f64 = -1e9;
-/// Frames follow each other if they are at most this far apart, s.
+/// Two frames count as consecutive if they are at most this far apart, s.
 const FOLLOWS_S: f64 = 0.015;
 
 /// Number of features.
@@ -179,7 +179,7 @@ impl Response {
     pub(super) fn features(&self) -> [f64; RESPONSE_FEATURE_COUNT] {
         let early = self.early.map(|values| compress(values, &OF_EARLY));
         let bands: [_; BANDS.len()] = array::from_fn(|band| compress(self.of_band(band), &OF_BAND));
-        let model = compress(self.of_model(), &[PLAIN; OF_MODEL]);
+        let model = self.of_model();
         let mut values = early.iter().flatten().chain(bands.iter().flatten()).chain(&model);
         array::from_fn(|_| values.next().copied().unwrap_or_default())
     }
@@ -205,16 +205,13 @@ impl Response {
         let solved = (among + SMatrix::from_diagonal_element(RIDGE)).cholesky().filter(|_| self.steps >= FEWEST_STEPS);
         let Some(found) = solved.map(|factor| factor.solve(&with_step)) else { return [MISSING; OF_MODEL] };
         // The mean of what is left, from the row of the constant, and its mean square.
-        let constant = TERMS - 1;
-        let left = with_step[constant] - among.column(constant).dot(&found);
+        let left = with_step[TERMS - 1] - among.column(TERMS - 1).dot(&found);
         let mean_n = left / CONSTANT / self.steps;
         let squares = self.products[(TERMS, TERMS)] - 2.0 * found.dot(&with_step) + found.dot(&(among * found));
         let left_n = (squares / self.steps - mean_n * mean_n).max(0.0).sqrt();
         let share = math::ln(left_n * self.steps / self.sum_n + 1e-5);
-        array::from_fn(|index| match index {
-            TERMS => share,
-            _ => found.get(index).copied().unwrap_or(found[0] + found[1]),
-        })
+        let [now, last, force, press, slide, constant] = found.into();
+        [now, last, force, press, slide, constant, share, now + last]
     }
 }
 
