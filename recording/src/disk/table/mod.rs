@@ -20,4 +20,4 @@ pub(super) use parquet_input::broken;
 pub(super) use read::{COLUMNS_KEY, ParquetTable, Want};
 pub(super) use row::{Described, Row, Width, part_names, row};
 pub(super) use row_groups::{EpisodeRows, Footers};
-pub(super) use write::{EPISODE_COLUMN, ParquetFile, ROWS_PER_BATCH, write_table};
+pub(super) use write::{EPISODE_COLUMN, Encoder, Group, ParquetFile, ROWS_PER_BATCH, write_table};

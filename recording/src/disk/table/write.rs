@@ -6,13 +6,13 @@ use std::sync::Arc;
 
 use bytes::Bytes;
 use parquet::basic::{Compression, Encoding, LogicalType, Repetition, Type as Physical, ZstdLevel};
-use parquet::column::writer::{ColumnWriter, ColumnWriterImpl, get_column_writer};
+use parquet::column::writer::{ColumnCloseResult, ColumnWriter, ColumnWriterImpl, get_column_writer};
 use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
-use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesBuilder};
+use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesBuilder, WriterPropertiesPtr};
 use parquet::file::writer::{SerializedFileWriter, SerializedPageWriter, TrackedWrite};
-use parquet::schema::types::{ColumnPath, Type as Schema, TypePtr};
+use parquet::schema::types::{ColumnDescPtr, ColumnPath, SchemaDescriptor, Type as Schema, TypePtr};
 
 use super::column::{Column, Rows, Text, Type, Values};
 use super::{arrow_schema, column_order};
@@ -94,9 +94,70 @@ fn encodings(columns: &[Column]) -> WriterPropertiesBuilder {
     builder
 }
 
+/// How rows with certain columns are encoded. Several threads may use it at a time.
+pub(in crate::disk) struct Encoder {
+    schema: TypePtr,
+    columns: Vec<ColumnDescPtr>,
+    properties: WriterPropertiesPtr,
+}
+
+/// A row group that is encoded, and belongs to no file yet.
+pub(in crate::disk) struct Group {
+    chunks: Vec<(Bytes, ColumnCloseResult)>,
+}
+
+impl Encoder {
+    /// For columns like these; `path` is named in errors.
+    pub(in crate::disk) fn new(path: &Path, columns: &[Column]) -> Result<Self, DiskError> {
+        let properties = encodings(columns)
+            .set_compression(Compression::ZSTD(ZstdLevel::default()))
+            // Forces and angles hardly repeat, except for zeros, which zstd compresses well.
+            .set_dictionary_enabled(false)
+            .set_write_batch_size(VALUES_PER_PAGE)
+            .set_data_page_row_count_limit(VALUES_PER_PAGE)
+            // The minimum and maximum of a list column do not help a reader, and take time and space. The minimum and
+            // maximum of the episode column let a reader skip all row groups except one.
+            .set_statistics_enabled(EnabledStatistics::None)
+            .set_column_statistics_enabled(ColumnPath::from(EPISODE_COLUMN), EnabledStatistics::Chunk)
+            .build();
+        let fields = columns.iter().map(schema_of).collect::<Result<_, _>>();
+        let schema = fields.and_then(|fields| Schema::group_type_builder("schema").with_fields(fields).build());
+        let schema = Arc::new(schema.map_err(DiskError::encode(path))?);
+        let columns = SchemaDescriptor::new(Arc::clone(&schema)).columns().to_vec();
+        Ok(Encoder { schema, columns, properties: Arc::new(properties) })
+    }
+
+    /// Encodes a row group. Its rows come in batches; only what is encoded is kept in memory. `path` is named in errors.
+    pub(in crate::disk) fn encode(
+        &self,
+        path: &Path,
+        batches: &mut dyn Iterator<Item = Result<Vec<Column>, DiskError>>,
+    ) -> Result<Group, DiskError> {
+        let encode = || DiskError::encode(path);
+        let mut chunks: Vec<_> = self.columns.iter().map(|_| TrackedWrite::new(Vec::new())).collect();
+        let pages = chunks.iter_mut().map(|chunk| Box::new(SerializedPageWriter::new(chunk)));
+        let columns = self.columns.iter().cloned();
+        let mut writers: Vec<_> = columns
+            .zip(pages)
+            .map(|(column, pages)| get_column_writer(column, Arc::clone(&self.properties), pages))
+            .collect();
+        for batch in batches {
+            for (writer, column) in writers.iter_mut().zip(&batch?) {
+                put(writer, column).map_err(encode())?;
+            }
+        }
+        let closed = writers.into_iter().map(ColumnWriter::close).collect::<Result<Vec<_>, _>>();
+        let closed = closed.map_err(encode())?;
+        let bytes = chunks.into_iter().map(|chunk| Ok(Bytes::from(chunk.into_inner()?)));
+        let bytes = bytes.collect::<Result<Vec<_>, ParquetError>>().map_err(encode())?;
+        Ok(Group { chunks: bytes.into_iter().zip(closed).collect() })
+    }
+}
+
 /// A Parquet file (zstd) that is being written. It gets its name when it is closed.
 pub(in crate::disk) struct ParquetFile {
     path: PathBuf,
+    encoder: Encoder,
     writer: SerializedFileWriter<TemporaryFile>,
     /// Whether it will contain its own hash.
     sealed: bool,
@@ -116,24 +177,12 @@ impl ParquetFile {
             .map(|(key, value)| KeyValue::new(key.to_string(), value))
             .collect();
         let sealed = key_values.iter().any(|pair| pair.key == seal::SEAL_KEY);
-        let properties = encodings(columns)
-            .set_compression(Compression::ZSTD(ZstdLevel::default()))
-            // Forces and angles hardly repeat, except for zeros, which zstd compresses well.
-            .set_dictionary_enabled(false)
-            .set_write_batch_size(VALUES_PER_PAGE)
-            .set_data_page_row_count_limit(VALUES_PER_PAGE)
-            // The minimum and maximum of a list column do not help a reader, and take time and space. The minimum and
-            // maximum of the episode column let a reader skip all row groups except one.
-            .set_statistics_enabled(EnabledStatistics::None)
-            .set_column_statistics_enabled(ColumnPath::from(EPISODE_COLUMN), EnabledStatistics::Chunk)
-            .set_key_value_metadata(Some(key_values))
-            .build();
-        let fields = columns.iter().map(schema_of).collect::<Result<_, _>>();
-        let schema = fields.and_then(|fields| Schema::group_type_builder("schema").with_fields(fields).build());
-        let schema = schema.map_err(DiskError::encode(path))?;
-        let writer = SerializedFileWriter::new(whole_file::begin(path)?, Arc::new(schema), Arc::new(properties))
+        let encoder = Encoder::new(path, columns)?;
+        let properties = WriterProperties::clone(&encoder.properties).into_builder();
+        let properties = Arc::new(properties.set_key_value_metadata(Some(key_values)).build());
+        let writer = SerializedFileWriter::new(whole_file::begin(path)?, Arc::clone(&encoder.schema), properties)
             .map_err(DiskError::encode(path))?;
-        Ok(ParquetFile { path: path.to_path_buf(), writer, sealed })
+        Ok(ParquetFile { path: path.to_path_buf(), encoder, writer, sealed })
     }
 
     /// Writes a row group, unless it has no rows. Its rows come in batches; only what is encoded is kept in memory.
@@ -141,39 +190,24 @@ impl ParquetFile {
         &mut self,
         batches: &mut dyn Iterator<Item = Result<Vec<Column>, DiskError>>,
     ) -> Result<(), DiskError> {
-        let encode = || DiskError::encode(&self.path);
-        let properties = Arc::clone(self.writer.properties());
-        let columns = self.writer.schema_descr().columns().to_vec();
-        let mut chunks: Vec<_> = columns.iter().map(|_| TrackedWrite::new(Vec::new())).collect();
-        let pages = chunks.iter_mut().map(|chunk| Box::new(SerializedPageWriter::new(chunk)));
-        let mut writers: Vec<_> = columns
-            .into_iter()
-            .zip(pages)
-            .map(|(column, pages)| get_column_writer(column, Arc::clone(&properties), pages))
-            .collect();
-        let mut rows = 0;
-        for batch in batches {
-            let batch = batch?;
-            rows += batch.first().map_or(0, Column::count);
-            for (writer, column) in writers.iter_mut().zip(&batch) {
-                put(writer, column).map_err(encode())?;
-            }
-        }
-        if rows == 0 {
+        let group = self.encoder.encode(&self.path, batches)?;
+        self.append(group)
+    }
+
+    /// Appends a row group that an encoder for columns like those of the file has encoded, unless it has no rows.
+    pub(in crate::disk) fn append(&mut self, group: Group) -> Result<(), DiskError> {
+        if group.chunks.iter().all(|(_, closed)| closed.rows_written == 0) {
             return Ok(());
         }
-        let closed = writers.into_iter().map(ColumnWriter::close).collect::<Result<Vec<_>, _>>();
-        let closed = closed.map_err(encode())?;
-        let path = &self.path;
         let append = || -> Result<(), ParquetError> {
-            let mut group = self.writer.next_row_group()?;
-            for (chunk, closed) in chunks.into_iter().zip(closed) {
-                group.append_column(&Bytes::from(chunk.into_inner()?), closed)?;
+            let mut row_group = self.writer.next_row_group()?;
+            for (bytes, closed) in group.chunks {
+                row_group.append_column(&bytes, closed)?;
             }
-            group.close()?;
+            row_group.close()?;
             Ok(())
         };
-        append().map_err(DiskError::encode(path))
+        append().map_err(DiskError::encode(&self.path))
     }
 
     /// Writes the footer and gives the file its name.

@@ -119,13 +119,19 @@ impl Assembled {
         Ok(Some(assembled))
     }
 
-    /// Closes the current files and stores the progress. The staged reaches of the episodes so far are then no longer
-    /// needed.
-    pub(in crate::disk) fn files_end(&mut self, files: &mut TableFiles, dir: &Path) -> Result<(), DiskError> {
+    /// Closes the current files.
+    pub(in crate::disk) fn close_files(&mut self, files: &mut TableFiles, dir: &Path) -> Result<(), DiskError> {
         for name in files.close()? {
             let sum = FileSum::of_file(&dir.join(&name))?;
             self.checksums.add(name, sum);
         }
+        Ok(())
+    }
+
+    /// Closes the current files and stores the progress. The staged reaches of the episodes so far are then no longer
+    /// needed.
+    pub(in crate::disk) fn files_end(&mut self, files: &mut TableFiles, dir: &Path) -> Result<(), DiskError> {
+        self.close_files(files, dir)?;
         self.files = files.begun;
         let list = list_path(dir, self.lists.len());
         let bytes = json_bytes(&list, &&self.episodes[self.listed..])?;

@@ -1,35 +1,38 @@
-//! Assembles staged reaches into a data set, in one pass in the order of the plan, with one reach in memory.
+//! Assembles staged reaches into a data set, in one pass in the order of the plan. As many reaches are in memory as there
+//! are threads, which read and prepare them side by side; the bytes do not depend on their number.
 //!
 //! When files are complete, their reaches are removed from `incomplete/`. The folder therefore holds the set and the
 //! staged reaches of at most one more file, and not the set twice. After a crash, assembling continues after the last
 //! complete file (`assembled.rs`).
 
 use std::collections::BTreeSet;
-use std::fs;
+use std::ops::Range;
 use std::path::Path;
+
+use rayon::prelude::*;
 
 use super::assembled::Assembled;
 use super::card::card;
+use super::prepared::Prepared;
 use super::staged::Staging;
 use super::statistics::Statistics;
 use super::table_files::TableFiles;
 use crate::disk::dataset::checksums::{FileSum, files_of_set};
 use crate::disk::dataset::info::{FORMAT, Info, ProvenanceFile};
 use crate::disk::dataset::names;
-use crate::disk::recording_file::batches;
 use crate::disk::tables::episode::Episode;
 use crate::disk::tables::episode_table::write_episodes;
-use crate::disk::tables::frames::{FRAME_COLUMNS, Numbering, ReachRows, columns_of, features};
+use crate::disk::tables::frames::{FRAME_COLUMNS, Numbering, features};
 use crate::disk::tables::tasks::{number_tasks, write_tasks};
 use crate::disk::tables::taxel_table::write_taxels;
 use crate::disk::whole_file::{create_folder, json_bytes, remove_if_there, remove_leftovers, write_bytes};
 use crate::{Category, DiskError, Recording};
 
-/// Writes the whole set, with `meta/info.json` last. `reach` returns the reach at a position of the plan and has to leave
-/// it staged, because the size of the staged file decides where a new data file begins.
+/// Writes the whole set, with `meta/info.json` last. `read` returns the reaches at some positions of the plan and has to leave
+/// them staged, because the size of a staged file decides where a new data file begins.
 pub(in crate::disk) fn assemble_from(
     staging: &Staging,
-    reach: &mut dyn FnMut(usize) -> Result<Recording, DiskError>,
+    read: &mut dyn FnMut(Range<usize>) -> Vec<Result<Recording, DiskError>>,
 ) -> Result<(), DiskError> {
     let (dir, plan) = (staging.dir.as_path(), &staging.plan);
     let features = features(FRAME_COLUMNS, &plan.joint_names, &plan.layout);
@@ -53,41 +56,39 @@ pub(in crate::disk) fn assemble_from(
 
     let mut files = TableFiles::new(dir, &plan.categories, staging.bytes_per_file, assembled.files);
     let mut still_staged = assembled.episodes.len();
-    for (position, planned) in plan.episodes.iter().enumerate().skip(still_staged) {
-        let path = staging.path(position);
-        let recording = reach(position)?;
-        let staged_bytes = fs::metadata(&path).map_err(DiskError::io(&path, "read"))?.len();
-        if files.is_full_for(staged_bytes) {
-            assembled.files_end(&mut files, dir)?;
-            for position in still_staged..assembled.episodes.len() {
-                remove_if_there(&staging.path(position))?;
-            }
-            still_staged = assembled.episodes.len();
-        }
-        let (chunk_index, file_index) = files.begin_episode(staged_bytes);
-        let rows = ReachRows {
-            recording: &recording,
-            numbering: Numbering {
-                episode: position,
-                first_index: assembled.total_frames,
-                task: tasks.get(planned.task.as_str()).copied().unwrap_or_default(),
-            },
-            moves: Vec::new(),
-        };
-        let frames = recording.frames.len();
-        let statistics = &mut assembled.statistics;
-        let mut columns = batches(frames).map(|frames| {
-            let columns = columns_of(&features, &rows, frames);
-            statistics.add(&columns);
-            Ok(columns)
+    let (count, threads) = (plan.episodes.len(), rayon::current_num_threads());
+    for first in (still_staged..count).step_by(threads) {
+        let recordings = read(first..count.min(first + threads));
+        let mut first_index = assembled.total_frames;
+        let numbered = recordings.into_iter().zip(first..).map(|(recording, episode)| {
+            let task = tasks.get(plan.episodes[episode].task.as_str()).copied().unwrap_or_default();
+            let numbering = Numbering { episode, first_index, task };
+            first_index += recording.as_ref().map_or(0, |recording| recording.frames.len());
+            (numbering, recording)
         });
-        files.write_frames(&columns_of(&features, &rows, 0..0), &mut columns)?;
-        files.end_episode(position, &recording)?;
-        let (task, first_index) = (planned.task.clone(), assembled.total_frames);
-        assembled.total_frames += frames;
-        assembled.episodes.push(Episode { task, first_index, chunk_index, file_index, ..Episode::of(&recording) });
+        let numbered: Vec<_> = numbered.collect();
+        let prepared = numbered.into_par_iter().map(|(numbering, recording)| {
+            Prepared::new(&staging.path(numbering.episode), &recording?, numbering, &features)
+        });
+        for reach in prepared.collect::<Vec<_>>() {
+            let Prepared { episode, staged_bytes, columns, frames, statistics, further } = reach?;
+            if files.is_full_for(staged_bytes) {
+                assembled.files_end(&mut files, dir)?;
+                for position in still_staged..assembled.episodes.len() {
+                    remove_if_there(&staging.path(position))?;
+                }
+                still_staged = assembled.episodes.len();
+            }
+            let (chunk_index, file_index) = files.begin_episode(staged_bytes);
+            files.write_episode(&columns, frames, further)?;
+            assembled.statistics.merge(statistics);
+            assembled.total_frames += episode.frames;
+            let task = plan.episodes[assembled.episodes.len()].task.clone();
+            assembled.episodes.push(Episode { task, chunk_index, file_index, ..episode });
+        }
     }
-    assembled.files_end(&mut files, dir)?;
+    // The progress need not be stored once more: the reaches of these files stay staged until the set is complete.
+    assembled.close_files(&mut files, dir)?;
     write_episodes(&dir.join(names::EPISODES), &assembled.episodes)?;
     write_json(&dir.join(names::STATS), &assembled.statistics.summary())?;
     let info = Info::new(plan, assembled.total_frames, tasks.len(), &features);

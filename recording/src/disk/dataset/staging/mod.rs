@@ -5,6 +5,7 @@ mod card;
 mod finish;
 pub(super) mod folder;
 pub(super) mod merge;
+mod prepared;
 mod shared;
 mod staged;
 mod staged_reach;

@@ -1,12 +1,14 @@
 //! Statistics of every number of every column (`meta/stats.json`), computed in one pass over the frames.
 //!
-//! Mean and standard deviation use Welford's method (Technometrics 4, 1962). Quantiles come from a histogram whose
+//! Means and squares of a batch of rows are computed in two passes and joined with those before by Chan's formula (Chan,
+//! Golub and LeVeque, The American Statistician 37, 1983). Quantiles come from a histogram whose
 //! bins are the leading bits of the numbers, which needs neither a range in advance nor a function that differs
 //! between platforms. A quantile is the nearest-rank sample, rounded towards zero to 10 bits after the leading one:
 //! exact for whole numbers up to 2047, otherwise less than 0.1 % too small.
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
@@ -27,15 +29,30 @@ struct ColumnStatistics {
     mean: Vec<f64>,
     /// Sums of squared differences from the mean.
     squares: Vec<f64>,
-    /// Samples by bin. Zeros are left out, because most taxels have many of them; their number is the rest of the
+    /// Bins in order, with their samples. Zeros are left out, because most taxels have many of them; their number is the rest of the
     /// count.
-    bins: Vec<BTreeMap<i32, u64>>,
+    bins: Vec<Vec<(i32, u64)>>,
 }
 
 /// The bin of a number; bins sort as numbers do.
 fn bin(number: f64) -> i32 {
     let magnitude = (number.abs().to_bits() >> BIN_SHIFT) as i32;
     if number < 0.0 { -magnitude - 1 } else { magnitude }
+}
+
+/// Adds the samples of bins in order to others.
+fn merge_bins(bins: &mut Vec<(i32, u64)>, others: &[(i32, u64)]) {
+    let (mut at, known) = (0, bins.len());
+    for (bin, samples) in others {
+        at += bins[at..known].partition_point(|(known, _)| known < bin);
+        match bins[..known].get_mut(at) {
+            Some((known, all)) if known == bin => *all += samples,
+            _ => bins.push((*bin, *samples)),
+        }
+    }
+    if bins.len() > known {
+        bins.sort();
+    }
 }
 
 /// The number in a bin that is nearest to zero.
@@ -52,33 +69,56 @@ impl ColumnStatistics {
             max: vec![f64::NEG_INFINITY; width],
             mean: vec![0.0; width],
             squares: vec![0.0; width],
-            bins: vec![BTreeMap::new(); width],
+            bins: vec![Vec::new(); width],
         }
     }
 
-    fn add<T: Copy>(&mut self, values: &[T], number: impl Fn(T) -> f64) {
+    /// Statistics of some rows.
+    fn of<T: Copy>(width: usize, values: &[T], number: impl Fn(T) -> f64) -> Self {
+        let mut found = ColumnStatistics { count: (values.len() / width) as u64, ..Self::new(width) };
+        let rows = || values.chunks_exact(width).map(|row| row.iter().map(|value| number(*value)));
         let mut bins = Vec::new();
-        for row in values.chunks_exact(self.bins.len()) {
-            self.count += 1;
-            let share = 1.0 / self.count as f64;
-            let figures = self.min.iter_mut().zip(&mut self.max).zip(&mut self.mean).zip(&mut self.squares);
-            for ((((min, max), mean), squares), value) in figures.zip(row) {
-                let number = number(*value);
+        for row in rows() {
+            let figures = found.min.iter_mut().zip(&mut found.max).zip(&mut found.mean);
+            for (element, (((min, max), sum), number)) in figures.zip(row).enumerate() {
                 *min = min.min(number);
                 *max = max.max(number);
-                let difference = number - *mean;
-                *mean += difference * share;
-                *squares += difference * (number - *mean);
+                *sum += number;
+                if number != 0.0 {
+                    bins.push((element, bin(number)));
+                }
             }
-            let numbers = row.iter().map(|value| number(*value)).enumerate();
-            bins.extend(numbers.filter(|(_, number)| *number != 0.0).map(|(element, number)| (element, bin(number))));
         }
-        // Sorted, because to find a bin among thousands costs more than everything else here.
+        found.mean.iter_mut().for_each(|sum| *sum /= found.count as f64);
+        for row in rows() {
+            for ((squares, mean), number) in found.squares.iter_mut().zip(&found.mean).zip(row) {
+                *squares += (number - mean) * (number - mean);
+            }
+        }
         bins.sort_unstable();
         for same in bins.chunk_by(|first, second| first == second) {
             let (element, bin) = same[0];
-            *self.bins[element].entry(bin).or_insert(0) += same.len() as u64;
+            found.bins[element].push((bin, same.len() as u64));
         }
+        found
+    }
+
+    /// Adds the statistics of further rows.
+    fn merge(&mut self, other: &Self) {
+        if other.count == 0 {
+            return;
+        }
+        let (before, count) = (self.count as f64, (self.count + other.count) as f64);
+        for element in 0..self.bins.len() {
+            self.min[element] = self.min[element].min(other.min[element]);
+            self.max[element] = self.max[element].max(other.max[element]);
+            let difference = other.mean[element] - self.mean[element];
+            let share = other.count as f64 / count;
+            self.mean[element] += difference * share;
+            self.squares[element] += other.squares[element] + difference * difference * before * share;
+            merge_bins(&mut self.bins[element], &other.bins[element]);
+        }
+        self.count += other.count;
     }
 
     fn summary(&self) -> Value {
@@ -98,9 +138,10 @@ impl ColumnStatistics {
 
     fn percentile(&self, element: usize, percent: u64) -> f64 {
         let bins = &self.bins[element];
-        let zeros = self.count - bins.values().sum::<u64>();
+        let zeros = self.count - bins.iter().map(|(_, samples)| samples).sum::<u64>();
+        let (negative, positive) = bins.split_at(bins.partition_point(|(bin, _)| *bin < 0));
         let zero = std::iter::once((0.0, zeros));
-        let mut bins = bins.range(..0).map(pair).chain(zero).chain(bins.range(0..).map(pair));
+        let mut bins = negative.iter().map(pair).chain(zero).chain(positive.iter().map(pair));
         // The nearest rank: the smallest sample that at least this share of the samples does not exceed.
         let mut rank = (percent * self.count).div_ceil(100);
         let sample = bins.find_map(|(number, samples)| {
@@ -112,7 +153,7 @@ impl ColumnStatistics {
     }
 }
 
-fn pair((bin, samples): (&i32, &u64)) -> (f64, u64) {
+fn pair((bin, samples): &(i32, u64)) -> (f64, u64) {
     (smallest_in(*bin), *samples)
 }
 
@@ -132,15 +173,22 @@ impl Statistics {
     /// Adds rows, given the same columns.
     pub(in crate::disk) fn add(&mut self, columns: &[Column]) {
         for ((_, statistics), column) in self.columns.iter_mut().zip(columns) {
-            match &column.values {
-                Values::Float64(numbers) => statistics.add(numbers, |number| number),
-                Values::Float32(numbers) => statistics.add(numbers, f64::from),
-                Values::Int64(numbers) => statistics.add(numbers, |number| number as f64),
-                Values::Int32(numbers) => statistics.add(numbers, f64::from),
+            let width = statistics.bins.len();
+            statistics.merge(&match &column.values {
+                Values::Float64(numbers) => ColumnStatistics::of(width, numbers, |number| number),
+                Values::Float32(numbers) => ColumnStatistics::of(width, numbers, f64::from),
+                Values::Int64(numbers) => ColumnStatistics::of(width, numbers, |number| number as f64),
+                Values::Int32(numbers) => ColumnStatistics::of(width, numbers, f64::from),
                 // Frames have no others.
-                _ => {}
-            }
+                _ => continue,
+            });
         }
+    }
+
+    /// Adds the statistics of further rows of the same columns.
+    pub(in crate::disk) fn merge(&mut self, other: Statistics) {
+        let pairs = self.columns.par_iter_mut().zip(other.columns);
+        pairs.for_each(|((_, own), (_, other))| own.merge(&other));
     }
 
     /// The content of `meta/stats.json`: one list per statistic, with one entry per number.
@@ -165,7 +213,7 @@ mod tests {
             ),
         ) {
             let mut column = ColumnStatistics::new(1);
-            column.add(&samples, |number| number);
+            column.merge(&ColumnStatistics::of(1, &samples, |number| number));
             let mut sorted = samples.clone();
             sorted.sort_by(f64::total_cmp);
             for (_, percent) in PERCENTILES {
@@ -185,8 +233,9 @@ mod tests {
         ) {
             let mut column = ColumnStatistics::new(2);
             let (first, second) = rows.split_at(rows.len() / 2);
-            column.add(&first.concat(), |number| number);
-            column.add(&second.concat(), |number| number);
+            for rows in [first, second] {
+                column.merge(&ColumnStatistics::of(2, &rows.concat(), |number| number));
+            }
             let count = rows.len() as f64;
             let summary = column.summary();
             for element in 0..2 {

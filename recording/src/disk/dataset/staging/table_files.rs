@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use crate::disk::dataset::info::FILES_PER_CHUNK;
 use crate::disk::dataset::names;
-use crate::disk::table::{Column, ParquetFile, Row};
+use crate::disk::table::{Column, Group, ParquetFile, Row};
 use crate::disk::tables::description::about_entry;
 use crate::disk::tables::dictionary::{
     FRAMES, MAP, TRUTH_BODIES, TRUTH_CONTACT_POINTS, TRUTH_CONTACTS, TRUTH_GOALS, TRUTH_OBJECTS, TRUTH_PATCHES,
@@ -30,6 +30,9 @@ pub(in crate::disk) const ROWS_PER_GROUP: usize = 4096;
 /// Makes the columns of an episode for a table.
 type ColumnsOf = fn(usize, &Recording) -> Vec<Column>;
 
+/// Columns of an episode for the tables beside the frames.
+pub(in crate::disk) type FurtherColumns = [Vec<Column>; FURTHER.len()];
+
 /// The tables beside the frames: ground truth, and what the controller believed.
 const FURTHER: [(&Table, ColumnsOf); 9] = [
     (&TRUTH_TAXELS, |episode, recording| Row::write(&taxel_rows(episode, recording))),
@@ -42,6 +45,11 @@ const FURTHER: [(&Table, ColumnsOf); 9] = [
     (&TRUTH_POSES, |episode, recording| Row::write(&pose_rows(episode, recording))),
     (&MAP, |episode, recording| Row::write(&map_rows(episode, recording))),
 ];
+
+/// The columns of an episode for the tables beside the frames.
+pub(in crate::disk) fn further_columns(episode: usize, recording: &Recording) -> FurtherColumns {
+    FURTHER.map(|(_, columns)| columns(episode, recording))
+}
 
 /// One file of one table.
 struct TableFile {
@@ -140,21 +148,17 @@ impl<'a> TableFiles<'a> {
         (chunk, number)
     }
 
-    /// Writes the frames of the episode, which come in batches and have columns like these, as a row group.
-    pub(in crate::disk) fn write_frames(
+    /// Writes the rows of the episode: the row group with its frames, which have columns like these, and the further tables.
+    pub(in crate::disk) fn write_episode(
         &mut self,
         columns: &[Column],
-        batches: &mut dyn Iterator<Item = Result<Vec<Column>, DiskError>>,
+        frames: Group,
+        further: FurtherColumns,
     ) -> Result<(), DiskError> {
         let Some(files) = &mut self.files else { return Ok(()) };
-        files.data.file(columns, self.categories)?.write_group(batches)
-    }
-
-    /// Writes the further tables of the episode, and ends it.
-    pub(in crate::disk) fn end_episode(&mut self, episode: usize, recording: &Recording) -> Result<(), DiskError> {
-        let Some(files) = &mut self.files else { return Ok(()) };
-        for ((_, columns), file) in FURTHER.iter().zip(&mut files.further) {
-            file.add_episode(columns(episode, recording), self.categories)?;
+        files.data.file(columns, self.categories)?.append(frames)?;
+        for (file, columns) in files.further.iter_mut().zip(further) {
+            file.add_episode(columns, self.categories)?;
         }
         Ok(())
     }

@@ -4,6 +4,8 @@ use std::fs::{self, File};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
+
 use super::assembled::Assembled;
 use super::finish::assemble_from;
 use super::folder::{Folder, list, look, not_locked, open_lock, remove_incomplete, require_same_set, settle_plan};
@@ -170,7 +172,9 @@ impl DatasetWriter {
             return Err(DiskError::ReachesMissing { dir: self.staging.dir, count: rest.len() + 1, first: *first });
         }
         if !self.whole {
-            assemble_from(&self.staging, &mut |position| staged_reach::read(&self.staging.path(position)))?;
+            assemble_from(&self.staging, &mut |positions| {
+                positions.into_par_iter().map(|position| staged_reach::read(&self.staging.path(position))).collect()
+            })?;
         }
         self.close()
     }
@@ -182,12 +186,13 @@ impl DatasetWriter {
         mut reach: impl FnMut(usize) -> Result<Recording, DiskError>,
     ) -> Result<Dataset, DiskError> {
         if !self.whole {
-            assemble_from(&self.staging, &mut |position| {
+            let mut staged = |position| {
                 let recording = reach(position)?;
                 self.check_planned(position, &recording)?;
                 staged_reach::write(&self.staging.path(position), &recording)?;
                 Ok(recording)
-            })?;
+            };
+            assemble_from(&self.staging, &mut |positions| positions.map(&mut staged).collect())?;
         }
         self.close()
     }

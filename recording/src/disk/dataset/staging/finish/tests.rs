@@ -34,7 +34,8 @@ fn reaches_are_freed_file_by_file() {
             // Assembling stops at a missing reach, as if it had been killed there.
             fs::remove_file(writer.staging.path(killed_at)).unwrap();
             let staging = &writer.staging;
-            assemble_from(staging, &mut |position| staged_reach::read(&staging.path(position))).unwrap_err();
+            let read = |position| staged_reach::read(&staging.path(position));
+            assemble_from(staging, &mut |positions| positions.map(read).collect()).unwrap_err();
             let kept =
                 (0..files.len()).filter(|position| *position > killed_at || files[*position] == files[killed_at - 1]);
             let kept: Vec<usize> = kept.filter(|position| *position != killed_at).collect();
