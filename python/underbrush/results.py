@@ -180,8 +180,11 @@ class JudgedObject(TypedDict):
     lasted_s: float
     peak_force_n: float
     after_100_ms: str
+    truth_after_100_ms: str
     after_300_ms: str
+    truth_after_300_ms: str
     at_peak: str
+    truth_at_peak: str
     at_end: str
     flips: int
     share_beyond: float

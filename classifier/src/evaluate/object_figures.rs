@@ -41,7 +41,8 @@ pub struct UnknownFigures {
     pub roc_area: Option<f64>,
 }
 
-/// Verdicts on known objects at one moment. Shares are from 0 to 1.
+/// Verdicts on known objects at one moment, compared with the true object that most of the force came from until then. Shares are
+/// from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ObjectVerdicts {
     /// The moment: `0.1 s`, `0.3 s`, `peak` or `end`.
@@ -98,39 +99,39 @@ impl UnknownFigures {
     }
 }
 
-/// The verdict that stood at some moment.
-type VerdictAt = fn(&JudgedObject) -> &String;
+/// The verdict that stood at some moment, and the truth until then.
+type VerdictAt = fn(&JudgedObject) -> [&String; 2];
 
 impl ObjectVerdicts {
-    /// The figures at each moment; empty without objects of known categories.
+    /// The figures at each moment, without moments until which no object of a known category was touched.
     pub(super) fn of(objects: &[JudgedObject], categories: &[String]) -> Vec<Self> {
         let moments: [(&'static str, VerdictAt); 4] = [
-            ("0.1 s", |own| &own.after_100_ms),
-            ("0.3 s", |own| &own.after_300_ms),
-            ("peak", |own| &own.at_peak),
-            ("end", |own| &own.at_end),
+            ("0.1 s", |own| [&own.after_100_ms, &own.truth_after_100_ms]),
+            ("0.3 s", |own| [&own.after_300_ms, &own.truth_after_300_ms]),
+            ("peak", |own| [&own.at_peak, &own.truth_at_peak]),
+            ("end", |own| [&own.at_end, &own.truth]),
         ];
-        let [_, known] = divided(objects, categories);
-        let share = |count: usize| count as f64 / known.len() as f64;
-        let of_moment = |(at, verdict): (&'static str, VerdictAt)| {
-            let is_right = |own: &JudgedObject| *verdict(own) == own.truth;
-            let count = |of: &dyn Fn(&JudgedObject) -> bool| known.iter().filter(|own| of(own)).count();
+        let of_moment = |(at, of): (&'static str, VerdictAt)| {
+            let known: Vec<&JudgedObject> = objects.iter().filter(|own| categories.contains(of(own)[1])).collect();
+            let is_right = |own: &JudgedObject| of(own)[0] == of(own)[1];
+            let count = |counts: &dyn Fn(&JudgedObject) -> bool| known.iter().filter(|own| counts(own)).count();
+            let share = |count: usize| count as f64 / known.len() as f64;
             let of_category = |name: &String| {
-                let all = count(&|own| own.truth == *name);
-                (all > 0).then(|| count(&|own| own.truth == *name && is_right(own)) as f64 / all as f64)
+                let all = count(&|own| of(own)[1] == name);
+                (all > 0).then(|| count(&|own| of(own)[1] == name && is_right(own)) as f64 / all as f64)
             };
             let balanced: Vec<f64> = categories.iter().filter_map(of_category).collect();
-            ObjectVerdicts {
+            (!known.is_empty()).then(|| ObjectVerdicts {
                 at,
                 objects: known.len(),
                 balanced_right: balanced.iter().sum::<f64>() / balanced.len() as f64,
                 right_interval: interval(&known, is_right),
                 right: share(count(&is_right)),
-                wrong: share(count(&|own| !is_right(own) && *verdict(own) != Category::UNCERTAIN)),
-                called_unknown: share(count(&|own| is_unknown(verdict(own)))),
-            }
+                wrong: share(count(&|own| !is_right(own) && *of(own)[0] != Category::UNCERTAIN)),
+                called_unknown: share(count(&|own| is_unknown(of(own)[0]))),
+            })
         };
-        if known.is_empty() { Vec::new() } else { moments.map(of_moment).to_vec() }
+        moments.into_iter().filter_map(of_moment).collect()
     }
 }
 
@@ -177,8 +178,11 @@ mod tests {
             reach,
             truth: truth.into(),
             after_100_ms: "uncertain".into(),
+            truth_after_100_ms: truth.into(),
             after_300_ms: at_peak.into(),
+            truth_after_300_ms: truth.into(),
             at_peak: at_peak.into(),
+            truth_at_peak: truth.into(),
             at_end: at_end.into(),
             share_beyond,
             contacts: 2,
@@ -229,6 +233,18 @@ mod tests {
             }
         }
         assert!(ObjectVerdicts::of(&objects()[..2], &["leaf".into()]).is_empty());
+    }
+
+    /// Tests that a verdict on an object that is found to be a trunk later is compared with the leaf that had pressed until then.
+    #[test]
+    fn verdicts_are_compared_with_what_had_pressed_until_then() {
+        let own = JudgedObject {
+            after_300_ms: "leaf".into(),
+            truth_after_300_ms: "leaf".into(),
+            ..object(0, "trunk", "trunk", "trunk", 0.9)
+        };
+        let found = ObjectVerdicts::of(&[own], &["leaf".into(), "trunk".into()]);
+        assert_eq!(found.iter().map(|own| own.right).collect::<Vec<_>>(), [0.0, 1.0, 1.0, 1.0]);
     }
 
     /// Tests that the purity is the share of the force that comes from the true object, and that objects of one reach count once.

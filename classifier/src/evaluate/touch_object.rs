@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use underbrush_recording::Recording;
+use underbrush_recording::{Category, Recording};
 
 use crate::touch::{
     Mobility, ObjectTouch, Stiffness, Touch, TouchClassifier, TouchObject, Votes, category_of, count_votes, strongest,
@@ -17,7 +17,7 @@ pub struct JudgedObject {
     pub reach: usize,
     /// Number of the object in its reach, from 1. Contacts that begin near each other count as one object.
     pub object: u64,
-    /// Category of the true object that most of the force came from.
+    /// Category of the true object that most of the force came from, until its end.
     pub truth: String,
     /// Index of that object in the recording.
     pub true_object: u16,
@@ -27,10 +27,16 @@ pub struct JudgedObject {
     pub peak_force_n: f64,
     /// The verdict 0.1 s after its first contact.
     pub after_100_ms: String,
+    /// What `truth` was until then: contacts with several true objects may be joined, and a verdict cannot know of later ones.
+    pub truth_after_100_ms: String,
     /// The verdict 0.3 s after its first contact.
     pub after_300_ms: String,
+    /// What `truth` was until then.
+    pub truth_after_300_ms: String,
     /// The verdict when its force was largest.
     pub at_peak: String,
+    /// What `truth` was until then.
+    pub truth_at_peak: String,
     /// The last verdict.
     pub at_end: String,
     /// How often the verdict changed.
@@ -79,21 +85,26 @@ impl ObjectJudge {
         for object in tracker.ended() {
             self.close(object.number, recording);
         }
-        let categories = classifier.model().categories();
-        for (object, own) in tracker.objects().iter().zip(classifier.objects()) {
-            let open = self.open.entry(object.number).or_insert_with(|| OpenObject::new(object.number));
-            open.update(object, own, (frame, recording.frames[frame].time_s), categories);
-        }
-        for region in classifier.regions() {
-            if let Some(open) = region.object.and_then(|object| self.open.get_mut(&object)) {
-                open.contacts.insert((region.patch, region.contact), region.touch);
-            }
+        for object in tracker.objects() {
+            self.open.entry(object.number).or_insert_with(|| OpenObject::new(object.number));
         }
         count_votes(classifier.patches(), tracker, |object, truth, force_n| {
             if let Some(open) = self.open.get_mut(&object.number) {
                 *open.votes.entry(truth).or_default() += force_n;
             }
         });
+        let categories = classifier.model().categories();
+        for (object, own) in tracker.objects().iter().zip(classifier.objects()) {
+            if let Some(open) = self.open.get_mut(&object.number) {
+                let truth = category_of(&open.votes, recording);
+                open.update(object, (own, own.touch.name(categories)), truth, (frame, recording.frames[frame].time_s));
+            }
+        }
+        for region in classifier.regions() {
+            if let Some(open) = region.object.and_then(|object| self.open.get_mut(&object)) {
+                open.contacts.insert((region.patch, region.contact), region.touch);
+            }
+        }
     }
 
     /// All objects, once the recording is over.
@@ -105,11 +116,18 @@ impl ObjectJudge {
     }
 
     fn close(&mut self, number: u64, recording: &Recording) {
-        let Some(open) = self.open.remove(&number).filter(|open| open.is_judged) else { return };
+        let Some(mut open) = self.open.remove(&number).filter(|open| open.is_judged) else { return };
         let (Some((true_object, own_n)), Some(truth)) = (strongest(&open.votes), category_of(&open.votes, recording))
         else {
             return;
         };
+        let judged = &mut open.judged;
+        for before in [&mut judged.truth_after_100_ms, &mut judged.truth_after_300_ms, &mut judged.truth_at_peak] {
+            // Spurious readings only, until then.
+            if before.is_empty() {
+                truth.name().clone_into(before);
+            }
+        }
         let called_unknown = open.contacts.values().filter(|touch| **touch == Touch::Unknown).count();
         self.closed.push(JudgedObject {
             truth: truth.name().to_owned(),
@@ -148,21 +166,27 @@ impl OpenObject {
     fn update(
         &mut self,
         object: &TouchObject,
-        own: &ObjectTouch,
+        (own, verdict): (&ObjectTouch, &str),
+        truth: Option<Category>,
         (frame, time_s): (usize, f64),
-        categories: &[String],
     ) {
-        let (judged, verdict) = (&mut self.judged, own.touch.name(categories));
+        let judged = &mut self.judged;
+        let truth = truth.map_or("", |truth| truth.name());
         // Tolerates rounding of the times.
         let since_s = time_s - object.start_s - 1e-6;
-        for (place, until_s) in [(&mut judged.after_100_ms, 0.1), (&mut judged.after_300_ms, 0.3)] {
-            if since_s <= until_s && verdict != place {
-                verdict.clone_into(place);
+        for (verdict_then, truth_then, until_s) in [
+            (&mut judged.after_100_ms, &mut judged.truth_after_100_ms, 0.1),
+            (&mut judged.after_300_ms, &mut judged.truth_after_300_ms, 0.3),
+        ] {
+            if since_s <= until_s {
+                verdict.clone_into(verdict_then);
+                truth.clone_into(truth_then);
             }
         }
         if object.is_touching && object.course.largest_force_n() > judged.peak_force_n {
             judged.peak_force_n = object.course.largest_force_n();
             verdict.clone_into(&mut judged.at_peak);
+            truth.clone_into(&mut judged.truth_at_peak);
             judged.stiffness = own.stiffness(object);
             self.peak_frame = frame;
         }

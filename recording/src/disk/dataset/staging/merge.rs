@@ -145,7 +145,8 @@ impl Shards {
     }
 
     /// Writes the set that one process would have made, byte for byte, into an empty or new folder or, with `resume`,
-    /// continues an interrupted merge there. One reach is in memory at a time. `merged` is called after each reach.
+    /// continues an interrupted merge there. As many reaches are in memory as there are threads. `merged` is called when a reach has
+    /// been read.
     ///
     /// # Errors
     /// As [`DatasetWriter::create`] and [`DatasetWriter::finish`], and [`DiskError::Input`] for damaged parts.
