@@ -1,7 +1,7 @@
-//! Statistics of every number of every column (`meta/stats.json`), computed in one pass over the frames.
+//! Statistics of every number of every column (`meta/stats.json`), computed batch by batch.
 //!
-//! Means and squares of a batch of rows are computed in two passes and joined with those before by Chan's formula (Chan,
-//! Golub and LeVeque, The American Statistician 37, 1983). Quantiles come from a histogram whose
+//! The mean of a batch of rows is computed first, and then the squared differences from it. Batches are joined by the formula of
+//! Chan, Golub and LeVeque (The American Statistician 37, 1983). Quantiles come from a histogram whose
 //! bins are the leading bits of the numbers, which needs neither a range in advance nor a function that differs
 //! between platforms. A quantile is the nearest-rank sample, rounded towards zero to 10 bits after the leading one:
 //! exact for whole numbers up to 2047, otherwise less than 0.1 % too small.

@@ -30,7 +30,7 @@ pub(in crate::disk) const ROWS_PER_GROUP: usize = 4096;
 /// Makes the columns of an episode for a table.
 type ColumnsOf = fn(usize, &Recording) -> Vec<Column>;
 
-/// Columns of an episode for the tables beside the frames.
+/// The columns of an episode, one list for each table except the frames.
 pub(in crate::disk) type FurtherColumns = [Vec<Column>; FURTHER.len()];
 
 /// The tables beside the frames: ground truth, and what the controller believed.
@@ -46,7 +46,7 @@ const FURTHER: [(&Table, ColumnsOf); 9] = [
     (&MAP, |episode, recording| Row::write(&map_rows(episode, recording))),
 ];
 
-/// The columns of an episode for the tables beside the frames.
+/// Makes the columns of an episode for all tables except the frames.
 pub(in crate::disk) fn further_columns(episode: usize, recording: &Recording) -> FurtherColumns {
     FURTHER.map(|(_, columns)| columns(episode, recording))
 }
