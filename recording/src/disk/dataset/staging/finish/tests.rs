@@ -64,3 +64,15 @@ fn reaches_are_freed_file_by_file() {
     }
     assert!(freed_in_all > 0, "no reach was freed early");
 }
+
+/// Tests that the bytes of a set do not depend on the number of threads that assemble it.
+#[test]
+fn any_number_of_threads_writes_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let [one, three] = [1, 3].map(|threads| {
+        let dir = folder.path().join(threads.to_string());
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| make(&dir));
+        contents(&dir)
+    });
+    assert!(one == three);
+}
