@@ -29,6 +29,8 @@ shipped![
     "engineered/trunk-thick.toml",
     "passage/hedge.toml",
     "passage/gate.toml",
+    "varied/varied-leaves.toml",
+    "varied/varied-trunks.toml",
     "auxiliary/soft-rolls.toml",
     "auxiliary/stiff-poles.toml",
     "auxiliary/free-cylinders.toml",
