@@ -7,7 +7,7 @@ use tempfile::TempDir;
 use underbrush_experiments::dataset::Campaign;
 use underbrush_sim::scene::{Scene, shipped_by_name};
 
-use crate::{Failure, Shown};
+use crate::{Failure, Shown, input};
 
 /// Options on scenes that are given in place of data sets.
 #[derive(Args)]
@@ -44,8 +44,11 @@ impl SimulatedArguments {
         Ok(sets)
     }
 
-    /// A folder for the sets beside the model file; `None` if no path is a scene.
+    /// A folder for the sets beside the model file; `None` if no path is a scene. A wrong name is refused here, before any
+    /// scene is simulated.
     pub(super) fn folder(&self, paths: &[PathBuf], out: &Path) -> Result<Option<TempDir>, Failure> {
+        let allowed = "data sets (folders), recordings (.parquet) or, with --reaches, scenes";
+        paths.iter().filter(|path| !is_scene(path)).try_for_each(|path| input::check_exists(path, allowed))?;
         if !paths.iter().any(|path| is_scene(path)) {
             self.refuse("applies to scenes in place of data sets")?;
             return Ok(None);

@@ -100,7 +100,11 @@ fn bad_auxiliary_sets_are_refused() {
     train(Path::new("leaf"), &[]).refused(&["leaf", "is a scene", "--reaches"]);
     train(&posts, &[]).refused(&["posts.toml", "is a scene", "--reaches"]);
     train(&set, &[]).refused(&["the same input twice"]);
-    train(&inputs.path().join("none"), &[]).refused(&["none"]);
+    let none = inputs.path().join("none");
+    train(&none, &[]).refused(&["none", "no such file or folder", "with --reaches, scenes"]);
+    // The million reaches are not simulated first.
+    underbrush!["train", "leaf", none, "--classifier", "touch", "--reaches", "1000000", "--out", out]
+        .refused(&["none"]);
     train(&set.join("meta"), &["--reaches", "1"]).refused(&["--reaches", "applies to scenes", "leave it out"]);
     for options in [&["--auxiliary", "x"][..], &["--reaches", "3"]] {
         let mut words: Vec<std::ffi::OsString> = vec!["train".into(), fixture().table_csv().into(), "--out".into()];
