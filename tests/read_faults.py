@@ -121,7 +121,6 @@ def try_all(reader, underbrush, library, complaints):
     # The summary of a new set is not compared, because it has the time that the run took.
     expected, answer = job.whole(place), None if job.is_set else reader.answer
     before = [contents(folder) for folder in reader.folders if folder != place]
-    job.parts = {contents(os.path.join(found, name)) for found, _, names in os.walk(place) for name in names}
     reads = sum(call == "read" for calls in threads for call, _, _ in calls)
 
     def judged(where, status, errors):
@@ -167,7 +166,11 @@ def readers(underbrush, folder):
         "classify": ([underbrush, "classify", model, whole], "none"),
         "replay to a file": ([underbrush, "replay", whole, "--model", model, "--out", "page.html"], "page.html"),
     }
-    return [*made, *(Job(name, command, out, is_set=False) for name, (command, out) in others.items())]
+    def other(name, command, out):
+        again = command if out == "none" else [*command, "--force"]
+        return Job(name, command, out, again=again, is_set=False)
+
+    return [*made, *(other(name, *what) for name, what in others.items())]
 
 
 def main():
