@@ -166,6 +166,7 @@ def readers(underbrush, folder):
         "classify": ([underbrush, "classify", model, whole], "none"),
         "replay to a file": ([underbrush, "replay", whole, "--model", model, "--out", "page.html"], "page.html"),
     }
+
     def other(name, command, out):
         again = command if out == "none" else [*command, "--force"]
         return Job(name, command, out, again=again, is_set=False)

@@ -103,7 +103,7 @@ impl UnknownFigures {
 type VerdictAt = fn(&JudgedObject) -> [&String; 2];
 
 impl ObjectVerdicts {
-    /// The figures at each moment, without moments until which no object of a known category was touched.
+    /// The figures at each moment. A moment is left out if no object of a known category was touched until then.
     pub(super) fn of(objects: &[JudgedObject], categories: &[String]) -> Vec<Self> {
         let moments: [(&'static str, VerdictAt); 4] = [
             ("0.1 s", |own| [&own.after_100_ms, &own.truth_after_100_ms]),
