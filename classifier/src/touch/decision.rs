@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::limits::SHARE;
 
+use super::object::stage;
 use crate::error::{Fault, check_limits};
 
 /// The cost of an uncertain verdict, relative to that of a wrong one, and two limits.
@@ -13,10 +14,12 @@ use crate::error::{Fault, check_limits};
 ///
 /// let decision = TouchDecision::default();
 /// // A category needs a probability above 0.7.
-/// assert_eq!(decision.of_region(&[0.2, 0.8], 0.5), Touch::Category(1));
-/// assert_eq!(decision.of_region(&[0.4, 0.6], 0.5), Touch::Uncertain);
+/// assert_eq!(decision.of_region(&[0.2, 0.8], 0.5, 300), Touch::Category(1));
+/// assert_eq!(decision.of_region(&[0.4, 0.6], 0.5, 300), Touch::Uncertain);
 /// // Fewer than one known object in twenty is as unlike what is known.
-/// assert_eq!(decision.of_region(&[0.1, 0.9], 0.03), Touch::Unknown);
+/// assert_eq!(decision.of_region(&[0.1, 0.9], 0.03, 300), Touch::Unknown);
+/// // In the first 0.6 s fewer than one in a hundred must be.
+/// assert_eq!(decision.of_region(&[0.1, 0.9], 0.03, 30), Touch::Category(1));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -25,7 +28,8 @@ pub struct TouchDecision {
     #[schemars(range(min = SHARE.min, max = SHARE.max))]
     pub nothing_above: f64,
     /// An object is called unknown if at most this share of the objects of each known category is as unlike what is known.
-    /// This is therefore also the share of false alarms. Without auxiliary sets in training nothing is called unknown.
+    /// This is therefore also the share of false alarms. Until the object was felt for 0.6 s, a fifth of it is the limit. Without
+    /// auxiliary sets in training nothing is called unknown.
     #[schemars(range(min = SHARE.min, max = SHARE.max))]
     pub unknown_share: f64,
     /// The cost of an uncertain verdict, relative to the cost of a wrong category. A category is named if its
@@ -43,6 +47,11 @@ impl Default for TouchDecision {
         TouchDecision { nothing_above: 0.5, unknown_share: 0.05, cost_of_uncertain: 0.3 }
     }
 }
+
+/// The share of known objects that are as unlike counts this many times in an object's first stage: little is known of it by then, and
+/// most that was called unknown was known. Choice, on development seed 6000: of the verdicts on known objects after 0.3 s, 2.2 instead
+/// of 4.2 % are wrong, and at the end up to three points fewer unknown objects are found.
+const EARLY: f64 = 5.0;
 
 /// What touches a taxel or a region.
 ///
@@ -81,16 +90,17 @@ impl Touch {
 
 impl TouchDecision {
     /// The verdict on a region that something touches: `probabilities` of the known categories, and the share of known
-    /// objects that are as unlike what is known.
-    pub fn of_region(&self, probabilities: &[f64], share_beyond: f64) -> Touch {
+    /// objects that are as unlike what is known as its object, which was felt well enough in so many `samples`.
+    pub fn of_region(&self, probabilities: &[f64], share_beyond: f64, samples: usize) -> Touch {
         let best = probabilities.iter().copied().enumerate();
         let best = best.reduce(|best, other| if other.1 > best.1 { other } else { best });
-        best.map_or(Touch::Uncertain, |(index, probability)| self.of(index, probability, share_beyond))
+        best.map_or(Touch::Uncertain, |(index, probability)| self.of(index, probability, share_beyond, samples))
     }
 
     /// The verdict, from the likeliest known category and its probability.
-    pub(super) fn of(&self, likeliest: usize, probability: f64, share_beyond: f64) -> Touch {
-        match share_beyond <= self.unknown_share {
+    pub(super) fn of(&self, likeliest: usize, probability: f64, share_beyond: f64, samples: usize) -> Touch {
+        let share = if stage(samples) == 0 { f64::min(EARLY * share_beyond, 1.0) } else { share_beyond };
+        match share <= self.unknown_share {
             true => Touch::Unknown,
             false if probability > 1.0 - self.cost_of_uncertain => Touch::Category(likeliest),
             false => Touch::Uncertain,

@@ -11,7 +11,7 @@ use super::decision::Touch;
 use super::frame::SkinTracker;
 use super::model::TouchModel;
 use super::network::softmax;
-use super::object::{Mobility, OBJECT_FEATURE_COUNT, ObjectTracker, Stiffness, TouchObject};
+use super::object::{Mobility, OBJECT_FEATURE_COUNT, ObjectTracker, Stiffness, TouchObject, stage};
 use super::taxel::{TAXEL_FEATURE_COUNT, TaxelCourse};
 use crate::trial::TrialError;
 
@@ -47,7 +47,7 @@ pub struct RegionTouch {
     pub taxels: [usize; 2],
     /// [`ObjectTouch::share_beyond`] of its object; 1 without one.
     pub share_beyond: f64,
-    /// The verdict: nothing if all its taxels are called nothing, or else that on its object.
+    /// The verdict: nothing if all its taxels are called nothing, or else unknown if its object is, or what its probabilities say.
     pub touch: Touch,
 }
 
@@ -123,12 +123,15 @@ pub struct TouchClassifier {
     touched: Vec<f64>,
 }
 
-/// An object is judged in each of its first frames, and then in every frame whose number is a multiple of this: the verdict
-/// changes little in between.
+/// An object is judged in each of its first frames, at the beginning of a stage, and in every frame whose number is a multiple of
+/// this: the verdict changes little in between.
 const JUDGED_EVERY: usize = 5;
 /// The share of an object's trees in the logarithms of its probabilities; the rest is the network's, which judges contacts.
 /// Choice: a logistic regression on the training seed 5000 gives 0.73 and 0.30 (scikit-learn's boosted trees, cross-validated).
 const TREES_SHARE: f64 = 0.7;
+/// The share of a contact itself in the logarithms of its probabilities; the rest is its object's, because contacts with a leaf and with
+/// the trunk behind it may be joined to one object. Choice: a logistic regression on the development seed 6000 gives 0.59 and 0.44.
+const CONTACT_SHARE: f64 = 0.5;
 /// The smallest probability whose logarithm counts.
 const LEAST_PROBABILITY: f64 = 1e-6;
 
@@ -202,7 +205,9 @@ impl TouchClassifier {
         }
         for (index, (own, object)) in self.objects.iter_mut().zip(self.tracker.objects()).enumerate() {
             let (course, places) = (&object.course, index * count..(index + 1) * count);
-            let is_due = course.frames() <= JUDGED_EVERY || course.frames().is_multiple_of(JUDGED_EVERY);
+            let is_due = course.frames() <= JUDGED_EVERY
+                || course.frames().is_multiple_of(JUDGED_EVERY)
+                || stage(course.samples()) != stage(own.samples);
             let categories = self.model.of_objects.as_ref().filter(|_| is_due);
             let unknown = self.model.unknown.as_ref().filter(|_| is_due);
             let stiffness = self.model.stiffness.as_ref().filter(|_| course.is_at_largest_force());
@@ -229,19 +234,20 @@ impl TouchClassifier {
             let best =
                 scores().enumerate().fold((0, f64::NEG_INFINITY), |best, own| if own.1 > best.1 { own } else { best });
             let others = scores().map(|score| math::exp(score - best.1)).sum::<f64>();
-            own.touch = self.model.decision.of(best.0, 1.0 / others, own.share_beyond);
+            own.touch = self.model.decision.of(best.0, 1.0 / others, own.share_beyond, own.samples);
         }
         self.probabilities_of_objects(count);
     }
 
-    /// Gives each region the probabilities of its object.
+    /// Gives each region that belongs to an object the geometric mean of its own probabilities and of its object's.
     fn probabilities_of_objects(&mut self, count: usize) {
         for (object, probabilities) in self.tracker.of_region().iter().zip(self.probabilities.chunks_exact_mut(count)) {
             let Some(object) = *object else { continue };
             let weight_n = self.weights_n[object].max(f64::MIN_POSITIVE);
             let [evidence, by_trees] = [&self.evidence, &self.by_trees].map(|own| &own[object * count..][..count]);
             for (probability, score) in probabilities.iter_mut().zip(score(evidence, weight_n, by_trees, &self.model)) {
-                *probability = score;
+                let own = math::ln(probability.max(LEAST_PROBABILITY));
+                *probability = CONTACT_SHARE * own + (1.0 - CONTACT_SHARE) * score;
             }
             softmax(probabilities);
         }
@@ -293,8 +299,8 @@ impl TouchClassifier {
             for region in tracker.regions() {
                 let index = self.regions.len();
                 let object = of_region.next().copied().flatten().map(|object| self.objects[object]);
-                let own = || decision.of_region(self.probabilities(index), 1.0);
-                let verdict = object.map_or_else(own, |object| object.touch);
+                let (share_beyond, samples) = object.map_or((1.0, 0), |object| (object.share_beyond, object.samples));
+                let verdict = decision.of_region(self.probabilities(index), share_beyond, samples);
                 let mut touched_taxels = 0;
                 for (&taxel, touched) in tracker.taxels(region).iter().zip(&mut touched) {
                     let nothing = touched[0];
@@ -315,7 +321,7 @@ impl TouchClassifier {
                     object: object.map(|object| object.object),
                     samples: region.course.samples(),
                     taxels: [tracker.taxels(region).len(), touched_taxels],
-                    share_beyond: object.map_or(1.0, |object| object.share_beyond),
+                    share_beyond,
                     touch: if touched_taxels == 0 { Touch::Nothing } else { verdict },
                 });
             }
@@ -367,7 +373,7 @@ impl TouchClassifier {
     }
 
     /// Probabilities of the known categories for a region, if something known touches it, in the order of
-    /// [`TouchModel::categories`]: those of its object, if it belongs to one.
+    /// [`TouchModel::categories`]: from the contact itself, and from its object if it belongs to one.
     pub fn probabilities(&self, region: usize) -> &[f64] {
         let count = self.model.categories().len();
         &self.probabilities[region * count..][..count]

@@ -30,3 +30,4 @@ pub use tracker::{ObjectTracker, TouchObject};
 pub(super) use training::{FittedObjects, ObjectExample, ObjectExamples, fit_objects};
 pub(crate) use training::{Votes, category_of, count_votes, strongest};
 pub use unknown::UnknownObjects;
+pub(super) use unknown::stage;

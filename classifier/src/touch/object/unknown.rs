@@ -34,7 +34,7 @@ pub(super) struct Family {
 const STAGES: [usize; 2] = [60, 240];
 
 /// The stage of an object with this many samples.
-pub(super) fn stage(samples: usize) -> usize {
+pub(in crate::touch) fn stage(samples: usize) -> usize {
     STAGES.iter().filter(|from| samples >= **from).count()
 }
 

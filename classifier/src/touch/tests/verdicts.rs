@@ -68,6 +68,30 @@ fn springs_are_told_apart() {
     assert_eq!(accuracy.balanced_accuracy, Some(1.0));
 }
 
+/// Tests that a soft contact is not called stiff because of the stiff one beside it, which counts as the same object.
+#[test]
+fn contacts_of_one_object_are_told_apart() {
+    let mut reach = presses(0, STIFFNESS_N_PER_M[0], 0.035, 0.06);
+    for frame in &mut reach.frames {
+        let depth_m = frame.patch_pose_world[0].position.z.max(0.0);
+        let spurious = frame.taxels.iter_mut().find(|reading| reading.object.is_none()).unwrap();
+        spurious.sensed_force_n = STIFFNESS_N_PER_M[1] * depth_m;
+        (spurious.true_normal_force_n, spurious.object) = (spurious.sensed_force_n, Some(1));
+    }
+    let mut classifier = TouchClassifier::new(Arc::new(examples().fit().unwrap()), &reach.layout).unwrap();
+    let mut frames = 0;
+    for frame in &reach.frames {
+        classifier.update(frame).unwrap();
+        let [soft, stiff] = classifier.regions() else { continue };
+        assert_eq!(soft.object, stiff.object);
+        assert_eq!(classifier.objects()[0].touch, Touch::Category(1));
+        assert_ne!(soft.touch, Touch::Category(1));
+        assert_eq!(stiff.touch, Touch::Category(1));
+        frames += 1;
+    }
+    assert!(frames > 50, "{frames}");
+}
+
 /// Tests that the verdicts on a reach that is judged for a suite are those of the evaluation, counted by truth, and
 /// that the spurious taxel is counted separately.
 #[test]
@@ -138,7 +162,22 @@ fn files_are_exact_and_checked() {
 #[test]
 fn verdicts_follow_the_costs() {
     let decision = TouchDecision { unknown_share: 0.05, cost_of_uncertain: 0.2, ..TouchDecision::default() };
-    assert_eq!(decision.of_region(&[0.1, 0.9], 0.04), Touch::Unknown);
-    assert_eq!(decision.of_region(&[0.1, 0.9], 0.06), Touch::Category(1));
-    assert_eq!(decision.of_region(&[0.3, 0.7], 0.06), Touch::Uncertain);
+    let of_region = |probabilities: [f64; 2], share_beyond| decision.of_region(&probabilities, share_beyond, 300);
+    assert_eq!(of_region([0.1, 0.9], 0.04), Touch::Unknown);
+    assert_eq!(of_region([0.1, 0.9], 0.06), Touch::Category(1));
+    assert_eq!(of_region([0.3, 0.7], 0.06), Touch::Uncertain);
+}
+
+/// Tests that until an object was felt in 60 samples, a fifth of the share is the limit.
+#[test]
+fn early_objects_must_be_more_unlike() {
+    let decision = TouchDecision { unknown_share: 0.05, ..TouchDecision::default() };
+    for (samples, share_beyond, expected) in [
+        (59, 0.009, Touch::Unknown),
+        (59, 0.011, Touch::Category(1)),
+        (60, 0.049, Touch::Unknown),
+        (60, 0.051, Touch::Category(1)),
+    ] {
+        assert_eq!(decision.of_region(&[0.1, 0.9], share_beyond, samples), expected, "{samples}, {share_beyond}");
+    }
 }
