@@ -253,10 +253,10 @@ impl Planner<'_> {
         length_rad: Option<f64>,
         random: &mut ChaCha8Rng,
     ) -> Option<Vec<Vec<f64>>> {
-        let mut trees = [Tree::default(), Tree::default()];
-        trees[0].add(start_rad.to_vec(), None);
+        let mut trees = [(); 2].map(|()| Tree::new(start_rad.len()));
+        trees[0].add(start_rad, None);
         for end in ends {
-            trees[1].add(end.clone(), None);
+            trees[1].add(end, None);
         }
         let is_near = |posture: &[f64]| {
             length_rad.is_none_or(|length| {
@@ -268,7 +268,7 @@ impl Planner<'_> {
         while self.evaluations < self.budget {
             let target = (0..DRAWS).map(|_| self.anywhere(random)).find(|posture| is_near(posture))?;
             if let (_, Some(tip)) = self.extend(&mut trees[growing], &target) {
-                let target = trees[growing].postures[tip].clone();
+                let target = trees[growing].posture(tip).to_vec();
                 let other = &mut trees[1 - growing];
                 loop {
                     let (is_there, added) = self.extend(other, &target);
@@ -292,16 +292,17 @@ impl Planner<'_> {
     /// Grows a tree by one edge towards a posture: whether it arrives, and the new posture if the edge is free.
     fn extend(&mut self, tree: &mut Tree, target_rad: &[f64]) -> (bool, Option<usize>) {
         let near = tree.nearest(target_rad);
-        let length = largest_change_rad(&tree.postures[near], target_rad);
+        let near_rad = tree.posture(near);
+        let length = largest_change_rad(near_rad, target_rad);
         let is_there = length <= EDGE_RAD;
         let posture = match is_there {
             true => target_rad.to_vec(),
-            false => between(&tree.postures[near], target_rad, EDGE_RAD / length),
+            false => between(near_rad, target_rad, EDGE_RAD / length),
         };
-        if !self.is_free_between(&tree.postures[near], &posture) {
+        if !self.is_free_between(near_rad, &posture) {
             return (false, None);
         }
-        (is_there, Some(tree.add(posture, Some(near))))
+        (is_there, Some(tree.add(&posture, Some(near))))
     }
 
     /// The path with corners cut, and its end drawn in.
