@@ -3,7 +3,7 @@
 /// A tree of postures of an arm, each with the index of the one before it.
 pub(super) struct Tree {
     joints: usize,
-    /// One posture after the other, rad: most of the time of a long search is spent on the distances of all of them.
+    /// One posture after the other, rad, because a long search compares all of them with each posture that it draws.
     postures_rad: Vec<f64>,
     before: Vec<Option<usize>>,
 }
@@ -62,7 +62,9 @@ mod tests {
         assert_eq!(tree.nearest(&[0.0, 2.0]), root);
         assert_eq!(tree.to_root(left), [[-1.0, 0.1], [3.0, 4.0], [0.0, 0.0]]);
         let mut tied = Tree::new(1);
-        [-1.0, 1.0, -1.0].map(|angle_rad| tied.add(&[angle_rad], None));
+        for angle_rad in [-1.0, 1.0, -1.0] {
+            tied.add(&[angle_rad], None);
+        }
         assert_eq!(tied.nearest(&[0.0]), 0);
     }
 }
