@@ -48,8 +48,8 @@ impl Default for TouchDecision {
     }
 }
 
-/// The share of known objects that are as unlike counts this many times in an object's first stage: little is known of it by then, and
-/// most that was called unknown was known. Choice, on development seed 6000: of the verdicts on known objects after 0.3 s, 2.2 instead
+/// In an object's first stage the share of known objects that are as unlike is multiplied by this: little is known of the object by then,
+/// and most objects that were called unknown were known ones. Choice, on development seed 6000: of the verdicts on known objects after 0.3 s, 2.2 instead
 /// of 4.2 % are wrong, and at the end up to three points fewer unknown objects are found.
 const EARLY: f64 = 5.0;
 
@@ -89,8 +89,8 @@ impl Touch {
 }
 
 impl TouchDecision {
-    /// The verdict on a region that something touches: `probabilities` of the known categories, and the share of known
-    /// objects that are as unlike what is known as its object, which was felt well enough in so many `samples`.
+    /// The verdict on a region that something touches, from the `probabilities` of the known categories, the share of known
+    /// objects that are as unlike as its object, and the number of samples in which this object was felt well enough.
     pub fn of_region(&self, probabilities: &[f64], share_beyond: f64, samples: usize) -> Touch {
         let best = probabilities.iter().copied().enumerate();
         let best = best.reduce(|best, other| if other.1 > best.1 { other } else { best });

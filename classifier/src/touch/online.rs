@@ -47,7 +47,8 @@ pub struct RegionTouch {
     pub taxels: [usize; 2],
     /// [`ObjectTouch::share_beyond`] of its object; 1 without one.
     pub share_beyond: f64,
-    /// The verdict: nothing if all its taxels are called nothing, or else unknown if its object is, or what its probabilities say.
+    /// The verdict: nothing if all its taxels are called nothing; otherwise unknown if its object is, or else what its
+    /// probabilities say.
     pub touch: Touch,
 }
 
@@ -129,7 +130,7 @@ const JUDGED_EVERY: usize = 5;
 /// The share of an object's trees in the logarithms of its probabilities; the rest is the network's, which judges contacts.
 /// Choice: a logistic regression on the training seed 5000 gives 0.73 and 0.30 (scikit-learn's boosted trees, cross-validated).
 const TREES_SHARE: f64 = 0.7;
-/// The share of a contact itself in the logarithms of its probabilities; the rest is its object's, because contacts with a leaf and with
+/// The share of a contact's own evidence in the logarithms of its probabilities; the rest is its object's. Contacts with a leaf and with
 /// the trunk behind it may be joined to one object. Choice: a logistic regression on the development seed 6000 gives 0.59 and 0.44.
 const CONTACT_SHARE: f64 = 0.5;
 /// The smallest probability whose logarithm counts.
@@ -194,13 +195,15 @@ impl TouchClassifier {
         self.keep_objects(count);
         let regions = self.patches.iter().flat_map(SkinTracker::regions);
         for ((region, object), probabilities) in
-            regions.zip(self.tracker.of_region()).zip(self.probabilities.chunks_exact(count))
+            regions.zip(self.tracker.of_region()).zip(self.probabilities.chunks_exact_mut(count))
         {
             let Some(object) = *object else { continue };
             let force_n = region.course.now().force_n;
             self.weights_n[object] += force_n;
             for (sum, probability) in self.evidence[object * count..][..count].iter_mut().zip(probabilities) {
-                *sum += force_n * math::ln(probability.max(LEAST_PROBABILITY));
+                // Its logarithm stands here until the object is judged.
+                *probability = math::ln(probability.max(LEAST_PROBABILITY));
+                *sum += force_n * *probability;
             }
         }
         for (index, (own, object)) in self.objects.iter_mut().zip(self.tracker.objects()).enumerate() {
@@ -246,8 +249,7 @@ impl TouchClassifier {
             let weight_n = self.weights_n[object].max(f64::MIN_POSITIVE);
             let [evidence, by_trees] = [&self.evidence, &self.by_trees].map(|own| &own[object * count..][..count]);
             for (probability, score) in probabilities.iter_mut().zip(score(evidence, weight_n, by_trees, &self.model)) {
-                let own = math::ln(probability.max(LEAST_PROBABILITY));
-                *probability = CONTACT_SHARE * own + (1.0 - CONTACT_SHARE) * score;
+                *probability = CONTACT_SHARE * *probability + (1.0 - CONTACT_SHARE) * score;
             }
             softmax(probabilities);
         }

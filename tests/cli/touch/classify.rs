@@ -34,7 +34,7 @@ fn verdicts_follow_from_the_probabilities() {
                 own.iter().max_by(|a, b| a.1.as_f64().unwrap().total_cmp(&b.1.as_f64().unwrap())).unwrap();
             let objects = answer["objects"].as_array().unwrap().iter();
             let samples = objects.filter(|own| own["object"] == region["object"]).map(|own| own["samples"].as_u64());
-            // Until an object was felt in 60 samples, its share counts five times.
+            // The share is multiplied by five for an object that was felt in fewer than 60 samples.
             let factor = if samples.flatten().any(|own| own < 60) { 5.0 } else { 1.0 };
             if factor * region["share_beyond"].as_f64().unwrap() <= limit("unknown_share") {
                 "unknown"
