@@ -12,7 +12,8 @@ export class AddressBar {
 
   /** `asked` is called when a reader changes the address. */
   constructor(readonly state: State, readonly reach: () => Reach | null, asked: (asked: Asked) => void) {
-    addEventListener("hashchange", () => asked(readAddress(location.hash)));
+    // The page may have written its own address before it hears of the reader's, so `location` does not tell it.
+    addEventListener("hashchange", ({ newURL }) => asked(readAddress(new URL(newURL).hash)));
   }
 
   /** Writes the state soon. */

@@ -175,6 +175,23 @@ test("an address brings a finding back", async () => {
   await finish(odd);
 });
 
+/** Tests that an address counts that a reader changes at the moment when the page is about to write its own. */
+test("the address of a reader wins over the page's", async () => {
+  const page = await start("#reach=1");
+  await page.locator("#colour").getByText("truth").click();
+  await settle(page);
+  await page.evaluate(() => {
+    const { port1, port2 } = new MessageChannel();
+    port1.onmessage = () => (location.hash = "#reach=1&t=2");
+    port2.postMessage(null);
+    // Longer than the page waits before it writes. It then writes after the address has changed and before it hears of it.
+    const end = performance.now() + 600;
+    while (performance.now() < end);
+  });
+  await page.waitForFunction(() => document.getElementById("clock").textContent.startsWith("2.00 s"));
+  await finish(page);
+});
+
 /** Tests that shadows are off where the processor draws until they are asked for, that links then darken the ground where the line
  * from the lamp through them meets it, that nothing becomes lighter, and that taxels keep their colours. */
 test("the lamp casts shadows", async () => {
