@@ -53,6 +53,7 @@ export class GhostChoice {
       this.#loaded = { number, of: own, reach };
       return reach;
     } catch (error) {
+      if (this.store.state.ghost !== number) return null;
       this.store.set({ ghost: null });
       this.wake();
       explain(error);

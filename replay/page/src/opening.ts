@@ -93,7 +93,7 @@ export class Opening {
       delete document.body.dataset["failed"];
       document.body.dataset["ready"] = String(number);
     } catch (error) {
-      explain(error);
+      if (request === this.#request) explain(error);
     }
   }
 
@@ -134,7 +134,8 @@ export class Opening {
 
   /** Shows the second reach of the state beside the first, or none. */
   async showBeside(): Promise<void> {
-    const { beside } = this.views.store.state;
+    const { state } = this.views.store;
+    const { beside } = state;
     const pane = this.views.panes[1];
     if (beside === null || this.all[beside] === undefined) {
       pane.stage.remove();
@@ -142,11 +143,14 @@ export class Opening {
       pane.loaded = null;
     } else if (pane.loaded?.number !== beside) {
       try {
-        pane.load(await this.#fetch(beside, pane), nameOf(this.all[beside]!));
+        const loaded = await this.#fetch(beside, pane);
+        // A later choice has overtaken this one.
+        if (state.beside !== beside) return;
+        pane.load(loaded, nameOf(this.all[beside]!));
         find("panes").append(pane.stage);
         find("skins").append(pane.skins);
       } catch (error) {
-        explain(error);
+        if (state.beside === beside) explain(error);
       }
     }
     document.body.classList.toggle("compared", pane.loaded !== null);
@@ -157,8 +161,10 @@ export class Opening {
   async showGhost(): Promise<void> {
     const loaded = this.#loaded;
     if (loaded === null) return;
+    const { state } = this.views.store;
+    const number = state.ghost;
     const ghost = await this.ghosts.load(loaded.reach);
-    if (loaded !== this.#loaded) return;
+    if (loaded !== this.#loaded || state.ghost !== number) return;
     this.views.panes[0].haunt(ghost);
     this.views.wake();
   }

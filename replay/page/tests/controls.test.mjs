@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { felt, finish, fullestFrame, mixedSite, readRecording, ready, seek, settle, state } from "./support.mjs";
+import { felt, finish, fullestFrame, hold, mixedSite, readRecording, ready, seek, settle, state } from "./support.mjs";
 
 const { begin, end, start } = mixedSite();
 before(begin);
@@ -130,6 +130,34 @@ test("reaches are listed, filtered, opened and compared", async () => {
   assert.equal(await page.locator(".skin-map").count(), 4);
   assert.match(await page.locator('[data-plot="force"] output').textContent(), /beside \d/);
   await page.waitForFunction(() => location.hash.includes("beside=0"));
+  await finish(page);
+});
+
+/** Tests that a second reach that was given up while it was loaded is not shown. */
+test("a second reach that was given up is not shown", async () => {
+  const page = await start();
+  const release = await hold(page, 1);
+  for (const number of ["1", ""]) {
+    await page.locator("#beside").fill(number);
+    await page.keyboard.press("Enter");
+    await settle(page);
+  }
+  await release("continue");
+  assert.equal(await page.locator(".view").count(), 1);
+  assert.equal((await state(page)).beside, null);
+  await finish(page);
+});
+
+/** Tests that nothing is said of a reach that could not be loaded once another one is shown. */
+test("the error of a reach that nobody waits for is not told", async () => {
+  const page = await start();
+  const release = await hold(page, 1);
+  await page.keyboard.press("]");
+  await page.evaluate(() => (location.hash = "#reach=2"));
+  await ready(page, 2);
+  await release("abort");
+  assert.ok(await page.locator("#message").isHidden());
+  page.problems.length = 0;
   await finish(page);
 });
 

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { file, finish, finishAll, launch, makeData, open, readRecording, ready, seek, serve, settle, state, storedPose } from "./support.mjs";
+import { file, finish, finishAll, hold, launch, makeData, open, readRecording, ready, seek, serve, settle, state, storedPose } from "./support.mjs";
 
 let browser;
 let server;
@@ -96,4 +96,18 @@ test("a reach of another draw is no ghost", async () => {
   await drawn(other, false);
   assert.deepEqual(await other.getByLabel("Ghost").locator("option").allTextContents(), ["off", "0: cody-2013"]);
   await finish(other);
+});
+
+/** Tests that a ghost that was chosen later is not taken away when an earlier choice has been loaded. */
+test("the later of two ghosts stays", async () => {
+  const three = await serve(file("trunk.parquet"), file("mapped.parquet"), file("mapped.parquet"));
+  const page = await open(browser, three.address);
+  await ready(page);
+  const release = await hold(page, 1);
+  for (const number of ["1", "2"]) await page.getByLabel("Ghost").selectOption(number);
+  await drawn(page, true);
+  await release("continue");
+  await drawn(page, true);
+  assert.equal((await state(page)).ghost, 2);
+  await finish(page);
 });

@@ -142,6 +142,20 @@ export function settle(page) {
   return page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done)))));
 }
 
+/** Keeps back the bytes of a reach, which the page asks the server for, until the function that is given back is called with what to
+ * do with the request. */
+export async function hold(page, number) {
+  let release;
+  const released = new Promise((done) => (release = done));
+  await page.route(new RegExp(`/api/reach/${number}$`), async (route) => (await released)(route));
+  return async (answer) => {
+    const done = page.waitForEvent(answer === "abort" ? "requestfailed" : "requestfinished");
+    release((route) => route[answer]());
+    await done;
+    await settle(page);
+  };
+}
+
 /** Goes to a frame with the scrubber. */
 export async function seek(page, frame) {
   await page.locator(".scrubber").evaluate((input, value) => {
