@@ -8,6 +8,11 @@ use super::{Coordinate, Link, Scratch, Tree};
 use crate::object::structure::Drag;
 use crate::physics::Theta;
 
+/// The forces that follow from the speed of the links are those at the start of a step. If a link turns by more than an angle of one
+/// in it, rad, they change its velocity by more than the velocity itself, and step by step the tree would fly apart. Leaves reach
+/// this where others pinch them; in 600 reaches among leaves none did, and 0.7 was the most in 280 others.
+const MOST_TURN_RAD: f64 = 1.0;
+
 impl Coordinate {
     /// Stiffness of the spring with its relaxing branch, and the force of both, N/m and N or Nm/rad and Nm.
     pub(super) fn spring(&self) -> (f64, f64) {
@@ -68,9 +73,20 @@ impl Tree {
         self.scratch.theta.value() * self.scratch.step_s
     }
 
-    /// Computes the velocities, bias accelerations and bias forces of the links.
+    /// Computes the velocities, bias accelerations and bias forces of the links. Links that turn too fast for the step have the bias
+    /// of [`MOST_TURN_RAD`].
     pub(super) fn sum_forces(&mut self, gravity_m_per_s2: f64) {
-        let Scratch { axes, velocities, accelerations, forces, inertias, .. } = &mut self.scratch;
+        let turn = self.sum_forces_with(1.0, gravity_m_per_s2) * self.scratch.step_s;
+        if turn > MOST_TURN_RAD {
+            let share = MOST_TURN_RAD / turn;
+            self.sum_forces_with(share * share, gravity_m_per_s2);
+        }
+    }
+
+    /// The same with this share of the bias. Returns the largest angular speed of a link, rad/s.
+    fn sum_forces_with(&mut self, share: f64, gravity_m_per_s2: f64) -> f64 {
+        let mut fastest = 0.0_f64;
+        let Scratch { axes, velocities, accelerations, forces, inertias, step_s, .. } = &mut self.scratch;
         // Moments are about the first link that moves.
         let about = self.links.get(1).map_or(DVec3::ZERO, |link| link.pose_world.position);
         axes.clear();
@@ -101,7 +117,7 @@ impl Tree {
                     (Spatial { angular: DVec3::ZERO, linear: axis }, Spatial { angular: DVec3::ZERO, linear: turned })
                 };
                 velocity.add_scaled(&unit, speed);
-                acceleration.add_scaled(&change, speed);
+                acceleration.add_scaled(&change, share * speed);
                 axes.push(unit);
             }
             let center = link.pose_world.transform_point(link.center_of_mass_link) - about;
@@ -109,16 +125,18 @@ impl Tree {
             let inertia = rotation * link.inertia_link * rotation.transpose();
             let Spatial { angular, linear } = velocity;
             let at_center = linear + angular.cross(center);
-            let of_center = acceleration.linear + acceleration.angular.cross(center) + angular.cross(at_center);
+            let of_center = acceleration.linear + acceleration.angular.cross(center) + share * angular.cross(at_center);
             let force = (of_center + DVec3::Z * gravity_m_per_s2) * link.mass_kg;
-            let spin = inertia * acceleration.angular + angular.cross(inertia * angular);
+            let spin = inertia * acceleration.angular + share * angular.cross(inertia * angular);
+            fastest = fastest.max(angular.length());
             // Forces are those that the motion asks for, so the air's count negative.
-            let force = force - link.drag.map_or(DVec3::ZERO, |drag| drag_world(&drag, link, at_center));
+            let force = force - link.drag.map_or(DVec3::ZERO, |drag| drag_world(&drag, link, at_center, *step_s));
             forces.push(Spatial { angular: center.cross(force) + spin, linear: force });
             inertias.push(Inertia::new(link.mass_kg, center, inertia));
             velocities.push(velocity);
             accelerations.push(acceleration);
         }
+        fastest
     }
 
     /// The mass matrix of the step, and the generalized forces in place of the accelerations.
@@ -158,9 +176,11 @@ impl Tree {
 const HALF_DENSITY_TIMES_DRAG_KG_PER_M3: f64 = 0.5 * 1.2 * 1.2;
 
 /// The air's force on a plate whose centre moves with this velocity, N, world frame. Only the velocity along its normal
-/// counts.
-fn drag_world(drag: &Drag, link: &Link, velocity_world: DVec3) -> DVec3 {
+/// counts. The air stops the plate within a step at most: film that is flung would otherwise be thrown back ever faster.
+fn drag_world(drag: &Drag, link: &Link, velocity_world: DVec3, step_s: f64) -> DVec3 {
     let normal_world = link.pose_world.transform_vector(drag.normal_body);
     let speed = velocity_world.dot(normal_world);
-    normal_world * (-HALF_DENSITY_TIMES_DRAG_KG_PER_M3 * drag.area_m2 * speed * speed.abs())
+    let most_n = link.mass_kg / step_s * speed.abs();
+    let force_n = -HALF_DENSITY_TIMES_DRAG_KG_PER_M3 * drag.area_m2 * speed * speed.abs();
+    normal_world * force_n.max(-most_n).min(most_n)
 }
