@@ -147,9 +147,10 @@ export function settle(page) {
 export async function hold(page, number) {
   let release;
   const released = new Promise((done) => (release = done));
-  await page.route(new RegExp(`/api/reach/${number}$`), async (route) => (await released)(route));
+  const address = new RegExp(`/api/reach/${number}$`);
+  await page.route(address, async (route) => (await released)(route));
   return async (answer) => {
-    const done = page.waitForEvent(answer === "abort" ? "requestfailed" : "requestfinished");
+    const done = page.waitForEvent(answer === "abort" ? "requestfailed" : "requestfinished", (request) => address.test(request.url()));
     release((route) => route[answer]());
     await done;
     await settle(page);
