@@ -172,6 +172,7 @@ pub(crate) fn check_model(dataset: &Dataset, verdicts: Option<&VerdictControl>) 
     let path = dataset.dir().join("meta/provenance.json");
     let found = given.map_or("no touch model".into(), |hash| format!("a touch model with BLAKE3 hash {hash}"));
     let (allowed, remedy) = match stored {
+        Some(TRUTH) => ("the true categories".into(), "give --verdicts truth"),
         Some(hash) => (
             format!("the touch model that the controller used, with BLAKE3 hash {hash}"),
             "give its file with --verdicts",

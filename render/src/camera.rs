@@ -71,7 +71,10 @@ impl Camera {
         let near = [self.eye_world, self.target_world, self.up_world].iter().all(|at| at.abs().max_element() <= 1e3);
         let good = near && line.length() > 1e-3 && across.length() > 1e-6;
         if !good || !FIELD_DEG.hold(self.vertical_fov_deg) {
-            return Err(RenderError::Camera(format!("{self:?}")));
+            let Camera { eye_world, target_world, up_world, vertical_fov_deg } = self;
+            return Err(RenderError::Camera(format!(
+                "eye {eye_world}, target {target_world}, up {up_world} and a field of view of {vertical_fov_deg} degrees"
+            )));
         }
         let (forward, right) = (line.normalize(), across.normalize());
         let half = 0.5 * self.vertical_fov_deg.to_radians();

@@ -107,6 +107,9 @@ fn reaches_are_drawn() {
     ]
     .success();
     assert!(std::fs::read(&later).unwrap() != bytes);
+    let down = ["--eye", "0.4,0,3", "--target", "0.4,0,0"];
+    underbrush!["replay", set, "--reaches", "0", "--still", later, down[0], down[1], down[2], down[3], "--force"]
+        .success();
     // The camera of a scene file has a size of its own.
     let text = std::fs::read_to_string(fixture().trunk_scene()).unwrap();
     let camera =
@@ -163,8 +166,11 @@ fn bad_pictures_are_refused() {
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--camera", "hand"]
         .refused(&["--camera hand", "has no cameras; use --eye"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--eye", "1,2"].refused(&["1,2", "0.5,-1,0.3"]);
-    underbrush!["replay", set, "--reaches", "0", "--still", png, "--eye", "0,0,1", "--target", "0,0,0"]
-        .refused(&["another direction for up", "move the camera"]);
+    underbrush!["replay", set, "--reaches", "0", "--still", png, "--eye", "0,0,1", "--target", "0,0,1"].refused(&[
+        "eye [0, 0, 1]",
+        "1 mm apart",
+        "move the camera",
+    ]);
     underbrush!["replay", set, "--reaches", "0", "--video", gif, "--fps", "51"].refused(&["51", "--fps", "1..=50"]);
     underbrush!["replay", set, "--reaches", "0", "--video", gif, "--speed", "nan"].refused(&["--speed", "0.1 to 100"]);
     underbrush!["replay", set, "--reaches", "0", "--still", png, "--fps", "5"].refused(&["--fps", "--still"]);

@@ -117,6 +117,22 @@ fn trials_leave_nothing_behind() {
     assert_eq!(tree(outputs.path()).into_keys().collect::<Vec<_>>(), [PathBuf::from("out.csv")]);
 }
 
+/// Tests that `train` leaves none of the reaches that it simulates when a signal ends it.
+#[test]
+fn train_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
+    let outputs = tempfile::tempdir().unwrap();
+    let options = ["--classifier", "touch", "--reaches", "200", "--jobs", "1", "--out"].map(PathBuf::from);
+    let train = [&["train".into(), scene], &options[..], &[outputs.path().join("model.json")]].concat();
+    let is_staged = || {
+        let mut made = std::fs::read_dir(outputs.path()).unwrap();
+        made.any(|folder| folder.unwrap().path().join("known/incomplete/reach-000000.json").exists())
+    };
+    assert_eq!(interrupted(&train, "INT", is_staged).unwrap().status.signal(), Some(2));
+    assert_eq!(std::fs::read_dir(outputs.path()).unwrap().count(), 0);
+}
+
 /// Tests that a shell sees exit status 130.
 #[test]
 fn a_shell_sees_the_signal() {

@@ -54,6 +54,18 @@ fn a_set_with_verdicts_is_made_again_with_its_model() {
     assert_same_trees(&set, &again);
 }
 
+/// Tests that a set with true categories for verdicts can be made again, and that the option for it is named where it lacks.
+#[test]
+fn a_set_with_true_verdicts_is_made_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "trunk.toml", scenes::TRUNKS_AT_FOREARM);
+    let [set, again] = ["set", "again"].map(|name| folder.path().join(name));
+    underbrush!["generate", scene, "--reaches", "1", "--verdicts", "truth", "--out", set].success();
+    underbrush!["generate", "--from", set, "--out", again].refused(&["no touch model", "--verdicts truth"]);
+    underbrush!["generate", "--from", set, "--verdicts", "truth", "--out", again].success();
+    assert_same_trees(&set, &again);
+}
+
 /// The hash of the touch model in a set's provenance.
 fn blake3_of(set: &Path) -> String {
     let set = Dataset::open(set).unwrap();

@@ -38,5 +38,5 @@ pub use table::batch::Batch;
 pub use table::column::{Column, Rows, Text, Values};
 pub use tables::episode::Episode;
 pub use trials::{COLUMNS as TRIAL_COLUMNS, channel_names, read_trials, trial_table, write_trials, write_trials_with};
-pub use unfinished::abandon_unfinished_files;
+pub use unfinished::{UnfinishedFolder, abandon_unfinished_files};
 pub use whole_file::{remove_leftovers, write_file};

@@ -1,11 +1,11 @@
-//! The list of temporary files of this process, so that they can be removed when a signal ends it.
+//! The list of temporary files and folders of this process, so that they can be removed when a signal ends it.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::{fs, io};
 
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempDir};
 
 /// Global, because a signal ends the whole process.
 static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
@@ -39,13 +39,41 @@ impl Drop for Registered {
     }
 }
 
-/// Removes all unfinished files of this process, just before it ends without unwinding.
+/// A folder for what is needed only while the program runs. It is removed with all that it holds when it is dropped, or when a signal
+/// ends the program.
+pub struct UnfinishedFolder {
+    folder: TempDir,
+    _registered: Registered,
+}
+
+impl UnfinishedFolder {
+    /// Makes one within another folder.
+    ///
+    /// # Errors
+    /// If the other folder is missing or read-only.
+    pub fn within(folder: &Path) -> io::Result<Self> {
+        let mut files = unfinished();
+        let folder = TempDir::with_prefix_in("underbrush-", folder)?;
+        files.insert(folder.path().to_path_buf());
+        let registered = Registered(folder.path().to_path_buf());
+        Ok(UnfinishedFolder { folder, _registered: registered })
+    }
+
+    /// Its path.
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+}
+
+/// Removes all unfinished files and folders of this process, just before it ends without unwinding.
 ///
 /// Afterwards no file can be started or finished: any attempt blocks until the process ends.
 pub fn abandon_unfinished_files() {
     let files = unfinished();
     for path in files.iter() {
-        let _ = fs::remove_file(path);
+        // Twice, as a file that was just finished may still get its name.
+        let remove = || if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+        let _ = remove().or_else(|_| remove());
     }
     std::mem::forget(files);
 }

@@ -183,7 +183,7 @@ impl Scene {
         let Some(positions) = &self.file.goals.positions_m else { return Ok(()) };
         let place = "goals.positions_m";
         if !limits::GOALS.hold(positions.len() as f64) {
-            return Err(self.fault(place, positions.len(), format!("{} goals", limits::GOALS)));
+            return Err(self.fault(place, positions.len(), limits::GOALS.to_string()));
         }
         match positions.iter().flatten().find(|coordinate| !PLACE_M.hold(**coordinate)) {
             Some(coordinate) => Err(self.fault(place, short(*coordinate), format!("coordinates from {PLACE_M}"))),

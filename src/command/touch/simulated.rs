@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tempfile::TempDir;
 use underbrush_experiments::dataset::Campaign;
+use underbrush_recording::disk::UnfinishedFolder;
 use underbrush_sim::scene::{Scene, shipped_by_name};
 
 use crate::{Failure, Shown, input};
@@ -46,7 +46,7 @@ impl SimulatedArguments {
 
     /// A folder for the sets beside the model file; `None` if no path is a scene. A wrong name is refused here, before any
     /// scene is simulated.
-    pub(super) fn folder(&self, paths: &[PathBuf], out: &Path) -> Result<Option<TempDir>, Failure> {
+    pub(super) fn folder(&self, paths: &[PathBuf], out: &Path) -> Result<Option<UnfinishedFolder>, Failure> {
         let allowed = "data sets (folders), recordings (.parquet) or, with --reaches, scenes";
         paths.iter().filter(|path| !is_scene(path)).try_for_each(|path| input::check_exists(path, allowed))?;
         if !paths.iter().any(|path| is_scene(path)) {
@@ -54,7 +54,7 @@ impl SimulatedArguments {
             return Ok(None);
         }
         let beside = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let folder = TempDir::with_prefix_in("underbrush-", beside);
+        let folder = UnfinishedFolder::within(beside);
         let cannot = |error| Failure::run(format!("{}: no folder can be made in it: {error}", beside.display()));
         folder.map(Some).map_err(cannot)
     }

@@ -34,9 +34,9 @@ fn refused(path: &Path, text: &[u8], error: csv::Error) -> DiskError {
 /// Reads a table.
 pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
     let text = read_bytes(path, &CSV_BYTES, "a readable file", "check the path")?;
-    let mut reader = csv::Reader::from_reader(text.as_slice());
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_slice());
     let header = reader.headers().map_err(|error| refused(path, &text, error))?;
-    let names: Vec<String> = header.iter().map(|name| name.trim().to_string()).collect();
+    let names: Vec<String> = header.iter().map(str::to_owned).collect();
     let places = place_columns(path, &names)?;
     let others = channel_columns(&names);
     let mut collector = Collector::default();

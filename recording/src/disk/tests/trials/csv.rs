@@ -206,3 +206,11 @@ fn other_columns_of_text_are_ignored() {
     assert_eq!([channels(0), channels(1)], [vec![("shear".to_owned(), 0.2)], vec![]]);
     assert_eq!(channels(2), [("who".to_owned(), 7.0)]);
 }
+
+/// Tests that spaces after commas and at the ends of lines are no part of a cell: they would make a category of their own.
+#[test]
+fn spaces_around_cells_do_not_count() {
+    let text = "trial,category,time_s,force_n,touched\n1,leaf,0.0,0.5,true\n1,leaf,0.1,0.6,true\n2,,0.0,0.4,\n";
+    let spaced = text.replace(',', " , ").replace('\n', " \n");
+    assert_eq!(read_text(&spaced).unwrap(), read_text(text).unwrap());
+}
