@@ -181,8 +181,14 @@ fn patch_taxels(
 ) -> Result<PatchTaxels, InputError> {
     let start = table.span().start;
     let table = table.get_ref();
-    if table.name.is_empty() || earlier.patch_index(&table.name).is_some() {
-        return Err(source.fault_after(start, "patch.name", format!("{:?}", table.name), "a unique name"));
+    // Columns are named after patches, and LeRobot reads a "/" in a name as part of a path.
+    if table.name.is_empty() || table.name.contains('/') || earlier.patch_index(&table.name).is_some() {
+        return Err(source.fault_after(
+            start,
+            "patch.name",
+            format!("{:?}", table.name),
+            "a unique name without \"/\"",
+        ));
     }
     if !is_plain(&table.name) {
         return Err(source.fault_after(start, "patch.name", format!("{:?}", table.name), PLAIN));

@@ -81,6 +81,7 @@ fn bad_values_are_refused_with_their_place() {
         ("cody.skin.toml", "stiffness_n_per_m3 = 3e7", "stiffness_n_per_m3 = 0", "stiffness_n_per_m3", "0"),
         ("cody.skin.toml", "link = \"forearm\"", "link = \"thigh\"", "patch.link", "thigh"),
         ("cody.skin.toml", "name = \"flipper\"", "name = \"forearm\"", "patch.name", "forearm"),
+        ("cody.skin.toml", "name = \"flipper\"", "name = \"a/b\"", "patch.name", "without \"/\""),
         ("cody.skin.toml", "axis = [0.0, 0.0, -1.0]", "axis = [0.0, 0.0, 0.0]", "cylinder.axis", "not all zero"),
         ("cody.skin.toml", "zero_angle = [1.0, 0.0, 0.0]", "zero_angle = [0.0, 0.0, 1.0]", "zero_angle", "across the axis"),
         ("cody.skin.toml", "radius_m = 0.04604", "radius_m = nan", "radius_m", "NaN"),
