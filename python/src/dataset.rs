@@ -152,7 +152,8 @@ impl PyDataset {
         slf.py().import("underbrush._data")?.call_method1("html_of", (slf,))
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyAny>, (PathBuf,)) {
-        (py.get_type::<PyDataset>().into_any(), (self.path(),))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (PathBuf,))> {
+        // A copy may be made in another folder.
+        Ok((py.get_type::<PyDataset>().into_any(), (std::path::absolute(self.dataset.dir())?,)))
     }
 }

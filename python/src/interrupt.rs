@@ -37,13 +37,13 @@ impl Stop {
         }
     }
 
-    /// The result of a run that ignores exceptions of the user's objects: the exception if there was one.
+    /// The result of a run that may ignore that it should end, or exceptions of the user's objects: the exception if there was one.
     ///
     /// # Errors
     /// Those of the run, or the exception.
     pub fn checked<T>(&self, result: Result<T, Failure>) -> Result<T, Failure> {
         match result {
-            Ok(_) if self.is_set() => Err(self.reason(Failure::run("the Python classifier raised"))),
+            Ok(_) if self.is_set() => Err(self.reason(Failure::run("the run was told to end"))),
             Ok(value) => Ok(value),
             Err(failure) => Err(self.reason(failure)),
         }

@@ -12,7 +12,7 @@ use underbrush_report::replayed;
 use underbrush_sim::scene::SceneCamera;
 use underbrush_sim::simulation::Simulation;
 
-use crate::{Failure, array, pool};
+use crate::{Failure, array, json, pool};
 
 /// Size of the pictures that notebooks show.
 const SHOWN: Size = Size { width: 800, height: 450 };
@@ -43,6 +43,15 @@ impl PyCamera {
     #[getter]
     fn size_px(&self) -> (usize, usize) {
         self.0.size_px.into()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {
+        json::pickled::<PyCamera>(py, &self.0)
+    }
+
+    #[staticmethod]
+    fn _from_json(text: &str) -> Result<Self, Failure> {
+        Ok(PyCamera(json::unpickled(text.as_bytes())?))
     }
 
     fn __repr__(&self) -> String {

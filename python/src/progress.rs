@@ -104,6 +104,9 @@ pub fn watched<T: Send>(
     progress: Option<Py<PyAny>>,
     work: impl FnOnce(&Reported) -> Result<T, Failure> + Send,
 ) -> Result<T, Failure> {
+    // A thread of a pool that waits here cannot help with the work, so a controller or a classifier that calls this gets threads of
+    // its own.
+    let jobs = jobs.or(rayon::current_thread_index().map(|_| rayon::current_num_threads()));
     let reported = Reported::new(stop, progress);
     let shown = &reported;
     let (sender, receiver) = std::sync::mpsc::sync_channel(1);
@@ -130,7 +133,7 @@ pub fn watched<T: Send>(
             }
         }
     });
-    let value = result.map_err(|failure| stop.reason(failure))?;
+    let value = stop.checked(result)?;
     reported.show(py)?;
     Ok(value)
 }

@@ -333,7 +333,8 @@ impl Reach {
         let class = py.get_type::<Reach>();
         match &self.source {
             Source::Dataset(dataset, index) => {
-                let place = (dataset.dir().to_path_buf(), *index).into_pyobject(py)?.into_any();
+                let folder = std::path::absolute(dataset.dir()).map_err(PyErr::from)?;
+                let place = (folder, *index).into_pyobject(py)?.into_any();
                 Ok((class.getattr("_of_dataset")?, (place,)))
             }
             Source::Memory(recording) => {

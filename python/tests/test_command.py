@@ -58,6 +58,9 @@ def test_it_writes_what_only_the_package_can(data: underbrush.Dataset, tmp_path:
         assert run("export", reach, "--to", kind, "--out", str(path)).returncode == 0
         refused = run("export", "--to", kind, reach, "--out", str(path))
         assert refused.returncode == 2 and "--force" in refused.stderr
+        # An export takes whole sets.
+        unknown = run("export", reach, "--to", kind, "--out", str(path), "--force", "--reaches", "0")
+        assert unknown.returncode == 2 and "--reaches" in unknown.stderr
         assert run("export", reach, f"--to={kind}", "--out", str(path), "--force").returncode == 0
     underbrush.mcap.export(data[1], out[1])
     assert out[0].read_bytes() == out[1].read_bytes()

@@ -103,6 +103,17 @@ def test_a_data_set_is_a_sequence(data: ub.Dataset) -> None:
     assert "leaf-quick" in data._repr_html_()
 
 
+def test_copies_of_a_set_know_its_folder(data: ub.Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tests that copies of a set that was opened by a relative path, and of its reaches, can be read in another folder."""
+    monkeypatch.chdir(data.path.parent)
+    near = ub.Dataset(data.path.name)
+    pickles = [pickle.dumps(near), pickle.dumps(near[1])]
+    monkeypatch.chdir("/")
+    again, reach = map(pickle.loads, pickles)
+    assert again.path == data.path
+    assert np.array_equal(reach.time_s, data[1].time_s)
+
+
 def test_pickled_sets_and_reaches_read_the_same_files(data: ub.Dataset) -> None:
     """Tests that a pickled data set, and a reach of it, read the same data."""
     again, reach = pickle.loads(pickle.dumps(data)), pickle.loads(pickle.dumps(data[1]))

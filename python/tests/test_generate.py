@@ -48,6 +48,36 @@ def test_progress_is_reported(tmp_path: Path) -> None:
     assert threads == {threading.get_ident()}
 
 
+def test_an_exception_at_the_end_is_raised(tmp_path: Path) -> None:
+    """Tests that an exception of the function for progress is raised even if the set is complete by then, once."""
+    calls: list[int] = []
+
+    def once(done: int, total: int, text: str) -> None:
+        if done == total and not calls:
+            calls.append(done)
+            raise RuntimeError("mine")
+
+    with pytest.raises(RuntimeError, match="mine"):
+        ub.generate(quick("trunk"), 1, tmp_path / "set", progress=once)
+
+
+class Nested:
+    """A controller that simulates a reach of its own before it begins."""
+
+    def __init__(self, arm: ub.Arm) -> None:
+        ub.reach(quick("trunk"), controller=lambda input: input.equilibrium_angle_rad)
+
+    def __call__(self, input: ub.ControllerInput) -> np.ndarray:
+        return input.equilibrium_angle_rad
+
+
+def test_controllers_may_call_the_package(tmp_path: Path) -> None:
+    """Tests that controllers on all threads may simulate reaches themselves: none waits for a thread that another one keeps."""
+    reaches = 2 * (os.cpu_count() or 1)
+    made = ub.generate(quick("trunk"), reaches, tmp_path / "set", controller=Nested, progress=False)
+    assert len(made) == reaches
+
+
 def test_an_interrupted_set_is_resumed(tmp_path: Path) -> None:
     """Tests that Ctrl-C ends a run soon, that finished reaches are kept and the set is reported as unfinished, and that
     resuming gives the bytes of a run that was not interrupted."""

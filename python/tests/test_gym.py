@@ -125,6 +125,7 @@ def test_masked_resets() -> None:
     after, info = many.reset(options={"reset_mask": np.array([False, True])})
     assert same({name: own[0] for name, own in before.items()}, {name: own[0] for name, own in after.items()})
     assert info["reach_index"][1] == 1
+    assert info["_reach_index"].tolist() == info["_distance_m"].tolist() == [False, True]
 
 
 def test_bad_use_is_refused() -> None:

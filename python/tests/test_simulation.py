@@ -1,5 +1,6 @@
 """The simulation, step by step."""
 
+import pickle
 import threading
 
 import numpy as np
@@ -134,6 +135,7 @@ def test_pictures_have_the_things_that_are_there() -> None:
     assert rgb.shape == (240, 320, 3) and rgb.dtype == np.uint8 and rgb.flags.writeable
     tip = simulation.frame_now.end_effector_pose_world[:3]
     camera = ub.Camera(tip + [0, -0.8, 0], tip)
+    camera = pickle.loads(pickle.dumps(camera))
     depth = simulation.render(320, 240, camera=camera, kind="depth")
     labels = simulation.render(320, 240, camera=camera, kind="segmentation")
     assert depth.shape == labels.shape == (240, 320)

@@ -14,6 +14,8 @@ from underbrush._core import run_command_line
 # one sends `underbrush classify - --foxglove PORT` to Foxglove.
 _EXPORTS = ("hdf5", "mcap", "ros2")
 _FILMS = (".mp4", ".webp")
+# For each command, the options that decide, or whose values the modules take in another form.
+_OPTIONS = {"export": ["--to"], "classify": ["--foxglove"], "replay": ["--video", "--reaches", "--size"]}
 
 
 def _of_python(arguments: list[str]) -> tuple[str, list[str]] | None:
@@ -21,24 +23,25 @@ def _of_python(arguments: list[str]) -> tuple[str, list[str]] | None:
 
     The modules do not write JSON. With ``--json`` the command line ends with an error that names the module.
     """
-    if "--json" in arguments:
+    command = arguments[0] if arguments else ""
+    if "--json" in arguments or command not in _OPTIONS:
         return None
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
-    for option in ("--to", "--video", "--reaches", "--size", "--foxglove"):
+    for option in _OPTIONS[command]:
         parser.add_argument(option)
     try:
         given, others = parser.parse_known_args(arguments[1:])
     except argparse.ArgumentError:
         return None
-    if arguments[:1] == ["export"] and given.to in _EXPORTS:
-        return given.to, ["export", *others]
-    if arguments[:1] == ["classify"] and given.foxglove:
-        return "live", arguments[1:]
-    if arguments[:1] == ["replay"] and Path(given.video or "").suffix.lower() in _FILMS:
-        index = ["--index", given.reaches] if given.reaches else []
-        size = ["--size", *given.size.split("x")] if given.size else []
-        return "video", ["film", *others, "--out", given.video, *index, *size]
-    return None
+    if command == "export":
+        return (given.to, ["export", *others]) if given.to in _EXPORTS else None
+    if command == "classify":
+        return ("live", arguments[1:]) if given.foxglove else None
+    if Path(given.video or "").suffix.lower() not in _FILMS:
+        return None
+    index = ["--index", given.reaches] if given.reaches else []
+    size = ["--size", *given.size.split("x")] if given.size else []
+    return "video", ["film", *others, "--out", given.video, *index, *size]
 
 
 def main() -> int:

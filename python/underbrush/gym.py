@@ -212,15 +212,17 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Any, NDArray[np.float32], NDArra
             seeds = list(seed)
         super().reset(seed=seeds[0] if seeds else None)
         mask = (options or {}).get("reset_mask")
-        rows, found = self._environments.reset(seeds, None if mask is None else np.asarray(mask, bool).tolist())
-        return self._parts.split(rows), self._info(found)
+        chosen = np.ones(self.num_envs, bool) if mask is None else np.asarray(mask, bool)
+        rows, found = self._environments.reset(seeds, None if mask is None else chosen.tolist())
+        return self._parts.split(rows), self._info(found, chosen)
 
     def step(
         self, actions: NDArray[np.float32]
     ) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """Take a step with every environment."""
         rows, found = self._environments.step(actions)
-        return self._parts.split(rows), found["reward"], found["terminated"], found["truncated"], self._info(found)
+        known = np.ones(self.num_envs, bool)
+        return self._parts.split(rows), found["reward"], found["terminated"], found["truncated"], self._info(found, known)
 
     def render(self) -> tuple[NDArray[np.uint8] | None, ...] | None:
         """With ``render_mode="rgb_array"`` the present picture of each environment, (height, width, 3)."""
@@ -228,9 +230,9 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Any, NDArray[np.float32], NDArra
             return None
         return tuple(self._environments.render(index, *self._picture) for index in range(self.num_envs))
 
-    def _info(self, found: dict[str, Any]) -> dict[str, Any]:
+    def _info(self, found: dict[str, Any], known: NDArray[np.bool_]) -> dict[str, Any]:
         info: dict[str, Any] = {}
         for name in _INFO:
             info[name] = np.asarray(found[name], dtype=object if name == "outcome" else None)
-            info[f"_{name}"] = np.ones(self.num_envs, dtype=bool)
+            info[f"_{name}"] = known.copy()
         return info

@@ -165,7 +165,8 @@ class Evaluation(TypedDict):
     by_touch: dict[str, Any]
     categories: list[CategoryFigures]
     confusion: dict[str, Any]
-    folds: dict[str, Any]
+    by_samples: NotRequired[list[dict[str, Any]]]
+    folds: NotRequired[dict[str, Any]]
     predictions: list[Prediction]
     training: NotRequired[list[dict[str, Any]]]
 
@@ -218,6 +219,7 @@ class TouchEvaluation(TypedDict):
 
     categories: list[str]
     reaches: int
+    folds: NotRequired[int]
     objects: list[JudgedObject]
     object_verdicts: list[dict[str, Any]]
     grouping: dict[str, Any]
