@@ -147,8 +147,8 @@ impl PictureArguments {
         let eye_world = self.eye.unwrap_or(standard.eye_world);
         let target_world = self.target.unwrap_or(standard.target_world);
         // Where the view is straight down or up, what is before the arm is at the top.
-        let is_upright = (target_world - eye_world).cross(standard.up_world).length() < 1e-6;
-        let up_world = if is_upright { DVec3::X } else { standard.up_world };
+        let is_vertical = (target_world - eye_world).cross(standard.up_world).length() < 1e-6;
+        let up_world = if is_vertical { DVec3::X } else { standard.up_world };
         let free = Camera { eye_world, target_world, up_world, ..standard };
         (size, move |number| camera.map_or(Ok(free), |camera| stage.scene_camera(camera, number)))
     }
