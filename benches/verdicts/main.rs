@@ -67,7 +67,8 @@ fn main() {
 
 /// Runs a reach with each controller and prints its rows.
 fn reach(plan: &ReachPlan, verdicts: &VerdictControl, asked_n: &[(String, f64)], index: u64) {
-    let told = |verdicts: VerdictControl| verdicts.with_asked(asked_n.to_vec()).applied_to(plan.clone()).unwrap();
+    let told =
+        |verdicts: VerdictControl| verdicts.with_asked(asked_n.to_vec()).unwrap().applied_to(plan.clone()).unwrap();
     let plans = [plan.clone(), told(verdicts.clone()), told(VerdictControl::truth())];
     let rows: Vec<String> = (CONTROLLERS.iter().zip(&plans))
         .map(|(name, plan)| {

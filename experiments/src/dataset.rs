@@ -1,6 +1,7 @@
 //! From scenes to a finished data set: plans the reaches and runs them. `write` writes the files.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::RangeInclusive;
 use std::sync::Mutex;
 
 use rayon::prelude::*;
@@ -85,12 +86,19 @@ pub fn require_same_reaches(made: &Dataset, source: &Dataset) -> Result<(), Faul
     Ok(())
 }
 
+/// Numbers of reaches of a scene. All are listed before the first is run, so more would fill the memory.
+pub const REACHES: RangeInclusive<u64> = 1..=1_000_000;
+
 impl Campaign {
     /// This many reaches of each of these scenes, with the scenes' own arms and controllers.
     ///
     /// # Errors
-    /// [`Fault::Usage`] if two scenes have the same name.
+    /// [`Fault::Usage`] if two scenes have the same name, or the reaches are not within [`REACHES`].
     pub fn new(scenes: Vec<Scene>, reaches: u64, seed: u64) -> Result<Self, Fault> {
+        if !REACHES.contains(&reaches) {
+            let (first, last) = (REACHES.start(), REACHES.end());
+            return Err(Fault::Usage(format!("{reaches} reaches of each scene; allowed: {first} to {last}")));
+        }
         let mut names = BTreeSet::new();
         if let Some(second) = scenes.iter().find(|scene| !names.insert(&scene.name)) {
             let text = "give scenes with names of their own, or rename one file";

@@ -83,6 +83,11 @@ fn given<'a>(line: &'a str, key: &'a str) -> impl Iterator<Item = &'a str> {
 }
 
 impl Field {
+    /// An error about the file that this field names.
+    pub fn named(&self, error: InputError) -> InputError {
+        error.named_in(&self.path, self.line)
+    }
+
     /// The error of this field.
     pub fn fault(&self, found: impl Into<String>, allowed: impl Into<String>) -> InputError {
         let error = InputError::new(&self.path, &self.name, found.into(), allowed, "correct the file");

@@ -98,8 +98,20 @@ impl VerdictControl {
     }
 
     /// The same verdicts with these forces on categories, N, or on `unknown` objects, instead of the scene's.
-    pub fn with_asked(self, asked_n: impl IntoIterator<Item = (String, f64)>) -> Self {
-        VerdictControl { asked_n: asked_n.into_iter().collect(), ..self }
+    ///
+    /// # Errors
+    /// If the touch model never gives a verdict of such a name.
+    pub fn with_asked(self, asked_n: impl IntoIterator<Item = (String, f64)>) -> Result<Self, Fault> {
+        let asked_n: BTreeMap<String, f64> = asked_n.into_iter().collect();
+        if let Judge::Model { model, .. } = &self.judge {
+            let is_verdict = |name: &String| name == UNKNOWN || model.categories().contains(name);
+            if let Some(name) = asked_n.keys().find(|name| !is_verdict(name)) {
+                let verdicts = model.categories().join(", ");
+                let text = format!("no verdict of the touch model is called {name}; allowed: {verdicts}, {UNKNOWN}");
+                return Err(Fault::Usage(text));
+            }
+        }
+        Ok(VerdictControl { asked_n, ..self })
     }
 
     /// BLAKE3 hash of the model's file, hexadecimal; [`TRUTH`] for the true categories.

@@ -1,6 +1,6 @@
 //! Data sets: many reaches in a folder.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use pyo3::prelude::*;
@@ -13,6 +13,11 @@ use crate::arguments::cutting;
 use crate::pool::{self, alone};
 use crate::reach::{Reach, Source};
 use crate::{Answer, Column, Failure, PyTable, Reported, Skin, Trials, array, json, place, places, watched};
+
+/// The path of a set that is opened, which is good in any working folder: that of the process may change.
+pub fn lasting(path: &Path) -> Result<PathBuf, Failure> {
+    std::path::absolute(path).map_err(|error| Failure::run(format!("{}: {error}", path.display())))
+}
 
 /// A finished data set. It reads only what is asked for, reach by reach and column by column.
 #[pyclass(frozen, name = "Dataset", module = "underbrush._core")]
@@ -44,6 +49,7 @@ impl PyDataset {
 impl PyDataset {
     #[new]
     fn open(py: Python<'_>, path: PathBuf) -> Result<Self, Failure> {
+        let path = lasting(&path)?;
         Ok(PyDataset::new(alone(py, || Ok(Dataset::open(path)?))?))
     }
 
@@ -152,8 +158,7 @@ impl PyDataset {
         slf.py().import("underbrush._data")?.call_method1("html_of", (slf,))
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (PathBuf,))> {
-        // A copy may be made in another folder.
-        Ok((py.get_type::<PyDataset>().into_any(), (std::path::absolute(self.dataset.dir())?,)))
+    fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyAny>, (PathBuf,)) {
+        (py.get_type::<PyDataset>().into_any(), (self.dataset.dir().to_owned(),))
     }
 }

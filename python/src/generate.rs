@@ -9,6 +9,7 @@ use underbrush_experiments::dataset::{Campaign, require_same_reaches};
 use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_recording::disk::{Dataset, DiskError, Shard, Shards, check_not_input, remove_dataset};
 
+use crate::dataset::lasting;
 use crate::scene::scene;
 use crate::{Failure, PyDataset, Reported, Stop, alone, controller, watched};
 
@@ -55,6 +56,7 @@ pub fn generate_shared(
     let part = self::part(shard)?;
     let stop = Arc::new(Stop::default());
     let campaign = described(scenes, reaches, seed, controller, verdicts, &stop)?;
+    let out = lasting(&out)?;
     let run = |reported: &Reported| Ok(campaign.write_shared(&out, part, reported)?);
     Ok(watched(py, jobs, &stop, progress, run)?.map(|written| PyDataset::new(written.dataset())))
 }
@@ -135,7 +137,8 @@ pub fn write(
     progress: Option<Py<PyAny>>,
     jobs: Option<usize>,
 ) -> Result<PyDataset, Failure> {
-    let run = |reported: &Reported| Ok(campaign.write(out, resume, reported)?);
+    let out = lasting(out)?;
+    let run = |reported: &Reported| Ok(campaign.write(&out, resume, reported)?);
     Ok(PyDataset::new(watched(py, jobs, stop, progress, run)?.dataset()))
 }
 
@@ -172,6 +175,7 @@ pub fn merge(
     force: bool,
 ) -> Result<PyDataset, Failure> {
     make_room(&out, &parts, resume, force)?;
+    let out = lasting(&out)?;
     let merge = || match Shards::open(parts)?.merge(&out, resume, || ()) {
         // With `resume`, this means that the set has the same plan.
         Err(DiskError::Finished { .. }) if resume => Ok(Dataset::open(&out)?),

@@ -203,7 +203,13 @@ impl Trials {
         let set = FeatureSet::from_names(&[feature])?;
         let longest = self.list.iter().map(|trial| trial.samples.len()).max().unwrap_or(0);
         let width = samples.unwrap_or(longest);
-        let mut numbers = vec![f64::NAN; self.list.len() * width];
+        let mut numbers = Vec::new();
+        let count = self.list.len().saturating_mul(width);
+        if numbers.try_reserve_exact(count).is_err() {
+            let allowed = format!("a number for which memory is enough; the longest trial has {longest} samples");
+            return Err(Failure::argument("samples", width.to_string(), allowed, "give a smaller number"));
+        }
+        numbers.resize(count, f64::NAN);
         for (row, trial) in numbers.chunks_exact_mut(width.max(1)).zip(self.list.iter()) {
             let observations = set.observations(trial, Some(width))?;
             row.iter_mut().zip(observations.samples()).for_each(|(place, own)| *place = own[0]);

@@ -104,11 +104,13 @@ def test_a_data_set_is_a_sequence(data: ub.Dataset) -> None:
 
 
 def test_copies_of_a_set_know_its_folder(data: ub.Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Tests that copies of a set that was opened by a relative path, and of its reaches, can be read in another folder."""
+    """Tests that a set that was opened by a relative path, and copies of it and of its reaches, can be read in another
+    folder."""
     monkeypatch.chdir(data.path.parent)
     near = ub.Dataset(data.path.name)
     pickles = [pickle.dumps(near), pickle.dumps(near[1])]
     monkeypatch.chdir("/")
+    assert len(near[2].time_s) == len(near[2])
     again, reach = map(pickle.loads, pickles)
     assert again.path == data.path
     assert np.array_equal(reach.time_s, data[1].time_s)

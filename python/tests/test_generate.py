@@ -155,7 +155,7 @@ def test_parts_share_a_folder(tmp_path: Path) -> None:
 
 def test_shards_make_the_whole(tmp_path: Path) -> None:
     """Tests that two shards hold the reaches of the whole set and merge into it byte for byte, and that bad shards,
-    scenes with equal names and bad numbers of threads are refused."""
+    scenes with equal names and bad numbers of threads or reaches are refused."""
     whole = ub.generate(quick("leaf"), 2, tmp_path / "whole", seed=3, progress=False)
     parts = [ub.generate(quick("leaf"), 2, tmp_path / str(part), seed=3, shard=(part, 2), progress=False) for part in (1, 2)]
     assert [len(part) for part in parts] == [1, 1]
@@ -169,6 +169,9 @@ def test_shards_make_the_whole(tmp_path: Path) -> None:
         ub.generate(quick("leaf"), 2, tmp_path / "none", shard=(3, 2), progress=False)
     with pytest.raises(ub.InputError, match="names of their own"):
         ub.generate([quick("leaf"), quick("leaf")], 1, tmp_path / "none", progress=False)
+    for reaches in (0, 10**9):
+        with pytest.raises(ub.InputError, match=f"^{reaches} reaches of each scene; allowed: 1 to 1000000"):
+            ub.generate("leaf", reaches, tmp_path / "none")
     with pytest.raises(ub.InputError, match="threads"):
         ub.generate(quick("leaf"), 1, tmp_path / "none", progress=False, jobs=0)
     assert not (tmp_path / "none").exists()

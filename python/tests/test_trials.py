@@ -44,6 +44,8 @@ def test_trials_are_a_sequence(trials: ub.Trials) -> None:
             trials[index]
     with pytest.raises(ub.InputError, match="one for each trial"):
         trials[[True]]
+    with pytest.raises(ub.InputError, match="samples: found 2305843009213693952"):
+        trials.padded(samples=2**61)
 
 
 def _fitted(text: str) -> dict[str, Any]:

@@ -55,6 +55,13 @@ impl InputError {
     pub fn at_line(self, line: impl Into<Option<usize>>) -> Self {
         InputError { line: line.into(), ..self }
     }
+
+    /// The same error about a file that another file names: the remedy tells where, with the line (from 1) if it is known.
+    #[must_use]
+    pub fn named_in(self, file: &Path, line: Option<usize>) -> Self {
+        let line = line.map_or_else(String::new, |line| format!(":{line}"));
+        InputError { remedy: format!("{}; {}{line} names this file", self.remedy, file.display()), ..self }
+    }
 }
 
 /// A text cut to [`LONGEST_TEXT`] characters, with its original length if it was longer.

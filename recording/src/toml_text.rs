@@ -41,7 +41,11 @@ fn in_words(message: &str) -> String {
 pub fn toml_fault(path: &Path, text: &str, kind: &str, (message, offset): (&str, usize), allowed: &str) -> InputError {
     let key = key_at(text, offset);
     let field = if key.is_empty() { kind.to_owned() } else { format!("{kind}, {key}") };
-    InputError::new(path, field, in_words(message), allowed, "correct this line").at_line(line_at(text, offset))
+    let (allowed, remedy) = match message {
+        "duplicate key" => ("each key once", "remove one of the two"),
+        _ => (allowed, "correct this line"),
+    };
+    InputError::new(path, field, in_words(message), allowed, remedy).at_line(line_at(text, offset))
 }
 
 #[cfg(test)]

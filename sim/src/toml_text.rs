@@ -6,6 +6,11 @@ pub(crate) fn sets_key(line: &str, key: &str) -> bool {
     rest.is_some_and(|rest| rest.trim_start().starts_with('='))
 }
 
+/// The first line, counted from 1, that sets `key`.
+pub(crate) fn line_of_key(text: &str, key: &str) -> Option<usize> {
+    text.lines().position(|line| sets_key(line, key)).map(|index| index + 1)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,6 +8,7 @@ use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_report::benchmark_text;
 use underbrush_sim::controller::ControllerKind;
 
+use super::overwrite::check_results_folder;
 use crate::failure::Failure;
 use crate::options::named;
 use crate::progress::Shown;
@@ -60,6 +61,7 @@ pub struct BenchmarkOptions {
 
 /// Measures, writes the row and prints it.
 pub fn run(options: BenchmarkOptions, json: bool) -> Result<(), Failure> {
+    check_results_folder(&options.out)?;
     let verdicts = options.verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten();
     let controller = options.controller.map(|kind| EnteredController { kind: Some(kind), own: None, verdicts });
     let entry = Entry::new(&options.track, options.model.as_deref(), controller)?;

@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 use underbrush_experiments::audit;
-use underbrush_experiments::dataset::{Campaign, Written, require_same_reaches};
+use underbrush_experiments::dataset::{Campaign, REACHES, Written, require_same_reaches};
 use underbrush_recording::disk::{Dataset, Shard};
 use underbrush_sim::materials::MaterialFile;
 use underbrush_sim::{ControllerKind, Scene};
@@ -22,7 +22,7 @@ pub struct GenerateOptions {
     scenes: Vec<PathBuf>,
     /// Number of reaches per scene
     #[arg(long, required_unless_present = "from", value_name = "N")]
-    #[arg(value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    #[arg(value_parser = clap::value_parser!(u64).range(REACHES))]
     reaches: Option<u64>,
     /// Seed of the random numbers: the same scenes, seed and version give the same bytes
     #[arg(long, default_value_t = 0, value_name = "N")]

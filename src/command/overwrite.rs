@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use underbrush_recording::InputError;
-use underbrush_recording::disk::{check_free, check_not_input, remove_dataset};
+use underbrush_recording::disk::{Dataset, check_free, check_not_input, remove_dataset};
 
 use crate::{Failure, output};
 
@@ -64,5 +64,13 @@ impl Overwrite {
             remove_dataset(folder)?;
         }
         Ok(())
+    }
+}
+
+/// Demands that a folder for results, which are many files and folders, is no data set.
+pub fn check_results_folder(folder: &Path) -> Result<(), Failure> {
+    match Dataset::open(folder) {
+        Ok(_) => Err(Failure::usage(format!("--out {}: is a data set; choose another folder", folder.display()))),
+        Err(_) => Ok(()),
     }
 }

@@ -6,6 +6,7 @@ use clap::Args;
 use underbrush_experiments::definition::Experiment;
 use underbrush_report::reproduction::Reproduction;
 
+use super::overwrite::check_results_folder;
 use crate::{Failure, Shown, interrupt, output};
 
 /// ReproduceOptions of `underbrush reproduce`.
@@ -49,6 +50,7 @@ pub struct ReproduceOptions {
 
 /// Runs everything and prints the tables.
 pub fn run(options: ReproduceOptions, json: bool) -> Result<(), Failure> {
+    check_results_folder(&options.out)?;
     let experiment = Experiment::load_or_paper(options.experiment.as_deref())?;
     let reproduction = Reproduction {
         experiment: &experiment,

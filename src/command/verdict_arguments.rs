@@ -33,10 +33,13 @@ impl VerdictArguments {
     /// The verdicts that the options ask for.
     ///
     /// # Errors
-    /// If the model cannot be read.
+    /// If the model cannot be read, or forces are allowed on what no verdict says.
     pub fn control(&self) -> Result<Option<VerdictControl>, Failure> {
-        let control = self.verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten();
-        Ok(control.map(|control| control.with_asked(self.allow.clone())))
+        match self.verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten() {
+            Some(control) => Ok(Some(control.with_asked(self.allow.clone())?)),
+            None if self.allow.is_empty() => Ok(None),
+            None => Err(Failure::usage("--allow needs verdicts; give --verdicts a touch model or `truth`")),
+        }
     }
 
     /// The file of the touch model, if there is one.

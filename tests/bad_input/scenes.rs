@@ -212,14 +212,15 @@ fn missing_scene() {
 }
 
 /// Tests that the path of an arm is relative to the scene file, and that a missing arm file is reported by its own
-/// path.
+/// path, and the place that names it.
 #[test]
 fn missing_arm() {
     let folder = tempfile::tempdir().unwrap();
     let outputs = tempfile::tempdir().unwrap();
     let scene = scenes::write(folder.path(), "scene.toml", &format!("{HEAD}arm = \"no-arm.toml\"\n"));
     let (arm, set) = (folder.path().join("no-arm.toml"), outputs.path().join("set"));
-    let parts = ["no such file", "check the path"];
+    let place = format!("{}:{} names this file", scene.display(), HEAD.lines().count() + 1);
+    let parts = ["no such file", "check the path", &place];
     let fault = Fault { file: &arm, line: None, parts: &parts };
     fault.check(&underbrush!["reach", scene]);
     fault.check(&underbrush!["generate", scene, "--reaches", "1", "--out", set]);

@@ -57,6 +57,12 @@ fn unknown_names() {
         &["bounds.peak_force_n: found leaf", "a category of the scene's objects: trunk"],
     );
     refuses_change("at_least", "at_leest", 6, &["goals_reached", "expected a bound"]);
+    refuses_change(
+        "reaches = 2",
+        "reaches = 2\nreaches = 2",
+        5,
+        &["scenes.reaches: found duplicate key", "each key once"],
+    );
 }
 
 /// Tests that a metric by category needs a category, and that other metrics take none.
@@ -111,7 +117,8 @@ fn models_that_do_not_fit() {
     scenes::write(folder.path(), "trunks.toml", scenes::FEW_TRUNKS);
     std::fs::write(&file, with_model("file = \"missing.json\"")).unwrap();
     let missing = folder.path().join("missing.json");
-    let fault = Fault { file: &missing, line: None, parts: &["a readable model file", "check the path"] };
+    let place = format!("{}:3 names this file", file.display());
+    let fault = Fault { file: &missing, line: None, parts: &["a readable model file", "check the path", &place] };
     fault.check(&underbrush!["check", &file]);
 }
 
@@ -128,7 +135,8 @@ fn nothing_to_check() {
     refuses(&twice, Some(3), &["scene files with different names"]);
 }
 
-/// Tests that a suite or a scene that cannot be read is named, and that the remaining suites are not run.
+/// Tests that a suite or a scene that cannot be read is named, and that the remaining suites are not run, nor two of one
+/// name.
 #[test]
 fn missing_files() {
     let folder = tempfile::tempdir().unwrap();
@@ -138,9 +146,15 @@ fn missing_files() {
         Fault { file, line: None, parts }.check(&answer);
     };
     let scene = folder.path().join("trunks.toml");
-    fault(&scene, &["a readable scene file"], underbrush!["check", &file]);
+    let place = format!("{}:3 names this file", file.display());
+    fault(&scene, &["a readable scene file", &place], underbrush!["check", &file]);
     scenes::write(folder.path(), "trunks.toml", scenes::FEW_TRUNKS);
     fault(&missing, &["a readable suite file", "underbrush schema suite"], underbrush!["check", &file, &missing]);
+    let namesake = folder.path().join("folder/suite.toml");
+    std::fs::create_dir(folder.path().join("folder")).unwrap();
+    scenes::write(&folder.path().join("folder"), "trunks.toml", scenes::FEW_TRUNKS);
+    std::fs::copy(&file, &namesake).unwrap();
+    underbrush!["check", &file, &namesake].refused(&["suite.toml and ", "have the same name", "rename one"]);
     underbrush!["check"].refused(&["SUITE"]);
     underbrush!["check", &file, "--bless", "--seed", "3"].refused(&["--bless", "--seed"]);
 }

@@ -35,7 +35,7 @@ fn refuses(text: &str, line: Option<usize>, parts: &[&str]) {
 #[test]
 fn empty() {
     refuses(&format!("{HEADER}\n"), None, &["rows: found none", "one row per sample", "at least one row"]);
-    refuses("", None, &["trial: found", "one column each of trial, time_s, force_n"]);
+    refuses("", None, &["trial: found no columns", "its first line must name the columns"]);
 }
 
 /// Tests that a missing column is named together with the columns found.

@@ -50,6 +50,12 @@ fn folder_that_holds_something() {
         assert!(before == tree(folder.path()));
     }
     let file = folder.path().join("thesis.tex");
+    let set = fixture().dataset();
+    for command in [&["reproduce", "--quick"][..], &["benchmark", "reaching", "--controller", "blind", "--quick"]] {
+        let mut arguments: Vec<std::ffi::OsString> = command.iter().map(Into::into).collect();
+        arguments.extend(["--out".into(), set.clone().into()]);
+        crate::support::call(arguments, "").refused(&["is a data set; choose another folder"]);
+    }
     let onto_file = underbrush!["generate", scene, "--reaches", "1", "--out", file];
     onto_file.refused(&[&file.display().to_string(), "found a file", "choose an empty or a new folder"]);
     assert!(before == tree(folder.path()));

@@ -83,3 +83,12 @@ fn verdicts_without_a_touch_model_are_refused() {
     underbrush!["reach", scene, "--verdicts", fixture().model()].refused(&of_trials);
     underbrush!["reach", scene, "--verdicts", folder.path().join("none.json")].refused(&["none.json", "touch model"]);
 }
+
+/// Tests that a force is refused if no verdict can be the one that it is allowed on.
+#[test]
+fn forces_on_what_no_verdict_says_are_refused() {
+    let scene = fixture().trunk_scene();
+    underbrush!["reach", scene, "--verdicts", "none", "--allow", "leaf=6"].refused(&["--allow needs verdicts"]);
+    let verdicts = ["no verdict of the touch model is called leef", "allowed: leaf, trunk, unknown"];
+    underbrush!["reach", scene, "--verdicts", super::touch::model(), "--allow", "leef=6"].refused(&verdicts);
+}

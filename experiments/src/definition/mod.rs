@@ -73,7 +73,7 @@ impl Experiment {
     pub fn load(path: &Path) -> Result<Self, InputError> {
         let text = source::read(path, "experiment")?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::parse(path, &text, |name, _| Scene::load(folder.join(name)))
+        Self::parse(path, &text, |name, field| Scene::load(folder.join(name)).map_err(|error| field.named(error)))
     }
 
     /// Checks the text of an experiment file; `scene` reads a scene that it names.
@@ -98,7 +98,9 @@ impl Experiment {
             return Err(source.field("scene", twice.0).fault(twice.0, allowed));
         }
         let folder = path.parent().unwrap_or(Path::new(""));
-        let arm = file.arm.as_ref().map(|arm| Arm::load(folder.join(arm))).transpose()?;
+        let load_arm =
+            |arm: &String| Arm::load(folder.join(arm)).map_err(|error| source.field("arm", arm).named(error));
+        let arm = file.arm.as_ref().map(load_arm).transpose()?;
         let named_arms = match &arm {
             Some(arm) => vec![arm.clone()],
             None => arms_of(&scenes)?,

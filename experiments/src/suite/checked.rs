@@ -1,5 +1,6 @@
 //! Running several suites.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -23,11 +24,20 @@ impl Checked {
     /// computed from the results are written into the files, and the results are checked against them.
     ///
     /// # Errors
-    /// As [`Suite::load`] and [`Suite::run`]; with `bless` also if a bound is not written in braces, a metric cannot be
-    /// bounded, or a file cannot be written.
+    /// As [`Suite::load`] and [`Suite::run`]; if two files have the same name; with `bless` also if a bound is not written
+    /// in braces, a metric cannot be bounded, or a file cannot be written.
     pub fn of(paths: &[PathBuf], seed: Option<u64>, bless: bool, progress: &dyn Progress) -> Result<Self, Fault> {
         // All files are read before anything is run, so that a mistake in the last one costs no time.
         let mut suites = paths.iter().map(|path| Suite::load(path)).collect::<Result<Vec<_>, _>>()?;
+        let mut names = BTreeMap::new();
+        for (suite, path) in suites.iter().zip(paths) {
+            if let Some(other) = names.insert(&suite.name, path) {
+                let [other, path] = [other, path].map(|path| path.display());
+                let text =
+                    format!("{other} and {path} have the same name, by which results are told apart; rename one");
+                return Err(Fault::Usage(text));
+            }
+        }
         if bless {
             for (suite, path) in suites.iter().zip(paths) {
                 bless::check_places(suite, path)?;

@@ -7,7 +7,7 @@ use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::evaluate::touch::TouchEvaluation;
 use underbrush_classifier::evaluate::{JudgedObject, Stream, StreamTruth, classify_stream, classify_touch_stream};
 use underbrush_classifier::online_model::OnlineModel;
-use underbrush_classifier::{Decision, OnlineError, OnlineOptions};
+use underbrush_classifier::{Decision, ModelError, OnlineError, OnlineOptions};
 use underbrush_recording::{Fault, InputError, Recording};
 
 use super::file::ModelSection;
@@ -15,7 +15,11 @@ use crate::source::Source;
 
 /// Reads the model; `folder` is the folder of the suite file.
 pub fn load(section: &ModelSection, folder: &Path, source: &Source) -> Result<OnlineModel, Fault> {
-    match any_model::load(&folder.join(&section.file))? {
+    let loaded = any_model::load(&folder.join(&section.file)).map_err(|error| match error {
+        ModelError::Input(error) => Fault::from(source.field("model.file", &section.file).named(*error)),
+        error => error.into(),
+    });
+    match loaded? {
         AnyModel::Touch(model) => {
             refuse_for_touch(section, source)?;
             Ok(OnlineModel::Touch(Arc::from(model)))

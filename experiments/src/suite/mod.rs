@@ -148,7 +148,8 @@ fn scene(
     model: Option<&OnlineModel>,
 ) -> Result<SuiteScene, InputError> {
     let path: PathBuf = folder.join(&entry.scene);
-    let plan = ReachPlan::new(Scene::load(path)?, file.controller, file.seed)?;
+    let named = Scene::load(path).map_err(|error| source.field("scenes.scene", &entry.scene).named(error))?;
+    let plan = ReachPlan::new(named, file.controller, file.seed)?;
     if let Some(model) = model {
         model.begin(&plan.arm.skin.layout).map_err(|error| {
             let file = file.model.as_ref().map_or("", |own| own.file.as_str());

@@ -162,7 +162,7 @@ fn reaches_with_verdicts_repeat() {
 fn true_categories_are_told_when_asked() {
     let (_, usual) = run(None);
     assert!(!usual.is_empty() && usual.iter().all(|contact| contact.verdict.is_none()));
-    let asked = VerdictControl::truth().with_asked([("trunk".to_owned(), 2.0)]);
+    let asked = VerdictControl::truth().with_asked([("trunk".to_owned(), 2.0)]).unwrap();
     for (verdicts, allowed_n) in [(VerdictControl::truth(), 1.5), (asked, 2.0)] {
         let (recording, told) = run(Some(&verdicts));
         assert_eq!(recording.controller, "cody-2013+truth");

@@ -115,12 +115,14 @@ fn faults(arm: &Arm, new: &NewPatch) -> (Vec<String>, Option<usize>) {
         Some(link) => {
             let area_m2: f64 = link.placed_shapes(Pose::IDENTITY).map(|shape| box_area_m2(&shape)).sum();
             if area_m2 / (new.pitch_m * new.pitch_m) > MAX_TAXELS as f64 {
-                faults.push(format!("a pitch of {} m gives more than {MAX_TAXELS} taxels", short(new.pitch_m)));
+                faults.push(format!("a pitch of {} mm gives more than {MAX_TAXELS} taxels", short(new.pitch_m * 1e3)));
             }
         }
     }
     if !limits::TAXEL_SIZE_M.hold(new.pitch_m) {
-        faults.push(format!("a pitch of {} m; it must be {}", short(new.pitch_m), limits::TAXEL_SIZE_M));
+        let [pitch, min, max] =
+            [new.pitch_m, limits::TAXEL_SIZE_M.min, limits::TAXEL_SIZE_M.max].map(|m| short(m * 1e3));
+        faults.push(format!("a pitch of {pitch} mm; it must be {min} to {max} mm"));
     }
     if arm.skin.layout.patch_index(&new.name).is_some() && !new.replace {
         faults.push(format!("a patch {:?} is there already; --force replaces it", new.name));

@@ -16,6 +16,7 @@ use super::source::{Source, listed};
 use super::urdf::{Chain, ChainJoint, Said, read_chain};
 use super::{Arm, ArmSource, Joint, LinkCollider, limits, skin_file};
 use crate::geometry::MAX_CORNERS;
+use crate::toml_text::line_of_key;
 
 /// An arm: its URDF, its skin, and the properties that URDF cannot express.
 #[derive(Deserialize, JsonSchema)]
@@ -133,7 +134,10 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
         return Err(source.fault_after(0, "name", format!("{:?}", file.name), PLAIN));
     }
     let folder = path.parent().unwrap_or(Path::new(""));
-    let urdf = open(&folder.join(&file.urdf))?;
+    let named = |key: &str, name: &str| {
+        open(&folder.join(name)).map_err(|error| error.named_in(path, line_of_key(&source.text, key)))
+    };
+    let urdf = named("urdf", &file.urdf)?;
     let mut chain = read_held_chain(&source, &file, &urdf)?;
     source.check(0, "friction", file.friction, limits::FRICTION)?;
     for hull in &file.hull {
@@ -144,8 +148,8 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
         let allowed = format!("the last moving link or one that is fixed to it: {}", chain.links_at_end());
         return Err(source.fault_after(0, "tip_link", &file.tip_link, allowed));
     }
-    let named = read_passing_links(&source, &file.passing_links, &chain)?;
-    let skin_source = open(&folder.join(&file.skin))?;
+    let passing = read_passing_links(&source, &file.passing_links, &chain)?;
+    let skin_source = named("skin", &file.skin)?;
     let skin = skin_file::read_skin(&skin_source, &chain)?;
     let own_name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     let files = [(own_name.into_owned(), &source.text), (file.urdf, &urdf.text), (file.skin, &skin_source.text)];
@@ -158,7 +162,7 @@ pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
         end_effector_link,
         end_effector_pose_link,
         friction: file.friction,
-        passing_links: named,
+        passing_links: passing,
         skin,
     };
     arm.passing_links = passing_links(&arm);

@@ -11,6 +11,7 @@ use crate::arm::{Arm, ArmAtStart};
 use crate::controller::{Controller, ControllerKind, Preset};
 use crate::sensor::Sensor;
 use crate::simulation::{Setup, Simulation};
+use crate::toml_text::line_of_key;
 use crate::{Clutter, Scene};
 
 /// Everything that decides a reach except its index.
@@ -109,7 +110,8 @@ impl ReachPlan {
     pub fn new(scene: Scene, controller: Option<ControllerKind>, seed: u64) -> Result<ReachPlan, InputError> {
         let arm = match scene.file.arm.as_str() {
             "cody" => Arm::cody()?,
-            path => Arm::load(scene.path.parent().unwrap_or(Path::new(".")).join(path))?,
+            path => Arm::load(scene.path.parent().unwrap_or(Path::new(".")).join(path))
+                .map_err(|error| error.named_in(&scene.path, line_of_key(&scene.text, "arm")))?,
         };
         ReachPlan::with_arm(scene, arm, controller, seed)
     }

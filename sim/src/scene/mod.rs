@@ -60,8 +60,10 @@ impl Scene {
     /// # Errors
     /// When the file cannot be read, is not TOML, has unknown keys, or has a value outside its limits.
     pub fn load(path: impl AsRef<Path>) -> Result<Scene, InputError> {
-        let path = path.as_ref();
-        let remedy = "check the path, or give the name of a scene that ships, such as mixed";
+        Scene::read(path.as_ref(), "check the path")
+    }
+
+    fn read(path: &Path, remedy: &str) -> Result<Scene, InputError> {
         let text = read_text(path, &TEXT_BYTES, "a readable scene file", remedy)?;
         Scene::of_text(path, text)
     }
@@ -81,7 +83,7 @@ impl Scene {
         let path = name_or_path.as_ref();
         let name = path.to_string_lossy();
         if path.extension().is_some() || path.exists() {
-            return Scene::load(path);
+            return Scene::read(path, "check the path, or give the name of a scene that ships, such as mixed");
         }
         match shipped_by_name().find(|(shipped, _)| *shipped == name) {
             Some((shipped, text)) => Scene::of_text(Path::new(&format!("{shipped}.toml")), text.to_owned()),

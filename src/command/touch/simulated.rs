@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use underbrush_experiments::dataset::Campaign;
+use underbrush_experiments::dataset::{Campaign, REACHES};
 use underbrush_recording::disk::UnfinishedFolder;
 use underbrush_sim::scene::{Scene, shipped_by_name};
 
@@ -13,7 +13,7 @@ use crate::{Failure, Shown, input};
 #[derive(Args)]
 pub struct SimulatedArguments {
     /// With --classifier touch and scenes in place of data sets: simulate this many reaches of each scene
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(REACHES))]
     reaches: Option<u64>,
     /// Seed of these reaches, as for `underbrush generate`
     #[arg(long, default_value_t = 0, value_name = "N", requires = "reaches")]

@@ -120,8 +120,13 @@ fn place_columns(path: &Path, names: &[String]) -> Result<[Option<usize>; COLUMN
             return Err(error(column, "two such columns".into(), "rename or delete one of them"));
         }
         if place.is_none() && REQUIRED.contains(&column) {
-            let remedy = "rename the right column; names are case-sensitive";
-            return Err(error(column, format!("only the columns {}", names.join(", ")), remedy));
+            let (found, remedy) = match names.join(", ") {
+                none if none.is_empty() => {
+                    ("no columns".into(), "check the file: its first line must name the columns")
+                }
+                names => (format!("only the columns {names}"), "rename the right column; names are case-sensitive"),
+            };
+            return Err(error(column, found, remedy));
         }
     }
     Ok(places)

@@ -114,7 +114,7 @@ fn faults_are_listed_at_once() {
     });
     let error = error.unwrap_err().found;
     assert!(
-        error.contains("no link \"arm\"") && error.contains("base, rod") && error.contains("a pitch of 2 m"),
+        error.contains("no link \"arm\"") && error.contains("base, rod") && error.contains("a pitch of 2000 mm"),
         "{error}"
     );
 }
