@@ -177,7 +177,7 @@ impl Reach {
             .get(py, (name, single), || Ok(pool::detached(py, None, || self.read_column(name, single))?.lend(py)?))
     }
 
-    /// Names of the columns that `column` reads.
+    /// Names of the columns. `column` reads those of numbers; lists, such as `truth.contact_points`, are in `frames` alone.
     #[getter]
     fn column_names(&self, py: Python<'_>) -> Result<Vec<String>, Failure> {
         let recording = alone(py, || self.recording())?;

@@ -328,9 +328,11 @@ impl Mapping {
             let allowed = "one of category_from and [[label]]";
             return Err(self.fault("trial.category_from", "[[label]], too".into(), allowed));
         }
-        if self.trial.category.as_deref() == Some("") || self.trial.patch.as_deref() == Some("") {
-            let field = if self.trial.patch.as_deref() == Some("") { "trial.patch" } else { "trial.category" };
-            return Err(self.fault(field, "an empty name".into(), "a name"));
+        if self.trial.category.as_deref() == Some("") {
+            return Err(self.fault("trial.category", "an empty name".into(), "a name"));
+        }
+        if let Some(patch) = self.trial.patch.as_deref().filter(|name| name.is_empty() || name.contains('/')) {
+            return Err(self.fault("trial.patch", format!("{patch:?}"), "a name without `/`, which is not empty"));
         }
         Ok(())
     }

@@ -90,7 +90,7 @@ fn raw_readings_are_scaled() {
 fn a_wrong_mapping_is_refused_by_line_and_field() {
     let (_folder, path) = file("log.csv");
     written(&path, LOG);
-    let changes: [(&str, &str, usize, &str, &str); 12] = [
+    let changes: [(&str, &str, usize, &str, &str); 13] = [
         ("unit = \"mN\"", "unit = \"N/m\"", 7, "force.unit", "N, mN, kN, gf, kgf, lbf"),
         ("unit = \"ms\"", "unit = \"min\"", 3, "time.unit", "s, ms, us, ns"),
         ("from = \"stamp\"", "from = \"t\"", 2, "time.from", "run, stamp, left, ft_0, ft_1, label"),
@@ -103,6 +103,7 @@ fn a_wrong_mapping_is_refused_by_line_and_field() {
         ("threshold_n = 0.1", "threshold_n = -1", 10, "trial.threshold_n", "0 to 10000 N"),
         ("threshold_n = 0.1", "treshold_n = 1", 10, "mapping, trial.treshold_n", "underbrush schema mapping"),
         ("patch = \"palm\"", "category = \"leaf\"", 11, "trial.category_from", "one of"),
+        ("patch = \"palm\"", "patch = \"left/palm\"", 9, "trial.patch", "a name without `/`"),
     ];
     for (before, after, line, field, allowed) in changes {
         assert!(MAPPING.contains(before));
