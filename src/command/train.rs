@@ -31,7 +31,7 @@ pub struct TrainOptions {
     #[arg(required = true)]
     trials: Vec<PathBuf>,
     /// With --classifier touch: data sets, recordings and scenes of unknown objects to train on, such as
-    /// soft-rolls stiff-poles free-cylinders stalks. Their objects of categories that TRIALS lack are unknown, a family for each category; without
+    /// free-cylinders soft-rolls stalks stiff-poles. Their objects of categories that TRIALS lack are unknown, a family for each category; without
     /// them nothing is called unknown
     #[arg(long, value_name = "DATASET", num_args = 1..)]
     auxiliary: Vec<PathBuf>,
