@@ -86,7 +86,7 @@ pub fn require_same_reaches(made: &Dataset, source: &Dataset) -> Result<(), Faul
     Ok(())
 }
 
-/// Numbers of reaches of a scene. All are listed before the first is run, so more would fill the memory.
+/// Allowed numbers of reaches for each scene. All reaches are listed before the first one runs, so more would fill the memory.
 pub const REACHES: RangeInclusive<u64> = 1..=1_000_000;
 
 impl Campaign {

@@ -14,7 +14,7 @@ use crate::pool::{self, alone};
 use crate::reach::{Reach, Source};
 use crate::{Answer, Column, Failure, PyTable, Reported, Skin, Trials, array, json, place, places, watched};
 
-/// The path of a set that is opened, which is good in any working folder: that of the process may change.
+/// The absolute path of a set, so that it can still be read after the process has changed its working folder.
 pub fn lasting(path: &Path) -> Result<PathBuf, Failure> {
     std::path::absolute(path).map_err(|error| Failure::run(format!("{}: {error}", path.display())))
 }

@@ -33,7 +33,7 @@ impl VerdictArguments {
     /// The verdicts that the options ask for.
     ///
     /// # Errors
-    /// If the model cannot be read, or forces are allowed on what no verdict says.
+    /// If the model cannot be read, or `--allow` names something that no verdict says.
     pub fn control(&self) -> Result<Option<VerdictControl>, Failure> {
         match self.verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten() {
             Some(control) => Ok(Some(control.with_asked(self.allow.clone())?)),

@@ -84,7 +84,7 @@ fn verdicts_without_a_touch_model_are_refused() {
     underbrush!["reach", scene, "--verdicts", folder.path().join("none.json")].refused(&["none.json", "touch model"]);
 }
 
-/// Tests that a force is refused if no verdict can be the one that it is allowed on.
+/// Tests that `--allow` is refused without verdicts, and for a category that the model never names.
 #[test]
 fn forces_on_what_no_verdict_says_are_refused() {
     let scene = fixture().trunk_scene();
