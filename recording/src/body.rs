@@ -172,9 +172,7 @@ impl Body {
         let last = self.track.last().copied();
         let last = last.unwrap_or_else(|| TrackPoint::new(0, &self.rest_pose_world, self.rest_pose_world.orientation));
         let point = TrackPoint::new(frame, pose, last.quaternion());
-        let moved =
-            point.position_world_m != last.position_world_m || point.orientation_world != last.orientation_world;
-        if moved {
+        if point != (TrackPoint { frame, ..last }) {
             self.track.push(point);
         }
     }

@@ -116,12 +116,12 @@ impl Category {
 /// Whether a further category can have this name and this code.
 const fn is_free(name: &str, code: i8) -> bool {
     let bytes = name.as_bytes();
+    // The name "none" means "touches nothing" in data sets. `==` cannot be used in constants.
     let mut free = !bytes.is_empty()
         && bytes.len() <= Category::MAX_NAME_BYTES
         && bytes[0].is_ascii_lowercase()
         && code >= Category::BUILT_IN.len() as i8
-        // The name "none" means "touches nothing" in data sets.
-        && !same(bytes, b"none");
+        && !name.eq_ignore_ascii_case("none");
     let mut index = 0;
     while index < bytes.len() {
         free &= matches!(bytes[index], b'a'..=b'z' | b'0'..=b'9' | b'_');
@@ -129,26 +129,15 @@ const fn is_free(name: &str, code: i8) -> bool {
     }
     index = 0;
     while index < Category::BUILT_IN.len() {
-        free &= !same(bytes, Category::BUILT_IN[index].name.as_bytes());
+        free &= !name.eq_ignore_ascii_case(Category::BUILT_IN[index].name);
         index += 1;
     }
     index = 0;
     while index < Category::VERDICTS.len() {
-        free &= !same(bytes, Category::VERDICTS[index].as_bytes());
+        free &= !name.eq_ignore_ascii_case(Category::VERDICTS[index]);
         index += 1;
     }
     free
-}
-
-/// Whether two texts are equal; `==` cannot be used in constants.
-const fn same(a: &[u8], b: &[u8]) -> bool {
-    let mut equal = a.len() == b.len();
-    let mut index = 0;
-    while equal && index < a.len() {
-        equal = a[index] == b[index];
-        index += 1;
-    }
-    equal
 }
 
 impl fmt::Debug for Category {

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use crate::plain_text::shortened;
+
 /// Bad input in a file that a person or another program wrote.
 ///
 /// The program prints it, with the offending line if `line` is known, and ends with exit status 2, or 1 if the operating
@@ -44,8 +46,7 @@ impl InputError {
         allowed: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {
-        let [field, found, allowed, remedy] =
-            [field.into(), found.into(), allowed.into(), remedy.into()].map(shortened);
+        let [field, found, allowed, remedy] = [field.into(), found.into(), allowed.into(), remedy.into()].map(brief);
         let file = file.as_ref().to_path_buf();
         InputError { file, line: None, field, found, allowed, remedy, storage: false }
     }
@@ -65,11 +66,12 @@ impl InputError {
 }
 
 /// A text cut to [`LONGEST_TEXT`] characters, with its original length if it was longer.
-fn shortened(text: String) -> String {
-    let Some((end, _)) = text.char_indices().nth(LONGEST_TEXT) else {
+fn brief(text: String) -> String {
+    let characters = text.chars().count();
+    if characters <= LONGEST_TEXT {
         return text;
-    };
-    format!("{}… ({} characters)", &text[..end], text.chars().count())
+    }
+    format!("{} ({characters} characters)", shortened(&text, LONGEST_TEXT))
 }
 
 impl fmt::Display for InputError {

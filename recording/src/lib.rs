@@ -45,7 +45,7 @@ pub use layout::{Grid, Patch, SkinLayout, Taxel};
 pub use limits::{JSON_BYTES, Limits, TEXT_BYTES, short};
 pub use mapped_obstacle::{MappedObstacle, ObstacleKind};
 pub use outcome::{GoalOutcomes, NamedStop, Outcome, SafetyStop};
-pub use plain_text::{PLAIN, escaped, is_plain};
+pub use plain_text::{PLAIN, escaped, is_plain, shortened};
 pub use reach::{Contact, ContactForces, GoalRecord, ObjectRecord, Recording};
 pub use regular_file::{open_regular, read_bytes, read_text};
 pub use text_line::line_at;

@@ -44,6 +44,20 @@ pub fn escaped(text: &str) -> Cow<'_, str> {
     text.chars().map(escape).collect()
 }
 
+/// The text cut to this many characters, with an ellipsis if it is longer.
+///
+/// ```
+/// use underbrush_recording::shortened;
+///
+/// assert_eq!((shortened("leaf", 4), shortened("trunk", 4)), ("leaf".into(), "trun…".into()));
+/// ```
+pub fn shortened(text: &str, characters: usize) -> String {
+    match text.char_indices().nth(characters) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::{escaped, is_plain};

@@ -133,14 +133,11 @@ impl Trial {
     /// Ground truth: whether there was true contact in at least one sample. `None` if that is unknown: no sample is
     /// known to be in contact, and for at least one it is not known.
     pub fn touched(&self) -> Option<bool> {
-        let mut touched = Some(false);
-        for sample in &self.samples {
-            match sample.touched {
-                Some(true) => return Some(true),
-                Some(false) => {}
-                None => touched = None,
-            }
+        let any = |touched| self.samples.iter().any(|sample| sample.touched == touched);
+        match (any(Some(true)), any(None)) {
+            (true, _) => Some(true),
+            (false, true) => None,
+            (false, false) => Some(false),
         }
-        touched
     }
 }

@@ -20,18 +20,15 @@ struct Columns {
     /// For each channel, the columns of the taxels, or one for all.
     channels: Vec<Vec<usize>>,
     /// Place and orientation of the skin.
-    pose: Option<[usize; 7]>,
-}
-
-/// Names in an error, shortened by `InputError` if there are many.
-fn listed(names: &csv::StringRecord) -> String {
-    names.iter().collect::<Vec<_>>().join(", ")
+    pose: Option<Vec<usize>>,
 }
 
 impl Columns {
     fn find(path: &Path, mapping: &Mapping, names: &csv::StringRecord) -> Result<Self, InputError> {
         let place = |field: &str, name: &str| -> Result<usize, InputError> {
-            let allowed = || format!("a column of {}: {}", path.display(), listed(names));
+            // `InputError` shortens them if there are many.
+            let listed = || names.iter().collect::<Vec<_>>().join(", ");
+            let allowed = || format!("a column of {}: {}", path.display(), listed());
             let mut found = names.iter().enumerate().filter(|(_, column)| column.trim() == name);
             match (found.next(), found.next()) {
                 (Some((place, _)), None) => Ok(place),
@@ -40,45 +37,36 @@ impl Columns {
             }
         };
         let optional = |field: &str, name: &Option<String>| name.as_deref().map(|name| place(field, name)).transpose();
-        let from = &mapping.force.from;
-        let forces = match mapping.force.taxels {
-            Some(taxels) if from.contains(TAXEL) => (0..taxels)
-                .map(|taxel| place("force.from", &from.replace(TAXEL, &taxel.to_string())))
-                .collect::<Result<_, _>>()?,
-            None if !from.contains(TAXEL) => vec![place("force.from", from)?],
-            Some(1) => vec![place("force.from", from)?],
-            Some(_) => {
-                let allowed = format!("a name with {TAXEL} in place of the number of the taxel, or 1 taxel");
-                return Err(mapping.fault("force.from", format!("{from:?}"), allowed));
-            }
-            None => {
+        let from = &mapping.file.force.from;
+        // The columns of all taxels, or the only one.
+        let places = |field: &str, from: &str| -> Result<Vec<usize>, InputError> {
+            let columns = if from.contains(TAXEL) { mapping.taxels() } else { 1 };
+            (0..columns).map(|taxel| place(field, &from.replace(TAXEL, &taxel.to_string()))).collect()
+        };
+        match (mapping.file.force.taxels, from.contains(TAXEL)) {
+            (None, true) => {
                 let allowed = format!("`taxels = N`, because `from` has {TAXEL}");
                 return Err(mapping.fault("force.taxels", "nothing".into(), allowed));
             }
-        };
-        let channel = |(number, own): (usize, &Channel)| {
-            let field = format!("channel[{number}].from");
-            if !own.from.contains(TAXEL) {
-                return Ok(vec![place(&field, &own.from)?]);
+            (Some(2..), false) => {
+                let allowed = format!("a name with {TAXEL} in place of the number of the taxel, or 1 taxel");
+                return Err(mapping.fault("force.from", format!("{from:?}"), allowed));
             }
-            (0..forces.len()).map(|taxel| place(&field, &own.from.replace(TAXEL, &taxel.to_string()))).collect()
-        };
-        let channels = mapping.channels.iter().enumerate().map(channel).collect::<Result<_, _>>()?;
-        let mut pose = None;
-        if let Some(wanted) = mapping.skin.as_ref().and_then(|skin| skin.pose_from.as_ref()) {
-            let mut columns = [0; 7];
-            for (column, name) in columns.iter_mut().zip(wanted) {
-                *column = place("skin.pose_from", name)?;
-            }
-            pose = Some(columns);
+            _ => {}
         }
+        let channel = |(number, own): (usize, &Channel)| places(&format!("channel[{number}].from"), &own.from);
+        let forces = places("force.from", from)?;
+        let channels = mapping.file.channel.iter().enumerate().map(channel).collect::<Result<_, _>>()?;
+        let pose_from = mapping.file.skin.as_ref().and_then(|skin| skin.pose_from.as_ref());
+        let pose =
+            pose_from.map(|names| names.iter().map(|name| place("skin.pose_from", name)).collect()).transpose()?;
         Ok(Columns {
             pose,
             channels,
-            time: optional("time.from", &mapping.time.from)?,
+            time: optional("time.from", &mapping.file.time.from)?,
             forces,
-            category: optional("trial.category_from", &mapping.trial.category_from)?,
-            reach: optional("trial.reach_from", &mapping.trial.reach_from)?,
+            category: optional("trial.category_from", &mapping.file.trial.category_from)?,
+            reach: optional("trial.reach_from", &mapping.file.trial.reach_from)?,
         })
     }
 }
@@ -90,7 +78,7 @@ pub(super) fn read(
     cutter: &mut Cutter,
     mut recorder: Option<&mut Recorder>,
 ) -> Result<(), InputError> {
-    if mapping.time.from.is_none() && mapping.time.rate_hz.is_none() {
+    if mapping.file.time.from.is_none() && mapping.file.time.rate_hz.is_none() {
         return Err(mapping.fault("time.from", "nothing".into(), "the column of the times, or `rate_hz`"));
     }
     let text = read_bytes(path, &CSV_BYTES, "a readable file", "check the path")?;
@@ -124,7 +112,7 @@ pub(super) fn read(
             None => 0,
         };
         number = if reach_before.replace(reach) == Some(reach) { number + 1 } else { 0 };
-        let time_s = match (columns.time, mapping.time.rate_hz) {
+        let time_s = match (columns.time, mapping.file.time.rate_hz) {
             (Some(column), _) => mapping.time_s(parsed(column)?),
             (None, rate_hz) => number as f64 / rate_hz.unwrap_or(1.0),
         };
@@ -141,13 +129,13 @@ pub(super) fn read(
         let place = Place { line, reach, category, time_s };
         if let Some(recorder) = recorder.as_deref_mut() {
             let mut pose = None;
-            if let Some(columns) = columns.pose {
+            if let Some(columns) = &columns.pose {
                 let numbers = pose.insert([0.0; 7]);
                 for (number, column) in numbers.iter_mut().zip(columns) {
-                    let cell = parsed(column)?;
+                    let cell = parsed(*column)?;
                     *number = Some(cell)
                         .filter(|cell| cell.abs() <= 1e3)
-                        .ok_or_else(|| wrong(column, "a number up to 1000"))?;
+                        .ok_or_else(|| wrong(*column, "a number up to 1000"))?;
                 }
                 if numbers[3..].iter().map(|number| number * number).sum::<f64>() < 0.25 {
                     return Err(wrong(columns[6], "a quaternion of unit length"));

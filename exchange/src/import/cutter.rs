@@ -1,7 +1,7 @@
 //! Cuts frames of forces into trials: one for each contact of a taxel, or one for what all taxels feel in a reach.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use underbrush_recording::{Category, InputError, Region, Sample, Trial, limits};
@@ -23,7 +23,7 @@ pub(super) struct Place<'a> {
 
 /// Takes frames one after another and cuts them into trials.
 pub(super) struct Cutter<'a> {
-    path: PathBuf,
+    path: &'a Path,
     mapping: &'a Mapping,
     /// The trial of the current contact of each taxel, or of all taxels together; `None` without contact.
     open: Vec<Option<Trial>>,
@@ -38,8 +38,6 @@ pub(super) struct Cutter<'a> {
     reach: Option<u64>,
     /// The current reach and those before it.
     begun: BTreeSet<u64>,
-    /// Number of readings in each frame of the reach; `None` before its first frame.
-    taxels: Option<usize>,
     category: Option<String>,
     before_s: f64,
     pub(super) frames: usize,
@@ -61,19 +59,19 @@ fn region(forces_n: &[f64], taxels: &[usize]) -> Region {
 
 impl<'a> Cutter<'a> {
     /// A cutter for the frames of a file.
-    pub(super) fn new(path: &Path, mapping: &'a Mapping) -> Self {
+    pub(super) fn new(path: &'a Path, mapping: &'a Mapping) -> Self {
+        let taxels = mapping.taxels();
         Cutter {
-            path: path.to_path_buf(),
+            path,
             mapping,
-            open: Vec::new(),
-            forces_n: Vec::new(),
-            in_contact: Vec::new(),
-            is_interrupted: Vec::new(),
+            open: vec![None; taxels],
+            forces_n: vec![0.0; taxels],
+            in_contact: vec![false; taxels],
+            is_interrupted: vec![false; taxels],
             until_last_contact: 0,
             done: Vec::new(),
             reach: None,
             begun: BTreeSet::new(),
-            taxels: None,
             category: None,
             before_s: f64::NEG_INFINITY,
             frames: 0,
@@ -81,83 +79,65 @@ impl<'a> Cutter<'a> {
         }
     }
 
-    fn error(&self, line: usize, field: &str, found: f64, allowed: String, remedy: &str) -> InputError {
-        InputError::new(&self.path, field, limits::short(found), allowed, remedy).at_line(line)
+    fn error(&self, line: usize, field: &str, found: String, allowed: impl Into<String>, remedy: &str) -> InputError {
+        InputError::new(self.path, field, found, allowed, remedy).at_line(line)
     }
 
-    /// Adds a frame with the reading of each taxel, in the file's unit, and the numbers of each channel: one for each taxel or
-    /// one for all.
+    /// Adds a frame with the reading of each taxel of the mapping, in the file's unit, and the numbers of each channel: one
+    /// for each taxel or one for all.
     pub(super) fn push(
         &mut self,
         place: &Place,
         readings: &[f64],
         channels: &[Vec<Option<f64>>],
     ) -> Result<(), InputError> {
-        if self.reach != Some(place.reach) {
-            if !self.begun.insert(place.reach) {
-                let found = format!("{}, a reach that ended before", place.reach);
+        let Place { line, reach, category, time_s } = *place;
+        if self.reach != Some(reach) {
+            if !self.begun.insert(reach) {
+                let found = format!("{reach}, a reach that ended before");
                 let allowed = "all rows of a reach one after another";
-                let error = InputError::new(&self.path, "reach", found, allowed, "sort the rows by reach");
-                return Err(error.at_line(place.line));
+                return Err(self.error(line, "reach", found, allowed, "sort the rows by reach"));
             }
             self.end_contacts();
-            self.reach = Some(place.reach);
+            self.reach = Some(reach);
             self.reaches += 1;
-            self.taxels = None;
             self.before_s = f64::NEG_INFINITY;
         }
-        let category = Some(place.category).filter(|category| !category.is_empty());
+        let category = Some(category).filter(|category| !category.is_empty());
         if self.category.as_deref() != category {
             if let Some((name, allowed)) = category.and_then(|name| Some((name, Category::name_fault(name)?))) {
-                let found = format!("{name:?}");
-                let error = InputError::new(&self.path, "category", found, allowed, "give the category another name");
-                return Err(error.at_line(place.line));
+                let remedy = "give the category another name";
+                return Err(self.error(line, "category", format!("{name:?}"), allowed, remedy));
             }
             self.end_contacts();
             self.category = category.map(str::to_owned);
         }
-        let Place { line, time_s, .. } = *place;
         if !limits::TIME_S.hold(time_s) {
             let remedy = "correct the time, or `time.unit` of the mapping";
-            return Err(self.error(line, "time", time_s, limits::TIME_S.to_string(), remedy));
+            return Err(self.error(line, "time", limits::short(time_s), limits::TIME_S.to_string(), remedy));
         }
         if time_s <= self.before_s {
             let allowed = format!("more than {}, the time before it", limits::short(self.before_s));
             let remedy = "sort the frames by time, or name the column of the reach as `reach_from` of the mapping";
-            return Err(self.error(line, "time", time_s, allowed, remedy));
+            return Err(self.error(line, "time", limits::short(time_s), allowed, remedy));
         }
         self.before_s = time_s;
-        if readings.len() > limits::MAX_TAXELS {
-            let allowed = format!("at most {}", limits::MAX_TAXELS);
-            let remedy = "name one patch of skin in `from` of the mapping";
-            return Err(self.error(line, "number of taxels", readings.len() as f64, allowed, remedy));
-        }
-        let taxels = *self.taxels.get_or_insert(readings.len());
-        if readings.len() != taxels {
-            let allowed = format!("{taxels}, as in the first frame of the reach");
-            let remedy = "record all taxels in each frame, or choose another `from` in the mapping";
-            return Err(self.error(line, "number of taxels", readings.len() as f64, allowed, remedy));
-        }
-        self.open.resize(readings.len().max(self.open.len()), None);
-        self.in_contact.resize(self.open.len(), false);
-        self.is_interrupted.resize(self.open.len(), false);
-        self.forces_n.clear();
         for (taxel, reading) in readings.iter().enumerate() {
             let force_n = self.mapping.force_n(*reading);
             if !limits::FORCE_N.hold(force_n) {
                 let remedy = "correct the reading, or the unit, `scale_n` or `offset_n` of the mapping";
                 let field = format!("force of taxel {taxel}");
-                return Err(self.error(line, &field, force_n, limits::FORCE_N.to_string(), remedy));
+                return Err(self.error(line, &field, limits::short(force_n), limits::FORCE_N.to_string(), remedy));
             }
-            self.forces_n.push(force_n);
+            self.forces_n[taxel] = force_n;
             let level_n = if self.in_contact[taxel] { self.mapping.release_n } else { self.mapping.threshold_n };
             self.in_contact[taxel] = force_n > level_n;
         }
-        let samples = match self.mapping.cut {
+        let samples = match self.mapping.file.trial.cut {
             Cut::Contact => self.sample_taxels(time_s, channels),
             Cut::Reach => self.sample_all(time_s, channels),
         };
-        let within = limits::TRIAL_SAMPLES.check(&self.path, "samples", samples as u64);
+        let within = limits::TRIAL_SAMPLES.check(self.path, "samples", samples as u64);
         within.map_err(|error| error.at_line(line))?;
         self.frames += 1;
         Ok(())
@@ -197,8 +177,7 @@ impl<'a> Cutter<'a> {
     /// its region is the strongest taxel.
     fn sample_all(&mut self, time_s: f64, channels: &[Vec<Option<f64>>]) -> usize {
         let strongest = (0..self.forces_n.len())
-            .reduce(|best, taxel| if self.forces_n[taxel] > self.forces_n[best] { taxel } else { best });
-        let Some(strongest) = strongest else { return 0 };
+            .fold(0, |best, taxel| if self.forces_n[taxel] > self.forces_n[best] { taxel } else { best });
         let mut taxels: Vec<usize> = (0..self.forces_n.len()).filter(|taxel| self.in_contact[*taxel]).collect();
         let is_contact = !taxels.is_empty();
         if !is_contact {
@@ -219,7 +198,7 @@ impl<'a> Cutter<'a> {
     /// What a taxel feels and its channels.
     fn sample(&self, time_s: f64, taxel: usize, region: Option<Region>, channels: &[Vec<Option<f64>>]) -> Sample {
         let numbers = channels.iter().map(|numbers| *numbers.get(taxel).or(numbers.first())?);
-        let named = self.mapping.channels.iter().zip(numbers);
+        let named = self.mapping.file.channel.iter().zip(numbers);
         let channels = named.filter_map(|(own, number)| Some((Arc::clone(&own.name), number?))).collect();
         Sample { time_s, force_n: self.forces_n[taxel], region, channels, ..Sample::default() }
     }
@@ -230,7 +209,7 @@ impl<'a> Cutter<'a> {
             trial: 0,
             category: self.category.clone(),
             reach: self.reach,
-            patch: self.mapping.trial.patch.clone(),
+            patch: self.mapping.file.trial.patch.clone(),
             taxel,
             samples: Vec::new(),
         });
@@ -239,7 +218,7 @@ impl<'a> Cutter<'a> {
     }
 
     fn keep(&mut self, mut trial: Option<Trial>) {
-        if let Some(trial) = trial.as_mut().filter(|_| self.mapping.cut == Cut::Reach) {
+        if let Some(trial) = trial.as_mut().filter(|_| self.mapping.file.trial.cut == Cut::Reach) {
             trial.samples.truncate(self.until_last_contact);
         }
         let long_enough = |trial: &Trial| trial.samples.len() >= self.mapping.min_samples;

@@ -29,25 +29,25 @@ pub(super) const TAXEL: &str = "{taxel}";
 /// How to read trials from a file of another program.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct MappingFile {
+pub(super) struct MappingFile {
     /// The times of the frames.
     #[serde(default)]
-    time: TimeTable,
+    pub(super) time: TimeTable,
     /// The forces.
-    force: ForceTable,
+    pub(super) force: ForceTable,
     /// How the forces become trials.
     #[serde(default)]
-    trial: TrialTable,
+    pub(super) trial: TrialTable,
     /// The grid of the taxels, by which neighbours in contact form a region; its features need it.
     grid: Option<GridTable>,
     /// Where the taxels are, for recordings, which the classifier `touch` is trained on.
-    skin: Option<SkinTable>,
+    pub(super) skin: Option<SkinTable>,
     /// Categories by interval of time, in place of a column.
     #[serde(default)]
     label: Vec<Label>,
     /// What else was measured, such as shear or temperature; `--features column:NAME` uses it.
     #[serde(default)]
-    channel: Vec<Channel>,
+    pub(super) channel: Vec<Channel>,
 }
 
 /// A further column of the trials, in the unit of the file.
@@ -155,7 +155,7 @@ pub(super) struct TrialTable {
     gap_s: Option<f64>,
     /// What one trial is: `contact`, or `reach` for a slide or a grasp; `contact` if not given.
     #[serde(default)]
-    cut: Cut,
+    pub(super) cut: Cut,
     /// Trials with fewer samples are left out; 1 if not given.
     min_samples: Option<u32>,
     /// The category of all trials.
@@ -171,18 +171,12 @@ pub(super) struct TrialTable {
 pub struct Mapping {
     path: PathBuf,
     text: String,
-    pub(super) time: TimeTable,
-    pub(super) force: ForceTable,
-    pub(super) trial: TrialTable,
+    pub(super) file: MappingFile,
     /// Units of time in a second.
     per_second: f64,
     /// Newtons per unit of force, and newtons at a reading of zero.
     newton: (f64, f64),
     pub(super) grid: Option<Grid>,
-    pub(super) skin: Option<SkinTable>,
-    pub(super) labels: Vec<Label>,
-    pub(super) channels: Vec<Channel>,
-    pub(super) cut: Cut,
     /// A contact begins when the force of a taxel is above the first, and ends when it is no longer above the second, N.
     pub(super) threshold_n: f64,
     pub(super) release_n: f64,
@@ -229,39 +223,32 @@ impl Mapping {
     /// [`InputError`] with line and field if its content is not allowed, or if it cannot be read.
     pub fn load(path: &Path) -> Result<Self, InputError> {
         let text = read_text(path, &TEXT_BYTES, "a mapping file (TOML, UTF-8)", "check the path")?;
-        Mapping::parse(path, text)
-    }
-
-    /// Parses and checks the text of a mapping file. `path` is for errors.
-    fn parse(path: &Path, text: String) -> Result<Self, InputError> {
         let file: MappingFile = toml::from_str(&text).map_err(|error| {
             let stopped = (error.message(), error.span().unwrap_or_default().start);
             toml_fault(path, &text, "mapping", stopped, "the keys that `underbrush schema mapping` lists")
         })?;
-        let MappingFile { time, force, trial, grid, skin, label, channel } = file;
+        let trial = &file.trial;
         let threshold_n = trial.threshold_n.unwrap_or(0.03);
         let mut mapping = Mapping {
             path: path.to_path_buf(),
             text,
             per_second: 1.0,
-            newton: (1.0, force.offset_n.unwrap_or(0.0)),
-            grid: grid.map(|own| Grid { rows: own.rows as usize, columns: own.columns as usize, wraps: own.wraps }),
-            skin,
-            labels: label,
-            channels: channel,
-            cut: trial.cut,
+            newton: (1.0, file.force.offset_n.unwrap_or(0.0)),
+            grid: (file.grid.as_ref()).map(|own| Grid {
+                rows: own.rows as usize,
+                columns: own.columns as usize,
+                wraps: own.wraps,
+            }),
             threshold_n,
             release_n: trial.release_n.unwrap_or(threshold_n),
             gap_s: trial.gap_s.unwrap_or(0.0),
             min_samples: trial.min_samples.unwrap_or(1) as usize,
-            time,
-            force,
-            trial,
+            file,
         };
         mapping.check()?;
-        mapping.per_second = mapping.unit("time.unit", mapping.time.unit.as_deref(), &PER_SECOND)?;
-        let unit = mapping.unit("force.unit", mapping.force.unit.as_deref(), &NEWTONS)?;
-        mapping.newton.0 = mapping.force.scale_n.unwrap_or(unit);
+        mapping.per_second = mapping.unit("time.unit", mapping.file.time.unit.as_deref(), &PER_SECOND)?;
+        let unit = mapping.unit("force.unit", mapping.file.force.unit.as_deref(), &NEWTONS)?;
+        mapping.newton.0 = mapping.file.force.scale_n.unwrap_or(unit);
         Ok(mapping)
     }
 
@@ -276,21 +263,21 @@ impl Mapping {
     }
 
     fn check(&self) -> Result<(), InputError> {
+        let MappingFile { time, force, trial, label: labels, channel: channels, .. } = &self.file;
         let numbers = [
-            ("time.rate_hz", self.time.rate_hz, RATE_HZ),
-            ("force.taxels", self.force.taxels.map(f64::from), TAXELS),
-            ("force.scale_n", self.force.scale_n, SCALE_N),
-            ("force.offset_n", self.force.offset_n, OFFSET_N),
-            ("trial.threshold_n", self.trial.threshold_n, THRESHOLD_N),
-            ("trial.release_n", self.trial.release_n, Limits::new(THRESHOLD_N.min, self.threshold_n, "N")),
-            ("trial.gap_s", self.trial.gap_s, GAP_S),
+            ("time.rate_hz", time.rate_hz, RATE_HZ),
+            ("force.taxels", force.taxels.map(f64::from), TAXELS),
+            ("force.scale_n", force.scale_n, SCALE_N),
+            ("force.offset_n", force.offset_n, OFFSET_N),
+            ("trial.threshold_n", trial.threshold_n, THRESHOLD_N),
+            ("trial.release_n", trial.release_n, Limits::new(THRESHOLD_N.min, self.threshold_n, "N")),
+            ("trial.gap_s", trial.gap_s, GAP_S),
         ];
         for (field, number, limits) in numbers {
             if let Some(number) = number.filter(|number| !limits.hold(*number)) {
                 return Err(self.fault(field, short(number), limits.to_string()));
             }
         }
-        let Mapping { time, force, trial, .. } = self;
         let pairs = [
             ("time.from", time.from.is_some(), "time.rate_hz", time.rate_hz.is_some()),
             ("time.rate_hz", time.rate_hz.is_some(), "time.unit", time.unit.is_some()),
@@ -303,35 +290,35 @@ impl Mapping {
             }
         }
         if let Some(Grid { rows, columns, .. }) = self.grid {
-            let taxels = self.force.taxels.unwrap_or(1) as usize;
+            let taxels = self.taxels();
             if rows.checked_mul(columns) != Some(taxels) {
                 let found = format!("{rows} x {columns}");
                 return Err(self.fault("grid.rows", found, format!("a grid of {taxels} taxels")));
             }
         }
-        for (number, own) in self.channels.iter().enumerate() {
+        for (number, own) in channels.iter().enumerate() {
             let field = format!("channel[{number}].name");
             if own.name.is_empty() || !is_plain(&own.name) || TRIAL_COLUMNS.contains(&&*own.name) {
                 return Err(self.fault(&field, format!("{:?}", own.name), "a name that no column of trials has"));
             }
-            if self.channels[..number].iter().any(|before| before.name == own.name) {
+            if channels[..number].iter().any(|before| before.name == own.name) {
                 return Err(self.fault(&field, format!("{:?} again", own.name), "one channel of each name"));
             }
         }
         let is_empty = |own: &Label| own.from_s.partial_cmp(&own.to_s) != Some(Ordering::Less);
-        if let Some(number) = self.labels.iter().position(is_empty) {
-            let Label { from_s, to_s, .. } = self.labels[number];
+        if let Some(number) = labels.iter().position(is_empty) {
+            let Label { from_s, to_s, .. } = labels[number];
             let found = format!("{} to {}", short(from_s), short(to_s));
             return Err(self.fault(&format!("label[{number}].to_s"), found, "a time after from_s"));
         }
-        if !self.labels.is_empty() && self.trial.category_from.is_some() {
+        if !labels.is_empty() && trial.category_from.is_some() {
             let allowed = "one of category_from and [[label]]";
             return Err(self.fault("trial.category_from", "[[label]], too".into(), allowed));
         }
-        if self.trial.category.as_deref() == Some("") {
+        if trial.category.as_deref() == Some("") {
             return Err(self.fault("trial.category", "an empty name".into(), "a name"));
         }
-        if let Some(patch) = self.trial.patch.as_deref().filter(|name| name.is_empty() || name.contains('/')) {
+        if let Some(patch) = trial.patch.as_deref().filter(|name| name.is_empty() || name.contains('/')) {
             return Err(self.fault("trial.patch", format!("{patch:?}"), "a name without `/`, which is not empty"));
         }
         Ok(())
@@ -344,6 +331,11 @@ impl Mapping {
         InputError::new(&self.path, field, found, allowed, remedy).at_line(line_setting(&self.text, field))
     }
 
+    /// Number of taxels in a frame.
+    pub(super) fn taxels(&self) -> usize {
+        self.file.force.taxels.unwrap_or(1) as usize
+    }
+
     /// A path that the mapping gives, relative to its folder.
     pub(super) fn beside(&self, path: &Path) -> PathBuf {
         self.path.with_file_name("").join(path)
@@ -353,8 +345,8 @@ impl Mapping {
     /// is given.
     pub(super) fn category(&self, reach: u64, time_s: f64) -> &str {
         let holds = |own: &&Label| own.reach.is_none_or(|of| of == reach) && (own.from_s..own.to_s).contains(&time_s);
-        let label = self.labels.iter().find(holds).map(|own| own.category.as_str());
-        label.or(self.trial.category.as_deref()).unwrap_or_default()
+        let label = self.file.label.iter().find(holds).map(|own| own.category.as_str());
+        label.or(self.file.trial.category.as_deref()).unwrap_or_default()
     }
 
     /// A time of the file, s.

@@ -111,6 +111,6 @@ fn warning(trials: &[Trial]) -> Option<String> {
 /// A warning if a channel of the mapping has no number in any sample, as a column of text.
 fn without_numbers(trials: &[Trial], mapping: &Mapping) -> Option<String> {
     let found = channel_names(trials);
-    let name = &mapping.channels.iter().find(|own| !found.contains(&own.name))?.name;
+    let name = &mapping.file.channel.iter().find(|own| !found.contains(&own.name))?.name;
     Some(format!("the channel {name} has no number in any trial: check `from` of its [[channel]] in the mapping"))
 }

@@ -35,10 +35,10 @@ impl<'a> Recorder<'a> {
         let missing = || {
             mapping.fault("skin.taxels", "nothing".into(), "the file of the taxels' places, for recordings in a folder")
         };
-        let skin = mapping.skin.as_ref().ok_or_else(missing)?;
-        let name = mapping.trial.patch.clone().unwrap_or_else(|| "skin".into());
+        let skin = mapping.file.skin.as_ref().ok_or_else(missing)?;
+        let name = mapping.file.trial.patch.clone().unwrap_or_else(|| "skin".into());
         let taxels = read_taxels(&mapping.beside(&skin.taxels))?;
-        let expected = mapping.force.taxels.unwrap_or(1) as usize;
+        let expected = mapping.taxels();
         if taxels.len() != expected {
             let found = format!("{} rows in {}", taxels.len(), skin.taxels.display());
             return Err(mapping.fault("skin.taxels", found, format!("a row for each of {expected} taxels")));
@@ -142,7 +142,7 @@ impl<'a> Recorder<'a> {
             let mut steps_s: Vec<f64> = reach.frames.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
             steps_s.sort_by(f64::total_cmp);
             let median_s = steps_s.get(steps_s.len() / 2).copied();
-            reach.rate_hz = self.mapping.time.rate_hz.or(median_s.map(|step_s| 1.0 / step_s)).unwrap_or(1.0);
+            reach.rate_hz = self.mapping.file.time.rate_hz.or(median_s.map(|step_s| 1.0 / step_s)).unwrap_or(1.0);
             let start_s = reach.frames.first().map_or(0.0, |frame| frame.time_s);
             reach.frames.iter_mut().for_each(|frame| frame.time_s -= start_s);
         }

@@ -4,8 +4,8 @@ use std::fmt;
 
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
-
 use serde_json::{Map, Value};
+use underbrush_recording::shortened;
 
 /// What is wrong with a line, as printed in the answer.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -80,7 +80,7 @@ impl<'de> Deserialize<'de> for Unique {
                 let mut entries = Map::new();
                 while let Some((key, Unique(value))) = map.next_entry::<String, Unique>()? {
                     if entries.contains_key(&key) {
-                        return Err(A::Error::custom(format!("key {:?} more than once", quoted(&key))));
+                        return Err(A::Error::custom(format!("key {:?} more than once", shortened(&key, MAX_QUOTED))));
                     }
                     entries.insert(key, value);
                 }
@@ -94,15 +94,6 @@ impl<'de> Deserialize<'de> for Unique {
 /// Largest number of characters of a line that an error quotes.
 const MAX_QUOTED: usize = 60;
 
-/// At most [`MAX_QUOTED`] characters of a text, with an ellipsis if it is longer.
-fn quoted(text: &str) -> String {
-    let mut quoted: String = text.chars().take(MAX_QUOTED).collect();
-    if text.chars().nth(MAX_QUOTED).is_some() {
-        quoted.push('…');
-    }
-    quoted
-}
-
 /// Reads a whole line as one value.
 pub fn parse(text: &str) -> Result<Value, LineError> {
     let parsed: Result<Unique, serde_json::Error> = serde_json::from_str(text);
@@ -110,17 +101,12 @@ pub fn parse(text: &str) -> Result<Value, LineError> {
         let message = error.to_string();
         // serde's line number is always 1; the answer gives the line's number in the stream.
         let cause = message.rsplit_once(" at line ").map_or(&*message, |(cause, _)| cause);
-        let found = format!("{cause} at byte {} of {}", error.column(), quoted(text));
+        let found = format!("{cause} at byte {} of {}", error.column(), shortened(text, MAX_QUOTED));
         LineError::new("line", found, "one JSON object, each key once")
     })
 }
 
 impl<'a> Spot<'a> {
-    /// The value of a whole line.
-    pub fn of_line(value: &'a Value) -> Self {
-        Spot { path: String::new(), value }
-    }
-
     /// The value, if it is an object.
     pub fn object(self, allowed: &str) -> Result<Self, LineError> {
         if self.value.is_object() { Ok(self) } else { Err(self.error(allowed)) }
@@ -144,7 +130,7 @@ impl<'a> Spot<'a> {
 
     /// The error for a key that is not allowed.
     pub fn unknown(&self, key: &str, allowed: String) -> LineError {
-        LineError::new(&self.path, format!("key {:?}", quoted(key)), allowed)
+        LineError::new(&self.path, format!("key {:?}", shortened(key, MAX_QUOTED)), allowed)
     }
 
     fn path_of(&self, key: &str) -> String {
@@ -176,6 +162,6 @@ impl<'a> Spot<'a> {
     /// The error for this value.
     pub fn error(&self, allowed: impl Into<String>) -> LineError {
         let field = if self.path.is_empty() { "line" } else { &self.path };
-        LineError::new(field, quoted(&self.value.to_string()), allowed)
+        LineError::new(field, shortened(&self.value.to_string(), MAX_QUOTED), allowed)
     }
 }

@@ -67,7 +67,7 @@ impl LineParser {
     /// Reads the line with this number. A line with an error changes nothing.
     pub fn parse(&mut self, number: usize, text: &str) -> Result<Message, LineError> {
         let value = json::parse(text)?;
-        let line = Spot::of_line(&value).object("one JSON object")?;
+        let line = Spot { path: String::new(), value: &value }.object("one JSON object")?;
         if let Some(reset) = line.get("reset") {
             if *reset.value != true || line.keys().count() > 1 {
                 return Err(reset.error("true, in a line of its own"));
@@ -77,10 +77,13 @@ impl LineParser {
         }
         let time_s = self.time_s(&line)?;
         let taxels = self.readings(&line)?;
-        let patch_pose_world = self.poses(&line)?;
+        let mut frame = Frame { time_s, taxels, ..Frame::blank(self.layout.patches.len()) };
+        // Only the poses that the models need are read; the others are at the origin.
+        for &needed in &self.poses_of {
+            frame.patch_pose_world[needed] = self.pose(&line, needed)?;
+        }
         self.last = Some((time_s, number));
-        let blank = Frame::blank(self.layout.patches.len());
-        Ok(Message::Frame(Box::new(Frame { time_s, patch_pose_world, taxels, ..blank })))
+        Ok(Message::Frame(Box::new(frame)))
     }
 
     fn time_s(&self, line: &Spot<'_>) -> Result<f64, LineError> {
@@ -106,14 +109,12 @@ impl LineParser {
             let allowed = format!("a taxel of patch {}: 0 to {last_taxel}", self.layout.patches[patch].name);
             let taxel_spot = reading.need("taxel", &allowed)?;
             let taxel = taxel_spot.index().filter(|taxel| *taxel <= last_taxel);
-            let place = (u16::try_from(patch), taxel.map(u16::try_from));
-            let (Ok(patch), Some(Ok(taxel))) = place else {
-                return Err(taxel_spot.error(allowed));
-            };
+            let taxel = taxel.ok_or_else(|| taxel_spot.error(allowed))?;
             let force = reading.need("sensed_force_n", "the normal force in newtons")?;
             let sensed_force_n = number(&force, FORCE_N)?;
-            let reading = TaxelReading { patch, taxel, sensed_force_n, ..TaxelReading::default() };
-            readings.push((reading, taxel_spot));
+            // A skin has at most 65,536 taxels.
+            let (patch, taxel) = (patch as u16, taxel as u16);
+            readings.push((TaxelReading { patch, taxel, sensed_force_n, ..TaxelReading::default() }, taxel_spot));
         }
         readings.sort_by_key(|(reading, _)| (reading.patch, reading.taxel));
         let place = |reading: &TaxelReading| (reading.patch, reading.taxel);
@@ -127,29 +128,18 @@ impl LineParser {
     /// The patch of a reading, by name or index. It need not be given if the skin has only one patch.
     fn patch(&self, reading: &Spot<'_>) -> Result<usize, LineError> {
         let patches = &self.layout.patches;
+        if patches.len() == 1 && reading.get("patch").is_none() {
+            return Ok(0);
+        }
         let known: Vec<String> =
             patches.iter().enumerate().map(|(index, patch)| format!("{index} or {:?}", patch.name)).collect();
         let allowed = format!("a patch of the skin: {}", known.join(", "));
-        let spot = match reading.get("patch") {
-            None if patches.len() == 1 => return Ok(0),
-            None => reading.need("patch", &allowed)?,
-            Some(spot) => spot,
-        };
+        let spot = reading.need("patch", &allowed)?;
         let index = match spot.value.as_str() {
             Some(name) => self.layout.patch_index(name),
             None => spot.index(),
         };
         index.filter(|index| *index < patches.len()).ok_or_else(|| spot.error(allowed))
-    }
-
-    /// A pose for each patch. Only those that the models need are read; the others are at the origin.
-    fn poses(&self, line: &Spot<'_>) -> Result<Vec<Pose>, LineError> {
-        let patches = &self.layout.patches;
-        let mut poses = vec![Pose::IDENTITY; patches.len()];
-        for &needed in &self.poses_of {
-            poses[needed] = self.pose(line, needed)?;
-        }
-        Ok(poses)
     }
 
     /// The pose of a patch.
@@ -192,14 +182,12 @@ fn read_pose(spot: Spot<'_>) -> Result<Pose, LineError> {
     let orientation = pose.need("orientation", allowed)?;
     let quaternion = DQuat::from_array(orientation.numbers(allowed)?);
     let error = (quaternion.length() - 1.0).abs();
-    if error <= QUATERNION_ROUNDING {
-        return Ok(Pose { position: DVec3::from_array(coordinates), orientation: quaternion });
-    }
     // `error` is infinite if the length overflows.
     if !error.is_finite() || error > QUATERNION_TOLERANCE {
         return Err(orientation.error(allowed));
     }
-    Ok(Pose { position: DVec3::from_array(coordinates), orientation: quaternion.normalize() })
+    let unit = if error <= QUATERNION_ROUNDING { quaternion } else { quaternion.normalize() };
+    Ok(Pose::new(DVec3::from_array(coordinates), unit))
 }
 
 fn number(spot: &Spot<'_>, limits: Limits) -> Result<f64, LineError> {

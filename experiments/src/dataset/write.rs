@@ -67,7 +67,7 @@ impl Campaign {
         let writer = loop {
             match DatasetWriter::share(out, plan.clone()) {
                 Err(DiskError::Finished { .. }) => return Ok(Some(Written::Before(Dataset::open(out)?))),
-                Err(DiskError::InUse { dir }) => {
+                Err(DiskError::InUse(dir)) => {
                     if !waits {
                         let dir = dir.display();
                         progress.remark(&format!("{dir}: waiting for another process, which assembles the data set"));

@@ -44,23 +44,14 @@ pub enum DiskError {
         allowed: String,
     },
     /// The folder for a new data set already holds other files.
-    #[error("{}: is not empty and holds no data set; choose an empty or a new folder", .dir.display())]
-    FolderNotEmpty {
-        /// The folder.
-        dir: PathBuf,
-    },
+    #[error("{}: is not empty and holds no data set; choose an empty or a new folder", .0.display())]
+    FolderNotEmpty(PathBuf),
     /// The folder for a new data set already holds a finished one.
-    #[error("{}: holds a finished data set; choose another folder, or overwrite it with --force", .dir.display())]
-    Finished {
-        /// The folder.
-        dir: PathBuf,
-    },
+    #[error("{}: holds a finished data set; choose another folder, or overwrite it with --force", .0.display())]
+    Finished(PathBuf),
     /// The folder holds an interrupted data set.
-    #[error("{}: holds an unfinished data set; run with --resume to finish it, or with --force to start again", .dir.display())]
-    Unfinished {
-        /// The folder.
-        dir: PathBuf,
-    },
+    #[error("{}: holds an unfinished data set; run with --resume to finish it, or with --force to start again", .0.display())]
+    Unfinished(PathBuf),
     /// The unfinished data set in the folder was started with another plan.
     #[error(
         "{}: was started with another plan: {field} was {stored}, now {given}; resume with the same scenes, arms, \
@@ -77,11 +68,8 @@ pub enum DiskError {
         given: String,
     },
     /// Another process is writing this data set.
-    #[error("{}: another process is writing this data set; wait, or choose another folder", .dir.display())]
-    InUse {
-        /// The folder.
-        dir: PathBuf,
-    },
+    #[error("{}: another process is writing this data set; wait, or choose another folder", .0.display())]
+    InUse(PathBuf),
     /// A data set cannot be finished while reaches are missing.
     #[error("{}: {count} reaches are missing, the first at position {first}; run them, then finish", .dir.display())]
     ReachesMissing {
@@ -115,10 +103,10 @@ impl From<InputError> for DiskError {
 }
 
 impl DiskError {
-    /// For `map_err` after calls of the operating system.
-    pub(super) fn io(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> DiskError {
+    /// For `map_err` after calls of the operating system, and of libraries whose errors wrap its errors.
+    pub(super) fn io<E: Into<io::Error>>(path: &Path, action: &'static str) -> impl FnOnce(E) -> DiskError {
         let path = path.to_path_buf();
-        move |source| DiskError::Io { path, action, source }
+        move |error| DiskError::Io { path, action, source: error.into() }
     }
 
     /// For `map_err` after calls of the Parquet writer.

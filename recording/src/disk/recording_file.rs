@@ -94,8 +94,7 @@ pub fn write_recording(path: impl AsRef<Path>, recording: &Recording) -> Result<
 // Not generic, so that it is compiled once and not in each crate that calls it.
 fn write_to(path: &Path, recording: &Recording) -> Result<(), DiskError> {
     check_recording(recording).map_err(|violation| violation.unwritable(path))?;
-    let header = serde_json::to_string(&without_frames(recording))
-        .map_err(|error| DiskError::io(path, "write")(error.into()))?;
+    let header = serde_json::to_string(&without_frames(recording)).map_err(DiskError::io(path, "write"))?;
     let (features, rows) = (features_of(recording), rows_of(recording));
     let none = columns_of(&features, &rows, 0..0);
     let mut file = ParquetFile::create(
@@ -128,23 +127,6 @@ pub fn is_recording(path: impl AsRef<Path>) -> Result<bool, DiskError> {
     }
 }
 
-/// Opens a recording: everything except its frames, and the table that holds the frames.
-fn open_recording(path: &Path) -> Result<(Recording, ParquetTable), DiskError> {
-    let table = ParquetTable::open(path)?;
-    let format = table.key_value(FORMAT_KEY)?;
-    if format != FORMAT {
-        let remedy = "read it with the version of underbrush that wrote it";
-        return Err(InputError::new(path, FORMAT_KEY, format, FORMAT, remedy).into());
-    }
-    seal::check(path)?;
-    let header = serde_json::from_slice(table.key_value(RECORDING_KEY)?.as_bytes()).map_err(|error| {
-        let remedy = "write the recording again with the program that made it";
-        let allowed = "a recording's fields as JSON";
-        InputError::new(path, RECORDING_KEY, error.to_string(), allowed, remedy)
-    })?;
-    Ok((header, table))
-}
-
 /// Reads a reach, equal to the one given to [`write_recording`].
 ///
 /// # Errors
@@ -156,7 +138,18 @@ pub fn read_recording(path: impl AsRef<Path>) -> Result<Recording, DiskError> {
 
 // Not generic, so that it is compiled once and not in each crate that calls it.
 fn read_from(path: &Path) -> Result<Recording, DiskError> {
-    let (mut recording, table) = open_recording(path)?;
+    let table = ParquetTable::open(path)?;
+    let format = table.key_value(FORMAT_KEY)?;
+    if format != FORMAT {
+        let remedy = "read it with the version of underbrush that wrote it";
+        return Err(InputError::new(path, FORMAT_KEY, format, FORMAT, remedy).into());
+    }
+    seal::check(path)?;
+    let header = serde_json::from_str(&table.key_value(RECORDING_KEY)?);
+    let mut recording: Recording = header.map_err(|error| {
+        let remedy = "write the recording again with the program that made it";
+        InputError::new(path, RECORDING_KEY, error.to_string(), "a recording's fields as JSON", remedy)
+    })?;
     check_layout(&recording.layout).map_err(|violation| violation.misread(path))?;
     let features = features_of(&recording);
     for batch in table.batches(&wanted(&features)) {

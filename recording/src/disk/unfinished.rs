@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::{fs, io};
 
-use tempfile::{NamedTempFile, TempDir};
+use tempfile::TempDir;
 
 /// Global, because a signal ends the whole process.
 static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
@@ -20,16 +20,17 @@ fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
 pub(super) struct Registered(PathBuf);
 
 impl Registered {
-    /// Creates a temporary file with `create` and lists it. Both happen under one lock, because a signal between them
-    /// would leave an unlisted file behind.
-    pub(super) fn create(
-        create: impl FnOnce() -> io::Result<NamedTempFile>,
-    ) -> io::Result<(NamedTempFile, Registered)> {
+    /// Creates a temporary file or folder with `create` and lists its path. Both happen under one lock, because a signal
+    /// between them would leave an unlisted file behind.
+    pub(super) fn create<T>(
+        create: impl FnOnce() -> io::Result<T>,
+        path: impl FnOnce(&T) -> &Path,
+    ) -> io::Result<(T, Registered)> {
         let mut files = unfinished();
-        let file = create()?;
-        files.insert(file.path().to_path_buf());
-        let registered = Registered(file.path().to_path_buf());
-        Ok((file, registered))
+        let created = create()?;
+        let path = path(&created).to_path_buf();
+        files.insert(path.clone());
+        Ok((created, Registered(path)))
     }
 }
 
@@ -52,10 +53,8 @@ impl UnfinishedFolder {
     /// # Errors
     /// If the other folder is missing or read-only.
     pub fn within(folder: &Path) -> io::Result<Self> {
-        let mut files = unfinished();
-        let folder = TempDir::with_prefix_in("underbrush-", folder)?;
-        files.insert(folder.path().to_path_buf());
-        let registered = Registered(folder.path().to_path_buf());
+        let create = || TempDir::with_prefix_in("underbrush-", folder);
+        let (folder, registered) = Registered::create(create, TempDir::path)?;
         Ok(UnfinishedFolder { folder, _registered: registered })
     }
 

@@ -69,7 +69,7 @@ pub(super) fn begin(path: &Path) -> Result<TemporaryFile, DiskError> {
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     loop {
-        let created = Registered::create(|| builder.tempfile_in(&folder));
+        let created = Registered::create(|| builder.tempfile_in(&folder), NamedTempFile::path);
         let (file, registered) = created.map_err(DiskError::io(path, "write"))?;
         // On a file system without locks leftovers stay, but writing still works.
         let locked = file.as_file().lock().is_ok();
@@ -84,7 +84,7 @@ pub(super) fn begin(path: &Path) -> Result<TemporaryFile, DiskError> {
 pub(super) fn commit(temporary: TemporaryFile, path: &Path) -> Result<(), DiskError> {
     let file = temporary.file;
     file.as_file().sync_all().map_err(DiskError::io(path, "write"))?;
-    file.persist(path).map_err(|error| DiskError::io(path, "write")(error.error))?;
+    file.persist(path).map_err(DiskError::io(path, "write"))?;
     sync_folder(&folder_of(path))
 }
 
@@ -95,15 +95,13 @@ pub fn remove_leftovers(path: &Path) {
     let Ok(entries) = fs::read_dir(folder_of(path)) else {
         return;
     };
-    for entry in entries.flatten() {
-        if !entry.file_name().as_encoded_bytes().starts_with(prefix.as_bytes()) {
-            continue;
-        }
-        let leftover = entry.path();
-        let Some(file) = leftover.is_file().then(|| File::open(&leftover).ok()).flatten() else {
-            continue;
-        };
-        if file.try_lock().is_ok() {
+    let is_ours = |entry: &fs::DirEntry| entry.file_name().as_encoded_bytes().starts_with(prefix.as_bytes());
+    for leftover in entries.flatten().filter(is_ours).map(|entry| entry.path()) {
+        // It stays locked until it is removed.
+        if leftover.is_file()
+            && let Ok(file) = File::open(&leftover)
+            && file.try_lock().is_ok()
+        {
             let _ = fs::remove_file(&leftover);
         }
     }
@@ -171,9 +169,14 @@ pub(super) fn write_new_bytes(path: &Path, bytes: &[u8]) -> Result<(), DiskError
 
 /// The bytes of a JSON file: indented, with a newline at the end.
 pub(super) fn json_bytes<T: Serialize>(path: &Path, value: &T) -> Result<Vec<u8>, DiskError> {
-    let mut bytes = serde_json::to_vec_pretty(value).map_err(|error| DiskError::io(path, "write")(error.into()))?;
+    let mut bytes = serde_json::to_vec_pretty(value).map_err(DiskError::io(path, "write"))?;
     bytes.push(b'\n');
     Ok(bytes)
+}
+
+/// Writes a JSON file.
+pub(super) fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), DiskError> {
+    write_bytes(path, &json_bytes(path, value)?)
 }
 
 /// Creates a folder with all its parents and syncs its parent.

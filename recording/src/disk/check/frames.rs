@@ -43,9 +43,9 @@ pub(super) fn check_frame(recording: &Recording, index: usize, frame: &Frame) ->
         let known = patch.is_some_and(|patch| usize::from(reading.taxel) < patch.taxels.len());
         let found = || format!("patch {} taxel {}", reading.patch, reading.taxel);
         require(known, field, found, "a taxel of the layout")?;
-        let object = reading.object.map_or(0, usize::from);
-        let known = reading.object.is_none() || object < recording.objects.len();
-        require(known, field, || format!("object {object}"), "the index of an object")?;
+        let known = reading.object.is_none_or(|object| usize::from(object) < recording.objects.len());
+        let found = || format!("object {}", reading.object.unwrap_or_default());
+        require(known, field, found, "the index of an object")?;
         let [first_shear, second_shear] = reading.true_shear_force_n;
         let forces = [
             reading.true_normal_force_n,

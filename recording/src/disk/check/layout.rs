@@ -5,7 +5,7 @@ use crate::SkinLayout;
 
 /// Checks a skin layout: unique patch names that can be part of column names, taxels in every patch, and grids that
 /// fit.
-pub(in crate::disk) fn check_layout(layout: &SkinLayout) -> Result<(), Violation> {
+pub(crate) fn check_layout(layout: &SkinLayout) -> Result<(), Violation> {
     for (index, patch) in layout.patches.iter().enumerate() {
         let field = |name: &str| format!("layout.patches[{index}].{name}");
         // LeRobot reads a "/" in a feature name as part of a path.
@@ -30,7 +30,7 @@ pub(in crate::disk) fn check_layout(layout: &SkinLayout) -> Result<(), Violation
 }
 
 /// Checks what recordings and data sets say about the robot: skin, frame rate and joints.
-pub(in crate::disk) fn check_robot(layout: &SkinLayout, rate_hz: f64, joint_names: &[String]) -> Result<(), Violation> {
+pub(crate) fn check_robot(layout: &SkinLayout, rate_hz: f64, joint_names: &[String]) -> Result<(), Violation> {
     check_layout(layout)?;
     require(rate_hz.is_finite() && rate_hz > 0.0, || "rate_hz".into(), || rate_hz.to_string(), "a number above 0")?;
     require(!joint_names.is_empty(), || "joint_names".into(), || "none".into(), "at least one joint")

@@ -27,7 +27,7 @@ pub(super) fn check_categories(further: &[Category]) -> Result<(), Violation> {
     Ok(())
 }
 
-/// Checks everything in a recording except its frames.
+/// Checks everything in a recording except its frames and tracks.
 fn check_header(recording: &Recording) -> Result<(), Violation> {
     check_robot(&recording.layout, recording.rate_hz, &recording.joint_names)?;
     let objects = recording.objects.len();
@@ -67,6 +67,8 @@ fn check_header(recording: &Recording) -> Result<(), Violation> {
         check_place(recording, &contact.link, contact.patch, Some(contact.object), field)?;
         let ordered = contact.first_frame <= contact.last_frame;
         require(ordered, || field(".last_frame"), || contact.last_frame.to_string(), "first_frame or later")?;
+        let inside = (contact.last_frame as usize) < recording.frames.len();
+        require(inside, || field(".last_frame"), || contact.last_frame.to_string(), "the index of a frame")?;
         let forces = [contact.peak_force_n, contact.mean_force_n];
         finite(forces, || field(".peak_force_n and mean_force_n"))?;
         for (name, force) in [".peak_force_n", ".mean_force_n"].into_iter().zip(forces) {
@@ -93,20 +95,13 @@ fn check_place(
     } else {
         require(!link.is_empty(), || field(".link"), || "no name".into(), "the name of a link")?;
     }
-    let unknown = object.filter(|object| usize::from(*object) >= recording.objects.len());
-    let found = || unknown.map_or_else(String::new, |object| object.to_string());
-    require(unknown.is_none(), || field(".object"), found, "the index of an object")
+    let known = object.is_none_or(|object| usize::from(object) < recording.objects.len());
+    require(known, || field(".object"), || object.unwrap_or_default().to_string(), "the index of an object")
 }
 
 /// Checks a whole recording.
 pub(super) fn check_recording(recording: &Recording) -> Result<(), Violation> {
     check_header(recording)?;
-    let count = recording.frames.len();
-    for (index, contact) in recording.contacts.iter().enumerate() {
-        let inside = usize::try_from(contact.last_frame).is_ok_and(|last| last < count);
-        let field = || format!("contacts[{index}].last_frame");
-        require(inside, field, || contact.last_frame.to_string(), "the index of a frame")?;
-    }
     recording.frames.iter().enumerate().try_for_each(|(index, frame)| check_frame(recording, index, frame))?;
     check_times(recording)?;
     // Last, because tracks refer to frames.

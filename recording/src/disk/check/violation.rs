@@ -6,31 +6,31 @@ use crate::{DiskError, InputError};
 
 /// A rule broken by a recording or a trial.
 #[derive(Debug, PartialEq)]
-pub(in crate::disk) struct Violation {
+pub(crate) struct Violation {
     /// The field that breaks the rule.
-    pub(in crate::disk) field: String,
+    pub(crate) field: String,
     /// What was found.
-    pub(in crate::disk) found: String,
+    pub(crate) found: String,
     /// The rule.
-    pub(in crate::disk) allowed: &'static str,
+    pub(crate) allowed: &'static str,
 }
 
 impl Violation {
     /// The error when writing to a file.
-    pub(in crate::disk) fn unwritable(self, path: &Path) -> DiskError {
+    pub(crate) fn unwritable(self, path: &Path) -> DiskError {
         let Violation { field, found, allowed } = self;
         DiskError::Unwritable { path: path.to_path_buf(), field, found, allowed: allowed.to_string() }
     }
 
     /// The error when reading from a file.
-    pub(in crate::disk) fn misread(self, path: &Path) -> DiskError {
+    pub(crate) fn misread(self, path: &Path) -> DiskError {
         let remedy = "write the file again with the program that made it";
         InputError::new(path, self.field, self.found, self.allowed, remedy).into()
     }
 }
 
 /// An error with field, found and allowed, unless the rule holds.
-pub(in crate::disk) fn require(
+pub(crate) fn require(
     holds: bool,
     field: impl FnOnce() -> String,
     found: impl FnOnce() -> String,

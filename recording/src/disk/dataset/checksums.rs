@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
 use super::info::read_json;
 use super::names;
 use crate::disk::input_file::{is_there, metadata, open_input};
-use crate::disk::whole_file::{json_bytes, write_bytes};
+use crate::disk::whole_file::write_json;
 use crate::{DiskError, InputError};
 
 /// The remedy for a damaged data set.
@@ -18,14 +18,14 @@ const REMEDY: &str = "copy the data set again, or generate it again";
 /// Size and hash of each file by its path relative to the folder, with `/` as separator.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
-pub(in crate::disk) struct Checksums {
+pub(crate) struct Checksums {
     files: BTreeMap<String, FileSum>,
 }
 
 /// Size and hash of one file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(in crate::disk) struct FileSum {
+pub(crate) struct FileSum {
     bytes: u64,
     blake3: String,
 }
@@ -41,12 +41,12 @@ struct ChecksumFile {
 
 impl FileSum {
     /// The size and hash of bytes in memory.
-    pub(in crate::disk) fn of_bytes(bytes: &[u8]) -> Self {
+    pub(crate) fn of_bytes(bytes: &[u8]) -> Self {
         FileSum { bytes: bytes.len() as u64, blake3: blake3::hash(bytes).to_hex().to_string() }
     }
 
     /// The size and hash of a file.
-    pub(in crate::disk) fn of_file(path: &Path) -> Result<Self, DiskError> {
+    pub(crate) fn of_file(path: &Path) -> Result<Self, DiskError> {
         let mut hasher = blake3::Hasher::new();
         let file = File::open(path).map_err(DiskError::io(path, "read"))?;
         hasher.update_reader(file).map_err(DiskError::io(path, "read"))?;
@@ -65,13 +65,13 @@ pub fn file_blake3(path: &Path) -> Result<String, DiskError> {
 
 impl Checksums {
     /// Adds a file.
-    pub(in crate::disk) fn add(&mut self, name: impl Into<String>, sum: FileSum) {
+    pub(crate) fn add(&mut self, name: impl Into<String>, sum: FileSum) {
         self.files.insert(name.into(), sum);
     }
 
-    /// Adds every file in a folder of the data set and its subfolders.
-    pub(in crate::disk) fn add_folder(&mut self, dir: &Path, folder: &str) -> Result<(), DiskError> {
-        for name in files_below(dir, folder)? {
+    /// Adds files of the data set by their paths within it.
+    pub(crate) fn add_files(&mut self, dir: &Path, names: Vec<String>) -> Result<(), DiskError> {
+        for name in names {
             let sum = FileSum::of_file(&dir.join(&name))?;
             self.add(name, sum);
         }
@@ -79,7 +79,7 @@ impl Checksums {
     }
 
     /// Reads the list and checks it against its own hash.
-    pub(in crate::disk) fn read(dir: &Path) -> Result<Self, DiskError> {
+    pub(crate) fn read(dir: &Path) -> Result<Self, DiskError> {
         let path = dir.join(names::CHECKSUMS);
         let ChecksumFile { blake3, files } = read_json(&path)?;
         let found = files.hash_of(|_| true);
@@ -90,14 +90,13 @@ impl Checksums {
     }
 
     /// Writes the list with its own hash.
-    pub(in crate::disk) fn write(&self, dir: &Path) -> Result<(), DiskError> {
-        let path = dir.join(names::CHECKSUMS);
+    pub(crate) fn write(&self, dir: &Path) -> Result<(), DiskError> {
         let file = ChecksumFile { blake3: self.hash_of(|_| true), files: self.clone() };
-        write_bytes(&path, &json_bytes(&path, &file)?)
+        write_json(&dir.join(names::CHECKSUMS), &file)
     }
 
     /// Hash of the lines of some of the files, hexadecimal.
-    pub(in crate::disk) fn hash_of(&self, is_wanted: impl Fn(&str) -> bool) -> String {
+    pub(crate) fn hash_of(&self, is_wanted: impl Fn(&str) -> bool) -> String {
         let mut hasher = blake3::Hasher::new();
         for (name, FileSum { bytes, blake3 }) in self.files.iter().filter(|(name, _)| is_wanted(name)) {
             hasher.update(format!("{name} {bytes} {blake3}\n").as_bytes());
@@ -106,19 +105,22 @@ impl Checksums {
     }
 
     /// Names of the files, sorted.
-    pub(in crate::disk) fn names(&self) -> impl Iterator<Item = &str> {
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         self.files.keys().map(String::as_str)
     }
 
+    /// Whether a file is in the list.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.files.contains_key(name)
+    }
+
     /// Checks that every listed file exists with its size, and that the folders hold no other file.
-    pub(in crate::disk) fn check_listing(&self, dir: &Path) -> Result<(), DiskError> {
-        for name in self.names() {
-            self.check_size(dir, name)?;
-        }
+    pub(crate) fn check_listing(&self, dir: &Path) -> Result<(), DiskError> {
+        self.names().try_for_each(|name| self.check_size(dir, name).map(drop))?;
         for name in files_of_set(dir)? {
             // Readers of data sets ignore hidden files, and file managers leave some behind.
             let hidden = name.split('/').any(|part| part.starts_with('.'));
-            if !(hidden || name == names::CHECKSUMS || self.files.contains_key(&name)) {
+            if !(hidden || name == names::CHECKSUMS || self.has(&name)) {
                 let remedy = "remove the file if it is yours, or copy the data set again";
                 let found = "a file that meta/checksums.json does not list";
                 let allowed = "only the files of the data set";
@@ -128,17 +130,15 @@ impl Checksums {
         Ok(())
     }
 
-    fn expected(&self, dir: &Path, name: &str) -> Result<&FileSum, DiskError> {
-        self.files.get(name).ok_or_else(|| {
+    /// Checks the size of a file, and returns its path and the expected sum.
+    fn check_size(&self, dir: &Path, name: &str) -> Result<(PathBuf, &FileSum), DiskError> {
+        let path = dir.join(name);
+        let expected = self.files.get(name).ok_or_else(|| {
             let found = "no entry in meta/checksums.json";
-            InputError::new(dir.join(name), "checksum", found, "an entry for every file", REMEDY).into()
-        })
-    }
-
-    fn check_size(&self, dir: &Path, name: &str) -> Result<(), DiskError> {
-        let (path, expected) = (dir.join(name), self.expected(dir, name)?);
+            InputError::new(&path, "checksum", found, "an entry for every file", REMEDY)
+        })?;
         let (found, allowed) = match metadata(&path)? {
-            Some(metadata) if metadata.len() == expected.bytes => return Ok(()),
+            Some(metadata) if metadata.len() == expected.bytes => return Ok((path, expected)),
             Some(metadata) => (format!("{} bytes", metadata.len()), format!("{} bytes", expected.bytes)),
             None => ("no such file".into(), "the file that meta/checksums.json lists".into()),
         };
@@ -146,9 +146,8 @@ impl Checksums {
     }
 
     /// Checks the hash of a file.
-    pub(in crate::disk) fn check(&self, dir: &Path, name: &str) -> Result<(), DiskError> {
-        self.check_size(dir, name)?;
-        let (path, expected) = (dir.join(name), self.expected(dir, name)?);
+    pub(crate) fn check(&self, dir: &Path, name: &str) -> Result<(), DiskError> {
+        let (path, expected) = self.check_size(dir, name)?;
         let found = FileSum::of_file(&path)?;
         if found != *expected {
             return Err(InputError::new(path, "checksum", found.blake3, expected.blake3.clone(), REMEDY).into());
@@ -158,7 +157,7 @@ impl Checksums {
 }
 
 /// The files in the folders of a data set, as paths within the set.
-pub(in crate::disk) fn files_of_set(dir: &Path) -> Result<Vec<String>, DiskError> {
+pub(crate) fn files_of_set(dir: &Path) -> Result<Vec<String>, DiskError> {
     let mut names = Vec::new();
     for folder in names::FOLDERS {
         if is_there(&dir.join(folder))? {
@@ -169,7 +168,7 @@ pub(in crate::disk) fn files_of_set(dir: &Path) -> Result<Vec<String>, DiskError
 }
 
 /// Paths of the files in a folder of the data set and its subfolders, relative to the set.
-fn files_below(dir: &Path, folder: &str) -> Result<Vec<String>, DiskError> {
+pub(crate) fn files_below(dir: &Path, folder: &str) -> Result<Vec<String>, DiskError> {
     let path = dir.join(folder);
     let mut names = Vec::new();
     for entry in fs::read_dir(&path).map_err(DiskError::io(&path, "read"))? {

@@ -12,13 +12,13 @@ use crate::disk::tables::frames::Feature;
 use crate::{Category, DiskError, InputError, JSON_BYTES, read_bytes};
 
 /// Version of LeRobot's layout that this program writes and reads.
-pub(in crate::disk) const CODEBASE_VERSION: &str = "v3.0";
+pub(crate) const CODEBASE_VERSION: &str = "v3.0";
 /// Version of this program's additions to that layout.
-pub(in crate::disk) const FORMAT: &str = "underbrush-dataset/3";
+pub(crate) const FORMAT: &str = "underbrush-dataset/3";
 /// Size at which a new data file is started, MB: LeRobot's default.
-pub(in crate::disk) const MEGABYTES_PER_FILE: u64 = 100;
+pub(crate) const MEGABYTES_PER_FILE: u64 = 100;
 /// Data files per folder.
-pub(in crate::disk) const FILES_PER_CHUNK: usize = 1000;
+pub(crate) const FILES_PER_CHUNK: usize = 1000;
 
 /// The content of `meta/info.json`, with LeRobot's names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,12 +54,7 @@ pub struct Info {
 
 impl Info {
     /// The information about a set with this plan.
-    pub(in crate::disk) fn new(
-        plan: &DatasetPlan,
-        total_frames: usize,
-        total_tasks: usize,
-        features: &[Feature],
-    ) -> Self {
+    pub(crate) fn new(plan: &DatasetPlan, total_frames: usize, total_tasks: usize, features: &[Feature]) -> Self {
         let total_episodes = plan.episodes.len();
         Info {
             codebase_version: CODEBASE_VERSION.to_string(),
@@ -109,18 +104,18 @@ fn serialize_rate<S: Serializer>(rate_hz: &f64, serializer: S) -> Result<S::Ok, 
 
 /// The content of `meta/provenance.json`.
 #[derive(Serialize, Deserialize)]
-pub(in crate::disk) struct ProvenanceFile {
+pub(crate) struct ProvenanceFile {
     /// Always [`FORMAT`].
-    pub(in crate::disk) format: String,
+    pub(crate) format: String,
     /// Categories of objects besides the built-in ones.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub(in crate::disk) categories: Vec<Category>,
+    pub(crate) categories: Vec<Category>,
     /// The origin of the data.
-    pub(in crate::disk) provenance: Provenance,
+    pub(crate) provenance: Provenance,
 }
 
 /// Reads a JSON file.
-pub(in crate::disk) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, DiskError> {
+pub(crate) fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T, DiskError> {
     let remedy = "copy or generate the data set again";
     // What is no file here was not made by a person, so it is a failure to read a file of the set.
     let bytes =

@@ -6,7 +6,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::{Category, SkinLayout};
+use crate::{Category, SkinLayout, shortened};
 
 /// Everything that determines the bytes of a data set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -154,17 +154,13 @@ impl fmt::Display for Shard {
 /// The first difference between two plans: its path and both values. The provenance is compared first because
 /// everything else follows from it. A changed skin file is then reported as that file, and not as the first taxel
 /// that moved.
-pub(in crate::disk) fn first_difference(stored: &Value, given: &Value) -> Option<(String, String, String)> {
+pub(crate) fn first_difference(stored: &Value, given: &Value) -> Option<(String, String, String)> {
     const FIRST: &str = "provenance";
     search(FIRST, stored.get(FIRST), given.get(FIRST)).or_else(|| search("", Some(stored), Some(given)))
 }
 
 fn brief(value: Option<&Value>) -> String {
-    let text = value.map_or("absent".to_string(), Value::to_string);
-    match text.char_indices().nth(60) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text,
-    }
+    value.map_or("absent".to_string(), |value| shortened(&value.to_string(), 60))
 }
 
 fn search(path: &str, stored: Option<&Value>, given: Option<&Value>) -> Option<(String, String, String)> {

@@ -11,7 +11,7 @@ use crate::{DiskError, InputError};
 #[derive(Clone, Debug)]
 pub struct Batch {
     /// The file, for errors.
-    pub(in crate::disk) path: Arc<Path>,
+    pub(crate) path: Arc<Path>,
     /// Number of rows.
     pub rows: usize,
     /// The columns, all with this number of rows.
@@ -22,7 +22,7 @@ pub struct Batch {
 
 impl Batch {
     /// Rows that are in no file.
-    pub(in crate::disk) fn in_memory(place: &str, columns: Vec<Column>, about: String) -> Self {
+    pub(crate) fn in_memory(place: &str, columns: Vec<Column>, about: String) -> Self {
         Batch {
             path: Path::new(place).into(),
             rows: columns.first().map_or(0, Column::count),
@@ -32,23 +32,23 @@ impl Batch {
     }
 
     /// An error about a column.
-    pub(in crate::disk) fn error(&self, name: &str, found: impl Into<String>, allowed: impl Into<String>) -> DiskError {
+    pub(crate) fn error(&self, name: &str, found: impl Into<String>, allowed: impl Into<String>) -> DiskError {
         InputError::new(&*self.path, name, found, allowed, "write or copy the file again").into()
     }
 
     /// Whether there is such a column.
-    pub(in crate::disk) fn has(&self, name: &str) -> bool {
+    pub(crate) fn has(&self, name: &str) -> bool {
         self.columns.iter().any(|column| column.name == name)
     }
 
     /// A column.
-    pub(in crate::disk) fn column(&self, name: &str) -> Result<&Column, DiskError> {
+    pub(crate) fn column(&self, name: &str) -> Result<&Column, DiskError> {
         let found = self.columns.iter().find(|column| column.name == name);
         found.ok_or_else(|| self.error(name, "no such column", "a column of this name"))
     }
 
     /// The values of a column with `width` of them in each row, none missing.
-    pub(in crate::disk) fn fixed<T: Value>(&self, name: &str, width: usize) -> Result<&[T], DiskError> {
+    pub(crate) fn fixed<T: Value>(&self, name: &str, width: usize) -> Result<&[T], DiskError> {
         let column = self.column(name)?;
         let allowed = || match width {
             1 => format!("a column of {} without nulls", T::TYPE.name()),
@@ -62,7 +62,7 @@ impl Batch {
     }
 
     /// A whole number that has to fit into another type.
-    pub(in crate::disk) fn index<T: TryFrom<i64>>(
+    pub(crate) fn index<T: TryFrom<i64>>(
         &self,
         name: &str,
         number: impl Into<i64>,
@@ -73,7 +73,7 @@ impl Batch {
     }
 
     /// The rows, one by one.
-    pub(in crate::disk) fn rows_as<R: Row>(&self) -> Result<Vec<R>, DiskError> {
+    pub(crate) fn rows_as<R: Row>(&self) -> Result<Vec<R>, DiskError> {
         let mut columns = Vec::new();
         for described in R::COLUMNS {
             for name in part_names(described) {

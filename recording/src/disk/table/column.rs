@@ -9,13 +9,13 @@ macro_rules! types {
     ($($variant:ident($value:ty), $name:literal;)*) => {
         /// The type of a value.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub(in crate::disk) enum Type {
+        pub(crate) enum Type {
             $($variant,)*
         }
 
         impl Type {
             /// Its name in the documents.
-            pub(in crate::disk) fn name(self) -> &'static str {
+            pub(crate) fn name(self) -> &'static str {
                 match self {
                     $(Type::$variant => $name,)*
                 }
@@ -33,7 +33,7 @@ macro_rules! types {
 
         impl Values {
             /// Their type.
-            pub(in crate::disk) fn type_of(&self) -> Type {
+            pub(crate) fn type_of(&self) -> Type {
                 match self {
                     $(Values::$variant(_) => Type::$variant,)*
                 }
@@ -47,7 +47,7 @@ macro_rules! types {
             }
 
             /// Their number.
-            pub(in crate::disk) fn len(&self) -> usize {
+            pub(crate) fn len(&self) -> usize {
                 match self {
                     $(Values::$variant(values) => values.len(),)*
                 }
@@ -84,7 +84,7 @@ types! {
 }
 
 /// A value that a column can hold.
-pub(in crate::disk) trait Value: Clone + Default + 'static {
+pub(crate) trait Value: Clone + Default + 'static {
     /// Its type.
     const TYPE: Type;
     /// The values of a column, if they are of this type.
@@ -122,12 +122,12 @@ pub struct Column {
 
 impl Column {
     /// A column with `width` values in each row.
-    pub(in crate::disk) fn fixed<T: Value>(name: impl Into<String>, width: usize, values: Vec<T>) -> Self {
+    pub(crate) fn fixed<T: Value>(name: impl Into<String>, width: usize, values: Vec<T>) -> Self {
         Column { name: name.into(), values: T::all(values), rows: Rows::Fixed(width) }
     }
 
     /// A column with one value in each row.
-    pub(in crate::disk) fn of<T: Value>(name: impl Into<String>, values: impl Iterator<Item = T>) -> Self {
+    pub(crate) fn of<T: Value>(name: impl Into<String>, values: impl Iterator<Item = T>) -> Self {
         Column::fixed(name, 1, values.collect())
     }
 
@@ -141,7 +141,7 @@ impl Column {
     }
 
     /// Whether its type in a file is a list.
-    pub(in crate::disk) fn has_lists(&self) -> bool {
+    pub(crate) fn has_lists(&self) -> bool {
         match self.rows {
             Rows::Fixed(width) => width > 1,
             Rows::Optional(_) => false,
@@ -150,7 +150,7 @@ impl Column {
     }
 
     /// The values of a row; none if the row has no value.
-    pub(in crate::disk) fn row<T: Value>(&self, row: usize) -> Option<&[T]> {
+    pub(crate) fn row<T: Value>(&self, row: usize) -> Option<&[T]> {
         let place = match &self.rows {
             Rows::Fixed(width) => row * width..(row + 1) * width,
             Rows::Optional(present) => present.get(row)?.then_some(row..row + 1)?,
@@ -163,17 +163,17 @@ impl Column {
     }
 
     /// Whether a row of a plain column has no value.
-    pub(in crate::disk) fn is_missing(&self, row: usize) -> bool {
+    pub(crate) fn is_missing(&self, row: usize) -> bool {
         matches!(&self.rows, Rows::Optional(present) if !present[row])
     }
 
     /// The value in a row of a plain column as text; empty if it is missing.
-    pub(in crate::disk) fn shown(&self, row: usize) -> String {
+    pub(crate) fn shown(&self, row: usize) -> String {
         if self.is_missing(row) { String::new() } else { self.values.shown(row) }
     }
 
     /// Number of rows without a value.
-    pub(in crate::disk) fn missing(&self) -> usize {
+    pub(crate) fn missing(&self) -> usize {
         match &self.rows {
             Rows::Fixed(_) => 0,
             Rows::Optional(present) | Rows::Lists { present, .. } => present.iter().filter(|there| !**there).count(),
@@ -181,7 +181,7 @@ impl Column {
     }
 
     /// Its type, as errors name it.
-    pub(in crate::disk) fn kind(&self) -> String {
+    pub(crate) fn kind(&self) -> String {
         let name = self.values.type_of().name();
         match self.rows {
             Rows::Fixed(1) | Rows::Optional(_) => name.into(),

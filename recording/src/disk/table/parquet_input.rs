@@ -20,8 +20,8 @@ use crate::{DiskError, InputError, limits};
 
 /// The file. Clones share it.
 #[derive(Clone)]
-pub(in crate::disk) struct ParquetInput {
-    path: PathBuf,
+pub(crate) struct ParquetInput {
+    pub(crate) path: PathBuf,
     file: Arc<File>,
     bytes: u64,
     /// The first error of the operating system.
@@ -29,7 +29,7 @@ pub(in crate::disk) struct ParquetInput {
 }
 
 /// Reads the file from some position on.
-pub(in crate::disk) struct Reader {
+pub(crate) struct Reader {
     file: File,
     failed: Arc<OnceLock<io::Error>>,
 }
@@ -41,7 +41,7 @@ fn copy(error: &io::Error) -> io::Error {
 
 impl ParquetInput {
     /// Opens a file.
-    pub(in crate::disk) fn open(path: &Path) -> Result<Self, DiskError> {
+    pub(crate) fn open(path: &Path) -> Result<Self, DiskError> {
         let file = open_input(path)?;
         let bytes = file.metadata().map_err(DiskError::io(path, "read"))?.len();
         Ok(ParquetInput { path: path.to_path_buf(), file: Arc::new(file), bytes, failed: Arc::default() })
@@ -49,7 +49,7 @@ impl ParquetInput {
 
     /// Runs a step of the decoder on this file. Some damaged files (with a negative offset in the footer, for example) make the
     /// decoder panic instead of returning an error, and bad input must never end the program.
-    pub(in crate::disk) fn decode<T, E: ToString>(&self, step: impl FnOnce() -> Result<T, E>) -> Result<T, DiskError> {
+    pub(crate) fn decode<T, E: ToString>(&self, step: impl FnOnce() -> Result<T, E>) -> Result<T, DiskError> {
         let result = catch_unwind(AssertUnwindSafe(step));
         if let (false, Some(error)) = (matches!(result, Ok(Ok(_))), self.failed.get()) {
             return Err(DiskError::io(&self.path, "read")(copy(error)));
@@ -61,7 +61,7 @@ impl ParquetInput {
     }
 
     /// Checks what the footer says about the size of the content, before anything is decoded.
-    pub(in crate::disk) fn check_sizes(&self, footer: &ParquetMetaData) -> Result<(), DiskError> {
+    pub(crate) fn check_sizes(&self, footer: &ParquetMetaData) -> Result<(), DiskError> {
         let size = |number: i64| u64::try_from(number).unwrap_or(u64::MAX);
         let groups = footer.row_groups();
         let rows = groups.iter().map(|group| size(group.num_rows()));
@@ -81,14 +81,11 @@ impl ParquetInput {
                 // Doubles are the widest numbers; repeated ones take less in the file.
                 bytes = bytes.saturating_add(own.max(size(column.num_values()).saturating_mul(8)));
             }
-            limits::check_expansion(&self.path, "row group", bytes, self.bytes)?;
+            if bytes > limits::EXPANDED_BYTES {
+                limits::EXPANSION.check(&self.path, "row group", bytes.div_ceil(self.bytes.max(1)))?;
+            }
         }
         Ok(())
-    }
-
-    /// The path.
-    pub(in crate::disk) fn path(&self) -> &Path {
-        &self.path
     }
 
     fn reader(&self, start: u64) -> io::Result<Reader> {
@@ -96,16 +93,13 @@ impl ParquetInput {
             file.seek(SeekFrom::Start(start))?;
             Ok(file)
         });
-        let failed = Arc::clone(&self.failed);
-        match positioned {
-            Ok(file) => Ok(Reader { file, failed }),
-            Err(error) => Err(remembered(&failed, error)),
-        }
+        let file = positioned.map_err(|error| remembered(&self.failed, error))?;
+        Ok(Reader { file, failed: Arc::clone(&self.failed) })
     }
 }
 
 /// Whether a column holds text.
-pub(in crate::disk) fn is_text(column: &ColumnChunkMetaData) -> bool {
+pub(crate) fn is_text(column: &ColumnChunkMetaData) -> bool {
     matches!(column.column_type(), Type::BYTE_ARRAY | Type::FIXED_LEN_BYTE_ARRAY)
 }
 
@@ -150,7 +144,7 @@ impl ChunkReader for ParquetInput {
 }
 
 /// The error for a file that is not a complete Parquet file.
-pub(in crate::disk) fn broken(path: &Path, cause: impl ToString) -> DiskError {
+pub(crate) fn broken(path: &Path, cause: impl ToString) -> DiskError {
     let allowed = "a complete Parquet file, uncompressed or compressed with zstd or snappy";
     let remedy = "copy the file again, or write it again with zstd or snappy";
     InputError::new(path, "Parquet", cause.to_string(), allowed, remedy).into()

@@ -15,14 +15,14 @@ use parquet::file::serialized_reader::SerializedPageReader;
 use super::parquet_input::ParquetInput;
 use crate::DiskError;
 
-/// The chunk of a column in a row group.
-fn chunk_of<'a>(group: &'a RowGroupMetaData, column: &str) -> Option<&'a ColumnChunkMetaData> {
+/// The chunk of a column in a row group, if it has numbers of this type.
+fn chunk_of<'a, F: Float>(group: &'a RowGroupMetaData, column: &str) -> Option<&'a ColumnChunkMetaData> {
     let is_it = |chunk: &&ColumnChunkMetaData| chunk.column_path().parts().first().is_some_and(|name| name == column);
-    group.columns().iter().find(is_it)
+    group.columns().iter().find(is_it).filter(|chunk| chunk.column_type() == F::TYPE)
 }
 
 /// A floating-point number of a file.
-pub(in crate::disk) trait Float: Into<f64> + Copy + Default {
+pub(crate) trait Float: Into<f64> + Copy + Default {
     /// Its type in Parquet.
     const TYPE: Type;
     /// The numbers in the bytes of a page; `None` if some bytes are left.
@@ -46,9 +46,8 @@ float!(f32, FLOAT, 4);
 float!(f64, DOUBLE, 8);
 
 /// The largest number of values of a column of this type, according to its size in the footer; zero for other types.
-pub(in crate::disk) fn most_numbers<F: Float>(group: &RowGroupMetaData, column: &str) -> usize {
-    let chunk = chunk_of(group, column).filter(|chunk| chunk.column_type() == F::TYPE);
-    let bytes = chunk.map_or(0, |chunk| usize::try_from(chunk.uncompressed_size()).unwrap_or(0));
+pub(crate) fn most_numbers<F: Float>(group: &RowGroupMetaData, column: &str) -> usize {
+    let bytes = chunk_of::<F>(group, column).map_or(0, |chunk| usize::try_from(chunk.uncompressed_size()).unwrap_or(0));
     bytes / size_of::<F>()
 }
 
@@ -58,29 +57,21 @@ pub(in crate::disk) fn most_numbers<F: Float>(group: &RowGroupMetaData, column: 
 ///
 /// # Errors
 /// [`DiskError::Input`] for damaged files.
-pub(in crate::disk) fn read<F: Float, N>(
+pub(crate) fn read<F: Float, N>(
     file: &ParquetInput,
     group: &RowGroupMetaData,
     column: &str,
     convert: impl Fn(F) -> N,
     to: &mut [N],
 ) -> Result<bool, DiskError> {
-    let Some(chunk) = chunk_of(group, column) else {
+    let (Some(chunk), Ok(rows)) = (chunk_of::<F>(group, column), usize::try_from(group.num_rows())) else {
         return Ok(false);
     };
-    let Ok(rows) = usize::try_from(group.num_rows()) else {
-        return Ok(false);
-    };
-    if chunk.column_type() != F::TYPE {
-        return Ok(false);
-    }
     file.decode(|| -> Result<bool, ParquetError> {
         let mut left = to;
         for page in SerializedPageReader::new(Arc::new(file.clone()), chunk, rows, None)? {
             let page = page?;
-            let Some(numbers) = numbers_of::<F>(&page, chunk) else {
-                return Ok(false);
-            };
+            let Some(numbers) = numbers_of::<F>(&page, chunk) else { return Ok(false) };
             let Some((own, rest)) = left.split_at_mut_checked(numbers.len()) else {
                 return Ok(false);
             };

@@ -8,36 +8,33 @@ use parquet::basic::{ConvertedType, LogicalType, Type as Physical};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
 use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
-use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader, RowGroupMetaData};
+use parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 use parquet::file::serialized_reader::SerializedPageReader;
 use parquet::schema::types::ColumnDescriptor;
 
-use super::batch::Batch;
-use super::column::{Column, Rows, Type, Value, Values};
-use super::parquet_input::{ParquetInput, broken, is_text};
+use super::parquet_input::{ParquetInput, is_text};
 use super::plain_pages::{self, Float};
-use super::row::Shared;
-use super::write::ROWS_PER_BATCH;
+use super::{Batch, Column, ROWS_PER_BATCH, Rows, Text, Type, Value, Values, broken};
 use crate::{DiskError, InputError};
 
 /// Metadata key of the descriptions, units and codes of the columns.
-pub(in crate::disk) const COLUMNS_KEY: &str = "underbrush.columns";
+pub(crate) const COLUMNS_KEY: &str = "underbrush.columns";
 
 /// Most text that is decoded at once, bytes.
 const TEXT_PER_BATCH_BYTES: i64 = 64 << 20;
 
 /// An open file and its footer.
 #[derive(Clone)]
-pub(in crate::disk) struct ParquetTable {
+pub(crate) struct ParquetTable {
     /// The file.
-    pub(in crate::disk) file: ParquetInput,
+    pub(crate) file: ParquetInput,
     /// Its footer.
-    pub(in crate::disk) footer: Arc<ParquetMetaData>,
+    pub(crate) footer: Arc<ParquetMetaData>,
 }
 
 /// What to read of a column.
 #[derive(Clone, Copy)]
-pub(in crate::disk) enum Want {
+pub(crate) enum Want {
     /// Nothing.
     Nothing,
     /// One value in each row, or lists of any length.
@@ -47,7 +44,7 @@ pub(in crate::disk) enum Want {
 }
 
 /// Reads the footer of a file.
-pub(in crate::disk) fn read_footer(file: &ParquetInput) -> Result<Arc<ParquetMetaData>, DiskError> {
+pub(crate) fn read_footer(file: &ParquetInput) -> Result<Arc<ParquetMetaData>, DiskError> {
     let footer = file.decode(|| ParquetMetaDataReader::new().parse_and_finish(file))?;
     file.check_sizes(&footer)?;
     Ok(Arc::new(footer))
@@ -55,18 +52,18 @@ pub(in crate::disk) fn read_footer(file: &ParquetInput) -> Result<Arc<ParquetMet
 
 impl ParquetTable {
     /// Opens a file and reads its footer.
-    pub(in crate::disk) fn open(path: &Path) -> Result<Self, DiskError> {
+    pub(crate) fn open(path: &Path) -> Result<Self, DiskError> {
         let file = ParquetInput::open(path)?;
         let footer = read_footer(&file)?;
         Ok(ParquetTable { file, footer })
     }
 
     /// The value of a metadata key.
-    pub(in crate::disk) fn key_value(&self, key: &'static str) -> Result<String, DiskError> {
+    pub(crate) fn key_value(&self, key: &'static str) -> Result<String, DiskError> {
         self.find_key(key).map(str::to_owned).ok_or_else(|| {
             let remedy = "give a file written by underbrush; other programs drop its metadata when they rewrite it";
             let found = "no such key in the Parquet metadata";
-            InputError::new(self.file.path(), key, found, "a file that has it", remedy).into()
+            InputError::new(&self.file.path, key, found, "a file that has it", remedy).into()
         })
     }
 
@@ -76,12 +73,12 @@ impl ParquetTable {
     }
 
     /// Number of rows in a row group.
-    pub(in crate::disk) fn rows_of(&self, group: usize) -> usize {
+    pub(crate) fn rows_of(&self, group: usize) -> usize {
         usize::try_from(self.footer.row_group(group).num_rows()).unwrap_or(0)
     }
 
     /// The columns with one number in each row.
-    pub(in crate::disk) fn number_columns(&self) -> Vec<String> {
+    pub(crate) fn number_columns(&self) -> Vec<String> {
         let columns = self.footer.file_metadata().schema_descr().columns().iter();
         let has_numbers = |column: &&Arc<ColumnDescriptor>| {
             let is_number = type_of(column).is_some_and(|kind| !matches!(kind, Type::Bool | Type::Text));
@@ -91,7 +88,7 @@ impl ParquetTable {
     }
 
     /// All rows in batches, up to the first error, with the columns that `want` names.
-    pub(in crate::disk) fn batches<'a>(&'a self, want: &'a dyn Fn(&str) -> Want) -> Batches<'a> {
+    pub(crate) fn batches<'a>(&'a self, want: &'a dyn Fn(&str) -> Want) -> Batches<'a> {
         Batches { table: self, want, group: 0, left: 0, columns: Vec::new() }
     }
 
@@ -106,24 +103,18 @@ impl ParquetTable {
     }
 
     /// Some rows of a row group at once, with the columns that `want` names.
-    pub(in crate::disk) fn batch(
+    pub(crate) fn batch(
         &self,
         group: usize,
         rows: Range<usize>,
         want: &dyn Fn(&str) -> Want,
     ) -> Result<Batch, DiskError> {
-        let metadata = self.footer.row_group(group);
         let whole = rows == (0..self.rows_of(group));
         let mut columns = Vec::new();
         for mut values in self.open_columns(group, want)? {
-            let name = &values.name;
             let plain = match (values.want, values.kind) {
-                (Want::Fixed(width), Some(Type::Float64)) if whole => self
-                    .plain::<f64>(metadata, name, width * rows.len())?
-                    .map(|numbers| Column::fixed(name, width, numbers)),
-                (Want::Fixed(width), Some(Type::Float32)) if whole => self
-                    .plain::<f32>(metadata, name, width * rows.len())?
-                    .map(|numbers| Column::fixed(name, width, numbers)),
+                (Want::Fixed(width), Some(Type::Float64)) if whole => self.plain::<f64>(group, &values.name, width)?,
+                (Want::Fixed(width), Some(Type::Float32)) if whole => self.plain::<f32>(group, &values.name, width)?,
                 _ => None,
             };
             columns.push(match plain {
@@ -140,7 +131,7 @@ impl ParquetTable {
 
     fn batch_of(&self, rows: usize, columns: Vec<Column>) -> Batch {
         Batch {
-            path: self.file.path().into(),
+            path: self.file.path.as_path().into(),
             rows,
             columns,
             about: self.find_key(COLUMNS_KEY).unwrap_or_default().into(),
@@ -156,20 +147,21 @@ impl ParquetTable {
         rows.clamp(1, ROWS_PER_BATCH)
     }
 
-    /// The numbers of a column of this type, if they are stored plainly.
-    fn plain<F: Float>(&self, group: &RowGroupMetaData, name: &str, count: usize) -> Result<Option<Vec<F>>, DiskError> {
+    /// A column of numbers of this type, if they are stored plainly.
+    fn plain<F: Float + Value>(&self, group: usize, name: &str, width: usize) -> Result<Option<Column>, DiskError> {
+        let (count, group) = (width * self.rows_of(group), self.footer.row_group(group));
         // A footer may promise more rows than the file can have.
         if count > plain_pages::most_numbers::<F>(group, name) {
             return Ok(None);
         }
         let mut numbers = vec![F::default(); count];
         let done = plain_pages::read(&self.file, group, name, |number| number, &mut numbers)?;
-        Ok(done.then_some(numbers))
+        Ok(done.then(|| Column::fixed(name, width, numbers)))
     }
 }
 
 /// The rows of a file, batch by batch.
-pub(in crate::disk) struct Batches<'a> {
+pub(crate) struct Batches<'a> {
     table: &'a ParquetTable,
     want: &'a dyn Fn(&str) -> Want,
     /// The next row group.
@@ -281,7 +273,7 @@ impl ColumnValues {
             _ => true,
         };
         if nested {
-            return Err(unknown(table.file.path(), &name, "a column of groups"));
+            return Err(unknown(&table.file.path, &name, "a column of groups"));
         }
         let file = table.file.clone();
         let rows = table.rows_of(group);
@@ -296,22 +288,17 @@ impl ColumnValues {
     fn next(&mut self, rows: usize) -> Result<Column, DiskError> {
         use ColumnReader as From;
         let ColumnValues { file, name, kind, level, reader, want } = self;
-        let path = file.path().to_path_buf();
-        let refused = |found: &str| unknown(&path, name, found);
-        let mut shared = Shared::default();
+        // Names repeat from row to row, so rows share a text with the row before if it is the same.
+        let mut shared = Text::default();
         macro_rules! read {
             ($reader:ident, $convert:expr) => {{
                 let levels = file.decode(|| Levels::read($reader, rows))?;
-                require_rows(file, name, levels.rows, rows)?;
-                levels.spread(*level, $convert).map_err(|found| refused(found))
-            }};
-        }
-        macro_rules! read_nothing {
-            ($reader:ident: $($variant:ident),*) => {
-                match $reader {
-                    $(From::$variant(reader) => read!(reader, |_| None::<f64>),)*
+                if levels.rows != rows {
+                    let found = format!("{} of {rows} rows in the column {name}", levels.rows);
+                    return Err(broken(&file.path, found));
                 }
-            };
+                levels.spread(*level, $convert).map_err(|found| unknown(&file.path, name, found))
+            }};
         }
         let (values, rows) = match (reader, *kind) {
             (From::Int32ColumnReader(reader), Some(Type::Int8)) => read!(reader, |value| i8::try_from(value).ok())?,
@@ -323,14 +310,22 @@ impl ColumnValues {
             (From::FloatColumnReader(reader), Some(_)) => read!(reader, Some)?,
             (From::DoubleColumnReader(reader), Some(_)) => read!(reader, Some)?,
             (From::BoolColumnReader(reader), Some(_)) => read!(reader, Some)?,
-            (From::ByteArrayColumnReader(reader), Some(_)) => {
-                read!(reader, |bytes| { Some(shared.text(std::str::from_utf8(bytes.data()).ok()?)) })?
-            }
+            (From::ByteArrayColumnReader(reader), Some(_)) => read!(reader, |bytes| {
+                let text = std::str::from_utf8(bytes.data()).ok()?;
+                if *shared != *text {
+                    shared = text.into();
+                }
+                Some(Text::clone(&shared))
+            })?,
             // A column of another type may have no values, as that of pandas without any.
-            (reader, _) => read_nothing!(
-                reader: BoolColumnReader, Int32ColumnReader, Int64ColumnReader, Int96ColumnReader, FloatColumnReader,
-                DoubleColumnReader, ByteArrayColumnReader, FixedLenByteArrayColumnReader
-            )?,
+            (From::BoolColumnReader(reader), _) => read!(reader, |_| None::<f64>)?,
+            (From::Int32ColumnReader(reader), _) => read!(reader, |_| None::<f64>)?,
+            (From::Int64ColumnReader(reader), _) => read!(reader, |_| None::<f64>)?,
+            (From::Int96ColumnReader(reader), _) => read!(reader, |_| None::<f64>)?,
+            (From::FloatColumnReader(reader), _) => read!(reader, |_| None::<f64>)?,
+            (From::DoubleColumnReader(reader), _) => read!(reader, |_| None::<f64>)?,
+            (From::ByteArrayColumnReader(reader), _) => read!(reader, |_| None::<f64>)?,
+            (From::FixedLenByteArrayColumnReader(reader), _) => read!(reader, |_| None::<f64>)?,
         };
         let rows = match want {
             Want::Fixed(width) => fixed_if_possible(rows, *width),
@@ -340,18 +335,11 @@ impl ColumnValues {
     }
 }
 
-fn unknown(path: &Path, name: &str, found: &str) -> DiskError {
+/// The error for a column whose type no column here has.
+pub(crate) fn unknown(path: &Path, name: &str, found: &str) -> DiskError {
     let remedy = "cast the column before writing the table";
     let allowed = "a column of integers, floating-point numbers or text";
     InputError::new(path, name, found, allowed, remedy).into()
-}
-
-fn require_rows(file: &ParquetInput, name: &str, found: usize, expected: usize) -> Result<(), DiskError> {
-    if found == expected {
-        return Ok(());
-    }
-    let found = format!("{found} of {expected} rows in the column {name}");
-    Err(broken(file.path(), found))
 }
 
 /// Values as Parquet stores them: without the missing ones, with the levels that say which are missing and where rows

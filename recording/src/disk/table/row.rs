@@ -4,11 +4,11 @@ use std::slice::Iter;
 
 use glam::{DQuat, DVec3};
 
-use super::column::{Column, Rows, Text, Type, Value};
+use super::column::{Column, Rows, Type, Value};
 
 /// How many values a row of a column has.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::disk) enum Width {
+pub(crate) enum Width {
     /// One, or none.
     One,
     /// A list of any length, or none.
@@ -23,24 +23,24 @@ pub(in crate::disk) enum Width {
 
 /// The description of a column, or of several whose names differ only in `x`, `y`, `z` or in the name of a patch.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::disk) struct Described {
+pub(crate) struct Described {
     /// Name. `PATCH` at its end stands for the name of each patch, `{xyz}` or `{xyzw}` for each axis.
-    pub(in crate::disk) name: &'static str,
+    pub(crate) name: &'static str,
     /// Type of a value.
-    pub(in crate::disk) value: Type,
+    pub(crate) value: Type,
     /// Values in a row.
-    pub(in crate::disk) width: Width,
+    pub(crate) width: Width,
     /// Whether a row may have no value.
-    pub(in crate::disk) optional: bool,
+    pub(crate) optional: bool,
     /// Unit, or empty.
-    pub(in crate::disk) unit: &'static str,
+    pub(crate) unit: &'static str,
     /// What it holds.
-    pub(in crate::disk) what: &'static str,
+    pub(crate) what: &'static str,
 }
 
 impl Described {
     /// Whether a column of a file is as described; otherwise what it is and what is allowed.
-    pub(in crate::disk) fn fits(&self, column: &Column) -> Result<(), (String, String)> {
+    pub(crate) fn fits(&self, column: &Column) -> Result<(), (String, String)> {
         let missing = column.missing();
         if column.values.type_of() != self.value || column.has_lists() != matches!(self.width, Width::List) {
             return Err((format!("a column of {}", column.kind()), self.kind()));
@@ -52,7 +52,7 @@ impl Described {
     }
 
     /// Its type in the documents.
-    pub(in crate::disk) fn kind(&self) -> String {
+    pub(crate) fn kind(&self) -> String {
         let value = self.value.name();
         match self.width {
             Width::One => value.into(),
@@ -66,7 +66,7 @@ impl Described {
 }
 
 /// The names of the columns that a description without `PATCH` stands for.
-pub(in crate::disk) fn part_names(described: &Described) -> Vec<String> {
+pub(crate) fn part_names(described: &Described) -> Vec<String> {
     let name = described.name;
     for axes in ["xyzw", "xyz"] {
         if let Some((before, after)) = name.split_once(&format!("{{{axes}}}")) {
@@ -77,7 +77,7 @@ pub(in crate::disk) fn part_names(described: &Described) -> Vec<String> {
 }
 
 /// The type of a field of a row: a value, or several that have a column each.
-pub(in crate::disk) trait Field: 'static {
+pub(crate) trait Field: 'static {
     /// The type of its values.
     const TYPE: Type;
     /// Values in a row of a column.
@@ -190,7 +190,7 @@ components! {
 }
 
 /// A row of a table.
-pub(in crate::disk) trait Row: Sized {
+pub(crate) trait Row: Sized {
     /// The columns.
     const COLUMNS: &'static [Described];
     /// The columns of some rows.
@@ -207,8 +207,8 @@ macro_rules! row {
     ($(#[$doc:meta])* $row:ident { $($field:ident: $type:ty $(= $name:literal)?, $unit:literal, $what:expr;)* }) => {
         $(#[$doc])*
         #[derive(Clone, Debug, Default)]
-        pub(in crate::disk) struct $row {
-            $(pub(in crate::disk) $field: $type,)*
+        pub(crate) struct $row {
+            $(pub(crate) $field: $type,)*
         }
 
         impl $crate::disk::table::row::Row for $row {
@@ -241,18 +241,4 @@ macro_rules! row {
         }
     };
 }
-pub(in crate::disk) use row;
-
-/// Text that is shared with the row before, if it is the same: names repeat from row to row.
-#[derive(Default)]
-pub(in crate::disk) struct Shared(Text);
-
-impl Shared {
-    /// The text.
-    pub(in crate::disk) fn text(&mut self, text: &str) -> Text {
-        if *self.0 != *text {
-            self.0 = text.into();
-        }
-        Text::clone(&self.0)
-    }
-}
+pub(crate) use row;

@@ -8,13 +8,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use parquet::file::metadata::ParquetMetaData;
 use parquet::file::statistics::Statistics;
 
+use super::parquet_input::ParquetInput;
+use super::read::read_footer;
+use super::{Batch, EPISODE_COLUMN, ParquetTable, Row, Want, broken, plain_pages};
 use crate::DiskError;
-use crate::disk::table::batch::Batch;
-use crate::disk::table::parquet_input::{ParquetInput, broken};
-use crate::disk::table::plain_pages;
-use crate::disk::table::read::{ParquetTable, Want, read_footer};
-use crate::disk::table::row::Row;
-use crate::disk::table::write::EPISODE_COLUMN;
 
 /// Number of footers that are kept. Choice: a set of 64 data files, which is 6 GB, is read without parsing any footer
 /// twice, and the footers take some 50 MB.
@@ -23,25 +20,25 @@ const MOST_FOOTERS: usize = 512;
 /// The footers of files that have been read. They are kept, because parsing a footer takes longer the more reaches its
 /// file holds.
 #[derive(Debug, Default)]
-pub(in crate::disk) struct Footers {
+pub(crate) struct Footers {
     known: Mutex<HashMap<PathBuf, Arc<ParquetMetaData>>>,
 }
 
 /// The rows of one episode in one table.
-pub(in crate::disk) struct EpisodeRows {
+pub(crate) struct EpisodeRows {
     path: PathBuf,
     /// The rows, batch by batch.
-    pub(in crate::disk) batches: Vec<Batch>,
+    pub(crate) batches: Vec<Batch>,
 }
 
 impl EpisodeRows {
     /// Number of rows.
-    pub(in crate::disk) fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.batches.iter().map(|batch| batch.rows).sum()
     }
 
     /// An error unless the number of rows is as expected.
-    pub(in crate::disk) fn expect(self, count: usize) -> Result<Self, DiskError> {
+    pub(crate) fn expect(self, count: usize) -> Result<Self, DiskError> {
         if self.count() == count {
             return Ok(self);
         }
@@ -50,7 +47,7 @@ impl EpisodeRows {
     }
 
     /// The rows, each with its batch, which names the file in errors.
-    pub(in crate::disk) fn rows<R: Row>(&self) -> Result<Vec<(&Batch, R)>, DiskError> {
+    pub(crate) fn rows<R: Row>(&self) -> Result<Vec<(&Batch, R)>, DiskError> {
         let mut rows = Vec::with_capacity(self.count());
         for batch in &self.batches {
             rows.extend(batch.rows_as()?.into_iter().map(|row| (batch, row)));
@@ -59,7 +56,7 @@ impl EpisodeRows {
     }
 
     /// What `read` makes of the rows.
-    pub(in crate::disk) fn read<R: Row, T>(
+    pub(crate) fn read<R: Row, T>(
         &self,
         read: impl Fn(&Batch, R) -> Result<T, DiskError>,
     ) -> Result<Vec<T>, DiskError> {
@@ -78,7 +75,7 @@ fn episodes_of(footer: &ParquetMetaData, group: usize) -> [Option<i64>; 2] {
 }
 
 /// The row groups that may hold rows of an episode. A row group without statistics has to be read.
-pub(in crate::disk) fn row_groups_of(footer: &ParquetMetaData, episode: usize) -> Vec<usize> {
+pub(crate) fn row_groups_of(footer: &ParquetMetaData, episode: usize) -> Vec<usize> {
     let may_hold = |group: &usize| {
         let [min, max] = episodes_of(footer, *group);
         min.is_none_or(|min| min <= episode as i64) && max.is_none_or(|max| episode as i64 <= max)
@@ -92,7 +89,7 @@ fn holds_one_episode(footer: &ParquetMetaData, group: usize) -> bool {
 }
 
 /// Reads the rows of an episode, and only from row groups that may hold any, with the columns that `want` names.
-pub(in crate::disk) fn read_rows(
+pub(crate) fn read_rows(
     table: &ParquetTable,
     episode: usize,
     want: &dyn Fn(&str) -> Want,
@@ -116,12 +113,12 @@ pub(in crate::disk) fn read_rows(
             batches.push(table.batch(group, rows, want)?);
         }
     }
-    Ok(EpisodeRows { path: table.file.path().to_path_buf(), batches })
+    Ok(EpisodeRows { path: table.file.path.clone(), batches })
 }
 
 impl Footers {
     /// The rows of an episode in a file, with the columns that `want` names.
-    pub(in crate::disk) fn rows(
+    pub(crate) fn rows(
         &self,
         path: &Path,
         episode: usize,
@@ -132,7 +129,7 @@ impl Footers {
 
     /// Reads the numbers of a column of an episode into `to`. Returns `false` unless the episode is alone in its row
     /// group and [`plain_pages::read`] can read the column.
-    pub(in crate::disk) fn numbers<N>(
+    pub(crate) fn numbers<N>(
         &self,
         path: &Path,
         episode: usize,

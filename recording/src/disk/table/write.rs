@@ -21,10 +21,10 @@ use crate::disk::seal;
 use crate::disk::whole_file::{self, TemporaryFile};
 
 /// Number of rows that are encoded or decoded together. With 453 taxels their dense columns take about 15 MB.
-pub(in crate::disk) const ROWS_PER_BATCH: usize = 1024;
+pub(crate) const ROWS_PER_BATCH: usize = 1024;
 
 /// The column with the episode of a row.
-pub(in crate::disk) const EPISODE_COLUMN: &str = "episode_index";
+pub(crate) const EPISODE_COLUMN: &str = "episode_index";
 
 /// A page ends at about this many values.
 const VALUES_PER_PAGE: usize = 20_000;
@@ -95,20 +95,20 @@ fn encodings(columns: &[Column]) -> WriterPropertiesBuilder {
 }
 
 /// How rows with certain columns are encoded. Several threads may use it at a time.
-pub(in crate::disk) struct Encoder {
+pub(crate) struct Encoder {
     schema: TypePtr,
     columns: Vec<ColumnDescPtr>,
     properties: WriterPropertiesPtr,
 }
 
 /// A row group that is encoded, and belongs to no file yet.
-pub(in crate::disk) struct Group {
+pub(crate) struct Group {
     chunks: Vec<(Bytes, ColumnCloseResult)>,
 }
 
 impl Encoder {
     /// For columns like these; `path` is named in errors.
-    pub(in crate::disk) fn new(path: &Path, columns: &[Column]) -> Result<Self, DiskError> {
+    pub(crate) fn new(path: &Path, columns: &[Column]) -> Result<Self, DiskError> {
         let properties = encodings(columns)
             .set_compression(Compression::ZSTD(ZstdLevel::default()))
             // Forces and angles hardly repeat, except for zeros, which zstd compresses well.
@@ -128,7 +128,7 @@ impl Encoder {
     }
 
     /// Encodes a row group. Its rows come in batches; only what is encoded is kept in memory. `path` is named in errors.
-    pub(in crate::disk) fn encode(
+    pub(crate) fn encode(
         &self,
         path: &Path,
         batches: &mut dyn Iterator<Item = Result<Vec<Column>, DiskError>>,
@@ -155,7 +155,7 @@ impl Encoder {
 }
 
 /// A Parquet file (zstd) that is being written. It gets its name when it is closed.
-pub(in crate::disk) struct ParquetFile {
+pub(crate) struct ParquetFile {
     path: PathBuf,
     encoder: Encoder,
     writer: SerializedFileWriter<TemporaryFile>,
@@ -166,7 +166,7 @@ pub(in crate::disk) struct ParquetFile {
 impl ParquetFile {
     /// Creates a file for columns like these with key-value metadata. If [`seal::unsealed`] is among them, the file
     /// will contain its own hash.
-    pub(in crate::disk) fn create(
+    pub(crate) fn create(
         path: &Path,
         columns: &[Column],
         key_values: Vec<(&'static str, String)>,
@@ -186,7 +186,7 @@ impl ParquetFile {
     }
 
     /// Writes a row group, unless it has no rows. Its rows come in batches; only what is encoded is kept in memory.
-    pub(in crate::disk) fn write_group(
+    pub(crate) fn write_group(
         &mut self,
         batches: &mut dyn Iterator<Item = Result<Vec<Column>, DiskError>>,
     ) -> Result<(), DiskError> {
@@ -195,7 +195,7 @@ impl ParquetFile {
     }
 
     /// Appends a row group that an encoder for columns like those of the file has encoded, unless it has no rows.
-    pub(in crate::disk) fn append(&mut self, group: Group) -> Result<(), DiskError> {
+    pub(crate) fn append(&mut self, group: Group) -> Result<(), DiskError> {
         if group.chunks.iter().all(|(_, closed)| closed.rows_written == 0) {
             return Ok(());
         }
@@ -211,7 +211,7 @@ impl ParquetFile {
     }
 
     /// Writes the footer and gives the file its name.
-    pub(in crate::disk) fn close(self) -> Result<(), DiskError> {
+    pub(crate) fn close(self) -> Result<(), DiskError> {
         let mut temporary = self.writer.into_inner().map_err(DiskError::encode(&self.path))?;
         let file = temporary.as_file_mut();
         column_order::declare_usual(file)
@@ -222,7 +222,7 @@ impl ParquetFile {
 }
 
 /// Writes a table of one batch.
-pub(in crate::disk) fn write_table(
+pub(crate) fn write_table(
     path: &Path,
     columns: Vec<Column>,
     key_values: Vec<(&'static str, String)>,

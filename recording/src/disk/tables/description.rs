@@ -9,7 +9,7 @@ use crate::disk::table::{COLUMNS_KEY, Column, Described, Type, part_names};
 use crate::disk::tables::dictionary::Table;
 
 /// The codes of the built-in categories and of `further` ones with their names; −1 is none.
-pub(in crate::disk) fn category_codes(further: &[Category]) -> BTreeMap<i8, String> {
+pub(crate) fn category_codes(further: &[Category]) -> BTreeMap<i8, String> {
     let categories = Category::BUILT_IN.iter().chain(further);
     let codes = categories.map(|category| (category.code(), category.name().to_owned()));
     codes.chain([(-1, "none".to_owned())]).collect()
@@ -27,35 +27,23 @@ struct About {
 
 /// The columns of a file with their descriptions, units and codes, as a JSON object; `further` are categories that are
 /// not built in.
-pub(in crate::disk) fn about(tables: &[&Table], columns: &[Column], further: &[Category]) -> String {
+pub(crate) fn about(tables: &[&Table], columns: &[Column], further: &[Category]) -> String {
     let described: Vec<Described> = tables.iter().flat_map(|table| (table.columns)()).collect();
-    let mut all = BTreeMap::new();
-    for column in columns {
-        let Some(found) = described.iter().find(|described| covers(described, &column.name)) else {
-            continue;
-        };
-        let has_codes = found.value == Type::Int8;
-        let about = About {
-            description: found.what,
-            unit: found.unit,
-            codes: if has_codes { category_codes(further) } else { BTreeMap::new() },
-        };
-        all.insert(&column.name, about);
-    }
-    serde_json::to_string(&all).unwrap_or_default()
+    let all = columns.iter().filter_map(|column| {
+        let found = described.iter().find(|described| covers(described, &column.name))?;
+        let codes = if found.value == Type::Int8 { category_codes(further) } else { BTreeMap::new() };
+        Some((&column.name, About { description: found.what, unit: found.unit, codes }))
+    });
+    serde_json::to_string(&all.collect::<BTreeMap<_, _>>()).unwrap_or_default()
 }
 
 /// As [`about`], as an entry of the metadata of a file.
-pub(in crate::disk) fn about_entry(
-    tables: &[&Table],
-    columns: &[Column],
-    further: &[Category],
-) -> (&'static str, String) {
+pub(crate) fn about_entry(tables: &[&Table], columns: &[Column], further: &[Category]) -> (&'static str, String) {
     (COLUMNS_KEY, about(tables, columns, further))
 }
 
 /// Whether an entry describes a column of a file.
-pub(in crate::disk) fn covers(described: &Described, name: &str) -> bool {
+pub(crate) fn covers(described: &Described, name: &str) -> bool {
     match described.name.strip_suffix("PATCH") {
         Some(prefix) => name.starts_with(prefix),
         None => part_names(described).iter().any(|part| part == name),
@@ -74,7 +62,7 @@ fn describe(table: &Table) -> String {
 }
 
 /// Tables, columns, units and codes in Markdown; `further` are categories that are not built in.
-pub(in crate::disk) fn describe_tables(tables: &[&Table], further: &[Category]) -> String {
+pub(crate) fn describe_tables(tables: &[&Table], further: &[Category]) -> String {
     let codes: Vec<_> = category_codes(further).iter().map(|(code, name)| format!("{code} {name}")).collect();
     let codes = codes.join(", ").replace('-', "−");
     let mut text = format!("Category codes: {codes}. The metadata of the Parquet files have units and codes, too.\n");

@@ -11,23 +11,24 @@ use crate::disk::tables::truth_columns::TRUTH_COLUMNS;
 
 /// One table.
 #[derive(Clone, Copy)]
-pub(in crate::disk) struct Table {
+pub(crate) struct Table {
     /// Name in the card, for `datasets.load_dataset(FOLDER, NAME)`.
-    pub(in crate::disk) name: &'static str,
+    pub(crate) name: &'static str,
     /// Folder or file, relative to the data set.
-    pub(in crate::disk) path: &'static str,
+    pub(crate) path: &'static str,
     /// What a row is.
-    pub(in crate::disk) row: &'static str,
+    pub(crate) row: &'static str,
     /// Its columns.
-    pub(in crate::disk) columns: fn() -> Vec<Described>,
+    pub(crate) columns: fn() -> Vec<Described>,
 }
 
-const fn table<R: Row>(name: &'static str, path: &'static str, row: &'static str) -> Table {
+/// A table with these rows.
+pub(crate) const fn table<R: Row>(name: &'static str, path: &'static str, row: &'static str) -> Table {
     Table { name, path, row, columns: || R::COLUMNS.to_vec() }
 }
 
 /// The frames.
-pub(in crate::disk) const FRAMES: Table = Table {
+pub(crate) const FRAMES: Table = Table {
     name: "frames",
     path: "data",
     row: "a frame; J joints, n taxels in each patch",
@@ -35,7 +36,7 @@ pub(in crate::disk) const FRAMES: Table = Table {
 };
 
 /// The columns that a single recording has in addition to those of [`FRAMES`].
-pub(in crate::disk) const RECORDING_TRUTH: Table = Table {
+pub(crate) const RECORDING_TRUTH: Table = Table {
     name: "recording",
     path: "the file of a single recording",
     row: "a frame; the columns of `data` come first, then these",
@@ -63,7 +64,7 @@ row! {
 }
 
 /// Ground truth of each taxel.
-pub(in crate::disk) const TRUTH_TAXELS: Table = table::<TruthTaxel>(
+pub(crate) const TRUTH_TAXELS: Table = table::<TruthTaxel>(
     "truth_taxels",
     "truth/taxels",
     "a taxel in contact, in one frame; taxels without contact have no row",
@@ -81,7 +82,7 @@ row! {
 }
 
 /// Ground truth of each patch.
-pub(in crate::disk) const TRUTH_PATCHES: Table =
+pub(crate) const TRUTH_PATCHES: Table =
     table::<TruthPatch>("truth_patches", "truth/patches", "a patch in contact, in one frame");
 
 row! {
@@ -108,7 +109,7 @@ row! {
 }
 
 /// Bodies and their shapes.
-pub(in crate::disk) const TRUTH_BODIES: Table = table::<TruthBody>(
+pub(crate) const TRUTH_BODIES: Table = table::<TruthBody>(
     "truth_bodies",
     "truth/bodies",
     "a collision shape of a rigid body (a link, or a part of an object that moves as one piece)",
@@ -128,7 +129,7 @@ row! {
 }
 
 /// Poses over time.
-pub(in crate::disk) const TRUTH_POSES: Table = table::<TruthPose>(
+pub(crate) const TRUTH_POSES: Table = table::<TruthPose>(
     "truth_poses",
     "truth/poses",
     "a body in a frame where its pose differs from the previous frame; the pose holds until the body's next row. Before \
@@ -148,7 +149,7 @@ row! {
 }
 
 /// Objects.
-pub(in crate::disk) const TRUTH_OBJECTS: Table =
+pub(crate) const TRUTH_OBJECTS: Table =
     table::<TruthObject>("truth_objects", "truth/objects", "an object in the clutter of a reach");
 
 row! {
@@ -169,7 +170,7 @@ row! {
 }
 
 /// Goals.
-pub(in crate::disk) const TRUTH_GOALS: Table = table::<TruthGoal>("truth_goals", "truth/goals", "a goal of a reach");
+pub(crate) const TRUTH_GOALS: Table = table::<TruthGoal>("truth_goals", "truth/goals", "a goal of a reach");
 
 row! {
     /// A row of [`TRUTH_CONTACTS`].
@@ -208,7 +209,7 @@ row! {
 }
 
 /// Contacts as the solver found them.
-pub(in crate::disk) const TRUTH_CONTACT_POINTS: Table = table::<TruthContactPoint>(
+pub(crate) const TRUTH_CONTACT_POINTS: Table = table::<TruthContactPoint>(
     "truth_contact_points",
     "truth/contact_points",
     "a contact of a patch or a bare link with a body of an object or another link, in one frame; no rows if the scene says \
@@ -216,7 +217,7 @@ pub(in crate::disk) const TRUTH_CONTACT_POINTS: Table = table::<TruthContactPoin
 );
 
 /// Contacts.
-pub(in crate::disk) const TRUTH_CONTACTS: Table = table::<TruthContact>(
+pub(crate) const TRUTH_CONTACTS: Table = table::<TruthContact>(
     "truth_contacts",
     "truth/contacts",
     "a contact of an object with a patch or a bare link, from its first frame to its last",
@@ -236,7 +237,7 @@ row! {
 }
 
 /// What the controller believes, which is not the truth.
-pub(in crate::disk) const MAP: Table =
+pub(crate) const MAP: Table =
     table::<MapRow>("map", "controller/map", "an obstacle on the controller's map; no rows if the controller has none");
 
 row! {
@@ -255,10 +256,10 @@ row! {
 }
 
 /// Taxels.
-pub(in crate::disk) const TAXELS: Table = table::<SkinTaxel>("taxels", "meta/taxels.parquet", "a taxel");
+pub(crate) const TAXELS: Table = table::<SkinTaxel>("taxels", "meta/taxels.parquet", "a taxel");
 
 /// All tables that are described here. LeRobot's own tables in `meta/` are not among them.
-pub(in crate::disk) const TABLES: [&Table; 11] = [
+pub(crate) const TABLES: [&Table; 11] = [
     &FRAMES,
     &TRUTH_TAXELS,
     &TRUTH_PATCHES,

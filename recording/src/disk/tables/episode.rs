@@ -65,9 +65,4 @@ impl Episode {
             audit: recording.audit,
         }
     }
-
-    /// Number of goals that were tried.
-    pub fn goals(&self) -> usize {
-        self.goal_outcomes.tried()
-    }
 }

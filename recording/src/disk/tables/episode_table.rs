@@ -49,7 +49,7 @@ fn goals_column(outcome: Outcome) -> String {
 const TOUCHED_FRAMES: &str = "touched_frames.";
 
 /// Writes the episodes, in order.
-pub(in crate::disk) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), DiskError> {
+pub(crate) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), DiskError> {
     let row = |(index, episode): (usize, &Episode)| EpisodeRow {
         episode_index: index as i64,
         tasks: Some(vec![episode.task.as_str().into()]),
@@ -79,14 +79,10 @@ pub(in crate::disk) fn write_episodes(path: &Path, episodes: &[Episode]) -> Resu
         }
     };
     let mut columns = EpisodeRow::write(&episodes.iter().enumerate().map(row).collect::<Vec<_>>());
-    columns.extend(Audit::COUNTS.iter().map(|field| {
-        let counts = episodes.iter().map(|episode| i64::from((field.get)(&episode.audit)));
-        Column::of(field.name, counts)
-    }));
-    columns.extend(Audit::FIELDS.iter().map(|field| {
-        let figures = episodes.iter().map(|episode| (field.get)(&episode.audit));
-        Column::of(field.name, figures)
-    }));
+    let audits = || episodes.iter().map(|episode| &episode.audit);
+    columns
+        .extend(Audit::COUNTS.map(|field| Column::of(field.name, audits().map(|audit| i64::from((field.get)(audit))))));
+    columns.extend(Audit::FIELDS.map(|field| Column::of(field.name, audits().map(field.get))));
     columns.extend(Outcome::ALL.map(|outcome| {
         let goals = episodes.iter().map(|episode| episode.goal_outcomes.of(outcome) as i64);
         Column::of(goals_column(outcome), goals)
@@ -102,7 +98,7 @@ pub(in crate::disk) fn write_episodes(path: &Path, episodes: &[Episode]) -> Resu
 }
 
 /// Reads the episodes, in order.
-pub(in crate::disk) fn read_episodes(path: &Path) -> Result<Vec<Episode>, DiskError> {
+pub(crate) fn read_episodes(path: &Path) -> Result<Vec<Episode>, DiskError> {
     let mut episodes = Vec::new();
     for batch in ParquetTable::open(path)?.batches(&|_| Want::All) {
         read_batch(&batch?, &mut episodes)?;

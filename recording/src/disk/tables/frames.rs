@@ -20,44 +20,39 @@ const POSITION: Width = Width::Named(&["x_m", "y_m", "z_m"]);
 
 /// The position of a reach in a data set; the default is the position of a single reach.
 #[derive(Clone, Copy, Default)]
-pub(in crate::disk) struct Numbering {
+pub(crate) struct Numbering {
     /// The episode.
-    pub(in crate::disk) episode: usize,
+    pub(crate) episode: usize,
     /// Index of its first frame among all frames of the set.
-    pub(in crate::disk) first_index: usize,
+    pub(crate) first_index: usize,
     /// The task.
-    pub(in crate::disk) task: i64,
+    pub(crate) task: i64,
 }
 
 /// A checked recording, whose frames are rows.
-pub(in crate::disk) struct ReachRows<'a> {
-    pub(in crate::disk) recording: &'a Recording,
-    pub(in crate::disk) numbering: Numbering,
+pub(crate) struct ReachRows<'a> {
+    pub(crate) recording: &'a Recording,
+    pub(crate) numbering: Numbering,
     /// The points of all tracks with their bodies, frame by frame.
-    pub(in crate::disk) moves: Vec<(usize, TrackPoint)>,
+    pub(crate) moves: Vec<(usize, TrackPoint)>,
 }
 
 impl ReachRows<'_> {
     /// The frame of a place.
-    pub(in crate::disk) fn frame(&self, place: Place) -> &Frame {
+    pub(crate) fn frame(&self, place: Place) -> &Frame {
         &self.recording.frames[place.frame]
-    }
-
-    /// The readings of a place.
-    pub(in crate::disk) fn readings(&self, place: Place) -> impl Iterator<Item = &TaxelReading> {
-        readings_of(self.recording, place)
     }
 }
 
 /// Where a value stands: the index of the frame, and of the patch for columns of patches.
 #[derive(Clone, Copy)]
-pub(in crate::disk) struct Place {
-    pub(in crate::disk) frame: usize,
-    pub(in crate::disk) patch: usize,
+pub(crate) struct Place {
+    pub(crate) frame: usize,
+    pub(crate) patch: usize,
 }
 
 /// What a value is, and what it may be.
-pub(in crate::disk) type Fault = (String, String);
+pub(crate) type Fault = (String, String);
 
 /// Makes the column of a patch in some frames, with this name and width.
 type Give = fn(&ReachRows, Range<usize>, usize, (&str, Option<usize>)) -> Column;
@@ -65,15 +60,15 @@ type Give = fn(&ReachRows, Range<usize>, usize, (&str, Option<usize>)) -> Column
 type Take = fn(&mut Recording, usize, usize, &Column) -> Result<(), Fault>;
 
 /// A column of frames.
-pub(in crate::disk) struct FrameColumn {
-    pub(in crate::disk) described: Described,
-    pub(in crate::disk) give: Give,
+pub(crate) struct FrameColumn {
+    pub(crate) described: Described,
+    pub(crate) give: Give,
     /// `None` if the values follow from others.
-    pub(in crate::disk) take: Option<Take>,
+    pub(crate) take: Option<Take>,
 }
 
 /// Makes a column from a function that fills a row, which has the column's width and zeros.
-pub(in crate::disk) fn give_rows<T: Value>(
+pub(crate) fn give_rows<T: Value>(
     rows: &ReachRows,
     frames: Range<usize>,
     patch: usize,
@@ -89,7 +84,7 @@ pub(in crate::disk) fn give_rows<T: Value>(
 }
 
 /// Makes a column from a function that appends a list.
-pub(in crate::disk) fn give_lists<T: Value>(
+pub(crate) fn give_lists<T: Value>(
     rows: &ReachRows,
     frames: Range<usize>,
     patch: usize,
@@ -107,7 +102,7 @@ pub(in crate::disk) fn give_lists<T: Value>(
 }
 
 /// Adds the values of a column row by row.
-pub(in crate::disk) fn take_rows<T: Value>(
+pub(crate) fn take_rows<T: Value>(
     recording: &mut Recording,
     first: usize,
     patch: usize,
@@ -145,16 +140,16 @@ macro_rules! frame_columns {
         })
     };
 }
-pub(in crate::disk) use frame_columns;
+pub(crate) use frame_columns;
 
 /// Sets a field.
-pub(in crate::disk) fn set<T>(field: &mut T, value: T) -> Result<(), Fault> {
+pub(crate) fn set<T>(field: &mut T, value: T) -> Result<(), Fault> {
     *field = value;
     Ok(())
 }
 
 /// The columns of frames in data sets and recordings.
-pub(in crate::disk) static FRAME_COLUMNS: &[FrameColumn] = frame_columns! {
+pub(crate) static FRAME_COLUMNS: &[FrameColumn] = frame_columns! {
     // LeRobot computes the time stamp from the frame rate. The measured time has its own column, in full precision.
     "timestamp": Width::One, f32, "s", "frame_index / rate, as LeRobot defines it";
         give_rows give |rows, place, to| to.fill((place.frame as f64 / rows.recording.rate_hz) as f32);
@@ -206,9 +201,7 @@ pub(in crate::disk) static FRAME_COLUMNS: &[FrameColumn] = frame_columns! {
             set(&mut recording.frames[place.frame].patch_pose_world[place.patch], pose(from))
         };
     "observation.tactile.PATCH": Width::Taxels(1), f32, "N", "normal force that each taxel reports, by taxel index";
-        give_rows give |rows, place, to| {
-            rows.readings(place).for_each(|reading| to[usize::from(reading.taxel)] = reading.sensed_force_n as f32);
-        };
+        give_rows give |rows, place, to| give_readings(rows, place, to, |reading| reading.sensed_force_n as f32);
         take |recording, place, from| {
             let forces = from.iter().map(|force_n| f64::from(*force_n)).enumerate();
             for (taxel, force_n) in forces.filter(|(_, force_n)| !is_nothing(*force_n)) {
@@ -220,15 +213,15 @@ pub(in crate::disk) static FRAME_COLUMNS: &[FrameColumn] = frame_columns! {
 
 /// A column of the frames of a robot: of one of its patches, if the column belongs to patches.
 #[derive(Clone)]
-pub(in crate::disk) struct Feature {
+pub(crate) struct Feature {
     column: &'static FrameColumn,
     /// Name of the column, without "/".
-    pub(in crate::disk) name: String,
+    pub(crate) name: String,
     patch: usize,
     /// Numbers in a row; `None` for lists.
-    pub(in crate::disk) width: Option<usize>,
+    pub(crate) width: Option<usize>,
     /// Names of the numbers, unless they are taxels.
-    pub(in crate::disk) names: Option<Vec<String>>,
+    pub(crate) names: Option<Vec<String>>,
 }
 
 impl Feature {
@@ -249,7 +242,7 @@ impl Feature {
     }
 
     /// Type of its numbers.
-    pub(in crate::disk) fn number(&self) -> Type {
+    pub(crate) fn number(&self) -> Type {
         self.column.described.value
     }
 
@@ -295,11 +288,7 @@ impl Feature {
 }
 
 /// The columns of the frames of a robot, in file order: those of a patch stand together.
-pub(in crate::disk) fn features(
-    columns: &'static [FrameColumn],
-    joint_names: &[String],
-    layout: &SkinLayout,
-) -> Vec<Feature> {
+pub(crate) fn features(columns: &'static [FrameColumn], joint_names: &[String], layout: &SkinLayout) -> Vec<Feature> {
     let of_patches = |column: &FrameColumn| column.described.name.ends_with("PATCH");
     let mut features = Vec::new();
     for group in columns.chunk_by(|a, b| of_patches(a) == of_patches(b)) {
@@ -312,24 +301,20 @@ pub(in crate::disk) fn features(
 }
 
 /// The columns of some frames.
-pub(in crate::disk) fn columns_of(features: &[Feature], rows: &ReachRows, frames: Range<usize>) -> Vec<Column> {
+pub(crate) fn columns_of(features: &[Feature], rows: &ReachRows, frames: Range<usize>) -> Vec<Column> {
     let give =
         |feature: &Feature| (feature.column.give)(rows, frames.clone(), feature.patch, (&feature.name, feature.width));
     features.iter().map(give).collect()
 }
 
 /// What a reader of frames needs of the column with a name.
-pub(in crate::disk) fn wanted(features: &[Feature]) -> impl Fn(&str) -> Want {
+pub(crate) fn wanted(features: &[Feature]) -> impl Fn(&str) -> Want {
     move |name| features.iter().find(|feature| feature.name == name).map_or(Want::Nothing, Feature::want)
 }
 
 /// Appends the rows of a batch to the frames of a recording whose other fields are known. What the columns do not hold is
 /// left out.
-pub(in crate::disk) fn append_frames(
-    features: &[Feature],
-    batch: &Batch,
-    recording: &mut Recording,
-) -> Result<(), DiskError> {
+pub(crate) fn append_frames(features: &[Feature], batch: &Batch, recording: &mut Recording) -> Result<(), DiskError> {
     let patches = recording.layout.patches.len();
     let first = recording.frames.len();
     recording.frames.resize(first + batch.rows, Frame::blank(patches));
@@ -338,13 +323,20 @@ pub(in crate::disk) fn append_frames(
 }
 
 /// The readings of the taxels of a patch in a frame.
-pub(in crate::disk) fn readings_of(recording: &Recording, place: Place) -> impl Iterator<Item = &TaxelReading> {
+pub(crate) fn readings_of(recording: &Recording, place: Place) -> impl Iterator<Item = &TaxelReading> {
     let of_patch = move |reading: &&TaxelReading| usize::from(reading.patch) == place.patch;
     recording.frames[place.frame].taxels.iter().filter(of_patch)
 }
 
+/// Gives each taxel that has a reading its value.
+pub(crate) fn give_readings<T>(rows: &ReachRows, place: Place, to: &mut [T], value: impl Fn(&TaxelReading) -> T) {
+    for reading in readings_of(rows.recording, place) {
+        to[usize::from(reading.taxel)] = value(reading);
+    }
+}
+
 /// The reading of a taxel, which is added if the frame has none.
-pub(in crate::disk) fn reading_of(recording: &mut Recording, place: Place, taxel: usize) -> &mut TaxelReading {
+pub(crate) fn reading_of(recording: &mut Recording, place: Place, taxel: usize) -> &mut TaxelReading {
     let taxels = &mut recording.frames[place.frame].taxels;
     // Both fit, as the layout was checked.
     let key = (place.patch as u16, taxel as u16);
@@ -361,6 +353,6 @@ fn pose(numbers: &[f64]) -> Pose {
 }
 
 /// Whether a number is the one stored for taxels that a frame does not list: 0, but not −0, so that reading is exact.
-pub(in crate::disk) fn is_nothing(number: f64) -> bool {
+pub(crate) fn is_nothing(number: f64) -> bool {
     number.to_bits() == 0
 }

@@ -9,5 +9,4 @@ pub(super) mod tasks;
 pub(super) mod taxel_table;
 pub(super) mod truth_bodies;
 pub(super) mod truth_columns;
-pub(super) mod truth_frames;
 pub(super) mod truth_tables;

@@ -1,6 +1,5 @@
 //! The tasks of a data set (`meta/tasks.parquet`): one sentence for each kind of reach.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde_json::{Value, json};
@@ -8,28 +7,16 @@ use serde_json::{Value, json};
 use crate::DiskError;
 use crate::disk::table::{Column, Text, write_table};
 
-/// The tasks in the order of their first episodes, with their indices.
-pub(in crate::disk) fn number_tasks<'a>(tasks: impl IntoIterator<Item = &'a str>) -> BTreeMap<&'a str, i64> {
-    let mut numbers = BTreeMap::new();
-    for task in tasks {
-        let next = numbers.len() as i64;
-        numbers.entry(task).or_insert(next);
-    }
-    numbers
-}
-
 /// The entry of a column in the pandas metadata.
 fn pandas_column(name: &str, pandas: &str, numpy: &str) -> Value {
     json!({"name": name, "field_name": name, "pandas_type": pandas, "numpy_type": numpy, "metadata": null})
 }
 
-/// Writes the tasks. LeRobot takes the sentence from the pandas index, so the metadata declare `task` as the index.
-pub(in crate::disk) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, i64>) -> Result<(), DiskError> {
-    let mut tasks: Vec<_> = numbers.iter().map(|(task, number)| (*number, *task)).collect();
-    tasks.sort_unstable();
+/// Writes the tasks in their order. LeRobot takes the sentence from the pandas index, so the metadata declare `task` as the index.
+pub(crate) fn write_tasks(path: &Path, tasks: &[&str]) -> Result<(), DiskError> {
     let columns = vec![
-        Column::of("task_index", tasks.iter().map(|(number, _)| *number)),
-        Column::of("task", tasks.iter().map(|(_, task)| Text::from(*task))),
+        Column::of("task_index", 0..tasks.len() as i64),
+        Column::of("task", tasks.iter().map(|task| Text::from(*task))),
     ];
     let pandas = json!({
         "index_columns": ["task"],

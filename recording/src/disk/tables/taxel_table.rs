@@ -13,7 +13,7 @@ use crate::{DiskError, Patch, SkinLayout, Taxel};
 const PATCHES_KEY: &str = "underbrush.patches";
 
 /// Writes the taxel table.
-pub(in crate::disk) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<(), DiskError> {
+pub(crate) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<(), DiskError> {
     let row = |patch: &Patch, index: usize, taxel: &Taxel| SkinTaxel {
         patch: patch.name.as_str().into(),
         taxel: index as i32,
@@ -32,14 +32,14 @@ pub(in crate::disk) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<
     }
     let bare = |patch: &Patch| Patch { taxels: Vec::new(), ..patch.clone() };
     let patches = serde_json::to_string(&layout.patches.iter().map(bare).collect::<Vec<_>>())
-        .map_err(|error| DiskError::io(path, "write")(error.into()))?;
+        .map_err(DiskError::io(path, "write"))?;
     let columns = SkinTaxel::write(&rows);
     let about = about_entry(&[&TAXELS], &columns, &[]);
     write_table(path, columns, vec![(PATCHES_KEY, patches), about])
 }
 
 /// Reads the skin.
-pub(in crate::disk) fn read_taxels(path: &Path) -> Result<SkinLayout, DiskError> {
+pub(crate) fn read_taxels(path: &Path) -> Result<SkinLayout, DiskError> {
     let table = ParquetTable::open(path)?;
     let patches: Vec<Patch> = serde_json::from_str(&table.key_value(PATCHES_KEY)?)
         .map_err(|error| broken(path, format!("{PATCHES_KEY}: {error}")))?;

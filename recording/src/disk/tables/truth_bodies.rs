@@ -46,7 +46,7 @@ fn round(row: TruthBody, radius_m: f64, length_m: f64) -> TruthBody {
 }
 
 /// An episode's bodies.
-pub(in crate::disk) fn body_rows(episode: usize, recording: &Recording) -> Vec<TruthBody> {
+pub(crate) fn body_rows(episode: usize, recording: &Recording) -> Vec<TruthBody> {
     let mut rows = Vec::new();
     for (index, body) in recording.bodies.iter().enumerate() {
         let bare = bare_row(episode, index, body, recording);
@@ -82,7 +82,7 @@ fn shape_of(batch: &Batch, row: &TruthBody) -> Result<Option<BodyShape>, DiskErr
 }
 
 /// Reads the bodies of an episode, without their motion.
-pub(in crate::disk) fn read_bodies(rows: &EpisodeRows) -> Result<Vec<Body>, DiskError> {
+pub(crate) fn read_bodies(rows: &EpisodeRows) -> Result<Vec<Body>, DiskError> {
     let mut bodies: Vec<Body> = Vec::new();
     for (batch, row) in rows.rows::<TruthBody>()? {
         let next = bodies.len();

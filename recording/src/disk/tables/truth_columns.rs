@@ -5,21 +5,19 @@ use glam::DVec3;
 
 use crate::disk::table::Width;
 use crate::disk::tables::frames::{
-    Fault, FrameColumn, Place, ReachRows, frame_columns, is_nothing, reading_of, readings_of, set,
+    Fault, FrameColumn, Place, ReachRows, frame_columns, give_readings, is_nothing, reading_of, readings_of, set,
 };
-use crate::{ContactPoint, Recording, TaxelReading, TrackPoint};
+use crate::{ContactPoint, Recording, TrackPoint};
 
 /// "No object" and "no category".
-pub(in crate::disk) const NONE: i8 = -1;
+pub(crate) const NONE: i8 = -1;
 
 const FORCE: Width = Width::Named(&["x_n", "y_n", "z_n"]);
 
 /// The columns.
-pub(in crate::disk) static TRUTH_COLUMNS: &[FrameColumn] = frame_columns! {
+pub(crate) static TRUTH_COLUMNS: &[FrameColumn] = frame_columns! {
     "truth.normal_force.PATCH": Width::Taxels(1), f64, "N", "true normal force on each taxel, before the sensor";
-        give_rows give |rows, place, to| {
-            rows.readings(place).for_each(|reading| to[usize::from(reading.taxel)] = reading.true_normal_force_n);
-        };
+        give_rows give |rows, place, to| give_readings(rows, place, to, |reading| reading.true_normal_force_n);
         take |recording, place, from| {
             for (taxel, force_n) in from.iter().enumerate().filter(|(_, force_n)| !is_nothing(**force_n)) {
                 reading_of(recording, place, taxel).true_normal_force_n = *force_n;
@@ -29,8 +27,7 @@ pub(in crate::disk) static TRUTH_COLUMNS: &[FrameColumn] = frame_columns! {
     "truth.shear_force.PATCH": Width::Taxels(2), f64, "N", "true shear force along tangent and normal × tangent, taxel \
             by taxel";
         give_rows give |rows, place, to| {
-            let (to, _) = to.as_chunks_mut();
-            rows.readings(place).for_each(|reading| to[usize::from(reading.taxel)] = reading.true_shear_force_n);
+            give_readings(rows, place, to.as_chunks_mut().0, |reading| reading.true_shear_force_n);
         };
         take |recording, place, from| {
             let forces = from.as_chunks().0.iter().enumerate();
@@ -43,8 +40,7 @@ pub(in crate::disk) static TRUTH_COLUMNS: &[FrameColumn] = frame_columns! {
         give_rows give |rows, place, to| {
             to.fill(NONE.into());
             // A checked recording has at most 32768 objects.
-            let object = |reading: &TaxelReading| reading.object.map_or(NONE.into(), |object| object as i16);
-            rows.readings(place).for_each(|reading| to[usize::from(reading.taxel)] = object(reading));
+            give_readings(rows, place, to, |reading| reading.object.map_or(NONE.into(), |object| object as i16));
         };
         take |recording, place, from| {
             let count = recording.objects.len();
@@ -60,8 +56,7 @@ pub(in crate::disk) static TRUTH_COLUMNS: &[FrameColumn] = frame_columns! {
         give_rows give |rows, place, to| {
             to.fill(NONE);
             let code = |object: u16| rows.recording.objects[usize::from(object)].category.code();
-            rows.readings(place)
-                .for_each(|reading| to[usize::from(reading.taxel)] = reading.object.map_or(NONE, code));
+            give_readings(rows, place, to, |reading| reading.object.map_or(NONE, code));
         };
         // The category is that of the object, which was read before.
         take |recording, place, from| {
@@ -112,7 +107,7 @@ fn add_contact_points(recording: &mut Recording, place: Place, from: &[f32]) -> 
 }
 
 /// The points of all tracks with their bodies, frame by frame.
-pub(in crate::disk) fn moves(recording: &Recording) -> Vec<(usize, TrackPoint)> {
+pub(crate) fn moves(recording: &Recording) -> Vec<(usize, TrackPoint)> {
     let bodies = recording.bodies.iter().enumerate();
     let mut moves: Vec<_> =
         bodies.flat_map(|(body, found)| found.track.iter().map(move |point| (body, *point))).collect();

@@ -13,7 +13,7 @@ const FRAMES: [usize; 5] = [40, 25, 1500, 10, 33];
 /// Reach indices of the test set: a shard of a larger campaign.
 const REACHES: [u64; 5] = [4, 9, 14, 19, 24];
 
-pub(in crate::disk) fn recordings() -> Vec<Recording> {
+pub(crate) fn recordings() -> Vec<Recording> {
     let mut recordings: Vec<_> = REACHES.iter().zip(FRAMES).map(|(&index, frames)| reach(index, frames)).collect();
     // A reach without objects, goals and contacts.
     let quiet = &mut recordings[3];
@@ -77,7 +77,7 @@ pub(super) fn plan() -> DatasetPlan {
     }
 }
 
-pub(in crate::disk) fn begin(dir: &Path, resume: bool) -> DatasetWriter {
+pub(crate) fn begin(dir: &Path, resume: bool) -> DatasetWriter {
     let mut writer = DatasetWriter::create(dir, plan(), resume).unwrap();
     // So small that the reaches fill several data files.
     writer.staging.bytes_per_file = 60_000;
@@ -85,7 +85,7 @@ pub(in crate::disk) fn begin(dir: &Path, resume: bool) -> DatasetWriter {
 }
 
 /// A finished set of [`recordings`].
-pub(in crate::disk) fn make(dir: &Path) -> Dataset {
+pub(crate) fn make(dir: &Path) -> Dataset {
     let writer = begin(dir, false);
     for (position, recording) in recordings().iter().enumerate() {
         writer.stage(position, recording).unwrap();
@@ -94,7 +94,7 @@ pub(in crate::disk) fn make(dir: &Path) -> Dataset {
 }
 
 /// Copies a folder with its subfolders, as a crash at this moment would leave it.
-pub(in crate::disk) fn copy(from: &Path, to: &Path) {
+pub(crate) fn copy(from: &Path, to: &Path) {
     for (name, bytes) in contents(from) {
         let path = to.join(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
@@ -103,7 +103,7 @@ pub(in crate::disk) fn copy(from: &Path, to: &Path) {
 }
 
 /// All files below a folder with their bytes.
-pub(in crate::disk) fn contents(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+pub(crate) fn contents(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     fn gather(root: &Path, folder: &Path, files: &mut BTreeMap<PathBuf, Vec<u8>>) {
         for entry in fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();

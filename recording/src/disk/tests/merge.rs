@@ -98,7 +98,7 @@ fn parts_merge_into_the_undivided_set() {
         let writer = begin(&merged, shards.plan(), false).unwrap();
         let reaches = campaign();
         let killed = writer.finish_from(|position| match position {
-            position if position == killed_at => Err(DiskError::Finished { dir: merged.clone() }),
+            position if position == killed_at => Err(DiskError::Finished(merged.clone())),
             position => Ok(reaches[position].clone()),
         });
         assert!(matches!(killed, Err(DiskError::Finished { .. })));

@@ -1,7 +1,7 @@
 //! Tests of the disk formats, and a small reach for them.
 
 mod categories;
-pub(in crate::disk) mod dataset;
+pub(crate) mod dataset;
 mod dictionary;
 mod finish;
 mod flips;

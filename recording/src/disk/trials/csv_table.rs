@@ -5,30 +5,24 @@ use std::sync::Arc;
 
 use super::cell::{Cell, Cells};
 use super::collect::Collector;
-use super::{COLUMNS, TrialRow, channel_column, channel_columns, place_columns, push};
-use crate::disk::table::Row;
+use super::{COLUMNS, channel_columns, columns_of, place_columns};
 use crate::disk::whole_file;
 use crate::limits::CSV_BYTES;
 use crate::text_line::line_of_row;
 use crate::{DiskError, InputError, Trial, read_bytes};
 
-/// Converts an error of the CSV parser.
+/// Converts an error of the CSV parser, which reads from memory.
 fn refused(path: &Path, text: &[u8], error: csv::Error) -> DiskError {
     let line = error.position().map(|position| line_of_row(text, position));
-    match error.into_kind() {
-        csv::ErrorKind::Io(source) => DiskError::Io { path: path.to_path_buf(), action: "read", source },
-        kind => {
-            let (found, allowed) = match kind {
-                csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-                    (format!("{len} cells"), format!("{expected_len} cells, as in the header"))
-                }
-                csv::ErrorKind::Utf8 { .. } => ("bytes that are not UTF-8".into(), "UTF-8 text".to_string()),
-                other => (format!("{other:?}"), "CSV with a header line".to_string()),
-            };
-            let remedy = "correct the line, or save the table again as CSV in UTF-8";
-            InputError::new(path, "row", found, allowed, remedy).at_line(line).into()
+    let (found, allowed) = match error.into_kind() {
+        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
+            (format!("{len} cells"), format!("{expected_len} cells, as in the header"))
         }
-    }
+        csv::ErrorKind::Utf8 { .. } => ("bytes that are not UTF-8".into(), "UTF-8 text".to_string()),
+        other => (format!("{other:?}"), "CSV with a header line".to_string()),
+    };
+    let remedy = "correct the line, or save the table again as CSV in UTF-8";
+    InputError::new(path, "row", found, allowed, remedy).at_line(line).into()
 }
 
 /// Reads a table.
@@ -61,18 +55,16 @@ pub(super) fn write(
     channels: &[Arc<str>],
     trials: &mut dyn Iterator<Item = Result<Trial, DiskError>>,
 ) -> Result<(), DiskError> {
-    let failed = |error: csv::Error| DiskError::io(path, "write")(error.into());
     let mut writer = csv::Writer::from_writer(whole_file::begin(path)?);
     let names: Vec<&str> = COLUMNS.into_iter().chain(channels.iter().map(|name| &**name)).collect();
-    writer.write_record(names).map_err(failed)?;
+    writer.write_record(names).map_err(DiskError::io(path, "write"))?;
     for trial in trials {
         let trial = trial?;
-        let mut rows = Vec::new();
-        push(&mut rows, &trial);
-        let mut columns = TrialRow::write(&rows);
-        columns.extend(channels.iter().map(|name| channel_column(name, [&trial])));
-        for row in 0..rows.len() {
-            writer.write_record(columns.iter().map(|column| column.shown(row))).map_err(failed)?;
+        let columns = columns_of(std::slice::from_ref(&trial), channels);
+        for row in 0..trial.samples.len() {
+            writer
+                .write_record(columns.iter().map(|column| column.shown(row)))
+                .map_err(DiskError::io(path, "write"))?;
         }
     }
     let temporary = writer.into_inner().map_err(|error| DiskError::io(path, "write")(error.into_error()))?;

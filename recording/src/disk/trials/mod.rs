@@ -19,9 +19,9 @@ pub use parquet_table::trial_table;
 
 use super::DiskError;
 use super::check::{Violation, require};
-use super::table::{Column, Row, Rows, Text, row};
+use super::table::{Column, Field, Row, Text, row};
 use super::whole_file::remove_leftovers;
-use crate::disk::tables::dictionary::Table;
+use crate::disk::tables::dictionary::{Table, table};
 use crate::{Category, InputError, PLAIN, Trial, distinct, is_plain};
 
 row! {
@@ -43,33 +43,42 @@ row! {
     }
 }
 
-/// Appends the rows of a trial.
-fn push(rows: &mut Vec<TrialRow>, trial: &Trial) {
-    let category: Option<Text> = trial.category.as_deref().map(Into::into);
-    let patch: Option<Text> = trial.patch.as_deref().map(Into::into);
-    rows.extend(trial.samples.iter().map(|sample| TrialRow {
-        trial: trial.trial,
-        category: category.clone(),
-        reach: trial.reach,
-        patch: patch.clone(),
-        taxel: trial.taxel,
-        time_s: sample.time_s,
-        force_n: sample.force_n,
-        motion_m: sample.motion_m,
-        region_taxels: sample.region.map(|region| region.taxels),
-        region_largest_force_n: sample.region.map(|region| region.largest_force_n),
-        region_force_sum_n: sample.region.map(|region| region.force_sum_n),
-        touched: sample.touched,
-    }));
+/// The columns of some trials with these channels.
+fn columns_of(trials: &[Trial], channels: &[Arc<str>]) -> Vec<Column> {
+    let mut rows = Vec::new();
+    for trial in trials {
+        let category: Option<Text> = trial.category.as_deref().map(Into::into);
+        let patch: Option<Text> = trial.patch.as_deref().map(Into::into);
+        rows.extend(trial.samples.iter().map(|sample| TrialRow {
+            trial: trial.trial,
+            category: category.clone(),
+            reach: trial.reach,
+            patch: patch.clone(),
+            taxel: trial.taxel,
+            time_s: sample.time_s,
+            force_n: sample.force_n,
+            motion_m: sample.motion_m,
+            region_taxels: sample.region.map(|region| region.taxels),
+            region_largest_force_n: sample.region.map(|region| region.largest_force_n),
+            region_force_sum_n: sample.region.map(|region| region.force_sum_n),
+            touched: sample.touched,
+        }));
+    }
+    let mut columns = TrialRow::write(&rows);
+    for name in channels {
+        let samples = trials.iter().flat_map(|trial| &trial.samples);
+        let numbers: Vec<Option<f64>> = samples.map(|sample| sample.channels.get(name)).collect();
+        columns.extend(Option::<f64>::write(numbers.iter(), vec![name.to_string()]));
+    }
+    columns
 }
 
 /// The samples of contact trials.
-pub(in crate::disk) const TRIALS: Table = Table {
-    name: "trials",
-    path: "a table of contact trials",
-    row: "a sample of a trial; the columns `trial`, `time_s` and `force_n` are required, and further columns of numbers are channels",
-    columns: || TrialRow::COLUMNS.to_vec(),
-};
+pub(crate) const TRIALS: Table = table::<TrialRow>(
+    "trials",
+    "a table of contact trials",
+    "a sample of a trial; the columns `trial`, `time_s` and `force_n` are required, and further columns of numbers are channels",
+);
 
 /// The names of the columns in the order in which they are written; channels follow them.
 pub const COLUMNS: [&str; TrialRow::COLUMNS.len()] = {
@@ -86,18 +95,12 @@ const TOUCHED: &str = "touched";
 /// The required columns.
 const REQUIRED: [&str; 3] = ["trial", "time_s", "force_n"];
 
-/// The two file formats.
-enum Format {
-    Csv,
-    Parquet,
-}
-
-/// The file format that belongs to a name.
-fn format_of(path: &Path) -> Result<Format, DiskError> {
+/// Whether a name is that of a CSV file. If not, it is that of a Parquet file.
+fn is_csv(path: &Path) -> Result<bool, DiskError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     match extension.to_ascii_lowercase().as_str() {
-        "csv" => Ok(Format::Csv),
-        "parquet" => Ok(Format::Parquet),
+        "csv" => Ok(true),
+        "parquet" => Ok(false),
         _ => {
             let remedy = "rename the file, or convert it";
             let found = format!("extension {extension:?}");
@@ -146,14 +149,6 @@ pub fn channel_names(trials: &[Trial]) -> Vec<Arc<str>> {
     names.into_iter().cloned().collect()
 }
 
-/// A channel of all samples of some trials.
-fn channel_column<'a>(name: &str, trials: impl IntoIterator<Item = &'a Trial>) -> Column {
-    let samples = trials.into_iter().flat_map(|trial| &trial.samples);
-    let numbers: Vec<Option<f64>> = samples.map(|sample| sample.channels.get(name)).collect();
-    let column = Column::of(name, numbers.iter().map(|number| number.unwrap_or_default()));
-    Column { rows: Rows::Optional(numbers.iter().map(Option::is_some).collect()), ..column }
-}
-
 /// Reads a table of trials. The extension `.csv` or `.parquet` decides the format.
 ///
 /// Numbers must be within [`crate::limits`], and times must strictly increase within a trial. `category`, `reach`,
@@ -165,10 +160,7 @@ fn channel_column<'a>(name: &str, trials: impl IntoIterator<Item = &'a Trial>) -
 /// such file; [`DiskError::Io`] if it cannot be read.
 pub fn read_trials(path: impl AsRef<Path>) -> Result<Vec<Trial>, DiskError> {
     let path = path.as_ref();
-    let trials = match format_of(path)? {
-        Format::Csv => csv_table::read(path)?,
-        Format::Parquet => parquet_table::read(path)?,
-    };
+    let trials = if is_csv(path)? { csv_table::read(path)? } else { parquet_table::read(path)? };
     if trials.is_empty() {
         let remedy = "give a table with at least one row";
         return Err(InputError::new(path, "rows", "none", "one row per sample", remedy).into());
@@ -221,12 +213,9 @@ pub fn write_trials_with(
         Ok(()) => Ok(trial),
         Err(violation) => Err(violation.unwritable(path)),
     });
-    let format = format_of(path)?;
+    let write = if is_csv(path)? { csv_table::write } else { parquet_table::write };
     remove_leftovers(path);
-    match format {
-        Format::Csv => csv_table::write(path, channels, &mut checked),
-        Format::Parquet => parquet_table::write(path, channels, &mut checked),
-    }
+    write(path, channels, &mut checked)
 }
 
 fn check(trial: &Trial, channels: &[Arc<str>], numbers: &mut BTreeSet<u64>) -> Result<(), Violation> {

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use super::cell::{Cell, Cells};
 use super::collect::Collector;
-use super::{COLUMNS, TOUCHED, TRIALS, TrialRow, channel_column, channel_columns, channel_names, place_columns, push};
+use super::{COLUMNS, TOUCHED, TRIALS, channel_columns, channel_names, columns_of, place_columns};
 use crate::disk::seal;
-use crate::disk::table::{Batch, Column, ParquetFile, ParquetTable, ROWS_PER_BATCH, Row, Values, Want};
+use crate::disk::table::{Batch, Column, ParquetFile, ParquetTable, ROWS_PER_BATCH, Values, Want, unknown};
 use crate::disk::tables::description::{about, about_entry};
-use crate::{DiskError, InputError, Trial};
+use crate::{DiskError, Trial};
 
 /// Reads a table.
 pub(super) fn read(path: &Path) -> Result<Vec<Trial>, DiskError> {
@@ -51,10 +51,7 @@ fn check_type(path: &Path, column: &Column) -> Result<(), DiskError> {
     if !column.has_lists() && (!flags || column.missing() == column.count()) {
         return Ok(());
     }
-    let remedy = "cast the column before writing the table";
-    let found = format!("a column of {}", column.kind());
-    let allowed = "a column of integers, floating-point numbers or text";
-    Err(InputError::new(path, &column.name, found, allowed, remedy).into())
+    Err(unknown(path, &column.name, &format!("a column of {}", column.kind())))
 }
 
 /// The cell in a row of a column.
@@ -79,10 +76,7 @@ fn cell(column: &Column, row: usize) -> Cell<'_> {
 
 /// Trials in memory as a table with one row per sample: the columns of their file ([`super::write_trials`]).
 pub fn trial_table(trials: &[Trial]) -> Batch {
-    let mut rows = Vec::new();
-    trials.iter().for_each(|trial| push(&mut rows, trial));
-    let mut columns = TrialRow::write(&rows);
-    columns.extend(channel_names(trials).iter().map(|name| channel_column(name, trials)));
+    let columns = columns_of(trials, &channel_names(trials));
     let about = about(&[&TRIALS], &columns, &[]);
     Batch::in_memory("the trials", columns, about)
 }
@@ -93,27 +87,21 @@ pub(super) fn write(
     channels: &[Arc<str>],
     trials: &mut dyn Iterator<Item = Result<Trial, DiskError>>,
 ) -> Result<(), DiskError> {
-    let columns = |rows: &[TrialRow], trials: &[Trial]| {
-        let mut columns = TrialRow::write(rows);
-        columns.extend(channels.iter().map(|name| channel_column(name, trials)));
-        columns
-    };
-    let none = columns(&[], &[]);
+    let none = columns_of(&[], channels);
     let mut file = ParquetFile::create(path, &none, vec![about_entry(&[&TRIALS], &none, &[]), seal::unsealed()])?;
     let mut batches = std::iter::from_fn(|| {
-        let (mut rows, mut written) = (Vec::new(), Vec::new());
-        while rows.len() < ROWS_PER_BATCH {
+        let (mut batch, mut rows) = (Vec::new(), 0);
+        while rows < ROWS_PER_BATCH {
             match trials.next() {
                 Some(Ok(trial)) => {
-                    push(&mut rows, &trial);
-                    written.push(trial);
+                    rows += trial.samples.len();
+                    batch.push(trial);
                 }
                 Some(Err(error)) => return Some(Err(error)),
-                None if rows.is_empty() => return None,
                 None => break,
             }
         }
-        Some(Ok(columns(&rows, &written)))
+        (rows > 0).then(|| Ok(columns_of(&batch, channels)))
     });
     file.write_group(&mut batches)?;
     file.close()

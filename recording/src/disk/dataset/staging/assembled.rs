@@ -21,22 +21,22 @@ use crate::disk::whole_file::{begin, commit, json_bytes, write_bytes};
 
 /// Everything about the reaches in complete files that the rest of the set depends on.
 #[derive(Debug, Default, Serialize, Deserialize)]
-pub(in crate::disk) struct Assembled {
+pub(crate) struct Assembled {
     /// Number of complete files of each table.
-    pub(in crate::disk) files: usize,
+    pub(crate) files: usize,
     /// The episodes in them.
     #[serde(skip)]
-    pub(in crate::disk) episodes: Vec<Episode>,
+    pub(crate) episodes: Vec<Episode>,
     /// Checksums of the lists of episodes, one for each file.
-    pub(in crate::disk) lists: Vec<FileSum>,
+    pub(crate) lists: Vec<FileSum>,
     /// Number of episodes in these lists.
-    pub(in crate::disk) listed: usize,
+    pub(crate) listed: usize,
     /// Number of frames of the episodes.
-    pub(in crate::disk) total_frames: usize,
+    pub(crate) total_frames: usize,
     /// Statistics of the frames.
-    pub(in crate::disk) statistics: Statistics,
+    pub(crate) statistics: Statistics,
     /// Checksums of the files.
-    pub(in crate::disk) checksums: Checksums,
+    pub(crate) checksums: Checksums,
 }
 
 /// Bytes of the last line: a hash in hexadecimal digits and the end of the line.
@@ -97,7 +97,7 @@ impl Assembled {
     ///
     /// # Errors
     /// [`DiskError::Io`] if a file cannot be read. Its reaches are no longer staged, so they must not count as missing.
-    pub(in crate::disk) fn read(dir: &Path) -> Result<Option<Self>, DiskError> {
+    pub(crate) fn read(dir: &Path) -> Result<Option<Self>, DiskError> {
         let stored = read_if_there(&dir.join(names::ASSEMBLED))?;
         let state = stored.as_deref().and_then(hashed);
         let Some(mut assembled) = state.and_then(|json| serde_json::from_slice::<Assembled>(json).ok()) else {
@@ -120,17 +120,13 @@ impl Assembled {
     }
 
     /// Closes the current files.
-    pub(in crate::disk) fn close_files(&mut self, files: &mut TableFiles, dir: &Path) -> Result<(), DiskError> {
-        for name in files.close()? {
-            let sum = FileSum::of_file(&dir.join(&name))?;
-            self.checksums.add(name, sum);
-        }
-        Ok(())
+    pub(crate) fn close_files(&mut self, files: &mut TableFiles, dir: &Path) -> Result<(), DiskError> {
+        self.checksums.add_files(dir, files.close()?)
     }
 
     /// Closes the current files and stores the progress. The staged reaches of the episodes so far are then no longer
     /// needed.
-    pub(in crate::disk) fn files_end(&mut self, files: &mut TableFiles, dir: &Path) -> Result<(), DiskError> {
+    pub(crate) fn files_end(&mut self, files: &mut TableFiles, dir: &Path) -> Result<(), DiskError> {
         self.close_files(files, dir)?;
         self.files = files.begun;
         let list = list_path(dir, self.lists.len());

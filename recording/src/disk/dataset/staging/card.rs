@@ -12,7 +12,7 @@ use crate::disk::tables::dictionary::{FRAMES, TABLES};
 use crate::disk::dataset::Info;
 
 /// The card of a set with objects of further `categories`.
-pub(in crate::disk) fn card(info: &Info, categories: &[Category]) -> String {
+pub(crate) fn card(info: &Info, categories: &[Category]) -> String {
     let mut text = "---\ntags:\n- LeRobot\n- tactile\nconfigs:\n".to_string();
     for table in TABLES {
         let files = match table.path.strip_suffix(".parquet") {

@@ -5,7 +5,7 @@
 //! staged reaches of at most one more file, and not the set twice. After a crash, assembling continues after the last
 //! complete file (`assembled.rs`).
 
-use std::collections::BTreeSet;
+use std::fs;
 use std::ops::Range;
 use std::path::Path;
 
@@ -13,24 +13,70 @@ use rayon::prelude::*;
 
 use super::assembled::Assembled;
 use super::card::card;
-use super::prepared::Prepared;
-use super::staged::Staging;
+use super::folder::Staging;
 use super::statistics::Statistics;
-use super::table_files::TableFiles;
-use crate::disk::dataset::checksums::{FileSum, files_of_set};
+use super::table_files::{FurtherColumns, TableFiles, further_columns};
+use crate::disk::dataset::checksums::{FileSum, files_below, files_of_set};
 use crate::disk::dataset::info::{FORMAT, Info, ProvenanceFile};
 use crate::disk::dataset::names;
+use crate::disk::recording_file::batches;
+use crate::disk::table::{Column, Encoder, Group};
 use crate::disk::tables::episode::Episode;
 use crate::disk::tables::episode_table::write_episodes;
-use crate::disk::tables::frames::{FRAME_COLUMNS, Numbering, features};
-use crate::disk::tables::tasks::{number_tasks, write_tasks};
+use crate::disk::tables::frames::{FRAME_COLUMNS, Feature, Numbering, ReachRows, columns_of, features};
+use crate::disk::tables::tasks::write_tasks;
 use crate::disk::tables::taxel_table::write_taxels;
-use crate::disk::whole_file::{create_folder, json_bytes, remove_if_there, remove_leftovers, write_bytes};
-use crate::{Category, DiskError, Recording};
+use crate::disk::whole_file::{create_folder, json_bytes, remove_if_there, remove_leftovers, write_bytes, write_json};
+use crate::{Category, DiskError, Recording, distinct};
+
+/// A reach that is ready for the files of the set: only its place in them is missing. Preparing one needs no other, so each
+/// thread prepares its own.
+struct Prepared {
+    /// Its entry, without task, chunk and file.
+    episode: Episode,
+    /// Size of the staged file.
+    staged_bytes: u64,
+    /// The columns of frames, without rows.
+    columns: Vec<Column>,
+    /// The row group with the frames.
+    frames: Group,
+    /// Statistics of the frames.
+    statistics: Statistics,
+    /// The other tables.
+    further: FurtherColumns,
+}
+
+impl Prepared {
+    /// Prepares a reach that is staged at a path and gets this place in the set.
+    fn new(
+        staged: &Path,
+        recording: &Recording,
+        numbering: Numbering,
+        features: &[Feature],
+    ) -> Result<Self, DiskError> {
+        let rows = ReachRows { recording, numbering, moves: Vec::new() };
+        let columns = columns_of(features, &rows, 0..0);
+        let mut statistics = Statistics::new(features);
+        let mut with_statistics = batches(recording.frames.len()).map(|frames| {
+            let columns = columns_of(features, &rows, frames);
+            statistics.add(&columns);
+            Ok(columns)
+        });
+        let frames = Encoder::new(staged, &columns)?.encode(staged, &mut with_statistics)?;
+        Ok(Prepared {
+            episode: Episode { first_index: numbering.first_index, ..Episode::of(recording) },
+            staged_bytes: fs::metadata(staged).map_err(DiskError::io(staged, "read"))?.len(),
+            columns,
+            frames,
+            statistics,
+            further: further_columns(numbering.episode, recording),
+        })
+    }
+}
 
 /// Writes the whole set, with `meta/info.json` last. `read` returns the reaches at some positions of the plan and has to leave
 /// them staged, because the size of a staged file decides where a new data file begins.
-pub(in crate::disk) fn assemble_from(
+pub(crate) fn assemble_from(
     staging: &Staging,
     read: &mut dyn FnMut(Range<usize>) -> Vec<Result<Recording, DiskError>>,
 ) -> Result<(), DiskError> {
@@ -38,11 +84,12 @@ pub(in crate::disk) fn assemble_from(
     let features = features(FRAME_COLUMNS, &plan.joint_names, &plan.layout);
     let begun = || Assembled { statistics: Statistics::new(&features), ..Assembled::default() };
     let mut assembled = Assembled::read(dir)?.unwrap_or_else(begun);
-    remove_all_but(dir, assembled.checksums.names().collect())?;
-    remove_leftovers(&dir.join(names::CARD));
-    for position in 0..assembled.episodes.len() {
-        remove_if_there(&staging.path(position))?;
+    // What an earlier, killed attempt has left, except complete files.
+    for name in files_of_set(dir)?.iter().filter(|name| !assembled.checksums.has(name)) {
+        remove_if_there(&dir.join(name))?;
     }
+    remove_leftovers(&dir.join(names::CARD));
+    staging.remove(0..assembled.episodes.len())?;
     create_folder(&dir.join("meta/episodes/chunk-000"))?;
     write_taxels(&dir.join(names::TAXELS), &plan.layout)?;
     let provenance = ProvenanceFile {
@@ -51,7 +98,7 @@ pub(in crate::disk) fn assemble_from(
         provenance: plan.provenance.clone(),
     };
     write_json(&dir.join(names::PROVENANCE), &provenance)?;
-    let tasks = number_tasks(plan.episodes.iter().map(|episode| episode.task.as_str()));
+    let tasks = distinct(plan.episodes.iter().map(|episode| episode.task.as_str()));
     write_tasks(&dir.join(names::TASKS), &tasks)?;
 
     let mut files = TableFiles::new(dir, &plan.categories, staging.bytes_per_file, assembled.files);
@@ -61,7 +108,7 @@ pub(in crate::disk) fn assemble_from(
         let recordings = read(first..count.min(first + threads));
         let mut first_index = assembled.total_frames;
         let numbered = recordings.into_iter().zip(first..).map(|(recording, episode)| {
-            let task = tasks.get(plan.episodes[episode].task.as_str()).copied().unwrap_or_default();
+            let task = tasks.iter().position(|task| *task == plan.episodes[episode].task).unwrap_or_default() as i64;
             let numbering = Numbering { episode, first_index, task };
             first_index += recording.as_ref().map_or(0, |recording| recording.frames.len());
             (numbering, recording)
@@ -74,13 +121,10 @@ pub(in crate::disk) fn assemble_from(
             let Prepared { episode, staged_bytes, columns, frames, statistics, further } = reach?;
             if files.is_full_for(staged_bytes) {
                 assembled.files_end(&mut files, dir)?;
-                for position in still_staged..assembled.episodes.len() {
-                    remove_if_there(&staging.path(position))?;
-                }
+                staging.remove(still_staged..assembled.episodes.len())?;
                 still_staged = assembled.episodes.len();
             }
-            let (chunk_index, file_index) = files.begin_episode(staged_bytes);
-            files.write_episode(&columns, frames, further)?;
+            let (chunk_index, file_index) = files.write_episode(staged_bytes, &columns, frames, further)?;
             assembled.statistics.merge(statistics);
             assembled.total_frames += episode.frames;
             let task = plan.episodes[assembled.episodes.len()].task.clone();
@@ -95,12 +139,6 @@ pub(in crate::disk) fn assemble_from(
     finish_with_info(dir, &info, &plan.categories, assembled)
 }
 
-/// Removes what an earlier, killed attempt has left, except complete files.
-fn remove_all_but(dir: &Path, whole: BTreeSet<&str>) -> Result<(), DiskError> {
-    let names = files_of_set(dir)?.into_iter().filter(|name| !whole.contains(name.as_str()));
-    names.into_iter().try_for_each(|name| remove_if_there(&dir.join(name)))
-}
-
 /// Hashes all other files, then writes the file that makes the set complete.
 fn finish_with_info(dir: &Path, info: &Info, categories: &[Category], assembled: Assembled) -> Result<(), DiskError> {
     let path = dir.join(names::INFO);
@@ -109,14 +147,10 @@ fn finish_with_info(dir: &Path, info: &Info, categories: &[Category], assembled:
     write_bytes(&dir.join(names::CARD), card.as_bytes())?;
     let mut checksums = assembled.checksums;
     checksums.add(names::CARD, FileSum::of_bytes(card.as_bytes()));
-    checksums.add_folder(dir, "meta")?;
+    checksums.add_files(dir, files_below(dir, "meta")?)?;
     checksums.add(names::INFO, FileSum::of_bytes(&bytes));
     checksums.write(dir)?;
     write_bytes(&path, &bytes)
-}
-
-fn write_json<T: serde::Serialize>(path: &Path, value: &T) -> Result<(), DiskError> {
-    write_bytes(path, &json_bytes(path, value)?)
 }
 
 #[cfg(test)]

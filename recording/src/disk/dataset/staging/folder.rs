@@ -2,11 +2,12 @@
 
 use std::fs::{self, File, TryLockError};
 use std::io::ErrorKind;
-use std::path::Path;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::disk::dataset::info::read_json;
+use crate::disk::dataset::info::{MEGABYTES_PER_FILE, read_json};
 use crate::disk::dataset::plan::first_difference;
 use crate::disk::dataset::{Dataset, DatasetPlan, names};
 use crate::disk::input_file::{is_there, metadata};
@@ -17,8 +18,34 @@ use crate::{DiskError, InputError};
 /// moment.
 const ATTEMPTS: usize = 10;
 
+/// Staged bytes at which a new data file begins.
+pub(crate) const BYTES_PER_FILE: u64 = MEGABYTES_PER_FILE * 1024 * 1024;
+
+/// An unfinished data set: its folder, its plan, and one staged file per finished reach, until they are assembled.
+#[derive(Debug)]
+pub(crate) struct Staging {
+    /// The folder of the data set.
+    pub(crate) dir: PathBuf,
+    /// The plan of the set.
+    pub(crate) plan: DatasetPlan,
+    /// Staged bytes at which a new data file begins.
+    pub(crate) bytes_per_file: u64,
+}
+
+impl Staging {
+    /// Where the reach at a position of the plan is staged.
+    pub(crate) fn path(&self, position: usize) -> PathBuf {
+        self.dir.join(format!("{}/reach-{position:06}.bin", names::INCOMPLETE))
+    }
+
+    /// Removes the staged reaches at some positions of the plan.
+    pub(crate) fn remove(&self, mut positions: Range<usize>) -> Result<(), DiskError> {
+        positions.try_for_each(|position| remove_if_there(&self.path(position)))
+    }
+}
+
 /// The state of a folder for a new data set.
-pub(in crate::disk) enum Folder {
+pub(crate) enum Folder {
     Empty,
     Begun,
     Finished,
@@ -26,7 +53,7 @@ pub(in crate::disk) enum Folder {
 }
 
 /// Finds out what a folder holds.
-pub(in crate::disk) fn look(dir: &Path) -> Result<Folder, DiskError> {
+pub(crate) fn look(dir: &Path) -> Result<Folder, DiskError> {
     let of_ours = || -> Result<Option<Folder>, DiskError> {
         // The plan is removed after everything else has been written, so it has to be looked for first.
         let [plan, info] = [names::PLAN, names::INFO].map(|name| is_there(&dir.join(name)));
@@ -61,14 +88,14 @@ pub(in crate::disk) fn look(dir: &Path) -> Result<Folder, DiskError> {
 }
 
 /// Names of the files and folders in a folder.
-pub(in crate::disk) fn list(folder: &Path) -> Result<Vec<String>, DiskError> {
+pub(crate) fn list(folder: &Path) -> Result<Vec<String>, DiskError> {
     let entries = fs::read_dir(folder).map_err(DiskError::io(folder, "read"))?;
     let name = |entry: std::io::Result<fs::DirEntry>| Ok(entry?.file_name().to_string_lossy().into_owned());
     entries.map(name).collect::<std::io::Result<_>>().map_err(DiskError::io(folder, "read"))
 }
 
 /// Stores the plan. If there is one already, it must be the same.
-pub(in crate::disk) fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
+pub(crate) fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
     let path = dir.join(names::PLAN);
     if !is_there(&path)? {
         write_new_bytes(&path, &json_bytes(&path, plan)?)?;
@@ -77,13 +104,13 @@ pub(in crate::disk) fn settle_plan(dir: &Path, plan: &DatasetPlan) -> Result<(),
 }
 
 /// Checks that the finished set in a folder has the given plan, and returns an error if it does not.
-pub(in crate::disk) fn require_same_set(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
-    let stored = serde_json::to_value(Dataset::open(dir)?.plan());
-    require_same(dir, &stored.map_err(|error| DiskError::io(dir, "compare")(error.into()))?, plan)
+pub(crate) fn require_same_set(dir: &Path, plan: &DatasetPlan) -> Result<(), DiskError> {
+    let stored = serde_json::to_value(Dataset::open(dir)?.plan()).map_err(DiskError::io(dir, "compare"))?;
+    require_same(dir, &stored, plan)
 }
 
 /// The lock file of a folder. It is removed after the plan, so all processes open the same file while there is a plan.
-pub(in crate::disk) fn open_lock(dir: &Path) -> Result<File, DiskError> {
+pub(crate) fn open_lock(dir: &Path) -> Result<File, DiskError> {
     let path = dir.join(names::LOCK);
     let mut options = File::options();
     // Network file systems allow a shared lock only on files that are open for reading.
@@ -92,17 +119,17 @@ pub(in crate::disk) fn open_lock(dir: &Path) -> Result<File, DiskError> {
 }
 
 /// For `map_err` after trying to lock that file.
-pub(in crate::disk) fn not_locked(dir: &Path) -> impl FnOnce(TryLockError) -> DiskError {
+pub(crate) fn not_locked(dir: &Path) -> impl FnOnce(TryLockError) -> DiskError {
     let dir = dir.to_path_buf();
     move |error| match error {
-        TryLockError::WouldBlock => DiskError::InUse { dir },
+        TryLockError::WouldBlock => DiskError::InUse(dir),
         TryLockError::Error(cause) => DiskError::io(&dir.join(names::LOCK), "lock")(cause),
     }
 }
 
 /// An error unless the stored plan of a folder is the given one.
 fn require_same(dir: &Path, stored: &Value, plan: &DatasetPlan) -> Result<(), DiskError> {
-    let given = serde_json::to_value(plan).map_err(|error| DiskError::io(dir, "compare")(error.into()))?;
+    let given = serde_json::to_value(plan).map_err(DiskError::io(dir, "compare"))?;
     match first_difference(stored, &given) {
         None => Ok(()),
         Some((field, stored, given)) => Err(DiskError::PlanDiffers { dir: dir.to_path_buf(), field, stored, given }),
@@ -142,7 +169,7 @@ fn remove_from(dir: &Path) -> Result<(), DiskError> {
 }
 
 /// Removes the folder `incomplete/` of a set whose plan has been removed. The set is then finished.
-pub(in crate::disk) fn remove_incomplete(dir: &Path) -> Result<(), DiskError> {
+pub(crate) fn remove_incomplete(dir: &Path) -> Result<(), DiskError> {
     let incomplete = dir.join(names::INCOMPLETE);
     for _ in 0..ATTEMPTS {
         match fs::remove_dir_all(&incomplete) {

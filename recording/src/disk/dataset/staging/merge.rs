@@ -26,7 +26,7 @@ fn common(part: &Dataset) -> Result<Value, DiskError> {
     let mut plan = part.plan();
     plan.provenance.shard = None;
     plan.episodes.clear();
-    serde_json::to_value(plan).map_err(|error| DiskError::io(part.dir(), "compare")(error.into()))
+    serde_json::to_value(plan).map_err(DiskError::io(part.dir(), "compare"))
 }
 
 /// The part that a data set says it is.
@@ -155,11 +155,7 @@ impl Shards {
     }
 
     /// Writes the set with a writer for its plan.
-    pub(in crate::disk) fn merge_with(
-        &self,
-        writer: DatasetWriter,
-        mut merged: impl FnMut(),
-    ) -> Result<Dataset, DiskError> {
+    pub(crate) fn merge_with(&self, writer: DatasetWriter, mut merged: impl FnMut()) -> Result<Dataset, DiskError> {
         let count = self.parts.len();
         writer.finish_from(|position| {
             let recording = self.parts[position % count].read_reach(position / count)?;

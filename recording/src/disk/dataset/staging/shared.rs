@@ -5,15 +5,13 @@
 //! no other process is at work, so the last process assembles the set. If two processes are done at the same moment,
 //! one of them gets the lock, and sees everything that the other staged before releasing its lock.
 
-use std::io::ErrorKind;
+use std::fs::{File, TryLockError};
 use std::path::Path;
 
-use super::folder::{Folder, look, not_locked, open_lock, remove_incomplete, require_same_set, settle_plan};
-use super::writer::check_plan;
+use super::folder::not_locked;
 use crate::DiskError;
 use crate::disk::dataset::{Dataset, DatasetPlan, DatasetWriter, names};
 use crate::disk::input_file::is_there;
-use crate::disk::whole_file::create_folder;
 
 impl DatasetWriter {
     /// Starts or continues a data set in a folder that several processes share. Each process passes the plan of the whole set,
@@ -22,33 +20,7 @@ impl DatasetWriter {
     /// # Errors
     /// As [`DatasetWriter::create`] with `resume`. [`DiskError::InUse`] while a process assembles the set, or writes it alone.
     pub fn share(dir: impl AsRef<Path>, plan: DatasetPlan) -> Result<Self, DiskError> {
-        let dir = dir.as_ref().to_path_buf();
-        check_plan(&plan).map_err(|violation| violation.unwritable(&dir))?;
-        let finished = || -> Result<DiskError, DiskError> {
-            require_same_set(&dir, &plan)?;
-            remove_incomplete(&dir)?;
-            Ok(DiskError::Finished { dir: dir.clone() })
-        };
-        let lock = loop {
-            match look(&dir)? {
-                Folder::Foreign => return Err(DiskError::FolderNotEmpty { dir }),
-                Folder::Finished => return Err(finished()?),
-                Folder::Begun | Folder::Empty => create_folder(&dir.join(names::INCOMPLETE))?,
-            }
-            match open_lock(&dir) {
-                // Another process has just finished the set, and removed the folder again.
-                Err(DiskError::Io { source, .. }) if source.kind() == ErrorKind::NotFound => {}
-                lock => break lock?,
-            }
-        };
-        lock.try_lock_shared().map_err(not_locked(&dir))?;
-        // Another process may have finished the set before the lock was acquired. The lock is then on a file that no
-        // other process sees.
-        if let Folder::Finished = look(&dir)? {
-            return Err(finished()?);
-        }
-        settle_plan(&dir, &plan)?;
-        Self::locked(dir, plan, lock)
+        Self::begin(dir.as_ref().to_path_buf(), plan, true, File::try_lock_shared)
     }
 
     /// Ends the work of this process. Assembles the set if no other process is at work in the folder and all reaches
@@ -58,7 +30,7 @@ impl DatasetWriter {
     /// As [`DatasetWriter::finish`].
     pub fn finish_if_last(mut self) -> Result<Option<Dataset>, DiskError> {
         let dir = self.staging.dir.clone();
-        let released = self.lock.unlock().map_err(std::fs::TryLockError::Error);
+        let released = self.lock.unlock().map_err(TryLockError::Error);
         match released.and_then(|()| self.lock.try_lock()).map_err(not_locked(&dir)) {
             Err(DiskError::InUse { .. }) => return Ok(None),
             locked => locked?,

@@ -24,7 +24,7 @@ const LEVEL: i32 = 1;
 ///
 /// # Errors
 /// [`DiskError::Unwritable`] for a recording that breaks a rule of its types; [`DiskError::Io`] if it cannot be written.
-pub(in crate::disk) fn write(path: &Path, recording: &Recording) -> Result<FileSum, DiskError> {
+pub(crate) fn write(path: &Path, recording: &Recording) -> Result<FileSum, DiskError> {
     check_recording(recording).map_err(|violation| violation.unwritable(path))?;
     let bytes = encode(recording).map_err(DiskError::io(path, "write"))?;
     write_bytes(path, &bytes)?;
@@ -35,7 +35,7 @@ pub(in crate::disk) fn write(path: &Path, recording: &Recording) -> Result<FileS
 ///
 /// # Errors
 /// [`DiskError::Io`] for a file that cannot be read; [`DiskError::Input`] for one that is damaged.
-pub(in crate::disk) fn read(path: &Path) -> Result<Recording, DiskError> {
+pub(crate) fn read(path: &Path) -> Result<Recording, DiskError> {
     let damaged = |cause: io::Error| {
         let remedy = "remove the file, and generate the set with --resume";
         InputError::new(path, "staged reach", cause.to_string(), "a reach that this program has staged", remedy)

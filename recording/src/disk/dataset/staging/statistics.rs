@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::disk::table::{Column, Values};
 use crate::disk::tables::frames::Feature;
@@ -122,18 +122,14 @@ impl ColumnStatistics {
     }
 
     fn summary(&self) -> Value {
-        let mut summary = Map::new();
-        summary.insert("min".into(), json!(self.min));
-        summary.insert("max".into(), json!(self.max));
-        summary.insert("mean".into(), json!(self.mean));
         let deviation = |squares: &f64| (squares / self.count as f64).sqrt();
-        summary.insert("std".into(), self.squares.iter().map(deviation).collect());
-        summary.insert("count".into(), json!([self.count]));
+        let deviations: Vec<f64> = self.squares.iter().map(deviation).collect();
+        let mut summary =
+            json!({"min": self.min, "max": self.max, "mean": self.mean, "std": deviations, "count": [self.count]});
         for (name, percent) in PERCENTILES {
-            summary
-                .insert(name.into(), (0..self.bins.len()).map(|element| self.percentile(element, percent)).collect());
+            summary[name] = (0..self.bins.len()).map(|element| self.percentile(element, percent)).collect();
         }
-        summary.into()
+        summary
     }
 
     fn percentile(&self, element: usize, percent: u64) -> f64 {
@@ -141,6 +137,7 @@ impl ColumnStatistics {
         let zeros = self.count - bins.iter().map(|(_, samples)| samples).sum::<u64>();
         let (negative, positive) = bins.split_at(bins.partition_point(|(bin, _)| *bin < 0));
         let zero = std::iter::once((0.0, zeros));
+        let pair = |(bin, samples): &(i32, u64)| (smallest_in(*bin), *samples);
         let mut bins = negative.iter().map(pair).chain(zero).chain(positive.iter().map(pair));
         // The nearest rank: the smallest sample that at least this share of the samples does not exceed.
         let mut rank = (percent * self.count).div_ceil(100);
@@ -153,25 +150,21 @@ impl ColumnStatistics {
     }
 }
 
-fn pair((bin, samples): &(i32, u64)) -> (f64, u64) {
-    (smallest_in(*bin), *samples)
-}
-
 /// Statistics of all columns. Once a row has been added, they survive a round trip through JSON unchanged.
 #[derive(Debug, Default, Serialize, Deserialize)]
-pub(in crate::disk) struct Statistics {
+pub(crate) struct Statistics {
     columns: Vec<(String, ColumnStatistics)>,
 }
 
 impl Statistics {
     /// Statistics without any row.
-    pub(in crate::disk) fn new(features: &[Feature]) -> Self {
+    pub(crate) fn new(features: &[Feature]) -> Self {
         let column = |feature: &Feature| (feature.name.clone(), ColumnStatistics::new(feature.width.unwrap_or(1)));
         Statistics { columns: features.iter().map(column).collect() }
     }
 
     /// Adds rows, given the same columns.
-    pub(in crate::disk) fn add(&mut self, columns: &[Column]) {
+    pub(crate) fn add(&mut self, columns: &[Column]) {
         for ((_, statistics), column) in self.columns.iter_mut().zip(columns) {
             let width = statistics.bins.len();
             statistics.merge(&match &column.values {
@@ -186,13 +179,13 @@ impl Statistics {
     }
 
     /// Adds the statistics of further rows of the same columns.
-    pub(in crate::disk) fn merge(&mut self, other: Statistics) {
+    pub(crate) fn merge(&mut self, other: Statistics) {
         let pairs = self.columns.par_iter_mut().zip(other.columns);
         pairs.for_each(|((_, own), (_, other))| own.merge(&other));
     }
 
     /// The content of `meta/stats.json`: one list per statistic, with one entry per number.
-    pub(in crate::disk) fn summary(&self) -> BTreeMap<&str, Value> {
+    pub(crate) fn summary(&self) -> BTreeMap<&str, Value> {
         self.columns.iter().map(|(name, column)| (name.as_str(), column.summary())).collect()
     }
 }

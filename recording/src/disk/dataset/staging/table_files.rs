@@ -15,9 +15,8 @@ use crate::disk::tables::dictionary::{
     TRUTH_POSES, TRUTH_TAXELS, Table,
 };
 use crate::disk::tables::truth_bodies::body_rows;
-use crate::disk::tables::truth_frames::{patch_rows, taxel_rows};
 use crate::disk::tables::truth_tables::{
-    contact_point_rows, contact_rows, goal_rows, map_rows, object_rows, pose_rows,
+    contact_point_rows, contact_rows, goal_rows, map_rows, object_rows, patch_rows, pose_rows, taxel_rows,
 };
 use crate::disk::whole_file::create_folder;
 use crate::{Category, DiskError, Recording};
@@ -25,13 +24,13 @@ use crate::{Category, DiskError, Recording};
 /// A row group of a table beside `data` ends with the episode in which it reaches this number of rows. Choice: this many
 /// rows of the widest table are decoded within a few milliseconds, and a row group per episode would take more space
 /// than the few goals in it.
-pub(in crate::disk) const ROWS_PER_GROUP: usize = 4096;
+pub(crate) const ROWS_PER_GROUP: usize = 4096;
 
 /// Makes the columns of an episode for a table.
 type ColumnsOf = fn(usize, &Recording) -> Vec<Column>;
 
 /// The columns of an episode, one list for each table except the frames.
-pub(in crate::disk) type FurtherColumns = [Vec<Column>; FURTHER.len()];
+pub(crate) type FurtherColumns = [Vec<Column>; FURTHER.len()];
 
 /// The tables beside the frames: ground truth, and what the controller believed.
 const FURTHER: [(&Table, ColumnsOf); 9] = [
@@ -47,7 +46,7 @@ const FURTHER: [(&Table, ColumnsOf); 9] = [
 ];
 
 /// Makes the columns of an episode for all tables except the frames.
-pub(in crate::disk) fn further_columns(episode: usize, recording: &Recording) -> FurtherColumns {
+pub(crate) fn further_columns(episode: usize, recording: &Recording) -> FurtherColumns {
     FURTHER.map(|(_, columns)| columns(episode, recording))
 }
 
@@ -98,84 +97,69 @@ impl TableFile {
         self.file.as_mut().map_or(Ok(()), |file| file.write_group(&mut episodes))
     }
 
-    fn close(mut self) -> Result<(), DiskError> {
+    /// Closes the file, which has rows, and returns its name.
+    fn close(mut self) -> Result<String, DiskError> {
         self.end_group()?;
-        self.file.map_or(Ok(()), ParquetFile::close)
+        self.file.map_or(Ok(()), ParquetFile::close)?;
+        Ok(self.name)
     }
 }
 
-/// The current files, one of each table.
-struct Files {
-    data: TableFile,
-    further: [TableFile; FURTHER.len()],
-}
-
 /// The files of all tables, written one after the other.
-pub(in crate::disk) struct TableFiles<'a> {
+pub(crate) struct TableFiles<'a> {
     dir: &'a Path,
     /// Categories that are not built in.
     categories: &'a [Category],
     bytes_per_file: u64,
-    files: Option<Files>,
+    /// The current files, one of each table, first that of the frames; none before the first episode.
+    files: Vec<TableFile>,
     staged_bytes: u64,
     /// Number of files of each table started so far.
-    pub(in crate::disk) begun: usize,
+    pub(crate) begun: usize,
 }
 
 impl<'a> TableFiles<'a> {
     /// Continues after this many complete files of each table.
-    pub(in crate::disk) fn new(dir: &'a Path, categories: &'a [Category], bytes_per_file: u64, begun: usize) -> Self {
-        TableFiles { dir, categories, bytes_per_file, files: None, staged_bytes: 0, begun }
+    pub(crate) fn new(dir: &'a Path, categories: &'a [Category], bytes_per_file: u64, begun: usize) -> Self {
+        TableFiles { dir, categories, bytes_per_file, files: Vec::new(), staged_bytes: 0, begun }
     }
 
     /// Whether an episode with this many staged bytes has to go into new files.
-    pub(in crate::disk) fn is_full_for(&self, staged_bytes: u64) -> bool {
-        self.files.is_some() && self.staged_bytes + staged_bytes > self.bytes_per_file
+    pub(crate) fn is_full_for(&self, staged_bytes: u64) -> bool {
+        !self.files.is_empty() && self.staged_bytes + staged_bytes > self.bytes_per_file
     }
 
-    /// Prepares for an episode with this many staged bytes. Returns chunk and number of its files.
-    pub(in crate::disk) fn begin_episode(&mut self, staged_bytes: u64) -> (usize, usize) {
-        self.staged_bytes += staged_bytes;
-        if self.files.is_none() {
-            self.begun += 1;
-        }
-        let (chunk, number) = ((self.begun - 1) / FILES_PER_CHUNK, (self.begun - 1) % FILES_PER_CHUNK);
-        let name = |table: &Table| names::table(table, chunk, number);
-        self.files.get_or_insert_with(|| Files {
-            data: TableFile::new(self.dir, &FRAMES, name(&FRAMES)),
-            further: FURTHER.map(|(table, _)| TableFile::new(self.dir, table, name(table))),
-        });
-        (chunk, number)
-    }
-
-    /// Writes the rows of the episode: the row group with its frames, which have columns like these, and the further tables.
-    pub(in crate::disk) fn write_episode(
+    /// Writes the rows of an episode with this many staged bytes: the row group with its frames, which have columns like these,
+    /// and the further tables. Returns chunk and number of its files.
+    pub(crate) fn write_episode(
         &mut self,
+        staged_bytes: u64,
         columns: &[Column],
         frames: Group,
         further: FurtherColumns,
-    ) -> Result<(), DiskError> {
-        let Some(files) = &mut self.files else { return Ok(()) };
-        files.data.file(columns, self.categories)?.append(frames)?;
-        for (file, columns) in files.further.iter_mut().zip(further) {
-            file.add_episode(columns, self.categories)?;
+    ) -> Result<(usize, usize), DiskError> {
+        self.staged_bytes += staged_bytes;
+        let is_first = self.files.is_empty();
+        self.begun += usize::from(is_first);
+        let (chunk, number) = ((self.begun - 1) / FILES_PER_CHUNK, (self.begun - 1) % FILES_PER_CHUNK);
+        if is_first {
+            let tables = [&FRAMES].into_iter().chain(FURTHER.map(|(table, _)| table));
+            self.files =
+                tables.map(|table| TableFile::new(self.dir, table, names::table(table, chunk, number))).collect();
         }
-        Ok(())
+        if let Some((data, files)) = self.files.split_first_mut() {
+            data.file(columns, self.categories)?.append(frames)?;
+            for (file, columns) in files.iter_mut().zip(further) {
+                file.add_episode(columns, self.categories)?;
+            }
+        }
+        Ok((chunk, number))
     }
 
     /// Closes the current files. Returns their names.
-    pub(in crate::disk) fn close(&mut self) -> Result<Vec<String>, DiskError> {
+    pub(crate) fn close(&mut self) -> Result<Vec<String>, DiskError> {
         self.staged_bytes = 0;
-        let Some(files) = self.files.take() else {
-            return Ok(Vec::new());
-        };
-        let mut names = Vec::new();
-        for table in std::iter::once(files.data).chain(files.further) {
-            if table.file.is_some() {
-                names.push(table.name.clone());
-            }
-            table.close()?;
-        }
-        Ok(names)
+        let files = std::mem::take(&mut self.files);
+        files.into_iter().map(TableFile::close).collect()
     }
 }

@@ -1,6 +1,7 @@
 //! Writes a data set: reaches are staged one by one, in any order and from several threads, and then assembled.
 
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
+use std::io::ErrorKind;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -8,15 +9,17 @@ use rayon::prelude::*;
 
 use super::assembled::Assembled;
 use super::finish::assemble_from;
-use super::folder::{Folder, list, look, not_locked, open_lock, remove_incomplete, require_same_set, settle_plan};
-use super::staged::{BYTES_PER_FILE, Staging};
+use super::folder::{
+    BYTES_PER_FILE, Folder, Staging, list, look, not_locked, open_lock, remove_incomplete, require_same_set,
+    settle_plan,
+};
 use super::staged_reach;
 use crate::disk::check::{Violation, check_categories, check_robot, require};
 use crate::disk::dataset::checksums::FileSum;
 use crate::disk::dataset::info::read_json;
 use crate::disk::dataset::{Dataset, DatasetPlan, Shard, names};
 use crate::disk::input_file::is_there;
-use crate::disk::whole_file::{create_folder, json_bytes, sync_folder, write_bytes};
+use crate::disk::whole_file::{create_folder, sync_folder, write_json};
 use crate::{DiskError, Recording};
 
 /// A data set that is being written.
@@ -27,13 +30,13 @@ use crate::{DiskError, Recording};
 #[derive(Debug)]
 pub struct DatasetWriter {
     /// The folder, the plan and the staged reaches.
-    pub(in crate::disk) staging: Staging,
+    pub(crate) staging: Staging,
     /// Whether an earlier [`DatasetWriter::finish`] was killed after writing everything, so that only `incomplete/`
     /// has to be removed.
-    pub(in crate::disk) whole: bool,
+    pub(crate) whole: bool,
     /// Held until the end: alone, or together with other processes after [`DatasetWriter::share`]. The system releases it
     /// if the process dies.
-    pub(in crate::disk) lock: File,
+    pub(crate) lock: File,
 }
 
 impl DatasetWriter {
@@ -49,34 +52,47 @@ impl DatasetWriter {
     /// the folder already holds; [`DiskError::PlanDiffers`] for another plan; [`DiskError::InUse`] while another
     /// process writes there.
     pub fn create(dir: impl AsRef<Path>, plan: DatasetPlan, resume: bool) -> Result<Self, DiskError> {
-        Self::create_in(dir.as_ref().to_path_buf(), plan, resume)
+        Self::begin(dir.as_ref().to_path_buf(), plan, resume, File::try_lock)
     }
 
+    /// Looks at the folder, gets its lock and settles the plan. A finished set is compared with the plan only with `resume`.
     // Not generic, so that it is compiled once and not in each crate that calls it.
-    fn create_in(dir: PathBuf, plan: DatasetPlan, resume: bool) -> Result<Self, DiskError> {
+    pub(crate) fn begin(
+        dir: PathBuf,
+        plan: DatasetPlan,
+        resume: bool,
+        try_lock: fn(&File) -> Result<(), TryLockError>,
+    ) -> Result<Self, DiskError> {
         check_plan(&plan).map_err(|violation| violation.unwritable(&dir))?;
-        match look(&dir)? {
-            Folder::Foreign => return Err(DiskError::FolderNotEmpty { dir }),
-            Folder::Finished if resume => {
+        let finished = || -> Result<DiskError, DiskError> {
+            if resume {
                 require_same_set(&dir, &plan)?;
                 remove_incomplete(&dir)?;
-                return Err(DiskError::Finished { dir });
             }
-            Folder::Finished => return Err(DiskError::Finished { dir }),
-            Folder::Begun if !resume => return Err(DiskError::Unfinished { dir }),
-            Folder::Begun | Folder::Empty => create_folder(&dir.join(names::INCOMPLETE))?,
+            Ok(DiskError::Finished(dir.clone()))
+        };
+        let lock = loop {
+            match look(&dir)? {
+                Folder::Foreign => return Err(DiskError::FolderNotEmpty(dir)),
+                Folder::Finished => return Err(finished()?),
+                Folder::Begun if !resume => return Err(DiskError::Unfinished(dir)),
+                Folder::Begun | Folder::Empty => create_folder(&dir.join(names::INCOMPLETE))?,
+            }
+            match open_lock(&dir) {
+                // Another process has just finished the set, and removed the folder again.
+                Err(DiskError::Io { source, .. }) if source.kind() == ErrorKind::NotFound => {}
+                lock => break lock?,
+            }
+        };
+        try_lock(&lock).map_err(not_locked(&dir))?;
+        // Another process may have finished the set before the lock was acquired. The lock is then on a file that no
+        // other process sees.
+        if let Folder::Finished = look(&dir)? {
+            return Err(finished()?);
         }
-        let lock = open_lock(&dir)?;
-        lock.try_lock().map_err(not_locked(&dir))?;
         settle_plan(&dir, &plan)?;
-        Self::locked(dir, plan, lock)
-    }
-
-    /// A writer for a folder that is locked and has this plan.
-    pub(in crate::disk) fn locked(dir: PathBuf, plan: DatasetPlan, lock: File) -> Result<Self, DiskError> {
         let whole = is_there(&dir.join(names::INFO))?;
-        let bytes_per_file = BYTES_PER_FILE;
-        Ok(DatasetWriter { staging: Staging { dir, plan, bytes_per_file }, whole, lock })
+        Ok(DatasetWriter { staging: Staging { dir, plan, bytes_per_file: BYTES_PER_FILE }, whole, lock })
     }
 
     /// Positions in the plan that are still missing, ascending. A staged file that is truncated or changed counts as
@@ -106,7 +122,7 @@ impl DatasetWriter {
     }
 
     /// Positions in the plan whose reaches are not yet in complete files of the set. They have to be staged.
-    pub(in crate::disk) fn to_assemble(&self) -> Result<Range<usize>, DiskError> {
+    pub(crate) fn to_assemble(&self) -> Result<Range<usize>, DiskError> {
         let count = self.staging.plan.episodes.len();
         if self.whole {
             return Ok(count..count);
@@ -126,7 +142,7 @@ impl DatasetWriter {
         self.check_planned(position, recording)?;
         let written = staged_reach::write(&path, recording)?;
         let sum = path.with_extension("json");
-        write_bytes(&sum, &json_bytes(&sum, &written)?)
+        write_json(&sum, &written)
     }
 
     fn check_planned(&self, position: usize, recording: &Recording) -> Result<(), DiskError> {
@@ -181,7 +197,7 @@ impl DatasetWriter {
 
     /// Assembles the reaches that `reach` returns for the positions of the plan, in order. A reach is staged only until
     /// its data files are complete. The errors are those of [`DatasetWriter::finish`].
-    pub(in crate::disk) fn finish_from(
+    pub(crate) fn finish_from(
         self,
         mut reach: impl FnMut(usize) -> Result<Recording, DiskError>,
     ) -> Result<Dataset, DiskError> {
@@ -226,7 +242,7 @@ fn is_of(sum: &Path, file: &Path) -> Result<bool, DiskError> {
     }
 }
 
-pub(in crate::disk) fn check_plan(plan: &DatasetPlan) -> Result<(), Violation> {
+fn check_plan(plan: &DatasetPlan) -> Result<(), Violation> {
     check_robot(&plan.layout, plan.rate_hz, &plan.joint_names)?;
     check_categories(&plan.categories)?;
     require(!plan.episodes.is_empty(), || "episodes".into(), || "none".into(), "at least one reach")
