@@ -64,21 +64,17 @@ pub fn check_exists(path: &Path, allowed: &str) -> Result<(), Failure> {
 /// Reads the trials of a data set, a recording or a table.
 pub fn trials(path: &Path, arguments: &TrialArguments) -> Result<Vec<Trial>, Failure> {
     check_exists(path, "a data set (folder), recording or table of trials")?;
-    let about = |failure: Failure| failure.about(path);
-    if is_folder(path)? {
-        let dataset = Dataset::open(path)?;
-        let found = contact_trials::of_dataset(&dataset, &arguments.options()?, &Shown);
-        found.map_err(|error| about(error.into()))
+    let cut = if is_folder(path)? {
+        contact_trials::of_dataset(&Dataset::open(path)?, &arguments.options()?, &Shown).map_err(Failure::from)
     } else if is_recording(path)? {
-        let recording = read_recording(path)?;
-        let found = contact_trials::of_recording(&recording, &arguments.options()?, 0);
-        found.map_err(|error| about(error.into()))
+        contact_trials::of_recording(&read_recording(path)?, &arguments.options()?, 0).map_err(Failure::from)
     } else {
         arguments.refuse_for_table(path)?;
         let mut trials = read_trials(path)?;
         trials.retain(|trial| trial.samples.len() >= arguments.min_samples());
-        Ok(trials)
-    }
+        return Ok(trials);
+    };
+    cut.map_err(|failure| failure.about(path))
 }
 
 /// Reads the name of a controller.

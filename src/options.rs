@@ -28,6 +28,12 @@ pub fn number<T: FromStr + 'static>(
     move |text| text.parse().ok().filter(is_allowed).ok_or_else(|| allowed.to_owned())
 }
 
+/// Two values with a sign between them, such as leaf=0.7; `None` if a text is anything else.
+pub fn pair<A: FromStr, B: FromStr>(text: &str, sign: char) -> Option<(A, B)> {
+    let (first, second) = text.split_once(sign)?;
+    Some((first.parse().ok()?, second.parse().ok()?))
+}
+
 /// The options that are given, as they are written. Each field is an option of its name; what is not given is
 /// `None`, `false` or empty.
 pub fn given(options: &impl Serialize) -> Vec<String> {

@@ -50,13 +50,7 @@ impl Counter for Bar {
     }
 }
 
-impl Drop for Bar {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
-    }
-}
-
-/// A progress bar for `length` items.
+/// A progress bar for `length` items. It is cleared when it is dropped.
 pub fn bar(length: u64, things: &str) -> ProgressBar {
     let bar = ProgressBar::new(length);
     let things = escaped(things).replace('{', "{{").replace('}', "}}");

@@ -11,12 +11,8 @@ use crate::{Failure, input, progress};
 
 /// The reaches of some data sets and recordings, in the order in which they are given.
 pub struct Reaches {
-    sources: Vec<(PathBuf, Source)>,
-}
-
-enum Source {
-    Dataset(Box<Dataset>),
-    Recording,
+    /// Each with its data set; a recording has none.
+    sources: Vec<(PathBuf, Option<Dataset>)>,
 }
 
 /// What commands that need whole frames accept.
@@ -31,10 +27,10 @@ impl Reaches {
         let mut places = BTreeSet::new();
         let source = |path: &PathBuf| {
             input::check_exists(path, ALLOWED)?;
-            let source = if is_folder(path)? {
-                Source::Dataset(Box::new(Dataset::open(path)?))
+            let dataset = if is_folder(path)? {
+                Some(Dataset::open(path)?)
             } else if is_recording(path)? {
-                Source::Recording
+                None
             } else {
                 let remedy = "give the data set or recording that the trials were taken from";
                 return Err(InputError::new(path, "input", "a table of trials or another file", ALLOWED, remedy).into());
@@ -46,28 +42,23 @@ impl Reaches {
                 let allowed = "each data set or recording once, so that no reach counts twice";
                 return Err(InputError::new(path, "input", "the same input twice", allowed, remedy).into());
             }
-            Ok((path.clone(), source))
+            Ok((path.clone(), dataset))
         };
         let sources: Result<Vec<_>, Failure> = paths.iter().map(source).collect();
         Ok(Reaches { sources: sources? })
     }
 }
 
-impl Source {
-    /// Number of its reaches.
-    fn count(&self) -> usize {
-        match self {
-            Source::Dataset(dataset) => dataset.episodes().len(),
-            Source::Recording => 1,
-        }
-    }
+/// Number of the reaches of a data set, or of a recording.
+fn count(dataset: Option<&Dataset>) -> usize {
+    dataset.map_or(1, |dataset| dataset.episodes().len())
 }
 
 impl ReadReaches for Reaches {
     type Error = Failure;
 
     fn count(&self) -> usize {
-        self.sources.iter().map(|(_, source)| source.count()).sum()
+        self.sources.iter().map(|(_, dataset)| count(dataset.as_ref())).sum()
     }
 
     /// Reads the reaches with a progress bar. It fails if a file is damaged; errors of `each` name the file.
@@ -78,12 +69,12 @@ impl ReadReaches for Reaches {
     ) -> Result<(), Failure> {
         let bar = progress::bar((0..self.count()).filter(|position| keeps(*position)).count() as u64, "reaches read");
         let mut position = 0;
-        for (path, source) in &self.sources {
-            for index in 0..source.count() {
+        for (path, dataset) in &self.sources {
+            for index in 0..count(dataset.as_ref()) {
                 if keeps(position) {
-                    let recording = match source {
-                        Source::Dataset(dataset) => dataset.read_reach(index)?,
-                        Source::Recording => read_recording(path)?,
+                    let recording = match dataset {
+                        Some(dataset) => dataset.read_reach(index)?,
+                        None => read_recording(path)?,
                     };
                     each(&recording).map_err(|failure| failure.about(path))?;
                     bar.inc(1);
@@ -91,7 +82,6 @@ impl ReadReaches for Reaches {
                 position += 1;
             }
         }
-        bar.finish_and_clear();
         Ok(())
     }
 }

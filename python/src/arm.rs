@@ -78,7 +78,7 @@ impl PyArm {
         joint_angle_rad: &Bound<'py, PyAny>,
     ) -> Result<(Bound<'py, PyAny>, Bound<'py, PyAny>), Failure> {
         let joints = self.arm.joints.len();
-        let (angles, _) = array::finite(joint_angle_rad, "joint_angle_rad", &[Some(joints)])?;
+        let angles = array::finite(joint_angle_rad, "joint_angle_rad", &[Some(joints)])?;
         let links = self.arm.forward_kinematics(&angles);
         let position = self.arm.end_effector_pose(&links).position;
         let jacobian = self.arm.position_jacobian(&links, self.arm.end_effector_link, position);

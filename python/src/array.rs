@@ -123,30 +123,22 @@ pub fn lend_rows(py: Python<'_>, numbers: Vec<f64>, width: usize) -> PyResult<Bo
 ///
 /// # Errors
 /// `Fault::Input` names the argument, and what was expected.
-pub fn finite(
-    value: &Bound<'_, PyAny>,
-    name: &str,
-    shape: &[Option<usize>],
-) -> Result<(Vec<f64>, Vec<usize>), Failure> {
-    let (numbers, found) = numbers(value, name, shape)?;
+pub fn finite(value: &Bound<'_, PyAny>, name: &str, shape: &[Option<usize>]) -> Result<Vec<f64>, Failure> {
+    let numbers = numbers(value, name, shape)?;
     if let Some(place) = numbers.iter().position(|number| !number.is_finite()) {
         let found = format!("{} at position {place}", numbers[place]);
         return Err(Failure::argument(name, found, "finite numbers", "replace NaN and infinity"));
     }
-    Ok((numbers, found))
+    Ok(numbers)
 }
 
 /// Like [`finite`], but NaN and infinity are allowed.
 ///
 /// # Errors
 /// As [`finite`].
-pub fn numbers(
-    value: &Bound<'_, PyAny>,
-    name: &str,
-    shape: &[Option<usize>],
-) -> Result<(Vec<f64>, Vec<usize>), Failure> {
+pub fn numbers(value: &Bound<'_, PyAny>, name: &str, shape: &[Option<usize>]) -> Result<Vec<f64>, Failure> {
     static NUMBERS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let py = value.py();
     let array = NUMBERS.import(py, "underbrush._arrays", "numbers")?.call1((value, name, shape))?;
-    Ok((PyBuffer::<f64>::get(&array)?.to_vec(py)?, array.getattr("shape")?.extract()?))
+    Ok(PyBuffer::<f64>::get(&array)?.to_vec(py)?)
 }

@@ -7,10 +7,7 @@ use pyo3::prelude::*;
 use underbrush_experiments::benchmark::{EnteredController, Entry, TestSet, set_folder};
 use underbrush_experiments::verdict_controller::VerdictControl;
 
-use crate::failure::{Answer, Failure};
-use crate::interrupt::Stop;
-use crate::progress::{Reported, watched};
-use crate::{controller, generate, json};
+use crate::{Answer, Failure, Reported, Stop, controller, generate, json, watched};
 
 /// Judge a model or a controller on the frozen scenes of the benchmark, and write a row of its table.
 #[pyfunction]

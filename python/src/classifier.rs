@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use underbrush_classifier::any_model::{self, AnyModel};
+use underbrush_classifier::online_model::OnlineJudge;
 use underbrush_classifier::touch::TOUCH_FORMAT;
 use underbrush_classifier::{Decision, FORMAT, Model, OnlineClassifier, OnlineOptions, Scores};
 use underbrush_recording::InputError;
@@ -16,11 +17,6 @@ use crate::{Answer, Failure, Skin, Trials, array, given, json, place, pool};
 #[pyclass(frozen, name = "Model", module = "underbrush._core")]
 pub struct PyModel {
     pub model: Model,
-}
-
-/// Scores as an array with a row for each trial.
-pub fn scores_array<'py>(py: Python<'py>, scores: Vec<Vec<f64>>, width: usize) -> PyResult<Bound<'py, PyAny>> {
-    array::lend_rows(py, scores.concat(), width)
 }
 
 impl PyModel {
@@ -119,7 +115,7 @@ impl PyModel {
     /// Scores of whole trials, nats: (trials, categories).
     fn scores<'py>(&self, py: Python<'py>, trials: &Trials) -> Answer<'py> {
         let scores = pool::detached(py, None, || Ok(self.model.classifier.scores_of_all(&trials.all())?))?;
-        Ok(scores_array(py, scores, self.model.classifier.categories().len())?)
+        Ok(array::lend_rows(py, scores.concat(), self.model.classifier.categories().len())?)
     }
 
     /// Scores after the first k samples of a trial, for ascending k from 1: (len(counts), categories).
@@ -129,7 +125,7 @@ impl PyModel {
             return Err(Failure::argument("counts", format!("{counts:?}"), "ascending numbers from 1", "sort them"));
         }
         let scores = self.model.classifier.scores_after(own, &counts)?;
-        Ok(scores_array(py, scores, self.model.classifier.categories().len())?)
+        Ok(array::lend_rows(py, scores.concat(), self.model.classifier.categories().len())?)
     }
 
     /// Verdict on each trial: a category, "uncertain" or "outlier".
@@ -159,7 +155,8 @@ impl PyModel {
         let options = OnlineOptions::new(patch, threshold_n, self.deciding(decision)?);
         let classifier = OnlineClassifier::new(self.model.classifier.as_ref(), &skin.layout, &options)?;
         let needs_pose_of = options.needs_pose_of(self.model.classifier.as_ref(), &skin.layout);
-        Ok(Online::of_contacts(classifier, self.categories(), skin, needs_pose_of))
+        let judge = OnlineJudge::OfTrials(Box::new(classifier));
+        Ok(Online::new(judge, self.categories(), skin, needs_pose_of.into_iter().collect()))
     }
 
     fn __repr__(&self) -> String {

@@ -101,25 +101,16 @@ impl Controller for PythonController {
                 };
                 let joints = input.joint_angle_rad.len();
                 let name = format!("the answer of the controller {}", self.name);
-                Ok((array::finite(&answer, &name, &[Some(joints)])?.0, intent))
+                Ok((array::finite(&answer, &name, &[Some(joints)])?, intent))
             })
         });
-        match answer {
-            Some(Ok((equilibrium_angle_rad, intent))) => {
-                ControllerOutput { equilibrium_angle_rad, status: ControlStatus::Solved, intent }
-            }
-            other => {
-                // The reach ends before the next frame.
-                if let Some(Err(failure)) = other {
-                    self.stop.raise(failure.into());
-                }
-                ControllerOutput {
-                    equilibrium_angle_rad: input.equilibrium_angle_rad.to_vec(),
-                    status: ControlStatus::Failed,
-                    intent: Intent::Onward,
-                }
-            }
-        }
+        // After an exception the reach ends before the next frame.
+        let answer = answer.transpose().map_err(|failure| self.stop.raise(failure.into()));
+        let (equilibrium_angle_rad, status, intent) = match answer {
+            Ok(Some((angles, intent))) => (angles, ControlStatus::Solved, intent),
+            Ok(None) | Err(()) => (input.equilibrium_angle_rad.to_vec(), ControlStatus::Failed, Intent::Onward),
+        };
+        ControllerOutput { equilibrium_angle_rad, status, intent }
     }
 }
 

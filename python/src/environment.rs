@@ -150,7 +150,7 @@ impl PyEnvironments {
     /// Take a step with each environment: one row of `actions` for each.
     fn step<'py>(&self, py: Python<'py>, actions: &Bound<'py, PyAny>) -> Result<Answer<'py>, Failure> {
         let shape = [Some(self.count), Some(self.action_size)];
-        let (actions, _) = array::finite(actions, "action", &shape)?;
+        let actions = array::finite(actions, "action", &shape)?;
         let mut state = self.lock()?;
         let own = &mut *state;
         let stepped = py.detach(|| {
@@ -168,7 +168,7 @@ impl PyEnvironments {
     /// Time in seconds of steps without Python between them, for `actions` of (steps, environments, numbers). The
     /// comparison shows what stepping from Python costs.
     fn seconds_of_steps(&self, py: Python<'_>, actions: &Bound<'_, PyAny>) -> Result<f64, Failure> {
-        let (actions, _) = array::finite(actions, "actions", &[None, Some(self.count), Some(self.action_size)])?;
+        let actions = array::finite(actions, "actions", &[None, Some(self.count), Some(self.action_size)])?;
         let mut state = self.lock()?;
         let own = &mut *state;
         py.detach(|| {

@@ -13,15 +13,6 @@ use crate::fitting::{Options, estimator_of};
 use crate::python_classifier::PythonClassifier;
 use crate::{Answer, Failure, PyModel, Trials, given, json, pool};
 
-/// How trials are grouped into folds.
-fn folds(trials: &Trials, count: usize, group: Option<&str>) -> Result<Folds, Failure> {
-    let by = match group {
-        None => FoldBy::advised(&trials.list),
-        Some(name) => given::named("group", name)?,
-    };
-    Ok(Folds { count, by })
-}
-
 /// Cross-validate a classifier; or evaluate a model, or a classifier fitted to other trials, on trials with ground truth.
 #[pyfunction]
 #[pyo3(name = "evaluate", signature = (trials, classifier, *, folds = None, group = None, train = None, decision = None,
@@ -60,7 +51,8 @@ pub fn evaluate_trials<'py>(
     if train.is_some() {
         refuse("train", &of_folds)?;
     }
-    let own = self::folds(trials, folds.unwrap_or(Folds::COUNT), group)?;
+    let by = group.map(|name| given::named("group", name)).transpose()?;
+    let own = Folds { count: folds.unwrap_or(Folds::COUNT), by: by.unwrap_or_else(|| FoldBy::advised(list)) };
     let judged = pool::detached(py, jobs, || match train {
         Some(train) => {
             let fitted: Box<dyn Classifier> = estimator.fit(&train.all())?;

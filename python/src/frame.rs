@@ -27,7 +27,7 @@ const QUATERNION_TOLERANCE: f64 = 2e-3;
 const FORCE_N: Limits = Limits::new(0.0, limits::FORCE_N.max, "N");
 
 /// The pose from its seven numbers.
-pub fn pose_of(numbers: &[f64]) -> Pose {
+fn pose_of(numbers: &[f64]) -> Pose {
     Pose {
         position: DVec3::new(numbers[0], numbers[1], numbers[2]),
         orientation: DQuat::from_xyzw(numbers[3], numbers[4], numbers[5], numbers[6]),
@@ -76,7 +76,7 @@ impl PyFrame {
         let mut taxels = Vec::new();
         for (name, value) in sensed_force_n {
             let (name, patch) = patch_of(&name)?;
-            let forces = array::finite(&value, &name, &[Some(layout.patches[patch].taxels.len())])?.0;
+            let forces = array::finite(&value, &name, &[Some(layout.patches[patch].taxels.len())])?;
             for (taxel, &sensed_force_n) in forces.iter().enumerate().filter(|(_, force)| **force != 0.0) {
                 if !FORCE_N.hold(sensed_force_n) {
                     let found = format!("{sensed_force_n} N on taxel {taxel} of the patch {name}");
@@ -91,7 +91,7 @@ impl PyFrame {
         let mut poses = vec![NO_POSE; layout.patches.len()];
         for (name, value) in patch_poses.into_iter().flatten() {
             let (name, index) = patch_of(&name)?;
-            let pose = pose_of(&array::finite(&value, &name, &[Some(7)])?.0);
+            let pose = pose_of(&array::finite(&value, &name, &[Some(7)])?);
             let length = pose.orientation.length();
             if (length - 1.0).abs() > QUATERNION_TOLERANCE {
                 let found = format!("a quaternion of length {length} for the patch {name}");

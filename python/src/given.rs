@@ -54,11 +54,9 @@ impl Refused {
     fn within(self, name: &str) -> Self {
         match self {
             Refused::Type(text) => Refused::Type(format!("{name}: {text}")),
-            Refused::Value { entry, found, allowed } if entry.is_empty() => {
-                Refused::Value { entry: name.to_owned(), found, allowed }
-            }
             Refused::Value { entry, found, allowed } => {
-                Refused::Value { entry: format!("{name}.{entry}"), found, allowed }
+                let entry = if entry.is_empty() { name.to_owned() } else { format!("{name}.{entry}") };
+                Refused::Value { entry, found, allowed }
             }
         }
     }
@@ -157,9 +155,8 @@ impl<'de> Deserializer<'de> for Given<'_> {
         _: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Refused> {
-        let name: Result<String, _> = self.0.extract();
-        visitor
-            .visit_enum(name.map_err(|_| Refused::Type(format!("found {}, not a name", self.0)))?.into_deserializer())
+        let name: String = self.0.extract().map_err(|_| Refused::Type(format!("found {}, not a name", self.0)))?;
+        visitor.visit_enum(name.into_deserializer())
     }
 
     forward_to_deserialize_any! {

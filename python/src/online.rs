@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use underbrush_classifier::online_model::OnlineJudge;
-use underbrush_classifier::{OnlineClassifier, OnlineOptions, Scores, TouchClassifier};
+use underbrush_classifier::{OnlineClassifier, OnlineOptions, Scores};
 use underbrush_recording::SkinLayout;
 
 use crate::python_classifier::PythonClassifier;
@@ -32,24 +32,8 @@ struct State {
 }
 
 impl Online {
-    /// Verdicts of a classifier of trials. `needs_pose_of` is the patch whose pose it needs, if it uses motion.
-    pub fn of_contacts(
-        classifier: OnlineClassifier,
-        categories: Vec<String>,
-        skin: &Skin,
-        needs_pose_of: Option<usize>,
-    ) -> Self {
-        Online::new(OnlineJudge::OfTrials(Box::new(classifier)), categories, skin, needs_pose_of.into_iter().collect())
-    }
-
-    /// Verdicts of a touch model.
-    pub fn of_touch(classifier: TouchClassifier, skin: &Skin) -> Self {
-        let patches = classifier.model().options().judged_patches(&skin.layout);
-        let categories = classifier.model().categories().to_vec();
-        Online::new(OnlineJudge::Touch(Box::new(classifier)), categories, skin, patches)
-    }
-
-    fn new(judge: OnlineJudge, categories: Vec<String>, skin: &Skin, needs_poses_of: Vec<usize>) -> Self {
+    /// Verdicts of a classifier of these categories, which needs the poses of these patches if it uses motion.
+    pub fn new(judge: OnlineJudge, categories: Vec<String>, skin: &Skin, needs_poses_of: Vec<usize>) -> Self {
         let (state, layout) = (Mutex::new(State { judge, last_s: None }), Arc::clone(&skin.layout));
         Online { state, categories, layout, needs_poses_of, raised: None }
     }
@@ -152,7 +136,6 @@ pub fn online(
     let own = PythonClassifier::of(classifier, &Arc::new(Stop::default()))?;
     let decision = arguments::decision(decision, &Scores::of_any_kind())?;
     let options = OnlineOptions::new(patch, threshold_n, decision);
-    let made = OnlineClassifier::new(&own, &skin.layout, &options)?;
-    let categories = underbrush_classifier::estimator::Classifier::categories(&own);
-    Ok(Online { raised: Some(own.raised()), ..Online::of_contacts(made, categories, skin, None) })
+    let judge = OnlineJudge::OfTrials(Box::new(OnlineClassifier::new(&own, &skin.layout, &options)?));
+    Ok(Online { raised: Some(own.raised), ..Online::new(judge, own.categories, skin, Vec::new()) })
 }

@@ -84,15 +84,15 @@ pub fn shown<'py>(py: Python<'py>, png: Vec<u8>) -> PyResult<Bound<'py, PyAny>> 
 pub fn png_of(recording: &Recording, frame: Option<usize>) -> Result<Vec<u8>, Failure> {
     let stage = replayed::stage(recording)?.with_arrows();
     let number = frame.unwrap_or_else(|| fullest(recording));
-    let moment = stage.moment(number as u32, frame_of(recording, number)?);
-    Ok(underbrush_render::png(&moment.rgb(&stage.camera(SHOWN.aspect()), SHOWN)?, SHOWN)?)
+    let scene = stage.moment(number as u32, frame_of(recording, number)?);
+    Ok(scene.png(&stage.camera(SHOWN.aspect()), SHOWN)?)
 }
 
 /// A simulation as it is now, with arrows of the contact forces, as PNG.
 pub fn png(simulation: &Simulation) -> Result<Vec<u8>, Failure> {
     let goal = simulation.clutter().goals.first().copied().unwrap_or_default();
     let (scene, camera, _) = Stage::now(simulation, &simulation.frame(0, goal), None, SHOWN.aspect(), true)?;
-    Ok(underbrush_render::png(&scene.rgb(&camera, SHOWN)?, SHOWN)?)
+    Ok(scene.png(&camera, SHOWN)?)
 }
 
 /// A frame of a reach, by a number that a user gave.

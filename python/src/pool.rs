@@ -16,10 +16,6 @@ const MAX_JOBS: usize = 1024;
 struct Made(Mutex<Option<(u32, Arc<ThreadPool>)>>);
 
 impl Made {
-    const fn later() -> Self {
-        Made(Mutex::new(None))
-    }
-
     /// The pool with this many threads; 0 stands for all cores.
     fn get(&self, threads: usize) -> Result<Arc<ThreadPool>, Failure> {
         let mut pool = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -47,7 +43,7 @@ impl Drop for Made {
 }
 
 /// The pool of this process.
-static POOL: Made = Made::later();
+static POOL: Made = Made(Mutex::new(None));
 
 fn build(threads: usize) -> Result<ThreadPool, Failure> {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
@@ -80,7 +76,7 @@ impl Helpers {
             Some(jobs) => check(jobs)?,
             None => std::thread::available_parallelism().map_or(1, usize::from),
         };
-        Ok(Helpers { threads: jobs - 1, pool: Made::later() })
+        Ok(Helpers { threads: jobs - 1, pool: Made(Mutex::new(None)) })
     }
 
     /// The threads, if there are any.

@@ -35,17 +35,13 @@ impl Shared {
 pub struct Reported {
     done: Shared,
     stop: Arc<Stop>,
+    /// Called as `callback(done, total, text)`.
     callback: Option<Py<PyAny>>,
 }
 
 impl Reported {
-    /// Progress for this function, called as `callback(done, total, text)`.
-    pub fn new(stop: &Arc<Stop>, callback: Option<Py<PyAny>>) -> Self {
-        Reported { done: Shared::default(), stop: Arc::clone(stop), callback }
-    }
-
     /// Shows what is new: remarks as warnings, and the count.
-    pub fn show(&self, py: Python<'_>) -> PyResult<()> {
+    fn show(&self, py: Python<'_>) -> PyResult<()> {
         let Done { things, total, goals, remarks } = {
             let mut done = self.done.lock();
             Done { remarks: std::mem::take(&mut done.remarks), ..*done }
@@ -107,7 +103,7 @@ pub fn watched<T: Send>(
     // A thread of a pool that waits here cannot help with the work, so a controller or a classifier that calls this gets threads of
     // its own.
     let jobs = jobs.or(rayon::current_thread_index().map(|_| rayon::current_num_threads()));
-    let reported = Reported::new(stop, progress);
+    let reported = Reported { done: Shared::default(), stop: Arc::clone(stop), callback: progress };
     let shown = &reported;
     let (sender, receiver) = std::sync::mpsc::sync_channel(1);
     let receiver = Mutex::new(receiver);

@@ -37,14 +37,9 @@ impl PythonEstimator {
 impl Estimator for PythonEstimator {
     fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
         Python::attach(|py| {
-            let fit = || -> Result<PythonClassifier, Failure> {
-                let fitted = self.object.bind(py).call_method1("fit_trials", (cloned(trials),))?;
-                PythonClassifier::of(&fitted, &self.raised)
-            };
-            match fit() {
-                Ok(classifier) => Ok(Box::new(classifier) as Box<dyn Classifier>),
-                Err(failure) => Err(kept(&self.raised, failure)),
-            }
+            let fitted = self.object.bind(py).call_method1("fit_trials", (cloned(trials),)).map_err(Failure::from);
+            let classifier = fitted.and_then(|fitted| PythonClassifier::of(&fitted, &self.raised));
+            Ok(Box::new(classifier.map_err(|failure| kept(&self.raised, failure))?) as Box<dyn Classifier>)
         })
     }
 }
@@ -65,9 +60,10 @@ fn kept(raised: &Stop, failure: Failure) -> ModelError {
 #[derive(Debug)]
 pub struct PythonClassifier {
     object: Arc<Py<PyAny>>,
-    categories: Vec<String>,
+    pub categories: Vec<String>,
     features: FeatureSet,
-    raised: Arc<Stop>,
+    /// What the object raised.
+    pub raised: Arc<Stop>,
 }
 
 impl PythonClassifier {
@@ -91,11 +87,6 @@ impl PythonClassifier {
             raised: Arc::clone(raised),
         })
     }
-
-    /// What the object raised.
-    pub fn raised(&self) -> Arc<Stop> {
-        Arc::clone(&self.raised)
-    }
 }
 
 /// The scores that an object gives trials, one row for each.
@@ -104,7 +95,7 @@ fn scores(object: &Py<PyAny>, trials: Trials, categories: usize) -> Result<Vec<V
         let count = trials.list.len();
         let answer = object.bind(py).call_method1("scores", (trials,))?;
         let shape = [Some(count), Some(categories)];
-        let (numbers, _) = array::numbers(&answer, "the answer of scores", &shape)?;
+        let numbers = array::numbers(&answer, "the answer of scores", &shape)?;
         if numbers.iter().any(|number| number.is_nan()) {
             let allowed = "numbers; minus infinity for the impossible";
             return Err(Failure::argument("the answer of scores", "NaN", allowed, "correct the classifier"));
@@ -179,20 +170,14 @@ impl OnlineScorer for PythonScorer {
         let samples = |contact: usize| self.samples[contact].clone();
         let trial = |contact: &usize| Trial { trial: *contact as u64, samples: samples(*contact), ..Trial::default() };
         let trials = Trials::new(pushed.iter().map(trial).collect());
-        match scores(&self.object, trials, self.categories) {
-            Ok(found) => {
-                for (contact, own) in pushed.iter().zip(found) {
-                    self.scores[*contact] = own;
-                }
-            }
-            Err(failure) => {
-                kept(&self.raised, failure);
-            }
+        let found = scores(&self.object, trials, self.categories).map_err(|failure| kept(&self.raised, failure));
+        // Callers check what the object raised before they use the scores.
+        for (contact, own) in pushed.iter().zip(found.unwrap_or_default()) {
+            self.scores[*contact] = own;
         }
     }
 
     fn scores(&self, contact: usize, scores: &mut [f64]) -> Result<(), ModelError> {
-        // Callers check what the object raised before they use the scores.
         scores.copy_from_slice(&self.scores[contact]);
         Ok(())
     }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyDict};
 use serde_json::{Value, json};
 use underbrush_classifier::DataSource;
@@ -21,7 +22,7 @@ use crate::failure::{self, place};
 use crate::picture::{self, PyCamera};
 use crate::pool::{self, alone};
 use crate::scene::scene;
-use crate::table::{Column, LentColumns, PyTable, record_batch};
+use crate::table::{Column, PyTable, record_batch};
 use crate::{Answer, Failure, PyFrame, Skin, Stop, Trials, controller, json, patch_index, watched};
 
 /// Where a reach is stored.
@@ -52,7 +53,8 @@ pub struct Reach {
     /// The whole recording, once something has needed it.
     whole: OnceLock<Arc<Recording>>,
     layout: OnceLock<Arc<SkinLayout>>,
-    columns: LentColumns,
+    /// The columns that were asked for as arrays, by name and precision, so that each is made once.
+    columns: PyOnceLock<Py<PyDict>>,
 }
 
 impl Reach {
@@ -76,7 +78,7 @@ impl Reach {
             frames: own.frames,
             whole: OnceLock::new(),
             layout: OnceLock::new(),
-            columns: LentColumns::default(),
+            columns: PyOnceLock::new(),
         }
     }
 
@@ -95,7 +97,7 @@ impl Reach {
     }
 
     /// The data that these reaches are from: each data set once, and each recording.
-    pub fn sources(reaches: &[&Reach]) -> Vec<DataSource> {
+    pub fn sources<'a>(reaches: impl IntoIterator<Item = &'a Reach>) -> Vec<DataSource> {
         let mut sources = Vec::new();
         let mut of_sets: BTreeMap<&Path, (&Dataset, Vec<usize>)> = BTreeMap::new();
         for reach in reaches {
@@ -173,8 +175,13 @@ impl Reach {
     #[pyo3(signature = (name, dtype = None))]
     fn column<'py>(&self, py: Python<'py>, name: &str, dtype: Option<&str>) -> Answer<'py> {
         let single = dtype.map(Column::is_single).transpose()?;
-        self.columns
-            .get(py, (name, single), || Ok(pool::detached(py, None, || self.read_column(name, single))?.lend(py)?))
+        let known = self.columns.get_or_init(py, || PyDict::new(py).unbind()).bind(py);
+        if let Some(array) = known.get_item((name, single))? {
+            return Ok(array);
+        }
+        let array = pool::detached(py, None, || self.read_column(name, single))?.lend(py)?;
+        // Another thread may have made the same array meanwhile: both then get the one that was stored first.
+        Ok(known.call_method1("setdefault", ((name, single), array))?)
     }
 
     /// Names of the columns. `column` reads those of numbers; lists, such as `truth.contact_points`, are in `frames` alone.
@@ -312,7 +319,7 @@ impl Reach {
         let options = cutting(options)?;
         let cut = || Ok(contact_trials::of_recording(&*self.recording()?, &options, 0)?);
         let list = alone(py, cut)?;
-        Ok(Trials::new(list).cut_from(Reach::sources(&[self])))
+        Ok(Trials::new(list).cut_from(Reach::sources([self])))
     }
 
     /// Whether it is a robot's log. Then nobody knows controller, seed and outcome.
@@ -333,8 +340,7 @@ impl Reach {
         let class = py.get_type::<Reach>();
         match &self.source {
             Source::Dataset(dataset, index) => {
-                let folder = std::path::absolute(dataset.dir()).map_err(PyErr::from)?;
-                let place = (folder, *index).into_pyobject(py)?.into_any();
+                let place = (dataset.dir(), *index).into_pyobject(py)?.into_any();
                 Ok((class.getattr("_of_dataset")?, (place,)))
             }
             Source::Memory(recording) => {

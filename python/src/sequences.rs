@@ -53,7 +53,7 @@ pub fn of_sequences(
         let name = format!("sequence {index}");
         let is_flat = width == 1 && value.getattr("ndim").and_then(|ndim| ndim.extract::<usize>()).unwrap_or(1) == 1;
         let shape: &[Option<usize>] = if is_flat { &[None] } else { &[None, Some(width)] };
-        let (numbers, _) = array::finite(value, &name, shape)?;
+        let numbers = array::finite(value, &name, shape)?;
         if numbers.is_empty() {
             return Err(Failure::argument(name, "no samples", "at least one sample", "leave it out"));
         }

@@ -35,7 +35,7 @@ impl PySimulation {
 
     fn angles(&self, value: &Bound<'_, PyAny>) -> Result<Vec<f64>, Failure> {
         let joints = self.plan.arm.joints.len();
-        Ok(array::finite(value, "equilibrium_rad", &[Some(joints)])?.0)
+        array::finite(value, "equilibrium_rad", &[Some(joints)])
     }
 
     fn frame(&self, simulation: &Simulation) -> PyFrame {
@@ -191,7 +191,7 @@ pub fn step_many(
         return Err(Failure::argument("simulations", "one of them twice", "each once", "copy() it"));
     }
     let shape = [Some(simulations.len()), Some(joints)];
-    let (angles, _) = array::finite(equilibrium_rad, "equilibrium_rad", &shape)?;
+    let angles = array::finite(equilibrium_rad, "equilibrium_rad", &shape)?;
     let simulations: Vec<&PySimulation> = simulations.iter().map(Py::get).collect();
     pool::detached(py, jobs, || {
         // All are locked first: if another thread is using one of them, none has moved.

@@ -1,7 +1,7 @@
 //! Arrow tables lent to Python, and their columns as NumPy arrays.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use arrow_array::cast::AsArray;
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 use rayon::prelude::*;
 use serde_json::Value;
-use underbrush_recording::disk::{self, Batch, Dataset, Rows, Text, Values};
+use underbrush_recording::disk::{self, Batch, Dataset, Rows, Values};
 
 use crate::array::Numbers;
 use crate::{Answer, Failure};
@@ -33,11 +33,6 @@ fn array_of(values: Values, present: Option<Vec<bool>>) -> ArrayRef {
     fn numbers<T: ArrowPrimitiveType>(numbers: Vec<T::Native>, present: Option<Vec<bool>>) -> ArrayRef {
         Arc::new(PrimitiveArray::<T>::new(numbers.into(), present.map(Into::into)))
     }
-    let texts = |texts: Vec<Text>, present: Option<Vec<bool>>| -> StringArray {
-        let there = |row: usize| present.as_ref().is_none_or(|present| present[row]);
-        let texts = texts.iter().enumerate();
-        texts.map(|(row, text)| there(row).then_some(&**text)).collect()
-    };
     match values {
         Values::Int8(values) => numbers::<Int8Type>(values, present),
         Values::Int16(values) => numbers::<Int16Type>(values, present),
@@ -48,7 +43,11 @@ fn array_of(values: Values, present: Option<Vec<bool>>) -> ArrayRef {
         Values::Float32(values) => numbers::<Float32Type>(values, present),
         Values::Float64(values) => numbers::<Float64Type>(values, present),
         Values::Bool(values) => Arc::new(BooleanArray::new(values.into(), present.map(Into::into))),
-        Values::Text(values) => Arc::new(texts(values, present)),
+        Values::Text(texts) => {
+            let there = |row: usize| present.as_ref().is_none_or(|present| present[row]);
+            let texts = texts.iter().enumerate().map(|(row, text)| there(row).then_some(&**text));
+            Arc::new(texts.collect::<StringArray>())
+        }
     }
 }
 
@@ -248,37 +247,6 @@ impl Column {
         let parts: PyResult<Vec<_>> = self.0.into_iter().map(|part| part.lend(py)).collect();
         let dtype = self.1.map(|single| if single { "float32" } else { "float64" });
         py.import("underbrush._arrays")?.call_method1("joined", (parts?, dtype))
-    }
-}
-
-/// A column's name, and its precision if one was asked for.
-type LentColumn = (String, Option<bool>);
-
-/// Columns that were asked for, as arrays. Each is made once.
-#[derive(Default)]
-pub struct LentColumns(Mutex<HashMap<LentColumn, Py<PyAny>>>);
-
-impl LentColumns {
-    /// The array, which is made if it was not asked for before.
-    ///
-    /// # Errors
-    /// Those of making it.
-    pub fn get<'py>(
-        &self,
-        py: Python<'py>,
-        (name, single): (&str, Option<bool>),
-        make: impl FnOnce() -> Answer<'py>,
-    ) -> Answer<'py> {
-        let key = (name.to_owned(), single);
-        let known = |columns: &HashMap<_, Py<PyAny>>| columns.get(&key).map(|array| array.clone_ref(py));
-        if let Some(array) = known(&self.0.lock().unwrap_or_else(PoisonError::into_inner)) {
-            return Ok(array.into_bound(py));
-        }
-        // Made without the lock: another thread may make the same array, and both then get the one that was stored
-        // first.
-        let array = make()?.unbind();
-        let mut columns = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(columns.entry(key).or_insert(array).clone_ref(py).into_bound(py))
     }
 }
 

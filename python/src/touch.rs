@@ -9,19 +9,16 @@ use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::evaluate::touch_folds::{
     ReadReaches, add_auxiliary, check_folds, cross_validate_touch, judge_touch, touch_examples,
 };
-use underbrush_classifier::touch::{
-    RiskLimits, TOUCH_FORMAT, TouchClassifier, TouchExamples, TouchModel, TouchOptions,
-};
+use underbrush_classifier::online_model::OnlineModel;
+use underbrush_classifier::touch::{RiskLimits, TOUCH_FORMAT, TouchExamples, TouchModel, TouchOptions};
 use underbrush_experiments::model_data;
 use underbrush_recording::Recording;
 
 use crate::arguments::save;
 use crate::classifier::other_kind;
-use crate::failure::{Answer, Failure};
 use crate::online::Online;
 use crate::reach::Reach;
-use crate::skin::Skin;
-use crate::{json, pool};
+use crate::{Answer, Failure, Skin, json, pool};
 
 /// A touch model: what presses on each taxel (nothing, a category, uncertain or unknown), in every frame.
 #[pyclass(frozen, name = "TouchModel", module = "underbrush._core")]
@@ -59,13 +56,13 @@ impl PyTouchModel {
         jobs: Option<usize>,
     ) -> Result<Self, Failure> {
         let (options, limits) = options(patch, threshold_n, limit_wrong);
-        let reaches = Given(reaches.iter().map(Py::get).collect());
-        let auxiliary = Given(auxiliary.iter().map(Py::get).collect());
+        let reaches = Given(&reaches);
+        let auxiliary = Given(&auxiliary);
         let fit = || {
             let mut examples = touch_examples(&reaches, options)?;
             add_auxiliary(&mut examples, &auxiliary)?;
             let mut model = examples.fit_within(&limits)?;
-            let sources = Reach::sources(&[reaches.0.as_slice(), &auxiliary.0].concat());
+            let sources = Reach::sources(reaches.0.iter().chain(auxiliary.0).map(Py::get));
             model.provenance = model_data::provenance(json::value(&limits)?, sources);
             Ok(model)
         };
@@ -90,7 +87,7 @@ impl PyTouchModel {
         jobs: Option<usize>,
     ) -> Answer<'py> {
         let (options, limits) = options(patch, threshold_n, limit_wrong);
-        let reaches = Given(reaches.iter().map(Py::get).collect());
+        let reaches = Given(&reaches);
         let fit = |examples: &TouchExamples| Ok(examples.fit_within(&limits)?);
         let judge = || {
             check_folds(folds, reaches.count())?;
@@ -143,12 +140,13 @@ impl PyTouchModel {
 
     /// Classify frame by frame.
     fn online(&self, skin: &Skin) -> Result<Online, Failure> {
-        Ok(Online::of_touch(TouchClassifier::new(Arc::clone(&self.model), &skin.layout)?, skin))
+        let (model, layout) = (OnlineModel::Touch(Arc::clone(&self.model)), &skin.layout);
+        Ok(Online::new(model.begin(layout)?, model.categories(), skin, model.needs_poses_of(layout)))
     }
 
     /// Judge the frames of reaches with ground truth.
     fn evaluate<'py>(&self, py: Python<'py>, reaches: Vec<Py<Reach>>) -> Answer<'py> {
-        let reaches = Given(reaches.iter().map(Py::get).collect());
+        let reaches = Given(&reaches);
         let judge = || judge_touch(self.model.as_ref().clone(), &reaches);
         json::to_python(py, &pool::detached(py, None, judge)?)
     }
@@ -169,7 +167,7 @@ fn options(patch: Option<String>, threshold_n: Option<f64>, wrong: Option<f64>) 
 }
 
 /// Reaches that a caller gave.
-struct Given<'a>(Vec<&'a Reach>);
+struct Given<'a>(&'a [Py<Reach>]);
 
 impl ReadReaches for Given<'_> {
     type Error = Failure;
@@ -184,6 +182,6 @@ impl ReadReaches for Given<'_> {
         each: &mut dyn FnMut(&Recording) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let mut kept = self.0.iter().enumerate().filter(|(position, _)| keeps(*position));
-        kept.try_for_each(|(_, reach)| each(&*reach.recording()?))
+        kept.try_for_each(|(_, reach)| each(&*reach.get().recording()?))
     }
 }

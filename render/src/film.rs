@@ -18,20 +18,6 @@ const COLOURS: usize = 255;
 const UNCHANGED: u8 = 255;
 const BITS: u32 = 6;
 
-/// A coloured picture as PNG.
-///
-/// # Errors
-/// [`RenderError::Encoding`].
-pub fn png(rgb: &[u8], size: Size) -> Result<Vec<u8>, RenderError> {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, size.width as u32, size.height as u32);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(rgb));
-    written.map_err(|error| RenderError::Encoding(error.to_string()))?;
-    Ok(bytes)
-}
-
 /// How a reach becomes a film.
 #[derive(Clone, Copy, Debug)]
 pub struct Film {

@@ -21,6 +21,6 @@ mod tests;
 
 pub use camera::Camera;
 pub use error::{RenderError, Size};
-pub use film::{Film, png};
+pub use film::Film;
 pub use scene::Scene;
 pub use stage::{Stage, fullest};

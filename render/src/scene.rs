@@ -127,6 +127,14 @@ impl Scene {
         Ok(picture)
     }
 
+    /// A coloured picture as PNG.
+    ///
+    /// # Errors
+    /// As [`Scene::rgb`], and [`RenderError::Encoding`].
+    pub fn png(&self, camera: &Camera, size: Size) -> Result<Vec<u8>, RenderError> {
+        png(&self.rgb(camera, size)?, size)
+    }
+
     /// For each pixel its depth, m along the line of sight of the picture's middle, and the place of the name of what is there
     /// in [`crate::Stage::labels`]. Where nothing is, depth is infinite. Marks are left out.
     ///
@@ -173,6 +181,20 @@ impl Scene {
         let line = if lined { DARKER * grid(place, SAMPLES as f32 / (near * view.focal)) } else { 0.0 };
         surface.colour * (around + lit) * (1.0 - line)
     }
+}
+
+/// Red, green and blue of each pixel as PNG.
+///
+/// # Errors
+/// [`RenderError::Encoding`].
+pub fn png(rgb: &[u8], size: Size) -> Result<Vec<u8>, RenderError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, size.width as u32, size.height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(rgb));
+    written.map_err(|error| RenderError::Encoding(error.to_string()))?;
+    Ok(bytes)
 }
 
 /// The part of a triangle that is before the camera, as a polygon.

@@ -96,18 +96,10 @@ impl Sections {
         if total > MAX_BYTES {
             return Err(total);
         }
-        let mut rest = Vec::with_capacity(total - 16);
-        for size in [total, header.len()] {
-            (size as u32).append(&mut rest);
-        }
-        rest.extend(header);
-        rest.extend(self.bytes);
-        let mut bytes = Vec::with_capacity(total);
-        bytes.extend(MAGIC);
-        VERSION.append(&mut bytes);
-        crc32fast::hash(&rest).append(&mut bytes);
-        bytes.extend(rest);
-        Ok(bytes)
+        let [total, header_bytes] = [total, header.len()].map(|size| (size as u32).to_le_bytes());
+        let rest = [&total, &header_bytes, header.as_slice(), &self.bytes].concat();
+        let (version, checksum) = (VERSION.to_le_bytes(), crc32fast::hash(&rest).to_le_bytes());
+        Ok([MAGIC, version.as_slice(), &checksum, &rest].concat())
     }
 }
 

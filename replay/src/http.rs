@@ -50,10 +50,11 @@ pub struct Request {
 }
 
 impl Request {
-    /// The values of a header field, in their order.
-    pub fn values(&self, name: &str) -> Vec<&str> {
-        let own = self.fields.iter().filter(|(field, _)| field.eq_ignore_ascii_case(name));
-        own.map(|(_, value)| value.as_str()).collect()
+    /// The value of a header field that is given once.
+    pub fn value(&self, name: &str) -> Option<&str> {
+        let mut own = self.fields.iter().filter(|(field, _)| field.eq_ignore_ascii_case(name));
+        let (_, value) = own.next().filter(|_| own.next().is_none())?;
+        Some(value)
     }
 
     /// Sends the answer and closes the connection.
@@ -106,13 +107,9 @@ fn converse(mut stream: TcpStream, limits: Limits, handle: &impl Fn(Request)) {
         return;
     }
     match read(&mut stream, &limits) {
-        Head::Complete { method, target, fields } => handle(Request { method, target, fields, stream }),
-        Head::Refused(status, text) => {
-            if Response::text(status, text).write(&mut stream, false).is_ok() {
-                close(stream, &limits);
-            }
-        }
-        Head::Absent => {}
+        Ok(Head { method, target, fields }) => handle(Request { method, target, fields, stream }),
+        Err(Some(refusal)) if refusal.write(&mut stream, false).is_ok() => close(stream, &limits),
+        Err(_) => {}
     }
 }
 
@@ -142,20 +139,22 @@ fn read_until(stream: &mut TcpStream, deadline: Instant, bytes: &mut [u8]) -> st
     }
 }
 
-/// What came of a connection.
-enum Head {
-    Complete {
-        method: String,
-        target: String,
-        fields: Vec<(String, String)>,
-    },
-    /// It is answered with this status and text.
-    Refused(u16, &'static str),
-    /// The client has left or has not sent anything, as browsers do with spare connections.
-    Absent,
+/// The head of a request.
+struct Head {
+    method: String,
+    target: String,
+    fields: Vec<(String, String)>,
 }
 
-fn read(stream: &mut TcpStream, limits: &Limits) -> Head {
+/// Why there is no request: it is refused with this answer, or the client has left or has not sent anything, as browsers
+/// do with spare connections.
+type Refusal = Option<Response>;
+
+fn refused(status: u16, text: &str) -> Result<Head, Refusal> {
+    Err(Some(Response::text(status, text)))
+}
+
+fn read(stream: &mut TcpStream, limits: &Limits) -> Result<Head, Refusal> {
     let deadline = Instant::now() + limits.head_time;
     let mut bytes = Vec::new();
     let mut part = [0; 4096];
@@ -163,9 +162,9 @@ fn read(stream: &mut TcpStream, limits: &Limits) -> Head {
         match read_until(stream, deadline, &mut part) {
             Ok(count @ 1..) => bytes.extend_from_slice(&part[..count]),
             Err(error) if error.kind() == ErrorKind::TimedOut && !bytes.is_empty() => {
-                return Head::Refused(408, "the request took too long to arrive");
+                return refused(408, "the request took too long to arrive");
             }
-            _ => return Head::Absent,
+            _ => return Err(None),
         }
         let mut fields = [httparse::EMPTY_HEADER; MAX_FIELDS];
         let mut request = httparse::Request::new(&mut fields);
@@ -173,28 +172,25 @@ fn read(stream: &mut TcpStream, limits: &Limits) -> Head {
             Ok(httparse::Status::Complete(length)) if length <= limits.head_bytes => return complete(&request),
             Ok(httparse::Status::Partial) if bytes.len() < limits.head_bytes => {}
             Ok(_) | Err(httparse::Error::TooManyHeaders) => {
-                return Head::Refused(431, "the head of the request is too large");
+                return refused(431, "the head of the request is too large");
             }
-            Err(_) => return Head::Refused(400, "this is no HTTP/1.1 request"),
+            Err(_) => return refused(400, "this is no HTTP/1.1 request"),
         }
     }
 }
 
-fn complete(request: &httparse::Request) -> Head {
+fn complete(request: &httparse::Request) -> Result<Head, Refusal> {
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     let fields = request.headers.iter();
     let fields: Vec<(String, String)> = fields.map(|field| (field.name.to_owned(), text(field.value))).collect();
     for (name, value) in &fields {
         if name.eq_ignore_ascii_case("transfer-encoding") {
-            return Head::Refused(400, "requests have no body here; leave Transfer-Encoding out");
+            return refused(400, "requests have no body here; leave Transfer-Encoding out");
         }
         if name.eq_ignore_ascii_case("content-length") && value != "0" {
-            return Head::Refused(413, "requests have no body here");
+            return refused(413, "requests have no body here");
         }
     }
-    Head::Complete {
-        method: request.method.unwrap_or_default().to_owned(),
-        target: request.path.unwrap_or_default().to_owned(),
-        fields,
-    }
+    let [method, target] = [request.method, request.path].map(|part| part.unwrap_or_default().to_owned());
+    Ok(Head { method, target, fields })
 }

@@ -30,15 +30,7 @@ impl Judging {
     /// As [`Judging::check`].
     pub fn begin(&self, layout: &SkinLayout) -> Result<VerdictLog, OnlineError> {
         let online = self.by.begin(layout)?;
-        let header = match &self.by {
-            OnlineModel::OfTrials(model, options) => {
-                let patch = layout.chosen_patch(self.by.patch()).unwrap_or_default();
-                VerdictHeader::of_trials(&self.name, model, options, patch)
-            }
-            OnlineModel::Touch(model) => {
-                VerdictHeader::of_touch(&self.name, model, model.options().judged_patches(layout))
-            }
-        };
+        let header = VerdictHeader::of(&self.name, &self.by, layout);
         Ok(VerdictLog { online, verdicts: Verdicts::new(header, layout) })
     }
 

@@ -9,7 +9,7 @@ use miniz_oxide::deflate::compress_to_vec_zlib;
 use miniz_oxide::inflate::decompress_to_vec_zlib;
 use underbrush_recording::Fault;
 
-use crate::Source;
+use crate::{Source, Summary};
 
 /// The built page: one HTML file with its script and style inside.
 pub static PAGE: LazyLock<String> = LazyLock::new(|| {
@@ -69,10 +69,7 @@ pub fn page_that_fits(source: &Source, numbers: &[usize], max_bytes: usize) -> R
         if PAGE.len() + data.len() + bytes.len() / 3 * 4 > max_bytes {
             break;
         }
-        listed.extend(source.reaches.get(*number).cloned().map(|mut reach| {
-            reach.number = place;
-            reach
-        }));
+        listed.extend(source.reaches.get(*number).map(|reach| Summary { number: place, ..reach.clone() }));
         let _ = write!(data, "<script type=\"application/octet-stream\" id=\"underbrush-reach-{place}\">");
         STANDARD.encode_string(bytes, &mut data);
         data += "</script>\n";

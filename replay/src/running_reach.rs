@@ -34,16 +34,13 @@ impl Running {
     }
 
     /// The reach so far; with `from=N` in the query only what follows the first N frames.
-    pub fn reach(&self, number: &str, query: &str) -> Response {
+    pub fn reach(&self, number: usize, query: &str) -> Response {
         let mut parts = query.split('&').filter_map(|part| part.strip_prefix("from="));
         let Ok(from) = parts.next().map_or(Ok(0), str::parse) else {
             return Response::text(400, "from is the number of frames that are known");
         };
-
-        if !number.trim_start_matches('0').is_empty() {
-            let count = 1;
-            let number = number.parse().unwrap_or(usize::MAX);
-            return Response::text(404, no_such_reach(number, count).to_string());
+        if number > 0 {
+            return Response::text(404, no_such_reach(number, 1).to_string());
         }
         let Some((latest, _)) = self.live.so_far() else {
             return no_answer();

@@ -133,8 +133,7 @@ impl Shared {
     /// The answer to a request that is refused; `None` if the request is allowed.
     fn refusal(&self, request: &Request, path: &str) -> Option<Response> {
         let known = |host: &str| self.hosts.iter().any(|own| own.eq_ignore_ascii_case(host));
-        let hosts = request.values("Host");
-        if hosts.len() != 1 || !known(hosts[0]) {
+        if !request.value("Host").is_some_and(known) {
             return Some(Response::text(403, "this server answers only for its own address on this machine"));
         }
         let commands = matches!(self.content, Content::Running(_));
@@ -142,10 +141,8 @@ impl Shared {
             "GET" | "HEAD" => None,
             // Another site could send a command, but not with this server as its origin.
             "POST" if commands && path.starts_with(COMMAND) => {
-                let origins = request.values("Origin");
-                let own = origins.first().and_then(|origin| origin.strip_prefix("http://"));
-                (origins.len() != 1 || !own.is_some_and(known))
-                    .then(|| Response::text(403, "only the page of this server can give commands"))
+                let own = request.value("Origin").and_then(|origin| origin.strip_prefix("http://"));
+                (!own.is_some_and(known)).then(|| Response::text(403, "only the page of this server can give commands"))
             }
             _ => Some(Response::text(405, "only GET and HEAD are allowed here")),
         }
@@ -153,7 +150,10 @@ impl Shared {
 
     fn answer(&self, request: &Request, target: &str) -> Response {
         let (path, query) = target.split_once('?').unwrap_or((target, ""));
-        let number = path.strip_prefix("/api/reach/").filter(|number| is_number(number));
+        let is_number = |text: &&str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+        let number = path.strip_prefix("/api/reach/").filter(is_number);
+        // A number that does not fit into `usize` is not in the list either.
+        let number = number.map(|number| number.parse().unwrap_or(usize::MAX));
         let command = path.strip_prefix(COMMAND).filter(|_| request.method == "POST");
         match (&self.content, number, command) {
             _ if path == "/" => Response::new(200, "text/html; charset=utf-8", PAGE.as_bytes()),
@@ -169,10 +169,8 @@ impl Shared {
 }
 
 /// A packed reach. Only one is packed at a time, so memory stays bounded however many are asked for.
-fn reach(source: &Source, kept: &Mutex<Kept>, number: &str) -> Response {
+fn reach(source: &Source, kept: &Mutex<Kept>, number: usize) -> Response {
     let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-    // A number that does not fit into `usize` is not in the list either.
-    let number = number.parse().unwrap_or(usize::MAX);
     if let Some(place) = kept.iter().position(|(other, _)| *other == number) {
         let found = kept.remove(place);
         kept.push(found);
@@ -189,8 +187,4 @@ fn reach(source: &Source, kept: &Mutex<Kept>, number: &str) -> Response {
     }
     let bytes = kept.last().map(|(_, bytes)| Arc::clone(bytes)).unwrap_or_default();
     Response::reach(bytes)
-}
-
-fn is_number(text: &str) -> bool {
-    !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
 }

@@ -1,11 +1,10 @@
 //! Verdicts of a model on every taxel in contact, frame by frame, as sections.
 
 use serde::Serialize;
-use underbrush_classifier::Model;
-use underbrush_classifier::online::{OnlineOptions, TaxelVerdict};
+use underbrush_classifier::online::TaxelVerdict;
+use underbrush_classifier::online_model::OnlineModel;
 use underbrush_classifier::touch::{
     REGION_FEATURE_COUNT, REGION_FEATURES, RegionTouch, SkinTracker, TaxelTouch, TouchClassifier, TouchDecision,
-    TouchModel,
 };
 use underbrush_recording::SkinLayout;
 
@@ -47,47 +46,39 @@ enum ScoreKind {
 }
 
 impl VerdictHeader {
-    pub(crate) fn of_trials(name: &str, model: &Model, options: &OnlineOptions, patch: usize) -> Self {
-        let classifier = model.classifier.as_ref();
-        let categories = classifier.categories();
-        let mut verdicts = categories.clone();
-        for other in ["uncertain", "outlier"] {
-            if !categories.iter().any(|category| category == other) {
-                verdicts.push(other.into());
-            }
-        }
-        let columns = classifier.features().columns().into_iter();
-        VerdictHeader {
-            model: name.into(),
-            classifier: classifier.name(),
-            features: columns.map(|column| column.to_string()).collect(),
-            patches: vec![patch],
-            threshold_n: options.threshold_n,
-            scores: categories.clone(),
-            score_kind: ScoreKind::Nats,
-            categories,
-            verdicts,
-            touch: None,
-        }
-    }
-
-    pub(crate) fn of_touch(name: &str, model: &TouchModel, patches: Vec<usize>) -> Self {
-        let categories = model.categories().to_vec();
+    /// What the page needs to know of the verdicts of a model of this name on this skin.
+    pub(crate) fn of(name: &str, by: &OnlineModel, layout: &SkinLayout) -> Self {
+        let categories = by.categories();
         let around = |before: &[&str], after: &[&str]| -> Vec<String> {
+            let after = after.iter().filter(|other| !categories.iter().any(|own| own == *other));
             let names = before.iter().copied().chain(categories.iter().map(String::as_str));
-            names.chain(after.iter().copied()).map(str::to_owned).collect()
+            names.chain(after.copied()).map(str::to_owned).collect()
         };
-        VerdictHeader {
-            model: name.into(),
-            classifier: "touch",
-            features: REGION_FEATURES.iter().map(|feature| (*feature).to_owned()).collect(),
-            patches,
-            threshold_n: model.options().threshold_n,
-            scores: around(&["nothing"], &[]),
-            score_kind: ScoreKind::Probability,
-            verdicts: around(&["nothing"], &["uncertain", "unknown"]),
-            categories,
-            touch: Some(model.decision),
+        match by {
+            OnlineModel::OfTrials(model, options) => VerdictHeader {
+                model: name.into(),
+                classifier: model.classifier.name(),
+                features: model.classifier.features().columns().iter().map(ToString::to_string).collect(),
+                patches: vec![layout.chosen_patch(by.patch()).unwrap_or_default()],
+                threshold_n: options.threshold_n,
+                scores: categories.clone(),
+                score_kind: ScoreKind::Nats,
+                verdicts: around(&[], &["uncertain", "outlier"]),
+                categories,
+                touch: None,
+            },
+            OnlineModel::Touch(model) => VerdictHeader {
+                model: name.into(),
+                classifier: "touch",
+                features: REGION_FEATURES.iter().map(ToString::to_string).collect(),
+                patches: model.options().judged_patches(layout),
+                threshold_n: model.options().threshold_n,
+                scores: around(&["nothing"], &[]),
+                score_kind: ScoreKind::Probability,
+                verdicts: around(&["nothing"], &["uncertain", "unknown"]),
+                categories,
+                touch: Some(model.decision),
+            },
         }
     }
 

@@ -9,6 +9,7 @@ use underbrush_sim::arm::cover::{NewPatch, cover};
 use underbrush_sim::arm::new::{NewArm, new_files};
 
 use super::overwrite::Overwrite;
+use crate::options::pair;
 use crate::{Failure, output};
 
 /// Options of `underbrush arm`.
@@ -91,8 +92,7 @@ struct SkinOptions {
 }
 
 fn package(text: &str) -> Result<(String, PathBuf), String> {
-    let (name, folder) = text.split_once('=').ok_or("must be NAME=FOLDER, such as panda_description=robots/panda")?;
-    Ok((name.to_owned(), folder.into()))
+    pair(text, '=').ok_or_else(|| "must be NAME=FOLDER, such as panda_description=robots/panda".into())
 }
 
 /// Makes the files.

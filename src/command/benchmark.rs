@@ -9,10 +9,8 @@ use underbrush_report::benchmark_text;
 use underbrush_sim::controller::ControllerKind;
 
 use super::overwrite::check_results_folder;
-use crate::failure::Failure;
 use crate::options::named;
-use crate::progress::Shown;
-use crate::{input, interrupt, output};
+use crate::{Failure, Shown, input, interrupt, output};
 
 /// Shown at the end of `underbrush benchmark --help`.
 const EXAMPLE: &str = "\

@@ -35,29 +35,15 @@ enum DecisionName {
 }
 
 fn prior(text: &str) -> Result<(String, f64), String> {
-    let parse = || {
-        let (category, value) = text.split_once('=')?;
-        Some((category.to_string(), value.parse::<f64>().ok()?))
-    };
-    parse().ok_or_else(|| "must be CATEGORY=P, such as leaf=0.7".into())
-}
-
-/// Refuses the first of these options, which a touch model would ignore.
-pub fn refuse_for_touch_model(options: Vec<String>) -> Result<(), Failure> {
-    let reason = "does not apply to a touch model, whose verdicts rest on probabilities; use --nothing-above, \
-                  --unknown-share and --cost-of-uncertain";
-    options::refuse(options, reason)
+    options::pair(text, '=').ok_or_else(|| "must be CATEGORY=P, such as leaf=0.7".into())
 }
 
 impl DecisionArguments {
-    /// The given options.
-    pub fn given(&self) -> Vec<String> {
-        options::given(self)
-    }
-
-    /// Refuses options that a touch model would ignore.
-    pub fn refuse_for_touch_model(&self) -> Result<(), Failure> {
-        refuse_for_touch_model(self.given())
+    /// Refuses options that a touch model would ignore: these, and another one if it is given.
+    pub fn refuse_for_touch_model(&self, other: Option<String>) -> Result<(), Failure> {
+        let reason = "does not apply to a touch model, whose verdicts rest on probabilities; use --nothing-above, \
+                      --unknown-share and --cost-of-uncertain";
+        options::refuse(options::given(self).into_iter().chain(other), reason)
     }
 
     /// The decision for these scores.

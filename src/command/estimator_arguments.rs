@@ -18,7 +18,7 @@ pub struct EstimatorArguments {
     #[arg(long, value_name = "NAME", value_parser = classifier())]
     classifier: Option<Chosen>,
     #[arg(long, value_name = "LIST", help = features_help())]
-    features: Option<FeatureSet>,
+    pub features: Option<FeatureSet>,
     #[command(flatten, next_help_heading = "Hidden Markov models (--classifier hmm) only")]
     recipe: RecipeArguments,
 }
@@ -114,11 +114,6 @@ impl EstimatorArguments {
     /// Whether neither a classifier is chosen nor how hidden Markov models are fitted.
     pub fn is_open(&self) -> bool {
         self.classifier.is_none() && options::given(&self.recipe).is_empty()
-    }
-
-    /// The chosen features of each sample.
-    pub fn features(&self) -> Option<FeatureSet> {
-        self.features
     }
 
     /// Name of the classifier.

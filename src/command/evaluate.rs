@@ -89,7 +89,12 @@ pub struct EvaluateOptions {
 
 /// Evaluates and prints the confusion matrix and figures.
 pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
-    options.check()?;
+    let is_touch = options.estimator.is_touch()?;
+    if options.model.is_some() {
+        let reason = "does not apply to the models of --model, which are trained already";
+        options::refuse(options.estimator.given(), reason)?;
+    }
+    let recipe = options.estimator.hmm()?;
     options.check_apart()?;
     if let Some(roc) = &options.roc {
         let inputs = options.trials.iter().chain(&options.train).chain(&options.model);
@@ -103,7 +108,7 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
             return options.frames(Judge::Model(model), json);
         }
         Some(AnyModel::OfTrials(model)) => Some(model),
-        None if options.estimator.is_touch()? => {
+        None if is_touch => {
             let own = options.cut.touch()?;
             let judge = match &options.train {
                 Some(train) => Judge::FittedTo(std::slice::from_ref(train), own),
@@ -119,19 +124,14 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     let trials = input::some_trials(path, &options.cut)?;
     let about = |failure: Failure| failure.about(path);
     let mut folds = None;
-    let (evaluation, decision) = match (&model, &options.train) {
-        (Some(model), _) => {
-            let decision = options.decision.decision(&Scores::of_model(model))?;
-            (evaluate(model.classifier.as_ref(), &trials, &decision), decision)
-        }
-        (None, Some(train)) => {
-            let decision = options.decision.decision(&options.scores()?)?;
-            (evaluate(fitted(&options, train)?.as_ref(), &trials, &decision), decision)
-        }
+    let scores = model.as_ref().map_or_else(|| Scores::of_recipe(recipe.as_ref()), Scores::of_model);
+    let decision = options.decision.decision(&scores)?;
+    let evaluation = match (&model, &options.train) {
+        (Some(model), _) => evaluate(model.classifier.as_ref(), &trials, &decision),
+        (None, Some(train)) => evaluate(fitted(&options, train)?.as_ref(), &trials, &decision),
         (None, None) => {
-            let decision = options.decision.decision(&options.scores()?)?;
             let own = *folds.insert(options.folds(&trials));
-            (cross_validate(&trials, options.estimator.estimator()?.as_ref(), own, &decision), decision)
+            cross_validate(&trials, options.estimator.estimator()?.as_ref(), own, &decision)
         }
     };
     let evaluation = evaluation.map_err(|error| about(error.into()))?;
@@ -151,10 +151,8 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
             by_samples_of_all = Some(series.map_err(|error| about(error.into()))?);
         }
     }
-    let mut comparison = None;
-    if let Some(folds) = folds.filter(|_| options.estimator.is_open()) {
-        comparison = Some(compare(&trials, folds, &decision, options.estimator.features(), &evaluation));
-    }
+    let compared = folds.filter(|_| options.estimator.is_open());
+    let comparison = compared.map(|folds| compare(&trials, folds, &decision, options.estimator.features, &evaluation));
     let results = EvaluationReport { folds, evaluation, by_samples, by_samples_of_all, comparison };
     output::result(json, &results, || text::of(&results))
 }
@@ -199,16 +197,6 @@ fn compare(
 }
 
 impl EvaluateOptions {
-    /// Refuses options that would be ignored.
-    fn check(&self) -> Result<(), Failure> {
-        self.estimator.is_touch()?;
-        if self.model.is_some() {
-            let reason = "does not apply to the models of --model, which are trained already";
-            options::refuse(self.estimator.given(), reason)?;
-        }
-        self.estimator.hmm().map(drop)
-    }
-
     /// Refuses to test on the input that is fitted to, under whatever name and in whatever copy: the accuracy would be
     /// that on training data.
     fn check_apart(&self) -> Result<(), Failure> {
@@ -240,15 +228,10 @@ impl EvaluateOptions {
         ];
         let others = own.iter().filter(|(given, _)| *given).map(|(_, option)| (*option).to_owned());
         let reason = "does not apply to the classifier touch, which judges the frames of whole reaches";
-        options::refuse(others.chain(self.decision.given()), reason)?;
+        options::refuse(others.chain(options::given(&self.decision)), reason)?;
         let limits = self.risk.limits();
         self.touch.refuse_beside(&limits)?;
         touch::evaluate(&self.trials, judge, &limits, &self.touch, json)
-    }
-
-    /// The kind of scores that are judged.
-    fn scores(&self) -> Result<Scores<'static>, Failure> {
-        Ok(Scores::of_recipe(self.estimator.hmm()?.as_ref()))
     }
 
     fn folds(&self, trials: &[Trial]) -> Folds {

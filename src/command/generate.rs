@@ -12,6 +12,7 @@ use underbrush_sim::materials::MaterialFile;
 use underbrush_sim::{ControllerKind, Scene};
 
 use super::{Overwrite, Summary, VerdictArguments};
+use crate::options::pair;
 use crate::{Failure, Shown, input, interrupt, output};
 
 /// GenerateOptions of `underbrush generate`.
@@ -69,12 +70,9 @@ enum Randomized {
 }
 
 fn shard(text: &str) -> Result<Shard, String> {
-    let parse = || {
-        let (index, count) = text.split_once('/')?;
-        let (index, count): (u64, u64) = (index.parse().ok()?, count.parse().ok()?);
-        (1..=count).contains(&index).then_some(Shard { index: index - 1, count })
-    };
-    parse().ok_or_else(|| "must be I/N with 1 ≤ I ≤ N, such as 2/8".into())
+    let numbers = pair(text, '/').filter(|(index, count)| (1..=*count).contains(index));
+    let shard = numbers.map(|(index, count)| Shard { index: index - 1, count });
+    shard.ok_or_else(|| "must be I/N with 1 ≤ I ≤ N, such as 2/8".into())
 }
 
 /// The campaign that the options describe.

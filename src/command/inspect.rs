@@ -8,8 +8,7 @@ use underbrush_experiments::inspection;
 use underbrush_experiments::torque_balance::torque_balance;
 use underbrush_sim::arm::Arm;
 
-use super::overwrite::Overwrite;
-use super::picture;
+use super::{Overwrite, picture};
 use crate::{Failure, output};
 
 /// Columns of the table of an arm's chain: title, unit and key.

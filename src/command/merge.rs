@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use underbrush_recording::disk::{Dataset, DiskError, Shards};
 
-use super::dataset_summary::Summary;
-use super::overwrite::Overwrite;
+use super::{Overwrite, Summary};
 use crate::{Failure, interrupt, output, progress};
 
 /// MergeOptions of `underbrush merge`.
@@ -34,9 +33,7 @@ pub fn run(options: MergeOptions, json: bool) -> Result<(), Failure> {
     overwrite.dataset(&out, &inputs)?;
     interrupt::kept("what is complete is", &out, "the same command with --resume");
     let bar = progress::bar(shards.plan().episodes.len() as u64, "reaches");
-    let merged = shards.merge(&out, resume, || bar.inc(1));
-    bar.finish_and_clear();
-    let dataset = match merged {
+    let dataset = match shards.merge(&out, resume, move || bar.inc(1)) {
         // With `resume`, this means that the set has the same plan.
         Err(DiskError::Finished { .. }) if resume => {
             output::remark(format!("{}: the data set is finished; there is nothing to do", out.display()));

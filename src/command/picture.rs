@@ -7,14 +7,14 @@ use glam::DVec3;
 use serde_json::json;
 use underbrush_recording::disk::remove_leftovers;
 use underbrush_recording::{InputError, Recording};
-use underbrush_render::{Camera, Film, RenderError, Size, Stage, fullest, png};
+use underbrush_render::{Camera, Film, RenderError, Size, Stage, fullest};
 use underbrush_replay::Source;
 use underbrush_report::replayed;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::scene::{Scene, SceneCamera};
 
 use super::overwrite::Overwrite;
-use crate::options::number;
+use crate::options::{number, pair};
 use crate::{Failure, output, progress};
 
 /// Size of a picture if nothing else is said.
@@ -54,8 +54,7 @@ pub struct PictureArguments {
 
 /// Reads a size such as 640x360.
 fn size(text: &str) -> Result<Size, String> {
-    let numbers = text.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
-    let (width, height) = numbers.ok_or("give width and height in pixels, such as 640x360")?;
+    let (width, height) = pair(text, 'x').ok_or("give width and height in pixels, such as 640x360")?;
     Size { width, height }.check().map_err(|error| error.to_string())
 }
 
@@ -106,15 +105,12 @@ impl PictureArguments {
 
     /// Demands that the file can be written, has the right ending, and that the numbers are within their limits.
     pub fn check(&self, overwrite: Overwrite, inputs: &[PathBuf]) -> Result<(), Failure> {
-        match (self.file(), &self.video) {
-            (None, _) => Ok(()),
-            (Some(path), None) => check_png(path, overwrite, inputs),
-            (Some(path), Some(_)) => {
-                let remedy = "choose such a name; `python -m underbrush.video film` writes .mp4 and .webp";
-                check_ending(path, "gif", remedy)?;
-                overwrite.file(path, inputs)
-            }
+        if let Some(still) = &self.still {
+            return check_png(still, overwrite, inputs);
         }
+        let Some(video) = &self.video else { return Ok(()) };
+        check_ending(video, "gif", "choose such a name; `python -m underbrush.video film` writes .mp4 and .webp")?;
+        overwrite.file(video, inputs)
     }
 
     /// The camera of the scene file that is asked for.
@@ -168,7 +164,8 @@ impl PictureArguments {
             None => fullest(recording),
         };
         let (size, camera) = self.view(stage, camera, SIZE);
-        moment(recording, stage, number, &camera(number as u32)?, size)
+        let scene = stage.moment(number as u32, &recording.frames[number]);
+        Ok(scene.png(&camera(number as u32)?, size)?)
     }
 
     fn film(
@@ -182,9 +179,7 @@ impl PictureArguments {
         let film = Film { size, delay, speed: self.speed };
         let pictures = film.frames(recording).len();
         let bar = progress::bar(pictures as u64, "pictures");
-        let bytes = film.draw(recording, stage, camera, |drawn| bar.inc(drawn as u64))?;
-        bar.finish_and_clear();
-        Ok((bytes, pictures))
+        Ok((film.draw(recording, stage, camera, move |drawn| bar.inc(drawn as u64))?, pictures))
     }
 }
 
@@ -209,24 +204,13 @@ fn check_ending(path: &Path, ending: &str, remedy: &str) -> Result<(), Failure> 
 /// Draws the moment of a reach in which the most taxels read a force.
 pub fn write_fullest(recording: &Recording, path: &Path) -> Result<(), Failure> {
     let stage = replayed::stage(recording)?.with_arrows();
-    let picture = moment(recording, &stage, fullest(recording), &stage.camera(SIZE.aspect()), SIZE)?;
-    output::write_file(path, &picture)
-}
-
-/// A frame of a reach as PNG.
-fn moment(
-    recording: &Recording,
-    stage: &Stage,
-    number: usize,
-    camera: &Camera,
-    size: Size,
-) -> Result<Vec<u8>, Failure> {
+    let number = fullest(recording);
     let scene = stage.moment(number as u32, &recording.frames[number]);
-    Ok(png(&scene.rgb(camera, size)?, size)?)
+    output::write_file(path, &scene.png(&stage.camera(SIZE.aspect()), SIZE)?)
 }
 
 /// Draws an arm in its start posture.
 pub fn write_arm(arm: &Arm, path: &Path) -> Result<(), Failure> {
     let (scene, camera) = Stage::arm(arm, SIZE.aspect())?;
-    output::write_file(path, &png(&scene.rgb(&camera, SIZE)?, SIZE)?)
+    output::write_file(path, &scene.png(&camera, SIZE)?)
 }

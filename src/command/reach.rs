@@ -9,7 +9,7 @@ use serde::Serialize;
 use underbrush_classifier::trial::{PatchImage, TrialOptions, Unit};
 use underbrush_experiments::{audit, contact_trials, dataset};
 use underbrush_recording::disk::{remove_leftovers, write_recording};
-use underbrush_recording::{Audit, NamedStop, Recording};
+use underbrush_recording::{Audit, GoalRecord, NamedStop, Recording};
 use underbrush_report::drawing::Rows;
 use underbrush_sim::{ControllerKind, ReachPlan, ReachSoFar, Scene};
 
@@ -148,6 +148,11 @@ impl Report {
             let options = TrialOptions { by, ..options.clone() };
             contact_trials::of_recording(recording, &options, 0).map(|trials| trials.len())
         };
+        let goal = |goal: &GoalRecord| Goal {
+            outcome: goal.outcome.name(),
+            seconds: goal.end_time_s - goal.start_time_s,
+            position_world_m: goal.position_world.to_array(),
+        };
         let simulated_s = recording.frames.len() as f64 / recording.rate_hz;
         let forces = recording.contact_forces(None);
         Ok(Report {
@@ -156,15 +161,7 @@ impl Report {
             seed: recording.seed,
             reach_index: recording.reach_index,
             goals_reached: recording.goal_outcomes().reached,
-            goals: recording
-                .goals
-                .iter()
-                .map(|goal| Goal {
-                    outcome: goal.outcome.name(),
-                    seconds: goal.end_time_s - goal.start_time_s,
-                    position_world_m: goal.position_world.to_array(),
-                })
-                .collect(),
+            goals: recording.goals.iter().map(goal).collect(),
             aborted_by: recording.safety_stop(),
             touched_frames: recording.touched_frames(),
             simulated_s,
@@ -195,31 +192,22 @@ impl Report {
         let touched: Vec<String> = patches
             .map(|(patch, frames)| format!("{patch} in {}", output::counted(*frames, "frame", "frames")))
             .collect();
+        let (all, touched, trials) = (self.goals.len(), touched.join(", "), self.trials());
+        let contacts = output::counted(self.contacts, "contact", "contacts");
+        let Report { scene, controller, seed, reach_index, goals_reached, simulated_s, wall_s, .. } = self;
+        let Report { simulated_over_wall, peak_contact_force_n, mean_contact_force_n, audit, .. } = self;
         goals.text()
             + &format!(
-                "\n{} (seed {}, reach {}, {}): {} of {} goals reached{aborted}\n\
-                 {:.1} s of simulated time in {:.2} s: {:.0} times real time on one core\n\
-                 {}; peak force {:.2} N, mean {:.2} N{limit}\n\
-                 true contact: {}\n\
-                 {}\n\
+                "\n{scene} (seed {seed}, reach {reach_index}, {controller}): {goals_reached} of {all} goals reached{aborted}\n\
+                 {simulated_s:.1} s of simulated time in {wall_s:.2} s: {simulated_over_wall:.0} times real time on one core\n\
+                 {contacts}; peak force {peak_contact_force_n:.2} N, mean {mean_contact_force_n:.2} N{limit}\n\
+                 true contact: {touched}\n\
+                 {trials}\n\
                  largest relative difference between taxel and contact forces: {:.1e}",
-                self.scene,
-                self.seed,
-                self.reach_index,
-                self.controller,
-                self.goals_reached,
-                self.goals.len(),
-                self.simulated_s,
-                self.wall_s,
-                self.simulated_over_wall,
-                output::counted(self.contacts, "contact", "contacts"),
-                self.peak_contact_force_n,
-                self.mean_contact_force_n,
-                touched.join(", "),
-                self.trials(),
-                self.audit.largest_force_residual
+                audit.largest_force_residual
             )
     }
+
     /// How many trials there are on the patch.
     fn trials(&self) -> String {
         let of_taxels = |count| output::counted(count, "taxel trial", "taxel trials");

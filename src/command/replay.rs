@@ -90,7 +90,7 @@ pub fn run(options: ReplayOptions, json: bool) -> Result<(), Failure> {
 
 fn judging(options: &ReplayOptions) -> Result<Option<Judging>, Failure> {
     let Some(path) = &options.model else {
-        let given = options.decision.given().into_iter().chain(options::given(&options.touch));
+        let given = options::given(&options.decision).into_iter().chain(options::given(&options.touch));
         return options::refuse(given, "is about the verdicts of a --model").map(|()| None);
     };
     judging_by(path, options.patch.as_deref(), &options.decision, &options.touch).map(Some)
@@ -111,7 +111,7 @@ pub fn judging_by(
             JudgingModel::OfTrials(Box::new(model), options)
         }
         AnyModel::Touch(mut model) => {
-            decision.refuse_for_touch_model()?;
+            decision.refuse_for_touch_model(None)?;
             model.decision = touch.over(model.decision);
             JudgingModel::of_touch(*model, patch)?
         }
@@ -153,14 +153,9 @@ fn serve(source: Source, port: u16, open: bool, json: bool) -> Result<(), Failur
 pub fn show(address: &str) {
     let displays = ["DISPLAY", "WAYLAND_DISPLAY"];
     let display = !cfg!(target_os = "linux") || displays.iter().any(|name| std::env::var_os(name).is_some());
-    if display && std::io::stdout().is_terminal() {
-        open_browser(address);
+    if !display || !std::io::stdout().is_terminal() {
+        return;
     }
-}
-
-/// Opens an address in the browser, if there is one. If there is none, no error is shown, because the address was
-/// printed.
-fn open_browser(address: &str) {
     let program = if cfg!(target_os = "macos") {
         "open"
     } else if cfg!(windows) {
@@ -170,6 +165,7 @@ fn open_browser(address: &str) {
     };
     let quiet =
         Command::new(program).arg(address).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+    // If there is no browser, no error is shown, because the address was printed.
     if let Ok(mut child) = quiet {
         std::thread::spawn(move || child.wait());
     }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 use underbrush_classifier::{Model, ScoreKind, any_model};
+use underbrush_recording::Trial;
 
 use crate::input::{self, TrialArguments};
 use crate::options::named;
@@ -40,6 +41,12 @@ pub fn by_kind(mut model: Model, path: &Path, by: Option<ScoreKind>, option: &st
     Ok(model)
 }
 
+/// The scores of trials that were read from `path`.
+pub fn of_trials(model: &Model, trials: &[Trial], path: &Path) -> Result<Vec<Vec<f64>>, Failure> {
+    let scores = model.classifier.scores_of_all(&trials.iter().collect::<Vec<_>>());
+    scores.map_err(|error| Failure::from(error).about(path))
+}
+
 #[derive(Serialize)]
 struct Row {
     model: String,
@@ -53,10 +60,7 @@ struct Row {
 pub fn run(options: ScoreOptions, json: bool) -> Result<(), Failure> {
     let model = by_kind(any_model::load_of_trials(&options.model)?, &options.model, options.by, "--by")?;
     let trials = input::trials(&options.trials, &TrialArguments::default())?;
-    let scored = model
-        .classifier
-        .scores_of_all(&trials.iter().collect::<Vec<_>>())
-        .map_err(|error| Failure::from(error).about(&options.trials))?;
+    let scored = of_trials(&model, &trials, &options.trials)?;
     let rows = || {
         let categories = model.classifier.categories().into_iter().enumerate();
         categories.flat_map(|(index, category)| {

@@ -17,9 +17,8 @@ use underbrush_recording::Trial;
 use underbrush_recording::disk::file_blake3;
 use underbrush_report::drawing::Rows;
 
-use super::estimator_arguments::EstimatorArguments;
-use super::overwrite::Overwrite;
 use super::touch::{self, RiskArguments, SimulatedArguments};
+use super::{EstimatorArguments, Overwrite};
 use crate::input::{self, TrialArguments};
 use crate::{Failure, output};
 
@@ -144,7 +143,9 @@ pub fn run(options: TrainOptions, json: bool) -> Result<(), Failure> {
             Report::Training(report) => text(report),
             Report::Counts(counts) => counts_text(options.estimator.classifier_name(), counts),
         };
-        report + &thresholds_text(thresholds.as_ref()) + &format!("Model written to {}", options.out.display())
+        report
+            + &thresholds.as_ref().map(thresholds_text).unwrap_or_default()
+            + &format!("Model written to {}", options.out.display())
     })
 }
 
@@ -245,10 +246,7 @@ fn warn(uncertain: f64, of_what: &str) {
     }
 }
 
-fn thresholds_text(chosen: Option<&ChosenThresholds>) -> String {
-    let Some(chosen) = chosen else {
-        return String::new();
-    };
+fn thresholds_text(chosen: &ChosenThresholds) -> String {
     let percent = |fraction: f64| format!("{:.1} %", 100.0 * fraction);
     let mut text = String::new();
     if let Rule::OutlierBand { uncertain_below, category_above } = chosen.decision.rule {

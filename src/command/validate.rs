@@ -86,8 +86,7 @@ pub fn run(options: ValidateOptions, json: bool) -> Result<(), Failure> {
 fn run_as_described(checks: &[&Check], tolerance_scale: f64, json: bool) -> Result<(), Failure> {
     let cases: usize = checks.iter().map(|check| check.cases.len()).sum();
     let bar = progress::bar(cases as u64, "cases");
-    let outcomes = underbrush_validation::run(checks, tolerance_scale, || bar.inc(1));
-    bar.finish_and_clear();
+    let outcomes = underbrush_validation::run(checks, tolerance_scale, move || bar.inc(1));
     let failing = names_of(&outcomes, |outcome| (outcome.verdict == Verdict::Fail).then_some(outcome.name));
     let report = Report { tolerance_scale, falsified: false, sound: failing.is_empty(), checks: outcomes };
     output::result(json, &report, || text::described(&report))?;
@@ -98,8 +97,7 @@ fn run_falsified(checks: &[&Check], tolerance_scale: f64, json: bool) -> Result<
     let cases = checks.iter().flat_map(|check| check.cases);
     let runs: usize = cases.map(|case| case.falsifications.len()).sum();
     let bar = progress::bar(runs as u64, "falsified cases");
-    let outcomes = falsify(checks, tolerance_scale, || bar.inc(1));
-    bar.finish_and_clear();
+    let outcomes = falsify(checks, tolerance_scale, move || bar.inc(1));
     let unsound = names_of(&outcomes, |outcome| (!outcome.sound).then_some(outcome.name));
     let comparisons = || outcomes.iter().flat_map(|outcome| &outcome.comparisons);
     let report = FalsifiedReport {

@@ -7,6 +7,7 @@ use underbrush_experiments::verdict_controller::VerdictControl;
 use underbrush_sim::scene::limits::ALLOWED_FORCE_N;
 
 use crate::Failure;
+use crate::options::pair;
 
 /// What tells the controller what the skin touches.
 #[derive(Args)]
@@ -22,11 +23,8 @@ pub struct VerdictArguments {
 }
 
 fn allowed(text: &str) -> Result<(String, f64), String> {
-    let read = || {
-        let (category, force_n) = text.split_once('=')?;
-        Some((category.to_owned(), force_n.parse().ok().filter(|force_n| ALLOWED_FORCE_N.hold(*force_n))?))
-    };
-    read().ok_or_else(|| format!("must be a category and a force of {ALLOWED_FORCE_N}, such as leaf=6"))
+    let read = pair(text, '=').filter(|(_, force_n)| ALLOWED_FORCE_N.hold(*force_n));
+    read.ok_or_else(|| format!("must be a category and a force of {ALLOWED_FORCE_N}, such as leaf=6"))
 }
 
 impl VerdictArguments {

@@ -4,7 +4,8 @@ use underbrush_recording::Recording;
 use underbrush_sim::{Observed, ReachPlan, ReachSoFar, Scene};
 
 use super::*;
-use crate::{Film, Stage, png};
+use crate::scene::png;
+use crate::{Film, Stage};
 
 /// A short reach past a trunk.
 pub fn reach() -> Recording {

@@ -1,7 +1,7 @@
 //! One moment of a general reach and of an outlier reach, with the verdicts on their taxels (Figs. 12 and 14).
 
 use underbrush_experiments::experiment::moments::{Moment, ReachMoments};
-use underbrush_render::{RenderError, Size, png};
+use underbrush_render::{RenderError, Size};
 
 use crate::{CategoryLooks, Mark, Report, escape, joined, replay_links, replayed, skin_map, slug};
 
@@ -70,7 +70,7 @@ pub fn pictures(outcome: &ReachMoments) -> Result<Vec<(String, Vec<u8>)>, Render
         let recording = &moment.recording;
         let stage = replayed::stage(recording)?.with_arrows();
         let scene = stage.moment(moment.frame_index as u32, moment.frame());
-        Ok((file(moment, place), png(&scene.rgb(&stage.camera(SIZE.aspect()), SIZE)?, SIZE)?))
+        Ok((file(moment, place), scene.png(&stage.camera(SIZE.aspect()), SIZE)?))
     };
     outcome.all().enumerate().map(drawn).collect()
 }

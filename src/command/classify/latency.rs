@@ -1,6 +1,7 @@
 //! Statistics of the response time, in memory that does not grow with the stream.
 
-use std::time::Instant;
+use std::time::Duration;
+
 use underbrush_recording::math;
 
 use crate::output;
@@ -23,12 +24,9 @@ impl Latency {
         Latency { counts: vec![0; DOUBLINGS * STEPS_PER_DOUBLING as usize], max_us: 0.0 }
     }
 
-    /// Counts an answer that has just been written.
-    pub fn add(&mut self, since: Instant) {
-        self.add_us(1e6 * since.elapsed().as_secs_f64());
-    }
-
-    fn add_us(&mut self, time_us: f64) {
+    /// Counts an answer that took this time.
+    pub fn add(&mut self, time: Duration) {
+        let time_us = 1e6 * time.as_secs_f64();
         // Less than a microsecond counts as one.
         let step = (STEPS_PER_DOUBLING * math::log2(time_us.max(1.0))) as usize;
         let last = self.counts.len() - 1;
@@ -68,13 +66,13 @@ mod tests {
     fn quantiles_are_near_the_true_ones() {
         let mut latency = Latency::new();
         assert_eq!(latency.text(), None);
-        (1..=10_000).for_each(|time| latency.add_us(f64::from(time)));
+        (1..=10_000).for_each(|time| latency.add(Duration::from_micros(time)));
         for (share, expected) in [(0.5, 5000.0), (0.99, 9900.0), (1.0, 10_000.0), (0.0001, 1.0)] {
             let found = latency.quantile_us(share, 10_000);
             assert!((expected..1.0906 * expected).contains(&found), "{share}: {found}");
         }
-        for extreme in [0.0, 1e18, f64::INFINITY] {
-            latency.add_us(extreme);
+        for extreme in [Duration::ZERO, Duration::from_secs(1_000_000_000_000), Duration::MAX] {
+            latency.add(extreme);
         }
         assert!(latency.text().unwrap().starts_with("10003 frames answered: median 5"));
     }

@@ -16,9 +16,8 @@ use underbrush_classifier::decision::Verdict;
 use underbrush_classifier::online_model::OnlineModel;
 use underbrush_classifier::{OnlineOptions, ScoreKind, Scores};
 
-use super::decision_arguments::{DecisionArguments, refuse_for_touch_model};
-use super::score;
 use super::touch::TouchDecisionArguments;
+use super::{DecisionArguments, score};
 use crate::input::{self, TrialArguments};
 use crate::options::named;
 use crate::{Failure, output};
@@ -87,8 +86,7 @@ impl ClassifyOptions {
 
     /// Refuses options that a touch model would ignore.
     fn refuse_for_touch(&self) -> Result<(), Failure> {
-        let score = self.score.map(|_| "--score".to_owned());
-        refuse_for_touch_model(self.decision.given().into_iter().chain(score).collect())?;
+        self.decision.refuse_for_touch_model(self.score.map(|_| "--score".to_owned()))?;
         self.cut.refuse_for_touch_model()
     }
 }
@@ -119,10 +117,7 @@ pub fn run(options: ClassifyOptions, json: bool) -> Result<(), Failure> {
     let categories = model.classifier.categories();
     let judge = options.decision.decision(&Scores::of_model(&model))?.prepare(&categories)?;
     let trials = input::trials(&options.input, &options.cut)?;
-    let scores = model
-        .classifier
-        .scores_of_all(&trials.iter().collect::<Vec<_>>())
-        .map_err(|error| Failure::from(error).about(&options.input))?;
+    let scores = score::of_trials(&model, &trials, &options.input)?;
     let verdicts = trials.iter().zip(scores).map(|(trial, scores)| TrialVerdict {
         trial: trial.trial,
         verdict: judge.verdict(judge.choose(&scores)),

@@ -15,26 +15,9 @@ use super::latency::Latency;
 use super::{ClassifyOptions, of_contacts, of_frames};
 use crate::{Failure, input, output};
 
-/// A reach that is being classified.
-struct Reach<'a> {
-    judge: OnlineJudge,
-    layout: &'a SkinLayout,
-    categories: Vec<String>,
-}
-
-impl Reach<'_> {
-    /// The answer to the next frame: one line of JSON.
-    fn answer(&mut self, frame: &Frame) -> Result<String, Failure> {
-        match &mut self.judge {
-            OnlineJudge::OfTrials(classifier) => of_contacts::answer(classifier, &self.categories, frame),
-            OnlineJudge::Touch(classifier) => of_frames::answer(classifier, self.layout, frame),
-        }
-    }
-}
-
 /// Prints one line of JSON for each frame.
 pub(super) fn run(options: &ClassifyOptions, model: &OnlineModel) -> Result<(), Failure> {
-    let mut online = Online { model, latency: Latency::new() };
+    let mut online = Online { model, categories: model.categories(), latency: Latency::new() };
     if options.reads_stdin() {
         let layout = match &options.skin {
             Some(path) => layout_of(path)?,
@@ -89,24 +72,21 @@ fn layout_of(path: &Path) -> Result<SkinLayout, Failure> {
 /// What is kept from reach to reach.
 struct Online<'a> {
     model: &'a OnlineModel,
+    categories: Vec<String>,
     latency: Latency,
 }
 
 impl Online<'_> {
-    fn start<'a>(&self, layout: &'a SkinLayout) -> Result<Reach<'a>, Failure> {
-        Ok(Reach { judge: self.model.begin(layout)?, layout, categories: self.model.categories() })
-    }
-
     /// Answers the frames of a whole reach.
     fn reach(&mut self, layout: &SkinLayout, frames: &[Frame]) -> Result<(), Failure> {
-        let mut reach = self.start(layout)?;
-        frames.iter().try_for_each(|frame| self.answer(&mut reach, frame, Instant::now()))
+        let mut judge = self.model.begin(layout)?;
+        frames.iter().try_for_each(|frame| self.answer(&mut judge, layout, frame, Instant::now()))
     }
 
     /// Answers each line before the next is read. A bad line is answered with its error and otherwise ignored; with
     /// `strict` it ends the stream.
     fn stream(&mut self, reader: impl BufRead, layout: &SkinLayout, strict: bool) -> Result<(), Failure> {
-        let mut reach = self.start(layout)?;
+        let mut judge = self.model.begin(layout)?;
         let mut parser = LineParser::new(layout.clone(), self.model.needs_poses_of(layout));
         let mut lines = Lines::new(reader, parser.max_bytes());
         let mut bad_lines = 0_usize;
@@ -116,9 +96,9 @@ impl Online<'_> {
             let arrived = Instant::now();
             let Some((number, text)) = line else { break };
             match text.and_then(|text| parser.parse(number, text)) {
-                Ok(Message::Frame(frame)) => self.answer(&mut reach, &frame, arrived)?,
+                Ok(Message::Frame(frame)) => self.answer(&mut judge, layout, &frame, arrived)?,
                 Ok(Message::Reset) => {
-                    reach = self.start(layout)?;
+                    judge = self.model.begin(layout)?;
                     output::lines([json!({ "line": number, "reset": true }).to_string()])?;
                 }
                 Err(error) => {
@@ -137,9 +117,19 @@ impl Online<'_> {
         Ok(())
     }
 
-    fn answer(&mut self, reach: &mut Reach<'_>, frame: &Frame, since: Instant) -> Result<(), Failure> {
-        output::lines([reach.answer(frame)?])?;
-        self.latency.add(since);
+    /// Answers a frame with one line of JSON.
+    fn answer(
+        &mut self,
+        judge: &mut OnlineJudge,
+        layout: &SkinLayout,
+        frame: &Frame,
+        since: Instant,
+    ) -> Result<(), Failure> {
+        output::lines([match judge {
+            OnlineJudge::OfTrials(classifier) => of_contacts::answer(classifier, &self.categories, frame)?,
+            OnlineJudge::Touch(classifier) => of_frames::answer(classifier, layout, frame)?,
+        }])?;
+        self.latency.add(since.elapsed());
         Ok(())
     }
 }

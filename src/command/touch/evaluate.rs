@@ -59,11 +59,5 @@ pub fn evaluate(
             cross_validate_touch(count, &examples, &reaches, fit, refused)?
         }
     };
-    output::result(json, &report, || {
-        text::evaluation(&report.figures)
-            + &match report.folds {
-                Some(folds) => text::folds(report.reaches, folds),
-                None => report.decisions.iter().map(|own| text::reaches(report.reaches, own)).collect(),
-            }
-    })
+    output::result(json, &report, || text::evaluation(&report))
 }

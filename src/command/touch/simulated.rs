@@ -7,7 +7,7 @@ use underbrush_experiments::dataset::{Campaign, REACHES};
 use underbrush_recording::disk::UnfinishedFolder;
 use underbrush_sim::scene::{Scene, shipped_by_name};
 
-use crate::{Failure, Shown, input};
+use crate::{Failure, Shown, input, options};
 
 /// Options on scenes that are given in place of data sets.
 #[derive(Args)]
@@ -23,10 +23,7 @@ pub struct SimulatedArguments {
 impl SimulatedArguments {
     /// Refuses these options, for a reason.
     pub fn refuse(&self, reason: &str) -> Result<(), Failure> {
-        match self.reaches {
-            Some(_) => Err(Failure::usage(format!("--reaches {reason}; leave it out"))),
-            None => Ok(()),
-        }
+        options::refuse(self.reaches.map(|_| "--reaches".to_owned()), reason)
     }
 
     /// The paths with one data set, which is made in the folder, in place of all scenes.

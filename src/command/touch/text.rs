@@ -1,5 +1,6 @@
 //! Results of touch models as text.
 
+use underbrush_classifier::evaluate::touch_folds::TouchReport;
 use underbrush_classifier::evaluate::{Interval, ReachFigures, StiffnessFigures, TouchFigures, UnknownFigures};
 use underbrush_classifier::touch::{TouchDecision, TouchRows};
 use underbrush_report::drawing::Rows;
@@ -42,8 +43,9 @@ fn number(value: Option<f64>) -> String {
     value.map_or("-".into(), |value| format!("{value:.3}"))
 }
 
-/// The figures of an evaluation.
-pub(super) fn evaluation(figures: &TouchFigures) -> String {
+/// The figures of an evaluation, and what was judged.
+pub(super) fn evaluation(report: &TouchReport) -> String {
+    let figures = &report.figures;
     let parts = [
         objects(figures) + &unknown(&figures.unknown),
         stiffness(&figures.stiffness),
@@ -52,7 +54,7 @@ pub(super) fn evaluation(figures: &TouchFigures) -> String {
         first_right(figures),
         probabilities(figures),
     ];
-    parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
+    parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n") + &judged(report)
 }
 
 /// How well the stiffness of objects is told.
@@ -69,14 +71,14 @@ fn stiffness(figures: &[StiffnessFigures]) -> String {
         .text()
 }
 
-/// What was judged by one model, and how.
-pub(super) fn reaches(reaches: usize, own: &TouchDecision) -> String {
-    format!("{}. {}", output::counted(reaches, "reach", "reaches"), decision(own))
-}
-
-/// What was cross-validated.
-pub(super) fn folds(reaches: usize, folds: usize) -> String {
-    format!("\n{reaches} reaches in {folds} folds; each fold is judged by a model fitted to the others\n")
+/// What was cross-validated, or judged by one model, and how.
+fn judged(report: &TouchReport) -> String {
+    let reaches = report.reaches;
+    if let Some(folds) = report.folds {
+        return format!("\n{reaches} reaches in {folds} folds; each fold is judged by a model fitted to the others\n");
+    }
+    let reaches = output::counted(reaches, "reach", "reaches");
+    report.decisions.iter().map(|own| format!("{reaches}. {}", decision(own))).collect()
 }
 
 /// How well unknown objects are found, by the model's own decision.

@@ -19,10 +19,7 @@ pub fn described(report: &Report) -> String {
         text += &comparisons(outcome, report.tolerance_scale);
         text.push('\n');
     }
-    let count = |verdict| {
-        let checks = report.checks.iter();
-        checks.filter(|outcome| outcome.verdict == verdict).count()
-    };
+    let count = |verdict| report.checks.iter().filter(|outcome| outcome.verdict == verdict).count();
     let _ =
         write!(text, "{} checks: {} pass, {} fail", report.checks.len(), count(Verdict::Pass), count(Verdict::Fail));
     text
