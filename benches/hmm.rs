@@ -126,7 +126,7 @@ fn hundred_taxels() -> (SkinLayout, Frame) {
 fn online_update(bencher: Bencher, (score, states): (ScoreKind, usize)) {
     let (layout, frame) = hundred_taxels();
     let mut models = models(states);
-    models.score_by(score);
+    models.score = Some(score);
     let options = OnlineOptions { patch: None, threshold_n: 0.0, decision: Decision::argmax() };
     let mut classifier = OnlineClassifier::new(&models, &layout, &options).expect("models fit the skin");
     let bencher = bencher.counter(ItemsCount::new(frame.taxels.len() as u64));

@@ -71,7 +71,7 @@ fn judge(model: &Arc<TouchModel>, recording: &Recording, groups: &mut BTreeMap<S
     for (index, frame) in recording.frames.iter().enumerate() {
         classifier.update(frame).unwrap();
         let tracker = &classifier.patches()[0];
-        let image = tracker.image();
+        let image = &tracker.image;
         let taxels = || classifier.taxels().iter().filter(|touch| touch.patch == image.patch_index());
         let truth = |taxel: usize| image.object(taxel).filter(|_| image.is_touched(taxel));
         let mut force_n: BTreeMap<u16, f64> = BTreeMap::new();

@@ -116,14 +116,6 @@ pub enum DecisionError {
          it is"
     )]
     NotItsOwn,
-    /// The number of scores differs from the number of categories.
-    #[error("{found} scores for {expected} categories; give one score per category")]
-    ScoreCount {
-        /// Scores given.
-        found: usize,
-        /// Categories.
-        expected: usize,
-    },
 }
 
 /// Priors and the rule that turns scores into verdicts.
@@ -134,9 +126,9 @@ pub enum DecisionError {
 /// // Uncertain if the best category leads by less than 3 nats.
 /// let decision = Decision::new(Rule::UncertainBelow { margin: 3.0 });
 /// let judge = decision.prepare(&["leaf".into(), "trunk".into()])?;
-/// let verdict = |leaf: f64, trunk: f64| judge.judge(&[("leaf".into(), leaf), ("trunk".into(), trunk)]);
-/// assert_eq!(verdict(-10.0, -20.0)?, Verdict::Category("leaf".into()));
-/// assert_eq!(verdict(-10.0, -11.0)?, Verdict::Uncertain);
+/// let verdict = |leaf: f64, trunk: f64| judge.verdict(judge.choose(&[leaf, trunk]));
+/// assert_eq!(verdict(-10.0, -20.0), Verdict::Category("leaf".into()));
+/// assert_eq!(verdict(-10.0, -11.0), Verdict::Uncertain);
 /// # Ok::<(), underbrush_classifier::decision::DecisionError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -283,25 +275,12 @@ impl Judge {
     /// The name of a choice made by this judge.
     pub fn verdict(&self, choice: Choice) -> Verdict {
         match choice {
-            Choice::Category(index) => match self.categories.get(index) {
-                Some(name) => Verdict::Category(name.clone()),
-                None => Verdict::Uncertain,
-            },
+            Choice::Category(index) => {
+                self.categories.get(index).cloned().map_or(Verdict::Uncertain, Verdict::Category)
+            }
             Choice::Uncertain => Verdict::Uncertain,
             Choice::Outlier => Verdict::Outlier,
         }
-    }
-
-    /// The verdict for scores in the form that [`crate::HmmClassifier::score`] returns.
-    ///
-    /// # Errors
-    /// [`DecisionError::ScoreCount`] unless there is one score per category.
-    pub fn judge(&self, scores: &[(String, f64)]) -> Result<Verdict, DecisionError> {
-        if scores.len() != self.categories.len() {
-            return Err(DecisionError::ScoreCount { found: scores.len(), expected: self.categories.len() });
-        }
-        let log_likelihood: Vec<f64> = scores.iter().map(|(_, score)| *score).collect();
-        Ok(self.verdict(self.choose(&log_likelihood)))
     }
 }
 

@@ -23,25 +23,16 @@ const REMEDY: &str = "correct the file, or train the model again";
 /// The text of a model file and where it comes from.
 #[derive(Clone, Debug)]
 pub struct Document {
-    path: PathBuf,
+    /// Where the text comes from.
+    pub(crate) path: PathBuf,
     text: String,
     format: &'static str,
 }
 
 impl Document {
-    /// A text of [`FORMAT`]; the path is for errors only.
-    pub fn new(path: impl AsRef<Path>, text: &str) -> Self {
-        Document::of_format(path, text, FORMAT)
-    }
-
     /// A text that should have this format, which errors name; the path is for errors only.
     pub(crate) fn of_format(path: impl AsRef<Path>, text: &str, format: &'static str) -> Self {
         Document { path: path.as_ref().to_owned(), text: text.to_owned(), format }
-    }
-
-    /// Where the text comes from.
-    pub fn path(&self) -> &Path {
-        &self.path
     }
 
     /// Reads the keys that `T` has; others are skipped.

@@ -16,15 +16,8 @@ pub enum ModelError {
     #[error(transparent)]
     Feature(#[from] FeatureError),
     /// An option of a classifier outside its range.
-    #[error("the option {option} is {found}; allowed: {allowed}")]
-    BadOption {
-        /// Name of the option.
-        option: String,
-        /// The value found.
-        found: String,
-        /// What is allowed.
-        allowed: String,
-    },
+    #[error("the option {0}")]
+    BadOption(#[from] Fault),
     /// No trial has a category that classifiers are fitted to.
     #[error(
         "none of {trials} trials has a category to fit (blocks and outliers are never fitted); \
@@ -91,9 +84,12 @@ impl From<InputError> for ModelError {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{field} is {found}; allowed: {allowed}")]
 pub struct Fault {
-    pub(crate) field: String,
-    pub(crate) found: String,
-    pub(crate) allowed: String,
+    /// Name of the field or the option.
+    pub field: String,
+    /// The value found.
+    pub found: String,
+    /// What is allowed.
+    pub allowed: String,
 }
 
 impl Fault {
@@ -105,12 +101,6 @@ impl Fault {
     pub(crate) fn within(self, parent: &str) -> Self {
         let field = format!("{parent}.{}", self.field);
         Fault { field, ..self }
-    }
-}
-
-impl From<Fault> for ModelError {
-    fn from(fault: Fault) -> Self {
-        ModelError::BadOption { option: fault.field, found: fault.found, allowed: fault.allowed }
     }
 }
 

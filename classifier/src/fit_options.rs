@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::Fault;
 use crate::hmm::{InitialDistribution, ScoreKind, Topology, TrainingOptions};
 use crate::{ClassifierKind, Estimator, FeatureSet, ModelError, Recipe};
 
@@ -43,13 +44,12 @@ pub struct FitOptions {
 }
 
 /// The value with this name.
-fn named<T: Copy>(option: &str, name: Option<&str>, known: &[(&str, T)]) -> Result<Option<T>, ModelError> {
+fn named<T: Copy>(option: &str, name: Option<&str>, known: &[(&str, T)]) -> Result<Option<T>, Fault> {
     let Some(name) = name else { return Ok(None) };
     let found = known.iter().find(|(other, _)| *other == name);
-    found.map(|(_, value)| Some(*value)).ok_or_else(|| ModelError::BadOption {
-        option: option.into(),
-        found: format!("{name:?}"),
-        allowed: known.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "),
+    found.map(|(_, value)| Some(*value)).ok_or_else(|| {
+        let known: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+        Fault::new(option, format!("{name:?}"), known.join(", "))
     })
 }
 
@@ -87,11 +87,10 @@ impl FitOptions {
         }
         match self.given().into_iter().find(|option| option != "features") {
             None => Ok(None),
-            Some(option) => Err(ModelError::BadOption {
-                option,
-                found: format!("given for the classifier {}", kind.name),
-                allowed: "only for the classifier hmm".into(),
-            }),
+            Some(option) => {
+                let found = format!("given for the classifier {}", kind.name);
+                Err(Fault::new(option, found, "only for the classifier hmm").into())
+            }
         }
     }
 

@@ -11,6 +11,10 @@ pub fn frequencies<T: Ord>(things: impl IntoIterator<Item = T>) -> BTreeMap<T, u
 
 /// What occurs most often; in a tie, the smallest.
 pub(crate) fn most_frequent<T: Copy>(counts: &BTreeMap<T, usize>) -> Option<T> {
-    let max = counts.values().max()?;
-    counts.iter().find(|(_, count)| *count == max).map(|(thing, _)| *thing)
+    largest(counts.iter().map(|(thing, count)| (*thing, *count))).map(|(thing, _)| thing)
+}
+
+/// The thing with the largest number; in a tie, the first.
+pub(crate) fn largest<T, N: PartialOrd>(things: impl IntoIterator<Item = (T, N)>) -> Option<(T, N)> {
+    things.into_iter().reduce(|best, other| if other.1 > best.1 { other } else { best })
 }

@@ -48,8 +48,9 @@
 //! let (models, report) = HmmClassifier::train(&trials, &recipe)?;
 //! println!("{:?}", report.categories["leaf"].stop);
 //!
-//! let scores = models.score(&press(None, 180.0, 99), models.score_kind())?;
-//! let verdict = Decision::paper().prepare(&models.categories())?.judge(&scores)?;
+//! let scores = models.score_all(&[&press(None, 180.0, 99)], models.score_kind())?;
+//! let judge = Decision::paper().prepare(&models.categories())?;
+//! let verdict = judge.verdict(judge.choose(&scores[0]));
 //! assert_eq!(verdict.name(), "trunk");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -73,6 +74,7 @@ mod frequency;
 pub mod hmm;
 mod hmm_classifier;
 mod model_file;
+mod moments;
 pub mod online;
 pub mod online_model;
 #[cfg(feature = "onnx")]
@@ -90,8 +92,7 @@ mod vector;
 pub use decision::{Decision, Rule};
 pub use document::{Document, FORMAT};
 pub use error::{Fault, ModelError};
-pub use estimator::is_trained;
-pub use estimator::{Classifier, ClassifierKind, Estimator};
+pub use estimator::{Classifier, ClassifierKind, Estimator, is_trained};
 pub use evaluate::{Evaluation, FoldBy, Folds, ThresholdTargets, cross_validate};
 pub use feature::{FeatureError, FeatureSet, SampleFault};
 pub use frequency::frequencies;

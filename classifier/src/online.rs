@@ -142,7 +142,6 @@ pub struct OnlineClassifier {
     free: BinaryHeap<Reverse<usize>>,
     /// One per taxel.
     contacts: Vec<Contact>,
-    frames: usize,
 }
 
 /// The state of a taxel.
@@ -194,7 +193,6 @@ impl OnlineClassifier {
             regions,
             free: (0..taxels).map(Reverse).collect(),
             contacts: (0..taxels).map(contact).collect(),
-            frames: 0,
         })
     }
 
@@ -204,8 +202,7 @@ impl OnlineClassifier {
     /// [`OnlineError`] if the frame does not fit the skin or holds NaN or infinity (frames are numbered from 0, the
     /// first one given to this classifier), or if the classifier fails.
     pub fn update(&mut self, frame: &Frame) -> Result<impl Iterator<Item = &TaxelVerdict>, OnlineError> {
-        self.image.read(self.frames, frame)?;
-        self.frames += 1;
+        self.image.read(frame)?;
         if let Some(regions) = &mut self.regions {
             regions.find(&self.image);
         }
@@ -220,7 +217,11 @@ impl OnlineClassifier {
         for contact in &mut self.contacts {
             if let Some(slot) = contact.slot.filter(|_| contact.scored) {
                 self.scorer.scores(slot, &mut contact.verdict.scores)?;
-                contact.decide(&self.judge);
+                let choice = self.judge.choose(&contact.verdict.scores);
+                if choice != contact.choice {
+                    contact.choice = choice;
+                    contact.verdict.verdict = self.judge.verdict(choice);
+                }
             }
         }
         Ok(self.contacts.iter().filter(|contact| contact.slot.is_some()).map(|contact| &contact.verdict))
@@ -253,16 +254,6 @@ impl OnlineClassifier {
         let pushed = self.scorer.push(slot, &sample);
         contact.scored = pushed.map_err(|fault| OnlineError::BadSample { taxel, fault })?;
         Ok(())
-    }
-}
-
-impl Contact {
-    fn decide(&mut self, judge: &Judge) {
-        let choice = judge.choose(&self.verdict.scores);
-        if choice != self.choice {
-            self.choice = choice;
-            self.verdict.verdict = judge.verdict(choice);
-        }
     }
 }
 

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use blake3::Hasher;
 use schemars::Schema;
-use serde_json::{Map, Number, Value, json};
+use serde_json::{Map, Value, json};
 use underbrush_recording::InputError;
 
 /// The key of the hash.
@@ -76,20 +76,17 @@ fn add(hasher: &mut Hasher, value: &Value) {
             }
             hasher.update(b"]");
         }
-        Value::Number(number) => {
-            hasher.update(spelled(number).as_bytes());
-        }
         plain => {
-            hasher.update(plain.to_string().as_bytes());
+            hasher.update(spelled(plain).as_bytes());
         }
     }
 }
 
-/// One spelling of each number.
-fn spelled(number: &Number) -> String {
-    match number.as_f64().filter(|_| number.is_f64()) {
-        Some(value) if value.fract() == 0.0 && value.abs() <= LARGEST_WHOLE => format!("{value:.0}"),
-        _ => number.to_string(),
+/// A plain value as text, with one spelling of each number.
+fn spelled(value: &Value) -> String {
+    match value.as_f64().filter(|_| value.is_f64()) {
+        Some(number) if number.fract() == 0.0 && number.abs() <= LARGEST_WHOLE => format!("{number:.0}"),
+        _ => value.to_string(),
     }
 }
 

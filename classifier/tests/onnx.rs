@@ -123,9 +123,9 @@ fn networks_that_fail_while_they_run_are_errors() {
         let path = file(name);
         let model = onnx::load(&path).unwrap();
         let (good, bad) = (trial(&[good_n, good_n]), trial(&[good_n, bad_n]));
-        let scores = model.scores(&good).unwrap();
+        let scores = model.scores_of_all(&[&good]).unwrap().remove(0);
         assert!(scores.iter().all(|score| score.is_finite()), "{name}: {scores:?}");
-        let error = model.scores(&bad).unwrap_err();
+        let error = model.scores_of_all(&[&bad]).unwrap_err();
         let ModelError::Input(input) = &error else {
             panic!("{name}: {error:?}");
         };

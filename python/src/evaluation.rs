@@ -60,7 +60,7 @@ pub fn evaluate_trials<'py>(
         }
         None => {
             let evaluation = cross_validate(list, estimator, own, &decision)?;
-            let series = by_samples.then(|| accuracy_by_samples(list, estimator, own)).transpose()?;
+            let series = by_samples.then(|| accuracy_by_samples(list, estimator, own, 1)).transpose()?;
             Ok(EvaluationReport { folds: Some(own), by_samples: series, ..evaluation.into() })
         }
     });

@@ -136,8 +136,8 @@ impl From<ModelError> for Failure {
     fn from(error: ModelError) -> Self {
         match error {
             // An option is an argument here, so the exception gets its fields.
-            ModelError::BadOption { option, found, allowed } => {
-                Failure::argument(option, found, allowed, "change the option")
+            ModelError::BadOption(fault) => {
+                Failure::argument(fault.field, fault.found, fault.allowed, "change the option")
             }
             other => Failure::Fault(other.into()),
         }

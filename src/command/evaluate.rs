@@ -8,8 +8,8 @@ use clap::Args;
 use rayon::prelude::*;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::evaluate::{
-    Compared, Evaluation, EvaluationReport, FoldBy, Folds, RocCurve, accuracy_by_samples, accuracy_by_samples_of_all,
-    category_roc, cross_validate, evaluate, outlier_roc,
+    Compared, Evaluation, EvaluationReport, FoldBy, Folds, RocCurve, accuracy_by_samples, category_roc, cross_validate,
+    evaluate, outlier_roc,
 };
 use underbrush_classifier::registry::CLASSIFIERS;
 use underbrush_classifier::{Classifier, ClassifierKind, Decision, FeatureSet, Rule, Scores};
@@ -141,13 +141,13 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
     let (mut by_samples, mut by_samples_of_all) = (None, None);
     if let Some(folds) = folds.filter(|_| options.by_samples) {
         let estimator = options.estimator.estimator()?;
-        let series = accuracy_by_samples(&trials, estimator.as_ref(), folds);
+        let series = accuracy_by_samples(&trials, estimator.as_ref(), folds, 1);
         by_samples = Some(series.map_err(|error| about(error.into()))?);
         let min_samples = options.cut.min_samples();
         if min_samples > 1 {
             // There are some, as there are long ones.
             let all = input::trials(path, &options.cut.of_any_length())?;
-            let series = accuracy_by_samples_of_all(&all, estimator.as_ref(), folds, min_samples);
+            let series = accuracy_by_samples(&all, estimator.as_ref(), folds, min_samples);
             by_samples_of_all = Some(series.map_err(|error| about(error.into()))?);
         }
     }

@@ -67,6 +67,7 @@ pub(super) const fn kind<B: Baseline>(
     ClassifierKind { name: B::NAME, aliases, summary, is_by_features: false, estimator, load: load::<B>, schema }
 }
 
+/// A fitted baseline.
 #[derive(Debug)]
 struct Fitted<B: Baseline> {
     options: B,
@@ -74,17 +75,13 @@ struct Fitted<B: Baseline> {
     learned: B::Learned,
 }
 
-/// A fitted baseline.
-#[derive(Debug)]
-struct BaselineClassifier<B: Baseline>(Arc<Fitted<B>>);
-
 impl<B: Baseline> Estimator for B {
     fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
         self.check()?;
         let trials = trials_by_category(trials.iter().copied())?;
         let learned = self.learn(&trials)?;
         let categories = trials.into_keys().collect();
-        Ok(Box::new(BaselineClassifier(Arc::new(Fitted { options: *self, categories, learned }))))
+        Ok(Box::new(Arc::new(Fitted { options: *self, categories, learned })))
     }
 }
 
@@ -97,29 +94,29 @@ fn load<B: Baseline>(document: &Document) -> Result<Box<dyn Classifier>, InputEr
     options.check().map_err(|fault| document.fault(fault.within("options")))?;
     let learned = options.learned(parameters, categories.len());
     let learned = learned.map_err(|fault| document.fault(fault.within("parameters")))?;
-    Ok(Box::new(BaselineClassifier(Arc::new(Fitted { options, categories, learned }))))
+    Ok(Box::new(Arc::new(Fitted { options, categories, learned })))
 }
 
-impl<B: Baseline> Classifier for BaselineClassifier<B> {
+impl<B: Baseline> Classifier for Arc<Fitted<B>> {
     fn name(&self) -> &'static str {
         B::NAME
     }
 
     fn features(&self) -> FeatureSet {
-        self.0.options.features()
+        self.options.features()
     }
 
     fn categories(&self) -> Vec<String> {
-        self.0.categories.clone()
+        self.categories.clone()
     }
 
     fn online_scorer(&self, contacts: usize) -> Box<dyn OnlineScorer> {
-        let fresh = Contact { fitted: Arc::clone(&self.0), state: B::Contact::default() };
+        let fresh = Contact { fitted: Arc::clone(self), state: B::Contact::default() };
         Box::new(Independent::new(fresh, contacts))
     }
 
     fn file_entries(&self) -> Vec<(&'static str, Value)> {
-        let Fitted { options, categories, learned } = &*self.0;
+        let Fitted { options, categories, learned } = &**self;
         let parameters = json!(B::parameters(learned));
         vec![("categories", json!(categories)), ("options", json!(options)), ("parameters", parameters)]
     }

@@ -1,6 +1,5 @@
 //! `MiniRocket`: convolutions with fixed kernels, and a linear function of how often their outputs are high.
 
-use nalgebra::DMatrix;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{Limits, Sample};
@@ -90,7 +89,7 @@ impl Default for MiniRocket {
 impl Baseline for MiniRocket {
     const NAME: &'static str = "mini-rocket";
     type Parameters = Parameters;
-    type Learned = Learned;
+    type Learned = Parameters;
     type Contact = Outputs;
 
     fn features(&self) -> FeatureSet {
@@ -102,53 +101,46 @@ impl Baseline for MiniRocket {
         check_limits("penalty", self.penalty, PENALTY)
     }
 
-    fn learn(&self, trials: &TrialsByCategory) -> Result<Learned, ModelError> {
+    fn learn(&self, trials: &TrialsByCategory) -> Result<Parameters, ModelError> {
         let convolutions = Convolutions::fit(trials, self.features, self.thresholds)?;
-        let weights = ridge::fit(trials, self.penalty, |trial| {
+        let weights = ridge::fit(trials, convolutions.dimension() + 1, self.penalty, |trial| {
             let mut rows = convolutions.after(self.features, trial, &ages_of(trial, &SAMPLE_COUNTS))?;
             rows.iter_mut().for_each(|row| row.push(1.0));
             Ok(rows)
         })?;
-        Ok(Learned { convolutions, weights })
+        Ok(Parameters { convolutions, weights: fitted::columns(&weights) })
     }
 
-    fn parameters(learned: &Learned) -> Parameters {
-        Parameters { convolutions: learned.convolutions.clone(), weights: fitted::columns(&learned.weights) }
+    fn parameters(learned: &Parameters) -> Parameters {
+        learned.clone()
     }
 
-    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Learned, Fault> {
+    fn learned(&self, parameters: Parameters, categories: usize) -> Result<Parameters, Fault> {
         let Parameters { convolutions, weights } = parameters;
         let convolutions = convolutions.checked(self.features).map_err(|fault| fault.within("convolutions"))?;
-        let size = convolutions.dimension() + 1;
-        check_table("weights", &weights, (categories, size), FITTED)?;
-        Ok(Learned { convolutions, weights: fitted::from_columns(size, &weights) })
+        check_table("weights", &weights, (categories, convolutions.dimension() + 1), FITTED)?;
+        Ok(Parameters { convolutions, weights })
     }
 
-    fn push(&self, learned: &Learned, contact: &mut Outputs, sample: &Sample) -> Result<bool, SampleFault> {
+    fn push(&self, learned: &Parameters, contact: &mut Outputs, sample: &Sample) -> Result<bool, SampleFault> {
         learned.convolutions.push(self.features, contact, sample).map(|()| true)
     }
 
-    fn scores(&self, learned: &Learned, contact: &Outputs, scores: &mut [f64]) {
+    fn scores(&self, learned: &Parameters, contact: &Outputs, scores: &mut [f64]) {
         let values = learned.convolutions.values(contact);
-        for (score, weights) in scores.iter_mut().zip(learned.weights.column_iter()) {
+        for (score, weights) in scores.iter_mut().zip(&learned.weights) {
             let sum: f64 = weights.iter().zip(values.iter().chain([&1.0])).map(|(weight, value)| weight * value).sum();
             *score = fitted::log_of_readout(sum);
         }
     }
 }
 
-#[derive(Debug)]
-pub(super) struct Learned {
-    convolutions: Convolutions,
-    /// One column per category: a weight per threshold, then the constant.
-    weights: DMatrix<f64>,
-}
-
-#[derive(Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "MiniRocketParameters")]
 pub(super) struct Parameters {
     convolutions: Convolutions,
     /// One row per category.
+    // A weight per threshold, then the constant.
     weights: Vec<Vec<f64>>,
 }

@@ -149,12 +149,8 @@ impl Baseline for NaiveBayes {
         Ok((selection, parameters))
     }
 
-    fn push(
-        &self,
-        (selection, _): &Learned,
-        contact: &mut StreamFeatures,
-        sample: &Sample,
-    ) -> Result<bool, SampleFault> {
+    fn push(&self, learned: &Learned, contact: &mut StreamFeatures, sample: &Sample) -> Result<bool, SampleFault> {
+        let (selection, _) = learned;
         selection.push(contact, sample).map(|()| true)
     }
 

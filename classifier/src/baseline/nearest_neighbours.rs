@@ -161,17 +161,24 @@ impl Baseline for NearestNeighbours {
     }
 
     fn learned(&self, parameters: Parameters, categories: usize) -> Result<Learned, Fault> {
-        check(self, categories, &parameters)?;
-        let category_of = parameters.category;
+        let Parameters { mean, scale, components, category: category_of, trials } = parameters;
+        let channels = self.features.dimension();
+        let length = channels * self.window;
+        check_list("mean", &mean, length, FITTED)?;
+        check_list("scale", &scale, channels, FITTED)?;
+        check_table("components", &components, (components.len().max(1), length), FITTED)?;
+        check_table("trials", &trials, (category_of.len(), components.len()), FITTED)?;
         let of = |category: usize| category_of.iter().filter(|own| **own == category).count();
-        Ok(Learned {
-            count: (0..categories).map(of).collect(),
-            components: fitted::from_columns(parameters.mean.len(), &parameters.components),
-            known: fitted::from_columns(parameters.components.len(), &parameters.trials),
-            mean: parameters.mean,
-            scale: parameters.scale,
-            category_of,
-        })
+        let count: Vec<usize> = (0..categories).map(of).collect();
+        if let Some(missing) = count.iter().position(|count| *count == 0) {
+            return Err(Fault::new("category", format!("no trial of category {missing}"), "a trial of each"));
+        }
+        if category_of.iter().any(|category| *category >= categories) {
+            let found = format!("an index beyond {}", categories - 1);
+            return Err(Fault::new("category", found, "indices of categories, from 0"));
+        }
+        let known = fitted::from_columns(components.len(), &trials);
+        Ok(Learned { count, mean, scale, components: fitted::from_columns(length, &components), known, category_of })
     }
 
     fn push(&self, _: &Learned, contact: &mut Vec<f64>, sample: &Sample) -> Result<bool, SampleFault> {
@@ -268,23 +275,4 @@ pub(super) struct Parameters {
     category: Vec<usize>,
     /// One row per training trial.
     trials: Vec<Vec<f64>>,
-}
-
-/// Checks the parameters of a file.
-fn check(options: &NearestNeighbours, categories: usize, parameters: &Parameters) -> Result<(), Fault> {
-    let channels = options.features.dimension();
-    let length = channels * options.window;
-    let (components, trials) = (&parameters.components, &parameters.trials);
-    check_list("mean", &parameters.mean, length, FITTED)?;
-    check_list("scale", &parameters.scale, channels, FITTED)?;
-    check_table("components", components, (components.len().max(1), length), FITTED)?;
-    check_table("trials", trials, (parameters.category.len(), components.len()), FITTED)?;
-    match (0..categories).find(|category| !parameters.category.contains(category)) {
-        Some(missing) => Err(Fault::new("category", format!("no trial of category {missing}"), "a trial of each")),
-        None if parameters.category.iter().any(|category| *category >= categories) => {
-            let found = format!("an index beyond {}", categories - 1);
-            Err(Fault::new("category", found, "indices of categories, from 0"))
-        }
-        None => Ok(()),
-    }
 }

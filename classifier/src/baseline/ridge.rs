@@ -12,17 +12,20 @@ const END_SHARE: f64 = 0.5;
 /// Variances below this count as this, so that a value that never varies has no weight. Values are shares, of order one.
 const LEAST_VARIANCE: f64 = 1e-9;
 
-/// Fits weights W, one column for each category, to the rows φ that `rows` makes of a trial: values of order one, followed by
-/// a 1. The last row is that of the whole trial. All categories weigh the same, and so do the trials of a category.
+/// Fits weights W, one column for each category, to the rows φ of this size that `rows` makes of a trial: values of order one,
+/// followed by a 1. The last row is that of the whole trial. All categories weigh the same, and so do the trials of a category.
 ///
 /// W minimizes the weighted mean of |y − Wᵀφ|² plus the penalty times Σ v W², where y is 1 for the row's own category and 0 for
 /// the others, and v is the variance of a value. The constant has no penalty.
-pub(super) fn fit<F>(by_category: &TrialsByCategory, penalty: f64, rows: F) -> Result<DMatrix<f64>, ModelError>
-where
-    F: Fn(&Trial) -> Result<Vec<Vec<f64>>, ModelError>,
-{
-    // Σ w φ φᵀ, the lower triangle, and Σ w φ yᵀ. They are made with the first row.
-    let mut sums: Option<(DMatrix<f64>, DMatrix<f64>)> = None;
+pub(super) fn fit(
+    by_category: &TrialsByCategory,
+    size: usize,
+    penalty: f64,
+    rows: impl Fn(&Trial) -> Result<Vec<Vec<f64>>, ModelError>,
+) -> Result<DMatrix<f64>, ModelError> {
+    // Σ w φ φᵀ, the lower triangle, and Σ w φ yᵀ.
+    let mut products = DMatrix::zeros(size, size);
+    let mut targets = DMatrix::zeros(size, by_category.len());
     for (category, trials) in by_category.values().enumerate() {
         for trial in trials {
             let rows = rows(trial)?;
@@ -34,13 +37,9 @@ where
                 (share * of_trial, values)
             };
             let rows: Vec<(f64, Vec<f64>)> = rows.into_iter().enumerate().map(weighted).collect();
-            let (products, targets) = sums.get_or_insert_with(|| {
-                let size = rows[before].1.len();
-                (DMatrix::zeros(size, size), DMatrix::zeros(size, by_category.len()))
-            });
             vectorized(
                 #[inline(always)]
-                || add(products, &rows),
+                || add(&mut products, &rows),
             );
             for (weight, values) in &rows {
                 let mut column = targets.column_mut(category);
@@ -48,8 +47,7 @@ where
             }
         }
     }
-    let solved = sums.and_then(|(products, targets)| solve(products, &targets, penalty));
-    solved.ok_or_else(|| ModelError::Mismatch {
+    solve(products, &targets, penalty).ok_or_else(|| ModelError::Mismatch {
         found: format!("a regression with penalty {penalty} that has no solution"),
         allowed: "finite features and a positive penalty".into(),
     })
@@ -109,9 +107,9 @@ mod tests {
             let n = trial.trial as f64;
             (1..=6).map(|age| vec![0.1 * n, (n * f64::from(age) * 0.37).fract(), 0.5, 1.0]).collect()
         };
-        let weights = fit(&by_category, 0.1, |trial| Ok(rows_of(trial))).unwrap();
+        let weights = fit(&by_category, 4, 0.1, |trial| Ok(rows_of(trial))).unwrap();
         BASELINE_ONLY.set(true);
-        assert_eq!(fit(&by_category, 0.1, |trial| Ok(rows_of(trial))).unwrap(), weights);
+        assert_eq!(fit(&by_category, 4, 0.1, |trial| Ok(rows_of(trial))).unwrap(), weights);
         BASELINE_ONLY.set(false);
         let mut rows: Vec<(usize, f64, Vec<f64>)> = Vec::new();
         for (category, trials) in by_category.values().enumerate() {

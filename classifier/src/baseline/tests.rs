@@ -70,7 +70,7 @@ fn every_estimator_tells_different_things_apart_and_never_looks_ahead() {
             assert_eq!(scores[3], scores[2], "{name}");
             let mut ended = new.clone();
             ended.samples.truncate(7);
-            assert_eq!(classifier.scores(&ended).unwrap(), scores[1], "{name} looks ahead");
+            assert_eq!(classifier.scores_of_all(&[&ended]).unwrap().remove(0), scores[1], "{name} looks ahead");
         }
     }
 }
@@ -101,7 +101,7 @@ fn frequent_categories_have_no_advantage() {
                 let classifier = estimator.fit(&trials.iter().collect::<Vec<_>>()).unwrap();
                 let new = (0..40).map(|n| draw(100_000 + 1000 * set + n, "leaf"));
                 let leaves = new.filter(|press| {
-                    let scores = classifier.scores(press).unwrap();
+                    let scores = classifier.scores_of_all(&[press]).unwrap().remove(0);
                     scores[0] > scores[1]
                 });
                 leaves.count() as f64 / 40.0
@@ -135,7 +135,7 @@ fn logistic_regression_is_at_its_minimum() {
     let estimator = Logistic::default();
     let classifier = estimator.fit(&known).unwrap();
     for trial in &trials {
-        let total: f64 = classifier.scores(trial).unwrap().iter().map(|score| score.exp()).sum();
+        let total: f64 = classifier.scores_of_all(&[trial]).unwrap().remove(0).iter().map(|score| score.exp()).sum();
         assert!((total - 1.0).abs() < 1e-12);
     }
     assert!(logistic::largest_slope(&known, &estimator) < 1e-5);
@@ -154,12 +154,12 @@ fn windows_are_padded_with_their_last_sample() {
         sample.time_s = 0.01 * f64::from(k);
         held.samples.push(sample);
     }
-    let scores = classifier.scores(&short).unwrap();
-    assert_eq!(classifier.scores(&held).unwrap(), scores);
+    let scores = classifier.scores_of_all(&[&short]).unwrap().remove(0);
+    assert_eq!(classifier.scores_of_all(&[&held]).unwrap().remove(0), scores);
     held.samples[60].force_n = 50.0;
-    assert_eq!(classifier.scores(&held).unwrap(), scores);
+    assert_eq!(classifier.scores_of_all(&[&held]).unwrap().remove(0), scores);
     held.samples[40].force_n = 50.0;
-    assert_ne!(classifier.scores(&held).unwrap(), scores);
+    assert_ne!(classifier.scores_of_all(&[&held]).unwrap().remove(0), scores);
 }
 
 /// Tests that a feature that never varies has no influence on nearest neighbours, although the rounding of its mean
@@ -175,7 +175,10 @@ fn a_constant_feature_is_left_out_of_the_neighbours() {
     let new = press(1000, "leaf", 3.0, 2, 20);
     let mut moved = new.clone();
     moved.samples.iter_mut().for_each(|sample| sample.motion_m = Some(0.7));
-    assert_eq!(classifier.scores(&moved).unwrap(), classifier.scores(&new).unwrap());
+    assert_eq!(
+        classifier.scores_of_all(&[&moved]).unwrap().remove(0),
+        classifier.scores_of_all(&[&new]).unwrap().remove(0)
+    );
     Model::new(classifier).save_string().unwrap();
 }
 
@@ -232,7 +235,7 @@ fn options_outside_their_range_are_refused() {
     ];
     for (name, estimator) in estimators {
         match estimator.fit(&known).unwrap_err() {
-            ModelError::BadOption { option, .. } => assert_eq!(option, name),
+            ModelError::BadOption(fault) => assert_eq!(fault.field, name),
             other => panic!("{name}: {other}"),
         }
     }
@@ -258,10 +261,10 @@ fn peak_force_sees_the_peak_alone() {
     // Both have the same spread on a logarithmic scale, so the border is at the geometric mean, 0.77 N.
     for (peak_n, is_leaf) in [(0.05, true), (0.6, true), (1.0, false), (30.0, false)] {
         let mut trial = of(99, "leaf", peak_n);
-        let scores = classifier.scores(&trial).unwrap();
+        let scores = classifier.scores_of_all(&[&trial]).unwrap().remove(0);
         assert_eq!(scores[0] > scores[1], is_leaf, "{peak_n} N: {scores:?}");
         trial.samples.push(Sample { time_s: 0.5, force_n: 0.5 * peak_n, ..trial.samples[0].clone() });
-        assert_eq!(classifier.scores(&trial).unwrap(), scores);
+        assert_eq!(classifier.scores_of_all(&[&trial]).unwrap().remove(0), scores);
     }
     assert!((kind.estimator)(Some(FeatureSet::new([&MOTION]))).fit(&trials.iter().collect::<Vec<_>>()).is_err());
 }

@@ -114,12 +114,8 @@ impl Baseline for Trees {
         Ok((selection, parameters))
     }
 
-    fn push(
-        &self,
-        (selection, _): &Learned,
-        contact: &mut StreamFeatures,
-        sample: &Sample,
-    ) -> Result<bool, SampleFault> {
+    fn push(&self, learned: &Learned, contact: &mut StreamFeatures, sample: &Sample) -> Result<bool, SampleFault> {
+        let (selection, _) = learned;
         selection.push(contact, sample).map(|()| true)
     }
 

@@ -58,12 +58,11 @@ pub(super) struct Packed {
 
 impl From<Boosted> for Packed {
     fn from(Boosted { trees, spans }: Boosted) -> Self {
-        let bytes = |node: &Node| match *node {
-            Node::Leaf(step) => (LEAF, step.to_le_bytes()),
-            Node::Cut { feature, cut, .. } => (feature, cut.to_le_bytes()),
-        };
         let bytes = |node: &Node| {
-            let (first, [low, high]) = bytes(node);
+            let (first, [low, high]) = match *node {
+                Node::Leaf(step) => (LEAF, step.to_le_bytes()),
+                Node::Cut { feature, cut, .. } => (feature, cut.to_le_bytes()),
+            };
             [first, low, high]
         };
         let text = |tree: &Vec<Node>| STANDARD.encode(tree.iter().flat_map(bytes).collect::<Vec<u8>>());

@@ -43,7 +43,7 @@ fn impossible_data_are_uncertain() {
     assert_eq!(judge.choose(&[-3.0, -3.0]), Choice::Uncertain);
     assert_eq!(judge.choose(&[f64::NEG_INFINITY, -1e5]), Choice::Category(1));
     let alone = Decision::paper().prepare(&["leaf".into()]).unwrap();
-    assert_eq!(alone.judge(&[("leaf".into(), -5.0)]), Ok(Verdict::Category("leaf".into())));
+    assert_eq!(alone.verdict(alone.choose(&[-5.0])), Verdict::Category("leaf".into()));
 }
 
 /// Tests the rule of section V-B at its threshold.

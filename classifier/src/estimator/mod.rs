@@ -100,16 +100,6 @@ pub trait Classifier: Any + Debug + Send + Sync {
     }
 }
 
-impl dyn Classifier + '_ {
-    /// The scores of a whole trial, one per category.
-    ///
-    /// # Errors
-    /// As [`Classifier::scores_after`].
-    pub fn scores(&self, trial: &Trial) -> Result<Vec<f64>, ModelError> {
-        Ok(self.scores_of_all(&[trial])?.pop().unwrap_or_default())
-    }
-}
-
 /// One entry in the list of classifiers ([`crate::registry::CLASSIFIERS`]).
 #[derive(Debug)]
 pub struct ClassifierKind {

@@ -4,8 +4,7 @@ use serde::Serialize;
 use underbrush_recording::Trial;
 
 use super::{
-    AccuracyByTouch, BOOTSTRAP_RESAMPLES, ConfusionMatrix, EvaluateError, Folds, Interval, Prediction, across_folds,
-    bootstrap_by_reach,
+    AccuracyByTouch, ConfusionMatrix, EvaluateError, Folds, Interval, Prediction, across_folds, bootstrap_by_reach,
 };
 use crate::{Decision, Estimator};
 
@@ -42,24 +41,12 @@ pub struct AccuracyBySamples {
 ///
 /// The series describes only the trials given. If short trials were left out, as in the paper (20 samples or more), the
 /// accuracy after one sample covers only contacts that go on to last 20 samples, which cannot be known at the first
-/// sample. [`accuracy_by_samples_of_all`] gives the accuracy over all contacts.
-///
-/// # Errors
-/// As [`super::cross_validate`].
-pub fn accuracy_by_samples(
-    trials: &[Trial],
-    estimator: &dyn Estimator,
-    folds: Folds,
-) -> Result<Vec<AccuracyBySamples>, EvaluateError> {
-    accuracy_by_samples_of_all(trials, estimator, folds, 1)
-}
-
-/// Like [`accuracy_by_samples`], but tests on all trials and fits only on those of at least `min_training_samples`
-/// samples. Give it trials of any length: they are all the contacts that a robot makes.
+/// sample. For the accuracy over all contacts that a robot makes, give trials of any length, of which only those of at
+/// least `min_training_samples` samples are fitted on.
 ///
 /// # Errors
 /// As [`super::cross_validate`], and if a fold leaves no trial of a category that is long enough to fit on.
-pub fn accuracy_by_samples_of_all(
+pub fn accuracy_by_samples(
     trials: &[Trial],
     estimator: &dyn Estimator,
     folds: Folds,
@@ -91,7 +78,7 @@ pub fn accuracy_by_samples_of_all(
             majority_baseline: all.map_or(0.0, |all| all.majority_baseline),
             balanced_accuracy: all.and_then(|all| all.balanced_accuracy),
             by_touch: AccuracyByTouch::of(&predictions, categories),
-            interval_by_reach: bootstrap_by_reach(predictions.iter().map(record), categories, BOOTSTRAP_RESAMPLES, 0),
+            interval_by_reach: bootstrap_by_reach(predictions.iter().map(record), categories),
             lasting: count,
             accuracy_of_lasting: lasting.map(|lasting| lasting.accuracy),
             majority_baseline_of_lasting: lasting.map(|lasting| lasting.majority_baseline),

@@ -15,7 +15,7 @@ use crate::decision::Verdict;
 /// use underbrush_classifier::evaluate::{ConfusionMatrix, Record};
 ///
 /// let categories = ["leaf".to_string(), "trunk".to_string()];
-/// let record = |truth, verdict| Record { truth, verdict, scores: &[], reach: Some(0), weight: 1 };
+/// let record = |truth, verdict| Record { truth, verdict, scores: &[], reach: Some(0) };
 /// // Three leaves are called leaf and one trunk uncertain.
 /// let records = [record("leaf", 0), record("leaf", 0), record("leaf", 0), record("trunk", 2)];
 /// let accuracy = ConfusionMatrix::of(records, &categories).accuracy();
@@ -122,7 +122,7 @@ impl ConfusionMatrix {
         verdict.extend([Verdict::Uncertain.name().to_owned(), Verdict::Outlier.name().to_owned()]);
         let mut rows: BTreeMap<&str, Vec<usize>> = BTreeMap::new();
         for record in records {
-            rows.entry(record.truth).or_insert_with(|| vec![0; verdict.len()])[record.verdict] += record.weight;
+            rows.entry(record.truth).or_insert_with(|| vec![0; verdict.len()])[record.verdict] += 1;
         }
         let (truth, count) = rows.into_iter().map(|(truth, row)| (truth.to_owned(), row)).unzip();
         ConfusionMatrix { truth, verdict, count }

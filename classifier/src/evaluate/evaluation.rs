@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{
-    AccuracyByTouch, BOOTSTRAP_RESAMPLES, CategoryFigures, ConfusionMatrix, EvaluateError, Interval, Prediction,
-    Record, bootstrap_by_reach, wilson,
+    AccuracyByTouch, CategoryFigures, ConfusionMatrix, EvaluateError, Interval, Prediction, Record, bootstrap_by_reach,
+    wilson,
 };
 use crate::hmm::TrainingHistory;
 
@@ -72,7 +72,7 @@ impl Evaluation {
             balanced_accuracy: accuracy.balanced_accuracy,
             by_touch: AccuracyByTouch::of(&predictions, models),
             accuracy_interval_by_trial: wilson(correct, predictions.len()),
-            accuracy_interval_by_reach: bootstrap_by_reach(records(), models, BOOTSTRAP_RESAMPLES, 0),
+            accuracy_interval_by_reach: bootstrap_by_reach(records(), models),
             categories: confusion.figures(),
             confusion,
             predictions,

@@ -18,7 +18,7 @@ pub struct Interval {
 }
 
 /// Choice: number of bootstrap resamples for every reported interval.
-pub(super) const BOOTSTRAP_RESAMPLES: usize = 2000;
+const RESAMPLES: usize = 2000;
 
 /// The 97.5 % quantile of the standard normal distribution.
 const Z: f64 = 1.959_963_984_540_054;
@@ -47,26 +47,24 @@ pub fn wilson(successes: usize, trials: usize) -> Interval {
 
 /// Percentile bootstrap of the accuracy over whole reaches, the clusters within which records depend on each other.
 ///
-/// Each of `resamples` resamples draws as many reaches as there are, with replacement. `None` if a record names no reach
+/// Each of 2000 resamples draws as many reaches as there are, with replacement. `None` if a record names no reach
 /// or there are no records. `categories` are those of the classifier.
 pub fn bootstrap_by_reach<'a>(
     records: impl IntoIterator<Item = Record<'a>>,
     categories: &[String],
-    resamples: usize,
-    seed: u64,
 ) -> Option<Interval> {
     let mut reaches: BTreeMap<u64, (usize, usize)> = BTreeMap::new();
     for record in records {
         let (correct, count) = reaches.entry(record.reach?).or_default();
-        *correct += if record.is_right(categories) { record.weight } else { 0 };
-        *count += record.weight;
+        *correct += usize::from(record.is_right(categories));
+        *count += 1;
     }
-    if reaches.is_empty() || resamples == 0 {
+    if reaches.is_empty() {
         return None;
     }
     let reaches: Vec<(usize, usize)> = reaches.into_values().collect();
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut accuracies: Vec<f64> = (0..resamples)
+    let mut rng = ChaCha8Rng::seed_from_u64(0);
+    let mut accuracies: Vec<f64> = (0..RESAMPLES)
         .map(|_| {
             let (mut correct, mut count) = (0, 0);
             for _ in 0..reaches.len() {
@@ -79,6 +77,6 @@ pub fn bootstrap_by_reach<'a>(
         })
         .collect();
     accuracies.sort_by(f64::total_cmp);
-    let quantile = |q: f64| accuracies[(q * (resamples - 1) as f64).round() as usize];
+    let quantile = |q: f64| accuracies[(q * (RESAMPLES - 1) as f64).round() as usize];
     Some(Interval { low: quantile(0.025), high: quantile(0.975) })
 }

@@ -21,7 +21,7 @@ pub mod touch_folds;
 mod touch_object;
 mod touch_stiffness;
 
-pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples, accuracy_by_samples_of_all};
+pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples};
 pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix, Rates};
 use cross_validation::{across_folds, predict};
 pub use cross_validation::{cross_validate, evaluate};
@@ -29,7 +29,6 @@ pub use error::EvaluateError;
 pub use evaluation::Evaluation;
 pub use evaluation_report::{Compared, EvaluationReport};
 pub use fold::{FoldBy, Folds};
-use interval::BOOTSTRAP_RESAMPLES;
 pub use interval::{Interval, bootstrap_by_reach, wilson};
 pub use object_figures::{GroupingFigures, ObjectVerdicts, UnknownFigures};
 pub use prediction::{Prediction, Record};

@@ -6,7 +6,7 @@ use serde::Serialize;
 use underbrush_recording::Category;
 
 use super::touch_object::JudgedObject;
-use super::{BOOTSTRAP_RESAMPLES, Interval, Record, RocCurve, bootstrap_by_reach};
+use super::{Interval, Record, RocCurve, bootstrap_by_reach};
 use crate::decision::Verdict;
 use crate::touch::Touch;
 
@@ -75,26 +75,23 @@ pub struct GroupingFigures {
 impl UnknownFigures {
     /// The figures for a model with these categories.
     pub fn of(objects: &[JudgedObject], categories: &[String]) -> Self {
-        let (mut figures, [unknown, known]) = (UnknownFigures::default(), divided(objects, categories));
-        for own in &unknown {
-            figures.unknown_objects += 1;
-            figures.found_objects += usize::from(is_unknown(&own.at_end));
-            figures.found_objects_at_peak += usize::from(is_unknown(&own.at_peak));
-            figures.unknown_contacts += own.contacts;
-            figures.found_contacts += own.contacts_called_unknown;
-        }
-        for own in &known {
-            figures.known_objects += 1;
-            figures.false_alarm_objects += usize::from(is_unknown(&own.at_end));
-            figures.known_contacts += own.contacts;
-            figures.false_alarm_contacts += own.contacts_called_unknown;
-        }
+        let [unknown, known] = divided(objects, categories);
+        let sum = |own: &[&JudgedObject], count: fn(&JudgedObject) -> usize| own.iter().map(|own| count(own)).sum();
+        let called_unknown = |own: &JudgedObject| usize::from(is_unknown(&own.at_end));
         let unlike = |own: &[&JudgedObject]| own.iter().map(|own| -own.share_beyond).collect::<Vec<_>>();
         UnknownFigures {
+            unknown_objects: unknown.len(),
+            found_objects: sum(&unknown, called_unknown),
             found_interval: interval(&unknown, |own| is_unknown(&own.at_end)),
+            found_objects_at_peak: sum(&unknown, |own| usize::from(is_unknown(&own.at_peak))),
+            known_objects: known.len(),
+            false_alarm_objects: sum(&known, called_unknown),
             false_alarm_interval: interval(&known, |own| is_unknown(&own.at_end)),
+            unknown_contacts: sum(&unknown, |own| own.contacts),
+            found_contacts: sum(&unknown, |own| own.contacts_called_unknown),
+            known_contacts: sum(&known, |own| own.contacts),
+            false_alarm_contacts: sum(&known, |own| own.contacts_called_unknown),
             roc_area: RocCurve::of(&unlike(&unknown), &unlike(&known)).map(|curve| curve.area),
-            ..figures
         }
     }
 }
@@ -163,9 +160,8 @@ fn interval(objects: &[&JudgedObject], holds: impl Fn(&JudgedObject) -> bool) ->
         verdict: usize::from(holds(own)),
         scores: &[],
         reach: Some(own.reach as u64),
-        weight: 1,
     };
-    bootstrap_by_reach(objects.iter().map(record), &[], BOOTSTRAP_RESAMPLES, 0)
+    bootstrap_by_reach(objects.iter().map(record), &[])
 }
 
 #[cfg(test)]

@@ -45,7 +45,7 @@ impl Prediction {
     /// The record of this verdict by a classifier with these categories.
     pub fn record<'a>(&'a self, categories: &[String]) -> Record<'a> {
         let verdict = self.verdict.index(categories).unwrap_or(categories.len());
-        Record { truth: &self.category, verdict, scores: &self.scores, reach: self.reach, weight: 1 }
+        Record { truth: &self.category, verdict, scores: &self.scores, reach: self.reach }
     }
 }
 
@@ -55,7 +55,7 @@ impl Prediction {
 /// use underbrush_classifier::evaluate::Record;
 ///
 /// let categories = ["leaf".to_owned(), "trunk".to_owned()];
-/// let record = |truth, verdict| Record { truth, verdict, scores: &[], reach: None, weight: 1 };
+/// let record = |truth, verdict| Record { truth, verdict, scores: &[], reach: None };
 /// assert!(record("trunk", 1).is_right(&categories));
 /// // Uncertain is 2, outlier is 3.
 /// assert!(!record("trunk", 2).is_right(&categories));
@@ -71,8 +71,6 @@ pub struct Record<'a> {
     pub scores: &'a [f64],
     /// The reach. Things of one reach depend on each other.
     pub reach: Option<u64>,
-    /// How often it counts.
-    pub weight: usize,
 }
 
 impl Record<'_> {

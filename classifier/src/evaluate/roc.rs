@@ -77,7 +77,7 @@ pub fn category_roc(evaluation: &Evaluation, category: &str) -> Option<RocCurve>
         // If no category admits the trial there is no margin, and ∞ − ∞ would be NaN.
         let margin = if score == best_other { 0.0 } else { score - best_other };
         let side = if record.truth == category { &mut positives } else { &mut negatives };
-        side.extend(std::iter::repeat_n(margin, record.weight));
+        side.push(margin);
     }
     RocCurve::of(&positives, &negatives)
 }
@@ -97,10 +97,8 @@ pub fn category_roc(evaluation: &Evaluation, category: &str) -> Option<RocCurve>
 /// outliers. `None` if the evaluation contains no outliers, or nothing else.
 pub fn outlier_roc(evaluation: &Evaluation, judge: &Judge, uncertain_below: f64) -> Option<RocCurve> {
     let scores = |counts: &dyn Fn(&str) -> bool| -> Vec<f64> {
-        let margins = evaluation.records().filter(|record| counts(record.truth)).flat_map(|record| {
-            let margin = judge.margin(record.scores).map_or(0.0, |(_, margin)| margin);
-            std::iter::repeat_n(margin, record.weight)
-        });
+        let records = evaluation.records().filter(|record| counts(record.truth));
+        let margins = records.map(|record| judge.margin(record.scores).map_or(0.0, |(_, margin)| margin));
         margins.map(|margin| if margin < uncertain_below { f64::NEG_INFINITY } else { -margin }).collect()
     };
     let outliers = scores(&|category| category == Category::OUTLIER.name());

@@ -150,7 +150,7 @@ fn a_category_in_one_fold_only_is_refused() {
         "without fold 2 of 2, only trunk of the categories leaf, trunk are left to fit to; use more reaches"
     ));
     assert_eq!(HeldOut::of(&table, &recipe(), folds).unwrap_err(), expected);
-    assert_eq!(accuracy_by_samples(&table, &recipe(), folds).unwrap_err(), expected);
+    assert_eq!(accuracy_by_samples(&table, &recipe(), folds, 1).unwrap_err(), expected);
     table[1].category = Some("leaf".into());
     let result = cross_validate(&table, &recipe(), folds, &Decision::argmax()).unwrap();
     assert!(result.predictions.iter().all(|prediction| prediction.scores.len() == 2));
@@ -297,8 +297,7 @@ fn clusters_widen_the_interval() {
         (0..20).map(|reach| ("leaf", if reach % 2 == 0 { "leaf" } else { "trunk" }, reach, 50)).collect();
     let clustered = predictions(&rows);
     let models = ["leaf".to_owned(), "trunk".to_owned()];
-    let bootstrap =
-        |own: &[Prediction]| bootstrap_by_reach(own.iter().map(|own| own.record(&models)), &models, 2000, 7);
+    let bootstrap = |own: &[Prediction]| bootstrap_by_reach(own.iter().map(|own| own.record(&models)), &models);
     let interval = bootstrap(&clustered).unwrap();
     let half = (interval.high - interval.low) / 2.0;
     assert!((half / (1.96 * 0.1118) - 1.0).abs() < 0.15, "{interval:?}");

@@ -37,11 +37,6 @@ impl TouchTally {
         self.right + self.wrong + self.uncertain
     }
 
-    /// Taxel frames of a known category that are called another one.
-    pub fn other_category(&self) -> usize {
-        self.wrong - self.nothing - self.unknown
-    }
-
     fn count(&mut self, touch: Touch, truth: Touch) {
         self.nothing += usize::from(touch == Touch::Nothing && truth != Touch::Nothing);
         self.unknown += usize::from(touch == Touch::Unknown);
@@ -109,7 +104,7 @@ impl TouchEvaluation {
         for (index, frame) in recording.frames.iter().enumerate() {
             classifier.update(frame)?;
             for tracker in classifier.patches() {
-                let (patch, image) = (tracker.image().patch_index(), tracker.image());
+                let (patch, image) = (tracker.image.patch_index(), &tracker.image);
                 let over = open.extract_if((patch, 0)..(patch + 1, 0), |(_, taxel), _| !image.is_in_contact(*taxel));
                 evaluation.contacts.extend(over.filter_map(|(_, contact)| contact.close()));
             }
@@ -147,8 +142,8 @@ impl TouchEvaluation {
         recording: &Recording,
     ) {
         let categories = classifier.model().categories();
-        let tracker = classifier.patches().iter().find(|tracker| tracker.image().patch_index() == taxel.patch);
-        let touching = tracker.and_then(|tracker| tracker.image().pressing(taxel.taxel, recording));
+        let tracker = classifier.patches().iter().find(|tracker| tracker.image.patch_index() == taxel.patch);
+        let touching = tracker.and_then(|tracker| tracker.image.pressing(taxel.taxel, recording));
         let truth = match touching {
             None => Touch::Nothing,
             Some(category) => {
@@ -223,7 +218,6 @@ impl TouchEvaluation {
             verdict: likeliest(own),
             scores: &[],
             reach: None,
-            weight: 1,
         };
         let confusion = ConfusionMatrix::of(self.contacts.iter().map(record), categories);
         let accuracy = confusion.accuracy()?;

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::frequency::largest;
 use crate::touch::{TaxelTouch, Touch};
 use underbrush_recording::math;
 
@@ -59,9 +60,7 @@ impl OpenContact {
         for (sum, probability) in self.evidence.iter_mut().zip(probabilities) {
             *sum += (1.0 - taxel.nothing) * math::ln(probability.max(1e-6));
         }
-        let best = self.evidence.iter().copied().enumerate();
-        let best = best.reduce(|best, other| if other.1 > best.1 { other } else { best });
-        self.likeliest = best.map_or(0, |(index, _)| index);
+        self.likeliest = largest(self.evidence.iter().copied().enumerate()).map_or(0, |(index, _)| index);
         if self.samples <= TENTH_SECOND_SAMPLES {
             self.after_tenth_second = self.likeliest;
         }
@@ -72,8 +71,7 @@ impl OpenContact {
 
     /// The contact, if a known category touched the taxel in most of the samples in which anything did.
     pub(super) fn close(self) -> Option<JudgedContact> {
-        let most = self.votes.iter().max().copied().filter(|most| *most > 0)?;
-        let category = self.votes.iter().position(|votes| *votes == most)?;
+        let (category, _) = largest(self.votes.into_iter().enumerate()).filter(|(_, votes)| *votes > 0)?;
         (category < self.first_verdicts.len()).then(|| JudgedContact {
             category,
             samples: self.samples,

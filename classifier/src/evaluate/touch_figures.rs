@@ -82,7 +82,7 @@ impl ReachFigures {
         };
         ReachFigures {
             reaches: reaches.len(),
-            wrong_category: mean(TouchTally::other_category),
+            wrong_category: mean(|own| own.wrong - own.nothing - own.unknown),
             called_unknown: mean(|own| own.unknown),
         }
     }

@@ -82,10 +82,9 @@ impl ObjectJudge {
     /// Takes in the verdicts on a frame of the recording.
     pub(super) fn update(&mut self, classifier: &TouchClassifier, frame: usize, recording: &Recording) {
         let tracker = classifier.object_tracker();
-        for object in tracker.ended() {
-            self.close(object.number, recording);
-        }
-        for object in tracker.objects() {
+        let ended = tracker.ended.iter().filter_map(|object| self.open.remove(&object.number));
+        self.closed.extend(ended.filter_map(|open| open.close(recording)));
+        for object in &tracker.objects {
             self.open.entry(object.number).or_insert_with(|| OpenObject::new(object.number));
         }
         count_votes(classifier.patches(), tracker, |object, truth, force_n| {
@@ -94,7 +93,7 @@ impl ObjectJudge {
             }
         });
         let categories = classifier.model().categories();
-        for (object, own) in tracker.objects().iter().zip(classifier.objects()) {
+        for (object, own) in tracker.objects.iter().zip(classifier.objects()) {
             if let Some(open) = self.open.get_mut(&object.number) {
                 let truth = category_of(&open.votes, recording);
                 open.update(object, (own, own.touch.name(categories)), truth, (frame, recording.frames[frame].time_s));
@@ -109,35 +108,8 @@ impl ObjectJudge {
 
     /// All objects, once the recording is over.
     pub(super) fn finish(mut self, recording: &Recording) -> Vec<JudgedObject> {
-        for number in self.open.keys().copied().collect::<Vec<_>>() {
-            self.close(number, recording);
-        }
+        self.closed.extend(self.open.into_values().filter_map(|open| open.close(recording)));
         self.closed
-    }
-
-    fn close(&mut self, number: u64, recording: &Recording) {
-        let Some(mut open) = self.open.remove(&number).filter(|open| open.is_judged) else { return };
-        let (Some((true_object, own_n)), Some(truth)) = (strongest(&open.votes), category_of(&open.votes, recording))
-        else {
-            return;
-        };
-        let judged = &mut open.judged;
-        for before in [&mut judged.truth_after_100_ms, &mut judged.truth_after_300_ms, &mut judged.truth_at_peak] {
-            // Spurious readings only, until then.
-            if before.is_empty() {
-                truth.name().clone_into(before);
-            }
-        }
-        let called_unknown = open.contacts.values().filter(|touch| **touch == Touch::Unknown).count();
-        self.closed.push(JudgedObject {
-            truth: truth.name().to_owned(),
-            true_object,
-            true_stiffness_n_per_m: true_stiffness_n_per_m(recording, open.peak_frame, true_object),
-            contacts: open.contacts.len(),
-            contacts_called_unknown: called_unknown,
-            force_n: [open.votes.values().sum(), own_n],
-            ..open.judged
-        });
     }
 }
 
@@ -200,5 +172,27 @@ impl OpenObject {
         }
         judged.share_beyond = own.share_beyond;
         self.is_judged = object.is_judged();
+    }
+
+    /// The object, if it was felt well enough and something truly pressed.
+    fn close(mut self, recording: &Recording) -> Option<JudgedObject> {
+        let (true_object, own_n) = strongest(&self.votes).filter(|_| self.is_judged)?;
+        let truth = category_of(&self.votes, recording)?.name();
+        let judged = &mut self.judged;
+        for before in [&mut judged.truth_after_100_ms, &mut judged.truth_after_300_ms, &mut judged.truth_at_peak] {
+            // Spurious readings only, until then.
+            if before.is_empty() {
+                truth.clone_into(before);
+            }
+        }
+        Some(JudgedObject {
+            truth: truth.to_owned(),
+            true_object,
+            true_stiffness_n_per_m: true_stiffness_n_per_m(recording, self.peak_frame, true_object),
+            contacts: self.contacts.len(),
+            contacts_called_unknown: self.contacts.values().filter(|touch| **touch == Touch::Unknown).count(),
+            force_n: [self.votes.values().sum(), own_n],
+            ..self.judged
+        })
     }
 }

@@ -5,7 +5,7 @@ use std::fmt;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
 use underbrush_recording::limits::{self, Limits};
-use underbrush_recording::{Region, Sample, is_plain};
+use underbrush_recording::{Sample, is_plain};
 
 /// One number per sample: its name, its range with the unit, and how it is read.
 pub struct Feature {
@@ -54,7 +54,7 @@ pub const AREA: Feature = Feature {
     description: "contact area: number of taxels in the contact region",
     limits: limits::REGION_TAXELS,
     to_order_one: 0.1,
-    read: |sample, _| region(sample, |region| f64::from(region.taxels)),
+    read: |sample, _| sample.region.map(|region| f64::from(region.taxels)),
     of_region: true,
 };
 
@@ -65,7 +65,7 @@ pub const REGION_MAX_FORCE: Feature = Feature {
     description: "largest sensed force in the contact region, N",
     limits: limits::REGION_LARGEST_FORCE_N,
     to_order_one: 1.0,
-    read: |sample, _| region(sample, |region| region.largest_force_n),
+    read: |sample, _| sample.region.map(|region| region.largest_force_n),
     of_region: true,
 };
 
@@ -76,16 +76,12 @@ pub const REGION_FORCE_SUM: Feature = Feature {
     description: "sum of the sensed forces in the contact region, N",
     limits: limits::REGION_FORCE_SUM_N,
     to_order_one: 0.1,
-    read: |sample, _| region(sample, |region| region.force_sum_n),
+    read: |sample, _| sample.region.map(|region| region.force_sum_n),
     of_region: true,
 };
 
 /// All features but channels. To add one, write its entry above and name it here.
 pub const FEATURES: [&Feature; 5] = [&FORCE, &MOTION, &AREA, &REGION_MAX_FORCE, &REGION_FORCE_SUM];
-
-fn region(sample: &Sample, read: fn(&Region) -> f64) -> Option<f64> {
-    sample.region.as_ref().map(read)
-}
 
 /// What the name of a channel begins with.
 pub(super) const CHANNEL: &str = "column:";

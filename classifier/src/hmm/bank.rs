@@ -3,17 +3,15 @@
 use super::filter::{STREAMS, ScoreKind, Weights};
 use super::scorer::Scorer;
 use super::tile::Tile;
-use crate::feature::FeatureError;
 use crate::vector::vectorized;
 
-/// Filters of a fixed number of streams under several models of the same features.
+/// Filters of a fixed number of streams under several models of the same features, of which there are D.
 ///
 /// Samples are put in one by one; then all filters advance together, four streams at a time. Nothing is allocated after
 /// [`FilterBank::new`]. The scores equal those of [`Scorer::log_probabilities`], bit for bit.
 #[derive(Clone, Debug)]
 pub(crate) struct FilterBank {
-    dimension: usize,
-    models: usize,
+    models: Vec<Scorer>,
     groups: Vec<Group>,
 }
 
@@ -35,21 +33,16 @@ struct Group {
 
 impl FilterBank {
     /// Filters for `streams` streams, none of which has started.
-    pub(crate) fn new<'a>(kind: ScoreKind, scorers: impl Iterator<Item = &'a Scorer>, streams: usize) -> Self {
-        let (mut weights, mut dimension) = (Vec::new(), 0);
-        for scorer in scorers {
-            weights.push(Weights::new(kind, scorer.model.states));
-            dimension = scorer.model.dimension();
-        }
+    pub(crate) fn new(kind: ScoreKind, models: Vec<Scorer>, streams: usize) -> Self {
         let group = Group {
-            sample: vec![[0.0; STREAMS]; dimension],
+            sample: vec![[0.0; STREAMS]; models.first().map_or(0, |scorer| scorer.model.dimension())],
             waiting: [false; STREAMS],
             fresh: [1.0; STREAMS],
             spoiled: [false; STREAMS],
-            scores: vec![[0.0; STREAMS]; weights.len()],
-            weights,
+            weights: models.iter().map(|scorer| Weights::new(kind, scorer.model.states)).collect(),
+            scores: vec![[0.0; STREAMS]; models.len()],
         };
-        FilterBank { dimension, models: group.weights.len(), groups: vec![group; streams.div_ceil(STREAMS)] }
+        FilterBank { models, groups: vec![group; streams.div_ceil(STREAMS)] }
     }
 
     /// Makes the next sample of a stream its first.
@@ -57,18 +50,8 @@ impl FilterBank {
         self.groups[stream / STREAMS].fresh[stream % STREAMS] = 1.0;
     }
 
-    /// Puts in the next sample of a stream, of D numbers.
-    ///
-    /// # Errors
-    /// [`FeatureError::BadMatrix`] if the sample is not D finite numbers; the stream stays as it was.
-    pub(crate) fn put(&mut self, stream: usize, sample: &[f64]) -> Result<(), FeatureError> {
-        let bad = |found: String| FeatureError::BadMatrix { found, dimension: self.dimension };
-        if sample.len() != self.dimension {
-            return Err(bad(format!("{} numbers in a sample", sample.len())));
-        }
-        if let Some(value) = sample.iter().find(|value| !value.is_finite()) {
-            return Err(bad(format!("the number {value}")));
-        }
+    /// Puts in the next sample of a stream, of D finite numbers.
+    pub(crate) fn put(&mut self, stream: usize, sample: &[f64]) {
         let group = &mut self.groups[stream / STREAMS];
         for (tile, value) in group.sample.iter_mut().zip(sample) {
             tile[stream % STREAMS] = *value;
@@ -77,12 +60,10 @@ impl FilterBank {
         if std::mem::take(&mut group.spoiled[stream % STREAMS]) {
             group.fresh[stream % STREAMS] = 1.0;
         }
-        Ok(())
     }
 
-    /// Processes all samples put in since the last call. `scorers` must be those given to [`FilterBank::new`], in the
-    /// same order.
-    pub(crate) fn advance<'a>(&mut self, scorers: impl Iterator<Item = &'a Scorer> + Clone) {
+    /// Processes all samples put in since the last call.
+    pub(crate) fn advance(&mut self) {
         vectorized(
             #[inline(always)]
             || {
@@ -96,8 +77,8 @@ impl FilterBank {
                         }
                     }
                     let filters = group.weights.iter_mut().zip(&mut group.scores);
-                    for (scorer, (weights, score)) in scorers.clone().zip(filters) {
-                        scorer.step(weights, &group.sample, group.fresh, group.waiting);
+                    for (scorer, (weights, score)) in self.models.iter().zip(filters) {
+                        weights.step(&scorer.model, &scorer.tables, &group.sample, group.fresh, group.waiting);
                         *score = weights.scores();
                     }
                     group.fresh = [0.0; STREAMS];
@@ -109,7 +90,6 @@ impl FilterBank {
 
     /// The scores of a stream under all models after its last sample, in nats.
     pub(crate) fn scores(&self, stream: usize) -> impl Iterator<Item = f64> {
-        let scores = &self.groups[stream / STREAMS].scores[..self.models];
-        scores.iter().map(move |tile| tile[stream % STREAMS])
+        self.groups[stream / STREAMS].scores.iter().map(move |tile| tile[stream % STREAMS])
     }
 }

@@ -12,7 +12,8 @@ use underbrush_recording::math;
 /// They are scaled so that the base-2 logarithm of a density is its peak minus a plain sum of squares.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Gaussians {
-    dimension: usize,
+    /// Number of features D.
+    pub(super) dimension: usize,
     tiles: usize,
     /// D × tiles.
     mean: Vec<Tile>,
@@ -50,11 +51,6 @@ impl Gaussians {
             }),
             log2_peak: tiled(1, states, f64::NEG_INFINITY, |_, state| log_peak[state] * LOG2_E),
         })
-    }
-
-    /// Number of features D.
-    pub(super) fn dimension(&self) -> usize {
-        self.dimension
     }
 
     /// The deviation of a feature from the means of a tile's states.

@@ -2,7 +2,6 @@
 
 use super::filter::{FilterTables, STREAMS, ScoreKind, Weights};
 use super::model::GaussianHmm;
-use super::tile::Tile;
 use crate::feature::{FeatureError, Observations};
 use crate::vector::vectorized;
 
@@ -30,7 +29,7 @@ use crate::vector::vectorized;
 pub struct Scorer {
     /// The model.
     pub model: GaussianHmm,
-    tables: FilterTables,
+    pub(super) tables: FilterTables,
 }
 
 impl From<GaussianHmm> for Scorer {
@@ -40,12 +39,6 @@ impl From<GaussianHmm> for Scorer {
 }
 
 impl Scorer {
-    /// Advances the weights of four streams by one sample; see [`Weights::step`].
-    #[inline(always)]
-    pub(super) fn step(&self, weights: &mut Weights, sample: &[Tile], fresh: Tile, used: [bool; STREAMS]) {
-        weights.step(&self.model, &self.tables, sample, fresh, used);
-    }
-
     /// The score of a whole sequence in nats; −inf where the model rules it out, never NaN.
     ///
     /// # Errors
@@ -91,7 +84,7 @@ impl Scorer {
                                 tile[stream] = *value;
                             }
                         }
-                        self.step(&mut weights, &sample, [f64::from(time == 0); STREAMS], used);
+                        weights.step(&self.model, &self.tables, &sample, [f64::from(time == 0); STREAMS], used);
                         if ends.contains(&(time + 1)) {
                             let found = weights.scores();
                             for ((&index, end), found) in group.iter().zip(ends).zip(found) {

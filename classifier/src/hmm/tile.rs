@@ -124,12 +124,6 @@ pub(super) fn scale_mantissa(mantissa: f64, n: f64) -> f64 {
     f64::from_bits(mantissa.to_bits().wrapping_add((n + ROUNDER).to_bits() << 52))
 }
 
-/// 2^n for an integer n from −1022 to 1023.
-#[inline(always)]
-pub(super) fn power_of_two(n: i64) -> f64 {
-    f64::from_bits(((n + 1023) as u64) << 52)
-}
-
 /// ⌊log2 x⌋ of a positive number that is not subnormal.
 #[inline(always)]
 pub(super) fn exponent(x: f64) -> i64 {
@@ -166,9 +160,8 @@ mod tests {
         }
         for n in -1022..1024 {
             assert_eq!(exp2(n as f64), 2f64.powi(n as i32));
-            assert_eq!(power_of_two(n), 2f64.powi(n as i32));
             assert_eq!(integer_power_of_two(n as f64), 2f64.powi(n as i32));
-            assert_eq!(exponent(1.5 * power_of_two(n)), n);
+            assert_eq!(exponent(1.5 * 2f64.powi(n as i32)), n);
             assert_eq!(scale_mantissa(1.75, n as f64), 1.75 * 2f64.powi(n as i32));
         }
     }

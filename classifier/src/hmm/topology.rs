@@ -17,6 +17,31 @@ impl Topology {
     /// All topologies, with their names as options.
     pub const NAMED: [(&'static str, Topology); 2] =
         [("left-right", Topology::LeftToRight), ("ergodic", Topology::Ergodic)];
+
+    /// The N × N initial transition probabilities.
+    ///
+    /// For 5 left-to-right states this is the authors' own matrix. For other numbers it generalizes their pattern for
+    /// 10 and 20 states. Self-transitions have probability 0.1 in the first 60 % of the states, 0.2 up to 85 %, then
+    /// 0.3, 0.4 in the second to last and 1 in the last. The rest is divided among the later states in proportion to
+    /// 0.25, 0.20, 0.15, then 0.05 for each farther one (below 15 states), or 0.35, 0.25, then 0.015 for each farther
+    /// one (from 15 states).
+    ///
+    /// Choice: the authors publish ranges for these weights; the values within the ranges and the limit of 15 are ours.
+    ///
+    /// ```
+    /// use underbrush_classifier::hmm::Topology;
+    ///
+    /// // No state goes back, and the last one stays.
+    /// let rows = Topology::LeftToRight.transitions(3);
+    /// assert_eq!((rows[1][0], rows[2][2]), (0.0, 1.0));
+    /// ```
+    pub fn transitions(self, states: usize) -> Vec<Vec<f64>> {
+        match self {
+            Topology::Ergodic => vec![vec![1.0 / states as f64; states]; states],
+            Topology::LeftToRight if states == 5 => LEFT_TO_RIGHT_5.iter().map(|row| row.to_vec()).collect(),
+            Topology::LeftToRight => (0..states).map(|state| left_to_right_row(state, states)).collect(),
+        }
+    }
 }
 
 /// The initial distribution before training.
@@ -60,33 +85,6 @@ const LEFT_TO_RIGHT_5: [[f64; 5]; 5] = [
     [0.0, 0.0, 0.0, 0.2, 0.8],
     [0.0, 0.0, 0.0, 0.0, 1.0],
 ];
-
-impl Topology {
-    /// The N × N initial transition probabilities.
-    ///
-    /// For 5 left-to-right states this is the authors' own matrix. For other numbers it generalizes their pattern for
-    /// 10 and 20 states. Self-transitions have probability 0.1 in the first 60 % of the states, 0.2 up to 85 %, then
-    /// 0.3, 0.4 in the second to last and 1 in the last. The rest is divided among the later states in proportion to
-    /// 0.25, 0.20, 0.15, then 0.05 for each farther one (below 15 states), or 0.35, 0.25, then 0.015 for each farther
-    /// one (from 15 states).
-    ///
-    /// Choice: the authors publish ranges for these weights; the values within the ranges and the limit of 15 are ours.
-    ///
-    /// ```
-    /// use underbrush_classifier::hmm::Topology;
-    ///
-    /// // No state goes back, and the last one stays.
-    /// let rows = Topology::LeftToRight.transitions(3);
-    /// assert_eq!((rows[1][0], rows[2][2]), (0.0, 1.0));
-    /// ```
-    pub fn transitions(self, states: usize) -> Vec<Vec<f64>> {
-        match self {
-            Topology::Ergodic => vec![vec![1.0 / states as f64; states]; states],
-            Topology::LeftToRight if states == 5 => LEFT_TO_RIGHT_5.iter().map(|row| row.to_vec()).collect(),
-            Topology::LeftToRight => (0..states).map(|state| left_to_right_row(state, states)).collect(),
-        }
-    }
-}
 
 fn left_to_right_row(state: usize, states: usize) -> Vec<f64> {
     let (near, far): (&[f64], f64) = if states < 15 { (&[0.25, 0.2, 0.15], 0.05) } else { (&[0.35, 0.25], 0.015) };

@@ -99,7 +99,9 @@ pub fn train(
     let collect = |model: &GaussianHmm, iteration| {
         Statistics::collect(model, sequences).map_err(|sequence| TrainingError::Impossible { sequence, iteration })
     };
-    let mut model = floored(start, options.variance_floor)?;
+    let mut floored = start.parameters().clone();
+    floored.covariance.iter_mut().for_each(|covariance| floor_eigenvalues(covariance, options.variance_floor));
+    let mut model = GaussianHmm::new(floored)?;
     let mut statistics = collect(&model, 1)?;
     let mut history = TrainingHistory {
         trials: sequences.len(),
@@ -183,13 +185,6 @@ fn normalize(counts: &[f64], row: &mut [f64]) {
     if sum >= EMPTY_OCCUPANCY {
         row.iter_mut().zip(counts).for_each(|(probability, count)| *probability = count / sum);
     }
-}
-
-/// The model with its covariances raised to the floor.
-fn floored(model: &GaussianHmm, variance_floor: f64) -> Result<GaussianHmm, TrainingError> {
-    let mut parameters = model.parameters().clone();
-    parameters.covariance.iter_mut().for_each(|covariance| floor_eigenvalues(covariance, variance_floor));
-    Ok(GaussianHmm::new(parameters)?)
 }
 
 /// The common dimension of the sequences.

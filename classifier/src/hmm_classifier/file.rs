@@ -37,20 +37,20 @@ impl HmmClassifier {
         let features = FeatureSet::from_names(&file.features).map_err(|error| {
             let columns = FEATURES.map(|feature| format!("{:?}", feature.column)).join(", ");
             let allowed = format!("a list of one or more of {columns}");
-            InputError::new(document.path(), "features", error.to_string(), allowed, "train on these features")
+            InputError::new(&document.path, "features", error.to_string(), allowed, "train on these features")
         })?;
         let mut models = BTreeMap::new();
         for (category, parameters) in file.models {
             let model = GaussianHmm::new(parameters).map_err(|error| {
                 let field = format!("models.{category}.{}", error.field);
-                InputError::new(document.path(), field, error.found, error.allowed, error.remedy)
+                InputError::new(&document.path, field, error.found, error.allowed, error.remedy)
             })?;
             models.insert(category, model);
         }
         let classifier = HmmClassifier::new(features, models).map_err(|error| {
             let allowed = "one model per category, each over the listed features";
             let remedy = "make models and features agree";
-            InputError::new(document.path(), "models", error.to_string(), allowed, remedy)
+            InputError::new(&document.path, "models", error.to_string(), allowed, remedy)
         })?;
         let classifier =
             HmmClassifier { scaling: file.scaling, recipe: file.recipe, training: file.training, ..classifier };

@@ -9,7 +9,7 @@ use underbrush_recording::Trial;
 use super::{HmmClassifier, prepared};
 use crate::error::ModelError;
 use crate::estimator::trials_by_category;
-use crate::feature::{FeatureError, FeatureSet, Observations, Scaling};
+use crate::feature::Scaling;
 use crate::hmm::{GaussianHmm, TrainingError, TrainingHistory, TrainingOptions, equal_slice_start, train};
 use crate::recipe::{Recipe, ScalingKind, check_training};
 
@@ -40,7 +40,8 @@ impl HmmClassifier {
         let count = trials.clone().count();
         let mut sequences = BTreeMap::new();
         for (category, trials) in trials_by_category(trials)? {
-            sequences.insert(category, observations(&trials, recipe.features, recipe.max_samples)?);
+            let own = trials.iter().map(|trial| recipe.features.observations(trial, recipe.max_samples));
+            sequences.insert(category, own.collect::<Result<Vec<_>, _>>()?);
         }
         let scaling = match recipe.scaling {
             ScalingKind::Unscaled => None,
@@ -76,7 +77,6 @@ impl HmmClassifier {
         options: &TrainingOptions,
     ) -> Result<(Self, TrainingReport), ModelError> {
         check_training(options)?;
-        let max_samples = start.max_samples();
         let trained: Vec<_> = start
             .models
             .par_iter()
@@ -86,10 +86,7 @@ impl HmmClassifier {
                 if own.is_empty() {
                     return Err(ModelError::NoTrials { category: category.clone() });
                 }
-                let mut sequences = observations(&own, start.features, max_samples)?;
-                if let Some(scaling) = &start.scaling {
-                    sequences.iter_mut().for_each(|sequence| scaling.apply_all(sequence));
-                }
+                let sequences = own.iter().map(|trial| start.sequence(trial)).collect::<Result<Vec<_>, _>>()?;
                 with_category(category.clone(), train(&model.model, &sequences, options))
             })
             .collect();
@@ -125,12 +122,4 @@ fn collect(
     }
     let used: usize = categories.values().map(|history| history.trials).sum();
     Ok((models, TrainingReport { categories, skipped_trials: trials - used }))
-}
-
-fn observations(
-    trials: &[&Trial],
-    features: FeatureSet,
-    max_samples: Option<usize>,
-) -> Result<Vec<Observations>, FeatureError> {
-    trials.iter().map(|trial| features.observations(trial, max_samples)).collect()
 }

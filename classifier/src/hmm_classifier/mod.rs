@@ -62,8 +62,8 @@ pub(crate) const KIND: ClassifierKind = ClassifierKind {
 /// let trials: Vec<Trial> = (0..8).flat_map(|k| [press("leaf", 0.02, k), press("trunk", 0.3, k)]).collect();
 /// let recipe = Recipe { states: 3, ..Recipe::authors() };
 /// let (models, _) = HmmClassifier::train(&trials, &recipe)?;
-/// let scores = models.score(&press("trunk", 0.25, 3), models.score_kind())?;
-/// assert!(scores[1].1 > scores[0].1, "trunk is more likely than leaf");
+/// let scores = models.score_all(&[&press("trunk", 0.25, 3)], models.score_kind())?;
+/// assert!(scores[0][1] > scores[0][0], "trunk is more likely than leaf");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -75,8 +75,8 @@ pub struct HmmClassifier {
     /// Prepared for scoring once, when the classifier is made.
     models: BTreeMap<String, Scorer>,
     scaling: Option<Scaling>,
-    /// The kind of score that was chosen instead of the recipe's.
-    score: Option<ScoreKind>,
+    /// The kind of score that was chosen instead of the recipe's. Model files do not store this choice.
+    pub score: Option<ScoreKind>,
     /// The recipe of the models, if known; models made elsewhere have none.
     pub recipe: Option<Recipe>,
     /// The training report of each category, if known.
@@ -131,7 +131,7 @@ impl HmmClassifier {
         self.models.keys().cloned().collect()
     }
 
-    /// The kind of score: the one chosen by [`HmmClassifier::score_by`]; if none was chosen, the recipe's; without a
+    /// The kind of score: the one in [`HmmClassifier::score`]; if none was chosen, the recipe's; without a
     /// recipe, forward (eq. 2).
     pub fn score_kind(&self) -> ScoreKind {
         self.score.unwrap_or_else(|| self.own_score_kind())
@@ -143,31 +143,17 @@ impl HmmClassifier {
         self.recipe.as_ref().map_or(ScoreKind::Forward, |recipe| recipe.score)
     }
 
-    /// Chooses another kind of score. Model files do not store this choice.
-    pub fn score_by(&mut self, kind: ScoreKind) {
-        self.score = Some(kind);
-    }
-
     /// Number of samples used at the start of each trial; `None` for all.
     pub(crate) fn max_samples(&self) -> Option<usize> {
         self.recipe.as_ref().and_then(|recipe| recipe.max_samples)
     }
 
-    /// The score of a trial under each category's model, in nats, by category in alphabetical order.
+    /// The scores of trials under each category's model, in nats: one row per trial, in the order of
+    /// [`HmmClassifier::categories`]. This uses all threads and is several times as fast as scoring the trials one by
+    /// one.
     ///
     /// If features are scaled, these are densities of the scaled features. Differences between categories do not depend
     /// on the scaling.
-    ///
-    /// # Errors
-    /// [`ModelError::Feature`] if the trial does not give the models' features.
-    pub fn score(&self, trial: &Trial, kind: ScoreKind) -> Result<Vec<(String, f64)>, ModelError> {
-        let scores = self.score_all(&[trial], kind)?.pop().unwrap_or_default();
-        Ok(self.models.keys().cloned().zip(scores).collect())
-    }
-
-    /// The scores of many trials, as [`HmmClassifier::score`] gives them: one row per trial, in the order of
-    /// [`HmmClassifier::categories`]. This uses all threads and is several times as fast as scoring the trials one by
-    /// one.
     ///
     /// # Errors
     /// [`ModelError::Feature`] if a trial does not give the models' features.

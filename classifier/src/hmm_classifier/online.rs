@@ -6,7 +6,7 @@ use super::HmmClassifier;
 use crate::error::ModelError;
 use crate::estimator::OnlineScorer;
 use crate::feature::{FeatureSet, SampleFault, Scaling};
-use crate::hmm::{FilterBank, Scorer};
+use crate::hmm::FilterBank;
 
 /// A bank of filters, one per contact and model. Nothing is allocated after it is made.
 #[derive(Debug)]
@@ -14,7 +14,6 @@ pub(super) struct HmmOnlineScorer {
     features: FeatureSet,
     scaling: Option<Scaling>,
     max_samples: usize,
-    models: Vec<Scorer>,
     bank: FilterBank,
     /// Samples of each contact so far.
     samples: Vec<usize>,
@@ -24,13 +23,12 @@ pub(super) struct HmmOnlineScorer {
 
 impl HmmOnlineScorer {
     pub(super) fn new(classifier: &HmmClassifier, contacts: usize) -> Self {
-        let models: Vec<Scorer> = classifier.models.values().cloned().collect();
+        let models = classifier.models.values().cloned().collect();
         HmmOnlineScorer {
             features: classifier.features,
             scaling: classifier.scaling.clone(),
             max_samples: classifier.max_samples().unwrap_or(usize::MAX),
-            bank: FilterBank::new(classifier.score_kind(), models.iter(), contacts),
-            models,
+            bank: FilterBank::new(classifier.score_kind(), models, contacts),
             samples: vec![0; contacts],
             values: vec![0.0; classifier.features.dimension()],
         }
@@ -51,30 +49,23 @@ impl OnlineScorer for HmmOnlineScorer {
         if let Some(scaling) = &self.scaling {
             scaling.apply(&mut self.values);
         }
-        self.bank.put(contact, &self.values).map_err(|_| self.scaled_to_infinity())?;
+        // All features that were read are finite, but scaling can make one infinite.
+        let mut scaled = self.features.iter().zip(&self.values);
+        if let Some((feature, value)) = scaled.find(|(_, value)| !value.is_finite()) {
+            return Err(SampleFault::NotFinite { column: feature.column, value: *value });
+        }
+        self.bank.put(contact, &self.values);
         self.samples[contact] += 1;
         Ok(true)
     }
 
     fn advance(&mut self) {
-        self.bank.advance(self.models.iter());
+        self.bank.advance();
     }
 
     fn scores(&self, contact: usize, scores: &mut [f64]) -> Result<(), ModelError> {
         let found = self.bank.scores(contact);
         scores.iter_mut().zip(found).for_each(|(place, score)| *place = score);
         Ok(())
-    }
-}
-
-impl HmmOnlineScorer {
-    /// The fault of a sample that the filter bank refused. The bank refuses only numbers that are not finite, and all
-    /// features that were read are finite, so the scaling made one infinite.
-    fn scaled_to_infinity(&self) -> SampleFault {
-        let mut features = self.features.iter().zip(&self.values);
-        let (column, value) = features
-            .find(|(_, value)| !value.is_finite())
-            .map_or(("features", f64::NAN), |(feature, value)| (feature.column, *value));
-        SampleFault::NotFinite { column, value }
     }
 }

@@ -84,7 +84,7 @@ fn options_are_checked_before_training_continues() {
     for (name, options) in refused {
         // There are no trials, so training would fail with another error.
         match HmmClassifier::train_from(read(MINIMAL).unwrap(), &[], &options).unwrap_err() {
-            ModelError::BadOption { option, .. } => assert_eq!(option, name),
+            ModelError::BadOption(fault) => assert_eq!(fault.field, name),
             other => panic!("{name}: {other}"),
         }
     }

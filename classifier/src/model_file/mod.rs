@@ -50,8 +50,8 @@ use crate::{Classifier, ClassifierKind, ScoreKind, file_text, seal};
 /// let classifier = (kind.estimator)(None).fit(&trials.iter().collect::<Vec<_>>())?;
 /// let text = Model::new(classifier).save_string()?;
 /// let model = Model::from_json("model.json", &text)?;
-/// let scores = model.classifier.scores(&press("trunk", 0.25, 3))?;
-/// assert!(scores[1] > scores[0], "trunk is more likely than leaf");
+/// let scores = model.classifier.scores_of_all(&[&press("trunk", 0.25, 3)])?;
+/// assert!(scores[0][1] > scores[0][0], "trunk is more likely than leaf");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
@@ -105,24 +105,21 @@ impl Model {
     /// # Errors
     /// As [`Model::load`].
     pub fn from_json(path: impl AsRef<Path>, text: &str) -> Result<Self, ModelError> {
-        Self::read(&Document::new(path, text))
-    }
-
-    fn read(document: &Document) -> Result<Self, ModelError> {
+        let document = Document::of_format(path, text, FORMAT);
         let head: Head = document.read()?;
         if head.format != FORMAT {
             let remedy = "use a model of this format";
-            return Err(InputError::new(document.path(), "format", head.format, FORMAT, remedy).into());
+            return Err(InputError::new(&document.path, "format", head.format, FORMAT, remedy).into());
         }
         let name = head.classifier.as_deref().unwrap_or(hmm_classifier::KIND.name);
         let kind = registry::find(name).ok_or_else(|| {
             let known = CLASSIFIERS.map(|kind| kind.name).join(", ");
             document.error("classifier", name, format!("one of {known}"))
         })?;
-        let classifier = (kind.load)(document)?;
+        let classifier = (kind.load)(&document)?;
         document.check_names(&classifier.categories())?;
         if let Some(decision) = &head.decision {
-            check_decision(document, decision, &classifier.categories())?;
+            check_decision(&document, decision, &classifier.categories())?;
         }
         document.check_seal()?;
         Ok(Model { classifier, decision: head.decision, provenance: head.provenance })
@@ -193,7 +190,7 @@ impl Model {
     pub fn score_by(&mut self, kind: ScoreKind) -> Result<(), ModelError> {
         let name = self.classifier.name();
         match (&mut *self.classifier as &mut dyn Any).downcast_mut::<HmmClassifier>() {
-            Some(hmm) => hmm.score_by(kind),
+            Some(hmm) => hmm.score = Some(kind),
             None => return Err(not_hmm(name)),
         }
         Ok(())
@@ -251,7 +248,7 @@ fn check_decision(document: &Document, decision: &Decision, categories: &[String
     decision.prepare(categories).map_err(|error| {
         let allowed = "priors and thresholds that fit the categories";
         let remedy = "correct or remove the decision";
-        InputError::new(document.path(), "decision", error.to_string(), allowed, remedy)
+        InputError::new(&document.path, "decision", error.to_string(), allowed, remedy)
     })?;
     Ok(())
 }

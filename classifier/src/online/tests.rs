@@ -63,7 +63,7 @@ fn online_equals_offline(classifier: &dyn Classifier, recording: &Recording, opt
         }
         assert!(verdicts.iter().map(|verdict| verdict.taxel).eq(open.keys().copied()));
         for (verdict, trial) in verdicts.iter().zip(open.values()) {
-            let offline = classifier.scores(trial).unwrap();
+            let offline = classifier.scores_of_all(&[trial]).unwrap().remove(0);
             assert_eq!(verdict.scores, offline, "{}", classifier.name());
             assert_eq!(verdict.samples, trial.samples.len());
             assert_eq!(verdict.verdict, judge.verdict(judge.choose(&offline)));
@@ -88,7 +88,7 @@ fn running_scores_are_those_of_the_trial_so_far() {
     for recipe in [recipe, scaled, with_region] {
         let mut models = models(&recording, &recipe);
         for kind in [ScoreKind::Forward, ScoreKind::Viterbi] {
-            models.score_by(kind);
+            models.score = Some(kind);
             online_equals_offline(&models, &recording, &options());
         }
     }
@@ -138,7 +138,7 @@ fn a_frame_allocates_nothing() {
     let mut models =
         models(&recording, &Recipe { states: 3, features: FeatureSet::FORCE_AND_MOTION, ..Recipe::authors() });
     for kind in [ScoreKind::Forward, ScoreKind::Viterbi] {
-        models.score_by(kind);
+        models.score = Some(kind);
         let options = OnlineOptions { decision: Decision::new(Rule::UncertainBelow { margin: 1e9 }), ..options() };
         let mut classifier = OnlineClassifier::new(&models, &recording.layout, &options).unwrap();
         let mut verdicts = 0;

@@ -5,6 +5,7 @@ use underbrush_recording::{Sample, math};
 use super::CHANNEL_FEATURES;
 use crate::feature::{AREA, FORCE, Feature, MOTION, REGION_FORCE_SUM, REGION_MAX_FORCE};
 use crate::feature_table::features;
+use crate::moments::Moments;
 
 /// Values well below a knee are only multiplied by a factor; values above it are compressed logarithmically. Choice:
 /// forces near the contact threshold, motions of a tenth of a millimetre, rates that such changes give between two
@@ -19,23 +20,6 @@ const STIFFNESS_KNEE_N_PER_M: f64 = 10.0;
 /// sign(x) ln(1 + |x| / knee).
 fn compress(value: f64, knee: f64) -> f64 {
     value.signum() * math::ln_1p(value.abs() / knee)
-}
-
-/// Running mean and sum of squared deviations (Welford 1962, Technometrics 4).
-#[derive(Clone, Copy, Debug, Default)]
-struct Moments {
-    mean: f64,
-    squares: f64,
-}
-
-impl Moments {
-    /// Adds the `count`-th value and returns its deviation from the previous mean.
-    fn push(&mut self, count: f64, value: f64) -> f64 {
-        let deviation = value - self.mean;
-        self.mean += deviation / count;
-        self.squares += deviation * (value - self.mean);
-        deviation
-    }
 }
 
 /// Running statistics of a force, or of a channel in its own unit, whose sign and scale mean something that is not known

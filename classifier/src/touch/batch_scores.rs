@@ -66,7 +66,7 @@ impl Network {
 
     /// Writes the log-odds of each class, up to a common constant, to `classes`, one row after the other.
     pub(super) fn scores_of<const INPUTS: usize>(&self, rows: &FeatureRows<INPUTS>, classes: &mut Vec<f64>) {
-        let (_, count) = self.shape();
+        let count = self.output.len();
         classes.clear();
         classes.resize(rows.count * count, 0.0);
         for (four, classes) in rows.fours.iter().zip(classes.chunks_mut(FOUR * count)) {

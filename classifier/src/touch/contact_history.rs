@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::compress::{COUNT_KNEE, PLAIN, compress};
 use crate::feature_table::features;
+use crate::moments::Moments;
 use underbrush_recording::math;
 
 /// Forces and motion of a contact region in one frame. Motions are means over its taxels, weighted by their forces.
@@ -56,9 +57,11 @@ pub struct Course {
     start_s: f64,
     last_s: f64,
     elapsed_s: f64,
-    now: Measure,
+    /// The last sample.
+    pub now: Measure,
     first_force_n: f64,
-    largest_force_n: f64,
+    /// The largest force so far, N.
+    pub(super) largest_force_n: f64,
     largest_taxel_force_n: f64,
     most_taxels: f64,
     press_at_largest_m: f64,
@@ -72,15 +75,15 @@ pub struct Course {
     work_j: f64,
     largest_step_n: f64,
     variation_n: f64,
-    roughness: f64,
+    /// How much the force changed from sample to sample in the recent past, as a share of the force.
+    pub(super) roughness: f64,
     first_press_m: f64,
     first_rise_n: f64,
     first_s: f64,
-    /// Means, and sums of squared deviations or of products of deviations, of force, press and time.
-    mean: [f64; 3],
-    force_squares: f64,
-    press_squares: f64,
-    time_squares: f64,
+    force: Moments,
+    press: Moments,
+    time: Moments,
+    /// Sums of the products of the deviations of force and press, and of force and time.
     force_press: f64,
     force_time: f64,
     /// Sums of squared steps of press, and of products of steps of press and force, in the recent past.
@@ -94,24 +97,9 @@ impl Course {
         self.count as usize
     }
 
-    /// The largest force so far, N.
-    pub(super) fn largest_force_n(&self) -> f64 {
-        self.largest_force_n
-    }
-
-    /// The last sample.
-    pub fn now(&self) -> &Measure {
-        &self.now
-    }
-
     /// Length of the skin's path along its normal plus the length of its path sideways, since the contact began, m.
     pub fn way_m(&self) -> f64 {
         self.press_path_m + self.slide_path_m
-    }
-
-    /// How much the force changed from sample to sample in the recent past, as a share of the force.
-    pub(super) fn roughness(&self) -> f64 {
-        self.roughness
     }
 
     pub(super) fn push(&mut self, measure: &Measure, time_s: f64) {
@@ -151,16 +139,11 @@ impl Course {
             self.first_rise_n = force_n - self.first_force_n;
             self.first_s = self.elapsed_s;
         }
-        let values = [force_n, self.press_m, self.elapsed_s];
-        let deviations = [0, 1, 2].map(|index| values[index] - self.mean[index]);
-        for (mean, deviation) in self.mean.iter_mut().zip(deviations) {
-            *mean += deviation / self.count;
-        }
-        self.force_squares += deviations[0] * (values[0] - self.mean[0]);
-        self.press_squares += deviations[1] * (values[1] - self.mean[1]);
-        self.time_squares += deviations[2] * (values[2] - self.mean[2]);
-        self.force_press += deviations[1] * (values[0] - self.mean[0]);
-        self.force_time += deviations[2] * (values[0] - self.mean[0]);
+        self.force.push(self.count, force_n);
+        let press_deviation = self.press.push(self.count, self.press_m);
+        let time_deviation = self.time.push(self.count, self.elapsed_s);
+        self.force_press += press_deviation * (force_n - self.force.mean);
+        self.force_time += time_deviation * (force_n - self.force.mean);
         self.now = *measure;
     }
 
@@ -176,16 +159,16 @@ impl Course {
         pub(super) fn values(&self) {
             let square = MOTION_KNEE_M * MOTION_KNEE_M;
             let per_time = |value: f64, time_s: f64| if time_s > 0.0 { value / time_s } else { 0.0 };
-            let deviation_n = (self.force_squares.max(0.0) / self.count.max(1.0)).sqrt();
+            let deviation_n = (self.force.squares.max(0.0) / self.count.max(1.0)).sqrt();
             let correlation = self.force_press
-                / (self.force_squares.max(1e-6) * (self.press_squares + self.count * 1e-2 * square)).sqrt();
+                / (self.force.squares.max(1e-6) * (self.press.squares + self.count * 1e-2 * square)).sqrt();
             let stiffness_n_per_m = self.largest_force_n / (self.press_at_largest_m.max(0.0) + MOTION_KNEE_M);
-            let slope_n_per_m = self.force_press / (self.press_squares + self.count * square);
+            let slope_n_per_m = self.force_press / (self.press.squares + self.count * square);
             let recent_n_per_m = self.recent_force_press / (self.recent_press_squares + square);
             ("samples", COUNT_KNEE, self.count),
             ("force", FORCE_KNEE_N, self.now.force_n),
             ("largest force so far", FORCE_KNEE_N, self.largest_force_n),
-            ("mean force", FORCE_KNEE_N, self.mean[0]),
+            ("mean force", FORCE_KNEE_N, self.force.mean),
             ("first force", FORCE_KNEE_N, self.first_force_n),
             ("taxel force", FORCE_KNEE_N, self.now.largest_force_n),
             ("largest taxel force so far", FORCE_KNEE_N, self.largest_taxel_force_n),
@@ -203,7 +186,7 @@ impl Course {
             ("slope of force over press", STIFFNESS_KNEE_N_PER_M, slope_n_per_m),
             ("correlation of force and press", PLAIN, correlation),
             ("recent slope of force over press", STIFFNESS_KNEE_N_PER_M, recent_n_per_m),
-            ("slope of force over time", RATE_KNEE_N_PER_S, per_time(self.force_time, self.time_squares)),
+            ("slope of force over time", RATE_KNEE_N_PER_S, per_time(self.force_time, self.time.squares)),
             ("recent roughness", PLAIN, self.roughness),
             ("largest step of force", FORCE_KNEE_N, self.largest_step_n),
             ("force over largest force", PLAIN, self.now.force_n / self.largest_force_n.max(f64::MIN_POSITIVE)),

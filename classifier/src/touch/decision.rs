@@ -6,6 +6,7 @@ use underbrush_recording::limits::SHARE;
 
 use super::object::stage;
 use crate::error::{Fault, check_limits};
+use crate::frequency::largest;
 
 /// The cost of an uncertain verdict, relative to that of a wrong one, and two limits.
 ///
@@ -92,8 +93,7 @@ impl TouchDecision {
     /// The verdict on a region that something touches, from the `probabilities` of the known categories, the share of known
     /// objects that are as unlike as its object, and the number of samples in which this object was felt well enough.
     pub fn of_region(&self, probabilities: &[f64], share_beyond: f64, samples: usize) -> Touch {
-        let best = probabilities.iter().copied().enumerate();
-        let best = best.reduce(|best, other| if other.1 > best.1 { other } else { best });
+        let best = largest(probabilities.iter().copied().enumerate());
         best.map_or(Touch::Uncertain, |(index, probability)| self.of(index, probability, share_beyond, samples))
     }
 

@@ -2,13 +2,14 @@
 
 use underbrush_recording::Recording;
 
+use super::compress::compress;
 use super::contact_history::REGION_FEATURE_COUNT;
 use super::frame::SkinTracker;
 use super::network::Row;
 use super::object::{ObjectExample, ObjectExamples, ObjectTracker, Votes, category_of};
 use super::options::TouchOptions;
 use super::region::Region;
-use super::taxel::TAXEL_FEATURE_COUNT;
+use super::taxel::{TAXEL_FEATURE_COUNT, TaxelCourse};
 use crate::estimator::is_trained;
 use crate::trial::TrialError;
 
@@ -80,12 +81,6 @@ impl Examples {
         Ok(examples)
     }
 
-    /// The rows of the objects only, for auxiliary sets.
-    pub(super) fn of_objects(recording: &Recording, options: &TouchOptions) -> Result<Self, TrialError> {
-        let examples = Examples::of(recording, options)?;
-        Ok(Examples { objects: examples.objects, ..Examples::default() })
-    }
-
     /// Adds the rows of a patch in the frame that its tracker has followed last.
     fn add(&mut self, tracker: &SkinTracker, index: usize, recording: &Recording) {
         for region in tracker.regions() {
@@ -99,17 +94,17 @@ impl Examples {
                 self.regions.push(RegionExample {
                     features: region.course.features(),
                     category,
-                    touched: taxels.filter(|taxel| tracker.image().is_touched(**taxel)).count(),
+                    touched: taxels.filter(|taxel| tracker.image.is_touched(**taxel)).count(),
                     is_regular,
                 });
             }
             for &taxel in tracker.taxels(region) {
                 if (is_regular || EARLY_SAMPLES.contains(&tracker.samples(taxel)))
-                    && let Some(features) = tracker.taxel_features(taxel, region)
+                    && let Some(values) = tracker.taxel_values(taxel, region)
                 {
                     self.taxels.push(TaxelExample {
-                        features,
-                        is_touched: tracker.image().is_touched(taxel),
+                        features: compress(values, &TaxelCourse::KNEES),
+                        is_touched: tracker.image.is_touched(taxel),
                         is_regular,
                     });
                 }
@@ -120,8 +115,8 @@ impl Examples {
 
 /// Ground truth: the category of the object whose taxels have most of a region's force; `None` if nothing presses on
 /// the region.
-pub(super) fn truth(tracker: &SkinTracker, region: &Region, recording: &Recording) -> Option<String> {
-    let image = tracker.image();
+fn truth(tracker: &SkinTracker, region: &Region, recording: &Recording) -> Option<String> {
+    let image = &tracker.image;
     let mut forces = Votes::new();
     for &taxel in tracker.taxels(region) {
         if let Some(object) = image.object(taxel).filter(|_| image.is_touched(taxel)) {

@@ -6,9 +6,7 @@ use rayon::prelude::*;
 
 use super::decision::TouchDecision;
 use super::example::Examples;
-use super::held_out::{
-    HeldOut, HeldOutRegion, Judged, category_network, lapses, nothing_above, sharpness, touched_network, wrong_above,
-};
+use super::held_out::{HeldOut, Judged, category_network, lapses, nothing_above, sharpness, touched_network};
 use super::model::{Calibrated, TOUCH_FORMAT, TouchModel};
 use super::object::{FittedObjects, ObjectExample, fit_objects};
 use super::risk::RiskLimits;
@@ -33,8 +31,8 @@ impl TouchExamples {
     /// Those of [`TouchExamples::fit`]; also [`ModelError::BadOption`] for limits out of range, and
     /// [`ModelError::FewReaches`] for limits that need more reaches.
     pub fn fit_within(&self, limits: &RiskLimits) -> Result<TouchModel, ModelError> {
-        limits.check(self.reaches.len())?;
         let trials = self.reaches.len();
+        limits.check(trials)?;
         if trials < FOLDS {
             return Err(ModelError::Mismatch {
                 found: if trials == 1 { "1 reach to fit to".into() } else { "no reaches to fit to".into() },
@@ -61,16 +59,15 @@ impl TouchExamples {
         let held_out: Vec<HeldOut> =
             (0..FOLDS).into_par_iter().map(|fold| HeldOut::of(self, &folds, fold, &categories)).collect();
         let taxels: Vec<&Judged> = held_out.iter().flat_map(|fold| &fold.taxels).collect();
-        let regions: Vec<&HeldOutRegion> = held_out.iter().flat_map(|fold| &fold.regions).collect();
+        let regions: Vec<&Judged> = held_out.iter().flat_map(|fold| &fold.regions).collect();
         // Rows of regions are not taken in every frame, so short touches may leave none.
         if regions.is_empty() {
             return Err(ModelError::NoCategories { trials });
         }
-        let judged: Vec<&Judged> = regions.iter().map(|region| &region.judged).collect();
         let all: Vec<&Examples> = self.reaches.iter().map(Arc::as_ref).collect();
         let (touched, category) = rayon::join(|| touched_network(&all), || category_network(&all, &categories));
         let touched = Calibrated { sharpness: sharpness(&taxels), network: touched };
-        let category = Calibrated { sharpness: sharpness(&judged), network: category };
+        let category = Calibrated { sharpness: sharpness(&regions), network: category };
         let decision =
             TouchDecision { nothing_above: nothing_above(&taxels, touched.sharpness), ..TouchDecision::default() };
         let [known, auxiliary] = [&self.reaches, &self.auxiliary].map(|reaches| objects(reaches));
@@ -79,11 +76,7 @@ impl TouchExamples {
         Ok(TouchModel {
             format: TOUCH_FORMAT.into(),
             options: self.options.clone(),
-            decision: limits.over(
-                decision,
-                self.reaches.len(),
-                lapses(&regions, |region| wrong_above(&region.judged, category.sharpness)),
-            ),
+            decision: limits.over(decision, trials, lapses(&regions, category.sharpness)),
             category,
             categories,
             touched,

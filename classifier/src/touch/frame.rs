@@ -2,7 +2,6 @@
 
 use underbrush_recording::{Frame, Pose, SkinLayout};
 
-use super::compress::compress;
 use super::options::TouchOptions;
 use super::region::{Motion, Region, RegionTracker};
 use super::taxel::{TAXEL_FEATURE_COUNT, TaxelCourse};
@@ -11,12 +10,12 @@ use crate::trial::{PatchImage, TrialError};
 /// Follows taxels and regions of one patch. Nothing is allocated after the first frames.
 #[derive(Clone, Debug)]
 pub struct SkinTracker {
-    image: PatchImage,
+    /// The forces of the last frame.
+    pub image: PatchImage,
     regions: RegionTracker,
     /// One per taxel; `None` without contact.
     courses: Vec<Option<TaxelCourse>>,
     pose_before: Option<Pose>,
-    frames: usize,
 }
 
 impl SkinTracker {
@@ -31,7 +30,6 @@ impl SkinTracker {
             courses: vec![None; image.patch().taxels.len()],
             image,
             pose_before: None,
-            frames: 0,
         })
     }
 
@@ -54,8 +52,7 @@ impl SkinTracker {
     /// # Errors
     /// [`TrialError::BadFrame`] if the frame does not fit the skin or holds NaN or infinity.
     pub fn update(&mut self, frame: &Frame) -> Result<(), TrialError> {
-        self.image.read(self.frames, frame)?;
-        self.frames += 1;
+        self.image.read(frame)?;
         let pose = self.image.pose_world();
         let motion = Motion::between(&self.pose_before.unwrap_or(pose), &pose);
         self.pose_before = Some(pose);
@@ -73,19 +70,14 @@ impl SkinTracker {
         Ok(())
     }
 
-    /// The forces of the last frame.
-    pub fn image(&self) -> &PatchImage {
-        &self.image
-    }
-
     /// The regions of the last frame.
     pub fn regions(&self) -> &[Region] {
-        self.regions.regions()
+        &self.regions.regions
     }
 
     /// The taxels of a region of the last frame.
     pub fn taxels(&self, region: &Region) -> &[usize] {
-        self.regions.taxels(region)
+        &self.regions.taxels[region.taxels.clone()]
     }
 
     /// Number of samples since a taxel's contact began; 0 without contact.
@@ -93,15 +85,9 @@ impl SkinTracker {
         self.courses[taxel].map_or(0, |course| course.samples())
     }
 
-    /// The features of a taxel in contact, which belongs to this region; `None` without contact.
-    pub fn taxel_features(&self, taxel: usize, region: &Region) -> Option<[f64; TAXEL_FEATURE_COUNT]> {
-        let values = self.taxel_values(taxel, region)?;
-        Some(compress(values, &TaxelCourse::KNEES))
-    }
-
-    /// The features of a taxel in contact, before they are compressed.
+    /// The features of a taxel in contact, which belongs to this region, before they are compressed; `None` without contact.
     pub(super) fn taxel_values(&self, taxel: usize, region: &Region) -> Option<[f64; TAXEL_FEATURE_COUNT]> {
-        let forces = self.regions.neighbours(taxel).map(|other| self.image.sensed_force_n(other));
+        let forces = self.regions.neighbours[taxel].iter().map(|other| self.image.sensed_force_n(*other));
         let strongest_n = forces.fold(0.0, f64::max);
         Some(self.courses[taxel].as_ref()?.values(&region.course, strongest_n))
     }

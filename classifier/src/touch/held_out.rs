@@ -7,6 +7,7 @@ use super::example::{Examples, TaxelExample};
 use super::network::{Network, Row, softmax};
 use super::risk::Lapse;
 use super::training_rows::TouchExamples;
+use crate::frequency::largest;
 use underbrush_recording::math;
 
 /// At most this share of true contacts may be called nothing in held-out reaches. Choice: a little less than the 2 %
@@ -17,7 +18,7 @@ const LOST_SHARE: f64 = 0.015;
 #[derive(Default)]
 pub(super) struct HeldOut {
     pub(super) taxels: Vec<Judged>,
-    pub(super) regions: Vec<HeldOutRegion>,
+    pub(super) regions: Vec<Judged>,
 }
 
 impl HeldOut {
@@ -30,41 +31,30 @@ impl HeldOut {
         let own = examples.reaches.iter().enumerate().filter(|(index, _)| folds[*index] == fold);
         for (index, reach) in own {
             for taxel in reach.taxels.iter().filter(|taxel| taxel.is_regular) {
-                held_out.taxels.push(Judged::by(&touched, &taxel.row(), 2));
+                held_out.taxels.push(Judged::by(&touched, &taxel.row(), 2, index));
             }
             for region in reach.regions.iter().filter(|region| region.is_regular) {
-                held_out.regions.push(HeldOutRegion {
-                    judged: Judged::by(&category, &region.row(categories), categories.len()),
-                    touched: region.touched,
-                    reach: index,
-                });
+                held_out.regions.push(Judged::by(&category, &region.row(categories), categories.len(), index));
             }
         }
         held_out
     }
 }
 
-/// A region of a held-out reach.
-pub(super) struct HeldOutRegion {
-    pub(super) judged: Judged,
-    /// Number of its taxels that an object presses on.
-    pub(super) touched: usize,
-    /// Index of its reach.
-    reach: usize,
-}
-
-/// Scores of a row and its true class.
+/// Scores of a row of a held-out reach, and its true class.
 pub(super) struct Judged {
     scores: Vec<f64>,
     class: usize,
     weight: f64,
+    /// Index of its reach.
+    reach: usize,
 }
 
 impl Judged {
-    fn by<const INPUTS: usize>(network: &Network, row: &Row<INPUTS>, classes: usize) -> Self {
+    fn by<const INPUTS: usize>(network: &Network, row: &Row<INPUTS>, classes: usize, reach: usize) -> Self {
         let mut scores = vec![0.0; classes];
         network.scores(&row.features, &mut scores);
-        Judged { scores, class: row.class, weight: row.weight }
+        Judged { scores, class: row.class, weight: row.weight, reach }
     }
 
     /// The probabilities, if the scores are multiplied by this factor.
@@ -100,21 +90,21 @@ pub(super) fn sharpness(rows: &[&Judged]) -> f64 {
 
 /// The cost of an uncertain verdict above which a region is called another category than its own; `None` if it never
 /// is.
-pub(super) fn wrong_above(region: &Judged, sharpness: f64) -> Option<f64> {
-    let likeliest = region.probabilities(sharpness).into_iter().enumerate();
-    let (index, probability) = likeliest.reduce(|best, other| if other.1 > best.1 { other } else { best })?;
+fn wrong_above(region: &Judged, sharpness: f64) -> Option<f64> {
+    let (index, probability) = largest(region.probabilities(sharpness).into_iter().enumerate())?;
     (index != region.class).then_some(1.0 - probability)
 }
 
-/// The regions whose verdict is bad above a certain limit, with their shares of the touched taxel frames of their
-/// reaches.
-pub(super) fn lapses(regions: &[&HeldOutRegion], bad_above: impl Fn(&HeldOutRegion) -> Option<f64>) -> Vec<Lapse> {
-    let mut touched: BTreeMap<usize, usize> = BTreeMap::new();
+/// The regions that are called another category than their own above a certain cost of an uncertain verdict, with their
+/// shares of the touched taxel frames of their reaches.
+pub(super) fn lapses(regions: &[&Judged], sharpness: f64) -> Vec<Lapse> {
+    // The weight of a region is the number of its taxels that an object presses on.
+    let mut touched: BTreeMap<usize, f64> = BTreeMap::new();
     for region in regions {
-        *touched.entry(region.reach).or_default() += region.touched;
+        *touched.entry(region.reach).or_default() += region.weight;
     }
-    let lapse = |region: &&HeldOutRegion| {
-        Some(Lapse { above: bad_above(region)?, share: region.touched as f64 / touched[&region.reach] as f64 })
+    let lapse = |region: &&Judged| {
+        Some(Lapse { above: wrong_above(region, sharpness)?, share: region.weight / touched[&region.reach] })
     };
     regions.iter().filter_map(lapse).collect()
 }

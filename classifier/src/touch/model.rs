@@ -79,7 +79,7 @@ impl Calibrated {
     /// for them.
     pub(super) fn probabilities<const INPUTS: usize>(&self, rows: &FeatureRows<INPUTS>, classes: &mut Vec<f64>) {
         self.network.scores_of(rows, classes);
-        for classes in classes.chunks_exact_mut(self.network.shape().1) {
+        for classes in classes.chunks_exact_mut(self.network.output.len()) {
             classes.iter_mut().for_each(|score| *score *= self.sharpness);
             softmax(classes);
         }
@@ -126,15 +126,12 @@ impl TouchModel {
     /// # Errors
     /// [`InputError`] with line and field.
     pub fn from_json(path: impl AsRef<Path>, text: &str) -> Result<Self, InputError> {
-        Self::read(&Document::of_format(path, text, TOUCH_FORMAT))
-    }
-
-    fn read(document: &Document) -> Result<Self, InputError> {
+        let document = Document::of_format(path, text, TOUCH_FORMAT);
         // A file of another format has other keys, so its format is read first.
         let Head { format } = document.read()?;
         if format != TOUCH_FORMAT {
             let remedy = "use a touch model, which `underbrush train --classifier touch` makes";
-            return Err(InputError::new(document.path(), "format", format, TOUCH_FORMAT, remedy));
+            return Err(InputError::new(&document.path, "format", format, TOUCH_FORMAT, remedy));
         }
         let model: TouchModel = document.read()?;
         if model.categories.is_empty() || !model.categories.is_sorted_by(|a, b| a < b) {
@@ -153,12 +150,10 @@ impl TouchModel {
             ("stiffness", model.stiffness.as_ref().is_none_or(StiffnessTrees::is_sound)),
             ("unknown_objects", model.unknown.as_ref().is_none_or(|unknown| unknown.is_sound(classes))),
         ];
-        for (part, is_sound) in parts {
-            if !is_sound {
-                let allowed =
-                    format!("numbers from {FITTED}, as many as {classes} categories and this program's features need");
-                return Err(document.error(part, "other sizes, or a number out of range", allowed));
-            }
+        if let Some((part, _)) = parts.into_iter().find(|(_, is_sound)| !is_sound) {
+            let allowed =
+                format!("numbers from {FITTED}, as many as {classes} categories and this program's features need");
+            return Err(document.error(part, "other sizes, or a number out of range", allowed));
         }
         document.check_seal()?;
         Ok(model)

@@ -59,11 +59,6 @@ pub struct Network {
 }
 
 impl Network {
-    /// Number of features and of classes.
-    pub fn shape(&self) -> (usize, usize) {
-        (self.mean.len(), self.output.len())
-    }
-
     /// Whether all numbers are within their limits and all lists have the right lengths for this many features and
     /// classes.
     pub fn is_sound(&self, inputs: usize, classes: usize) -> bool {

@@ -143,7 +143,7 @@ impl TouchClassifier {
     /// [`TrialError`] if the skin lacks the model's patch.
     pub fn new(model: Arc<TouchModel>, layout: &SkinLayout) -> Result<Self, TrialError> {
         let patches = SkinTracker::of_patches(layout, model.options())?;
-        let count = patches.iter().map(|tracker| tracker.image().patch().taxels.len()).sum();
+        let count = patches.iter().map(|tracker| tracker.image.patch().taxels.len()).sum();
         Ok(TouchClassifier {
             taxels: Vec::with_capacity(count),
             regions: Vec::with_capacity(count),
@@ -195,10 +195,10 @@ impl TouchClassifier {
         self.keep_objects(count);
         let regions = self.patches.iter().flat_map(SkinTracker::regions);
         for ((region, object), probabilities) in
-            regions.zip(self.tracker.of_region()).zip(self.probabilities.chunks_exact_mut(count))
+            regions.zip(&self.tracker.of_region).zip(self.probabilities.chunks_exact_mut(count))
         {
             let Some(object) = *object else { continue };
-            let force_n = region.course.now().force_n;
+            let force_n = region.course.now.force_n;
             self.weights_n[object] += force_n;
             for (sum, probability) in self.evidence[object * count..][..count].iter_mut().zip(probabilities) {
                 // Its logarithm stands here until the object is judged.
@@ -206,7 +206,7 @@ impl TouchClassifier {
                 *sum += force_n * *probability;
             }
         }
-        for (index, (own, object)) in self.objects.iter_mut().zip(self.tracker.objects()).enumerate() {
+        for (index, (own, object)) in self.objects.iter_mut().zip(&self.tracker.objects).enumerate() {
             let (course, places) = (&object.course, index * count..(index + 1) * count);
             let is_due = course.frames() <= JUDGED_EVERY
                 || course.frames().is_multiple_of(JUDGED_EVERY)
@@ -244,7 +244,7 @@ impl TouchClassifier {
 
     /// Gives each region that belongs to an object the geometric mean of its own probabilities and of its object's.
     fn probabilities_of_objects(&mut self, count: usize) {
-        for (object, probabilities) in self.tracker.of_region().iter().zip(self.probabilities.chunks_exact_mut(count)) {
+        for (object, probabilities) in self.tracker.of_region.iter().zip(self.probabilities.chunks_exact_mut(count)) {
             let Some(object) = *object else { continue };
             let weight_n = self.weights_n[object].max(f64::MIN_POSITIVE);
             let [evidence, by_trees] = [&self.evidence, &self.by_trees].map(|own| &own[object * count..][..count]);
@@ -259,7 +259,7 @@ impl TouchClassifier {
     fn keep_objects(&mut self, count: usize) {
         let mut kept = 0;
         for index in 0..self.objects.len() {
-            let is_kept = self.tracker.objects().get(kept).is_some_and(|own| own.number == self.objects[index].object);
+            let is_kept = self.tracker.objects.get(kept).is_some_and(|own| own.number == self.objects[index].object);
             if is_kept {
                 self.objects[kept] = self.objects[index];
                 self.weights_n[kept] = self.weights_n[index];
@@ -270,7 +270,7 @@ impl TouchClassifier {
             }
         }
         self.objects.truncate(kept);
-        for object in &self.tracker.objects()[kept..] {
+        for object in &self.tracker.objects[kept..] {
             let (object, touch) = (object.number, Touch::Uncertain);
             self.objects.push(ObjectTouch {
                 object,
@@ -295,9 +295,9 @@ impl TouchClassifier {
         self.regions.clear();
         let decision = &self.model.decision;
         let mut touched = self.touched.chunks_exact(2);
-        let mut of_region = self.tracker.of_region().iter();
+        let mut of_region = self.tracker.of_region.iter();
         for tracker in &self.patches {
-            let patch = tracker.image().patch_index();
+            let patch = tracker.image.patch_index();
             for region in tracker.regions() {
                 let index = self.regions.len();
                 let object = of_region.next().copied().flatten().map(|object| self.objects[object]);
@@ -363,7 +363,7 @@ impl TouchClassifier {
 
     /// All that is known of each object, in the order of [`TouchClassifier::objects`].
     pub fn object_reports(&self) -> impl Iterator<Item = ObjectReport<'_>> {
-        self.objects.iter().zip(self.tracker.objects()).map(|(own, felt)| ObjectReport {
+        self.objects.iter().zip(&self.tracker.objects).map(|(own, felt)| ObjectReport {
             object: own.object,
             samples: own.samples,
             verdict: own.touch.name(self.model.categories()),

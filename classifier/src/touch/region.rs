@@ -4,6 +4,7 @@ use glam::{DMat3, DVec3};
 use underbrush_recording::Pose;
 
 use super::contact_history::{Course, Measure};
+use crate::frequency::largest;
 use crate::trial::{PatchImage, neighbours_of_patch};
 
 /// A region continues the region of the last frame that gets the most votes. Each taxel votes with its force for the
@@ -18,20 +19,22 @@ pub struct Region {
     /// Its forces and motions since the contact began.
     pub course: Course,
     /// The range of its taxels in [`RegionTracker::taxels`].
-    taxels: std::ops::Range<usize>,
+    pub(super) taxels: std::ops::Range<usize>,
 }
 
 /// The contact regions of a patch. Nothing is allocated after the first frames.
 #[derive(Clone, Debug)]
 pub(super) struct RegionTracker {
-    neighbours: Vec<Vec<usize>>,
+    /// The neighbours of each taxel.
+    pub neighbours: Vec<Vec<usize>>,
     /// Region of each taxel, now and in the last frame.
     region_of: Vec<Option<usize>>,
     region_before: Vec<Option<usize>>,
-    regions: Vec<Region>,
+    /// The regions of the last frame, and those of the one before it.
+    pub regions: Vec<Region>,
     before: Vec<Region>,
     /// The taxels of one region after the other.
-    taxels: Vec<usize>,
+    pub taxels: Vec<usize>,
     /// The votes of a region for each region of the last frame, N.
     votes: Vec<f64>,
     /// For each region of the last frame: the region with the most votes for it, and these votes, N.
@@ -69,21 +72,6 @@ impl RegionTracker {
             let taxels = &self.taxels[region.taxels.clone()];
             region.course.push(&measure(image, taxels, motion, &pose), time_s);
         }
-    }
-
-    /// The regions of the last frame.
-    pub fn regions(&self) -> &[Region] {
-        &self.regions
-    }
-
-    /// The taxels of a region of the last frame.
-    pub fn taxels(&self, region: &Region) -> &[usize] {
-        &self.taxels[region.taxels.clone()]
-    }
-
-    /// The neighbours of a taxel.
-    pub fn neighbours(&self, taxel: usize) -> impl Iterator<Item = usize> + '_ {
-        self.neighbours[taxel].iter().copied()
     }
 
     fn find(&mut self, image: &PatchImage) {
@@ -131,13 +119,8 @@ impl RegionTracker {
                     }
                 }
             }
-            let mut most = (None, 0.0);
-            for (before, votes) in self.votes.iter().enumerate() {
-                if *votes > most.1 {
-                    most = (Some(before), *votes);
-                }
-            }
-            if let (Some(before), votes) = most {
+            let most = largest(self.votes.iter().copied().enumerate());
+            if let Some((before, votes)) = most.filter(|(_, votes)| *votes > 0.0) {
                 region.course = self.before[before].course;
                 if votes > self.heirs[before].1 {
                     self.heirs[before] = (index, votes);

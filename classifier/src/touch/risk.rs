@@ -16,7 +16,7 @@
 use serde::Serialize;
 
 use super::decision::TouchDecision;
-use crate::error::ModelError;
+use crate::error::{Fault, ModelError};
 
 /// The largest allowed shares of bad verdicts in a new reach, on average over reaches. The shares refer to the taxel
 /// frames on which a known category presses.
@@ -46,11 +46,7 @@ impl RiskLimits {
     pub(super) fn check(&self, reaches: usize) -> Result<(), ModelError> {
         if let Some(share) = self.wrong {
             if !(share > 0.0 && share < 1.0) {
-                return Err(ModelError::BadOption {
-                    option: "risk limit wrong".into(),
-                    found: share.to_string(),
-                    allowed: "a share above 0 and below 1".into(),
-                });
+                return Err(Fault::new("risk limit wrong", share.to_string(), "a share above 0 and below 1").into());
             }
             let needed = (1.0 / share - 1.0).ceil() as usize;
             if reaches < needed {
@@ -141,7 +137,7 @@ mod tests {
         assert_eq!(limits.check(18), Err(few));
         for share in [0.0, 1.0, -0.1, f64::NAN] {
             let limits = RiskLimits { wrong: Some(share) };
-            assert!(matches!(limits.check(1000), Err(ModelError::BadOption { .. })), "{share}");
+            assert!(matches!(limits.check(1000), Err(ModelError::BadOption(_))), "{share}");
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::compress::{COUNT_KNEE, PLAIN};
 use super::contact_history::Course;
 use crate::feature_table::features;
+use crate::moments::Moments;
 
 /// Knees as for regions. Changes of a steady reading are noise of about 2 mN.
 const FORCE_KNEE_N: f64 = 0.05;
@@ -24,14 +25,12 @@ pub struct TaxelCourse {
     first_n: f64,
     last_n: f64,
     largest_n: f64,
-    mean_n: f64,
-    squares: f64,
+    force: Moments,
     change_n: f64,
     press_m: f64,
     way_m: f64,
-    press_squares: f64,
+    press: Moments,
     force_press: f64,
-    press_mean_m: f64,
 }
 
 impl TaxelCourse {
@@ -53,13 +52,9 @@ impl TaxelCourse {
         }
         self.last_n = force_n;
         self.largest_n = self.largest_n.max(force_n);
-        let deviation = force_n - self.mean_n;
-        self.mean_n += deviation / self.count;
-        self.squares += deviation * (force_n - self.mean_n);
-        let press_deviation = self.press_m - self.press_mean_m;
-        self.press_mean_m += press_deviation / self.count;
-        self.press_squares += press_deviation * (self.press_m - self.press_mean_m);
-        self.force_press += press_deviation * (force_n - self.mean_n);
+        self.force.push(self.count, force_n);
+        let press_deviation = self.press.push(self.count, self.press_m);
+        self.force_press += press_deviation * (force_n - self.force.mean);
     }
 
     features! {
@@ -69,15 +64,15 @@ impl TaxelCourse {
         /// `region` is the course of the region that the taxel belongs to.
         pub(super) fn values(&self, region: &Course, strongest_neighbour_n: f64) {
             let share = |part: f64, whole: f64| part / whole.max(f64::MIN_POSITIVE);
-            let now = region.now();
+            let now = &region.now;
             let slope_n_per_m =
-                self.force_press / (self.press_squares + self.count * MOTION_KNEE_M * MOTION_KNEE_M);
+                self.force_press / (self.press.squares + self.count * MOTION_KNEE_M * MOTION_KNEE_M);
             ("samples", COUNT_KNEE, self.count),
             ("force", FORCE_KNEE_N, self.last_n),
             ("first force", FORCE_KNEE_N, self.first_n),
             ("largest force so far", FORCE_KNEE_N, self.largest_n),
-            ("mean force", FORCE_KNEE_N, self.mean_n),
-            ("deviation of force", CHANGE_KNEE_N, (self.squares.max(0.0) / self.count.max(1.0)).sqrt()),
+            ("mean force", FORCE_KNEE_N, self.force.mean),
+            ("deviation of force", CHANGE_KNEE_N, (self.force.squares.max(0.0) / self.count.max(1.0)).sqrt()),
             ("recent change of force", CHANGE_KNEE_N, self.change_n),
             ("force over largest force", PLAIN, share(self.last_n, self.largest_n)),
             ("share of the region's strongest taxel", PLAIN, share(self.last_n, now.largest_force_n)),
@@ -86,7 +81,7 @@ impl TaxelCourse {
             ("force in the region", FORCE_KNEE_N, now.force_n),
             ("way of the skin", MOTION_KNEE_M, self.way_m),
             ("way of the skin in the region's contact", MOTION_KNEE_M, region.way_m()),
-            ("recent change of the region's force", PLAIN, region.roughness()),
+            ("recent change of the region's force", PLAIN, region.roughness),
             ("slope of force over press", STIFFNESS_KNEE_N_PER_M, slope_n_per_m),
         }
     }

@@ -64,7 +64,8 @@ impl TouchExamples {
     /// # Errors
     /// As [`TouchExamples::add`].
     pub fn add_auxiliary(&mut self, recording: &Recording) -> Result<(), TrialError> {
-        self.auxiliary.push(Arc::new(Examples::of_objects(recording, &self.options)?));
+        let objects = Examples::of(recording, &self.options)?.objects;
+        self.auxiliary.push(Arc::new(Examples { objects, ..Examples::default() }));
         Ok(())
     }
 

@@ -15,27 +15,13 @@ pub(super) struct Component {
     pub(super) center_world: DVec3,
     /// The taxel with the largest sensed force, the first in a tie.
     pub(super) strongest: usize,
-    /// The force of that taxel, N: the feature "maximum force".
-    pub(super) force_n: f64,
-    /// The sum of the taxels' forces, N.
-    pub(super) force_sum_n: f64,
+    /// What a trial stores of it.
+    pub(super) region: Region,
     /// Ground truth: the object of the strongest taxel that has one. Because of crosstalk, a taxel that touches nothing
     /// can also sense a force.
     pub(super) object: Option<u16>,
     /// Ground truth: whether an object presses on any of its taxels.
     pub(super) touched: bool,
-}
-
-impl Component {
-    /// What a trial stores of the component.
-    pub(super) fn region(&self) -> Region {
-        Region {
-            // No patch has nearly 2³² taxels.
-            taxels: u32::try_from(self.taxels.len()).unwrap_or(u32::MAX),
-            largest_force_n: self.force_n,
-            force_sum_n: self.force_sum_n,
-        }
-    }
 }
 
 /// The 4-connected regions of taxels in contact, ordered by first taxel.
@@ -56,8 +42,12 @@ fn measure(image: &PatchImage, taxels: Vec<usize>) -> Component {
     Component {
         center_world: sum / taxels.len() as f64,
         strongest,
-        force_n: image.sensed_force_n(strongest),
-        force_sum_n: taxels.iter().map(|&taxel| image.sensed_force_n(taxel)).sum(),
+        region: Region {
+            // No patch has nearly 2³² taxels.
+            taxels: u32::try_from(taxels.len()).unwrap_or(u32::MAX),
+            largest_force_n: image.sensed_force_n(strongest),
+            force_sum_n: taxels.iter().map(|&taxel| image.sensed_force_n(taxel)).sum(),
+        },
         object: touching.and_then(|taxel| image.object(taxel)),
         touched: taxels.iter().any(|&taxel| image.is_touched(taxel)),
         taxels,
@@ -84,9 +74,8 @@ impl Regions {
     pub(crate) fn find(&mut self, image: &PatchImage) {
         self.of_taxel.fill(None);
         for component in components(image, self.grid) {
-            let region = component.region();
             for taxel in component.taxels {
-                self.of_taxel[taxel] = Some(region);
+                self.of_taxel[taxel] = Some(component.region);
             }
         }
     }

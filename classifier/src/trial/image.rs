@@ -1,7 +1,7 @@
 //! One patch in one frame, as an image of forces.
 
 use glam::DVec3;
-use underbrush_recording::{Category, Frame, Patch, Pose, Recording, SkinLayout};
+use underbrush_recording::{Category, Frame, Patch, Pose, Recording, SkinLayout, TaxelReading};
 
 use super::TrialError;
 use crate::error::Fault;
@@ -12,17 +12,11 @@ pub struct PatchImage {
     patch_index: usize,
     patch: Patch,
     threshold_n: f64,
-    taxels: Vec<TaxelState>,
-    pose_world: Option<Pose>,
-}
-
-/// A taxel in the frame. Without a reading it senses nothing.
-#[derive(Clone, Copy, Debug, Default)]
-struct TaxelState {
-    sensed_force_n: f64,
-    object: Option<u16>,
-    /// Whether an object truly presses on it.
-    is_touched: bool,
+    /// One per taxel. Without a reading it senses nothing.
+    taxels: Vec<TaxelReading>,
+    pose_world: Pose,
+    /// Number of frames so far.
+    frames: usize,
 }
 
 impl PatchImage {
@@ -45,17 +39,18 @@ impl PatchImage {
             _ => TrialError::NoPatch,
         })?;
         let patch = layout.patches[patch_index].clone();
-        let taxels = vec![TaxelState::default(); patch.taxels.len()];
-        Ok(PatchImage { patch_index, patch, threshold_n, taxels, pose_world: None })
+        let taxels = vec![TaxelReading::default(); patch.taxels.len()];
+        Ok(PatchImage { patch_index, patch, threshold_n, taxels, pose_world: Pose::default(), frames: 0 })
     }
 
-    /// Reads a frame; `frame_index` is used only in errors.
+    /// Reads the next frame.
     ///
     /// # Errors
     /// [`TrialError::BadFrame`] if the frame has no pose for the patch, names a taxel that the patch does not have, or
     /// contains NaN or infinity.
-    pub fn read(&mut self, frame_index: usize, frame: &Frame) -> Result<(), TrialError> {
-        let bad = |found: String, allowed: String| TrialError::BadFrame { frame: frame_index, found, allowed };
+    pub fn read(&mut self, frame: &Frame) -> Result<(), TrialError> {
+        let index = self.frames;
+        let bad = |found: String, allowed: String| TrialError::BadFrame { frame: index, found, allowed };
         let name = &self.patch.name;
         let pose = frame.patch_pose_world.get(self.patch_index).copied().ok_or_else(|| {
             let found = format!("{} patch poses, none for {name}", frame.patch_pose_world.len());
@@ -64,8 +59,8 @@ impl PatchImage {
         if !pose.position.is_finite() || !pose.orientation.is_finite() {
             return Err(bad(format!("pose {pose:?} of {name}"), "finite numbers".into()));
         }
-        self.pose_world = Some(pose);
-        self.taxels.fill(TaxelState::default());
+        self.pose_world = pose;
+        self.taxels.fill(TaxelReading::default());
         for reading in frame.taxels.iter().filter(|reading| usize::from(reading.patch) == self.patch_index) {
             let taxel = usize::from(reading.taxel);
             let count = self.taxels.len();
@@ -76,12 +71,9 @@ impl PatchImage {
                 let found = format!("{} N sensed by taxel {taxel} of {name}", reading.sensed_force_n);
                 return Err(bad(found, "finite forces".into()));
             }
-            *state = TaxelState {
-                sensed_force_n: reading.sensed_force_n,
-                object: reading.object,
-                is_touched: reading.true_normal_force_n > 0.0,
-            };
+            *state = *reading;
         }
+        self.frames += 1;
         Ok(())
     }
 
@@ -112,7 +104,7 @@ impl PatchImage {
 
     /// Ground truth: whether an object presses on a taxel, however lightly.
     pub fn is_touched(&self, taxel: usize) -> bool {
-        self.taxels.get(taxel).is_some_and(|own| own.is_touched)
+        self.taxels.get(taxel).is_some_and(|own| own.true_normal_force_n > 0.0)
     }
 
     /// Ground truth: the category of the object that presses hardest on a taxel; `None` if nothing does.
@@ -123,7 +115,7 @@ impl PatchImage {
 
     /// Pose of the patch's link, world frame; the identity before the first frame is read.
     pub fn pose_world(&self) -> Pose {
-        self.pose_world.unwrap_or_default()
+        self.pose_world
     }
 
     /// Position of a taxel's centre, m, in the world frame; in the link frame before the first frame is read.
@@ -131,7 +123,6 @@ impl PatchImage {
     /// # Panics
     /// If the patch has no such taxel.
     pub fn position_world(&self, taxel: usize) -> DVec3 {
-        let position_link = self.patch.taxels[taxel].position_link;
-        self.pose_world.map_or(position_link, |pose| pose.transform_point(position_link))
+        self.pose_world.transform_point(self.patch.taxels[taxel].position_link)
     }
 }

@@ -178,7 +178,7 @@ pub fn taxel_trials(recording: &Recording, options: &TrialOptions) -> Result<Vec
     let mut open: Vec<Option<OpenTrial>> = vec![None; image.patch().taxels.len()];
     let mut trials = TrialList::new(recording, options, &image.patch().name);
     for (index, frame) in recording.frames.iter().enumerate() {
-        image.read(index, frame)?;
+        image.read(frame)?;
         if let Some(regions) = &mut regions {
             regions.find(&image);
         }

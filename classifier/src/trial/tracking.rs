@@ -1,6 +1,5 @@
 //! Tracking of connected components from frame to frame.
 
-use glam::DVec3;
 use underbrush_recording::{Recording, Sample};
 
 use super::component::{Component, components, grid};
@@ -30,58 +29,52 @@ pub fn component_trials(recording: &Recording, options: &TrialOptions) -> Result
     }
     let mut image = PatchImage::new(&recording.layout, options.patch.as_deref(), options.threshold_n)?;
     let grid = grid(&image, options.wrap)?;
-    let mut tracks: Vec<Track> = Vec::new();
+    let mut open: Vec<OpenTrial> = Vec::new();
     let mut trials = TrialList::new(recording, options, &image.patch().name);
     for (index, frame) in recording.frames.iter().enumerate() {
-        image.read(index, frame)?;
+        image.read(frame)?;
         let found = components(&image, grid);
-        let mut followed = associate(&tracks, &found, reach);
-        let mut before: Vec<Option<Track>> = tracks.into_iter().map(Some).collect();
-        tracks = Vec::with_capacity(found.len());
-        for (component, track) in found.iter().zip(followed.drain(..)) {
+        let followed = associate(&open, &found, reach);
+        let mut before: Vec<Option<OpenTrial>> = open.into_iter().map(Some).collect();
+        open = Vec::with_capacity(found.len());
+        for (component, followed) in found.iter().zip(followed) {
             let center_world = component.center_world;
-            let open = track.and_then(|track| before[track].take()).map(|track| track.trial);
-            let mut trial = open.unwrap_or_else(|| OpenTrial::new(index, component.strongest, center_world));
+            let continued = followed.and_then(|trial| before[trial].take());
+            let mut trial = continued.unwrap_or_else(|| OpenTrial::new(index, component.strongest, center_world));
             let sample = Sample {
                 time_s: frame.time_s,
-                force_n: component.force_n,
+                force_n: component.region.largest_force_n,
                 motion_m: Some(trial.travel.to(center_world)),
-                region: Some(component.region()),
+                region: Some(component.region),
                 touched: knows_truth(recording).then_some(component.touched),
                 ..Sample::default()
             };
             trial.push(sample, component.object);
-            tracks.push(Track { trial, center_world });
+            open.push(trial);
         }
-        for ended in before.into_iter().flatten() {
-            trials.close(Some(ended.trial))?;
+        for ended in before {
+            trials.close(ended)?;
         }
     }
-    for track in tracks {
-        trials.close(Some(track.trial))?;
+    for trial in open {
+        trials.close(Some(trial))?;
     }
     Ok(trials.finish())
 }
 
-/// The trial of a component and the component's last position.
-struct Track {
-    trial: OpenTrial,
-    center_world: DVec3,
-}
-
-/// The track that each component continues. Ties go to the track, then the component, with the smaller index.
-fn associate(tracks: &[Track], found: &[Component], reach_m: f64) -> Vec<Option<usize>> {
+/// The trial that each component continues. Ties go to the trial, then the component, with the smaller index.
+fn associate(open: &[OpenTrial], found: &[Component], reach_m: f64) -> Vec<Option<usize>> {
     let mut pairs = Vec::new();
-    for (t, track) in tracks.iter().enumerate() {
+    for (t, trial) in open.iter().enumerate() {
         for (c, component) in found.iter().enumerate() {
-            let distance = track.center_world.distance(component.center_world);
+            let distance = trial.travel.last_world.distance(component.center_world);
             if distance <= reach_m {
                 pairs.push((distance, t, c));
             }
         }
     }
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-    let mut used = vec![false; tracks.len()];
+    let mut used = vec![false; open.len()];
     let mut followed = vec![None; found.len()];
     for (_, t, c) in pairs {
         if !used[t] && followed[c].is_none() {

@@ -122,7 +122,7 @@ impl<'a> TrialList<'a> {
 /// closer to "travel". The two gave tables within a few percentage points of each other.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Travel {
-    last_world: DVec3,
+    pub(super) last_world: DVec3,
     length_m: f64,
 }
 

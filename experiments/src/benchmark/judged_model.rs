@@ -114,7 +114,7 @@ impl JudgedModel {
             answers.iter_mut().for_each(|own| own.fill(Class::Nothing));
             self.answer(&mut judging, &frame.sensed(), &images, &mut answers)?;
             for (place, image) in images.iter_mut().enumerate() {
-                image.read(index, frame)?;
+                image.read(frame)?;
                 for (taxel, answer) in answers[place].iter().enumerate().filter(|own| image.is_in_contact(own.0)) {
                     let pressing = image.object(taxel).filter(|_| image.is_touched(taxel));
                     if let Some(object) = pressing {

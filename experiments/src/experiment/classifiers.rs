@@ -2,9 +2,7 @@
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use underbrush_classifier::evaluate::{
-    AccuracyBySamples, FoldBy, Folds, accuracy_by_samples, accuracy_by_samples_of_all, cross_validate,
-};
+use underbrush_classifier::evaluate::{AccuracyBySamples, FoldBy, Folds, accuracy_by_samples, cross_validate};
 use underbrush_classifier::{Decision, Estimator};
 use underbrush_recording::{Fault, Trial};
 
@@ -64,8 +62,8 @@ pub fn run(session: &Session) -> Result<ComparedClassifiers, Fault> {
         each(experiment, |entry, estimator| {
             Ok(Speed {
                 classifier: entry.name.clone(),
-                lasting_contacts: accuracy_by_samples(lasting, estimator, FOLDS)?,
-                all_contacts: accuracy_by_samples_of_all(all, estimator, FOLDS, min_samples)?,
+                lasting_contacts: accuracy_by_samples(lasting, estimator, FOLDS, 1)?,
+                all_contacts: accuracy_by_samples(all, estimator, FOLDS, min_samples)?,
             })
         })
     })?;

@@ -60,7 +60,7 @@ const FOLDS: Folds = Folds { count: 2, by: FoldBy::Position };
 #[test]
 fn short_contacts_count_although_none_is_fitted_on() {
     let all = trials();
-    let series = accuracy_by_samples_of_all(&all, &Threshold { min: 5 }, FOLDS, 5).unwrap();
+    let series = accuracy_by_samples(&all, &Threshold { min: 5 }, FOLDS, 5).unwrap();
     let points: Vec<_> = [0, 2, 9].map(|index| &series[index]).into();
     // After 1 sample everything is classified as leaf; after 3 the ten long trunks are right.
     assert_eq!(points[0].accuracy, 4.0 / 16.0);
@@ -72,7 +72,7 @@ fn short_contacts_count_although_none_is_fitted_on() {
     assert_eq!(points[2].accuracy, 14.0 / 16.0);
 
     let long: Vec<Trial> = all.into_iter().filter(|trial| trial.samples.len() >= 5).collect();
-    let series = accuracy_by_samples(&long, &Threshold { min: 5 }, FOLDS).unwrap();
+    let series = accuracy_by_samples(&long, &Threshold { min: 5 }, FOLDS, 1).unwrap();
     assert_eq!(series[2].accuracy, 1.0);
 }
 
@@ -80,7 +80,7 @@ fn short_contacts_count_although_none_is_fitted_on() {
 /// happens to be the verdict without evidence.
 #[test]
 fn the_series_is_split_by_touch() {
-    let series = accuracy_by_samples(&trials(), &Threshold { min: 1 }, FOLDS).unwrap();
+    let series = accuracy_by_samples(&trials(), &Threshold { min: 1 }, FOLDS, 1).unwrap();
     let split = series[9].by_touch.unwrap();
     let (touched, untouched) = (split.touched.unwrap(), split.untouched.unwrap());
     assert_eq!((touched.trials, touched.accuracy), (12, 1.0));
@@ -94,7 +94,7 @@ fn the_series_is_split_by_touch() {
 fn nothing_long_enough_to_fit_on_is_refused() {
     let mut all = trials();
     all.retain(|trial| trial.category.as_deref() == Some("trunk") || trial.samples.len() == 1);
-    let error = accuracy_by_samples_of_all(&all, &Threshold { min: 5 }, FOLDS, 5).unwrap_err();
+    let error = accuracy_by_samples(&all, &Threshold { min: 5 }, FOLDS, 5).unwrap_err();
     let expected = EvaluateError::TooShort { category: "leaf".into(), fold: 1, samples: 5 };
     assert_eq!(error, expected);
 }

@@ -61,7 +61,7 @@ pub fn classify_touch_stream(model: &Arc<TouchModel>, recording: &Recording) -> 
     let stream = Stream::new(categories, &[NOTHING], recording, StreamTruth::Object);
     stream.judged_by(recording, model.options().patch.as_deref(), StreamTruth::Object, |frame, judged| {
         classifier.update(frame)?;
-        let patch = classifier.patches().first().map(|tracker| tracker.image().patch_index());
+        let patch = classifier.patches().first().map(|tracker| tracker.image.patch_index());
         let own = classifier.taxels().iter().filter(|taxel| Some(taxel.patch) == patch);
         judged.extend(own.map(|taxel| Judged {
             taxel: taxel.taxel,
@@ -75,14 +75,6 @@ pub fn classify_touch_stream(model: &Arc<TouchModel>, recording: &Recording) -> 
         }));
         Ok(())
     })
-}
-
-/// A recording that is being judged, and the last verdict on each taxel.
-struct Followed<'a> {
-    recording: &'a Recording,
-    patch: usize,
-    truth: StreamTruth,
-    last: Vec<Last>,
 }
 
 /// Which objects truly press on the taxels of a patch in one frame.
@@ -143,25 +135,31 @@ impl Stream {
         mut judge: impl FnMut(&Frame, &mut Vec<Judged>) -> Result<(), E>,
     ) -> Result<Self, E> {
         let patch = recording.layout.chosen_patch(patch).unwrap_or_default();
-        let mut followed = Followed { recording, patch, truth, last: Vec::new() };
-        let mut judged = Vec::new();
+        let (mut judged, mut last) = (Vec::new(), Vec::new());
         for frame in &recording.frames {
             judged.clear();
             let start = Instant::now();
             judge(frame, &mut judged)?;
             self.seconds.push(start.elapsed().as_secs_f64());
-            self.observe(frame, &judged, &mut followed);
+            let pressing = Pressing::of(frame, patch, recording, &self.truths);
+            self.observe(frame.time_s, &judged, &pressing, truth, &mut last);
         }
         Ok(self)
     }
 
-    fn observe(&mut self, frame: &Frame, judged: &[Judged], followed: &mut Followed<'_>) {
-        let pressing = Pressing::of(frame, followed.patch, followed.recording, &self.truths);
-        let last = &mut followed.last;
+    /// Counts the verdicts on a frame. `last` has the last verdict on each taxel.
+    fn observe(
+        &mut self,
+        time_s: f64,
+        judged: &[Judged],
+        pressing: &Pressing,
+        truth: StreamTruth,
+        last: &mut Vec<Last>,
+    ) {
         let uncertain = self.verdicts.iter().position(|name| name == Verdict::Uncertain.name());
         let mut frame = StreamFrame {
-            time_s: frame.time_s,
-            in_contact: 0,
+            time_s,
+            in_contact: judged.len(),
             tally: Tally::default(),
             by_verdict: vec![0; self.verdicts.len()],
             touched: pressing.touched.clone(),
@@ -178,7 +176,7 @@ impl Stream {
                 last.verdict = Some(taxel.verdict);
                 last.samples_used = if last.verdict == uncertain { 0 } else { taxel.samples };
             }
-            let truth = match followed.truth {
+            let truth = match truth {
                 StreamTruth::Object => pressing.on(taxel.taxel),
                 StreamTruth::Environment(category) => Some(category),
             };
@@ -186,7 +184,6 @@ impl Stream {
                 last.contact = None;
             }
             self.follow(&mut last.contact, truth, taxel);
-            frame.in_contact += 1;
             frame.tally.count(truth, &self.verdicts[taxel.verdict], 1);
             used += last.samples_used;
             since_contact += taxel.samples;

@@ -205,11 +205,11 @@ fn one_by_one_and_together_are_the_same_bits() {
     for kind in [ScoreKind::Forward, ScoreKind::Viterbi] {
         let together = scorer.log_probabilities(kind, &all).unwrap();
         for (sequence, found) in sequences.iter().zip(together) {
-            let mut bank = FilterBank::new(kind, std::iter::once(&scorer), 1);
+            let mut bank = FilterBank::new(kind, vec![scorer.clone()], 1);
             bank.begin(0);
             for sample in sequence.samples() {
-                bank.put(0, sample).unwrap();
-                bank.advance(std::iter::once(&scorer));
+                bank.put(0, sample);
+                bank.advance();
             }
             assert_eq!(found.to_bits(), bank.scores(0).next().unwrap().to_bits());
             assert_eq!(found.to_bits(), scorer.log_probability(kind, sequence).unwrap().to_bits());

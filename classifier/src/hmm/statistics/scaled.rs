@@ -18,7 +18,7 @@ use std::f64::consts::LN_2;
 use crate::feature::Observations;
 use crate::hmm::statistics::linear::{LinearModel, TiledMatrix};
 use crate::hmm::tile::{
-    Tile, WIDTH, add, exponent, integer_power_of_two, larger, largest, map, multiply, power_of_two, scale, sum, zip,
+    Tile, WIDTH, add, exponent, integer_power_of_two, larger, largest, map, multiply, scale, sum, zip,
 };
 use underbrush_recording::math;
 
@@ -85,8 +85,8 @@ impl Pass {
             exponents: Vec::new(),
             initial: zeros(1),
             occupancy: zeros(1),
-            first: zeros(model.gaussians.dimension()),
-            second: zeros(model.gaussians.dimension() * model.gaussians.dimension()),
+            first: zeros(model.gaussians.dimension),
+            second: zeros(model.gaussians.dimension * model.gaussians.dimension),
             transitions: vec![[0.0; WIDTH]; model.backward.rows.len()],
             own_transitions: vec![[0.0; WIDTH]; model.backward.rows.len()],
         }
@@ -126,7 +126,7 @@ impl Pass {
         let mut top = 0;
         for sample in 0..samples {
             let shift = TOP - top;
-            let factor = power_of_two(shift);
+            let factor = integer_power_of_two(shift as f64);
             log2_scale -= shift as f64;
             let (past, present) = self.weight.split_at_mut(sample * tiles);
             let before = past[past.len().saturating_sub(tiles)..].as_flattened();

@@ -33,7 +33,8 @@ pub(super) struct ObjectMeasure {
     /// The contacts together; sums that are weighted by force until [`ObjectMeasure::total`] divides them.
     sum: Measure,
     squares_m2: f64,
-    contacts: f64,
+    /// Number of the contacts.
+    pub(super) contacts: f64,
     span_m: f64,
     strongest: Course,
     /// The contacts, each with the same weight.
@@ -42,7 +43,7 @@ pub(super) struct ObjectMeasure {
 
 impl ObjectMeasure {
     pub(super) fn add(&mut self, contact: &Course) {
-        let now = contact.now();
+        let now = &contact.now;
         if self.contacts > 0.0 {
             self.span_m = self.span_m.max(now.center_world.distance(self.sum.center_world / self.sum.force_n));
         }
@@ -56,13 +57,9 @@ impl ObjectMeasure {
         self.sum.center_world += now.force_n * now.center_world;
         self.sum.normal_world += now.force_n * now.normal_world;
         self.squares_m2 += now.force_n * (now.extent_m * now.extent_m + now.center_world.length_squared());
-        if now.force_n > self.strongest.now().force_n {
+        if now.force_n > self.strongest.now.force_n {
             self.strongest = *contact;
         }
-    }
-
-    pub(super) fn has_contacts(&self) -> bool {
-        self.contacts > 0.0
     }
 
     fn total(&self) -> Measure {
@@ -98,7 +95,8 @@ pub struct ObjectCourse {
     work_j: [f64; 2],
     steady_press_m: f64,
     steady: f64,
-    contacts: f64,
+    /// Number of its contacts.
+    pub(super) contacts: f64,
     most_contacts: f64,
     span_m: f64,
     first_world: DVec3,
@@ -127,12 +125,12 @@ impl ObjectCourse {
 
     /// Sensed force in the last frame in which it touched the skin, N.
     pub fn force_n(&self) -> f64 {
-        self.all.now().force_n
+        self.all.now.force_n
     }
 
     /// The largest of these forces so far, N.
     pub fn largest_force_n(&self) -> f64 {
-        self.all.largest_force_n()
+        self.all.largest_force_n
     }
 
     /// Whether its force has never been larger than in the last frame in which it touched the skin.
@@ -155,12 +153,8 @@ impl ObjectCourse {
         self.place.mobility()
     }
 
-    pub(super) fn count_contact(&mut self) {
-        self.contacts += 1.0;
-    }
-
     pub(super) fn push(&mut self, frame: &ObjectMeasure, time_s: f64, judged_n: f64) {
-        let (before, now) = (*self.all.now(), frame.total());
+        let (before, now) = (self.all.now, frame.total());
         let force_n = now.force_n;
         if self.count == 0.0 {
             self.first_world = now.center_world;
@@ -187,7 +181,7 @@ impl ObjectCourse {
         }
         self.path.merge(&frame.path);
         self.place.push(now.center_world.truncate(), now.normal_world.truncate(), force_n);
-        if force_n > self.all.largest_force_n() {
+        if force_n > self.all.largest_force_n {
             self.press_at_largest_m = press_m;
             self.path_to_largest = self.path;
             self.place_at_largest = self.place;

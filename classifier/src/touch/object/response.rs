@@ -70,7 +70,7 @@ struct Band {
 }
 
 /// Running statistics of the answers of an object.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Response {
     frames: usize,
     /// Frames that follow each other, up to this one.
@@ -80,36 +80,15 @@ pub(super) struct Response {
     press_m: f64,
     path_m: f64,
     first_force_n: f64,
-    early: [[f64; OF_EARLY.len()]; EARLY_FRAMES.len()],
-    /// Force, N, and path, m, of the last frames. Frame n is at index n modulo the length.
-    window: [[f64; 2]; WINDOW],
+    early: [Option<[f64; OF_EARLY.len()]>; EARLY_FRAMES.len()],
+    /// Force, N, and path, m, of the last frames, in two halves. Frame n is at index n modulo the length.
+    window: [[[f64; 2]; HOP]; WINDOW / HOP],
     spectra: f64,
     bands: [Band; BANDS.len()],
     /// Sums of the products of the terms and the step of the force with each other.
     products: SMatrix<f64, { TERMS + 1 }, { TERMS + 1 }>,
     steps: f64,
     sum_n: f64,
-}
-
-impl Default for Response {
-    fn default() -> Self {
-        Response {
-            frames: 0,
-            in_a_row: 0,
-            time_s: 0.0,
-            force_n: 0.0,
-            press_m: 0.0,
-            path_m: 0.0,
-            first_force_n: 0.0,
-            early: [[MISSING; OF_EARLY.len()]; EARLY_FRAMES.len()],
-            window: [[0.0; 2]; WINDOW],
-            spectra: 0.0,
-            bands: [Band::default(); BANDS.len()],
-            products: SMatrix::zeros(),
-            steps: 0.0,
-            sum_n: 0.0,
-        }
-    }
 }
 
 impl Response {
@@ -127,7 +106,7 @@ impl Response {
             && let Some(early) = EARLY_FRAMES.iter().position(|frame| *frame == self.frames)
         {
             let rise_n_per_m = (force_n - self.first_force_n) / (self.path_m.abs() + LEAST_PRESS_M);
-            self.early[early] = [force_n, self.path_m, rise_n_per_m];
+            self.early[early] = Some([force_n, self.path_m, rise_n_per_m]);
         }
         if self.in_a_row > 2 && before_n > FELT_N {
             let (now_mm, last_mm) = (1e3 * press_m, 1e3 * self.press_m);
@@ -139,7 +118,7 @@ impl Response {
             self.steps += 1.0;
             self.sum_n += before_n;
         }
-        self.window[self.frames % WINDOW] = [force_n, self.path_m];
+        self.window.as_flattened_mut()[self.frames % WINDOW] = [force_n, self.path_m];
         self.frames += 1;
         if self.in_a_row >= WINDOW && (self.in_a_row - WINDOW).is_multiple_of(HOP) {
             self.add_spectrum();
@@ -149,7 +128,7 @@ impl Response {
 
     /// Adds the spectra of the last frames.
     fn add_spectrum(&mut self) {
-        let frame = |number: usize| self.window[(self.frames + number) % WINDOW];
+        let frame = |number: usize| self.window.as_flattened()[(self.frames + number) % WINDOW];
         let mean_n = (0..WINDOW).map(|number| frame(number)[0]).sum::<f64>() / WINDOW as f64;
         if mean_n <= FELT_N {
             return;
@@ -177,7 +156,7 @@ impl Response {
 
     /// The features.
     pub(super) fn features(&self) -> [f64; RESPONSE_FEATURE_COUNT] {
-        let early = self.early.map(|values| compress(values, &OF_EARLY));
+        let early = self.early.map(|values| compress(values.unwrap_or([MISSING; OF_EARLY.len()]), &OF_EARLY));
         let bands: [_; BANDS.len()] = array::from_fn(|band| compress(self.of_band(band), &OF_BAND));
         let model = self.of_model();
         let mut values = early.iter().flatten().chain(bands.iter().flatten()).chain(&model);
@@ -282,13 +261,13 @@ mod tests {
         let press_m = |_: usize| 1e-3;
         let force_n = |frame: usize| 0.1 + 0.05 * frame as f64;
         let whole = response(30, press_m, force_n);
-        let [force_n, press_m, rise] = whole.early[3];
+        let [force_n, press_m, rise] = whole.early[3].unwrap();
         assert!((force_n - 0.6).abs() < 1e-12 && (press_m - 0.01).abs() < 1e-12 && (rise - 0.5 / 0.0102).abs() < 1e-9);
-        assert_eq!(whole.early[5], [MISSING; 3]);
+        assert_eq!(whole.early[5], None);
         let mut broken = Response::default();
         for time_s in [0.0, 0.01, 0.02, 0.05, 0.06, 0.07] {
             broken.push(time_s, 0.5, 1e-3, 0.0);
         }
-        assert!(broken.early[0] != [MISSING; 3] && broken.early[1..].iter().all(|early| *early == [MISSING; 3]));
+        assert!(broken.early[0].is_some() && broken.early[1..].iter().all(Option::is_none));
     }
 }

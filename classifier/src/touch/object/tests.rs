@@ -21,9 +21,9 @@ fn objects(contacts: &[([f64; 2], f64)]) -> Vec<u64> {
     for frame in &recording.frames {
         patches[0].update(frame).unwrap();
         tracker.update(&patches, frame.time_s);
-        let object = tracker.of_region().first().copied().flatten();
+        let object = tracker.of_region.first().copied().flatten();
         if let Some(index) = object.filter(|_| !was_touched) {
-            numbers.push(tracker.objects()[index].number);
+            numbers.push(tracker.objects[index].number);
         }
         was_touched = object.is_some();
     }

@@ -55,11 +55,14 @@ struct Member {
 /// Follows the objects that touch a skin. Nothing is allocated after the first frames.
 #[derive(Clone, Debug)]
 pub struct ObjectTracker {
-    objects: Vec<TouchObject>,
-    ended: Vec<TouchObject>,
+    /// The objects that touch the skin, or did so in the last thirty seconds, in the order in which they were first touched.
+    pub objects: Vec<TouchObject>,
+    /// The objects that are forgotten since this frame.
+    pub ended: Vec<TouchObject>,
     members: Vec<Member>,
-    /// For each region of this frame, patch by patch: the index of its object in `objects`.
-    of_region: Vec<Option<usize>>,
+    /// For each region of this frame, patch by patch: the index of its object in `objects`; `None` for a contact that is
+    /// too weak to belong to one.
+    pub of_region: Vec<Option<usize>>,
     /// For each object, what the skin senses in this frame.
     measures: Vec<ObjectMeasure>,
     numbers: u64,
@@ -87,8 +90,8 @@ impl ObjectTracker {
         self.measures.resize(self.objects.len(), ObjectMeasure::default());
         for (patch, tracker) in patches.iter().enumerate() {
             for region in tracker.regions() {
-                let now = region.course.now();
-                let joins = region.course.largest_force_n() >= JOINING_N;
+                let now = &region.course.now;
+                let joins = region.course.largest_force_n >= JOINING_N;
                 let object = joins.then(|| self.object_of(patch, region.contact, now, time_s));
                 if let Some(object) = object {
                     self.measures[object].add(&region.course);
@@ -97,7 +100,7 @@ impl ObjectTracker {
             }
         }
         for (object, measure) in self.objects.iter_mut().zip(&self.measures) {
-            object.is_touching = measure.has_contacts();
+            object.is_touching = measure.contacts > 0.0;
             if object.is_touching {
                 object.course.push(measure, time_s, JUDGED_N);
             }
@@ -121,7 +124,7 @@ impl ObjectTracker {
                 let object = nearest.map_or_else(|| self.begin(time_s), |(_, object)| object);
                 self.members.push(Member { patch, contact, object, places_world: [place_world; 2], last_s: time_s });
                 if let Some(index) = self.index_of(object) {
-                    self.objects[index].course.count_contact();
+                    self.objects[index].course.contacts += 1.0;
                 }
                 object
             }
@@ -153,21 +156,5 @@ impl ObjectTracker {
             }
             is_left
         });
-    }
-
-    /// The objects that touch the skin, or did so in the last thirty seconds, in the order in which they were first touched.
-    pub fn objects(&self) -> &[TouchObject] {
-        &self.objects
-    }
-
-    /// The objects that are forgotten since this frame.
-    pub fn ended(&self) -> &[TouchObject] {
-        &self.ended
-    }
-
-    /// For each region of this frame, patch by patch: the index of its object in [`ObjectTracker::objects`]; `None` for a
-    /// contact that is too weak to belong to one.
-    pub fn of_region(&self) -> &[Option<usize>] {
-        &self.of_region
     }
 }

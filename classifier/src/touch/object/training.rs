@@ -12,7 +12,7 @@ use super::tracker::{ObjectTracker, TouchObject};
 use super::unknown::{self, Calibration, FAMILIES, Family, UnknownObjects};
 use crate::boosted::{Boosted, Loss, Row};
 use crate::error::ModelError;
-use crate::frequency::frequencies;
+use crate::frequency::{frequencies, largest};
 use crate::touch::frame::SkinTracker;
 
 /// An object gives a row after each of these numbers of samples, and at its end.
@@ -66,10 +66,9 @@ impl ObjectExamples {
         frame: usize,
         recording: &Recording,
     ) {
-        for object in objects.ended() {
-            self.close(object.number, recording);
-        }
-        for object in objects.objects().iter().filter(|object| object.is_touching) {
+        let ended = objects.ended.iter().filter_map(|object| self.open.remove(&object.number));
+        self.closed.extend(ended.filter_map(|open| open.close(recording)));
+        for object in objects.objects.iter().filter(|object| object.is_touching) {
             let open = self.open.entry(object.number).or_default();
             if object.course.is_at_largest_force() {
                 open.peak = Some((frame, object.course.features()));
@@ -98,24 +97,21 @@ impl ObjectExamples {
 
     /// All objects that were felt well enough, once the recording is over.
     pub(in crate::touch) fn finish(mut self, recording: &Recording) -> Vec<ObjectExample> {
-        for number in self.open.keys().copied().collect::<Vec<_>>() {
-            self.close(number, recording);
-        }
+        self.closed.extend(self.open.into_values().filter_map(|open| open.close(recording)));
         self.closed
     }
+}
 
-    fn close(&mut self, number: u64, recording: &Recording) {
-        let Some(Open { votes, mut example, peak }) = self.open.remove(&number) else { return };
-        if let Some((object, _)) = strongest(&votes).filter(|_| !example.rows.is_empty())
-            && let Some(own) = recording.objects.get(usize::from(object))
-        {
-            example.category = own.category.name();
-            example.pressed = peak.and_then(|(frame, features)| {
-                let stiffness_n_per_m = true_stiffness_n_per_m(recording, frame, object)?;
-                Some(Pressed { features, stiffness_n_per_m })
-            });
-            self.closed.push(example);
-        }
+impl Open {
+    /// The object, if it was felt well enough and something truly pressed.
+    fn close(self, recording: &Recording) -> Option<ObjectExample> {
+        let (object, _) = strongest(&self.votes).filter(|_| !self.example.rows.is_empty())?;
+        let category = recording.objects.get(usize::from(object))?.category.name();
+        let pressed = self.peak.and_then(|(frame, features)| {
+            let stiffness_n_per_m = true_stiffness_n_per_m(recording, frame, object)?;
+            Some(Pressed { features, stiffness_n_per_m })
+        });
+        Some(ObjectExample { category, pressed, ..self.example })
     }
 }
 
@@ -133,8 +129,7 @@ impl ObjectExample {
 
 /// The true object that most of the force comes from, and this force, N.
 pub(crate) fn strongest(votes: &Votes) -> Option<(u16, f64)> {
-    let votes = votes.iter().map(|(object, force_n)| (*object, *force_n));
-    votes.reduce(|most, other| if other.1 > most.1 { other } else { most })
+    largest(votes.iter().map(|(object, force_n)| (*object, *force_n)))
 }
 
 /// The category of the true object that most of the force comes from.
@@ -149,10 +144,10 @@ pub(crate) fn count_votes(
     mut vote: impl FnMut(&TouchObject, u16, f64),
 ) {
     let regions = patches.iter().flat_map(|tracker| tracker.regions().iter().map(move |region| (tracker, region)));
-    for ((tracker, region), object) in regions.zip(objects.of_region()) {
-        let Some(object) = object.and_then(|index| objects.objects().get(index)) else { continue };
+    for ((tracker, region), object) in regions.zip(&objects.of_region) {
+        let Some(object) = object.and_then(|index| objects.objects.get(index)) else { continue };
         for &taxel in tracker.taxels(region) {
-            let image = tracker.image();
+            let image = &tracker.image;
             if let Some(truth) = image.object(taxel).filter(|_| image.is_touched(taxel)) {
                 vote(object, truth, image.sensed_force_n(taxel));
             }

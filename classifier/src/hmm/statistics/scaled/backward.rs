@@ -87,7 +87,7 @@ impl Pass {
     /// Adds the state probabilities and the moments about the old means.
     #[inline(always)]
     pub(super) fn count_samples(&mut self, model: &LinearModel, sequence: &Observations) {
-        let (tiles, d) = (model.tiles, model.gaussians.dimension());
+        let (tiles, d) = (model.tiles, model.gaussians.dimension);
         for (initial, probability) in self.initial.iter_mut().zip(&self.probability) {
             *initial = add(*initial, *probability);
         }
