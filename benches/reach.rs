@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
+use underbrush_recording::Recording;
 use underbrush_recording::disk::{DiskError, write_recording};
 use underbrush_sim::campaign::{self, Job};
 use underbrush_sim::reach::ReachPlan;
@@ -70,11 +71,11 @@ fn campaign(bencher: Bencher) {
     let folder = tempfile::tempdir().unwrap();
     let run = || {
         let frames = AtomicU64::new(0);
-        campaign::run::<DiskError>(&plans, &jobs, |position, recording| {
+        let receive = |position, recording: Recording| {
             frames.fetch_add(recording.frames.len() as u64, Ordering::Relaxed);
             write_recording(folder.path().join(format!("{position}.parquet")), &recording)
-        })
-        .expect("there is room for the clutter");
+        };
+        campaign::run_until::<DiskError>(&plans, &jobs, receive, &|| false).expect("there is room for the clutter");
         frames.into_inner()
     };
     bencher.counter(ItemsCount::new(run())).bench_local(run);

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use underbrush_recording::{Category, FRAME_PERIOD_S};
 use underbrush_sim::arm::{Arm, ArmAtStart};
 use underbrush_sim::clutter::{Clutter, PlacedObject};
-use underbrush_sim::object::{Footing, Specification};
+use underbrush_sim::object::Footing;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::range::{Quantity, YAW_DEG};
 use underbrush_sim::scene::Scene;
@@ -62,11 +62,12 @@ impl Sweep {
         let scene = Scene::parse("sweep.toml", SCENE.into()).expect("the scene is sound");
         let mut random = stream(layout, "sweep", 0, "clutter");
         let (block, _) = scene.file.objects.foam_block[0]
+            .0
             .draw(&mut random, &Footing { height_m: 0.0, foam_modulus_pa: None })
             .expect("the block is sound");
         let footing =
             Footing { height_m: FOAM_TOP_M, foam_modulus_pa: block.foam_top().map(|(modulus_pa, _)| modulus_pa) };
-        let leaf = &scene.file.objects.leaf[0];
+        let leaf = &scene.file.objects.leaf[0].0;
         let yaw_deg = Quantity::uniform(-180.0, 180.0);
         let mut objects = Vec::new();
         for foot in grid() {

@@ -387,7 +387,7 @@ where
 /// The categories of the scenes' objects that are not built in, each once, sorted by code.
 fn further_categories(plans: &[ReachPlan]) -> Vec<Category> {
     let groups = plans.iter().flat_map(|plan| plan.scene.file.objects.groups());
-    let categories = groups.map(|(_, _, group)| group.category());
+    let categories = groups.map(|(_, _, group)| group.category);
     let further: BTreeSet<Category> = categories.filter(|category| !category.is_built_in()).collect();
     further.into_iter().collect()
 }

@@ -94,7 +94,7 @@ impl PyEnvironments {
         }
         let environments = Environments::new(&plan, &options, count)?;
         Ok(PyEnvironments {
-            parts: environments.parts().to_vec(),
+            parts: environments.all()[0].parts().to_vec(),
             count,
             action_size: environments.action_size(),
             jobs,
@@ -120,7 +120,7 @@ impl PyEnvironments {
         camera: Option<&PyCamera>,
     ) -> Result<Option<Bound<'py, PyAny>>, Failure> {
         let state = self.lock()?;
-        let environment = state.environments.get(index);
+        let environment = state.environments.all().get(index);
         let Some((simulation, frame)) = environment.and_then(|own| own.simulation().zip(own.frame())) else {
             return Ok(None);
         };

@@ -78,7 +78,7 @@ impl CategoryLooks {
     /// The looks of an experiment's labels and of all objects in its scenes.
     pub fn of_experiment(experiment: &Experiment) -> Self {
         let groups = experiment.scenes.values().flat_map(|scene| scene.file.objects.groups());
-        let objects: BTreeSet<Category> = groups.map(|(_, _, group)| group.category()).collect();
+        let objects: BTreeSet<Category> = groups.map(|(_, _, group)| group.category).collect();
         let mut names = experiment.labels();
         names.extend(objects.iter().map(|category| category.name()));
         Self::of(names)

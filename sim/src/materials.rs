@@ -6,10 +6,11 @@ use std::path::Path;
 use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::{InputError, Limits, TEXT_BYTES, read_text, short, toml_fault};
+use underbrush_recording::{InputError, Limits, TEXT_BYTES, read_text, short};
 
 use crate::arm::{Arm, limits};
 use crate::range::{DrawError, Limited, Quantity, Within};
+use crate::toml_text::parsed;
 
 macro_rules! materials {
     ($($(#[doc = $text:literal])+ $name:ident: $limits:expr;)+) => {
@@ -144,10 +145,8 @@ impl MaterialFile {
     }
 
     fn parse(path: &Path, text: &str) -> Result<MaterialFile, InputError> {
-        let constants: BTreeMap<String, Constant> = toml::from_str(text).map_err(|error| {
-            let stopped = (error.message(), error.span().unwrap_or_default().start);
-            toml_fault(path, text, "materials", stopped, "tables [NAME] with value, range, source and affects")
-        })?;
+        let allowed = "tables [NAME] with value, range, source and affects";
+        let constants: BTreeMap<String, Constant> = parsed(path, text, "materials", allowed)?;
         for (name, Constant { value, range: [low, high], .. }) in &constants {
             let fault =
                 |found: String, allowed: String| Err(InputError::new(path, name, found, allowed, "correct this table"));

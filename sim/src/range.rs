@@ -5,16 +5,15 @@ use std::ops::Range;
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Uniform};
+use schemars::JsonSchema;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{Limits, short};
 
 use crate::seed::standard_normals;
 
-mod placement;
 mod schema;
 
-pub use placement::{PLACE_M, Placement, YAW_DEG};
 pub use schema::{Within, schema_within};
 
 /// A number as `0.3`, `{ uniform = [low, high] }` or `{ normal = [mean, standard_deviation] }`.
@@ -30,7 +29,7 @@ pub use schema::{Within, schema_within};
 /// let height_m = Quantity::uniform(0.25, 0.40).draw(&mut random, HEIGHT_M)?;
 /// assert!((0.25..=0.40).contains(&height_m));
 /// // Outside its physical limits nothing is drawn.
-/// assert!(Quantity::fixed(3.0).draw(&mut random, HEIGHT_M).is_err());
+/// assert!(Quantity::uniform(3.0, 4.0).draw(&mut random, HEIGHT_M).is_err());
 /// # Ok::<(), underbrush_sim::range::DrawError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -115,11 +114,6 @@ pub fn draw_possible<T>(
 const DRAWS: usize = 1000;
 
 impl Quantity {
-    /// Always `value`.
-    pub fn fixed(value: f64) -> Self {
-        Quantity { draw: Draw::Fixed(value), span: 0..0 }
-    }
-
     /// Uniform between `low` and `high`.
     pub fn uniform(low: f64, high: f64) -> Self {
         Quantity { draw: Draw::Uniform(low, high), span: 0..0 }
@@ -158,22 +152,39 @@ impl Quantity {
     pub fn fault(&self, limits: Limits) -> Option<(String, String)> {
         let Limits { min, max, .. } = limits;
         let within = |value: f64| value.is_finite() && limits.hold(value);
-        let allowed = format!("values from {} to {}", short(min), short(max));
-        let ok = match self.draw {
-            Draw::Fixed(value) => within(value),
-            Draw::Uniform(low, high) if low > high => {
-                return Some((self.draw.to_string(), "the lower bound first".into()));
-            }
-            Draw::Uniform(low, high) => within(low) && within(high),
+        let allowed = match self.draw {
+            Draw::Uniform(low, high) if low > high => "the lower bound first".into(),
             // A wider distribution would be nearly uniform, and nearly all its draws would be rejected.
             Draw::Normal(_, deviation) if !(0.0..=max - min).contains(&deviation) => {
-                let allowed = format!("a standard deviation from 0 to {}", short(max - min));
-                return Some((self.draw.to_string(), allowed));
+                format!("a standard deviation from 0 to {}", short(max - min))
             }
-            Draw::Normal(mean, _) => within(mean),
+            Draw::Fixed(value) | Draw::Normal(value, _) if within(value) => return None,
+            Draw::Uniform(low, high) if within(low) && within(high) => return None,
+            _ => format!("values from {} to {}", short(min), short(max)),
         };
-        (!ok).then(|| (self.draw.to_string(), allowed))
+        Some((self.draw.to_string(), allowed))
     }
+}
+
+/// Coordinates of objects, goals and the workspace, in the frame of the arm's base: the longest arms reach 3 to 4 m.
+pub const PLACE_M: Limits = Limits::new(-5.0, 5.0, "m");
+
+/// Rotation about the vertical: a full revolution in either direction.
+pub const YAW_DEG: Limits = Limits::new(-360.0, 360.0, "deg");
+
+/// Where the objects of one group may stand; the coordinates are those of their feet.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Placement {
+    /// Coordinate x (forward), m, world frame; anywhere in the workspace if not given.
+    #[schemars(transform = Within(PLACE_M))]
+    pub x_m: Option<Quantity>,
+    /// Coordinate y (left), m, world frame; anywhere in the workspace if not given.
+    #[schemars(transform = Within(PLACE_M))]
+    pub y_m: Option<Quantity>,
+    /// Rotation about the vertical, degrees; any if not given.
+    #[schemars(transform = Within(YAW_DEG))]
+    pub yaw_deg: Option<Quantity>,
 }
 
 impl<'de> Deserialize<'de> for Quantity {

@@ -4,7 +4,7 @@ use glam::DVec3;
 use underbrush_recording::{Frame, GoalRecord, MappedObstacle, Outcome, Recording, SafetyStop};
 
 use crate::controller::Intent;
-use crate::simulation::{LinkForce, Simulation};
+use crate::simulation::Simulation;
 use back_off::{End, Way};
 pub use error::ReachError;
 use log::ReachLog;
@@ -17,7 +17,6 @@ pub(crate) use steering::Steering;
 mod back_off;
 mod error;
 mod log;
-mod map_log;
 mod monitor;
 mod plan;
 mod rules;
@@ -83,7 +82,7 @@ impl<'a> Reach<'a> {
             let goal = Goal { index, position_world };
             let start_time_s = self.simulation.report().time_s();
             let outcome = self.pursue(goal, observer)?;
-            self.log.goal_ended(GoalRecord {
+            self.log.recording.goals.push(GoalRecord {
                 position_world,
                 start_time_s,
                 end_time_s: self.simulation.report().time_s(),
@@ -101,13 +100,11 @@ impl<'a> Reach<'a> {
     /// Drives the end effector to a goal. An arm that gets stuck backs off and tries again, as often as the scene
     /// allows.
     fn pursue(&mut self, goal: Goal, observer: &mut Observer) -> Result<Outcome, ReachError> {
-        let mut rules = self.plan.rules;
-        if let Some(patience_s) = self.plan.scene.file.goals.patience_s {
-            rules = rules.watched_for(patience_s);
-        }
+        let (goals, rules) = (&self.plan.scene.file.goals, self.plan.rules);
+        let rules = goals.patience_s.map_or(rules, |patience_s| rules.watched_for(patience_s));
         let backing_off = ReachRules { time_out_s: back_off::TIME_S, ..rules };
         let mut waypoints = [goal.position_world; 2];
-        back_off::pursue(self.plan.scene.file.goals.retries, |way| {
+        back_off::pursue(goals.retries, |way| {
             let (target_world, rules) = match way {
                 Way::ToGoal => (goal.position_world, rules),
                 Way::Back => {
@@ -146,7 +143,7 @@ impl<'a> Reach<'a> {
                 self.given_up = Some(reason.clone());
             }
             let mut frame = self.simulation.frame(goal.index as u16, goal.position_world);
-            self.steering.observe(&frame);
+            self.steering.controller.observe(&frame.sensed());
             self.steering.control(&self.simulation, target_world)?;
             let equilibrium_rad = &self.steering.equilibrium_rad;
             // The frame holds the angles that the arm is given now.
@@ -154,22 +151,18 @@ impl<'a> Reach<'a> {
             let map = &self.steering.controller.map();
             let frame = self.log.record(&self.simulation, frame, map);
             observer(Observed { simulation: &self.simulation, frame, map });
-            let log = &mut self.log;
-            self.simulation.step_observed(equilibrium_rad, &mut |step| log.observe_step(step));
+            let auditor = &mut self.log.auditor;
+            self.simulation.step_observed(equilibrium_rad, &mut |step| auditor.observe_step(step));
             if let Some(outcome) = ended {
                 let stop = largest.filter(|_| outcome == Outcome::Aborted);
-                self.safety_stop = stop.map(|force| self.safety_stop(&force));
+                self.safety_stop = stop.map(|force| SafetyStop {
+                    object: force.object,
+                    link: self.plan.arm.links[usize::from(force.link)].name.clone(),
+                    patch: force.patch,
+                    force_n: force.force_n,
+                });
                 return Ok(outcome);
             }
-        }
-    }
-
-    fn safety_stop(&self, force: &LinkForce) -> SafetyStop {
-        SafetyStop {
-            object: force.object,
-            link: self.plan.arm.links[usize::from(force.link)].name.clone(),
-            patch: force.patch,
-            force_n: force.force_n,
         }
     }
 }

@@ -80,12 +80,13 @@ fn reaches(seed: u64, threads: usize) -> Result<Vec<u8>, Fault> {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| fault(&error))?;
     let done: Mutex<Vec<(usize, Vec<u8>)>> = Mutex::default();
     let run = || {
-        campaign::run::<Infallible>(&[plan], &jobs, |position, recording| {
+        let receive = |position, recording: Recording| {
             if let Ok(mut done) = done.lock() {
                 done.push((position, bytes(&recording)));
             }
             Ok(())
-        })
+        };
+        campaign::run_until::<Infallible>(&[plan], &jobs, receive, &|| false)
     };
     pool.install(run).map_err(|error| fault(&error))?;
     let mut done = done.into_inner().unwrap_or_default();

@@ -126,7 +126,7 @@ pub fn check_patch<'a>(
 /// The category with this name: a built-in one, or the category of an object in the scenes.
 pub fn category(scenes: &BTreeMap<String, Scene>, name: &str) -> Option<Category> {
     let groups = scenes.values().flat_map(|scene| scene.file.objects.groups());
-    let mut own = groups.map(|(_, _, group)| group.category());
+    let mut own = groups.map(|(_, _, group)| group.category);
     Category::from_name(name).or_else(|| own.find(|category| category.name() == name))
 }
 

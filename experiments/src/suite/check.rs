@@ -120,6 +120,6 @@ fn checked(
 /// The categories of a scene's objects, by name.
 fn categories_of(scene: &Scene) -> BTreeMap<&'static str, Category> {
     let groups = scene.file.objects.groups();
-    let categories = groups.iter().map(|(_, _, group)| group.category());
+    let categories = groups.iter().map(|(_, _, group)| group.category);
     categories.map(|category| (category.name(), category)).collect()
 }

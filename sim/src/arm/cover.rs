@@ -212,26 +212,17 @@ fn points(arm: &Arm, link: usize, new: &NewPatch) -> Result<(String, usize), Str
     let own = Surface::of(&arm.links[link]);
     let candidates = own.0.iter().flat_map(|shape| surface(shape, new.pitch_m));
     let mut picked = Spread { least_m: LEAST_SHARE * new.pitch_m, cells: HashMap::new(), places: Vec::new() };
-    let mut left_out = 0;
-    for place in candidates {
-        // Before they are spread, so that they do not keep others away.
-        if new.prune && !own.is_open(&place) {
-            continue;
-        }
-        picked.add(place);
-    }
+    // Pruned before they are spread, so that they do not keep others away.
+    candidates.filter(|place| !new.prune || own.is_open(place)).for_each(|place| picked.add(place));
     let covered = covered(arm, link, &picked.places);
+    let left_out = covered.iter().flatten().count();
     if !new.prune {
         listed(&covered)?;
     }
     let limits = [LEAST_SHARE * LEAST_SHARE, 1.0].map(|share| share * new.pitch_m * new.pitch_m);
     let mut text = head(new, &format!("taxels at least {LEAST_SHARE} pitches apart, all over the link"));
     let _ = writeln!(text, "[patch.points]\nderived_area_limits_m2 = [{:?}, {:?}]\ntaxels = [", limits[0], limits[1]);
-    for (place, cover) in picked.places.iter().zip(&covered) {
-        if cover.is_some() {
-            left_out += 1;
-            continue;
-        }
+    for (place, _) in picked.places.iter().zip(&covered).filter(|(_, cover)| cover.is_none()) {
         let (position, normal) = (numbers(place.position, 1e5), numbers(place.normal, 1e4));
         let _ = writeln!(text, "    {{ position_m = {position}, normal = {normal} }},");
     }

@@ -122,11 +122,8 @@ struct HullTable {
     points_m: Vec<[f64; 3]>,
 }
 
-/// Reads a file by its path.
-pub(super) type Read<'a> = &'a dyn Fn(&Path) -> Result<String, InputError>;
-
-/// Assembles an arm from the TOML file at `path` and the files that it names, relative to itself.
-pub(super) fn assemble(path: &Path, read: Read<'_>) -> Result<Arm, InputError> {
+/// Assembles an arm from the TOML file at `path` and the files that it names, relative to itself. `read` reads a file.
+pub(super) fn assemble(path: &Path, read: &dyn Fn(&Path) -> Result<String, InputError>) -> Result<Arm, InputError> {
     let open = |path: &Path| Ok(Source { path: path.to_path_buf(), text: read(path)? });
     let source = open(path)?;
     let file: ArmFile = source.toml("the keys of an arm file, such as that of `cody`, which ships with underbrush")?;
@@ -197,12 +194,8 @@ fn read_held_chain(source: &Source, file: &ArmFile, urdf: &Source) -> Result<Cha
     let mut held = BTreeMap::new();
     for table in &file.held {
         let (start, table) = (table.span().start, table.get_ref());
-        for (key, value, limits) in [
-            ("held.angle_deg", table.angle_deg, limits::ANGLE_DEG),
-            ("held.displacement_m", table.displacement_m, limits::PLACE_M),
-        ] {
-            source.check(start, key, value.unwrap_or(0.0), limits)?;
-        }
+        source.check(start, "held.angle_deg", table.angle_deg.unwrap_or(0.0), limits::ANGLE_DEG)?;
+        source.check(start, "held.displacement_m", table.displacement_m.unwrap_or(0.0), limits::PLACE_M)?;
         let place = table.angle_deg.map(f64::to_radians).or(table.displacement_m).unwrap_or(0.0);
         if held.insert(table.name.clone(), place).is_some() {
             let found = format!("a second {}", table.name);
@@ -283,14 +276,11 @@ fn join_table(source: &Source, joint: ChainJoint, table: &Spanned<JointTable>) -
     let fault = |key: &str, found: String, allowed: &str| {
         source.fault_after(start, &format!("joint {}.{key}", joint.name), found, allowed)
     };
-    for (key, value, limits) in [
-        ("stiffness_nm_per_rad", table.stiffness_nm_per_rad, limits::STIFFNESS_NM_PER_RAD),
-        ("model_stiffness_nm_per_rad", table.model_stiffness_nm_per_rad, limits::STIFFNESS_NM_PER_RAD),
-        ("damping_nm_s_per_rad", table.damping_nm_s_per_rad, limits::DAMPING_NM_S_PER_RAD),
-        ("armature_kg_m2", table.armature_kg_m2, limits::ARMATURE_KG_M2),
-    ] {
-        source.check(start, &format!("joint {}.{key}", joint.name), value, limits)?;
-    }
+    let check = |key, value, limits| source.check(start, &format!("joint {}.{key}", joint.name), value, limits);
+    check("stiffness_nm_per_rad", table.stiffness_nm_per_rad, limits::STIFFNESS_NM_PER_RAD)?;
+    check("model_stiffness_nm_per_rad", table.model_stiffness_nm_per_rad, limits::STIFFNESS_NM_PER_RAD)?;
+    check("damping_nm_s_per_rad", table.damping_nm_s_per_rad, limits::DAMPING_NM_S_PER_RAD)?;
+    check("armature_kg_m2", table.armature_kg_m2, limits::ARMATURE_KG_M2)?;
     let limits_rad = table.controller_limits_deg.map(f64::to_radians);
     let [lower, upper] = limits_rad;
     let mechanical = joint.limits_rad.map(f64::to_degrees);
@@ -300,9 +290,8 @@ fn join_table(source: &Source, joint: ChainJoint, table: &Spanned<JointTable>) -
         return Err(fault("controller_limits_deg", listed(&degrees), &allowed));
     }
     if lower < joint.limits_rad[0] || upper > joint.limits_rad[1] {
-        let found = listed(&degrees);
         let allowed = format!("within the URDF's limits, {:.4} to {:.4} deg", mechanical[0], mechanical[1]);
-        return Err(fault("controller_limits_deg", found, &allowed));
+        return Err(fault("controller_limits_deg", listed(&degrees), &allowed));
     }
     let start_rad = table.start_deg.to_radians();
     if !(lower..=upper).contains(&start_rad) {

@@ -19,8 +19,7 @@ impl Arm {
     /// none is found from the angles `start_rad`; there may be others. Damped least squares (Wampler 1986), without the
     /// joints that are at a limit and would be pushed beyond it.
     pub fn posture_at(&self, point_world: DVec3, start_rad: &[f64]) -> Option<Vec<f64>> {
-        let limits = self.joints.iter().map(|joint| joint.controller_limits_rad);
-        let limits: Vec<[f64; 2]> = limits.collect();
+        let limits: Vec<[f64; 2]> = self.joints.iter().map(|joint| joint.controller_limits_rad).collect();
         let clamped = |angle: f64, [low, high]: [f64; 2]| angle.max(low).min(high);
         let mut angles: Vec<f64> =
             start_rad.iter().zip(&limits).map(|(angle, limits)| clamped(*angle, *limits)).collect();

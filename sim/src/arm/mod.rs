@@ -196,7 +196,12 @@ impl Arm {
     /// # Errors
     /// Only when this crate's own files are broken.
     pub fn cody() -> Result<Arm, InputError> {
-        file::assemble(Path::new("cody.toml"), &cody_file)
+        let file = |name: &str, text: &str| ArmSource { name: name.to_owned(), text: text.to_owned() };
+        Arm::from_files(&[
+            file("cody.toml", include_str!("../../arms/cody/cody.toml")),
+            file("cody.urdf", include_str!("../../arms/cody/cody.urdf")),
+            file("cody.skin.toml", include_str!("../../arms/cody/cody.skin.toml")),
+        ])
     }
 
     /// The angles at the start of a reach, rad.
@@ -241,10 +246,7 @@ impl Arm {
 /// # Errors
 /// As for [`Arm::load`]. A skin file alone is checked only in itself, not against an arm.
 pub fn load_layout(path: impl AsRef<Path>) -> Result<SkinLayout, InputError> {
-    layout_of(path.as_ref())
-}
-
-fn layout_of(path: &Path) -> Result<SkinLayout, InputError> {
+    let path = path.as_ref();
     let source = source::Source { path: path.to_path_buf(), text: source::read_from_disk(path)? };
     let keys: toml::Table = source.toml("the keys of an arm file, which names a urdf, or of a skin file")?;
     match keys.contains_key("urdf") {
@@ -267,16 +269,6 @@ pub fn schema() -> schemars::Schema {
 /// The JSON Schema of a skin file.
 pub fn skin_schema() -> schemars::Schema {
     schemars::schema_for!(skin_file::SkinFile)
-}
-
-/// The files of Cody, by name.
-fn cody_file(path: &Path) -> Result<String, InputError> {
-    match path.to_str() {
-        Some("cody.toml") => Ok(include_str!("../../arms/cody/cody.toml").into()),
-        Some("cody.urdf") => Ok(include_str!("../../arms/cody/cody.urdf").into()),
-        Some("cody.skin.toml") => Ok(include_str!("../../arms/cody/cody.skin.toml").into()),
-        _ => Err(InputError::new(path, "file", "no such file", "a file of the crate", "add it to the crate")),
-    }
 }
 
 #[cfg(test)]

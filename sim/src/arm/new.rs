@@ -17,7 +17,7 @@ use super::new_text::{
 };
 use super::source::{Source, read_from_disk};
 use super::start::Room;
-use super::urdf::{ChainJoint, Joint, Said, child, mesh, origin_pose, read_chain, text};
+use super::urdf::{Joint, Said, child, mesh, origin_pose, read_chain, text};
 use super::urdf_text::{Element, Elements, attribute, named, number, numbers};
 use super::{Arm, ArmSource};
 
@@ -101,19 +101,16 @@ pub fn new_files(new: &NewArm) -> Result<NewFiles, InputError> {
     };
     let limits_deg: Vec<[f64; 2]> = chain.joints.iter().map(controller_limits_deg).collect();
     let middle = |[low, high]: &[f64; 2]| ((low + high) * 5.0).round() / 10.0;
-    // Stiffness and damping do not matter for kinematics and inertia.
-    let table = |joint: &ChainJoint, limits: &[f64; 2], start: f64| joint_table(joint, limits, start, [1.0, 1.0]);
     let joints = chain.joints.iter().zip(&limits_deg);
-    let arm =
-        assembled(&file(&joints.map(|(joint, limits)| table(joint, limits, middle(limits))).collect::<String>()))?;
+    // Stiffness and damping do not matter for kinematics and inertia.
+    let joints: String = joints.map(|(joint, own)| joint_table(joint, own, middle(own), [1.0, 1.0])).collect();
+    let arm = assembled(&file(&joints))?;
     let room = Room::of(&arm);
     let found_posture = room.start_posture(&arm);
+    let rounded =
+        |(angle, [low, high]): (&f64, &[f64; 2])| ((angle.to_degrees() * 10.0).round() / 10.0).clamp(*low, *high);
     let start_deg: Vec<f64> = match &found_posture {
-        Some(posture) => posture
-            .iter()
-            .zip(&limits_deg)
-            .map(|(angle, [low, high])| ((angle.to_degrees() * 10.0).round() / 10.0).clamp(*low, *high))
-            .collect(),
+        Some(posture) => posture.iter().zip(&limits_deg).map(rounded).collect(),
         None => limits_deg.iter().map(middle).collect(),
     };
     let start_rad: Vec<f64> = start_deg.iter().map(|angle| angle.to_radians()).collect();

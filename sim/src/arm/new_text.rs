@@ -34,16 +34,13 @@ pub(super) fn stiffness_nm_per_rad(joint: &ChainJoint) -> f64 {
 }
 
 pub(super) fn controller_limits_deg(joint: &ChainJoint) -> [f64; 2] {
-    let margin_deg = (half_range_rad(joint).to_degrees() / 2.0).min(MARGIN_DEG);
-    let [low, high] = match joint.limits_rad[0].is_finite() {
-        true => joint.limits_rad.map(f64::to_degrees),
-        false => [-PI, PI].map(f64::to_degrees),
-    };
-    match joint.limits_rad[0].is_finite() {
-        // Rounded inwards to 0.01 deg.
-        true => [((low + margin_deg) * 100.0).ceil() / 100.0, ((high - margin_deg) * 100.0).floor() / 100.0],
-        false => [low, high],
+    if !joint.limits_rad[0].is_finite() {
+        return [-PI, PI].map(f64::to_degrees);
     }
+    let margin_deg = (half_range_rad(joint).to_degrees() / 2.0).min(MARGIN_DEG);
+    let [low, high] = joint.limits_rad.map(f64::to_degrees);
+    // Rounded inwards to 0.01 deg.
+    [((low + margin_deg) * 100.0).ceil() / 100.0, ((high - margin_deg) * 100.0).floor() / 100.0]
 }
 
 pub(super) fn two_digits(value: f64) -> f64 {

@@ -26,8 +26,9 @@ pub struct Skin {
 pub struct PatchSurface {
     /// The link that carries the patch, index in [`crate::arm::Arm::links`].
     pub link: usize,
-    /// Its shape.
-    pub form: SurfaceForm,
+    /// Radius of the cylinder onto which its square taxels are bent, m; its axis is the first tangent of every taxel. `None` for
+    /// flat taxels.
+    pub radius_m: Option<f64>,
     /// Technology of its taxels.
     pub technology: Technology,
     /// The share of the pressure on the gaps between taxels that the cover passes on to them. At 1 all of it is felt, as if
@@ -44,22 +45,6 @@ pub enum Technology {
     Capacitive,
     /// Separate pieces of piezoresistive fabric, as on Cody's flipper.
     Fabric,
-}
-
-/// The shape of the surface under a patch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SurfaceForm {
-    /// A cylinder onto which square taxels are bent.
-    Cylinder {
-        /// A point on the axis, m, link frame.
-        axis_point_link: DVec3,
-        /// Direction of the axis, unit vector, link frame. It is also the first tangent of every taxel.
-        axis_link: DVec3,
-        /// Radius, m.
-        radius_m: f64,
-    },
-    /// Flat square taxels.
-    Points,
 }
 
 /// A piece of a taxel's surface.
@@ -98,23 +83,20 @@ impl Skin {
                 // A quarter of a quarter is exact.
                 let area_m2 = taxel.area_m2 * (length_m / side_m) * (width_m / side_m);
                 let felt_share = if *row_in_gap || *column_in_gap { surface.gap_share } else { 1.0 };
-                points.push(match surface.form {
-                    SurfaceForm::Cylinder { radius_m, .. } => {
+                let (position_link, normal_link) = match surface.radius_m {
+                    Some(radius_m) => {
                         // `across` is an arc length, because the taxel is bent and not stretched.
                         let (sin, cos) = math::sin_cos(across / radius_m);
                         let normal_link = taxel.normal_link * cos + second_tangent * sin;
                         let center = taxel.position_link - taxel.normal_link * radius_m;
-                        let position_link = center + taxel.tangent_link * along + normal_link * radius_m;
-                        SurfacePoint { taxel: number, position_link, normal_link, area_m2, felt_share }
+                        (center + taxel.tangent_link * along + normal_link * radius_m, normal_link)
                     }
-                    SurfaceForm::Points => SurfacePoint {
-                        taxel: number,
-                        position_link: taxel.position_link + taxel.tangent_link * along + second_tangent * across,
-                        normal_link: taxel.normal_link,
-                        area_m2,
-                        felt_share,
-                    },
-                });
+                    None => {
+                        let position_link = taxel.position_link + taxel.tangent_link * along + second_tangent * across;
+                        (position_link, taxel.normal_link)
+                    }
+                };
+                points.push(SurfacePoint { taxel: number, position_link, normal_link, area_m2, felt_share });
             }
         }
         points
@@ -123,7 +105,7 @@ impl Skin {
     /// Half the gaps to the neighbours of a taxel whose side is `side_m`, m: before and after it along its first tangent, then
     /// along its second. `None` for taxels that are not on a cylinder. At an edge of the patch it is the gap on the other side.
     fn gaps_m(&self, patch: usize, taxel: usize, side_m: f64) -> Option<[[f64; 2]; 2]> {
-        let SurfaceForm::Cylinder { radius_m, .. } = self.surfaces[patch].form else { return None };
+        let radius_m = self.surfaces[patch].radius_m?;
         let Patch { grid, taxels, .. } = &self.layout.patches[patch];
         let grid = (*grid)?;
         let (row, column) = (taxel / grid.columns, taxel % grid.columns);

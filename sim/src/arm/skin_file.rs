@@ -5,10 +5,10 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Spanned;
 use underbrush_recording::limits::{MAX_PATCHES, MAX_TAXELS, short};
-use underbrush_recording::{Grid, InputError, PLAIN, Patch, Pose, SkinLayout, Taxel, is_plain, math};
+use underbrush_recording::{Grid, InputError, PLAIN, Patch, SkinLayout, Taxel, is_plain, math};
 
 use super::schema::Within;
-use super::skin::{PatchSurface, Skin, SurfaceForm, Technology};
+use super::skin::{PatchSurface, Skin, Technology};
 use super::source::{Source, listed};
 use super::urdf::Chain;
 use super::{limits, skin_fit};
@@ -136,7 +136,7 @@ struct TaxelTable {
 pub(super) fn read_layout(source: &Source) -> Result<SkinLayout, InputError> {
     let mut layout = SkinLayout::default();
     for table in &read_file(source)?.patch {
-        let PatchTaxels { grid, taxels, .. } = patch_taxels(source, table, &layout, &Pose::IDENTITY)?;
+        let PatchTaxels { grid, taxels, .. } = patch_taxels(source, table, &layout)?;
         layout.patches.push(Patch {
             name: table.get_ref().name.clone(),
             link: table.get_ref().link.clone(),
@@ -163,38 +163,28 @@ fn read_file(source: &Source) -> Result<SkinFile, InputError> {
 
 /// A patch as described by its table.
 struct PatchTaxels {
-    form: SurfaceForm,
+    /// Radius of their cylinder, m.
+    radius_m: Option<f64>,
     grid: Option<Grid>,
     taxels: Vec<Taxel>,
     /// The byte at which each taxel stands in the file, for error messages.
     offsets: Vec<usize>,
 }
 
-/// Reads the taxels of a patch in the frame that the file names, and the shape of its surface in the frame of the
-/// moving link. `pose` is the pose of the first frame in the second. The patch's name must differ from those of
-/// `earlier` patches.
-fn patch_taxels(
-    source: &Source,
-    table: &Spanned<PatchTable>,
-    earlier: &SkinLayout,
-    pose: &Pose,
-) -> Result<PatchTaxels, InputError> {
+/// Reads the taxels of a patch in the frame that the file names. The patch's name must differ from those of `earlier` patches.
+fn patch_taxels(source: &Source, table: &Spanned<PatchTable>, earlier: &SkinLayout) -> Result<PatchTaxels, InputError> {
     let start = table.span().start;
     let table = table.get_ref();
+    let wrong_name = |allowed| Err(source.fault_after(start, "patch.name", format!("{:?}", table.name), allowed));
     // Columns are named after patches, and LeRobot reads a "/" in a name as part of a path.
     if table.name.is_empty() || table.name.contains('/') || earlier.patch_index(&table.name).is_some() {
-        return Err(source.fault_after(
-            start,
-            "patch.name",
-            format!("{:?}", table.name),
-            "a unique name without \"/\"",
-        ));
+        return wrong_name("a unique name without \"/\"");
     }
     if !is_plain(&table.name) {
-        return Err(source.fault_after(start, "patch.name", format!("{:?}", table.name), PLAIN));
+        return wrong_name(PLAIN);
     }
     let patch = match (&table.cylinder, &table.points) {
-        (Some(cylinder), None) => cylinder_taxels(source, cylinder, pose)?,
+        (Some(cylinder), None) => cylinder_taxels(source, cylinder)?,
         (None, Some(points)) => point_taxels(source, points)?,
         _ => {
             let allowed = "either [patch.cylinder] or [patch.points]";
@@ -213,7 +203,7 @@ fn patch_taxels(
 pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputError> {
     let file = read_file(source)?;
     let mut skin = Skin {
-        layout: SkinLayout { patches: Vec::new() },
+        layout: SkinLayout::default(),
         surfaces: Vec::new(),
         stiffness_n_per_m3: file.stiffness_n_per_m3,
         thickness_m: file.thickness_m,
@@ -221,7 +211,7 @@ pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputErr
     };
     for table in &file.patch {
         let (link, pose) = chain.frame(source, table.span().start, "patch.link", &table.get_ref().link)?;
-        let PatchTaxels { form, grid, mut taxels, offsets } = patch_taxels(source, table, &skin.layout, &pose)?;
+        let PatchTaxels { radius_m, grid, mut taxels, offsets } = patch_taxels(source, table, &skin.layout)?;
         let table = table.get_ref();
         for taxel in &mut taxels {
             taxel.position_link = pose.transform_point(taxel.position_link);
@@ -232,13 +222,12 @@ pub(super) fn read_skin(source: &Source, chain: &Chain) -> Result<Skin, InputErr
         skin_fit::check(source, &offsets, &patch, &chain.links[link])?;
         skin.layout.patches.push(patch);
         let gap_share = table.cylinder.as_ref().map_or(1.0, |cylinder| cylinder.get_ref().gap_share);
-        skin.surfaces.push(PatchSurface { link, form, technology: table.technology, gap_share });
+        skin.surfaces.push(PatchSurface { link, radius_m, technology: table.technology, gap_share });
     }
     Ok(skin)
 }
 
-/// Reads the taxels of a cylinder, as [`patch_taxels`] does.
-fn cylinder_taxels(source: &Source, table: &Spanned<CylinderTable>, pose: &Pose) -> Result<PatchTaxels, InputError> {
+fn cylinder_taxels(source: &Source, table: &Spanned<CylinderTable>) -> Result<PatchTaxels, InputError> {
     let start = table.span().start;
     let table = table.get_ref();
     let fault = |key: &str, found: String, allowed: &str| {
@@ -254,14 +243,10 @@ fn cylinder_taxels(source: &Source, table: &Spanned<CylinderTable>, pose: &Pose)
     else {
         return fault("zero_angle", listed(&table.zero_angle), "a direction across the axis");
     };
-    for (key, value, limits) in [
-        ("radius_m", table.radius_m, limits::RADIUS_M),
-        ("row_pitch_m", table.row_pitch_m, limits::TAXEL_SIZE_M),
-        ("taxel_size_m", table.taxel_size_m, limits::TAXEL_SIZE_M),
-        ("gap_share", table.gap_share, limits::SHARE),
-    ] {
-        source.check(start, &format!("patch.cylinder.{key}"), value, limits)?;
-    }
+    source.check(start, "patch.cylinder.radius_m", table.radius_m, limits::RADIUS_M)?;
+    source.check(start, "patch.cylinder.row_pitch_m", table.row_pitch_m, limits::TAXEL_SIZE_M)?;
+    source.check(start, "patch.cylinder.taxel_size_m", table.taxel_size_m, limits::TAXEL_SIZE_M)?;
+    source.check(start, "patch.cylinder.gap_share", table.gap_share, limits::SHARE)?;
     let columns = table.column_angles_deg.len();
     if !(1..=MAX_TAXELS / columns.max(1)).contains(&table.rows) {
         let allowed = format!("at least 1, and at most {MAX_TAXELS} taxels on all patches together");
@@ -292,13 +277,8 @@ fn cylinder_taxels(source: &Source, table: &Spanned<CylinderTable>, pose: &Pose)
         }
     };
     let taxels: Vec<_> = (0..table.rows).flat_map(|row| angles.iter().map(move |angle| taxel(row, *angle))).collect();
-    let form = SurfaceForm::Cylinder {
-        axis_point_link: pose.transform_point(row_0),
-        axis_link: pose.orientation * axis,
-        radius_m: table.radius_m,
-    };
     let grid = Some(Grid { rows: table.rows, columns: angles.len(), wraps: table.wraps });
-    Ok(PatchTaxels { form, grid, offsets: vec![start; taxels.len()], taxels })
+    Ok(PatchTaxels { radius_m: Some(table.radius_m), grid, offsets: vec![start; taxels.len()], taxels })
 }
 
 fn point_taxels(source: &Source, table: &Spanned<PointsTable>) -> Result<PatchTaxels, InputError> {
@@ -343,7 +323,7 @@ fn point_taxels(source: &Source, table: &Spanned<PointsTable>) -> Result<PatchTa
         taxels.push(Taxel { position_link, normal_link, tangent_link, area_m2 });
     }
     let offsets = table.taxels.iter().map(|taxel| taxel.span().start).collect();
-    Ok(PatchTaxels { form: SurfaceForm::Points, grid: None, taxels, offsets })
+    Ok(PatchTaxels { radius_m: None, grid: None, taxels, offsets })
 }
 
 /// The square of the distance to the nearest taxel that faces the same way (within 90°); infinite if there is none.

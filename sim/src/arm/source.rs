@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use serde::de::DeserializeOwned;
-use underbrush_recording::{InputError, Limits, TEXT_BYTES, line_at, read_text, short, toml_fault};
+use underbrush_recording::{InputError, Limits, TEXT_BYTES, line_at, read_text, short};
 
 use super::limits::DIRECTION;
-use crate::toml_text::sets_key;
+use crate::toml_text::{parsed, sets_key};
 
 /// A file's path and text.
 pub(super) struct Source {
@@ -40,10 +40,7 @@ pub(super) fn directions() -> String {
 impl Source {
     /// Parses the text as TOML.
     pub(super) fn toml<T: DeserializeOwned>(&self, allowed: &str) -> Result<T, InputError> {
-        toml::from_str(&self.text).map_err(|error| {
-            let stopped = (error.message(), error.span().unwrap_or_default().start);
-            toml_fault(&self.path, &self.text, "TOML", stopped, allowed)
-        })
+        parsed(&self.path, &self.text, "TOML", allowed)
     }
 
     /// An error about the whole file.

@@ -6,7 +6,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use super::{Arm, cody_file, file};
+use super::{Arm, file};
 use underbrush_recording::InputError;
 
 mod cody;
@@ -20,6 +20,13 @@ pub(crate) fn random_postures(arm: &Arm, count: usize) -> Vec<Vec<f64>> {
     let mut posture =
         || arm.joints.iter().map(|joint| random.random_range(joint.limits_rad[0]..joint.limits_rad[1])).collect();
     (0..count).map(|_| posture()).collect()
+}
+
+/// The text of one of Cody's files.
+fn cody_file(path: &Path) -> Result<String, InputError> {
+    let file = Arm::cody()?.files.into_iter().find(|file| Path::new(&file.name) == path);
+    let missing = || InputError::new(path, "file", "no such file", "a file of Cody", "name one of them");
+    Ok(file.ok_or_else(missing)?.text)
 }
 
 /// Cody with `from` replaced by `to` in one of its files.

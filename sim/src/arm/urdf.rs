@@ -77,15 +77,11 @@ const NO_LOOP: &str = "each link once, from the base to the end effector";
 /// Reads the chain that starts at `base`.
 pub(super) fn read_chain(source: &Source, base: &str, said: &Said) -> Result<Chain, InputError> {
     let elements = Elements::read(source)?;
-    let with_place = |element| {
-        let joint = Joint::of(element);
-        Joint { held: said.held.get(joint.name).copied(), ..joint }
-    };
     let reader = Reader {
         source,
         elements: &elements,
         links: elements.of_kind("link").map(|link| (text(link, "name"), link)).collect(),
-        joints: elements.of_kind("joint").map(with_place).collect(),
+        joints: elements.of_kind("joint").map(Joint::of).collect(),
         said,
     };
     reader.check_names()?;
@@ -134,8 +130,6 @@ pub(super) struct Joint<'a> {
     /// Names of its links.
     pub(super) parent: &'a str,
     pub(super) child: &'a str,
-    /// The angle, rad, or displacement, m, at which it is held.
-    held: Option<f64>,
 }
 
 impl<'a> Joint<'a> {
@@ -147,17 +141,12 @@ impl<'a> Joint<'a> {
             kind: text(element, "type"),
             parent: end("parent"),
             child: end("child"),
-            held: None,
         }
     }
 
     /// Whether the file lets it move.
     pub(super) fn moves(&self) -> bool {
         self.kind != "fixed"
-    }
-
-    fn is_fixed(&self) -> bool {
-        !self.moves() || self.held.is_some()
     }
 }
 
@@ -218,12 +207,16 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    fn is_fixed(&self, joint: &Joint) -> bool {
+        !joint.moves() || self.said.held.contains_key(joint.name)
+    }
+
     /// All links that fixed joints connect to `root`.
     fn rigid_group(&self, root: &'a str) -> Result<RigidGroup<'a>, InputError> {
         let mut frames = vec![(root, Pose::IDENTITY)];
         let mut next = 0;
         while let Some((parent, pose)) = frames.get(next).copied() {
-            for joint in self.joints.iter().filter(|joint| joint.is_fixed() && joint.parent == parent) {
+            for joint in self.joints.iter().filter(|joint| self.is_fixed(joint) && joint.parent == parent) {
                 if frames.iter().any(|(name, _)| *name == joint.child) {
                     return Err(self.joint_fault(joint, "child", "a loop", NO_LOOP));
                 }
@@ -237,7 +230,7 @@ impl<'a> Reader<'a> {
     /// The one moving joint on a rigid group, with its pose in the group's frame; `None` at the end of the chain.
     fn next_joint(&self, frames: &RigidGroup<'a>) -> Result<Option<(Joint<'a>, Pose)>, InputError> {
         let mut next: Option<(Joint, Pose)> = None;
-        for joint in self.joints.iter().filter(|joint| !joint.is_fixed()) {
+        for joint in self.joints.iter().filter(|joint| !self.is_fixed(joint)) {
             let Some((_, pose)) = frames.iter().find(|(name, _)| *name == joint.parent) else {
                 continue;
             };
@@ -254,12 +247,12 @@ impl<'a> Reader<'a> {
     /// Pose of a joint's child in its parent at angle 0, or where the joint is held.
     fn joint_origin(&self, joint: &Joint) -> Result<Pose, InputError> {
         let origin = self.pose("joint", joint.name, "origin", child(joint.element, "origin"))?;
-        let Some(place) = joint.held.filter(|_| joint.moves()) else { return Ok(origin) };
+        let Some(place) = self.said.held.get(joint.name).filter(|_| joint.moves()) else { return Ok(origin) };
         let axis = self.axis(joint)?;
         Ok(origin
             * match joint.kind {
-                "prismatic" => Pose::new(axis * place, DQuat::IDENTITY),
-                _ => Pose::from_orientation(DQuat::from_axis_angle(axis, place)),
+                "prismatic" => Pose::new(axis * *place, DQuat::IDENTITY),
+                _ => Pose::from_orientation(DQuat::from_axis_angle(axis, *place)),
             })
     }
 
@@ -270,7 +263,7 @@ impl<'a> Reader<'a> {
 
     /// The joints that are held, each with whether it turns.
     fn held_joints(&self) -> Result<BTreeMap<String, bool>, InputError> {
-        let held = self.joints.iter().filter(|joint| joint.held.is_some() && joint.moves());
+        let held = self.joints.iter().filter(|joint| joint.moves() && self.is_fixed(joint));
         held.map(|joint| match joint.kind {
             "revolute" | "continuous" => Ok((joint.name.to_owned(), true)),
             "prismatic" => Ok((joint.name.to_owned(), false)),

@@ -6,8 +6,8 @@ use glam::{DQuat, DVec3};
 use serde::Serialize;
 use underbrush_recording::{Pose, math};
 
-use super::{Arm, LinkCollider};
-use crate::geometry::PlacedShape;
+use super::Arm;
+use super::skin_fit::Surface;
 
 /// Radius of the ball that is tried, m: a stem, or the rolled edge of a leaf. Choice.
 const BALL_M: f64 = 0.004;
@@ -50,24 +50,24 @@ pub fn wedges(arm: &Arm) -> Vec<Wedge> {
 
 /// The worst wedge between two links.
 fn worst(arm: &Arm, first: usize, second: usize) -> Option<Wedge> {
-    let parts = on(&arm.links[first].colliders, &Pose::IDENTITY);
+    let parts = Surface::of(&arm.links[first]);
     // In the frame of the first link: the last joint, at which both meet.
     let joint = poses(arm, first, second, None)[second - first - 1].position;
-    let places: Vec<DVec3> = around(joint).filter(|place| near(distance(&parts, *place))).collect();
+    let places: Vec<DVec3> = around(joint).filter(|place| near(parts.distance_m(*place))).collect();
     let mut worst: Option<Wedge> = None;
     for joint in first..second {
         let [lower, upper] = arm.joints[joint].limits_rad.map(|limit| limit.clamp(-PI, PI));
         for step in 0..ANGLES {
             let angle_rad = lower + (upper - lower) * step as f64 / (ANGLES - 1) as f64;
             let links = poses(arm, first, second, Some((joint, angle_rad)));
-            let mut shapes: Vec<Vec<PlacedShape>> =
-                links.iter().zip(&arm.links[first + 1..]).map(|(pose, link)| on(&link.colliders, pose)).collect();
-            let child = shapes.pop().unwrap_or_default();
+            let shapes = links.iter().zip(&arm.links[first + 1..]).map(|(pose, link)| link.placed_shapes(*pose));
+            let mut shapes: Vec<Surface> = shapes.map(|shapes| Surface(shapes.collect())).collect();
+            let Some(child) = shapes.pop() else { continue };
             let turning = links[joint - first];
             let axis = turning.orientation * arm.joints[joint].axis_child;
             for place in &places {
-                let between_m = shapes.iter().map(|own| distance(own, *place)).fold(f64::INFINITY, f64::min);
-                if between_m < BALL_M - STEP_M / 2.0 || !near(distance(&child, *place)) {
+                let between_m = shapes.iter().map(|own| own.distance_m(*place)).fold(f64::INFINITY, f64::min);
+                if between_m < BALL_M - STEP_M / 2.0 || !near(child.distance_m(*place)) {
                     continue;
                 }
                 let (of_first, of_second) = (normal(&parts, *place), normal(&child, *place));
@@ -113,24 +113,14 @@ fn around(middle: DVec3) -> impl Iterator<Item = DVec3> {
     grid.filter(|offset| offset.length() <= REACH_M).map(move |offset| middle + offset)
 }
 
-/// The shapes of a link at a pose.
-fn on(parts: &[LinkCollider], pose: &Pose) -> Vec<PlacedShape> {
-    parts.iter().map(|part| part.placed(pose)).collect()
-}
-
 /// Whether a ball at this distance from a surface touches it, within half a step.
 fn near(distance_m: f64) -> bool {
     (distance_m - BALL_M).abs() <= STEP_M / 2.0
 }
 
-/// Distance of a point from the nearest shape, m; negative inside.
-fn distance(parts: &[PlacedShape], place: DVec3) -> f64 {
-    parts.iter().map(|part| part.signed_distance_m(place)).fold(f64::INFINITY, f64::min)
-}
-
 /// The direction in which the distance from the shapes grows fastest.
-fn normal(parts: &[PlacedShape], place: DVec3) -> DVec3 {
+fn normal(parts: &Surface, place: DVec3) -> DVec3 {
     let step_m = 1e-4;
-    let slope = |axis: DVec3| distance(parts, place + axis * step_m) - distance(parts, place - axis * step_m);
+    let slope = |axis: DVec3| parts.distance_m(place + axis * step_m) - parts.distance_m(place - axis * step_m);
     DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)).normalize_or(DVec3::Z)
 }

@@ -43,12 +43,11 @@ impl Clutter {
         table.insert("objects".into(), objects.into());
         let materials = self.materials.values().map(|(name, value)| (name.to_owned(), value.into()));
         table.insert("materials".into(), materials.collect::<Table>().into());
-        let old = match table.remove("goals") {
+        let mut goals = match table.remove("goals") {
             Some(Value::Table(goals)) => goals,
             _ => Table::new(),
         };
-        let drawn = ["count", "x_m", "y_m", "z_m"];
-        let mut goals: Table = old.into_iter().filter(|(key, _)| !drawn.contains(&key.as_str())).collect();
+        goals.retain(|key, _| !["count", "x_m", "y_m", "z_m"].contains(&key));
         let positions = self.goals.iter().map(|goal| goal.to_array().to_vec());
         goals.insert("positions_m".into(), positions.collect::<Vec<_>>().into());
         table.insert("goals".into(), goals.into());

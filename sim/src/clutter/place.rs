@@ -6,8 +6,8 @@ use underbrush_recording::{InputError, Limits};
 
 use super::PlacedObject;
 use crate::arm::ArmAtStart;
-use crate::object::{Footing, StandsOn};
-use crate::range::{PLACE_M, Placement, Quantity, YAW_DEG};
+use crate::object::{Footing, Specification, StandsOn};
+use crate::range::{PLACE_M, Quantity, YAW_DEG};
 use crate::scene::Scene;
 
 /// Clearance between the arm in its start posture and any object, m.
@@ -26,12 +26,11 @@ pub(super) fn place_all(
     let mut objects: Vec<PlacedObject> = Vec::new();
     for (kind, number, group) in scene.file.objects.groups() {
         let field = format!("objects.{kind}[{number}]");
-        for done in 0..group.count() {
+        for done in 0..group.count {
             let mut rejected = Rejections::default();
             let mut found = None;
             for _ in 0..PLACES {
-                let Some(Proposal { center, yaw_rad, footing, stands_on }) =
-                    propose(scene, group.place(), group.stands_on(), &objects, random)
+                let Some(Proposal { center, yaw_rad, footing, stands_on }) = propose(scene, group, &objects, random)
                 else {
                     rejected.no_foam += 1;
                     continue;
@@ -41,7 +40,7 @@ pub(super) fn place_all(
                     scene.fault(&field, error, "a range most of whose values are physically possible")
                 })?;
                 let foot_world = center.extend(footing.height_m);
-                let placed = PlacedObject { object, category: group.category(), foot_world, yaw_rad, stands_on, drawn };
+                let placed = PlacedObject { object, category: group.category, foot_world, yaw_rad, stands_on, drawn };
                 if rejected.allows(&placed, &objects, arm) {
                     found = Some(placed);
                     break;
@@ -49,7 +48,7 @@ pub(super) fn place_all(
             }
             objects.push(found.ok_or_else(|| {
                 let allowed = format!("no more objects than there is room for; {done} were placed; {rejected}");
-                scene.fault(&format!("{field}.count"), group.count(), allowed)
+                scene.fault(&format!("{field}.count"), group.count, allowed)
             })?);
         }
     }
@@ -117,22 +116,21 @@ struct Proposal {
 /// Draws a place, a rotation and the ground there; `None` if an object that needs foam finds none.
 fn propose(
     scene: &Scene,
-    place: Option<&Placement>,
-    stands_on: StandsOn,
+    group: &Specification,
     objects: &[PlacedObject],
     random: &mut ChaCha8Rng,
 ) -> Option<Proposal> {
     let workspace = &scene.file.workspace;
-    let mut draw = |given: Option<&Quantity>, [low, high]: [f64; 2], limits: Limits| {
-        let quantity = given.cloned().unwrap_or_else(|| Quantity::uniform(low, high));
+    let mut draw = |given: &Option<Quantity>, [low, high]: [f64; 2], limits: Limits| {
+        let quantity = given.clone().unwrap_or_else(|| Quantity::uniform(low, high));
         quantity.draw(random, limits).unwrap_or(low)
     };
-    let yaw_deg = draw(place.and_then(|place| place.yaw_deg.as_ref()), [-180.0, 180.0], YAW_DEG);
+    let yaw_deg = draw(&group.place.yaw_deg, [-180.0, 180.0], YAW_DEG);
     let yaw_rad = yaw_deg.to_radians();
-    let x = draw(place.and_then(|place| place.x_m.as_ref()), workspace.x_m, PLACE_M);
-    let y = draw(place.and_then(|place| place.y_m.as_ref()), workspace.y_m, PLACE_M);
+    let x = draw(&group.place.x_m, workspace.x_m, PLACE_M);
+    let y = draw(&group.place.y_m, workspace.y_m, PLACE_M);
     let center = DVec2::new(x, y);
-    match stands_on {
+    match group.stands_on {
         StandsOn::Table => {
             let footing = Footing { height_m: workspace.table_height_m, foam_modulus_pa: None };
             Some(Proposal { center, yaw_rad, footing, stands_on: None })

@@ -6,14 +6,12 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 use underbrush_recording::InputError;
 
-use super::{Environment, EnvironmentOptions, Part, Stepped};
+use super::{Environment, EnvironmentOptions, Stepped};
 use crate::reach::{ReachError, ReachPlan};
 
 /// Environments that step at once, on several threads. Each gives the same numbers that it would give alone.
 pub struct Environments {
     all: Vec<Environment>,
-    /// Whether its last step ended an episode. The next step then begins a new one.
-    ended: Vec<bool>,
 }
 
 impl Environments {
@@ -27,22 +25,12 @@ impl Environments {
             plan.seed = plan.seed.wrapping_add(index as u64);
             Environment::new(plan, options.clone())
         };
-        Ok(Environments { all: (0..count).map(one).collect::<Result<_, _>>()?, ended: vec![false; count] })
+        Ok(Environments { all: (0..count).map(one).collect::<Result<_, _>>()? })
     }
 
-    /// How many there are.
-    pub fn count(&self) -> usize {
-        self.all.len()
-    }
-
-    /// The environment with this number.
-    pub fn get(&self, index: usize) -> Option<&Environment> {
-        self.all.get(index)
-    }
-
-    /// The parts of an observation; empty if there are no environments.
-    pub fn parts(&self) -> &[Part] {
-        self.all.first().map_or(&[], Environment::parts)
+    /// The environments, in the order of their seeds.
+    pub fn all(&self) -> &[Environment] {
+        &self.all
     }
 
     /// How many numbers an observation has.
@@ -67,18 +55,10 @@ impl Environments {
         observations: &mut [f32],
     ) -> Result<Vec<Option<Stepped>>, InputError> {
         let size = self.observation_size().max(1);
-        let rows = self.all.par_iter_mut().zip(&mut self.ended).zip(seeds).zip(observations.par_chunks_mut(size));
-        let reset: Vec<Result<Option<Stepped>, InputError>> = rows
-            .enumerate()
-            .map(|(index, (((environment, ended), seed), row))| {
-                if !which(index) {
-                    return Ok(None);
-                }
-                *ended = false;
-                environment.reset(*seed, row).map(Some)
-            })
-            .collect();
-        reset.into_iter().collect()
+        let rows = self.all.par_iter_mut().zip(seeds).zip(observations.par_chunks_mut(size)).enumerate();
+        let reset = rows
+            .map(|(index, ((environment, seed), row))| which(index).then(|| environment.reset(*seed, row)).transpose());
+        reset.collect::<Vec<_>>().into_iter().collect()
     }
 
     /// Takes a step with every environment. One whose last step ended an episode begins a new one instead: its action
@@ -98,19 +78,18 @@ impl Environments {
         actions: &[f64],
         observations: &mut [f32],
     ) -> Result<Vec<Stepped>, ReachError> {
-        let (width, size, count) = (self.action_size().max(1), self.observation_size().max(1), self.count());
+        let (width, size, count) = (self.action_size().max(1), self.observation_size().max(1), self.all.len());
         let mut stepped: Vec<Option<Result<Stepped, ReachError>>> = (0..count).map(|_| None).collect();
-        let rows = self.all.iter_mut().zip(&mut self.ended);
-        let rows = rows.zip(actions.chunks(width)).zip(observations.chunks_mut(size));
+        let rows = self.all.iter_mut().zip(actions.chunks(width)).zip(observations.chunks_mut(size));
         let rows = Mutex::new(rows.zip(&mut stepped));
         let work = || {
             loop {
                 // The lock is held while a row is taken, not while its environment steps.
                 let next = rows.lock().unwrap_or_else(PoisonError::into_inner).next();
-                let Some(((((environment, ended), action), row), found)) = next else {
+                let Some((((environment, action), row), found)) = next else {
                     break;
                 };
-                *found = Some(step_or_begin(environment, ended, action, row));
+                *found = Some(step_or_begin(environment, action, row));
             }
         };
         match helpers {
@@ -127,17 +106,9 @@ impl Environments {
 }
 
 /// Takes a step, or begins a new episode if the last step ended one.
-fn step_or_begin(
-    environment: &mut Environment,
-    ended: &mut bool,
-    action: &[f64],
-    row: &mut [f32],
-) -> Result<Stepped, ReachError> {
-    let stepped = if *ended { None } else { environment.step(action, row)? };
-    let stepped = match stepped {
-        Some(stepped) => stepped,
-        None => environment.reset(None, row)?,
-    };
-    *ended = stepped.terminated || stepped.truncated;
-    Ok(stepped)
+fn step_or_begin(environment: &mut Environment, action: &[f64], row: &mut [f32]) -> Result<Stepped, ReachError> {
+    match environment.step(action, row)? {
+        Some(stepped) => Ok(stepped),
+        None => Ok(environment.reset(None, row)?),
+    }
 }

@@ -70,7 +70,6 @@ struct Episode {
     simulation: Simulation,
     ended: bool,
     steering: Steering,
-    equilibrium_rad: Vec<f64>,
     reach_index: u64,
     goal: usize,
     goals: usize,
@@ -137,13 +136,11 @@ impl Environment {
         // Before the draw, so that an impossible draw is not tried again.
         self.next += 1;
         let simulation = self.plan.simulation(reach_index)?;
-        let equilibrium_rad = self.plan.arm.start_posture_rad();
         let goals = simulation.clutter().goals.len().min(self.options.goals as usize);
         let episode = Episode {
             steering: Steering::new(&self.plan),
             simulation,
             ended: false,
-            equilibrium_rad,
             reach_index,
             goal: 0,
             goals,
@@ -186,13 +183,13 @@ impl Episode {
     }
 
     fn observe(&self, parts: &[Part], row: &mut [f32]) {
-        observation::write(parts, &self.simulation, &self.equilibrium_rad, self.goal_world(), row);
+        observation::write(parts, &self.simulation, &self.steering.equilibrium_rad, self.goal_world(), row);
     }
 
     fn step(&mut self, plan: &ReachPlan, options: &EnvironmentOptions, action: &[f64]) -> Result<Stepped, ReachError> {
         let reward = &options.reward;
         let before_m = self.distance_m();
-        let start_rad = self.equilibrium_rad.clone();
+        let start_rad = self.steering.equilibrium_rad.clone();
         let here = self.simulation.report().end_effector_pose_world.position;
         let cut = |number: f64| number.clamp(-1.0, 1.0);
         let mut found = Stepped { reach_index: self.reach_index, ..Stepped::default() };
@@ -205,7 +202,7 @@ impl Episode {
                     // The change is spread evenly over the frames.
                     let share = f64::from(frame) / f64::from(options.frames_per_step);
                     let joints = plan.arm.joints.iter().zip(&start_rad).zip(action);
-                    for (angle, ((joint, start), number)) in self.equilibrium_rad.iter_mut().zip(joints) {
+                    for (angle, ((joint, start), number)) in self.steering.equilibrium_rad.iter_mut().zip(joints) {
                         let [low, high] = joint.controller_limits_rad;
                         let wanted = start + share * cut(*number) * options.largest_change_rad;
                         *angle = wanted.max(low.min(*start)).min(high.max(*start));
@@ -215,12 +212,11 @@ impl Episode {
                     let offset = glam::DVec3::new(cut(action[0]), cut(action[1]), cut(action[2]));
                     let target = here + offset * options.largest_waypoint_m;
                     let frame = self.simulation.frame(self.goal as u16, self.goal_world());
-                    self.steering.observe(&frame);
+                    self.steering.controller.observe(&frame.sensed());
                     self.steering.control(&self.simulation, target)?;
-                    self.equilibrium_rad.copy_from_slice(&self.steering.equilibrium_rad);
                 }
             }
-            let tactile = &self.simulation.step(&self.equilibrium_rad).tactile;
+            let tactile = &self.simulation.step(&self.steering.equilibrium_rad).tactile;
             let sensed_n = tactile.taxels.iter().map(|taxel| taxel.sensed_force_n).fold(0.0, f64::max);
             let contact_n = tactile.largest_force().map_or(0.0, |force| force.force_n);
             found.reward -= reward.force_per_n_s * (sensed_n - reward.free_force_n).max(0.0) * frame_s;

@@ -43,7 +43,7 @@ impl Kind for FoamBlock {
     };
     const CATEGORY: Category = Category::BLOCK;
 
-    fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {
+    fn draw(drawing: &mut Drawing<'_>, _: &Footing) -> Result<Self, DrawError> {
         let height_m = drawing.quantity("height_m")?;
         let wet = drawing.happens("wet_share")?;
         let modulus = if wet { "wet_modulus_pa" } else { "dry_modulus_pa" };
@@ -160,8 +160,7 @@ impl Object for FoamBlock {
     }
 
     fn parameters(&self) -> BTreeMap<String, f64> {
-        let free = [("mass_kg".into(), self.mass_kg())].into_iter().filter(|_| self.stands_free);
-        let always = BTreeMap::from([
+        let mut parameters = BTreeMap::from([
             ("length_m".into(), LENGTH_M),
             ("width_m".into(), WIDTH_M),
             ("height_m".into(), self.height_m),
@@ -171,7 +170,8 @@ impl Object for FoamBlock {
             ("relaxing_share".into(), RELAXING_SHARE.of(self)),
             ("relaxation_time_s".into(), RELAXATION_TIME_S.of(self)),
         ]);
-        always.into_iter().chain(free).collect()
+        parameters.extend(self.stands_free.then(|| ("mass_kg".into(), self.mass_kg())));
+        parameters
     }
 
     fn structure(&self) -> Structure {

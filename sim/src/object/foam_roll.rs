@@ -48,7 +48,7 @@ impl Kind for FoamRoll {
     const QUANTITIES: &'static [Declared] = Self::DECLARED;
     const CATEGORY: Category = Category::OUTLIER;
 
-    fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {
+    fn draw(drawing: &mut Drawing<'_>, _: &Footing) -> Result<Self, DrawError> {
         let group = drawing.group;
         // If nearly all rolls of these ranges would topple, the error asks for a higher modulus.
         let enough = |roll: &FoamRoll| roll.modulus_pa * roll.load_share() / LARGEST_LOAD_SHARE;

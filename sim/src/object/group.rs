@@ -13,6 +13,7 @@ use super::{CATEGORIES, Footing, Object, StandsOn};
 use crate::range::{Draw, DrawError, Limited, Placement, Quantity, schema_within};
 
 /// A quantity of a kind of objects. The key of the scene file, its schema, default and limits follow from it.
+#[derive(Debug)]
 pub struct Declared {
     /// Its key in the scene file, with its unit.
     pub name: &'static str,
@@ -39,52 +40,62 @@ pub trait Kind: Object + Clone + Sized + 'static {
     ///
     /// # Errors
     /// If a range holds (almost) no physical values.
-    fn draw(drawing: &mut Drawing<'_, Self>, footing: &Footing) -> Result<Self, DrawError>;
+    fn draw(drawing: &mut Drawing<'_>, footing: &Footing) -> Result<Self, DrawError>;
 }
 
 /// Names of quantities, and the values that were drawn for one object.
 pub type DrawnQuantities = Vec<(&'static str, f64)>;
 
+/// [`Kind::draw`] of one kind.
+type DrawObject = fn(&mut Drawing<'_>, &Footing) -> Result<Box<dyn Object>, DrawError>;
+
+/// A group of objects of one kind in a scene file.
+#[derive(Clone, Debug)]
+pub struct Group<K>(pub Specification, PhantomData<K>);
+
 /// What a scene file says about a group of objects of one kind.
-pub trait Specification {
+#[derive(Clone, Debug)]
+pub struct Specification {
     /// How many there are.
-    fn count(&self) -> u32;
+    pub count: u32,
+    /// Where they may stand.
+    pub place: Placement,
+    /// Their ground-truth category: that of the kind, unless the group names another.
+    pub category: Category,
+    /// What the objects must stand on.
+    pub stands_on: StandsOn,
+    /// The kind's quantities.
+    declared: &'static [Declared],
+    /// Their ranges, in the order of their declarations.
+    ranges: Vec<Quantity>,
+    draw: DrawObject,
+}
 
-    /// Where they may stand, if the group says so.
-    fn place(&self) -> Option<&Placement>;
-
+impl Specification {
     /// Every range with its name and the physical limits of its values, for validation and error messages.
-    fn quantities(&self) -> Vec<Limited<'_>>;
+    pub fn quantities(&self) -> Vec<Limited<'_>> {
+        let ranges = self.declared.iter().zip(&self.ranges);
+        ranges.map(|(Declared { name, limits, .. }, quantity)| Limited { name, quantity, limits: *limits }).collect()
+    }
 
     /// Draws one object. `footing` is what it stands on. Also returns what it has drawn: names and values of quantities.
     ///
     /// # Errors
     /// If a range holds (almost) no physical values.
-    fn draw(&self, random: &mut ChaCha8Rng, footing: &Footing)
-    -> Result<(Box<dyn Object>, DrawnQuantities), DrawError>;
+    pub fn draw(
+        &self,
+        random: &mut ChaCha8Rng,
+        footing: &Footing,
+    ) -> Result<(Box<dyn Object>, DrawnQuantities), DrawError> {
+        let mut drawing = Drawing { group: self, random, drawn: vec![None; self.declared.len()] };
+        let object = (self.draw)(&mut drawing, footing)?;
+        let drawn = self.declared.iter().zip(drawing.drawn);
+        Ok((object, drawn.filter_map(|(declared, value)| Some((declared.name, value?))).collect()))
+    }
 
-    /// What the objects must stand on.
-    fn stands_on(&self) -> StandsOn;
-
-    /// Their ground-truth category: that of the kind, unless the group names another.
-    fn category(&self) -> Category;
-}
-
-/// A group of objects of one kind in a scene file.
-#[derive(Clone, Debug)]
-pub struct Group<K> {
-    count: u32,
-    place: Option<Placement>,
-    category: Category,
-    /// The ranges of the kind's quantities, in the order of their declarations.
-    ranges: Vec<Quantity>,
-    kind: PhantomData<K>,
-}
-
-impl<K: Kind> Group<K> {
     /// The number and the declaration of the quantity with this name.
     fn declared(&self, name: &str) -> (usize, &'static Declared) {
-        let found = K::QUANTITIES.iter().enumerate().find(|(_, declared)| declared.name == name);
+        let found = self.declared.iter().enumerate().find(|(_, declared)| declared.name == name);
         found.expect("a kind asks only for quantities that it declares")
     }
 
@@ -98,15 +109,15 @@ impl<K: Kind> Group<K> {
 }
 
 /// The draw of one object of a group.
-pub struct Drawing<'a, K> {
+pub struct Drawing<'a> {
     /// The group.
-    pub group: &'a Group<K>,
+    pub group: &'a Specification,
     random: &'a mut ChaCha8Rng,
     /// What was drawn last for each quantity, in the order of the declarations; `None` for one that was not asked for.
     drawn: Vec<Option<f64>>,
 }
 
-impl<K: Kind> Drawing<'_, K> {
+impl Drawing<'_> {
     /// Draws the quantity with this name.
     ///
     /// # Errors
@@ -127,40 +138,6 @@ impl<K: Kind> Drawing<'_, K> {
         let happens = self.random.next_u32() as f64 / 2f64.powi(32) < self.quantity(name)?;
         self.drawn[self.group.declared(name).0] = Some(f64::from(u8::from(happens)));
         Ok(happens)
-    }
-}
-
-impl<K: Kind> Specification for Group<K> {
-    fn count(&self) -> u32 {
-        self.count
-    }
-
-    fn place(&self) -> Option<&Placement> {
-        self.place.as_ref()
-    }
-
-    fn quantities(&self) -> Vec<Limited<'_>> {
-        let ranges = K::QUANTITIES.iter().zip(&self.ranges);
-        ranges.map(|(Declared { name, limits, .. }, quantity)| Limited { name, quantity, limits: *limits }).collect()
-    }
-
-    fn draw(
-        &self,
-        random: &mut ChaCha8Rng,
-        footing: &Footing,
-    ) -> Result<(Box<dyn Object>, DrawnQuantities), DrawError> {
-        let mut drawing = Drawing { group: self, random, drawn: vec![None; K::QUANTITIES.len()] };
-        let object = Box::new(K::draw(&mut drawing, footing)?);
-        let drawn = K::QUANTITIES.iter().zip(drawing.drawn);
-        Ok((object, drawn.filter_map(|(declared, value)| Some((declared.name, value?))).collect()))
-    }
-
-    fn stands_on(&self) -> StandsOn {
-        K::STANDS_ON
-    }
-
-    fn category(&self) -> Category {
-        self.category
     }
 }
 
@@ -202,19 +179,27 @@ impl<'de, K: Kind> Deserialize<'de> for Group<K> {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Group<K>, A::Error> {
-                let (mut count, mut place, mut category) = (None, None, K::CATEGORY);
+                let (mut count, mut place, mut category) = (None, Placement::default(), K::CATEGORY);
                 let defaults = K::QUANTITIES.iter().map(|declared| Quantity { draw: declared.default, span: 0..0 });
                 let mut ranges: Vec<Quantity> = defaults.collect();
                 while let Some(key) = map.next_key::<Key<K>>()? {
                     match key {
                         Key::Count => count = Some(map.next_value()?),
-                        Key::Place => place = Some(map.next_value()?),
+                        Key::Place => place = map.next_value()?,
                         Key::Category => category = map.next_value::<Named>()?.0,
                         Key::Quantity(number, _) => ranges[number] = map.next_value()?,
                     }
                 }
-                let count = count.ok_or_else(|| A::Error::missing_field("count"))?;
-                Ok(Group { count, place, category, ranges, kind: PhantomData })
+                let specification = Specification {
+                    count: count.ok_or_else(|| A::Error::missing_field("count"))?,
+                    place,
+                    category,
+                    stands_on: K::STANDS_ON,
+                    declared: K::QUANTITIES,
+                    ranges,
+                    draw: |drawing, footing| Ok(Box::new(K::draw(drawing, footing)?)),
+                };
+                Ok(Group(specification, PhantomData))
             }
         }
         deserializer.deserialize_map(GroupVisitor(PhantomData))
@@ -255,10 +240,7 @@ impl<K: Kind> JsonSchema for Group<K> {
             "description": format!("Their category in ground truth; {} if not given.", K::CATEGORY.name()),
             "pattern": format!("^[a-z][a-z0-9_]{{0,{}}}$", Category::MAX_NAME_BYTES - 1),
         });
-        let mut properties = Schema::default();
-        properties.insert("count".into(), count.into());
-        properties.insert("place".into(), place.into());
-        properties.insert("category".into(), category.into());
+        let mut properties = json_schema!({ "count": count, "place": place, "category": category });
         for declared in K::QUANTITIES {
             let mut own = schema_within(declared.limits);
             own.insert("description".into(), declared.text.trim().into());
@@ -303,8 +285,8 @@ macro_rules! quantities {
             const DECLARED: &'static [$crate::object::group::Declared] =
                 $crate::object::group::declared! { $($(#[doc = $text])+ $name: $default, $low, $high;)+ };
 
-            fn draw_all<K: $crate::object::group::Kind>(
-                drawing: &mut $crate::object::group::Drawing<'_, K>,
+            fn draw_all(
+                drawing: &mut $crate::object::group::Drawing<'_>,
             ) -> Result<Self, $crate::range::DrawError> {
                 Ok($drawn { $($name: drawing.quantity(stringify!($name))?),+ })
             }

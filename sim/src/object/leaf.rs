@@ -66,7 +66,7 @@ impl Kind for Leaf {
     const CATEGORY: Category = Category::LEAF;
     const STANDS_ON: StandsOn = StandsOn::Foam;
 
-    fn draw(drawing: &mut Drawing<'_, Self>, footing: &Footing) -> Result<Self, DrawError> {
+    fn draw(drawing: &mut Drawing<'_>, footing: &Footing) -> Result<Self, DrawError> {
         let group = drawing.group;
         let draw = || {
             let drawn = DrawnLeaf::draw_all(drawing)?;
@@ -181,7 +181,7 @@ impl Leaf {
     /// Stiffness of the root against leaning sideways, along the blade's width, Nm/rad: stem and foam in series.
     pub fn sideways_stiffness_nm_per_rad(&self) -> f64 {
         let stem = STEM_RIGIDITY_OVER_BLADE * self.flexural_rigidity_n_m2 / (STEM_SHARE_OF_HEIGHT * self.height_m);
-        in_series(stem, self.root_stiffness_nm_per_rad)
+        self.root_stiffness_nm_per_rad.map_or(stem, |root| stem * root / (stem + root))
     }
 
     /// The hinges of the blade, the lowest one together with the root in the foam, which is softer.
@@ -192,10 +192,6 @@ impl Leaf {
         }
         hinges
     }
-}
-
-fn in_series(stiffness: f64, other: Option<f64>) -> f64 {
-    other.map_or(stiffness, |other| stiffness * other / (stiffness + other))
 }
 
 impl Object for Leaf {
@@ -216,25 +212,19 @@ impl Object for Leaf {
     }
 
     fn parameters(&self) -> BTreeMap<String, f64> {
-        let mut parameters = BTreeMap::from([
-            ("height_m".into(), self.height_m),
-            ("width_m".into(), self.width_m),
-            ("flexural_rigidity_n_m2".into(), self.flexural_rigidity_n_m2),
-            ("torsion_over_bending".into(), self.torsion_over_bending),
-            ("mass_per_area_kg_per_m2".into(), self.mass_per_area_kg_per_m2),
-            ("loss_factor".into(), self.loss_factor),
-            ("segments".into(), f64::from(self.segments)),
-        ]);
-        if let Some(moment) = self.yield_moment_nm {
-            parameters.insert("yield_moment_nm".into(), moment);
-        }
-        if let Some(stiffness) = self.root_stiffness_nm_per_rad {
-            parameters.insert("root_stiffness_nm_per_rad".into(), stiffness);
-        }
-        if let Some(grip) = self.grip {
-            parameters.insert("pull_out_force_n".into(), grip.force_n);
-        }
-        parameters
+        let parameters = [
+            ("height_m", Some(self.height_m)),
+            ("width_m", Some(self.width_m)),
+            ("flexural_rigidity_n_m2", Some(self.flexural_rigidity_n_m2)),
+            ("torsion_over_bending", Some(self.torsion_over_bending)),
+            ("mass_per_area_kg_per_m2", Some(self.mass_per_area_kg_per_m2)),
+            ("loss_factor", Some(self.loss_factor)),
+            ("segments", Some(f64::from(self.segments))),
+            ("yield_moment_nm", self.yield_moment_nm),
+            ("root_stiffness_nm_per_rad", self.root_stiffness_nm_per_rad),
+            ("pull_out_force_n", self.grip.map(|grip| grip.force_n)),
+        ];
+        parameters.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
     }
 
     fn structure(&self) -> Structure {

@@ -108,7 +108,7 @@ impl Kind for Plant {
     const CATEGORY: Category = Category::LEAF;
     const STANDS_ON: StandsOn = StandsOn::Foam;
 
-    fn draw(drawing: &mut Drawing<'_, Self>, footing: &Footing) -> Result<Self, DrawError> {
+    fn draw(drawing: &mut Drawing<'_>, footing: &Footing) -> Result<Self, DrawError> {
         let group = drawing.group;
         let draw = || {
             let mut drawn = DrawnPlant::draw_all(drawing)?;
@@ -323,9 +323,8 @@ impl Object for Plant {
 
     fn parameters(&self) -> BTreeMap<String, f64> {
         let mut parameters = self.drawn.values();
-        if let Some(stiffness) = self.root_stiffness_nm_per_rad {
-            parameters.insert("root_stiffness_nm_per_rad".into(), stiffness);
-        }
+        let root = self.root_stiffness_nm_per_rad;
+        parameters.extend(root.map(|stiffness| ("root_stiffness_nm_per_rad".into(), stiffness)));
         parameters
     }
 

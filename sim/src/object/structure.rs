@@ -243,8 +243,8 @@ pub struct Drag {
     pub normal_body: DVec3,
 }
 
-/// Mass and inertia of a body.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Mass and inertia of a body; by default that of one without mass, such as the link between two stacked hinges.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Inertia {
     /// Mass, kg.
     pub mass_kg: f64,
@@ -255,10 +255,6 @@ pub struct Inertia {
 }
 
 impl Inertia {
-    /// A body without mass, such as the link between two stacked hinges.
-    pub const MASSLESS: Inertia =
-        Inertia { mass_kg: 0.0, center_of_mass_body: DVec3::ZERO, principal_kg_m2: DVec3::ZERO };
-
     /// A uniform box of edge lengths `size_m`, centred on `center_body` (m): (m/12) (b² + c²) and so on.
     pub fn of_box(mass_kg: f64, center_body: DVec3, size_m: DVec3) -> Self {
         let squared = size_m * size_m;
@@ -298,7 +294,7 @@ impl Body {
     pub fn foot() -> Self {
         Body {
             joint: None,
-            inertia: Inertia::MASSLESS,
+            inertia: Inertia::default(),
             parts: Vec::new(),
             drag: None,
             collision_group: CollisionGroup::Fixed,

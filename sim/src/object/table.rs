@@ -30,7 +30,7 @@ impl Kind for Table {
     /// It belongs to the ground, as foam blocks do.
     const CATEGORY: Category = Category::BLOCK;
 
-    fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {
+    fn draw(drawing: &mut Drawing<'_>, _: &Footing) -> Result<Self, DrawError> {
         Self::draw_all(drawing)
     }
 }

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{Body, BodyOwner};
 
 use super::trunk::Trunk;
-use super::{Footing, Group, Specification, wand};
+use super::{Footing, Group, wand};
 use crate::reach::ReachPlan;
 use crate::scene::{Objects, Scene};
 
@@ -32,7 +32,7 @@ fn no_two_categories_share_a_name_or_a_code() {
     assert_eq!(groups.len(), kinds().len());
     let (mut names, mut codes) = (BTreeMap::new(), BTreeMap::new());
     for (_, _, group) in groups {
-        let category = group.category();
+        let category = group.category;
         assert_eq!(*names.entry(category.name()).or_insert(category), category);
         assert_eq!(*codes.entry(category.code()).or_insert(category), category);
     }
@@ -85,7 +85,7 @@ fn trunks_are_not_lower_than_their_radius() {
     let mut draw = |diameter_m: &str| {
         let text = format!("count = 1\ndiameter_m = {diameter_m}\nheight_m = {{ uniform = [0.05, 0.1] }}\n");
         let group: Group<Trunk> = toml::from_str(&text).unwrap();
-        group.draw(&mut random, &footing).map(|(trunk, _)| trunk.parameters())
+        group.0.draw(&mut random, &footing).map(|(trunk, _)| trunk.parameters())
     };
     for _ in 0..30 {
         let own = draw("{ uniform = [0.05, 0.3] }").unwrap();

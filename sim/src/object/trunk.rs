@@ -28,7 +28,7 @@ impl Kind for Trunk {
     const QUANTITIES: &'static [Declared] = Self::DECLARED;
     const CATEGORY: Category = Category::TRUNK;
 
-    fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {
+    fn draw(drawing: &mut Drawing<'_>, _: &Footing) -> Result<Self, DrawError> {
         let group = drawing.group;
         // The top is half a ball, which must be above the table.
         let is_possible = |trunk: &Trunk| trunk.height_m >= trunk.diameter_m / 2.0;

@@ -31,7 +31,7 @@ impl Kind for Wand {
     const QUANTITIES: &'static [Declared] = Self::DECLARED;
     const CATEGORY: Category = CATEGORY;
 
-    fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {
+    fn draw(drawing: &mut Drawing<'_>, _: &Footing) -> Result<Self, DrawError> {
         Self::draw_all(drawing)
     }
 }

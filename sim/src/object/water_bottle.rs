@@ -7,8 +7,7 @@ use glam::DVec3;
 use underbrush_recording::{BodyShape, Category};
 
 use super::{
-    Body, CollisionGroup, Declared, Drawing, Footing, Inertia, Joint, Kind, Object, Structure, TABLE_FRICTION, part,
-    quantities,
+    Body, CollisionGroup, Declared, Drawing, Footing, Inertia, Joint, Kind, Object, Structure, part, quantities,
 };
 use crate::range::{Draw, DrawError, draw_possible};
 use crate::{Footprint, Surface};
@@ -56,7 +55,7 @@ impl Kind for WaterBottle {
     const QUANTITIES: &'static [Declared] = Self::DECLARED;
     const CATEGORY: Category = CATEGORY;
 
-    fn draw(drawing: &mut Drawing<'_, Self>, _: &Footing) -> Result<Self, DrawError> {
+    fn draw(drawing: &mut Drawing<'_>, _: &Footing) -> Result<Self, DrawError> {
         let group = drawing.group;
         let is_possible = |bottle: &WaterBottle| bottle.water_mass_kg <= bottle.capacity_kg();
         // If nearly all bottles of these ranges would overflow, the error asks for less water.
@@ -69,11 +68,6 @@ impl WaterBottle {
     /// Mass with the water, kg.
     pub fn mass_kg(&self) -> f64 {
         self.empty_mass_kg + self.water_mass_kg
-    }
-
-    /// Coefficient of friction between bottle and table.
-    pub fn friction_on_table(&self) -> f64 {
-        self.surface().with(&Surface::hard(TABLE_FRICTION)).friction
     }
 
     /// Height of the centre of mass over the table, m: the shell's is half-way up, the water's is half-way up its

@@ -1,23 +1,24 @@
 //! The recording of a reach, frame by frame.
 
-use underbrush_recording::{Audit, FRAME_PERIOD_S, Frame, GoalRecord, MappedObstacle, Recording};
+use underbrush_recording::{Audit, FRAME_PERIOD_S, Frame, MappedObstacle, Recording};
 
-use super::map_log::MapLog;
 use super::plan::ReachPlan;
 use super::steering::ControlCounts;
 use crate::arm::Arm;
 use crate::audit::Auditor;
 use crate::body_log::BodyLog;
 use crate::contact_log::ContactLog;
-use crate::simulation::{Simulation, StepReport};
+use crate::simulation::Simulation;
 
 /// The recording of a running reach.
+#[derive(Clone)]
 pub(super) struct ReachLog {
-    recording: Recording,
+    /// What is recorded while the reach runs.
+    pub(super) recording: Recording,
     contacts: ContactLog,
     bodies: BodyLog,
-    map: MapLog,
-    auditor: Auditor,
+    /// Audits every frame, and every engine step that it is shown.
+    pub(super) auditor: Auditor,
     has_contact_points: bool,
 }
 
@@ -39,7 +40,6 @@ impl ReachLog {
             recording,
             contacts: ContactLog::default(),
             bodies: BodyLog::new(simulation),
-            map: MapLog::default(),
             auditor: Auditor::new(simulation),
             has_contact_points: plan.scene.file.recording.contact_points,
         }
@@ -55,36 +55,20 @@ impl ReachLog {
         self.bodies.observe(report);
         self.auditor.observe_frame(arm, report);
         let frames = &mut self.recording.frames;
-        self.map.observe(frames.len(), map);
+        observe_map(&mut self.recording.map, frames.len(), map);
         frames.push(frame);
         &frames[frames.len() - 1]
     }
 
-    /// Audits one engine step.
-    pub(super) fn observe_step(&mut self, step: &StepReport) {
-        self.auditor.observe_step(step);
-    }
-
-    /// Records how an attempt at a goal ended.
-    pub(super) fn goal_ended(&mut self, goal: GoalRecord) {
-        self.recording.goals.push(goal);
-    }
-
     /// The recording so far, without audit.
     pub(super) fn so_far(&self, arm: &Arm) -> Recording {
-        Recording {
-            bodies: self.bodies.clone().finish(),
-            contacts: self.contacts.clone().finish(|link| arm.links[usize::from(link)].name.clone()),
-            map: self.map.obstacles.clone(),
-            ..self.recording.clone()
-        }
+        Recording { audit: Audit::default(), ..self.clone().finish(arm, ControlCounts::default()) }
     }
 
     /// The finished recording.
     pub(super) fn finish(mut self, arm: &Arm, control: ControlCounts) -> Recording {
         self.recording.bodies = self.bodies.finish();
         self.recording.contacts = self.contacts.finish(|link| arm.links[usize::from(link)].name.clone());
-        self.recording.map = self.map.obstacles;
         self.recording.audit = Audit {
             controller_steps: control.steps,
             infeasible_controller_steps: control.infeasible,
@@ -92,5 +76,22 @@ impl ReachLog {
             ..self.auditor.audit()
         };
         self.recording
+    }
+}
+
+/// Takes in the map of a frame, `now`, after those of the frames before.
+fn observe_map(obstacles: &mut Vec<MappedObstacle>, frame: usize, now: &[MappedObstacle]) {
+    let frame = frame as u32;
+    let before = obstacles.len();
+    for obstacle in now {
+        let as_of = |own: &MappedObstacle| MappedObstacle { first_frame: own.first_frame, ..*obstacle };
+        // What stood there like this in the frame before goes on.
+        let goes_on = |own: &&mut MappedObstacle| {
+            own.last_frame + 1 == frame && MappedObstacle { last_frame: 0, ..**own } == as_of(own)
+        };
+        match obstacles[..before].iter_mut().find(goes_on) {
+            Some(own) => own.last_frame = frame,
+            None => obstacles.push(MappedObstacle { first_frame: frame, last_frame: frame, ..*obstacle }),
+        }
     }
 }

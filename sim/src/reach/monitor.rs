@@ -66,13 +66,11 @@ impl Monitor {
     }
 
     /// Distance between the mean positions of the window's two halves.
-    fn mean_motion_m(&self) -> f64 {
+    fn mean_motion_m(&mut self) -> f64 {
         let half = self.positions_world.len() / 2;
-        let mean =
-            |positions: &mut dyn Iterator<Item = &DVec3>, count: usize| positions.sum::<DVec3>() / count.max(1) as f64;
-        let first = mean(&mut self.positions_world.iter().take(half), half);
-        let second = mean(&mut self.positions_world.iter().skip(half), self.positions_world.len() - half);
-        first.distance(second)
+        let (first, second) = self.positions_world.make_contiguous().split_at(half);
+        let mean = |positions: &[DVec3]| positions.iter().sum::<DVec3>() / positions.len().max(1) as f64;
+        mean(first).distance(mean(second))
     }
 }
 

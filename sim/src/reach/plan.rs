@@ -54,8 +54,8 @@ pub type WrapController = Arc<dyn Fn(Box<dyn Controller>) -> Box<dyn Controller>
 pub enum PlannedController {
     /// A controller that ships, with its parameters.
     Shipped(ControllerKind, Preset),
-    /// A controller that ships, with its parameters, wrapped in a user's own controller.
-    Wrapped(ControllerKind, Preset, WrapController),
+    /// Another planned controller, wrapped in a user's own one.
+    Wrapped(Box<PlannedController>, WrapController),
     /// A user's own controller. It is made afresh for every reach, because reaches run in parallel and a controller may
     /// keep state.
     Own(MakeController),
@@ -65,7 +65,7 @@ impl fmt::Debug for PlannedController {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             PlannedController::Shipped(kind, preset) => f.debug_tuple("Shipped").field(kind).field(preset).finish(),
-            PlannedController::Wrapped(kind, preset, _) => f.debug_tuple("Wrapped").field(kind).field(preset).finish(),
+            PlannedController::Wrapped(inner, _) => f.debug_tuple("Wrapped").field(inner).finish(),
             PlannedController::Own(_) => f.write_str("Own"),
         }
     }
@@ -75,7 +75,8 @@ impl PlannedController {
     /// The parameters of a controller that ships.
     pub fn preset(&self) -> Option<&Preset> {
         match self {
-            PlannedController::Shipped(_, preset) | PlannedController::Wrapped(_, preset, _) => Some(preset),
+            PlannedController::Shipped(_, preset) => Some(preset),
+            PlannedController::Wrapped(inner, _) => inner.preset(),
             PlannedController::Own(_) => None,
         }
     }
@@ -84,19 +85,8 @@ impl PlannedController {
     pub fn make(&self, arm: &Arm) -> Box<dyn Controller> {
         match self {
             PlannedController::Shipped(kind, preset) => kind.controller(preset.clone(), arm),
-            PlannedController::Wrapped(kind, preset, wrap) => wrap(kind.controller(preset.clone(), arm)),
+            PlannedController::Wrapped(inner, wrap) => wrap(inner.make(arm)),
             PlannedController::Own(make) => make(arm),
-        }
-    }
-
-    /// This controller wrapped in another one, which `wrap` makes at the start of every reach.
-    fn wrapped(self, wrap: WrapController) -> PlannedController {
-        match self {
-            PlannedController::Shipped(kind, preset) => PlannedController::Wrapped(kind, preset, wrap),
-            PlannedController::Wrapped(kind, preset, inner) => {
-                PlannedController::Wrapped(kind, preset, Arc::new(move |controller| wrap(inner(controller))))
-            }
-            PlannedController::Own(make) => PlannedController::Own(Arc::new(move |arm| wrap(make(arm)))),
         }
     }
 }
@@ -152,7 +142,7 @@ impl ReachPlan {
         mut self,
         wrap: impl Fn(Box<dyn Controller>) -> Box<dyn Controller> + Send + Sync + 'static,
     ) -> ReachPlan {
-        self.controller = self.controller.wrapped(Arc::new(wrap));
+        self.controller = PlannedController::Wrapped(Box::new(self.controller), Arc::new(wrap));
         self
     }
 

@@ -1,7 +1,7 @@
 //! The controller within a reach: when it is called, its input, and its answers.
 
 use glam::DVec3;
-use underbrush_recording::{FRAME_PERIOD_S, Frame, TaxelReading};
+use underbrush_recording::{FRAME_PERIOD_S, TaxelReading};
 
 use super::error::ReachError;
 use super::plan::ReachPlan;
@@ -38,11 +38,6 @@ impl Steering {
             intent: Intent::default(),
             counts: ControlCounts::default(),
         }
-    }
-
-    /// Shows the controller what a robot knows of a frame.
-    pub(crate) fn observe(&mut self, frame: &Frame) {
-        self.controller.observe(&frame.sensed());
     }
 
     /// Calls the controller if it is due in this frame, and applies the equilibrium angles that it returns.

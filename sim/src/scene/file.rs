@@ -224,10 +224,10 @@ macro_rules! define_objects {
         impl Objects {
             /// Every group with its key and its index in the list of its kind, in the order of placement.
             #[allow(unused_doc_comments, reason = "the entries' documentation is that of the fields")]
-            pub fn groups(&self) -> Vec<(&'static str, usize, &dyn Specification)> {
-                let mut groups: Vec<(&'static str, usize, &dyn Specification)> = Vec::new();
+            pub fn groups(&self) -> Vec<(&'static str, usize, &Specification)> {
+                let mut groups = Vec::new();
                 $($(#[$attribute])* for (number, group) in self.$key.iter().enumerate() {
-                    groups.push((stringify!($key), number, group));
+                    groups.push((stringify!($key), number, &group.0));
                 })*
                 groups
             }

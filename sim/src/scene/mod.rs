@@ -6,14 +6,14 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use underbrush_recording::limits::{TEXT_BYTES, first_outside, short};
-use underbrush_recording::{FRAME_PERIOD_S, InputError, PLAIN, is_plain, line_at, read_text, toml_fault};
+use underbrush_recording::{FRAME_PERIOD_S, InputError, PLAIN, is_plain, line_at, read_text};
 
 use crate::arm::Arm;
 use crate::materials::{MaterialFile, MaterialsSection};
 use crate::object::COLLIDING_KINDS;
-use crate::range::{Limited, PLACE_M, YAW_DEG};
+use crate::range::{Limited, PLACE_M, Placement, YAW_DEG};
 use crate::sensor::Fault;
-use crate::toml_text::sets_key;
+use crate::toml_text::{parsed, sets_key};
 use content::objects_hash;
 
 mod camera;
@@ -105,10 +105,7 @@ impl Scene {
 
     // Not generic, so that the reader of scenes is compiled once and not in each crate that calls it.
     fn of_text(path: &Path, text: String) -> Result<Scene, InputError> {
-        let file: SceneFile = toml::from_str(&text).map_err(|error| {
-            let stopped = (error.message(), error.span().unwrap_or_default().start);
-            toml_fault(path, &text, "scene", stopped, "the keys that `underbrush schema` lists")
-        })?;
+        let file: SceneFile = parsed(path, &text, "scene", "the keys that `underbrush schema` lists")?;
         let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
         let scene = Scene {
             name,
@@ -142,7 +139,7 @@ impl Scene {
     /// The height above which the arm is free of the table and of what covers it, m, world frame.
     pub fn floor_height_m(&self) -> f64 {
         let groups = self.file.objects.groups();
-        let foam = groups.iter().filter(|(kind, _, group)| *kind == "foam_block" && group.count() > 0);
+        let foam = groups.iter().filter(|(kind, _, group)| *kind == "foam_block" && group.count > 0);
         let heights = foam.flat_map(|(_, _, group)| group.quantities()).filter(|own| own.name == "height_m");
         self.file.workspace.table_height_m + heights.map(|own| own.quantity.largest()).fold(0.0, f64::max)
     }
@@ -187,10 +184,8 @@ impl Scene {
         if !limits::GOALS.hold(positions.len() as f64) {
             return Err(self.fault(place, positions.len(), limits::GOALS.to_string()));
         }
-        match positions.iter().flatten().find(|coordinate| !PLACE_M.hold(**coordinate)) {
-            Some(coordinate) => Err(self.fault(place, short(*coordinate), format!("coordinates from {PLACE_M}"))),
-            None => Ok(()),
-        }
+        let outside = positions.iter().flatten().find(|coordinate| !PLACE_M.hold(**coordinate));
+        self.refuse(outside.map(|own| (place.into(), short(*own), format!("coordinates from {PLACE_M}"))))
     }
 
     fn check_cameras(&self) -> Result<(), InputError> {
@@ -198,9 +193,8 @@ impl Scene {
         for (number, camera) in cameras.iter().enumerate() {
             let is_taken = cameras[..number].iter().any(|other| other.name == camera.name);
             let taken = || ("name".into(), format!("{:?}", camera.name), "a name that no other camera has".into());
-            if let Some((key, found, allowed)) = camera.fault().or_else(|| is_taken.then(taken)) {
-                return Err(self.fault(&format!("cameras[{number}].{key}"), found, allowed));
-            }
+            let fault = camera.fault().or_else(|| is_taken.then(taken));
+            self.refuse(fault.map(|(key, found, allowed)| (format!("cameras[{number}].{key}"), found, allowed)))?;
         }
         Ok(())
     }
@@ -227,15 +221,12 @@ impl Scene {
             ("goals", goals.patience_s.map(|own_s| ("patience_s", own_s, limits::PATIENCE_S)).into_iter().collect()),
             ("physics", physics.numbers()),
         ];
-        let forces = self.file.allowed_force_n.iter().map(|(name, own_n)| (name, *own_n, limits::ALLOWED_FORCE_N));
-        let of_force = first_outside(forces).map(|own| (format!("allowed_force_n.{}", own.0), own.1, own.2));
-        let mut of_sections = sections.into_iter().filter_map(|(section, numbers)| {
-            first_outside(numbers).map(|(key, found, allowed)| (format!("{section}.{key}"), found, allowed))
+        let forces = self.file.allowed_force_n.iter();
+        let forces = forces.map(|(name, own_n)| (format!("allowed_force_n.{name}"), *own_n, limits::ALLOWED_FORCE_N));
+        let of_sections = sections.into_iter().flat_map(|(section, numbers)| {
+            numbers.into_iter().map(move |(key, value, limits)| (format!("{section}.{key}"), value, limits))
         });
-        match of_force.or_else(|| of_sections.next()) {
-            Some((field, found, allowed)) => Err(self.fault(&field, found, allowed)),
-            None => Ok(()),
-        }
+        self.refuse(first_outside(forces.chain(of_sections)))
     }
 
     /// Checks that a frame is a whole number of steps.
@@ -254,12 +245,12 @@ impl Scene {
         let mut names: BTreeMap<i8, &str> = BTreeMap::new();
         for (kind, number, group) in self.file.objects.groups() {
             let place = format!("objects.{kind}[{number}]");
-            objects += f64::from(group.count());
+            objects += f64::from(group.count);
             if !limits::OBJECTS.hold(objects) {
                 let allowed = format!("{} in all groups together", limits::OBJECTS);
-                return Err(self.fault(&format!("{place}.count"), group.count(), allowed));
+                return Err(self.fault(&format!("{place}.count"), group.count, allowed));
             }
-            let (code, name) = (group.category().code(), group.category().name());
+            let (code, name) = (group.category.code(), group.category.name());
             if let Some(other) = names.insert(code, name).filter(|other| *other != name) {
                 let allowed =
                     format!("another name, because in data sets this one has the same code, {code}, as {other}");
@@ -268,15 +259,12 @@ impl Scene {
             for limited in group.quantities() {
                 self.check_quantity(&place, &limited)?;
             }
-            if let Some(placement) = group.place() {
-                for (name, quantity, limits) in [
-                    ("place.x_m", &placement.x_m, PLACE_M),
-                    ("place.y_m", &placement.y_m, PLACE_M),
-                    ("place.yaw_deg", &placement.yaw_deg, YAW_DEG),
-                ] {
-                    if let Some(quantity) = quantity {
-                        self.check_quantity(&place, &Limited { name, quantity, limits })?;
-                    }
+            let Placement { x_m, y_m, yaw_deg } = &group.place;
+            let places =
+                [("place.x_m", x_m, PLACE_M), ("place.y_m", y_m, PLACE_M), ("place.yaw_deg", yaw_deg, YAW_DEG)];
+            for (name, quantity, limits) in places {
+                if let Some(quantity) = quantity {
+                    self.check_quantity(&place, &Limited { name, quantity, limits })?;
                 }
             }
         }
@@ -285,7 +273,12 @@ impl Scene {
 
     /// Turns a fault of the sensor options into an error about this file.
     pub(crate) fn sensor_fault(&self, fault: Option<Fault>) -> Result<(), InputError> {
-        fault.map_or(Ok(()), |(key, found, allowed)| Err(self.fault(&format!("sensor.{key}"), found, allowed)))
+        self.refuse(fault.map(|(key, found, allowed)| (format!("sensor.{key}"), found, allowed)))
+    }
+
+    /// Turns a fault of the file into an error, if there is one.
+    fn refuse(&self, fault: Option<Fault>) -> Result<(), InputError> {
+        fault.map_or(Ok(()), |(field, found, allowed)| Err(self.fault(&field, found, allowed)))
     }
 
     fn check_quantity(&self, place: &str, limited: &Limited<'_>) -> Result<(), InputError> {
@@ -310,18 +303,16 @@ impl Scene {
             Some(_) => sets_key(line, key),
             None => sets_key(line, field) || sets_key(line, top),
         };
-        let range = group.clone().unwrap_or_else(|| self.lines_before_headers());
+        let before_headers = || {
+            let first = self.text.lines().position(|line| line.trim_start().starts_with('['));
+            0..first.unwrap_or(usize::MAX)
+        };
+        let range = group.clone().unwrap_or_else(before_headers);
         let mut lines = self.text.lines().enumerate().filter(|(number, line)| range.contains(number) && sets(line));
         match (lines.next(), lines.next()) {
             (Some((line, _)), None) => fault.at_line(line + 1),
             _ => fault,
         }
-    }
-
-    /// The lines, counted from 0, before the first header.
-    fn lines_before_headers(&self) -> Range<usize> {
-        let first = self.text.lines().position(|line| line.trim_start().starts_with('['));
-        0..first.unwrap_or(usize::MAX)
     }
 
     /// The lines, counted from 0, of the group that contains a field such as `objects.leaf[1].count` or `goals.count`:

@@ -36,7 +36,7 @@ fn categories_have_allowed_names() {
         Scene::parse("test.toml", text)
     };
     let bottle = scene("bottle", "leaf").unwrap();
-    assert_eq!(bottle.file.objects.groups()[0].2.category().code(), 4);
+    assert_eq!(bottle.file.objects.groups()[0].2.category.code(), 4);
     for name in ["unknown", "Post", "a post", ""] {
         let error = scene("pole", name).unwrap_err();
         assert_eq!(error.line, Some(7), "{error}");

@@ -3,7 +3,6 @@ use nalgebra::{Matrix3, Vector3};
 use underbrush_recording::Pose;
 
 use super::super::Arm;
-use super::super::skin::SurfaceForm;
 use super::super::wedge::wedges;
 use super::altered_cody;
 use super::kinematics::{matrix, modified_dh_frames};
@@ -121,6 +120,7 @@ fn surface_points_tile_their_taxel() {
     // and their normals point from the axis.
     let arm = Arm::cody().unwrap();
     for (patch, surface) in arm.skin.surfaces.iter().enumerate() {
+        let first = &arm.skin.layout.patches[patch].taxels[0];
         for (index, taxel) in arm.skin.layout.patches[patch].taxels.iter().enumerate() {
             let points = arm.skin.surface_points(patch, index, 3);
             assert_eq!(points.len(), 9);
@@ -130,9 +130,10 @@ fn surface_points_tile_their_taxel() {
             let spacing = taxel.area_m2.sqrt() / 3.0;
             assert!((points[4].position_link.distance(points[1].position_link) - spacing).abs() < 1e-12);
             assert!((points[1].position_link - points[4].position_link).dot(taxel.tangent_link) < 0.0);
-            if let SurfaceForm::Cylinder { axis_point_link, axis_link, radius_m } = surface.form {
+            if let Some(radius_m) = surface.radius_m {
+                let axis_point_link = first.position_link - first.normal_link * radius_m;
                 for point in points {
-                    let from_axis = (point.position_link - axis_point_link).reject_from_normalized(axis_link);
+                    let from_axis = (point.position_link - axis_point_link).reject_from_normalized(first.tangent_link);
                     assert!((from_axis.length() - radius_m).abs() < 1e-12);
                     assert!((from_axis / radius_m).distance(point.normal_link) < 1e-12);
                 }

@@ -3,8 +3,8 @@ use std::path::Path;
 
 use proptest::prelude::*;
 
-use super::super::{Arm, cody_file, file};
-use super::altered_cody;
+use super::super::{Arm, file};
+use super::{altered_cody, cody_file};
 
 #[test]
 fn cody_from_disk_is_cody() {

@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
 use super::*;
-use crate::object::{Group, Specification};
+use crate::object::Group;
 
 /// Tests that a group whose rolls would all topple is refused with the modulus that is needed, that only rolls that
 /// stand are drawn from a mixed group, and that all rolls of the default ranges stand.
@@ -10,11 +10,11 @@ fn only_rolls_that_stand_are_drawn() {
     let footing = Footing { height_m: 0.0, foam_modulus_pa: None };
     let mut random = crate::seed::stream(0, "rolls", 0, "clutter");
     let group = |modulus_pa: &str| -> Group<FoamRoll> { toml::from_str(&format!("count = 1\n{modulus_pa}")).unwrap() };
-    let error = group("modulus_pa = 5e3").draw(&mut random, &footing).unwrap_err();
+    let error = group("modulus_pa = 5e3").0.draw(&mut random, &footing).unwrap_err();
     assert!(error.low > 5e3 && error.low < 1e5, "{error:?}");
     let mixed = group("modulus_pa = { uniform = [5e3, 2e5] }\nrelaxing_share = 0.6");
     for _ in 0..200 {
-        let (standing, _) = mixed.draw(&mut random, &footing).unwrap();
+        let (standing, _) = mixed.0.draw(&mut random, &footing).unwrap();
         let of = |name: &str| standing.parameters()[name];
         let standing = FoamRoll {
             diameter_m: of("diameter_m"),

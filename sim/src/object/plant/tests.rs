@@ -4,14 +4,14 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 use super::*;
-use crate::object::group::{Group, Specification};
+use crate::object::Group;
 
 /// A plant with the default quantities.
 fn draw(seed: u64) -> Box<dyn Object> {
     let group: Group<Plant> = toml::from_str("count = 1").unwrap();
     let footing = Footing { height_m: 0.0, foam_modulus_pa: Some(5e4) };
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    Specification::draw(&group, &mut random, &footing).unwrap().0
+    group.0.draw(&mut random, &footing).unwrap().0
 }
 
 /// Tests that a plant weighs what its stem and blades with their petioles weigh.

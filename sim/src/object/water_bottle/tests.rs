@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may end in a panic")]
 
 use super::*;
-use crate::object::{Group, Specification};
+use crate::object::Group;
 
 const FOOTING: Footing = Footing { height_m: 0.0, foam_modulus_pa: None };
 
@@ -13,12 +13,12 @@ fn no_bottle_overflows() {
     let group = |text: &str| -> Group<WaterBottle> { toml::from_str(&format!("count = 1\n{text}")).unwrap() };
     let full = "diameter_m = 0.2\nheight_m = 0.3\n";
     // π 0.1² · 0.3 m³ are 9.42 l.
-    let error = group(&format!("{full}water_mass_kg = 9.5")).draw(&mut random, &FOOTING);
+    let error = group(&format!("{full}water_mass_kg = 9.5")).0.draw(&mut random, &FOOTING);
     let high = error.unwrap_err().high;
     assert!((high - 9.4248).abs() < 1e-4, "{high}");
     let mixed = group(&format!("{full}water_mass_kg = {{ uniform = [5, 15] }}"));
     for _ in 0..200 {
-        let (drawn, _) = mixed.draw(&mut random, &FOOTING).unwrap();
+        let (drawn, _) = mixed.0.draw(&mut random, &FOOTING).unwrap();
         assert!(drawn.parameters()["water_mass_kg"] <= high);
     }
 }

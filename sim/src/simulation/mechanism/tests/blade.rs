@@ -6,8 +6,8 @@ use rand_chacha::rand_core::SeedableRng;
 
 use super::{pose, step_pushed};
 use crate::object::Footing;
+use crate::object::Group;
 use crate::object::blade::{Blade, SHEET_TORSION_OVER_BENDING};
-use crate::object::group::{Group, Specification};
 use crate::object::plant::Plant;
 use crate::object::structure::{Axis, Body, Drag, Inertia, Joint, Spring, Structure};
 use crate::simulation::engine::Engine;
@@ -270,7 +270,7 @@ fn plants_stand_as_they_are_drawn() {
     let group: Group<Plant> = toml::from_str("count = 1\nyield_moment_nm = 1000").unwrap();
     let footing = Footing { height_m: 0.0, foam_modulus_pa: Some(5e4) };
     for seed in 0..10 {
-        let plant = Specification::draw(&group, &mut ChaCha8Rng::seed_from_u64(seed), &footing).unwrap().0;
+        let plant = group.0.draw(&mut ChaCha8Rng::seed_from_u64(seed), &footing).unwrap().0;
         let mut engine = Engine::new(OPTIONS);
         let mechanism = Mechanism::build(&plant.structure(), &mut engine, DVec3::ZERO, 0.0);
         let last = engine.tree(mechanism.slot).links().len() - 1;
