@@ -42,13 +42,8 @@ pub fn counts(episodes: &[Episode]) -> BTreeMap<&'static str, u64> {
     fields.map(|field| (field.name, sum(field.get))).collect()
 }
 
-/// One reach with its audit.
-#[derive(Clone, Copy)]
-struct Audited<'a> {
-    scene: &'a str,
-    reach_index: u64,
-    audit: &'a Audit,
-}
+/// Scene, index and audit of a reach.
+type Audited<'a> = (&'a str, u64, &'a Audit);
 
 /// The bounds that the audit of a reach exceeds, each as a sentence.
 ///
@@ -73,11 +68,7 @@ pub fn exceeded_bounds(audit: &Audit, layout: &SkinLayout) -> Vec<String> {
 /// Warnings about reaches of a data set that exceed a bound of the audit, with the worst value, and about skin that nothing
 /// touched.
 pub fn warnings(episodes: &[Episode], layout: &SkinLayout) -> Vec<String> {
-    let audited = episodes.iter().map(|episode| Audited {
-        scene: &episode.scene,
-        reach_index: episode.reach_index,
-        audit: &episode.audit,
-    });
+    let audited = episodes.iter().map(|own| (own.scene.as_str(), own.reach_index, &own.audit));
     let touched = episodes.iter().flat_map(|episode| episode.touched_frames.values());
     let untouched = untouched(touched, episodes.len(), layout);
     passed_bounds(&audited.collect::<Vec<_>>(), layout).into_iter().chain(untouched).collect()
@@ -85,7 +76,7 @@ pub fn warnings(episodes: &[Episode], layout: &SkinLayout) -> Vec<String> {
 
 /// Warnings about the bounds of the audit that a single reach exceeds, and about skin that nothing touched.
 pub fn reach_warnings(recording: &Recording) -> Vec<String> {
-    let audited = Audited { scene: &recording.scene, reach_index: recording.reach_index, audit: &recording.audit };
+    let audited = (recording.scene.as_str(), recording.reach_index, &recording.audit);
     let untouched = untouched(recording.touched_frames().values(), 1, &recording.layout);
     passed_bounds(&[audited], &recording.layout).into_iter().chain(untouched).collect()
 }
@@ -108,23 +99,18 @@ fn untouched<'a>(
 /// One warning for each bound that some of these reaches exceed, and one if the controller's program could not be
 /// solved.
 fn passed_bounds(reaches: &[Audited], layout: &SkinLayout) -> Vec<String> {
-    let warning = |bound: Bound| {
-        let value = |reach: &Audited| (bound.field.get)(reach.audit);
-        let exceeding: Vec<&Audited> = reaches.iter().filter(|reach| value(reach) > bound.max).collect();
+    let warning = |Bound { field, max, reason }: Bound| {
+        let value = |(_, _, audit): &Audited| (field.get)(audit);
+        let exceeding: Vec<&Audited> = reaches.iter().filter(|reach| value(reach) > max).collect();
         let worst = exceeding.iter().max_by(|a, b| value(a).total_cmp(&value(b)))?;
+        let (name, count, all, largest) = (field.name, exceeding.len(), reaches.len(), value(worst));
+        let (scene, reach_index, _) = worst;
         Some(format!(
-            "warning: {} passes {:.1e} in {} of {} reaches, most in reach {} of {}: {:.1e} (the bound: {})",
-            bound.field.name,
-            bound.max,
-            exceeding.len(),
-            reaches.len(),
-            worst.reach_index,
-            worst.scene,
-            value(worst),
-            bound.reason
+            "warning: {name} passes {max:.1e} in {count} of {all} reaches, most in reach {reach_index} of {scene}: \
+             {largest:.1e} (the bound: {reason})"
         ))
     };
-    let failed: u64 = reaches.iter().map(|reach| u64::from(reach.audit.failed_controller_steps)).sum();
+    let failed: u64 = reaches.iter().map(|(_, _, audit)| u64::from(audit.failed_controller_steps)).sum();
     let failed = (failed > 0).then(|| {
         format!(
             "warning: the controller's program could not be solved in {failed} steps; there the equilibrium angles stayed \
@@ -146,7 +132,7 @@ mod tests {
         let sound = Audit::default();
         let deep = |deepest_penetration_m| Audit { deepest_penetration_m, ..Audit::default() };
         let (deeper, deepest) = (deep(0.5), deep(0.75));
-        let reach = |reach_index, audit| Audited { scene: "leaf", reach_index, audit };
+        let reach = |reach_index, audit| ("leaf", reach_index, audit);
         assert_eq!(passed_bounds(&[reach(0, &sound)], &layout), Vec::<String>::new());
         let found = passed_bounds(&[reach(0, &sound), reach(1, &deepest), reach(2, &deeper)], &layout);
         assert_eq!(found.len(), 1, "{found:?}");

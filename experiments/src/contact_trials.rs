@@ -35,22 +35,24 @@ pub fn of_dataset(dataset: &Dataset, options: &TrialOptions, progress: &dyn Prog
     Ok(trials)
 }
 
-/// Reads the reaches of a data set one after the other.
+/// Reads the reaches of a data set one after the other, and returns what `each` makes of them.
 ///
 /// # Errors
 /// If the set cannot be read, and the errors of `each`; [`ReachError::Stopped`] if the user ends the run.
-pub fn each_episode(
+pub fn each_episode<T>(
     dataset: &Dataset,
     progress: &dyn Progress,
-    mut each: impl FnMut(usize, &Recording) -> Result<(), TrialError>,
-) -> Result<(), Fault> {
-    let count = progress.count("reaches read", dataset.episodes().len() as u64, 0);
-    for episode in 0..dataset.episodes().len() {
+    mut each: impl FnMut(usize, &Recording) -> Result<T, TrialError>,
+) -> Result<Vec<T>, Fault> {
+    let episodes = 0..dataset.episodes().len();
+    let count = progress.count("reaches read", episodes.len() as u64, 0);
+    let read = |episode| {
         if progress.is_stopped() {
             return Err(ReachError::Stopped.into());
         }
-        each(episode, &dataset.read_reach(episode)?)?;
+        let made = each(episode, &dataset.read_reach(episode)?)?;
         count.advance();
-    }
-    Ok(())
+        Ok(made)
+    };
+    episodes.map(read).collect()
 }

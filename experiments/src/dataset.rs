@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::json;
 use underbrush_recording::disk::{
-    ArmText, Dataset, DatasetPlan, DiskError, FileText, PlannedEpisode, Provenance, SceneText, Shard,
+    ArmText, Dataset, DatasetPlan, FileText, PlannedEpisode, Provenance, SceneText, Shard,
 };
 use underbrush_recording::{Category, Fault, InputError, Recording, distinct};
 use underbrush_sim::arm::{Arm, ArmSource};
@@ -151,20 +151,17 @@ impl Campaign {
     }
 
     /// Runs the campaign and returns the result of `make` for each recording, in the order of the reaches. Nothing is written.
-    pub fn each<T: Send, E: std::error::Error + Send + 'static>(
+    pub fn each<T: Send>(
         &self,
         progress: &dyn Progress,
-        make: impl Fn(Recording) -> Result<T, E> + Sync,
-    ) -> Result<Vec<T>, Fault>
-    where
-        Fault: From<E>,
-    {
-        each_reach(&self.plans()?, &self.jobs(), progress, |_, recording| make(recording))
+        make: impl Fn(Recording) -> Result<T, Fault> + Sync,
+    ) -> Result<Vec<T>, Fault> {
+        each_reach(&self.plans()?, &self.jobs(), 0, progress, |_, recording| make(recording))
     }
 
     /// Runs the campaign and returns its recordings in their order. They need about 10 MB per minute of simulated time.
     pub fn recordings(&self, progress: &dyn Progress) -> Result<Vec<Recording>, Fault> {
-        self.each(progress, Ok::<Recording, DiskError>)
+        self.each(progress, Ok)
     }
 
     /// Whether a finished data set is what this campaign would make.
@@ -207,70 +204,54 @@ impl Campaign {
 
     /// The jobs of this shard, scene by scene and reach by reach.
     fn jobs(&self) -> Vec<Job> {
-        let all = self
-            .scenes
-            .iter()
-            .enumerate()
-            .flat_map(|(plan, (_, reaches))| (0..*reaches).map(move |reach_index| Job { plan, reach_index }));
+        let all = jobs_of(self.scenes.iter().map(|(_, reaches)| *reaches));
         let mine = |position: usize| self.shard.is_none_or(|shard| shard.holds(position as u64));
         all.enumerate().filter(|(position, _)| mine(*position)).map(|(_, job)| job).collect()
-    }
-
-    /// Refuses more parts than reaches. A part without a reach could not be made, so the others could not be merged.
-    fn check_parts(&self) -> Result<(), Fault> {
-        let Some(Shard { count, .. }) = self.shard else { return Ok(()) };
-        let reaches: u64 = self.scenes.iter().map(|(_, reaches)| reaches).sum();
-        if count <= reaches {
-            return Ok(());
-        }
-        Err(Fault::Usage(format!(
-            "{count} parts, and the number of reaches is {reaches}; allowed: at most as many parts as reaches, because a part \
-             without a reach could not be merged; ask for fewer parts, or for more reaches"
-        )))
     }
 
     fn plan(&self, plans: &[ReachPlan], jobs: &[Job]) -> Result<DatasetPlan, Fault> {
         let Some(first) = plans.first() else {
             return Err(Fault::Usage("no scene given; name at least one".into()));
         };
-        self.check_parts()?;
+        let reaches: u64 = self.scenes.iter().map(|(_, reaches)| reaches).sum();
+        if let Some(Shard { count, .. }) = self.shard.filter(|shard| shard.count > reaches) {
+            return Err(Fault::Usage(format!(
+                "{count} parts, and the number of reaches is {reaches}; allowed: at most as many parts as reaches, because a part \
+                 without a reach could not be merged; ask for fewer parts, or for more reaches"
+            )));
+        }
         if jobs.is_empty() {
             return Err(Fault::Usage("no reach to run; ask for at least one reach".into()));
         }
+        let (scene, controller) = (&first.scene.name, first.controller_name());
         if let Some(other) = plans.iter().find(|plan| plan.arm.skin.layout != first.arm.skin.layout) {
             return Err(Fault::Usage(format!(
-                "scenes {} and {} have arms with different skin; generate a data set for each",
-                first.scene.name, other.scene.name
+                "scenes {scene} and {} have arms with different skin; generate a data set for each",
+                other.scene.name
             )));
         }
-        if self.own_controller.is_some() && ControllerKind::from_name(&first.controller_name()).is_ok() {
+        if self.own_controller.is_some() && ControllerKind::from_name(&controller).is_ok() {
             return Err(Fault::Usage(format!(
-                "the controller is called {}, which is the name of a controller that ships; give it a name of its own",
-                first.controller_name()
+                "the controller is called {controller}, which is the name of a controller that ships; give it a name of its own"
             )));
         }
-        if let Some(other) = plans.iter().find(|plan| plan.controller_name() != first.controller_name()) {
+        if let Some(other) = plans.iter().find(|plan| plan.controller_name() != controller) {
+            let (other, its_controller) = (&other.scene.name, other.controller_name());
             return Err(Fault::Usage(format!(
-                "scenes {} and {} name different controllers, {} and {}; choose one with --controller, or generate a \
-                 data set for each",
-                first.scene.name,
-                other.scene.name,
-                first.controller_name(),
-                other.controller_name()
+                "scenes {scene} and {other} name different controllers, {controller} and {its_controller}; choose one with \
+                 --controller, or generate a data set for each"
             )));
         }
         let further = further_categories(plans);
         if let Some([one, other]) = further.array_windows().find(|[one, other]| one.code() == other.code()) {
+            let (one, other, code) = (one.name(), other.name(), one.code());
             return Err(Fault::Usage(format!(
-                "the categories {} and {} of these scenes have the same code, {}, so a data set cannot hold both; give one \
-                 of them another name in its scene file",
-                one.name(),
-                other.name(),
-                one.code()
+                "the categories {one} and {other} of these scenes have the same code, {code}, so a data set cannot hold both; \
+                 give one of them another name in its scene file"
             )));
         }
         Ok(DatasetPlan {
-            provenance: self.provenance(plans, &first.controller_name()),
+            provenance: self.provenance(plans, &controller),
             robot: first.arm.name.clone(),
             rate_hz: 1.0 / underbrush_recording::FRAME_PERIOD_S,
             joint_names: first.arm.joints.iter().map(|joint| joint.name.clone()).collect(),
@@ -357,30 +338,32 @@ pub fn reach_plan(
     }
 }
 
-/// Runs reaches in parallel, and returns the result of `make` for each job and its recording, in the order of the jobs.
-pub fn each_reach<T: Send, E: std::error::Error + Send + 'static>(
+/// The jobs of plans with these numbers of reaches, plan by plan and reach by reach.
+pub fn jobs_of(reaches: impl Iterator<Item = u64>) -> impl Iterator<Item = Job> {
+    reaches.enumerate().flat_map(|(plan, reaches)| (0..reaches).map(move |reach_index| Job { plan, reach_index }))
+}
+
+/// Runs reaches in parallel, and returns the result of `make` for the position of each job and its recording, in the order
+/// of the jobs. The progress counts `done` reaches as finished before.
+pub fn each_reach<T: Send>(
     plans: &[ReachPlan],
     jobs: &[Job],
+    done: usize,
     progress: &dyn Progress,
-    make: impl Fn(Job, Recording) -> Result<T, E> + Sync,
-) -> Result<Vec<T>, Fault>
-where
-    Fault: From<E>,
-{
+    make: impl Fn(usize, Recording) -> Result<T, Fault> + Sync,
+) -> Result<Vec<T>, Fault> {
     let made: Mutex<BTreeMap<usize, T>> = Mutex::default();
-    let count = progress.count("reaches", jobs.len() as u64, 0);
-    let receive = |place: usize, recording: Recording| {
+    let count = progress.count("reaches", (done + jobs.len()) as u64, done as u64);
+    let receive = |place: usize, recording: Recording| -> Result<(), Fault> {
         let goals = recording.goal_outcomes();
-        let own = make(jobs[place], recording)?;
+        let own = make(place, recording)?;
         if let Ok(mut made) = made.lock() {
             made.insert(place, own);
         }
         count.reach(goals);
         Ok(())
     };
-    let result = campaign::run_until(plans, jobs, receive, &|| progress.is_stopped());
-    drop(count);
-    result?;
+    campaign::run_until(plans, jobs, receive, &|| progress.is_stopped())?;
     Ok(made.into_inner().unwrap_or_default().into_values().collect())
 }
 

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use serde::Serialize;
-use underbrush_classifier::evaluate::{Stream, StreamTruth, Tally, classify_stream};
+use underbrush_classifier::evaluate::{ChosenThresholds, Stream, StreamTruth, Tally, classify_stream};
 use underbrush_classifier::{Decision, OnlineOptions, Rule};
 use underbrush_recording::{Category, Fault, Recording};
 
@@ -11,10 +11,6 @@ use crate::{Experiment, Session, online_models, thresholds};
 
 /// A reach classified online.
 pub struct Classified {
-    /// Name of the scene.
-    pub scene: String,
-    /// Path of the scene in the experiment file.
-    pub source: String,
     /// Index of the reach in its scene.
     pub reach_index: u64,
     /// The verdicts.
@@ -23,12 +19,6 @@ pub struct Classified {
 
 /// An engineered reach: its verdicts compared with the category of the scene, and with the object that presses.
 pub struct Engineered {
-    /// Name of the scene.
-    pub scene: String,
-    /// Its category.
-    pub category: Category,
-    /// Reaches drawn.
-    pub drawn: u64,
     /// Compared with the category of the scene; `None` if no draw met the requirement.
     pub by_scene: Option<Classified>,
     /// Compared with the object that presses.
@@ -37,7 +27,7 @@ pub struct Engineered {
 
 /// All reaches classified online.
 pub struct Online {
-    /// Engineered reaches.
+    /// Engineered reaches, in the order of [`reaches::TestReaches::engineered`].
     pub engineered: Vec<Engineered>,
     /// General reaches.
     pub general: Vec<Classified>,
@@ -119,8 +109,6 @@ pub fn run(session: &Session) -> Result<Online, Fault> {
         let options = options(experiment, rule);
         let one = |recording: &Recording| {
             Ok(Classified {
-                scene: found.scene.clone(),
-                source: found.source.clone(),
                 reach_index: recording.reach_index,
                 stream: classify_stream(models, recording, &options, truth)?,
             })
@@ -138,23 +126,17 @@ pub fn run(session: &Session) -> Result<Online, Fault> {
         let general = classify_some(&reaches.general, uncertain)?;
         let engineered = |(category, found): &(Category, Found)| {
             Ok(Engineered {
-                scene: found.scene.clone(),
-                category: *category,
-                drawn: found.drawn,
                 by_scene: classify(found, uncertain, StreamTruth::Environment(*category))?.pop(),
                 by_object: classify(found, uncertain, StreamTruth::Object)?.pop(),
             })
         };
         let engineered: Vec<Result<Engineered, Fault>> = reaches.engineered.par_iter().map(engineered).collect();
         let outlier = classify_some(&reaches.outlier, Decision::paper().rule)?;
-        let outlier_by_chosen = match &thresholds.chosen {
-            Ok(chosen) if reaches.outlier.is_some() => {
-                let decision = chosen.decision.clone();
-                let classified = classify_some(&reaches.outlier, decision.rule)?;
-                Some((decision, classified))
-            }
-            _ => None,
+        let chosen = thresholds.chosen.as_ref().ok().filter(|_| reaches.outlier.is_some());
+        let by_chosen = |chosen: &ChosenThresholds| -> Result<_, Fault> {
+            Ok((chosen.decision.clone(), classify_some(&reaches.outlier, chosen.decision.rule)?))
         };
+        let outlier_by_chosen = chosen.map(by_chosen).transpose()?;
         Ok(Online {
             engineered: engineered.into_iter().collect::<Result<_, _>>()?,
             general,

@@ -118,15 +118,12 @@ fn arm(arm: &Arm) -> Result<Value, Fault> {
 
 /// What a wedge does, in words.
 fn wedge(own: &Wedge) -> String {
-    let [first, second] = &own.links;
+    let Wedge { links: [first, second], joint, joint_deg, opening_deg, lever_m, force_n } = own;
+    let lever_mm = 1e3 * lever_m;
     format!(
-        "{first} and {second} close like scissors as {} turns: at {:.0} degrees, what is {:.0} mm from its axis is held in an opening of \
-         {:.0} degrees and pressed with up to {:.0} N; a sphere or hull on the link between them closes it",
-        own.joint,
-        own.joint_deg,
-        1e3 * own.lever_m,
-        own.opening_deg,
-        own.force_n
+        "{first} and {second} close like scissors as {joint} turns: at {joint_deg:.0} degrees, what is {lever_mm:.0} mm from its \
+         axis is held in an opening of {opening_deg:.0} degrees and pressed with up to {force_n:.0} N; a sphere or hull on the \
+         link between them closes it"
     )
 }
 

@@ -15,7 +15,6 @@ use crate::result_cache::{self, Run};
 use crate::{Experiment, Progress, Session, files};
 
 /// The requirement on a reach.
-#[derive(Clone)]
 enum Wanted {
     /// The patch touches this category and nothing else, and the category presses on a taxel in at least one taxel
     /// trial.
@@ -32,8 +31,6 @@ enum Wanted {
 pub struct Found {
     /// Name of the scene.
     pub scene: String,
-    /// Its path in the experiment file.
-    pub source: String,
     /// Number of reaches drawn until enough were found or the limit was reached.
     pub drawn: u64,
     /// The reaches.
@@ -52,8 +49,7 @@ pub struct TestReaches {
     pub second_outlier: Option<Found>,
 }
 
-struct Search<'a> {
-    source: &'a str,
+struct Search {
     plan: ReachPlan,
     options: TrialOptions,
     wanted: Wanted,
@@ -97,7 +93,7 @@ impl Wanted {
     }
 }
 
-impl Search<'_> {
+impl Search {
     /// Draws the reaches, or reads those that an earlier run has cached in `folder`.
     fn run(&self, folder: &Path, run: &Run, progress: &dyn Progress) -> Result<Found, Fault> {
         let scene = self.plan.scene.name.clone();
@@ -121,7 +117,7 @@ impl Search<'_> {
             let index = Index { drawn, found: reaches.iter().map(|recording| recording.reach_index).collect() };
             result_cache::store(&index_file, run, &index)?;
         }
-        Ok(Found { scene, source: self.source.to_owned(), drawn, reaches })
+        Ok(Found { scene, drawn, reaches })
     }
 
     /// The cached reach of an index. If its file is missing or damaged, the reach is drawn again.
@@ -150,9 +146,8 @@ pub fn run(session: &Session) -> Result<TestReaches, Fault> {
     let (experiment, progress) = (session.experiment, session.progress);
     let file = &experiment.file;
     let known: Vec<Category> = experiment.labels().into_iter().filter_map(|label| experiment.category(label)).collect();
-    let search = |source, wanted, enough, max_draws| {
+    let search = |source: &str, wanted, enough, max_draws| {
         Ok::<_, Fault>(Search {
-            source,
             plan: plan(experiment, source, session.seed)?,
             options: experiment.trial_options(),
             wanted,

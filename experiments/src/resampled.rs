@@ -21,8 +21,7 @@ pub struct Estimate {
 impl Estimate {
     /// The statistic of all reaches, and its interval. The same reaches give the same interval.
     pub(crate) fn of<R: Sync>(reaches: &[R], statistic: impl Fn(&[&R]) -> Option<f64> + Sync) -> Self {
-        let groups: [&[R]; 1] = [reaches];
-        Estimate::of_groups(&groups, |groups| statistic(&groups[0]))
+        Estimate::of_groups(&[reaches], |groups| statistic(&groups[0]))
     }
 
     /// A sum over the reaches, divided by another one.

@@ -4,7 +4,7 @@ use serde::Serialize;
 use underbrush_recording::Fault;
 
 use crate::dataset::PROGRAM_VERSION;
-use crate::experiment::Outcomes;
+use crate::experiment::{Outcomes, over_time};
 use crate::{Experiment, Session};
 
 /// The results of one run. Only `timing` depends on the machine.
@@ -61,18 +61,16 @@ impl Results {
             let line = text.lines().find(|line| line.starts_with("model name"))?;
             Some(line.split_once(':')?.1.trim().to_owned())
         });
+        let (shown, published) = (outcomes.over_time.online.shown(), session.experiment.published());
         let timing = Timing {
             cores: std::thread::available_parallelism().map_or(1, usize::from),
             threads: rayon::current_num_threads(),
             processor: processor.unwrap_or_else(|| std::env::consts::ARCH.into()),
             wall_s: session.wall_s(),
             stages: session.stages(),
-            figure_8_seconds_per_100_taxels: outcomes.over_time.seconds_per_100_taxels,
-            figure_8_median_seconds_per_100_taxels: outcomes.over_time.median_seconds_per_100_taxels,
-            figure_8_paper_seconds_per_100_taxels: session
-                .experiment
-                .published()
-                .and_then(|published| published.seconds_per_100_taxels),
+            figure_8_seconds_per_100_taxels: shown.and_then(|reach| reach.stream.seconds_per_100_taxels()),
+            figure_8_median_seconds_per_100_taxels: shown.and_then(over_time::median_seconds_per_100_taxels),
+            figure_8_paper_seconds_per_100_taxels: published.and_then(|own| own.seconds_per_100_taxels),
         };
         Ok(Results {
             program: PROGRAM_VERSION,

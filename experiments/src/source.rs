@@ -43,6 +43,11 @@ impl Source<'_> {
         self.found(name, self.text.lines().position(|line| holds(&line)))
     }
 
+    /// The error of a field with this value, which is found by its text.
+    pub fn fault(&self, name: &str, found: &str, allowed: impl Into<String>) -> InputError {
+        self.field(name, found).fault(found, allowed)
+    }
+
     /// A field whose value is this number, however the file writes it.
     pub fn number(&self, name: &str, value: f64) -> Field {
         let key = name.rsplit('.').next().unwrap_or(name);
@@ -62,12 +67,7 @@ impl Source<'_> {
 
     /// A field whose value begins at this byte of the text.
     pub fn field_at(&self, name: &str, start: usize) -> Field {
-        Field { path: self.path.into(), name: name.into(), line: Some(self.line_of(start)) }
-    }
-
-    /// The line, counted from 1, of a byte of the text.
-    fn line_of(&self, start: usize) -> usize {
-        line_at(self.text, start)
+        Field { path: self.path.into(), name: name.into(), line: Some(line_at(self.text, start)) }
     }
 }
 

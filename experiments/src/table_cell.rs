@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 use underbrush_classifier::feature::FeatureSet;
+use underbrush_recording::distinct;
 
 use crate::accuracy::Accuracy;
 use crate::definition::{OrderingName, TableOneUnit};
@@ -100,8 +101,7 @@ pub fn mean_difference<'a>(cells: impl Iterator<Item = (&'a str, f64, Option<f64
 
 /// Checks statements on the cells of one or more recipes. A pair with a missing cell does not count.
 pub fn orderings(statements: &[OrderingName], cells: &[KeyedAccuracy]) -> Vec<Ordering> {
-    let mut recipes: Vec<&String> = cells.iter().map(|(key, _)| &key.recipe).collect();
-    recipes.dedup();
+    let recipes = distinct(cells.iter().map(|(key, _)| &key.recipe));
     let check = |recipe: &String, name: OrderingName| {
         let own: Vec<&KeyedAccuracy> = cells.iter().filter(|(key, _)| key.recipe == *recipe).collect();
         let (statement, strict) = statement(name, &own);
@@ -149,20 +149,18 @@ fn statement(name: OrderingName, cells: &[&KeyedAccuracy]) -> (String, bool) {
 /// Whether a statement says that the first cell has the higher accuracy of the two.
 fn is_pair(name: OrderingName, high: &CellKey, low: &CellKey, cells: &[&KeyedAccuracy]) -> bool {
     let fewest = cells.iter().map(|(key, _)| key.states).min();
-    let same_features = high.features == low.features;
+    let (units, features) = ((high.by, low.by), (high.features, low.features));
+    let (same_unit, same_features, same_states) =
+        (high.by == low.by, high.features == low.features, high.states == low.states);
     match name {
         OrderingName::TaxelsOverComponents => {
-            (high.by, low.by) == (TableOneUnit::Taxel, TableOneUnit::Component)
-                && same_features
-                && high.states == low.states
+            units == (TableOneUnit::Taxel, TableOneUnit::Component) && same_features && same_states
         }
         OrderingName::ForceOverForceAndMotion => {
-            high.by == low.by
-                && high.states == low.states
-                && (high.features, low.features) == (FeatureSet::FORCE, FeatureSet::FORCE_AND_MOTION)
+            same_unit && features == (FeatureSet::FORCE, FeatureSet::FORCE_AND_MOTION) && same_states
         }
         OrderingName::MoreStates => {
-            high.by == low.by && same_features && high.states > low.states && Some(low.states) == fewest
+            same_unit && same_features && high.states > low.states && Some(low.states) == fewest
         }
     }
 }

@@ -48,10 +48,9 @@ pub fn run(session: &Session) -> Result<Thresholds, Fault> {
                 outlier_roc(&evaluate(&models.0, &trials.taxel, &argmax)?, &judge, 0.0)
             }
         };
-        let first = experiment.labels();
         Ok(Thresholds {
             chosen,
-            category_roc: first.first().and_then(|label| category_roc(&held_out, label)),
+            category_roc: experiment.labels().first().and_then(|label| category_roc(&held_out, label)),
             outlier_roc,
         })
     })

@@ -115,11 +115,8 @@ impl Trials {
     /// The trials of the run's training reaches, extracted with these options.
     pub fn of_dataset(session: &Session, dataset: &Dataset, options: &TrialOptions) -> Result<Self, Fault> {
         let reaches = reaches(session.experiment, session.quick);
-        let mut parts = Vec::new();
-        contact_trials::each_episode(dataset, session.progress, |_, recording| {
-            parts.push(Trials::cut(recording, options)?);
-            Ok(())
-        })?;
+        let cut = |_, recording: &Recording| Trials::cut(recording, options);
+        let parts = contact_trials::each_episode(dataset, session.progress, cut)?;
         Ok(Trials::joined(session.experiment, &reaches, options, parts))
     }
 
@@ -134,7 +131,7 @@ impl Trials {
     pub fn of_campaign(experiment: &Experiment, campaign: &Campaign, progress: &dyn Progress) -> Result<Self, Fault> {
         let options = experiment.trial_options();
         let reaches: Vec<u64> = campaign.scenes.iter().map(|(_, reaches)| *reaches).collect();
-        let parts = campaign.each(progress, |recording| Trials::cut(&recording, &options))?;
+        let parts = campaign.each(progress, |recording| Ok(Trials::cut(&recording, &options)?))?;
         Ok(Trials::joined(experiment, &reaches, &options, parts))
     }
 

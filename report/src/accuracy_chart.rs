@@ -54,19 +54,10 @@ impl AccuracyChart {
         self.layers.push(Layer::new(name, Style::line(INK, Dash::Dotted), Shape::Line(ends.to_vec())));
     }
 
-    /// The chart as an SVG element. Its axis begins at `lowest` per cent or below.
-    pub fn svg(self, name: String, title: &str, x: &str, lowest: f64) -> String {
-        self.chart(name, title, x, lowest).svg()
-    }
-
-    /// As [`AccuracyChart::svg`], with a row for each place.
-    pub fn dot_plot(self, name: &str, title: &str, lowest: f64) -> String {
-        self.chart(name.to_owned(), title, "", lowest).dot_plot()
-    }
-
-    fn chart(self, name: String, title: &str, x: &str, lowest: f64) -> Chart {
+    /// The chart, to be drawn. Its axis begins at `lowest` per cent or below.
+    pub fn chart(self, name: impl Into<String>, title: &str, x: &str, lowest: f64) -> Chart {
         Chart {
-            name,
+            name: name.into(),
             title: title.into(),
             description: self.description,
             x: Axis::names(x, self.places),

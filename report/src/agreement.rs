@@ -93,11 +93,10 @@ fn below_majority(below: &[String], cells: usize) -> String {
 
 /// Adds [`sentences`] on each recipe, which begin with what `what` makes of its name, and returns the recipes.
 pub fn add_sentences(report: &mut Report, cells: &[Compared], what: impl Fn(&str) -> String) -> Vec<String> {
-    let mut recipes: Vec<String> = cells.iter().map(|cell| cell.key.recipe.clone()).collect();
-    recipes.dedup();
+    let recipes = distinct(cells.iter().map(|cell| cell.key.recipe.clone()));
     for recipe in &recipes {
         let own: Vec<&Compared> = cells.iter().filter(|cell| cell.key.recipe == *recipe).collect();
-        report.page.paragraph(&sentences(&what(&possessive(recipe)), &own));
+        report.page.paragraph(&sentences(&what(possessive(recipe)), &own));
     }
     recipes
 }
@@ -139,8 +138,7 @@ fn orderings_table(name: &str, caption: &str, orderings: &[Ordering]) -> Table {
 /// All cells in one chart: a row for each, with a mark for each recipe, the published figure and the majority baseline.
 pub fn dot_plot(name: &str, title: &str, cells: &[Compared]) -> String {
     let names = distinct(cells.iter().map(|cell| cell.key.name()));
-    let mut recipes: Vec<&String> = cells.iter().map(|cell| &cell.key.recipe).collect();
-    recipes.dedup();
+    let recipes = distinct(cells.iter().map(|cell| &cell.key.recipe));
     let row = |cell: &Compared| names.iter().position(|name| *name == cell.key.name()).unwrap_or_default();
     let first: Vec<&Compared> = cells.iter().filter(|cell| Some(&&cell.key.recipe) == recipes.first()).collect();
     let mut chart = AccuracyChart::new(format!("Accuracy in per cent: {title}."), names.clone());
@@ -155,5 +153,5 @@ pub fn dot_plot(name: &str, title: &str, cells: &[Compared]) -> String {
     chart.series("paper", PUBLISHED, 0.0, first.iter().filter_map(|cell| Some((row(cell), cell.published?, None))));
     let lowest =
         lowest(cells.iter().map(|cell| cell.interval.map_or(cell.accuracy, |(low, _)| low.min(cell.accuracy))));
-    chart.dot_plot(name, title, lowest)
+    chart.chart(name, title, "", lowest).dot_plot()
 }

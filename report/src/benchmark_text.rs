@@ -1,7 +1,7 @@
 //! A row of the benchmark as readable text.
 
 use underbrush_experiments::benchmark::{
-    Estimate, Figures, Halves, ObjectFigures, Ranking, Reaching, Row, SetRecord, Transfer, Verdicts,
+    Estimate, Figures, Halves, ObjectFigures, Ranking, Reaching, Row, SetRecord, Transfer, UnknownIn, Verdicts,
 };
 
 use crate::drawing::Rows;
@@ -19,14 +19,9 @@ pub fn of(row: &Row) -> String {
         Figures::Earlier(figures) => format!("{figures:#}\n"),
     };
     let set = |own: &SetRecord| {
-        let reaches: u64 = own.scenes.iter().map(|scene| scene.reaches).sum();
-        format!(
-            "{}: {} of seed {}, data {}\n",
-            own.name,
-            counted(reaches, "reach", "reaches"),
-            own.seed,
-            &own.data_blake3[..16]
-        )
+        let SetRecord { name, seed, scenes, data_blake3 } = own;
+        let reaches: u64 = scenes.iter().map(|scene| scene.reaches).sum();
+        format!("{name}: {} of seed {seed}, data {data_blake3:.16}\n", counted(reaches, "reach", "reaches"))
     };
     let sets: String = row.sets.iter().map(set).collect();
     format!("{}, {}: {}{classifier}{quick}\n\n{figures}\n{sets}", row.benchmark, row.track, entry.name)
@@ -73,9 +68,7 @@ fn of_objects(patch: &str, figures: &ObjectFigures) -> String {
         .column("known called unknown / %", |at| percent(&at.known_called_unknown))
         .text();
     let [leaves, trunks, unknown] = figures.objects;
-    let found = |own: &underbrush_experiments::benchmark::UnknownIn| {
-        format!("; {} of {}: {} % found", own.objects, own.scene, percent(&own.found))
-    };
+    let found = |own: &UnknownIn| format!("; {} of {}: {} % found", own.objects, own.scene, percent(&own.found));
     let scenes: String = figures.unknown_in.iter().map(found).collect();
     format!("{table}Objects that touched the {patch}: {leaves} leaves, {trunks} trunks, {unknown} unknown{scenes}.\n")
 }
@@ -98,12 +91,9 @@ fn of_reaching(reaching: &Reaching) -> String {
         ("impulse on leaves in a reach, mean / N s", number(&reaching.leaf_impulse_n_s, 2)),
         ("largest force on a trunk in any reach / N", format!("{:.1}", reaching.largest_on_trunk_n)),
     ];
-    format!(
-        "{}{} with {}.\n",
-        Rows::of(&figures).column("figure", |own| own.0).column("value", |own| own.1.as_str()).text(),
-        counted(reaching.reaches, "reach", "reaches"),
-        counted(reaching.goals, "goal", "goals")
-    )
+    let table = Rows::of(&figures).column("figure", |own| own.0).column("value", |own| own.1.as_str()).text();
+    let (reaches, goals) = (counted(reaching.reaches, "reach", "reaches"), counted(reaching.goals, "goal", "goals"));
+    format!("{table}{reaches} with {goals}.\n")
 }
 
 fn percent(share: &Estimate) -> String {

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use underbrush_experiments::definition::Experiment;
-use underbrush_recording::Category;
+use underbrush_recording::{Category, distinct};
 
 use crate::drawing::{Dash, Mark, Style};
 use crate::style::{LEAF, OUTLIER, TRUNK, UNCERTAIN};
@@ -65,14 +65,9 @@ pub struct CategoryLooks {
 impl CategoryLooks {
     /// The looks of some categories, by name. The order of the names decides the look of further ones.
     pub fn of<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
-        let mut further: Vec<String> = Vec::new();
-        for name in names {
-            let known = PAPER.iter().any(|(own, _)| *own == name) || further.iter().any(|own| own == name);
-            if !known && name != Category::BLOCK.name() {
-                further.push(name.to_owned());
-            }
-        }
-        CategoryLooks { further }
+        let is_known = |name: &str| name == Category::BLOCK.name() || PAPER.iter().any(|(own, _)| *own == name);
+        let further = distinct(names.into_iter().filter(|name| !is_known(name)));
+        CategoryLooks { further: further.into_iter().map(str::to_owned).collect() }
     }
 
     /// The looks of an experiment's labels and of all objects in its scenes.
@@ -89,8 +84,7 @@ impl CategoryLooks {
         if let Some((_, look)) = PAPER.iter().find(|(own, _)| *own == name) {
             return *look;
         }
-        let place = self.further.iter().position(|own| own == name);
-        let place = place.unwrap_or(self.further.len());
+        let place = self.further.iter().position(|own| own == name).unwrap_or(self.further.len());
         Look::new(COLOURS[place % COLOURS.len()], MARKS[place % MARKS.len()], DASHES[place % DASHES.len()])
     }
 }

@@ -38,18 +38,10 @@ use text::counted;
 
 /// A report, ready to be written.
 pub struct Written {
-    /// `index.html`, its pictures, and the folder `csv` beside it.
-    pub files: Vec<File>,
+    /// `index.html`, its pictures, and the folder `csv` beside it: paths below the report's folder, and contents.
+    pub files: Vec<(String, Vec<u8>)>,
     /// Tables for a terminal.
     pub terminal: String,
-}
-
-/// A file of a report.
-pub struct File {
-    /// Its path below the report's folder.
-    pub path: String,
-    /// Its content.
-    pub bytes: Vec<u8>,
 }
 
 impl Written {
@@ -63,13 +55,10 @@ impl Written {
         section::add_all(&mut report);
         what_was_run(&mut report);
         let terminal = terminal(&report);
-        let file = |path: &str, bytes| File { path: path.to_owned(), bytes };
-        let tables =
-            report.tables.iter().map(|table| file(&format!("csv/{}.csv", table.name), table.csv().into_bytes()));
-        let moments = section::moments::pictures(&results.outcomes.moments)?;
-        let pictures = moments.into_iter().map(|(path, bytes)| file(&path, bytes));
-        let files = tables.chain(pictures).chain([file("index.html", report.page.html().into_bytes())]).collect();
-        Ok(Written { files, terminal })
+        let tables = report.tables.iter().map(|table| (format!("csv/{}.csv", table.name), table.csv().into_bytes()));
+        let pictures = section::moments::pictures(&results.outcomes.moments)?;
+        let page = ("index.html".to_owned(), report.page.html().into_bytes());
+        Ok(Written { files: tables.chain(pictures).chain([page]).collect(), terminal })
     }
 }
 

@@ -56,8 +56,7 @@ impl<'a> Comparison<'a> {
                     .map(|row| (trials_name(row.by, &row.category), row.per_reach, row.paper))
                     .collect(),
                 classifiers: (outcomes.classifiers.classifiers.iter())
-                    .map(|own| (own.classifier.as_str(), &own.figures))
-                    .map(|(name, own)| (name, [own.accuracy, own.balanced_accuracy, own.majority_baseline]))
+                    .map(|own| (own.classifier.as_str(), own.figures.figures()))
                     .collect(),
                 of_what: "one campaign".to_owned(),
                 whiskers: "95 % intervals",
@@ -83,8 +82,7 @@ pub fn add(report: &mut Report) {
     let Comparison { of_what, whiskers, .. } = &comparison;
     let title = format!("{name}, {of_what}, {whiskers}");
     let mut parts = vec![agreement::dot_plot("table-1", &title, &comparison.all)];
-    let moment = results.outcomes.moments.all().next();
-    if let Some(moment) = moment {
+    if let Some(moment) = results.outcomes.moments.all().next() {
         let address = crate::drawing::escape(&moments::address(moment, 0));
         let image = moments::image(moment, 0);
         parts.push(format!("<a href=\"{address}\">{image}Replay this reach in 3-D</a>"));
@@ -132,13 +130,10 @@ fn compare(comparison: &Comparison, is_quick: bool) -> (Vec<String>, Vec<String>
     }
     let difference = |(cell, published): &(&Compared, f64)| cell.accuracy - published;
     let farthest = pairs.iter().max_by(|a, b| difference(a).abs().total_cmp(&difference(b).abs()));
-    if let Some(pair) = farthest.filter(|_| within < all) {
+    if let Some((cell, published)) = farthest.filter(|_| within < all) {
+        let (outside, name, here) = (all - within, cell.key.name(), cell.accuracy);
         differs.push(format!(
-            "{} of {all} lie outside. The farthest is {}: {:.1} % here, {:.1} % in the paper.",
-            all - within,
-            pair.0.key.name(),
-            pair.0.accuracy,
-            pair.1
+            "{outside} of {all} lie outside. The farthest is {name}: {here:.1} % here, {published:.1} % in the paper."
         ));
     }
     let orderings = comparison.orderings.iter().filter(|own| Some(own.recipe.as_str()) == comparison.recipe());

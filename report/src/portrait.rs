@@ -74,15 +74,12 @@ pub fn skin(portraits: &[Portrait]) -> String {
 /// The legend of the shades.
 fn scale(body: &mut String, y: f64, largest_n: f64) {
     for (step, share) in SHARES.into_iter().enumerate() {
-        let x = MARGIN + step as f64 * 100.0;
+        let (x, fill, force_n) = (MARGIN + step as f64 * 100.0, shade(share).0, share * largest_n);
+        let (beside, baseline) = (x + 26.0, y + FONT);
         let _ = writeln!(
             body,
-            "<rect x=\"{x:.0}\" y=\"{y:.0}\" width=\"20\" height=\"20\" fill=\"{}\" stroke=\"#c8ced4\"/>\
-             <text x=\"{:.0}\" y=\"{:.0}\">{:.2} N</text>",
-            shade(share).0,
-            x + 26.0,
-            y + FONT,
-            share * largest_n
+            "<rect x=\"{x:.0}\" y=\"{y:.0}\" width=\"20\" height=\"20\" fill=\"{fill}\" stroke=\"#c8ced4\"/>\
+             <text x=\"{beside:.0}\" y=\"{baseline:.0}\">{force_n:.2} N</text>"
         );
     }
 }
@@ -135,8 +132,7 @@ fn section(body: &mut String, portrait: &Portrait, top: f64, width: f64) {
 
 /// Force over displacement of a foam roll that is pushed and released, from pairs of displacement, m, and force, N.
 pub fn roll_loop(points: &[(f64, f64)]) -> String {
-    let farthest = (0..points.len()).max_by(|a, b| points[*a].0.total_cmp(&points[*b].0));
-    let farthest = farthest.unwrap_or_default();
+    let farthest = (0..points.len()).max_by(|a, b| points[*a].0.total_cmp(&points[*b].0)).unwrap_or_default();
     let in_mm =
         |points: &[(f64, f64)]| Shape::Line(points.iter().map(|(way_m, force_n)| (1e3 * way_m, *force_n)).collect());
     let strongest_n = points.iter().map(|point| point.1).fold(0.0, f64::max);

@@ -13,15 +13,13 @@ use crate::replayed::{MAX_PAGE_BYTES, known};
 
 /// Writes each page that has reaches, with the verdicts that the figures are about.
 pub fn write(session: &Session, folder: &Path) -> Result<(), Fault> {
-    let (tested, online) = (session.once(reaches::run)?, session.once(frame_verdicts::run)?);
+    let tested = session.once(reaches::run)?;
     let uncertain = frame_verdicts::uncertain_rule(session.experiment);
     let judged = |recording: &Recording, rule: Rule| held(session, recording.clone(), rule);
 
-    let shown = online.shown().and_then(|shown| {
-        let all = tested.general.iter().flat_map(|found| &found.reaches);
-        all.into_iter().find(|recording| recording.reach_index == shown.reach_index)
-    });
-    let general = shown.into_iter().map(|recording| judged(recording, uncertain));
+    // The figures show the first of the general reaches.
+    let general = tested.general.iter().flat_map(|found| &found.reaches).take(1);
+    let general = general.map(|recording| judged(recording, uncertain));
     let outliers = tested.outlier.iter().flat_map(|found| &found.reaches);
     let outliers = outliers.map(|recording| judged(recording, Decision::paper().rule));
     page(session, general.chain(outliers), &folder.join(TEST_FILE))?;

@@ -89,11 +89,8 @@ fn capitalized(heading: &str) -> String {
 }
 
 /// The name of a recipe as it stands before the word "recipe": `authors'` or `modern`.
-pub fn possessive(recipe: &str) -> String {
-    match recipe {
-        "authors" => "authors'".into(),
-        other => other.into(),
-    }
+pub fn possessive(recipe: &str) -> &str {
+    if recipe == "authors" { "authors'" } else { recipe }
 }
 
 /// The seeds of a run.
@@ -123,11 +120,8 @@ impl<T: Copy> Rows<T> {
 
     /// Adds how far an accuracy is from the best published one, if there is one.
     pub fn against_best(self, best: Option<f64>, accuracy: impl Fn(T) -> f64) -> Self {
-        self.when(best.is_some(), |rows| {
-            rows.column("against the paper's best", |thing| {
-                best.map_or(Cell::Missing, |best| Cell::Difference(accuracy(thing) - best, 1))
-            })
-        })
+        let Some(best) = best else { return self };
+        self.column("against the paper's best", |thing| Cell::Difference(accuracy(thing) - best, 1))
     }
 
     /// Adds which cell of the cross-validation table it is.

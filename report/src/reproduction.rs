@@ -52,8 +52,8 @@ impl Reproduction<'_> {
         write_json(&out.join("summary.json"), &results)?;
         let report = Written::of(&results)?;
         let folder = out.join("report");
-        for file in &report.files {
-            write(&folder.join(&file.path), &file.bytes)?;
+        for (path, bytes) in &report.files {
+            write(&folder.join(path), bytes)?;
         }
         replay_pages::write(&session, &folder)?;
         Ok((results, report))

@@ -8,7 +8,7 @@ use underbrush_experiments::suite::Checked;
 use underbrush_experiments::suite::result::{BoundResult, BoundVerdict, SceneResult, SuiteResult};
 use underbrush_recording::{Fault, math};
 
-use crate::{Rows, counted, escape};
+use crate::{Rows, counted, escape, joined};
 
 /// Names of the files that [`write()`] writes.
 pub const FILES: [&str; 2] = ["results.json", "junit.xml"];
@@ -25,7 +25,7 @@ pub fn write(folder: &Path, checked: &Checked) -> Result<(), Fault> {
 
 /// A table for each scene, and each broken bound with the reach to look at.
 pub fn of(results: &[SuiteResult]) -> String {
-    results.iter().map(of_suite).collect::<Vec<_>>().join("\n")
+    joined(results.iter().map(of_suite), "\n")
 }
 
 fn of_suite(result: &SuiteResult) -> String {
@@ -134,8 +134,9 @@ fn junit_xml(results: &[SuiteResult]) -> String {
                 }
                 let why = why(result, scene, bound);
                 let message = escape(why.lines().next().unwrap_or_default());
+                let lines = joined(why.lines().map(escape), "\n");
                 let _ = writeln!(text, "    <testcase classname=\"{class}\" name=\"{name}\">");
-                let _ = writeln!(text, "      <failure message=\"{message}\">{}</failure>", lines(&why));
+                let _ = writeln!(text, "      <failure message=\"{message}\">{lines}</failure>");
                 text.push_str("    </testcase>\n");
             }
             text.push_str("  </testsuite>\n");
@@ -143,9 +144,4 @@ fn junit_xml(results: &[SuiteResult]) -> String {
     }
     text.push_str("</testsuites>\n");
     text
-}
-
-/// Escaped text with its line breaks.
-fn lines(text: &str) -> String {
-    text.lines().map(escape).collect::<Vec<_>>().join("\n")
 }

@@ -10,6 +10,7 @@ use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::decision::{Decision, Verdict};
 use underbrush_classifier::evaluate::NOTHING;
 use underbrush_classifier::online::{OnlineClassifier, OnlineError, OnlineOptions};
+use underbrush_classifier::online_model::OnlineJudge;
 use underbrush_classifier::touch::{Touch, TouchClassifier, TouchModel};
 use underbrush_classifier::trial::PatchImage;
 use underbrush_recording::disk::file_blake3;
@@ -35,12 +36,6 @@ pub struct JudgedModel {
 enum Kind {
     Touch(Arc<TouchModel>),
     OfTrials(Box<Model>),
-}
-
-/// A model that follows a reach.
-enum Judging {
-    Touch(Box<TouchClassifier>),
-    OfTrials(Vec<OnlineClassifier>),
 }
 
 /// What a model says in a reach.
@@ -132,20 +127,22 @@ impl JudgedModel {
         Ok(JudgedReach { objects: [objects.next(), objects.next()], frames })
     }
 
-    /// Begins a reach: the model, which of its verdicts on an object stands, and whether it judges the flipper.
-    fn begin(&self, layout: &SkinLayout) -> Result<(Judging, Standing, bool), Fault> {
+    /// Begins a reach: what judges it, which of its verdicts on an object stands, and whether it judges the flipper. A touch
+    /// model judges both patches, and a classifier of trials follows each of them on its own.
+    fn begin(&self, layout: &SkinLayout) -> Result<(Vec<OnlineJudge>, Standing, bool), Fault> {
         let flipper = layout.patch_index(FLIPPER);
         match &self.kind {
             Kind::Touch(model) => {
                 let judged = model.options().judged_patches(layout);
-                let classifier = Box::new(TouchClassifier::new(Arc::clone(model), layout)?);
-                Ok((Judging::Touch(classifier), Standing::Latest, flipper.is_some_and(|own| judged.contains(&own))))
+                let classifier = OnlineJudge::Touch(Box::new(TouchClassifier::new(Arc::clone(model), layout)?));
+                Ok((vec![classifier], Standing::Latest, flipper.is_some_and(|own| judged.contains(&own))))
             }
             Kind::OfTrials(model) => {
                 let decision = model.decision.clone().unwrap_or(Decision::argmax());
-                let begin = |patch: &str| {
+                let begin = |patch: &str| -> Result<OnlineJudge, OnlineError> {
                     let options = OnlineOptions::new(Some(patch.to_owned()), Some(THRESHOLD_N), decision.clone());
-                    OnlineClassifier::new(model.classifier.as_ref(), layout, &options)
+                    let online = OnlineClassifier::new(model.classifier.as_ref(), layout, &options)?;
+                    Ok(OnlineJudge::OfTrials(Box::new(online)))
                 };
                 let mut online = vec![begin(FOREARM)?];
                 match flipper.map(|_| begin(FLIPPER)) {
@@ -154,7 +151,7 @@ impl JudgedModel {
                     Some(own) => online.push(own?),
                 }
                 let flipper = online.len() == 2;
-                Ok((Judging::OfTrials(online), Standing::MostOfTheTime, flipper))
+                Ok((online, Standing::MostOfTheTime, flipper))
             }
         }
     }
@@ -162,30 +159,29 @@ impl JudgedModel {
     /// Shows the model the next frame, and writes its answers for the taxels of each patch.
     fn answer(
         &self,
-        judging: &mut Judging,
+        judging: &mut [OnlineJudge],
         sensed: &Frame,
         images: &[PatchImage],
         answers: &mut [Vec<Class>],
     ) -> Result<(), Fault> {
-        match judging {
-            Judging::Touch(classifier) => {
-                classifier.update(sensed)?;
-                for own in classifier.taxels() {
-                    let Some(place) = images.iter().position(|image| image.patch_index() == own.patch) else {
-                        continue;
-                    };
-                    answers[place][own.taxel] = match own.touch {
-                        Touch::Nothing => Class::Nothing,
-                        Touch::Category(index) => class_of(&self.categories[index]),
-                        Touch::Uncertain => Class::Uncertain,
-                        Touch::Unknown => Class::Unknown,
-                    };
+        for (place, judge) in judging.iter_mut().enumerate() {
+            match judge {
+                OnlineJudge::Touch(classifier) => {
+                    classifier.update(sensed)?;
+                    for own in classifier.taxels() {
+                        let place = images.iter().position(|image| image.patch_index() == own.patch);
+                        let Some(place) = place else { continue };
+                        answers[place][own.taxel] = match own.touch {
+                            Touch::Nothing => Class::Nothing,
+                            Touch::Category(index) => class_of(&self.categories[index]),
+                            Touch::Uncertain => Class::Uncertain,
+                            Touch::Unknown => Class::Unknown,
+                        };
+                    }
                 }
-            }
-            Judging::OfTrials(online) => {
-                for (online, answers) in online.iter_mut().zip(answers) {
+                OnlineJudge::OfTrials(online) => {
                     for own in online.update(sensed)? {
-                        answers[own.taxel] = match &own.verdict {
+                        answers[place][own.taxel] = match &own.verdict {
                             Verdict::Category(name) => class_of(name),
                             Verdict::Uncertain => Class::Uncertain,
                             Verdict::Outlier => Class::Unknown,

@@ -210,10 +210,7 @@ impl Entry {
                 model_blake3: Some(model.blake3.clone()),
             },
             Entry::Reaching(controller) => EntryRecord {
-                name: match sets.first() {
-                    Some(set) => set.campaign.controller_name()?,
-                    None => String::new(),
-                },
+                name: sets[0].campaign.controller_name()?,
                 classifier: None,
                 model_blake3: controller.verdicts.as_ref().map(|own| own.model_blake3().to_owned()),
             },

@@ -9,7 +9,7 @@ use underbrush_recording::Category;
 
 /// Frames after the first one in which an object is felt, after which the verdict on it is judged: 0.1 s and 0.3 s. It is
 /// judged at its end, too.
-const MOMENTS: [usize; 2] = [10, 30];
+pub(super) const MOMENTS: [usize; 2] = [10, 30];
 /// Number of moments at which an object is judged.
 pub(super) const JUDGED_MOMENTS: usize = MOMENTS.len() + 1;
 /// The last moment: the end of the object's last contact.
@@ -143,11 +143,6 @@ pub(super) struct JudgedObject {
     pub(super) truth: Class,
     /// The verdicts after each of [`MOMENTS`] (the last one if its contacts ended before), and at the end.
     pub(super) verdicts: [Class; JUDGED_MOMENTS],
-}
-
-/// Seconds after which the verdict of a moment is judged; `None` at the end.
-pub(super) fn seconds(moment: usize) -> Option<f64> {
-    MOMENTS.get(moment).map(|frames| *frames as f64 / 100.0)
 }
 
 #[cfg(test)]

@@ -1,12 +1,13 @@
 //! Track 1: what an object is, by the time since it was first felt, with objects that are foreign to the foliage.
 
 use serde::{Deserialize, Serialize};
+use underbrush_recording::distinct;
 
 use super::counts::{ALL, Counts, KNOWN, UNKNOWN};
 use super::frames::{FittedNothing, FrameCounts};
 use super::halves::Ranking;
 use super::judged_model::JudgedReach;
-use super::objects::{END, JUDGED_MOMENTS, JudgedObject, seconds};
+use super::objects::{END, JUDGED_MOMENTS, JudgedObject, MOMENTS};
 use crate::resampled::Estimate;
 
 /// The figures of the track.
@@ -82,15 +83,14 @@ fn of_objects(reaches: &[(String, Vec<JudgedObject>)]) -> ObjectFigures {
     let at = |moment| {
         let counts = counts(moment);
         VerdictsAt {
-            seconds: seconds(moment),
+            seconds: MOMENTS.get(moment).map(|frames| *frames as f64 / 100.0),
             leaf_trunk_or_unknown: Estimate::of(&counts, |own| Counts::accuracy(own, ALL)),
             leaf_or_trunk: Estimate::of(&counts, |own| Counts::accuracy(own, KNOWN)),
             unknown_found: Estimate::of(&counts, |own| Counts::accuracy(own, UNKNOWN)),
             known_called_unknown: Estimate::of(&counts, Counts::false_alarms),
         }
     };
-    let mut scenes: Vec<&String> = reaches.iter().map(|(scene, _)| scene).collect();
-    scenes.dedup();
+    let scenes = distinct(reaches.iter().map(|(scene, _)| scene));
     let unknown_in = |scene: &String| {
         let own = reaches.iter().filter(|(own, _)| own == scene);
         let counts: Vec<Counts> = own.map(|(_, objects)| Counts::of(objects, END)).collect();

@@ -4,12 +4,12 @@ use std::path::Path;
 use std::time::Duration;
 
 use rayon::prelude::*;
+use underbrush_recording::Fault;
 use underbrush_recording::disk::{Dataset, DatasetWriter, DiskError, Shard};
-use underbrush_recording::{Fault, Recording};
-use underbrush_sim::campaign::{self, CampaignError, Job};
+use underbrush_sim::campaign::Job;
 use underbrush_sim::reach::{ReachError, ReachPlan};
 
-use super::{Campaign, say_doubts};
+use super::{Campaign, each_reach, say_doubts};
 use crate::progress::Progress;
 
 /// The result of a request for a data set.
@@ -104,15 +104,7 @@ fn stage(
     total: usize,
     progress: &dyn Progress,
 ) -> Result<(), Fault> {
-    let count = progress.count("reaches", total as u64, (total - missing.len()) as u64);
     let to_run: Vec<Job> = missing.iter().map(|position| jobs[*position]).collect();
-    let stage = |index: usize, recording: Recording| {
-        writer.stage(missing[index], &recording)?;
-        count.reach(recording.goal_outcomes());
-        Ok(())
-    };
-    let result: Result<(), CampaignError<DiskError>> =
-        campaign::run_until(plans, &to_run, stage, &|| progress.is_stopped());
-    drop(count);
-    Ok(result?)
+    let stage = |place: usize, recording| Ok(writer.stage(missing[place], &recording)?);
+    each_reach(plans, &to_run, total - missing.len(), progress, stage).map(drop)
 }

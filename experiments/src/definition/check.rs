@@ -12,7 +12,7 @@ use crate::source::Source;
 
 /// Checks the rules that the types of the keys do not express.
 pub fn check(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
-    let fault = |name: &str, value: &str, allowed: &str| Err(source.field(name, value).fault(value, allowed));
+    let fault = |name: &str, value: &str, allowed: &str| Err(source.fault(name, value, allowed));
     let labels: BTreeSet<&str> = file.training.iter().map(|own| own.label.as_str()).collect();
     if labels.len() < 2 {
         let found = labels.first().copied().unwrap_or("no training scenes");
@@ -92,16 +92,13 @@ pub fn check_labels(
     scenes: &BTreeMap<String, Scene>,
     source: &Source,
 ) -> Result<(), InputError> {
-    let online = !file.engineered.is_empty()
-        || file.general.is_some()
-        || file.outlier.is_some()
-        || file.second_outlier.is_some()
-        || file.verdicts.is_some();
+    let tests = [&file.general, &file.outlier, &file.second_outlier].into_iter().flatten();
+    let online = !file.engineered.is_empty() || tests.count() > 0 || file.verdicts.is_some();
     let labels = file.training.iter().map(|own| &own.label);
     let unknown = |label: &&String| online && category(scenes, label).is_none();
     if let Some(label) = labels.into_iter().find(unknown) {
         let allowed = "the category of an object: verdicts are held against what presses on each taxel";
-        return Err(source.field("training.label", label).fault(label, allowed));
+        return Err(source.fault("training.label", label, allowed));
     }
     Ok(())
 }
@@ -118,7 +115,7 @@ pub fn check_patch<'a>(
         let patches = arm.skin.layout.patches.iter();
         let names: Vec<&str> = patches.map(|patch| patch.name.as_str()).collect();
         let allowed = format!("a patch of the skin of {}: {}", arm.name, names.join(", "));
-        return Err(source.field("trials.patch", patch).fault(patch, allowed));
+        return Err(source.fault("trials.patch", patch, allowed));
     }
     Ok(())
 }
@@ -132,10 +129,7 @@ pub fn category(scenes: &BTreeMap<String, Scene>, name: &str) -> Option<Category
 
 /// Checks the numbers of states, the thresholds and the settings.
 fn check_limits(file: &ExperimentFile, source: &Source) -> Result<(), InputError> {
-    let fault = |name: &str, states: usize, allowed: String| {
-        let found = states.to_string();
-        Err(source.field(name, &found).fault(&found, allowed))
-    };
+    let fault = |name: &str, states: usize, allowed: String| Err(source.fault(name, &states.to_string(), allowed));
     if let Some(states) = file.states.iter().find(|states| !STATES.hold(**states as f64)) {
         return fault("states", *states, format!("numbers from {STATES}"));
     }

@@ -95,7 +95,7 @@ impl Experiment {
         let mut stems = BTreeSet::new();
         if let Some(twice) = scenes.iter().find(|(_, scene)| !stems.insert(scene.name.clone())) {
             let allowed = "scene files with different names: the name decides what is drawn";
-            return Err(source.field("scene", twice.0).fault(twice.0, allowed));
+            return Err(source.fault("scene", twice.0, allowed));
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         let load_arm =
@@ -181,8 +181,7 @@ fn scene_names(file: &ExperimentFile) -> Vec<(&str, &'static str)> {
     let engineered = file.engineered.iter().map(|own| (own.scene.as_str(), "engineered.scene"));
     let general = file.general.iter().map(|own| (own.scene.as_str(), "general.scene"));
     let outlier = file.outlier.iter().map(|own| (own.scene.as_str(), "outlier.scene"));
-    let second_outlier = file.second_outlier.iter();
-    let second_outlier = second_outlier.map(|own| (own.scene.as_str(), "second_outlier.scene"));
+    let second_outlier = file.second_outlier.iter().map(|own| (own.scene.as_str(), "second_outlier.scene"));
     let verdicts = file.verdicts.iter().map(|own| (own.scene.as_str(), "verdicts.scene"));
     let auxiliary = file.verdicts.iter().flat_map(|own| &own.auxiliary);
     let auxiliary = auxiliary.map(|scene| (scene.as_str(), "verdicts.auxiliary"));

@@ -1,7 +1,7 @@
 //! Goals and forces by controller: the published one, and the one that maps what it touches and plans a way round.
 
 use serde::{Deserialize, Serialize};
-use underbrush_recording::{Category, DiskError, Fault, Outcome, Recording};
+use underbrush_recording::{Category, Fault, Outcome, Recording};
 use underbrush_sim::campaign::Job;
 use underbrush_sim::scene::ProgressRule;
 use underbrush_sim::{ControllerKind, ReachPlan};
@@ -69,9 +69,8 @@ pub fn run(session: &Session) -> Result<ComparedControllers, Fault> {
             let mut controllers = Vec::new();
             for (name, plan) in plans {
                 let jobs = (0..section.reaches).map(|index| Job { plan: 0, reach_index: FIRST_INDEX + index });
-                let counted = each_reach(&[plan], &jobs.collect::<Vec<_>>(), session.progress, |_, own| {
-                    Ok::<_, DiskError>(Counted::of(&own))
-                })?;
+                let jobs: Vec<Job> = jobs.collect();
+                let counted = each_reach(&[plan], &jobs, 0, session.progress, |_, own| Ok(Counted::of(&own)))?;
                 controllers.push(ControllerFigures::of(name, &counted));
             }
             let scene = session.experiment.scene(&section.scene)?.name.clone();

@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 use underbrush_classifier::evaluate::Tally;
-use underbrush_recording::Fault;
+use underbrush_recording::{Category, Fault};
 
 use crate::frame_verdicts::{self, Shares};
+use crate::reaches::{self, Found};
 use crate::session::Session;
 
 /// All engineered reaches.
@@ -37,20 +38,20 @@ pub struct Engineered {
 
 /// Summarizes the verdicts of each reach.
 pub fn run(session: &Session) -> Result<EngineeredReaches, Fault> {
-    let online = session.once(frame_verdicts::run)?;
-    let one = |reach: &frame_verdicts::Engineered| {
+    let (tested, online) = (session.once(reaches::run)?, session.once(frame_verdicts::run)?);
+    let one = |((category, found), reach): (&(Category, Found), &frame_verdicts::Engineered)| {
         let own = reach.by_scene.as_ref();
         Engineered {
-            scene: reach.scene.clone(),
-            category: reach.category.name(),
+            scene: found.scene.clone(),
+            category: category.name(),
             reach_index: own.map(|own| own.reach_index),
-            drawn: reach.drawn,
+            drawn: found.drawn,
             shares: own.and_then(|own| Shares::of(&own.stream.total())),
             untouched_percent: reach.by_object.as_ref().and_then(|own| untouched_percent(&own.stream.total())),
             mean_samples_used: own.and_then(|own| own.stream.mean_samples_used()),
         }
     };
-    Ok(EngineeredReaches { figure_11: online.engineered.iter().map(one).collect() })
+    Ok(EngineeredReaches { figure_11: tested.engineered.iter().zip(&online.engineered).map(one).collect() })
 }
 
 /// Taxel frames in which nothing presses on the taxel, per cent of all; `None` without any.

@@ -8,7 +8,8 @@ use underbrush_classifier::{HmmClassifier, OnlineClassifier};
 use underbrush_recording::{Fault, Frame, Recording};
 
 use crate::frame_verdicts::{self, Classified};
-use crate::{Session, online_models, reaches};
+use crate::reaches::{self, Found};
+use crate::{Session, online_models};
 
 /// Both moments, if there are such reaches. They are for pictures, so nothing is serialized.
 #[derive(Serialize)]
@@ -38,10 +39,12 @@ impl ReachMoments {
 /// Takes both moments.
 pub fn run(session: &Session) -> Result<ReachMoments, Fault> {
     let (online, models) = (session.once(frame_verdicts::run)?, session.once(online_models::run)?);
+    let tested = session.once(reaches::run)?;
+    let uncertain = frame_verdicts::uncertain_rule(session.experiment);
     session.stage("Moments of a general and of an outlier reach", || {
         Ok(ReachMoments {
-            general: take(session, &models.0, online.shown(), frame_verdicts::uncertain_rule(session.experiment))?,
-            outlier: take(session, &models.0, online.outlier.first(), Decision::paper().rule)?,
+            general: take(session, &models.0, tested.general.as_ref(), online.shown(), uncertain)?,
+            outlier: take(session, &models.0, tested.outlier.as_ref(), online.outlier.first(), Decision::paper().rule)?,
         })
     })
 }
@@ -57,30 +60,26 @@ pub struct Moment {
     /// Taxels of that patch that an object truly presses on; the others in contact are spurious readings, creep or
     /// crosstalk.
     pub pressed: BTreeSet<usize>,
-    /// Name of the scene.
-    pub scene: String,
-    /// Index of the reach in its scene.
-    pub reach_index: u64,
     /// The whole reach.
     pub recording: Recording,
 }
 
-/// Runs a classified reach again and judges the frame in which the most taxels are in contact. The moment is thus chosen by
-/// how much there is to see, not by how well it is classified. `None` if there is no such reach.
+/// Judges the frame in which the most taxels are in contact in the first of the reaches found, which is `shown`. The moment
+/// is thus chosen by how much there is to see, not by how well it is classified. `None` if there is no such reach.
 fn take(
     session: &Session,
     models: &HmmClassifier,
+    found: Option<&Found>,
     shown: Option<&Classified>,
     rule: Rule,
 ) -> Result<Option<Moment>, Fault> {
-    let Some(shown) = shown else { return Ok(None) };
+    let recording = found.and_then(|found| found.reaches.first());
+    let Some((recording, shown)) = recording.zip(shown) else { return Ok(None) };
     let frames = shown.stream.frames.iter().enumerate();
     let best = frames.max_by_key(|(index, frame)| (frame.in_contact, std::cmp::Reverse(*index)));
     let Some((chosen, _)) = best else { return Ok(None) };
-    let plan = reaches::plan(session.experiment, &shown.source, session.seed)?;
     let options = frame_verdicts::options(session.experiment, rule);
-    let mut classifier = OnlineClassifier::new(models, &plan.arm.skin.layout, &options)?;
-    let recording = plan.run_until(shown.reach_index, &mut |_| {}, &|| session.progress.is_stopped())?;
+    let mut classifier = OnlineClassifier::new(models, &recording.layout, &options)?;
     let mut verdicts = BTreeMap::new();
     for frame in recording.frames.iter().take(chosen + 1) {
         verdicts = classifier.update(frame)?.map(|taxel| (taxel.taxel, taxel.verdict.clone())).collect();
@@ -91,9 +90,7 @@ fn take(
         frame_index: chosen,
         patch,
         verdicts,
-        scene: shown.scene.clone(),
-        reach_index: shown.reach_index,
-        recording,
+        recording: recording.clone(),
     }))
 }
 

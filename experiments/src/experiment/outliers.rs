@@ -28,9 +28,6 @@ pub struct OutlierThresholds {
     /// All reaches.
     #[serde(skip)]
     pub online: Rc<Online>,
-    /// The label that the first curve compares with the others.
-    #[serde(skip)]
-    pub first_label: String,
 }
 
 /// Verdicts in the outlier reaches.
@@ -91,7 +88,6 @@ pub fn run(session: &Session) -> Result<OutlierThresholds, Fault> {
             category_area: curves.category_roc.as_ref().map(|curve| curve.area),
             outlier_area: curves.outlier_roc.as_ref().map(|curve| curve.area),
         },
-        first_label: session.experiment.labels().first().map_or_else(String::new, |label| (*label).to_owned()),
         curves,
         online,
     })
@@ -144,8 +140,6 @@ mod tests {
     #[test]
     fn a_further_category_has_a_row_of_its_own() {
         let reach = |truths: Vec<Category>, taxel_frames: Vec<Vec<usize>>| Classified {
-            scene: "any".into(),
-            source: "any.toml".into(),
             reach_index: 0,
             stream: Stream {
                 truths,

@@ -3,7 +3,6 @@
 use std::rc::Rc;
 
 use serde::Serialize;
-use underbrush_classifier::feature::FeatureSet;
 use underbrush_recording::Fault;
 
 use crate::frame_verdicts::{self, Classified, Online, Shares};
@@ -16,18 +15,6 @@ pub struct AccuracyOverTime {
     pub figure_9: SamplesUsed,
     /// Fractions of correct, wrong and uncertain verdicts.
     pub figure_10: Option<Shares>,
-    /// Computation time of a new sample for 100 taxels in contact, s: the mean over the reach.
-    #[serde(skip)]
-    pub seconds_per_100_taxels: Option<f64>,
-    /// Computation time of a new sample for 100 taxels in contact, s: the median over the frames with contact.
-    #[serde(skip)]
-    pub median_seconds_per_100_taxels: Option<f64>,
-    /// Number of hidden states of the models.
-    #[serde(skip)]
-    pub states: usize,
-    /// Features that the models use.
-    #[serde(skip)]
-    pub features: FeatureSet,
     /// All reaches.
     #[serde(skip)]
     pub online: Rc<Online>,
@@ -54,10 +41,7 @@ pub fn run(session: &Session) -> Result<AccuracyOverTime, Fault> {
     let used = by_scene.chain(&online.general).filter_map(|reach| reach.stream.mean_samples_used());
     let used: Vec<f64> = used.collect();
     let shown = online.shown();
-    let recipe = session.experiment.main_recipe();
     Ok(AccuracyOverTime {
-        states: recipe.states,
-        features: recipe.features,
         figure_9: SamplesUsed {
             mean_samples_used: shown.and_then(|reach| reach.stream.mean_samples_used()),
             mean_over_reaches: (!used.is_empty()).then(|| used.iter().sum::<f64>() / used.len() as f64),
@@ -65,14 +49,12 @@ pub fn run(session: &Session) -> Result<AccuracyOverTime, Fault> {
             paper: session.experiment.published().and_then(|own| own.samples_used),
         },
         figure_10: shown.and_then(|reach| Shares::of(&reach.stream.total())),
-        seconds_per_100_taxels: shown.and_then(|reach| reach.stream.seconds_per_100_taxels()),
-        median_seconds_per_100_taxels: shown.and_then(median_seconds),
         online,
     })
 }
 
 /// The median over the frames with contact of the time per 100 taxels, s.
-fn median_seconds(reach: &Classified) -> Option<f64> {
+pub fn median_seconds_per_100_taxels(reach: &Classified) -> Option<f64> {
     let frames = reach.stream.frames.iter().zip(&reach.stream.seconds);
     let with_contact = frames.filter(|(frame, _)| frame.in_contact > 0);
     let mut seconds: Vec<f64> =

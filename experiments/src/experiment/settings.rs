@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use underbrush_classifier::decision::Decision;
 use underbrush_classifier::estimator::{Estimator, is_trained};
 use underbrush_classifier::evaluate::{Evaluation, evaluate};
-use underbrush_recording::{Fault, Recording, Trial};
+use underbrush_recording::{Fault, Trial, distinct};
 
 use crate::training::{self, Trials};
 use crate::verdict_transfer::{FoldedReaches, VerdictTransfer};
@@ -51,9 +51,7 @@ pub struct Folded {
 impl ComparedSettings {
     /// Names of the classifiers, in order.
     pub fn classifiers(&self) -> Vec<&str> {
-        let mut names: Vec<&str> = self.splits.iter().map(|split| split.classifier.as_str()).collect();
-        names.dedup();
-        names
+        distinct(self.splits.iter().map(|split| split.classifier.as_str()))
     }
 }
 
@@ -79,13 +77,6 @@ fn fold_of(reach: u64, reaches: &[u64], counts: &[u64]) -> Option<usize> {
     (index < count).then_some(usize::from(2 * index >= count))
 }
 
-/// Recordings of a campaign with their folds.
-fn folded(recordings: Vec<(u64, Recording)>, reaches: &[u64], counts: &[u64]) -> FoldedReaches {
-    let folded = recordings.into_iter();
-    let folded = folded.filter_map(|(reach, recording)| Some((fold_of(reach, reaches, counts)?, recording)));
-    folded.collect()
-}
-
 /// Runs the training scenes at the other settings, and tests the classifiers of each setting at every setting. A quick run
 /// has too few reaches for it.
 pub fn run(session: &Session) -> Result<ComparedSettings, Fault> {
@@ -99,10 +90,12 @@ pub fn run(session: &Session) -> Result<ComparedSettings, Fault> {
     session.stage("Other arms and speeds", || {
         session.kept("splits", session.seed, || {
             let reaches = training::reaches(experiment, session.quick);
-            let nominal = (0..).zip(0..data.dataset.episodes().len());
-            let nominal = nominal.filter(|(reach, _)| fold_of(*reach, &reaches, &counts).is_some());
-            let nominal = nominal.map(|(reach, index)| Ok((reach, data.dataset.read_reach(index)?)));
-            let nominal = folded(nominal.collect::<Result<_, Fault>>()?, &reaches, &counts);
+            let mut nominal = FoldedReaches::new();
+            for index in 0..data.dataset.episodes().len() {
+                if let Some(fold) = fold_of(index as u64, &reaches, &counts) {
+                    nominal.push((fold, data.dataset.read_reach(index)?));
+                }
+            }
             let mut verdict_transfer = Vec::new();
             let mut settings = vec![Folded::new(NOMINAL, &data.trials.taxel, &reaches, &counts)];
             for setting in &experiment.file.settings {
@@ -112,7 +105,8 @@ pub fn run(session: &Session) -> Result<ComparedSettings, Fault> {
                 let trials = Trials::of_recordings(experiment, &counts, &recordings)?;
                 settings.push(Folded::new(&setting.name, &trials.taxel, &counts, &counts));
                 if experiment.file.verdicts.is_some() {
-                    let here = folded((0..).zip(recordings).collect(), &counts, &counts);
+                    let here = (0..).zip(recordings);
+                    let here = here.filter_map(|(reach, own)| Some((fold_of(reach, &counts, &counts)?, own))).collect();
                     let options = experiment.touch_options();
                     verdict_transfer.push(VerdictTransfer::of(&setting.name, &options, &here, &nominal)?);
                 }

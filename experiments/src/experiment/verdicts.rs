@@ -7,7 +7,7 @@ use serde::Serialize;
 use underbrush_classifier::evaluate::touch::{TouchEvaluation, TouchTally};
 use underbrush_classifier::evaluate::{Accuracy, TouchFigures, UnknownFigures};
 use underbrush_classifier::touch::TouchExamples;
-use underbrush_recording::{DiskError, Fault, Recording};
+use underbrush_recording::{Fault, Recording};
 use underbrush_sim::campaign::Job;
 
 use crate::dataset::each_reach;
@@ -103,8 +103,10 @@ pub fn run(session: &Session) -> Result<VerdictFigures, Fault> {
         for fold in held_out {
             all.add(fold?);
         }
-        for recording in &auxiliary(session, section)? {
-            examples.add_auxiliary(recording)?;
+        for scene in section.auxiliary.iter().filter(|_| !session.quick) {
+            for recording in &drawn(session, section, scene)? {
+                examples.add_auxiliary(recording)?;
+            }
         }
         let model = Arc::new(examples.fit()?);
         let judge = |found: &Found| -> Result<_, Fault> {
@@ -154,21 +156,12 @@ fn recordings(session: &Session, section: &VerdictSection) -> Result<Vec<Recordi
     })
 }
 
-/// The reaches of the auxiliary scenes.
-fn auxiliary(session: &Session, section: &VerdictSection) -> Result<Vec<Recording>, Fault> {
-    let mut recordings = Vec::new();
-    for scene in section.auxiliary.iter().filter(|_| !session.quick) {
-        recordings.extend(drawn(session, section, scene)?);
-    }
-    Ok(recordings)
-}
-
 /// Reaches of a scene, as many as the section asks for.
 fn drawn(session: &Session, section: &VerdictSection, scene: &str) -> Result<Vec<Recording>, Fault> {
     let plan = reaches::plan(session.experiment, scene, session.seed)?;
     let jobs = (0..section.reaches(session.quick)).map(|index| Job { plan: 0, reach_index: FIRST_INDEX + index });
     let jobs: Vec<Job> = jobs.collect();
-    each_reach(&[plan], &jobs, session.progress, |_, own| Ok::<_, DiskError>(own))
+    each_reach(&[plan], &jobs, 0, session.progress, |_, own| Ok(own))
 }
 
 /// Judges every `FOLDS`-th recording by networks fitted to the others.

@@ -51,7 +51,6 @@ fn a_damaged_reach_is_drawn_again() {
     let folder = tempfile::tempdir().unwrap();
     let text = scenes::FEW_TRUNKS.to_owned();
     let search = Search {
-        source: "trunks.toml",
         plan: ReachPlan::new(Scene::parse("trunks.toml", text).unwrap(), None, 0).unwrap(),
         options: TrialOptions::default(),
         wanted: Wanted::All(Vec::new()),

@@ -47,16 +47,15 @@ pub fn text(suite: &Suite, result: &SuiteResult) -> Result<String, Fault> {
         .filter(|(_, (own, _))| own.metric.statistic != Statistic::Largest)
         .map(|(_, (own, _))| usize::from(bounded_below(own)) + usize::from(bounded_above(own)))
         .sum();
-    let probability = suite.bless.false_alarm / sides.max(1) as f64;
+    let probability = suite.file.bless.false_alarm / sides.max(1) as f64;
     let mut changes = Vec::new();
     for (scene, (own, found)) in all() {
         let bound = new_bound(suite, own, found, probability).ok_or_else(|| {
+            let (path, BoundResult { name, values, .. }) = (scene.plan.scene.path.display(), found);
             Fault::Usage(format!(
-                "{}: {} was measured in {} of {} reaches, and a bound takes two; nothing was written. Add reaches, change the \
-                 scene, or remove the bound",
-                scene.plan.scene.path.display(),
-                found.name,
-                found.values.len(),
+                "{path}: {name} was measured in {} of {} reaches, and a bound takes two; nothing was written. Add reaches, \
+                 change the scene, or remove the bound",
+                values.len(),
                 scene.reaches
             ))
         })?;
@@ -93,7 +92,7 @@ fn new_bound(suite: &Suite, own: &SceneBound, result: &BoundResult, probability:
             margin_with_one_more(&values, if found < 0.5 { 1.0 } else { 0.0 }, probability)?
         }
         Statistic::Mean | Statistic::Share => margin(&values, probability)?,
-        Statistic::Largest => (suite.bless.largest_factor - 1.0) * found.abs(),
+        Statistic::Largest => (suite.file.bless.largest_factor - 1.0) * found.abs(),
     };
     let end = if own.metric.statistic == Statistic::Share { 1.0 } else { f64::INFINITY };
     // A limit does not depend on what was found. If the file has another limit, somebody chose it on purpose.

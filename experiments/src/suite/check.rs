@@ -27,7 +27,7 @@ pub fn numbers(file: &SuiteFile, source: &Source) -> Result<(), InputError> {
         if !(2..=MAX_REACHES).contains(&scene.reaches) {
             let found = scene.reaches.to_string();
             let allowed = format!("2 to {MAX_REACHES} reaches: one alone does not show how much they vary");
-            return Err(source.field("scenes.reaches", &found).fault(found, allowed));
+            return Err(source.fault("scenes.reaches", &found, allowed));
         }
     }
     let bless = file.bless;

@@ -44,7 +44,7 @@ impl Checked {
             }
         }
         if let Some(seed) = seed {
-            suites = suites.into_iter().map(|suite| suite.with_seed(seed)).collect();
+            suites.iter_mut().for_each(|suite| suite.set_seed(seed));
         }
         let mut results = Vec::new();
         for (suite, path) in suites.iter().zip(paths) {

@@ -4,7 +4,7 @@ use serde::Serialize;
 use underbrush_classifier::decision::Verdict;
 use underbrush_classifier::evaluate::{JudgedObject, NOTHING, Stream, Tally};
 use underbrush_classifier::touch::Touch;
-use underbrush_recording::{Category, Recording};
+use underbrush_recording::{Category, ContactForces, Recording};
 use underbrush_sim::audit;
 
 /// How the values of all reaches become one number.
@@ -61,7 +61,8 @@ pub struct Metric {
     pub sides: Sides,
     /// The upper bound, if it does not depend on what was found.
     pub limit: Option<f64>,
-    of_reach: fn(&Measured, Option<Category>) -> Option<f64>,
+    /// Its value in one reach. `None` if it cannot be measured there, for example without contact with that category.
+    pub of_reach: fn(&Measured, Option<Category>) -> Option<f64>,
 }
 
 const PLAIN: Metric = Metric {
@@ -228,11 +229,6 @@ impl Metric {
         static LIST: [Metric; METRICS.len()] = METRICS;
         LIST.iter().find(|metric| metric.name == name)
     }
-
-    /// Its value in one reach. `None` if it cannot be measured there, for example without contact with that category.
-    pub fn of_reach(&self, reach: &Measured, category: Option<Category>) -> Option<f64> {
-        (self.of_reach)(reach, category)
-    }
 }
 
 fn audit_share(recording: &Recording) -> f64 {
@@ -242,11 +238,7 @@ fn audit_share(recording: &Recording) -> f64 {
     shares.fold(0.0, f64::max)
 }
 
-fn force(
-    reach: &Measured,
-    category: Option<Category>,
-    value: fn(&underbrush_recording::ContactForces) -> f64,
-) -> Option<f64> {
+fn force(reach: &Measured, category: Option<Category>, value: fn(&ContactForces) -> f64) -> Option<f64> {
     let forces = reach.recording.contact_forces(category);
     (forces.contacts > 0).then(|| value(&forces))
 }

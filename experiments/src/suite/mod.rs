@@ -6,7 +6,7 @@
 
 use std::collections::BTreeSet;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use underbrush_classifier::online_model::OnlineModel;
 use underbrush_recording::{Category, Fault, InputError};
@@ -30,7 +30,7 @@ mod tests;
 pub use bound::Bound;
 pub use checked::Checked;
 
-use file::{BlessSection, SceneEntry, SuiteFile};
+use file::{SceneEntry, SuiteFile};
 use metric::Metric;
 
 /// A suite with its checked file, its scenes and its model.
@@ -38,12 +38,8 @@ use metric::Metric;
 pub struct Suite {
     /// Name: the file's stem.
     pub name: String,
-    /// What the suite checks.
-    pub summary: String,
-    /// Seed of all reaches.
-    pub seed: u64,
-    /// How bounds are blessed.
-    pub bless: BlessSection,
+    /// The content of the file.
+    pub file: SuiteFile,
     /// The scenes.
     pub scenes: Vec<SuiteScene>,
     /// The model, if the suite names one.
@@ -106,36 +102,29 @@ impl Suite {
         let file: SuiteFile = source.parse("suite")?;
         check::numbers(&file, &source)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let model = file.model.as_ref().map(|own| judging::load(own, folder, &source));
-        let model = model.transpose()?;
+        let model = file.model.as_ref().map(|own| judging::load(own, folder, &source)).transpose()?;
         let (mut scenes, mut names) = (Vec::new(), BTreeSet::new());
         for entry in &file.scenes {
             let scene = scene(&file, entry, folder, &source, model.as_ref())?;
             if !names.insert(scene.plan.scene.name.clone()) {
                 let allowed = "scene files with different names: the name decides what is drawn";
-                return Err(source.field("scenes.scene", &entry.scene).fault(&entry.scene, allowed).into());
+                return Err(source.fault("scenes.scene", &entry.scene, allowed).into());
             }
             scenes.push(scene);
         }
         Ok(Suite {
             name: path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned()),
-            summary: file.summary,
-            seed: file.seed,
-            bless: file.bless,
+            file,
             scenes,
             model,
             text,
         })
     }
 
-    /// The same suite on the reaches of another seed.
-    #[must_use]
-    pub fn with_seed(mut self, seed: u64) -> Self {
-        self.seed = seed;
-        for scene in &mut self.scenes {
-            scene.plan.seed = seed;
-        }
-        self
+    /// Takes the reaches of another seed.
+    pub fn set_seed(&mut self, seed: u64) {
+        self.file.seed = seed;
+        self.scenes.iter_mut().for_each(|scene| scene.plan.seed = seed);
     }
 }
 
@@ -147,9 +136,8 @@ fn scene(
     source: &Source,
     model: Option<&OnlineModel>,
 ) -> Result<SuiteScene, InputError> {
-    let path: PathBuf = folder.join(&entry.scene);
-    let named = Scene::load(path).map_err(|error| source.field("scenes.scene", &entry.scene).named(error))?;
-    let plan = ReachPlan::new(named, file.controller, file.seed)?;
+    let named = |error| source.field("scenes.scene", &entry.scene).named(error);
+    let plan = ReachPlan::new(Scene::load(folder.join(&entry.scene)).map_err(named)?, file.controller, file.seed)?;
     if let Some(model) = model {
         model.begin(&plan.arm.skin.layout).map_err(|error| {
             let file = file.model.as_ref().map_or("", |own| own.file.as_str());

@@ -104,8 +104,7 @@ impl BoundResult {
 impl SuiteResult {
     /// Broken bounds, each with its scene.
     pub fn broken(&self) -> impl Iterator<Item = (&SceneResult, &BoundResult)> {
-        let all = self.scenes.iter();
-        let all = all.flat_map(|scene| scene.bounds.iter().map(move |bound| (scene, bound)));
+        let all = self.scenes.iter().flat_map(|scene| scene.bounds.iter().map(move |bound| (scene, bound)));
         all.filter(|(_, bound)| bound.verdict != BoundVerdict::Holds)
     }
 }

@@ -10,7 +10,7 @@ use super::metric::{Measured, Statistic};
 use super::result::{BoundResult, BoundVerdict, ReachValue, SceneResult, SuiteResult};
 use super::{SceneBound, Suite, SuiteScene};
 use crate::accuracy::Spread;
-use crate::dataset::{PROGRAM_VERSION, each_reach, say_doubts};
+use crate::dataset::{PROGRAM_VERSION, each_reach, jobs_of, say_doubts};
 use crate::progress::Progress;
 
 /// What a suite needs of a reach: the values of all bounded metrics, in the order of the bounds, and its goals and
@@ -30,22 +30,20 @@ impl Suite {
     pub fn run(&self, progress: &dyn Progress) -> Result<SuiteResult, Fault> {
         let plans: Vec<ReachPlan> = self.scenes.iter().map(|scene| scene.plan.clone()).collect();
         say_doubts(plans.iter().map(|plan| &plan.arm), progress);
-        let jobs: Vec<Job> = (self.scenes.iter().enumerate())
-            .flat_map(|(plan, scene)| (0..scene.reaches).map(move |reach_index| Job { plan, reach_index }))
-            .collect();
-        let measure =
-            |job: Job, recording| Ok::<_, OnlineError>((job, self.measure(&self.scenes[job.plan], &recording)?));
-        let done = each_reach(&plans, &jobs, progress, measure)?;
+        let jobs: Vec<Job> = jobs_of(self.scenes.iter().map(|scene| scene.reaches)).collect();
+        let measured = each_reach(&plans, &jobs, 0, progress, |place, recording| {
+            Ok(self.measure(&self.scenes[jobs[place].plan], &recording)?)
+        })?;
         let of_scene = |(index, scene): (usize, &SuiteScene)| {
-            let own: Vec<&(Job, OneReach)> = done.iter().filter(|(job, _)| job.plan == index).collect();
+            let own: Vec<_> = jobs.iter().zip(&measured).filter(|(job, _)| job.plan == index).collect();
             result_of(scene, &own)
         };
         let scenes: Vec<SceneResult> = self.scenes.iter().enumerate().map(of_scene).collect();
         let mut result = SuiteResult {
             suite: self.name.clone(),
-            summary: self.summary.clone(),
+            summary: self.file.summary.clone(),
             program_version: PROGRAM_VERSION.into(),
-            seed: self.seed,
+            seed: self.file.seed,
             passed: true,
             scenes,
         };
@@ -74,12 +72,12 @@ impl Suite {
         Ok(OneReach {
             goals: recording.goal_outcomes(),
             simulated_s: recording.frames.len() as f64 / recording.rate_hz,
-            values: values.map(|own| own.metric.of_reach(&measured, own.category)).collect(),
+            values: values.map(|own| (own.metric.of_reach)(&measured, own.category)).collect(),
         })
     }
 }
 
-fn result_of(scene: &SuiteScene, reaches: &[&(Job, OneReach)]) -> SceneResult {
+fn result_of(scene: &SuiteScene, reaches: &[(&Job, &OneReach)]) -> SceneResult {
     let bound = |(place, own): (usize, &SceneBound)| {
         let values = reaches
             .iter()

@@ -35,11 +35,6 @@ pub enum Scale {
 }
 
 impl Axis {
-    /// A linear axis over all data.
-    pub fn linear(label: impl Into<String>) -> Self {
-        Axis { label: label.into(), scale: Scale::Linear { low: None, high: None } }
-    }
-
     /// A linear axis that shows at least these values.
     pub fn spanning(label: impl Into<String>, low: f64, high: f64) -> Self {
         Axis { label: label.into(), scale: Scale::Linear { low: Some(low), high: Some(high) } }
@@ -81,26 +76,18 @@ impl Fitted {
         let (min, max) =
             usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), value| (min.min(value), max.max(value)));
         let (min, max) = if min > max { (1.0, 1.0) } else { (min, max) };
-        match scale {
-            Scale::Names(names) => Fitted {
-                low: -0.5,
-                high: (names.len().max(1) as f64) - 0.5,
-                max: f64::INFINITY,
-                logarithmic,
-                ticks: names.iter().enumerate().map(|(place, name)| (place as f64, name.clone())).collect(),
-            },
+        let (low, high, max, ticks): (f64, f64, f64, Vec<(f64, String)>) = match scale {
+            Scale::Names(names) => {
+                let ticks = names.iter().enumerate().map(|(place, name)| (place as f64, name.clone()));
+                (-0.5, (names.len().max(1) as f64) - 0.5, f64::INFINITY, ticks.collect())
+            }
             Scale::Logarithmic => {
                 let (low, high) = (math::log10(min).floor(), math::log10(max).ceil());
                 let high = if high > low { high } else { low + 1.0 };
                 let every = ((high - low) / steps).ceil().max(1.0) as usize;
                 let exponents = (low as i32..=high as i32).step_by(every);
-                Fitted {
-                    low,
-                    high,
-                    max: f64::INFINITY,
-                    logarithmic,
-                    ticks: exponents.map(|exponent| (10_f64.powi(exponent), power_of_ten(exponent))).collect(),
-                }
+                let ticks = exponents.map(|exponent| (10_f64.powi(exponent), power_of_ten(exponent)));
+                (low, high, f64::INFINITY, ticks.collect())
             }
             Scale::Linear { low, high } => {
                 let low = low.map_or(min, |low| low.min(min));
@@ -110,18 +97,12 @@ impl Fitted {
                 let (first, last) = ((low / step).floor(), ((low + width) / step - 1e-9).ceil());
                 let decimals = (-math::log10(step).floor()).clamp(0.0, 9.0) as usize;
                 let count = (last - first).clamp(1.0, 50.0) as usize;
-                Fitted {
-                    low: first * step,
-                    high: last * step,
-                    max: low + width,
-                    logarithmic,
-                    ticks: (0..=count)
-                        .map(|index| (first + index as f64) * step)
-                        .map(|value| (value, format!("{:.decimals$}", value + 0.0)))
-                        .collect(),
-                }
+                let values = (0..=count).map(|index| (first + index as f64) * step);
+                let ticks = values.map(|value| (value, format!("{:.decimals$}", value + 0.0)));
+                (first * step, last * step, low + width, ticks.collect())
             }
-        }
+        };
+        Fitted { low, high, max, logarithmic, ticks }
     }
 
     /// The same scale, but ending with the data instead of at the next tick.

@@ -1,5 +1,6 @@
 //! The data area of a chart: converts values to px, and shapes to SVG.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::axis::Fitted;
@@ -42,15 +43,9 @@ impl Plot {
 
     /// Runs of points that can be shown, in px; a point that cannot be shown ends a run.
     fn runs(&self, points: &[(f64, f64)]) -> Vec<Vec<(f64, f64)>> {
-        let mut runs = vec![Vec::new()];
-        for (x, y) in points {
-            match self.x_px(*x).zip(self.y_px(*y)) {
-                Some(point) => runs.last_mut().into_iter().for_each(|run| run.push(point)),
-                None => runs.push(Vec::new()),
-            }
-        }
-        runs.retain(|run| !run.is_empty());
-        runs
+        let points: Vec<_> = points.iter().map(|(x, y)| self.x_px(*x).zip(self.y_px(*y))).collect();
+        let runs = points.split(Option::is_none).filter(|run| !run.is_empty());
+        runs.map(|run| run.iter().copied().flatten().collect()).collect()
     }
 }
 
@@ -202,23 +197,13 @@ fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let column = |point: &(f64, f64)| (2.0 * point.0).round();
     let mut thin = Vec::new();
     for group in points.chunk_by(|a, b| column(a) == column(b)) {
-        let mut keep = [0, 0, 0, group.len() - 1];
-        for (index, point) in group.iter().enumerate() {
-            if point.1 < group[keep[1]].1 {
-                keep[1] = index;
-            }
-            if point.1 > group[keep[2]].1 {
-                keep[2] = index;
-            }
-        }
-        keep.sort_unstable();
-        let mut last = None;
-        for index in keep {
-            if last != Some(index) {
-                thin.push(group[index]);
-            }
-            last = Some(index);
-        }
+        let by_height = |a: &usize, b: &usize| group[*a].1.total_cmp(&group[*b].1);
+        let places = 0..group.len();
+        // Of points of equal height the first one counts: `min_by` gives the first, and `max_by` the last.
+        let lowest = places.clone().min_by(by_height);
+        let highest = places.clone().rev().max_by(by_height);
+        let keep = BTreeSet::from([places.clone().next(), lowest, highest, places.last()]);
+        thin.extend(keep.into_iter().flatten().map(|place| group[place]));
     }
     thin
 }

@@ -63,7 +63,7 @@ impl Chart {
         let strips = self.layers.iter().filter(|layer| matches!(layer.shape, Shape::Bands(_)));
         let ticks_top = plot.bottom() + strips_height(strips.count());
         let height = ticks_top + 2.0 * LINE + 8.0;
-        let mut svg = self.head(height);
+        let mut svg = svg_head(&self.name, &self.title, &self.description, [WIDTH, height]);
         self.patterns(&mut svg);
         svg.push_str(&legend);
         self.axes(&mut svg, &plot, ticks_top);
@@ -72,11 +72,6 @@ impl Chart {
             canvas.layer(layer, &self.fill(index, &layer.style));
         }
         svg + "</svg>\n"
-    }
-
-    /// The beginning of the element: its size, its description, and the title.
-    fn head(&self, height: f64) -> String {
-        svg_head(&self.name, &self.title, &self.description, [WIDTH, height])
     }
 
     /// All y, with the heights of stacked bars and areas.
@@ -99,20 +94,18 @@ impl Chart {
 
     /// Patterns that hatch filled shapes. Their names contain the chart's name, because names must be unique on a page.
     fn patterns(&self, svg: &mut String) {
-        for (index, layer) in self.layers.iter().enumerate() {
-            let colour = layer.style.colour;
-            let content = match layer.style.dash {
-                Dash::Dashed if layer.shape.is_filled() => {
+        for (index, layer) in self.layers.iter().enumerate().filter(|(_, layer)| layer.shape.is_filled()) {
+            let Style { colour, dash, .. } = layer.style;
+            let (size, content) = match dash {
+                Dash::Solid => continue,
+                Dash::Dashed => (
+                    8,
                     format!(
                         "<path d=\"M-2 10l12 -12M4 16l12 -12M-8 4l12 -12\" stroke=\"{colour}\" stroke-width=\"3\"/>"
-                    )
-                }
-                Dash::Dotted if layer.shape.is_filled() => {
-                    format!("<circle cx=\"2\" cy=\"2\" r=\"1.5\" fill=\"{colour}\"/>")
-                }
-                _ => continue,
+                    ),
+                ),
+                Dash::Dotted => (5, format!("<circle cx=\"2\" cy=\"2\" r=\"1.5\" fill=\"{colour}\"/>")),
             };
-            let size = if layer.style.dash == Dash::Dashed { 8 } else { 5 };
             let _ = writeln!(
                 svg,
                 "<pattern id=\"{}-{index}\" width=\"{size}\" height=\"{size}\" patternUnits=\"userSpaceOnUse\">{content}</pattern>",
@@ -137,20 +130,16 @@ impl Chart {
                 (x, row) = (2.0, row + 1.0);
             }
             let y = row * LINE + FONT - 5.0;
-            let key = match layer.shape.is_filled() {
-                true => format!(
-                    "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"24\" height=\"12\" fill=\"{}\" stroke=\"{}\"/>",
-                    x + 1.0,
-                    y - 6.0,
-                    self.fill(index, &layer.style),
-                    layer.style.colour
-                ),
-                false => {
-                    let line = format!("<path d=\"M{:.1} {y:.1}h24\" {}/>", x + 1.0, layer.style.stroke());
-                    let Style { mark, colour, .. } = layer.style;
-                    let mark = mark.map_or(String::new(), |mark| mark.svg(x + 13.0, y, MARK_RADIUS, colour));
-                    if layer.is_joined() { line + &mark } else { mark }
-                }
+            let (left, Style { mark, colour, .. }) = (x + 1.0, layer.style);
+            let key = if layer.shape.is_filled() {
+                let (top, fill) = (y - 6.0, self.fill(index, &layer.style));
+                format!(
+                    "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"24\" height=\"12\" fill=\"{fill}\" stroke=\"{colour}\"/>"
+                )
+            } else {
+                let line = format!("<path d=\"M{left:.1} {y:.1}h24\" {}/>", layer.style.stroke());
+                let mark = mark.map_or(String::new(), |mark| mark.svg(x + 13.0, y, MARK_RADIUS, colour));
+                if layer.is_joined() { line + &mark } else { mark }
             };
             let _ = writeln!(svg, "{key}{}", svg_text(x + 30.0, y + 5.0, "", &layer.name));
             x += width;
@@ -171,14 +160,12 @@ impl Chart {
             let text = svg_text(x, ticks_top + LINE, " text-anchor=\"middle\"", label);
             let _ = writeln!(svg, "<path d=\"M{x:.1} {bottom:.1}v5\" stroke=\"#555555\"/>{text}");
         }
+        let (right, above, y_label) = (WIDTH - RIGHT, top - 13.0, escape(&self.y.label));
+        let x_label = svg_text(right, ticks_top + 2.0 * LINE, " text-anchor=\"end\"", &self.x.label);
         let _ = writeln!(
             svg,
-            "<path d=\"M{LEFT} {top:.1}V{bottom:.1}H{:.1}\" fill=\"none\" stroke=\"#555555\"/>\
-             <text x=\"2\" y=\"{:.1}\">{}</text>{}",
-            WIDTH - RIGHT,
-            top - 13.0,
-            escape(&self.y.label),
-            svg_text(WIDTH - RIGHT, ticks_top + 2.0 * LINE, " text-anchor=\"end\"", &self.x.label)
+            "<path d=\"M{LEFT} {top:.1}V{bottom:.1}H{right:.1}\" fill=\"none\" stroke=\"#555555\"/>\
+             <text x=\"2\" y=\"{above:.1}\">{y_label}</text>{x_label}"
         );
     }
 
@@ -192,7 +179,8 @@ impl Chart {
         let left = 8.0 + LETTER * FONT * longest as f64;
         let values = Fitted::new(&self.y.scale, self.layers.iter().flat_map(Layer::ys), 6.0).tight();
         let at = |value: f64| values.share(value).map(|share| left + share * (WIDTH - left - RIGHT));
-        let mut svg = self.head(bottom + 2.0 * LINE + 8.0);
+        let height = bottom + 2.0 * LINE + 8.0;
+        let mut svg = svg_head(&self.name, &self.title, &self.description, [WIDTH, height]);
         svg.push_str(&legend);
         for (value, label) in &values.ticks {
             let Some(x) = at(*value) else { continue };

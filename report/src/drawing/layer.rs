@@ -112,7 +112,7 @@ impl Layer {
             Shape::Line(points) | Shape::Steps(points) => points.iter().map(|point| point.1).collect(),
             Shape::Points(points) => {
                 let whole = |point: &Point| point.interval.map_or([point.y; 2], |(low, high)| [low, high]);
-                points.iter().flat_map(|point| [vec![point.y], whole(point).to_vec()].concat()).collect()
+                points.iter().flat_map(|point| [point.y].into_iter().chain(whole(point))).collect()
             }
             Shape::Bars(_) | Shape::Areas(_) | Shape::Bands(_) => Vec::new(),
         }

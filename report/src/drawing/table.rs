@@ -20,7 +20,7 @@ pub enum Cell {
 }
 
 /// A table with a name.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
     /// Name of its CSV file, without the extension.
     pub name: String,
@@ -104,7 +104,7 @@ impl<T: Copy> Rows<T> {
     pub fn of(things: impl IntoIterator<Item = T>) -> Self {
         let things: Vec<T> = things.into_iter().collect();
         let rows = vec![Vec::new(); things.len()];
-        Rows { things, table: Table { rows, ..Table::new("", "", &[]) } }
+        Rows { things, table: Table { rows, ..Table::default() } }
     }
 
     /// The things.
@@ -162,16 +162,6 @@ impl<T: Copy> Rows<T> {
 }
 
 impl Table {
-    /// An empty table.
-    pub fn new(name: &str, caption: impl Into<String>, columns: &[&str]) -> Self {
-        Table {
-            name: name.into(),
-            caption: caption.into(),
-            columns: columns.iter().map(|&column| column.into()).collect(),
-            rows: Vec::new(),
-        }
-    }
-
     /// The rows as shown to people.
     pub fn texts(&self) -> Vec<Vec<String>> {
         self.rows.iter().map(|row| row.iter().map(Cell::text).collect()).collect()
@@ -180,13 +170,9 @@ impl Table {
     /// The table as CSV (RFC 4180), with a header and all digits. Missing values and those that are not finite are
     /// empty.
     pub fn csv(&self) -> String {
-        let header = self.columns.iter().map(|column| Cell::from(column.as_str()));
-        let mut csv = String::new();
-        for row in std::iter::once(header.collect()).chain(self.rows.iter().cloned()) {
-            csv += &joined(row.iter().map(Cell::csv), ",");
-            csv.push('\n');
-        }
-        csv
+        let header: Vec<Cell> = self.columns.iter().map(|column| Cell::from(column.as_str())).collect();
+        let rows = std::iter::once(&header).chain(&self.rows);
+        rows.map(|row| joined(row.iter().map(Cell::csv), ",") + "\n").collect()
     }
 
     fn is_numeric(&self, column: usize) -> bool {

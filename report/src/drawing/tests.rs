@@ -11,6 +11,17 @@ fn chart(x: Axis, y: Axis, layers: Vec<Layer>) -> Chart {
     Chart { name: "a chart".into(), title: "Force & motion".into(), description: "Rises < 3 N".into(), x, y, layers }
 }
 
+/// A linear axis over all data.
+fn linear(label: &str) -> Axis {
+    Axis { label: label.into(), scale: Scale::Linear { low: None, high: None } }
+}
+
+/// A table without rows.
+fn empty(name: &str, caption: &str, columns: &[&str]) -> Table {
+    let columns = columns.iter().map(|&column| column.into()).collect();
+    Table { name: name.into(), caption: caption.into(), columns, rows: Vec::new() }
+}
+
 const STYLES: [Style; 3] = [
     Style::line("#009e73", Dash::Solid),
     Style::marked("#d55e00", Dash::Dashed, Mark::Triangle),
@@ -39,7 +50,7 @@ fn shape() -> impl Strategy<Value = Shape> {
 
 fn axis() -> impl Strategy<Value = Axis> {
     prop_oneof![
-        Just(Axis::linear("x / m")),
+        Just(linear("x / m")),
         Just(Axis::from_zero("x / m")),
         Just(Axis::spanning("share / %", 0.0, 100.0)),
         Just(Axis::logarithmic("t / s")),
@@ -73,7 +84,7 @@ proptest! {
         // Tests that an independent reader (the csv crate, RFC 4180) finds the same words and the same number, bit for
         // bit.
         let columns: Vec<&str> = texts.iter().map(String::as_str).chain(["value"]).collect();
-        let mut table = Table::new("t", "caption", &columns);
+        let mut table = empty("t", "caption", &columns);
         table.rows.push(texts.iter().map(|text| text.as_str().into()).chain([Cell::Number(value, 2)]).collect());
         let csv = table.csv();
         let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(csv.as_bytes());
@@ -91,7 +102,7 @@ proptest! {
 #[test]
 fn a_chart_says_what_it_shows() {
     // Tests the alternative text: role, title and description with the names that aria-labelledby refers to.
-    let svg = chart(Axis::linear("t / s"), Axis::linear("force / N"), Vec::new()).svg();
+    let svg = chart(linear("t / s"), linear("force / N"), Vec::new()).svg();
     let elements = elements(&svg);
     assert_eq!(attribute(&elements[0], "role"), Some("img"));
     let labels: Vec<&str> = attribute(&elements[0], "aria-labelledby").unwrap().split(' ').collect();
@@ -109,7 +120,7 @@ fn a_line_lies_where_its_axes_say() {
     // Tests that scales and ticks agree: a line through (0, 0) and (10, 100) passes through the positions of these
     // ticks.
     let line = Shape::Line(vec![(0.0, 0.0), (10.0, 100.0)]);
-    let svg = chart(Axis::linear("x"), Axis::linear("y"), vec![Layer::new("", STYLES[0], line)]).svg();
+    let svg = chart(linear("x"), linear("y"), vec![Layer::new("", STYLES[0], line)]).svg();
     let elements = elements(&svg);
     let place = |text: &str, axis: &str| -> Vec<f64> {
         let ticks = elements.iter().filter(|element| element.0 == "text" && element.2 == text);
@@ -156,7 +167,7 @@ fn areas_stand_on_each_other_and_bands_under_them() {
     };
     let band = |from: f64, to: f64| Layer::new("", STYLES[0], Shape::Bands(vec![(from, to)]));
     let svg = chart(
-        Axis::linear("t / s"),
+        linear("t / s"),
         Axis::from_zero("taxels"),
         vec![area([1.0, 3.0, 3.0]), area([2.0, 0.5, 0.5]), band(0.0, 1.0), band(1.0, 2.0)],
     )
@@ -194,7 +205,7 @@ fn areas_stand_on_each_other_and_bands_under_them() {
 fn a_column_of_numbers_stands_right() {
     // Tests that a heading, its numbers and a word among them are aligned right, and that a column of words or of
     // unknown values is aligned left.
-    let mut table = Table::new("t", "caption", &["words", "numbers", "nothing"]);
+    let mut table = empty("t", "caption", &["words", "numbers", "nothing"]);
     table.rows.push(vec!["a".into(), "all".into(), Cell::Missing]);
     table.rows.push(vec!["b".into(), Cell::Number(0.5, 1), Cell::Missing]);
     let elements = elements(&table.html());
@@ -214,7 +225,7 @@ fn no_peak_is_lost() {
     points[31_416].1 = 1.0;
     let svg = |points: &[(f64, f64)]| {
         let line = Layer::new("", STYLES[0], Shape::Line(points.to_vec()));
-        chart(Axis::linear("x"), Axis::spanning("y", 0.0, 1.0), vec![line]).svg()
+        chart(linear("x"), Axis::spanning("y", 0.0, 1.0), vec![line]).svg()
     };
     let full = svg(&points);
     let [with_peak, only_ends] = [&full, &svg(&[points[0], (50_000.0, 1.0), points[99_999]])].map(|svg| {
@@ -238,10 +249,10 @@ fn a_page_is_well_formed_and_escapes() {
     page.section("Table I & more");
     page.paragraph("a < b");
     page.section("What was run");
-    let mut table = Table::new("table_1", "Accuracy", &["by", "%"]);
+    let mut table = empty("table_1", "Accuracy", &["by", "%"]);
     table.rows.push(vec!["<script>".into(), Cell::Number(81.4, 1)]);
     page.table(&table);
-    page.figure("A figure", &[chart(Axis::linear("x"), Axis::linear("y"), Vec::new()).svg()]);
+    page.figure("A figure", &[chart(linear("x"), linear("y"), Vec::new()).svg()]);
     let html = page.html();
     let document = html.strip_prefix("<!DOCTYPE html>\n").unwrap();
     let elements = elements(document);

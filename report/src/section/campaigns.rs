@@ -94,11 +94,9 @@ fn classifiers_table(campaigns: &Campaigns, published: Option<f64>) -> Table {
 
 /// The mean campaign in one recipe.
 fn of_recipe(campaigns: &Campaigns, recipe: &str) -> Table {
+    let (count, seeds, whose) = (campaigns.seeds.len(), seeds(&campaigns.seeds), possessive(recipe));
     let caption = format!(
-        "Mean of {} campaigns, {}, the {} recipe: accuracy, balanced accuracy and majority baseline, %",
-        campaigns.seeds.len(),
-        seeds(&campaigns.seeds),
-        possessive(recipe)
+        "Mean of {count} campaigns, {seeds}, the {whose} recipe: accuracy, balanced accuracy and majority baseline, %"
     );
     Rows::of(campaigns.table_1.iter().filter(|cell| cell.key.recipe == recipe))
         .column("trials, features", |cell| trials_and_features(&cell.key))

@@ -84,21 +84,17 @@ pub fn features(entries: &[ClassifierEntry], accuracies: &[(&str, f64)]) -> Opti
             let (Some(seen), Some(other_seen)) = (entry.features, other.features) else { continue };
             let (same, all) = (seen.names(), other_seen.names());
             let same_method = entry.method.name == other.method.name;
+            let (name, gain) = (&entry.name, second - first);
             if let Some(added) = all.strip_prefix(same.as_slice()).filter(|_| same_method) {
                 let of_region: Vec<&str> = other_seen.of_region().map(|feature| feature.name).collect();
                 let added = if added == of_region { "the contact region".to_owned() } else { added.join(" and ") };
                 sentences.push(format!(
-                    "Adding {added} changes the accuracy of {} by {:+.1} points, to {second:.1} %.",
-                    entry.name,
-                    second - first
+                    "Adding {added} changes the accuracy of {name} by {gain:+.1} points, to {second:.1} %."
                 ));
             } else if !same_method && seen == other_seen {
+                let (same, other) = (same.join(", "), &other.name);
                 sentences.push(format!(
-                    "With the same features ({}), {} has {first:.1} % and {} {second:.1} % ({:+.1} points).",
-                    same.join(", "),
-                    entry.name,
-                    other.name,
-                    second - first
+                    "With the same features ({same}), {name} has {first:.1} % and {other} {second:.1} % ({gain:+.1} points)."
                 ));
             }
         }
@@ -141,13 +137,9 @@ fn chart(
     let places = first.iter().map(sample_name).collect();
     let mut chart = AccuracyChart::new("Accuracy in per cent by samples since contact.", places);
     for (index, speed) in speeds.iter().enumerate() {
-        let points = points_of(speed).iter().map(|point| 100.0 * point.accuracy).enumerate();
-        chart.series(
-            &speed.classifier,
-            style::series(index),
-            0.0,
-            points.map(|(place, percent)| (place, percent, None)),
-        );
+        let points = points_of(speed).iter().enumerate();
+        let points = points.map(|(place, point)| (place, 100.0 * point.accuracy, None));
+        chart.series(&speed.classifier, style::series(index), 0.0, points);
     }
     // The baseline is the same at every count, because all trials are judged.
     chart.majority(first.first().map(|point| 100.0 * point.majority_baseline));
@@ -155,7 +147,7 @@ fn chart(
         chart.level("paper's best, whole trials", best);
     }
     let all = speeds.iter().flat_map(&points_of).map(|point| 100.0 * point.accuracy);
-    Some(chart.svg(format!("by-samples-{name}"), title, "samples since contact", lowest(all)))
+    Some(chart.chart(format!("by-samples-{name}"), title, "samples since contact", lowest(all)).svg())
 }
 
 fn table(classifiers: &[Compared], published: Option<f64>) -> Table {

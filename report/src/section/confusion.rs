@@ -16,12 +16,10 @@ pub fn add(report: &mut Report, outcome: &ConfusionMatrices) {
     {
         let Some(matrix) = matrix else { continue };
         let figures = matrix.accuracy().map_or(String::new(), |own| {
-            format!(
-                ": accuracy {:.1} %, balanced {:.1} %, majority baseline {:.1} %",
-                100.0 * own.accuracy,
-                100.0 * own.balanced_accuracy.unwrap_or(f64::NAN),
-                100.0 * own.majority_baseline
-            )
+            let balanced = own.balanced_accuracy.unwrap_or(f64::NAN);
+            let shares = [own.accuracy, balanced, own.majority_baseline];
+            let [accuracy, balanced, majority] = shares.map(|share| 100.0 * share);
+            format!(": accuracy {accuracy:.1} %, balanced {balanced:.1} %, majority baseline {majority:.1} %")
         });
         report.table(table(name, &format!("{caption}, number of trials{figures}"), matrix));
     }

@@ -2,6 +2,7 @@
 
 use underbrush_experiments::experiment::engineered::{Engineered, EngineeredReaches};
 use underbrush_experiments::frame_verdicts::Shares;
+use underbrush_recording::distinct;
 
 use crate::style::{CORRECT, UNCERTAIN, WRONG};
 use crate::{Axis, Dash, Layer, Report, Rows, Shape, Style, Table, chart, replay_links};
@@ -15,15 +16,13 @@ pub fn add(report: &mut Report, outcome: &EngineeredReaches) {
     report.section("engineered", &format!("{} engineered reaches", reaches.len()));
     let found: Vec<&Shares> = reaches.iter().filter_map(|reach| reach.shares.as_ref()).collect();
     let drawn: u64 = reaches.iter().map(|reach| reach.drawn).sum();
-    let mostly_correct = found.iter().filter(|own| own.correct_percent > own.misclassified_percent);
+    let mostly_correct = found.iter().filter(|own| own.correct_percent > own.misclassified_percent).count();
+    let (found, all) = (found.len(), reaches.len());
     report.page.paragraph(&format!(
-        "Each scene is drawn until, by ground truth, the patch touches its category and nothing else, and feels it. {} of {} \
-         scenes gave such a reach, in {drawn} draws. In {} of them more taxels are correct than misclassified. The truth of \
+        "Each scene is drawn until, by ground truth, the patch touches its category and nothing else, and feels it. {found} of \
+         {all} scenes gave such a reach, in {drawn} draws. In {mostly_correct} of them more taxels are correct than misclassified. The truth of \
          every taxel is the category of the scene, even if nothing presses on it, as in the paper; the table gives the share \
-         of such taxels as untouched.",
-        found.len(),
-        reaches.len(),
-        mostly_correct.count()
+         of such taxels as untouched."
     ));
     report.page.figure("Verdicts on all taxels in contact, over all frames of a reach.", &[shares_chart(outcome)]);
     let found = reaches.iter().filter(|reach| reach.reach_index.is_some());
@@ -37,16 +36,12 @@ pub fn add(report: &mut Report, outcome: &EngineeredReaches) {
 
 fn shares_chart(outcome: &EngineeredReaches) -> String {
     let mut description = String::from("Per cent correct, misclassified and uncertain.");
-    let mut letters: Vec<String> = Vec::new();
-    let mut names = Vec::new();
+    let (mut meanings, mut names) = (Vec::new(), Vec::new());
     let mut heights = [const { Vec::new() }; 3];
     for (place, reach) in outcome.figure_11.iter().enumerate() {
         let letter: String = reach.category.chars().take(1).flat_map(char::to_uppercase).collect();
-        let meaning = format!("{letter} {} only", reach.category);
+        meanings.push(format!("{letter} {} only", reach.category));
         let name = format!("{}{letter}", place + 1);
-        if !letters.contains(&meaning) {
-            letters.push(meaning);
-        }
         let shares = reach.shares.as_ref().map_or([f64::NAN; 3], |shares| {
             [shares.correct_percent, shares.misclassified_percent, shares.uncertain_percent]
         });
@@ -63,7 +58,7 @@ fn shares_chart(outcome: &EngineeredReaches) -> String {
         Layer::new("misclassified", Style::line(WRONG, Dash::Dashed), Shape::Bars(wrong)),
         Layer::new("uncertain", Style::line(UNCERTAIN, Dash::Dotted), Shape::Bars(uncertain)),
     ];
-    let x = Axis::names(format!("reach; {}", letters.join(", ")), names);
+    let x = Axis::names(format!("reach; {}", distinct(meanings).join(", ")), names);
     let y = Axis::spanning("taxels in contact / %", 0.0, 100.0);
     chart("figure-11", "Verdicts in engineered reaches", description, (x, y), layers)
 }

@@ -57,24 +57,23 @@ fn typical(medians: &[Typical]) -> String {
 pub fn against_paper(medians: &[Typical]) -> Option<String> {
     let of = |category: &str| medians.iter().find(|own| own.category == category);
     let (leaf, trunk) = (of("leaf")?, of("trunk")?);
-    let larger = |trunk: f64, leaf: f64| if trunk > leaf { "larger" } else { "not larger" };
-    let agreement = |holds: bool| if holds { "as in the paper" } else { "unlike in the paper" };
-    let force = |what: &str, of: fn(&Typical) -> f64| {
-        let (trunk, leaf) = (of(trunk), of(leaf));
-        let (larger, agreement) = (larger(trunk, leaf), agreement(trunk > leaf));
-        format!("{what} is {larger} on trunks, {agreement} ({trunk:.2} N, leaves {leaf:.2} N)")
+    let is_larger = |what: &str, of: fn(&Typical) -> f64, holds: bool| {
+        let larger = if of(trunk) > of(leaf) { "larger" } else { "not larger" };
+        let agreement = if holds { "as in the paper" } else { "unlike in the paper" };
+        format!("{what} is {larger} on trunks, {agreement}")
     };
+    let force = |what: &str, of: fn(&Typical) -> f64| {
+        let (trunk_n, leaf_n) = (of(trunk), of(leaf));
+        format!("{} ({trunk_n:.2} N, leaves {leaf_n:.2} N)", is_larger(what, of, trunk_n > leaf_n))
+    };
+    let early = force("the force 0.1 s after contact", |own| own.force_after_100_ms_n);
+    let peak = force("the peak force", |own| own.peak_force_n);
+    let motion = is_larger("the motion", |own| own.motion_m, trunk.motion_m < leaf.motion_m);
+    let [trunk_cm, leaf_cm] = [trunk, leaf].map(|own| 100.0 * own.motion_m);
     Some(format!(
-        "Medians over all trials in which something touched the taxel, {} on trunks and {} on leaves: {}; {}; the motion is {} \
-         on trunks, {} ({:.1} cm, leaves {:.1} cm).",
-        trunk.trials,
-        leaf.trials,
-        force("the force 0.1 s after contact", |own| own.force_after_100_ms_n),
-        force("the peak force", |own| own.peak_force_n),
-        larger(trunk.motion_m, leaf.motion_m),
-        agreement(trunk.motion_m < leaf.motion_m),
-        100.0 * trunk.motion_m,
-        100.0 * leaf.motion_m
+        "Medians over all trials in which something touched the taxel, {} on trunks and {} on leaves: {early}; {peak}; {motion} \
+         ({trunk_cm:.1} cm, leaves {leaf_cm:.1} cm).",
+        trunk.trials, leaf.trials
     ))
 }
 

@@ -1,6 +1,7 @@
 //! One moment of a general reach and of an outlier reach, with the verdicts on their taxels (Figs. 12 and 14).
 
 use underbrush_experiments::experiment::moments::{Moment, ReachMoments};
+use underbrush_recording::Recording;
 use underbrush_render::{RenderError, Size};
 
 use crate::{CategoryLooks, Mark, Report, escape, joined, replay_links, replayed, skin_map, slug};
@@ -31,7 +32,8 @@ fn add_moment(report: &mut Report, moment: &Moment, place: usize) {
     let Some(patch) = moment.recording.layout.patches.get(moment.patch) else { return };
     let Some(grid) = patch.grid else { return };
     let looks = &report.looks;
-    let Moment { scene, reach_index, verdicts, pressed, .. } = moment;
+    let Moment { verdicts, pressed, .. } = moment;
+    let Recording { scene, reach_index, .. } = &moment.recording;
     let (time_s, taxels) = (moment.frame().time_s, verdicts.len());
     let labels = report.results.definition.labels();
     let skin = format!("{}-skin", slug(scene));
@@ -50,7 +52,7 @@ fn add_moment(report: &mut Report, moment: &Moment, place: usize) {
 /// A moment's picture on the page.
 pub fn image(moment: &Moment, place: usize) -> String {
     let Size { width, height } = SIZE;
-    let (file, scene) = (file(moment, place), escape(&moment.scene));
+    let (file, scene) = (file(moment, place), escape(&moment.recording.scene));
     format!(
         "<img src=\"{file}\" width=\"{width}\" height=\"{height}\" alt=\"The arm among the clutter of scene {scene}\"/>"
     )
@@ -58,7 +60,7 @@ pub fn image(moment: &Moment, place: usize) -> String {
 
 /// The file of a moment's picture, beside the page.
 fn file(moment: &Moment, place: usize) -> String {
-    format!("moment-{place}-{}.png", slug(&moment.scene))
+    format!("moment-{place}-{}.png", slug(&moment.recording.scene))
 }
 
 /// The pictures of all moments: files beside the page, with their names.

@@ -47,17 +47,17 @@ pub fn add(report: &mut Report, outcome: &OutlierThresholds) {
     report.page.paragraph(&thresholds(&outcome.curves));
     report.page.paragraphs(chosen_rule_online(&outcome.figure_15.detection));
     report.printed(detection_table(outcome), usize::MAX);
-    let charts = roc_charts(&outcome.curves, &outcome.first_label);
+    let first = labels.first().copied().unwrap_or_default();
+    let charts = roc_charts(&outcome.curves, first);
     if !charts.is_empty() {
         report.page.paragraphs(outcome.roc.outlier_area.map(roc));
         let caption = format!(
-            "The effect of every threshold. First chart: {} trials found against other trials mistaken for them as the minimum \
+            "The effect of every threshold. First chart: {first} trials found against other trials mistaken for them as the minimum \
              margin falls, on training trials held out by reach. Second chart: outliers found against known categories mistaken \
-             for them as the maximum margin of an outlier rises, on the outlier reaches.",
-            outcome.first_label
+             for them as the maximum margin of an outlier rises, on the outlier reaches."
         );
         report.page.figure(&caption, &charts);
-        report.numbers(roc_table(&outcome.curves, &outcome.first_label));
+        report.numbers(roc_table(&outcome.curves, first));
     }
 }
 
@@ -266,6 +266,11 @@ fn roc_table(thresholds: &Thresholds, first: &str) -> Table {
     let category = format!("{first} against the others");
     let curves = [(category.as_str(), &thresholds.category_roc), ("outlier", &thresholds.outlier_roc)];
     let points = curves.iter().flat_map(|(name, curve)| curve.iter().map(move |curve| (*name, curve)));
-    let points = points.flat_map(|(name, curve)| curve.points.iter().map(move |point| (name, *point)));
-    roc::table(("roc", "Receiver operating characteristics"), ("margin_nats", 2), points)
+    let points = points.flat_map(|(name, curve)| curve.points.iter().map(move |point| (name, point)));
+    Rows::of(points)
+        .column("curve", |(curve, _)| curve)
+        .number("margin_nats", 2, |(_, point)| point.threshold)
+        .number("false_positive_rate", 4, |(_, point)| point.false_positive_rate)
+        .number("true_positive_rate", 4, |(_, point)| point.true_positive_rate)
+        .table("roc", "Receiver operating characteristics")
 }

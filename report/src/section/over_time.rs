@@ -21,7 +21,8 @@ pub fn add(report: &mut Report, outcome: &AccuracyOverTime) {
     let total = reach.stream.total();
     let (every, draw) = (every(&report.results.definition.labels()), reach.reach_index);
     let (found, drawn) = (outcome.online.general.len(), outcome.online.general_drawn);
-    let (states, seen) = (outcome.states, seen(&outcome.features));
+    let recipe = report.results.definition.main_recipe();
+    let (states, seen) = (recipe.states, seen(&recipe.features));
     let margin_nats = report.results.definition.file.thresholds.uncertain_below_nats;
     let (untouched, all) = (total.unknown, total.unknown + total.judged());
     report.page.paragraph(&format!(
@@ -155,8 +156,7 @@ fn verdicts(reach: &Classified) -> Vec<String> {
     let highest = kinds.iter().flat_map(|kind| frames.iter().map(|frame| kind.2(&frame.tally)));
     let highest = highest.max().unwrap_or(1).max(1);
     let of_kind = |(name, colour, of): (&str, &'static str, Of)| {
-        let points = frames.iter().map(|frame| (frame.time_s, of(&frame.tally) as f64));
-        let points: Vec<(f64, f64)> = points.collect();
+        let points: Vec<(f64, f64)> = frames.iter().map(|frame| (frame.time_s, of(&frame.tally) as f64)).collect();
         let max = points.iter().map(|point| point.1).fold(0.0, f64::max);
         let mean = points.iter().map(|point| point.1).sum::<f64>() / points.len().max(1) as f64;
         let axes = (Axis::from_zero("time / s"), Axis::spanning("taxels", 0.0, highest as f64));

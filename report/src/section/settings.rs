@@ -19,8 +19,7 @@ pub fn add(report: &mut Report, outcome: &ComparedSettings) {
          the other way round, so that no clutter occurs in both training and testing.",
     );
     let classifiers = outcome.classifiers();
-    let sentences = classifiers.iter().filter_map(|classifier| sentence(outcome, classifier));
-    let sentences: Vec<String> = sentences.collect();
+    let sentences: Vec<String> = classifiers.iter().filter_map(|classifier| sentence(outcome, classifier)).collect();
     report.page.list(&sentences);
     for classifier in classifiers {
         let table = of_classifier(outcome, classifier);

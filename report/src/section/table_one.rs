@@ -13,14 +13,12 @@ pub fn add(report: &mut Report, outcome: &TableOne) {
     let compared: Vec<Compared> = outcome.table_1.iter().map(compared).collect();
     let name = report.figure_name("table_one", "Cross-validation");
     report.section("table_one", "cross-validation");
+    let definition = &report.results.definition;
+    let best = if definition.labels().len() == 2 { "higher" } else { "highest" };
+    let recipes = recipes_in_words(definition.file.recipes(report.results.quick));
     report.page.paragraph(&format!(
-        "Two folds by position, equal priors; the model with the {} score wins. {} Intervals are 95 %, from resampling whole \
-         reaches, because the trials of one reach depend on each other.",
-        match report.results.definition.labels().len() {
-            2 => "higher",
-            _ => "highest",
-        },
-        recipes_in_words(report.results.definition.file.recipes(report.results.quick))
+        "Two folds by position, equal priors; the model with the {best} score wins. {recipes} Intervals are 95 %, from \
+         resampling whole reaches, because the trials of one reach depend on each other."
     ));
     report.page.paragraphs(choices(report));
     report.page.paragraph(&baselines(report, &outcome.table_1));

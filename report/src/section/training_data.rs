@@ -1,21 +1,16 @@
 //! The training reaches and the contact trials cut from them.
 
-use underbrush_experiments::experiment::training_data::{TrainingSummary, TrialsPerReach};
+use underbrush_experiments::experiment::training_data::{Reaches, TrainingSummary, TrialsPerReach};
 use underbrush_experiments::table_cell::unit_name;
 
 use crate::{Report, Rows, Table, joined};
 
 /// Adds the section.
 pub fn add(report: &mut Report, outcome: &TrainingSummary) {
-    let reaches = &outcome.reaches;
+    let Reaches { count, simulated_s, ends, .. } = &outcome.reaches;
+    let (goals, touched) = (ends.goals, ends.touched_text());
     report.section("training_data", "Training data");
-    report.page.paragraph(&format!(
-        "{} reaches, {:.0} s of simulated time; {}; {}.",
-        reaches.count,
-        reaches.simulated_s,
-        reaches.ends.goals,
-        reaches.ends.touched_text()
-    ));
+    report.page.paragraph(&format!("{count} reaches, {simulated_s:.0} s of simulated time; {goals}; {touched}."));
     report.page.paragraphs(against_published(&outcome.trials_per_reach));
     report.page.paragraph(&untouched(&outcome.trials_per_reach));
     report.printed(table(&outcome.trials_per_reach), 5);

@@ -72,7 +72,7 @@ fn chart(points: &[Truncated]) -> String {
     // The baseline is the same for all points, because truncating changes no category.
     chart.majority(points.first().map(|point| point.accuracy.majority_baseline));
     let lowest = lowest(points.iter().map(|point| point.accuracy.low));
-    chart.svg("figure-13".into(), "Accuracy on truncated trials", "maximum number of samples", lowest)
+    chart.chart("figure-13", "Accuracy on truncated trials", "maximum number of samples", lowest).svg()
 }
 
 fn table(points: &[Truncated]) -> Table {

@@ -49,12 +49,10 @@ fn figures(verdicts: &Verdicts) -> Table {
     let both = "taxel frames of nothing and known categories";
     let (unknown, known) = ("objects of no known category, test reaches", "objects of known categories, test reaches");
     let area = |own: Option<UnknownFigures>| own.and_then(|own| own.roc_area);
-    let found = |own: Option<UnknownFigures>| {
-        own.filter(|own| own.unknown_objects > 0).map(|own| own.found_objects as f64 / own.unknown_objects as f64)
-    };
+    let share = |part: usize, all: usize| (all > 0).then(|| part as f64 / all as f64);
+    let found = |own: Option<UnknownFigures>| own.and_then(|own| share(own.found_objects, own.unknown_objects));
     let (outlier, second) = (verdicts.outlier, verdicts.second_outlier);
-    let false_alarms = outlier.filter(|own| own.known_objects > 0);
-    let false_alarms = false_alarms.map(|own| own.false_alarm_objects as f64 / own.known_objects as f64);
+    let false_alarms = outlier.and_then(|own| share(own.false_alarm_objects, own.known_objects));
     let percent = |share: Option<f64>| share.map(|share| 100.0 * share);
     let samples = verdicts.median_samples_until_right.map(|samples| samples as f64);
     let rows = [

@@ -34,8 +34,6 @@ fn reach(truths: Vec<Category>) -> Classified {
     };
     let frames = vec![frame(0, &[Category::TRUNK, Category::BLOCK]), frame(1, &[REED])];
     Classified {
-        scene: "any".into(),
-        source: "any.toml".into(),
         reach_index: 3,
         stream: Stream {
             taxel_frames: vec![vec![0; verdicts.len()]; truths.len() + 1],

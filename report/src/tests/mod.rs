@@ -85,8 +85,8 @@ fn report(experiment: &Experiment, folder: &Path) -> Results {
     let session = Session::new(experiment, (3, false, 2), folder, &Silent);
     let results = Results::of(&session).unwrap();
     std::fs::create_dir(folder.join("csv")).unwrap();
-    for file in Written::of(&results).unwrap().files {
-        std::fs::write(folder.join(file.path), file.bytes).unwrap();
+    for (path, bytes) in Written::of(&results).unwrap().files {
+        std::fs::write(folder.join(path), bytes).unwrap();
     }
     results
 }

@@ -125,7 +125,7 @@ fn metrics_are_what_they_say() {
     assert_eq!(expected.map(|(name, ..)| name), METRICS.map(|metric| metric.name));
     for (name, of_leaf, of_outlier) in expected {
         let metric = Metric::find(name).unwrap();
-        let found = |category| metric.of_reach(&measured, Some(category));
+        let found = |category| (metric.of_reach)(&measured, Some(category));
         let close = |found: Option<f64>, expected: Option<f64>| match (found, expected) {
             (Some(found), Some(expected)) => (found - expected).abs() < 1e-12,
             (found, expected) => found == expected,
@@ -136,7 +136,7 @@ fn metrics_are_what_they_say() {
     }
     let without_model = Measured { stream: None, objects: &[], ..measured };
     for metric in &METRICS {
-        let value = metric.of_reach(&without_model, Some(Category::LEAF));
+        let value = (metric.of_reach)(&without_model, Some(Category::LEAF));
         assert_eq!(value.is_none(), metric.needs_model, "{}", metric.name);
     }
 }

@@ -48,9 +48,9 @@ fn result(suite: &Suite, values: &[&[f64]]) -> SuiteResult {
     let bounds = scene.bounds.iter().zip(values).map(of_bound).collect();
     let mut result = SuiteResult {
         suite: suite.name.clone(),
-        summary: suite.summary.clone(),
+        summary: suite.file.summary.clone(),
         program_version: String::new(),
-        seed: suite.seed,
+        seed: suite.file.seed,
         passed: false,
         scenes: vec![SceneResult {
             scene: "plants".into(),
@@ -76,7 +76,7 @@ fn bounds_keep_the_order_of_the_file() {
     assert_eq!(names, expected);
     let leaf = suite.scenes[0].bounds[3].bound;
     assert_eq!((leaf.at_least, leaf.at_most, leaf.blessed), (Some(0.5), Some(0.7), Some(0.6)));
-    assert_eq!((suite.name.as_str(), suite.seed, suite.scenes[0].reaches), ("suite", 7, 4));
+    assert_eq!((suite.name.as_str(), suite.file.seed, suite.scenes[0].reaches), ("suite", 7, 4));
 }
 
 /// Tests every verdict on a bound, the standard error of a mean, and which reach is to be looked at: the smallest value
