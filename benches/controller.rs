@@ -9,7 +9,6 @@ use glam::DVec3;
 use nalgebra::Matrix3xX;
 use underbrush_recording::Pose;
 use underbrush_sim::arm::Arm;
-use underbrush_sim::controller::quadratic_program::Outcome;
 use underbrush_sim::controller::{ControlStatus, Controller, ControllerInput, ModelPredictive, Preset, TaxelContact};
 
 /// Cody in its start posture, ten taxels of the forearm in contact, moving forward.
@@ -99,7 +98,7 @@ fn quadratic_program(bencher: Bencher, preset: usize) {
     let mut controller = controller(preset, &situation);
     controller.control(&situation.input());
     let program = controller.step_program(&situation.input()).expect("the model has a factor");
-    assert!(matches!(program.solve(), Outcome::Optimal(_)), "the program has a minimum");
+    assert!(program.solve().is_ok(), "the program has a minimum");
     bencher.bench_local(|| black_box(&program).solve());
 }
 

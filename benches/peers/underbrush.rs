@@ -133,15 +133,15 @@ fn statics() -> Value {
     let wrist = links[sweep.arm.link_index("wrist").unwrap()];
     let force = DVec3::new(-3.0, 4.0, 5.0);
     push(&mut rig, wrist, force, DVec3::ZERO, settle);
-    let arm = &rig.describe().trees[0];
+    let arm = &rig.describe()[0];
     let angles: Vec<f64> = arm.iter().flat_map(|link| &link.axes).map(|axis| axis.coordinate).collect();
     json!({
         "step_s": options.step_s,
-        "tip_body": tip.number(),
+        "tip_body": tip.0,
         "tip_of_body_m": tip_of_body.to_array(),
         "pushes": pushes,
         "swing_m": swing,
-        "wrist_body": wrist.number(),
+        "wrist_body": wrist.0,
         "wrist_force_world_n": force.to_array(),
         "joint_angle_rad": angles,
     })
@@ -196,7 +196,7 @@ fn setup(sweep: &Sweep) -> Value {
 /// The bodies and joints of a rig, and the engine's settings.
 fn bodies_and_joints(rig: &mut Rig) -> Value {
     let options = rig.physics();
-    let trees = rig.describe().trees;
+    let trees = rig.describe();
     let trees: Vec<Vec<Value>> = trees.iter().map(|tree| tree.iter().map(link).collect()).collect();
     json!({
         "engine": ENGINE,
@@ -210,7 +210,7 @@ fn bodies_and_joints(rig: &mut Rig) -> Value {
 /// Which bodies are the arm's, and the limits of its joints' torques.
 fn arm(sweep: &Sweep, links: &[BodyId]) -> Value {
     json!({
-        "bodies": links.iter().map(|link| link.number()).collect::<Vec<_>>(),
+        "bodies": links.iter().map(|link| link.0).collect::<Vec<_>>(),
         "links": sweep.arm.links.iter().map(|link| &link.name).collect::<Vec<_>>(),
         "torque_limit_nm": sweep.arm.joints.iter().map(|joint| joint.torque_limit_nm).collect::<Vec<_>>(),
         "start_rad": sweep.arm.start_posture_rad(),

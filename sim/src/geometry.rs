@@ -41,21 +41,9 @@ pub struct Capsule {
 }
 
 impl Capsule {
-    /// The capsule along the longest side of a collision shape's bounding box, as thick as the second longest side, for
-    /// pictures. The corners of a box and the rims of a cylinder extend beyond it, so it must not be used for
-    /// clearance.
-    pub fn around(shape: &dyn Shape, pose: &Pose) -> Self {
-        let bounds = shape.compute_local_aabb();
-        let half = bounds.half_extents();
-        let longest = DVec3::AXES.into_iter().max_by(|a, b| half.dot(*a).total_cmp(&half.dot(*b))).unwrap_or(DVec3::Z);
-        let along = longest * half.dot(longest);
-        let radius_m = (half - along).max_element();
-        let reach = longest * (half.dot(longest) - radius_m);
-        Capsule {
-            start: pose.transform_point(bounds.center() - reach),
-            end: pose.transform_point(bounds.center() + reach),
-            radius_m,
-        }
+    /// The capsule on a body at `pose`, if it is in the frame of the body.
+    pub fn on(&self, pose: &Pose) -> Self {
+        Capsule { start: pose.transform_point(self.start), end: pose.transform_point(self.end), ..*self }
     }
 
     /// The ball around the capsule: its centre and its radius, m.
@@ -150,12 +138,9 @@ impl PlacedShape {
 
     /// How far the shape extends in a direction, measured from the origin of the world, m.
     pub fn extent_m(&self, direction_world: DVec3) -> f64 {
-        self.farthest(direction_world).map_or(f64::NEG_INFINITY, |point| point.dot(direction_world))
-    }
-
-    /// The point of the shape that is farthest in a direction, m, world frame.
-    pub fn farthest(&self, direction_world: DVec3) -> Option<DVec3> {
-        Some(self.shape.as_support_map()?.support_point(&parry_pose(&self.pose), direction_world))
+        let shape = self.shape.as_support_map();
+        let farthest = shape.map(|shape| shape.support_point(&parry_pose(&self.pose), direction_world));
+        farthest.map_or(f64::NEG_INFINITY, |point| point.dot(direction_world))
     }
 
     /// Distance of a point from the shape's surface, m; negative inside. The point is in the frame of the pose.
@@ -189,8 +174,10 @@ impl LaidFootprint {
     pub fn overlaps(&self, other: &LaidFootprint) -> bool {
         match (self.footprint, other.footprint) {
             (Footprint::Disc(a), Footprint::Disc(b)) => self.center.distance(other.center) < a + b,
-            (Footprint::Rectangle(..), Footprint::Disc(radius)) => self.distance_to(other.center) < radius,
-            (Footprint::Disc(radius), Footprint::Rectangle(..)) => other.distance_to(self.center) < radius,
+            (Footprint::Rectangle(x, y), Footprint::Disc(radius)) => {
+                (self.local(other.center) - DVec2::new(x, y)).max(DVec2::ZERO).length() < radius
+            }
+            (Footprint::Disc(_), Footprint::Rectangle(..)) => other.overlaps(self),
             (Footprint::Rectangle(..), Footprint::Rectangle(..)) => {
                 self.axes().into_iter().chain(other.axes()).all(|axis| {
                     let between = (self.center - other.center).dot(axis).abs();
@@ -202,19 +189,16 @@ impl LaidFootprint {
 
     /// Whether a point lies inside and farther than a margin (m) from the edge.
     pub fn contains(&self, point: DVec2, margin_m: f64) -> bool {
-        let local = DVec2::from_angle(-self.yaw_rad).rotate(point - self.center).abs();
+        let local = self.local(point);
         match self.footprint {
             Footprint::Disc(radius) => local.length() < radius - margin_m,
             Footprint::Rectangle(x, y) => local.x < x - margin_m && local.y < y - margin_m,
         }
     }
 
-    fn distance_to(&self, point: DVec2) -> f64 {
-        let local = DVec2::from_angle(-self.yaw_rad).rotate(point - self.center).abs();
-        match self.footprint {
-            Footprint::Disc(radius) => (local.length() - radius).max(0.0),
-            Footprint::Rectangle(x, y) => (local - DVec2::new(x, y)).max(DVec2::ZERO).length(),
-        }
+    /// How far a point is from the centre along the footprint's own x and y, m.
+    fn local(&self, point: DVec2) -> DVec2 {
+        DVec2::from_angle(-self.yaw_rad).rotate(point - self.center).abs()
     }
 
     fn axes(&self) -> [DVec2; 2] {

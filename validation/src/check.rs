@@ -129,11 +129,10 @@ pub fn run(checks: &[&Check], tolerance_scale: f64, done: impl Fn() + Sync) -> V
 pub fn judge(check: &Check, found: Vec<Found>, tolerance_scale: f64) -> Outcome {
     let mut errors = Vec::new();
     let mut comparisons = Vec::new();
+    let judged = |comparison: Comparison| Judged::new(comparison, tolerance_scale);
     for case in found {
         match case {
-            Ok(found) => {
-                comparisons.extend(found.into_iter().map(|comparison| Judged::new(comparison, tolerance_scale)))
-            }
+            Ok(found) => comparisons.extend(found.into_iter().map(judged)),
             Err(error) => errors.push(error.to_string()),
         }
     }
@@ -142,10 +141,7 @@ pub fn judge(check: &Check, found: Vec<Found>, tolerance_scale: f64) -> Outcome 
         number: check.number,
         name: check.name,
         summary: check.summary,
-        verdict: match worst {
-            Some(verdict) if errors.is_empty() => verdict,
-            _ => Verdict::Fail,
-        },
+        verdict: worst.filter(|_| errors.is_empty()).unwrap_or(Verdict::Fail),
         errors,
         comparisons,
     }

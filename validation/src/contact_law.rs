@@ -62,10 +62,10 @@ fn on(options: PhysicsOptions, lower: &BodyPart, upper: &FreeBody) -> Result<(Ri
     }
 }
 
-/// A body at this height that does not turn.
+/// A body at rest at this height that does not turn.
 fn above(part: &BodyPart, mass_kg: f64, surface: Surface, height_m: f64) -> FreeBody {
     let pose_world = Pose::from_position(DVec3::Z * height_m);
-    FreeBody { part: part.clone(), mass_kg, surface, pose_world, velocity_world: DVec3::ZERO, may_rotate: false }
+    FreeBody { may_rotate: false, ..FreeBody::resting(part.clone(), mass_kg, surface, pose_world) }
 }
 
 /// A body that rests on another: the two shapes, the height of the upper centre over the lower one at which they just

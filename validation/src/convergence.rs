@@ -1,12 +1,11 @@
 //! Check 13: errors fall with the step and with the number of hinges at the orders of the methods.
 
 use glam::DVec3;
-use underbrush_oracles::oscillator::Oscillator;
 use underbrush_oracles::{beam, order};
 
 use crate::joint_step::{self, STIFF_JOINT};
-use crate::leaf_case::{ClampedLeaf, LENGTH_M, MASS_PER_LENGTH_KG_PER_M, RIGIDITY_N_M2, STIFF_BLADE, blade};
-use crate::leaf_vibration::{LOSS_FACTOR, LOSSY_BLADE, pluck};
+use crate::leaf_case::{ClampedLeaf, LENGTH_M, RIGIDITY_N_M2, STIFF_BLADE, blade};
+use crate::leaf_vibration::{LOSS_FACTOR, LOSSY_BLADE, oscillator, pluck};
 use crate::{Case, Check, Comparison, Found, Simulated};
 
 /// Check 13. Its falsifications add errors that do not fall with the step or the number of hinges.
@@ -21,35 +20,31 @@ pub const CHECK: Check = Check {
     ],
 };
 
-const REASON: &str = "0.2: fit of a straight line on a log-log scale; terms of the next order bend it";
+/// Compares the order of errors, each with its spacing, with the expected one.
+fn order_of(quantity: &str, expected: f64, errors: &[(f64, f64)]) -> Found {
+    let reason = "0.2: fit of a straight line on a log-log scale; terms of the next order bend it";
+    Ok(vec![Comparison::of(quantity, "", expected, order::log_log_slope(errors)).absolute(0.2, reason)])
+}
+
 const STEPS_S: [f64; 3] = [4e-4, 2e-4, 1e-4];
 
 fn leaf_in_step(simulated: Simulated) -> Found {
-    let exact = Oscillator {
-        frequency_rad_per_s: beam::first_frequency_rad_per_s(LENGTH_M, RIGIDITY_N_M2, MASS_PER_LENGTH_KG_PER_M),
-        damping_ratio: LOSS_FACTOR / 2.0,
-    };
+    let exact = oscillator(LOSS_FACTOR / 2.0);
     let mut errors = Vec::new();
     for step_s in STEPS_S {
-        let [_, decrement] = pluck(LOSS_FACTOR * simulated.with(LOSSY_BLADE, 1.0, 1.2), step_s)?;
+        let (_, decrement) = pluck(LOSS_FACTOR * simulated.with(LOSSY_BLADE, 1.0, 1.2), step_s)?;
         errors.push((step_s, (decrement - exact.log_decrement()).abs()));
     }
-    Ok(vec![
-        Comparison::of("order in the step, log decrement of a leaf", "", 1.0, order::log_log_slope(&errors))
-            .absolute(0.2, REASON),
-    ])
+    order_of("order in the step, log decrement of a leaf", 1.0, &errors)
 }
 
 fn joint_in_step(simulated: Simulated) -> Found {
     let mut errors = Vec::new();
     for step_s in STEPS_S.map(|step_s| step_s / 4.0) {
         let response = joint_step::respond(simulated, step_s)?;
-        errors.push((step_s, response.largest_miss(&response.exact)));
+        errors.push((step_s, response.largest_miss()));
     }
-    Ok(vec![
-        Comparison::of("order in the step, step response of a joint", "", 2.0, order::log_log_slope(&errors))
-            .absolute(0.2, REASON),
-    ])
+    order_of("order in the step, step response of a joint", 2.0, &errors)
 }
 
 /// Gauss-Legendre quadrature is exact for a load at the tip. For a load below the tip, the deflection's integrand is (a
@@ -64,15 +59,14 @@ fn leaf_in_hinges(simulated: Simulated) -> Found {
     for segments in [4, 8, 16, 32] {
         let mut squares = 0.0;
         for height_m in &places {
-            let mut leaf = ClampedLeaf::new(&blade(segments, rigidity, 1.0), 0.01)?;
+            let mut leaf = ClampedLeaf::new(&blade(segments, rigidity, 1.0), 0.01);
             let found = leaf.settle_at(DVec3::X * load_n, *height_m)?;
             let exact = beam::beam_deflection_m(load_n, *height_m, RIGIDITY_N_M2);
             squares += (found / exact - 1.0).powi(2);
         }
         errors.push((1.0 / f64::from(segments), (squares / f64::from(PLACES)).sqrt()));
     }
-    let quantity = "order in the hinges, deflection by a load between 0.5 and 0.9 of the height";
-    Ok(vec![Comparison::of(quantity, "", 3.0, order::log_log_slope(&errors)).absolute(0.2, REASON)])
+    order_of("order in the hinges, deflection by a load between 0.5 and 0.9 of the height", 3.0, &errors)
 }
 
 /// Positions of the load over which the error is averaged.

@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use rayon::ThreadPoolBuilder;
 use underbrush_recording::Recording;
 use underbrush_sim::campaign::{self, Job};
-use underbrush_sim::{Arm, ReachPlan, Scene};
+use underbrush_sim::{Arm, ReachPlan, Scene, Simulation};
 
 use crate::pressed_arm::{Beside, LEAF, OPTIONS, PressedArm};
 use crate::{Case, Check, Comparison, Falsification, Fault, Found, Simulated};
@@ -108,12 +108,17 @@ fn copy(more_rad: f64) -> Result<[Vec<u8>; 2], Fault> {
     pressed.hold(&equilibrium, 0.2);
     let mut copied = pressed.simulation.clone();
     let pushed: Vec<f64> = equilibrium.iter().map(|angle| angle + more_rad).collect();
-    let mut found = [String::new(), String::new()];
-    for _ in 0..100 {
-        found[0] += &format!("{:?}", pressed.simulation.step(&equilibrium));
-        found[1] += &format!("{:?}", copied.step(&pushed));
-    }
-    Ok(found.map(String::into_bytes))
+    let steps = std::iter::repeat_n([&equilibrium, &pushed], 100);
+    Ok(reports([&mut pressed.simulation, &mut copied], steps))
+}
+
+/// The reports of two simulations, each with its own equilibrium angles in each frame, as bytes.
+fn reports<'a>(simulations: [&mut Simulation; 2], steps: impl Iterator<Item = [&'a Vec<f64>; 2]>) -> [Vec<u8>; 2] {
+    let [one, other] = simulations;
+    let reported =
+        steps.map(|[angles, others]| (format!("{:?}", one.step(angles)), format!("{:?}", other.step(others))));
+    let (one, other): (String, String) = reported.unzip();
+    [one.into_bytes(), other.into_bytes()]
 }
 
 /// The reports of a simulation and of one that was loaded from its saved state, as bytes, from the middle of a reach to
@@ -131,12 +136,8 @@ fn restore(lost: bool) -> Result<[Vec<u8>; 2], Fault> {
     if lost {
         loaded.set_joint_velocity(&vec![0.0; plan.arm.joints.len()]);
     }
-    let mut found = [String::new(), String::new()];
-    for frame in after {
-        found[0] += &format!("{:?}", original.step(&frame.equilibrium_angle_rad));
-        found[1] += &format!("{:?}", loaded.step(&frame.equilibrium_angle_rad));
-    }
-    Ok(found.map(String::into_bytes))
+    let steps = after.iter().map(|frame| [&frame.equilibrium_angle_rad; 2]);
+    Ok(reports([&mut original, &mut loaded], steps))
 }
 
 /// The number of bytes that differ, including the bytes by which one side is longer. Empty input counts as one

@@ -5,8 +5,6 @@ use underbrush_sim::object::structure::Axis;
 use underbrush_sim::physics::PhysicsOptions;
 use underbrush_sim::simulation::test_rig::{BodyId, Rig};
 
-use crate::Fault;
-
 /// One step of a driven path.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
@@ -31,13 +29,10 @@ impl Driven {
     const DRIVE: f64 = 1e3;
 
     /// The object at rest, with the coordinate along `axis` of the joint that carries body number `body`.
-    ///
-    /// # Errors
-    /// When the object has no such body.
-    pub fn new(object: &dyn Object, gravity_m_per_s2: f64, body: usize, axis: Axis) -> Result<Self, Fault> {
+    pub fn new(object: &dyn Object, gravity_m_per_s2: f64, body: usize, axis: Axis) -> Self {
         let mut rig = Rig::new(PhysicsOptions { step_s: Self::STEP_S, gravity_m_per_s2 });
-        let body = rig.add_object(object).get(body).copied();
-        Ok(Driven { rig, body: body.ok_or_else(|| Fault::Run("the object has no such body".into()))?, axis })
+        let body = rig.add_object(object)[body];
+        Driven { rig, body, axis }
     }
 
     fn place(&self) -> f64 {

@@ -77,14 +77,14 @@ fn compare(simulated: Simulated) -> Found {
     subjects.push(("arm", Tree::of_arm(&arm, &posture_rad), arm_rig));
     let mut found = Vec::new();
     for (name, tree, rig) in &subjects {
-        let trees = rig.describe().trees;
+        let trees = rig.describe();
         let described = trees.iter().find(|links| links.len() == tree.links().len());
         let links = stacked(described.ok_or_else(|| Fault::Run(format!("no {name} on the rig")))?);
         let quantity = format!("accelerations of the {name} over the largest");
         let apart = accelerations_apart(tree, &links, gravity_m_per_s2);
         found.push(Comparison::of(quantity, "", 0.0, apart).absolute(1e-9, "1e-9: rounding of both"));
         // A foam block has one axis, and its mass hardly counts beside its springs: its accelerations say all.
-        if tree.coordinates().len() > 1 {
+        if tree.coordinates.len() > 1 {
             let quantity = format!("free motion of the {name}, largest difference");
             let apart = motions_apart(tree, &links, gravity_m_per_s2);
             let reason = "1e-6: both are of the first order, but Rapier takes Coriolis forces at the end of the step";
@@ -103,7 +103,7 @@ fn accelerations_apart(tree: &Tree, links: &[LinkDescription], gravity_m_per_s2:
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let mut worst = 0.0_f64;
     for _ in 0..STATES {
-        let size = tree.coordinates().len();
+        let size = tree.coordinates.len();
         let mut draw =
             |size_of: f64| -> Vec<f64> { (0..size).map(|_| random.random_range(-size_of..size_of)).collect() };
         let (displacement, velocity) = (draw(0.3), draw(3.0));
@@ -121,14 +121,14 @@ fn accelerations_apart(tree: &Tree, links: &[LinkDescription], gravity_m_per_s2:
 
 /// The largest difference of the displacements along a free motion from a bent state.
 fn motions_apart(tree: &Tree, links: &[LinkDescription], gravity_m_per_s2: f64) -> f64 {
-    let size = tree.coordinates().len();
+    let size = tree.coordinates.len();
     // Angles of 1 to 3 degrees and displacements of 1 mm. If the shell of a roll starts centimetres away from rest,
     // the motions differ by 3.3 mm, and by 1.0 mm in steps of 5 µs: of the first order in the step.
     let bent = |(at, own): (usize, &Coordinate)| if own.turns { 0.02 * (1.0 + at as f64 % 3.0) } else { 0.001 };
-    let displacement: Vec<f64> = tree.coordinates().iter().enumerate().map(bent).collect();
+    let displacement: Vec<f64> = tree.coordinates.iter().enumerate().map(bent).collect();
     let velocity = vec![0.1; size];
     let mut tree = tree.clone();
-    for branch in tree.coordinates_mut().iter_mut().filter_map(|own| own.spring.maxwell.as_mut()) {
+    for branch in tree.coordinates.iter_mut().filter_map(|own| own.spring.maxwell.as_mut()) {
         // Multibodies have no relaxing branches.
         branch.relaxation_time_s = f64::INFINITY;
     }
@@ -141,7 +141,7 @@ fn motions_apart(tree: &Tree, links: &[LinkDescription], gravity_m_per_s2: f64) 
         own.begin(STEP_S, Theta::EULER);
         own.prepare(gravity_m_per_s2);
         peer.world.step();
-        let positions = own.coordinates().iter().map(|own| own.position).zip(peer.positions());
+        let positions = own.coordinates.iter().map(|own| own.position).zip(peer.positions());
         worst = positions.map(|(own, other)| (own - other).abs()).fold(worst, f64::max);
     }
     worst
@@ -151,7 +151,7 @@ fn motions_apart(tree: &Tree, links: &[LinkDescription], gravity_m_per_s2: f64) 
 fn prepared(tree: &Tree, displacement: &[f64], velocity: &[f64], step_s: f64, gravity_m_per_s2: f64) -> Tree {
     let mut tree = tree.clone();
     tree.displace(|_, at| displacement[at]);
-    for (own, velocity) in tree.coordinates_mut().iter_mut().zip(velocity) {
+    for (own, velocity) in tree.coordinates.iter_mut().zip(velocity) {
         own.velocity = *velocity;
         own.dashpot = 0.0;
     }

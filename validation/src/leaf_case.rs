@@ -45,21 +45,12 @@ pub struct ClampedLeaf {
 
 impl ClampedLeaf {
     /// The leaf at rest, upright, in an engine that takes steps of `step_s`.
-    ///
-    /// # Errors
-    /// When the leaf has no bodies.
-    pub fn new(leaf: &Leaf, step_s: f64) -> Result<Self, Fault> {
+    pub fn new(leaf: &Leaf, step_s: f64) -> Self {
         let mut rig = Rig::new(PhysicsOptions { step_s, gravity_m_per_s2: 0.0 });
         let bodies = rig.add_object(leaf);
-        let Some(last) = bodies.last().copied() else {
-            return Err(Fault::Run("a leaf without bodies".into()));
-        };
-        Ok(ClampedLeaf {
-            tip_body: rig.pose_world(last).inverse_transform_point(DVec3::Z * leaf.height_m),
-            rig,
-            bodies,
-            last,
-        })
+        let last = bodies[bodies.len() - 1];
+        let tip_body = rig.pose_world(last).inverse_transform_point(DVec3::Z * leaf.height_m);
+        ClampedLeaf { rig, bodies, last, tip_body }
     }
 
     /// The tip, m, foot frame.

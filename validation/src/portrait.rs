@@ -90,9 +90,8 @@ fn portrait(
     let mut pressed = PressedArm::new(arm.clone(), arm, beside, OPTIONS)?;
     let layout = &pressed.arm.skin.layout;
     let index = layout.patch_index("forearm");
-    let Some(grid) = index.and_then(|index| layout.patches[index].grid) else {
-        return Err(Fault::Run("the forearm has no grid of taxels".into()));
-    };
+    let grid = index.and_then(|index| layout.patches[index].grid);
+    let grid = grid.ok_or_else(|| Fault::Run("the forearm has no grid of taxels".into()))?;
     let push = pressed.pressing_rad(PUSH_N);
     let (mut best, mut depth_m) = (vec![0.0; grid.rows * grid.columns], 0.0);
     for frame in 1..=300 {

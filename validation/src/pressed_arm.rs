@@ -7,7 +7,7 @@ use underbrush_sim::object::blade::SHEET_TORSION_OVER_BENDING;
 use underbrush_sim::object::foam_roll::FoamRoll;
 use underbrush_sim::object::leaf::Leaf;
 use underbrush_sim::object::{FRICTION, Object};
-use underbrush_sim::sensor::{Sensor, SensorModel, SensorOptions};
+use underbrush_sim::sensor::{Sensor, SensorOptions};
 use underbrush_sim::simulation::{FrameReport, Setup, Simulation};
 use underbrush_sim::{Arm, Clutter, PhysicsOptions, PlacedObject};
 
@@ -109,14 +109,7 @@ impl PressedArm {
             stands_on: None,
         };
         let clutter = Clutter { objects: vec![placed], ..Clutter::default() };
-        let perfect = SensorOptions { model: SensorModel::Ideal, ..SensorOptions::default() };
-        let simulation = Simulation::new(Setup {
-            sensor: Sensor::new(&perfect, &simulated.skin, 0, "validate", 0),
-            arm: simulated,
-            clutter,
-            physics: options,
-            dormancy: false,
-        });
+        let simulation = simulation(simulated, clutter, options);
         Ok(PressedArm { arm, simulation, posture_rad, forearm, place_link, across_world })
     }
 
@@ -226,6 +219,12 @@ impl PressedArm {
     pub fn contact_force_world(&self) -> DVec3 {
         self.report().contacts.iter().map(|contact| contact.force_world).sum()
     }
+}
+
+/// An arm among objects, none of which is left out. The skin's sensor is perfect.
+pub fn simulation(arm: Arm, clutter: Clutter, physics: PhysicsOptions) -> Simulation {
+    let sensor = Sensor::new(&SensorOptions::off(), &arm.skin, 0, "validate", 0);
+    Simulation::new(Setup { arm, clutter, sensor, physics, dormancy: false })
 }
 
 /// An arm for which the coefficient of friction with an object is `friction`: the mean of both surfaces' coefficients.

@@ -108,7 +108,7 @@ fn push(beside: Beside, moves_m: [f64; 2], simulated: Simulated) -> Result<(Pres
 
 fn measure(pressed: &PressedArm, equilibrium_rad: Vec<f64>) -> Result<Pushed, Fault> {
     let contacts = &pressed.report().contacts;
-    let force: DVec3 = contacts.iter().map(|contact| contact.force_world).sum();
+    let force = pressed.contact_force_world();
     if force == DVec3::ZERO || contacts.iter().any(|contact| contact.link != pressed.forearm) {
         return Err(Fault::Run("the forearm does not touch the object, or another link does".into()));
     }

@@ -59,18 +59,14 @@ impl ArmState {
                 angular_velocity_world: angular_velocity,
             });
         }
-        self.energy_j = self.sum_energy_j(arm);
         let mut joints = arm.joints.iter().zip(&self.joints);
-        self.stopped = joints.any(|(joint, state)| joint.is_at_stop(state.angle_rad));
-    }
-
-    fn sum_energy_j(&self, arm: &Arm) -> f64 {
-        let joints = arm.joints.iter().zip(&self.joints).map(|(joint, state)| {
+        let twice_j = joints.clone().map(|(joint, state)| {
             let stretch = state.rest_angle_rad - state.angle_rad;
             joint.stiffness_nm_per_rad * stretch * stretch + joint.armature_kg_m2 * state.velocity_rad_per_s.powi(2)
         });
-        0.5 * joints.sum::<f64>()
-            + self.kinetic_energy_j(arm, |_, link| (link.velocity_world, link.angular_velocity_world))
+        self.energy_j = 0.5 * twice_j.sum::<f64>()
+            + self.kinetic_energy_j(arm, |_, link| (link.velocity_world, link.angular_velocity_world));
+        self.stopped = joints.any(|(joint, state)| joint.is_at_stop(state.angle_rad));
     }
 
     /// Kinetic energy of the links, J, at the velocities (of the centre of mass, and angular) that `velocities`

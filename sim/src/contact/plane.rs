@@ -40,11 +40,10 @@ impl Pair<'_> {
     /// relative curvature. Strips lie along the second tangent.
     pub fn plane(&self, origin_world: DVec3, normal_world: DVec3) -> Plane {
         let strip = self.box_edge(normal_world).or_else(|| self.most_curved(normal_world));
-        let along = strip.map_or_else(
+        let second = strip.map_or_else(
             || normal_world.any_orthonormal_vector(),
             |strip| strip.reject_from_normalized(normal_world).normalize_or(normal_world.any_orthonormal_vector()),
         );
-        let second = along;
         let first = second.cross(normal_world);
         Plane { origin_world, normal_world, tangents_world: [first, second] }
     }

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
-use super::{Blind, Controller, Mapped, ModelPredictive, Preset};
+use super::{Controller, Mapped, ModelPredictive, Preset};
 use crate::arm::Arm;
 
 /// A controller that ships.
@@ -79,7 +79,11 @@ impl ControllerKind {
     pub fn controller(self, preset: Preset, arm: &Arm) -> Box<dyn Controller> {
         match self {
             ControllerKind::Cody2013 | ControllerKind::IjrrFoliage => Box::new(ModelPredictive::new(preset, arm)),
-            ControllerKind::Blind => Box::new(Blind::new(preset, arm)),
+            ControllerKind::Blind => {
+                // No contact is so strong that it counts.
+                let preset = Preset { name: self.name(), ignored_force_n: f64::INFINITY, ..preset };
+                Box::new(ModelPredictive::new(preset, arm))
+            }
             ControllerKind::Mapped => Box::new(Mapped::new(preset, arm)),
         }
     }

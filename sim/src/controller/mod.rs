@@ -4,7 +4,6 @@ use glam::DVec3;
 use nalgebra::Matrix3xX;
 use underbrush_recording::{Frame, MappedObstacle, Pose};
 
-pub mod blind;
 mod kind;
 pub mod mapped;
 pub mod model_predictive;
@@ -12,7 +11,6 @@ pub mod preset;
 pub mod quadratic_program;
 mod verdict;
 
-pub use blind::Blind;
 pub use kind::{ControllerKind, UnknownController};
 pub use mapped::Mapped;
 pub use model_predictive::ModelPredictive;

@@ -6,6 +6,8 @@
 
 use serde::Serialize;
 
+use crate::arm::Joint;
+
 /// All parameters of the one-step model-predictive controller.
 ///
 /// The authors' controller could also track an orientation; their reaches in foliage have position goals only, so that
@@ -104,6 +106,11 @@ impl Preset {
             equilibrium_reset_rad: None,
             floor_height_m: f64::NEG_INFINITY,
         }
+    }
+
+    /// Largest change of a joint's equilibrium angle in one step, rad.
+    pub fn step_rad(&self, joint: &Joint) -> f64 {
+        (joint.slew_limit_rad_per_s / self.rate_hz).min(self.equilibrium_step_rad.unwrap_or(f64::INFINITY))
     }
 
     /// This preset at `scale` times the hand speed. It scales the longest step of the end effector and the largest

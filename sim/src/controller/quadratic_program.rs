@@ -21,11 +21,9 @@ pub struct QuadraticProgram {
     pub bounds: DVector<f64>,
 }
 
-/// How a quadratic program ended.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Outcome {
-    /// The minimum was found.
-    Optimal(Solution),
+/// Why a quadratic program has no solution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unsolved {
     /// No point satisfies all constraints.
     Infeasible,
     /// The hessian has no Cholesky factor.
@@ -57,26 +55,23 @@ const DEPENDENCE: f64 = 1e-9;
 
 impl QuadraticProgram {
     /// Finds the minimum.
-    pub fn solve(&self) -> Outcome {
+    ///
+    /// # Errors
+    /// [`Unsolved`].
+    pub fn solve(&self) -> Result<Solution, Unsolved> {
         let (variables, count) = (self.gradient.len(), self.bounds.len());
         let fits = self.hessian.shape() == (variables, variables) && self.constraints.shape() == (count, variables);
         let entries =
             [self.hessian.as_slice(), self.gradient.as_slice(), self.constraints.as_slice(), self.bounds.as_slice()];
         if !fits || !entries.into_iter().flatten().all(|entry| entry.is_finite()) {
-            return Outcome::Malformed;
+            return Err(Unsolved::Malformed);
         }
-        let Some(factor) = self.hessian.clone().cholesky() else {
-            return Outcome::NotPositiveDefinite;
-        };
         // With G = L Lᵀ and y = Lᵀ x the program is a search for the point of a polyhedron nearest to −L⁻¹ a: the
         // columns of L⁻¹ Cᵀ are the normals of its faces.
-        let lower = factor.l();
-        let Some(normals) = lower.solve_lower_triangular(&self.constraints.transpose()) else {
-            return Outcome::NotPositiveDefinite;
-        };
-        let Some(start) = lower.solve_lower_triangular(&-&self.gradient) else {
-            return Outcome::NotPositiveDefinite;
-        };
+        let singular = Unsolved::NotPositiveDefinite;
+        let lower = self.hessian.clone().cholesky().ok_or(singular)?.l();
+        let normals = lower.solve_lower_triangular(&self.constraints.transpose()).ok_or(singular)?;
+        let start = lower.solve_lower_triangular(&-&self.gradient).ok_or(singular)?;
         let mut search = Search {
             normals,
             bounds: &self.bounds,
@@ -94,24 +89,17 @@ impl QuadraticProgram {
             loop {
                 iterations += 1;
                 if iterations > max_iterations {
-                    return Outcome::IterationLimit;
+                    return Err(Unsolved::IterationLimit);
                 }
                 match search.advance(violated, &mut multiplier) {
                     Step::TakenIn => break,
                     Step::Dropped => {}
-                    Step::Blocked => return Outcome::Infeasible,
+                    Step::Blocked => return Err(Unsolved::Infeasible),
                 }
             }
         }
-        match lower.transpose().solve_upper_triangular(&search.point) {
-            Some(minimizer) => Outcome::Optimal(Solution {
-                minimizer,
-                active: search.active,
-                multipliers: search.multipliers,
-                iterations,
-            }),
-            None => Outcome::NotPositiveDefinite,
-        }
+        let minimizer = lower.transpose().solve_upper_triangular(&search.point).ok_or(singular)?;
+        Ok(Solution { minimizer, active: search.active, multipliers: search.multipliers, iterations })
     }
 }
 

@@ -41,22 +41,37 @@ pub struct LinkOptions {
     pub inertia_link: DMat3,
 }
 
+impl LinkOptions {
+    /// A link without mass.
+    fn massless(parent: usize, joint_parent: Pose) -> Self {
+        let (center_of_mass_link, inertia_link) = (DVec3::ZERO, DMat3::ZERO);
+        LinkOptions { parent, joint_parent, mass_kg: 0.0, center_of_mass_link, inertia_link }
+    }
+
+    /// The link, whose joint has these coordinates of its tree. `last` is the last coordinate that moves it.
+    fn link(self, coordinates: (usize, usize), last: Option<usize>) -> Link {
+        let LinkOptions { parent, joint_parent, mass_kg, center_of_mass_link, inertia_link } = self;
+        Link {
+            parent,
+            joint_parent,
+            mass_kg,
+            center_of_mass_link,
+            inertia_link,
+            drag: None,
+            pose_world: Pose::IDENTITY,
+            coordinates,
+            last,
+            is_ball: false,
+            turn: DQuat::IDENTITY,
+        }
+    }
+}
+
 impl Tree {
     /// A tree that has only its ground yet, at this pose. Gravity acts on its links if it `weighs`.
     pub fn new(ground_world: Pose, weighs: bool) -> Self {
-        let ground = Link {
-            parent: 0,
-            joint_parent: Pose::IDENTITY,
-            mass_kg: 0.0,
-            center_of_mass_link: DVec3::ZERO,
-            inertia_link: DMat3::ZERO,
-            drag: None,
-            pose_world: ground_world,
-            coordinates: (0, 0),
-            last: None,
-            is_ball: false,
-            turn: DQuat::IDENTITY,
-        };
+        let ground = LinkOptions::massless(0, Pose::IDENTITY).link((0, 0), None);
+        let ground = Link { pose_world: ground_world, ..ground };
         Tree {
             links: vec![ground],
             coordinates: Vec::new(),
@@ -88,22 +103,8 @@ impl Tree {
             });
             last = Some(self.coordinates.len() - 1);
         }
-        let LinkOptions { parent, joint_parent, mass_kg, center_of_mass_link, inertia_link } = link;
-        self.links.push(Link {
-            parent,
-            joint_parent,
-            mass_kg,
-            center_of_mass_link,
-            inertia_link,
-            drag: None,
-            pose_world: Pose::IDENTITY,
-            coordinates: (first, self.coordinates.len()),
-            last,
-            is_ball: false,
-            turn: DQuat::IDENTITY,
-        });
-        let link = &mut self.links[index];
-        link.is_ball = self.coordinates[first..].iter().filter(|own| own.turns).count() == 3;
+        let is_ball = self.coordinates[first..].iter().filter(|own| own.turns).count() == 3;
+        self.links.push(Link { is_ball, ..link.link((first, self.coordinates.len()), last) });
         self.pushes.resize(self.coordinates.len(), 0.0);
         self.place();
         index
@@ -118,14 +119,7 @@ impl Tree {
 
     /// Adds an object whose foot is fixed to a link, at this pose in the link's frame. Returns the link that is its foot.
     pub fn carry(&mut self, structure: &Structure, carrier: usize, foot_carrier: Pose) -> usize {
-        let foot = LinkOptions {
-            parent: carrier,
-            joint_parent: foot_carrier,
-            mass_kg: 0.0,
-            center_of_mass_link: DVec3::ZERO,
-            inertia_link: DMat3::ZERO,
-        };
-        let foot = self.add(foot, []);
+        let foot = self.add(LinkOptions::massless(carrier, foot_carrier), []);
         self.add_bodies(structure, foot);
         foot
     }

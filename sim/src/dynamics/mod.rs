@@ -119,13 +119,14 @@ pub struct Link {
 ///     tree.prepare(0.0);
 ///     tree.advance();
 /// }
-/// let spring = tree.coordinates()[0].spring;
-/// assert!((tree.coordinates()[0].position * spring.stiffness + 1.0).abs() < 1e-3);
+/// let spring = tree.coordinates[0].spring;
+/// assert!((tree.coordinates[0].position * spring.stiffness + 1.0).abs() < 1e-3);
 /// ```
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Tree {
     links: Vec<Link>,
-    coordinates: Vec<Coordinate>,
+    /// The degrees of freedom, from the ground on. After positions are set, call [`Tree::place`].
+    pub coordinates: Vec<Coordinate>,
     /// Whether gravity acts on it.
     pub weighs: bool,
     /// Generalized forces of the next step, N or Nm.
@@ -168,25 +169,10 @@ impl Tree {
         &self.links
     }
 
-    /// The degrees of freedom, from the ground on.
-    pub fn coordinates(&self) -> &[Coordinate] {
-        &self.coordinates
-    }
-
-    /// The degrees of freedom, to set springs. After positions are set, call [`Tree::place`].
-    pub fn coordinates_mut(&mut self) -> &mut [Coordinate] {
-        &mut self.coordinates
-    }
-
     /// The degrees of freedom of the joint that carries a link.
     pub fn coordinates_of(&self, link: usize) -> &[Coordinate] {
         let (first, end) = self.links[link].coordinates;
         &self.coordinates[first..end]
-    }
-
-    /// Index of the first of these.
-    pub fn first_coordinate(&self, link: usize) -> usize {
-        self.links[link].coordinates.0
     }
 
     /// Whether a link can move.

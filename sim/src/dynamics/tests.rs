@@ -18,7 +18,7 @@ fn kinetic_energy_j(tree: &Tree) -> f64 {
     let links = (1..tree.links().len()).map(|index| {
         let link = &tree.links()[index];
         let center = tree.center_of_mass_world(index);
-        let [linear, angular] = tree.velocity_at(index, center, |at| tree.coordinates()[at].velocity);
+        let [linear, angular] = tree.velocity_at(index, center, |at| tree.coordinates[at].velocity);
         let angular_link = link.pose_world.inverse_transform_vector(angular);
         link.mass_kg * linear.length_squared() + angular_link.dot(link.inertia_link * angular_link)
     });
@@ -56,8 +56,8 @@ fn double_pendulum() -> Tree {
 fn a_double_pendulum_keeps_its_energy() {
     let drift_j = |step_s: f64| {
         let mut tree = double_pendulum();
-        tree.coordinates_mut()[0].position = 1.2;
-        tree.coordinates_mut()[1].position = 0.7;
+        tree.coordinates[0].position = 1.2;
+        tree.coordinates[1].position = 0.7;
         tree.place();
         let energy = |tree: &Tree| kinetic_energy_j(tree) + potential_energy_j(tree);
         let start = energy(&tree);
@@ -80,13 +80,13 @@ fn a_double_pendulum_keeps_its_energy() {
 #[test]
 fn the_mass_matrix_gives_the_kinetic_energy() {
     let mut tree = double_pendulum();
-    for (own, (position, velocity)) in tree.coordinates_mut().iter_mut().zip([(0.8, 1.3), (-0.5, -2.1)]) {
+    for (own, (position, velocity)) in tree.coordinates.iter_mut().zip([(0.8, 1.3), (-0.5, -2.1)]) {
         (own.position, own.velocity) = (position, velocity);
     }
     tree.place();
     tree.begin(1e-3, Theta::EULER);
     tree.prepare(0.0);
-    let speeds: Vec<f64> = tree.coordinates().iter().map(|own| own.velocity).collect();
+    let speeds: Vec<f64> = tree.coordinates.iter().map(|own| own.velocity).collect();
     let speeds = DVector::from_vec(speeds);
     let found = 0.5 * speeds.dot(&(mass(&tree, &[0, 1]) * &speeds));
     assert!((found / kinetic_energy_j(&tree) - 1.0).abs() < 1e-13);
@@ -113,7 +113,7 @@ fn shrub() -> Tree {
         let axes = [DVec3::X, DVec3::Z].map(|axis| Axis { spring: Spring::elastic(0.3, 0.002), ..hinge(axis) });
         tree.add(rod, axes);
     }
-    for (at, own) in tree.coordinates_mut().iter_mut().enumerate() {
+    for (at, own) in tree.coordinates.iter_mut().enumerate() {
         (own.position, own.velocity) = (0.1 * at as f64 - 0.4, 0.5 - 0.2 * at as f64);
     }
     tree.place();
@@ -155,12 +155,12 @@ fn a_free_body_falls_and_tumbles() {
     };
     let axes = DVec3::AXES.map(slide).into_iter().chain(DVec3::AXES.map(hinge));
     tree.add(link, axes);
-    for (own, speed) in tree.coordinates_mut()[3..].iter_mut().zip([1.0, 3.0, -2.0]) {
+    for (own, speed) in tree.coordinates[3..].iter_mut().zip([1.0, 3.0, -2.0]) {
         own.velocity = speed;
     }
     let momentum = |tree: &Tree| {
         let link = &tree.links()[1];
-        let [_, angular] = tree.velocity_at(1, link.pose_world.position, |at| tree.coordinates()[at].velocity);
+        let [_, angular] = tree.velocity_at(1, link.pose_world.position, |at| tree.coordinates[at].velocity);
         let angular_link = link.pose_world.inverse_transform_vector(angular);
         link.pose_world.transform_vector(link.inertia_link * angular_link)
     };
@@ -197,8 +197,8 @@ proptest! {
             segments: 4,
         };
         let mut tree = Tree::of_structure(&leaf.structure(), Pose::IDENTITY);
-        prop_assert_eq!(tree.coordinates().len(), speeds.len());
-        for (own, speed) in tree.coordinates_mut().iter_mut().zip(&speeds) {
+        prop_assert_eq!(tree.coordinates.len(), speeds.len());
+        for (own, speed) in tree.coordinates.iter_mut().zip(&speeds) {
             own.velocity = *speed;
         }
         for _ in 0..1000 {
@@ -207,7 +207,7 @@ proptest! {
             tree.prepare(GRAVITY_M_PER_S2);
             tree.advance();
         }
-        let fastest = tree.coordinates().iter().map(|own| own.velocity.abs()).reduce(f64::max);
-        prop_assert!(fastest < Some(5.0), "{:?}", tree.coordinates().iter().map(|own| own.velocity).collect::<Vec<_>>());
+        let fastest = tree.coordinates.iter().map(|own| own.velocity.abs()).reduce(f64::max);
+        prop_assert!(fastest < Some(5.0), "{:?}", tree.coordinates.iter().map(|own| own.velocity).collect::<Vec<_>>());
     }
 }

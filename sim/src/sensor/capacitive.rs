@@ -84,10 +84,6 @@ fn felt(neighbours: &[usize; 4], crosstalk_share: f64, force_n: &[f64], taxel: u
 
 /// The four neighbours in the patch's grid, around the sleeve if it wraps. Without a grid a taxel has none.
 fn neighbours(patch: &Patch) -> Vec<[usize; 4]> {
-    let count = patch.taxels.len();
-    let Some(grid) = patch.grid else {
-        return (0..count).map(|taxel| [taxel; 4]).collect();
-    };
-    let of = |taxel: usize| grid.neighbours(taxel).map(|next| next.unwrap_or(taxel));
-    (0..count).map(of).collect()
+    let in_grid = |taxel: usize| patch.grid.map_or([None; 4], |grid| grid.neighbours(taxel));
+    (0..patch.taxels.len()).map(|taxel| in_grid(taxel).map(|next| next.unwrap_or(taxel))).collect()
 }

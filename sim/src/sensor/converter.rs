@@ -48,7 +48,8 @@ impl Noise {
 /// Quantizes readings.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Converter {
-    steps_per_n: f64,
+    /// Steps per newton; 0 switches quantization off.
+    pub steps_per_n: f64,
 }
 
 impl Converter {
@@ -63,11 +64,6 @@ impl Converter {
         let whole = steps.round();
         let is_whole = (steps - whole).abs() <= 4.0 * f64::EPSILON * steps;
         Converter { steps_per_n: if is_whole { whole } else { steps } }
-    }
-
-    /// This many steps per newton; 0 switches quantization off.
-    pub fn with_steps_per_n(steps_per_n: f64) -> Self {
-        Converter { steps_per_n }
     }
 
     /// The quantized value nearest to a reading, N.

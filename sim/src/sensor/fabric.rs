@@ -86,10 +86,9 @@ impl Fabric {
             memory_n: vec![0.0; taxels.len()],
             noise: Noise::new(options.noise_n),
             gate_n: options.gate_sigmas * options.noise_n,
-            converter: Converter::with_steps_per_n(match options.response {
-                FabricResponse::Conductance if options.counts_per_n > 0.0 => STEPS,
-                _ => options.counts_per_n,
-            }),
+            converter: Converter {
+                steps_per_n: if is_divided && options.counts_per_n > 0.0 { STEPS } else { options.counts_per_n },
+            },
             dividers: taxels.iter().filter(|_| is_divided).map(|taxel| Divider::new(taxel.area_m2)).collect(),
         }
     }

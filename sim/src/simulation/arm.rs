@@ -39,14 +39,12 @@ impl ArmBodies {
         let slot = engine.scene.insert(Tree::of_arm(arm, posture_rad), solids);
         let passing = arm.passing_links.iter().map(|pair| pair.map(|link| PlacedLink { slot, link }));
         engine.scene.passing_links.extend(passing);
-        let bodies = engine.scene.placed(slot).bodies.iter();
-        let colliders = bodies.flat_map(|body| engine.scene.colliders_of(*body).iter().copied()).collect();
-        ArmBodies { slot, colliders }
+        ArmBodies { slot, colliders: engine.scene.colliders_in(slot).collect() }
     }
 
     /// The link that carries a collider; `None` for a collider of something else.
     pub(super) fn link_of(&self, engine: &Engine, collider: ColliderHandle) -> Option<usize> {
-        let PlacedLink { slot, link } = engine.link_of(collider);
+        let PlacedLink { slot, link } = engine.scene.mount(collider).at;
         (slot == self.slot).then_some(link)
     }
 
@@ -55,7 +53,7 @@ impl ArmBodies {
     /// A spring has no torque limit, so each rest angle is kept where |K (φ − q)| is within the limit at the present angle
     /// q. Call it before every step, even if φ stays the same, so that the limit holds while q changes.
     pub(super) fn set_equilibrium(&self, arm: &Arm, equilibrium_angle_rad: &[f64], engine: &mut Engine) {
-        let coordinates = engine.tree_mut(self.slot).coordinates_mut().iter_mut();
+        let coordinates = engine.tree_mut(self.slot).coordinates.iter_mut();
         for ((own, joint), target) in coordinates.zip(&arm.joints).zip(equilibrium_angle_rad) {
             let reach = joint.torque_limit_nm / joint.stiffness_nm_per_rad;
             // `clamp` would panic if the engine has diverged and the angle is not a number; this passes NaN on.
@@ -66,7 +64,7 @@ impl ArmBodies {
 
     /// Sets the joint velocities q̇, rad/s.
     pub(super) fn set_velocity(&self, velocity_rad_per_s: &[f64], engine: &mut Engine) {
-        let coordinates = engine.tree_mut(self.slot).coordinates_mut();
+        let coordinates = &mut engine.tree_mut(self.slot).coordinates;
         for (own, velocity) in coordinates.iter_mut().zip(velocity_rad_per_s) {
             own.velocity = *velocity;
         }
@@ -75,7 +73,7 @@ impl ArmBodies {
     /// Writes the state of every joint into `states`.
     pub(super) fn read_joints(&self, engine: &Engine, states: &mut Vec<JointState>) {
         states.clear();
-        states.extend(engine.tree(self.slot).coordinates().iter().map(|own| JointState {
+        states.extend(engine.tree(self.slot).coordinates.iter().map(|own| JointState {
             angle_rad: own.position,
             velocity_rad_per_s: own.velocity,
             rest_angle_rad: own.spring.rest,
@@ -87,11 +85,6 @@ impl ArmBodies {
     pub(super) fn read_link_poses(&self, engine: &Engine, poses: &mut Vec<WorldPose>) {
         poses.clear();
         poses.extend(engine.tree(self.slot).links().iter().map(|link| link.pose_world));
-    }
-
-    /// Pose of a link in the world frame.
-    pub(super) fn link_pose(&self, engine: &Engine, link: usize) -> WorldPose {
-        engine.tree(self.slot).links()[link].pose_world
     }
 }
 

@@ -4,19 +4,18 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::Pose;
 
-use crate::arm::Arm;
 use crate::skin::ContactPoint;
 
 /// The contact of one shape of the arm with one shape of an object or of another link, in one step. Two links that touch
 /// have one each.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Contact {
-    /// The link, index in [`Arm::links`].
+    /// The link, index in [`crate::arm::Arm::links`].
     pub link: usize,
     /// The object, index in [`crate::clutter::Clutter::objects`]; `None` for the arm itself.
     pub object: Option<usize>,
     /// The object's body, index in [`crate::object::structure::Structure::bodies`], or the other link, index in
-    /// [`Arm::links`].
+    /// [`crate::arm::Arm::links`].
     pub body: usize,
     /// Centre of pressure when the step began, in the middle of the overlap of the two shapes, m, link frame.
     pub position_link: DVec3,
@@ -49,16 +48,5 @@ impl Contact {
             force_link: link_pose.inverse_transform_vector(self.force_world),
             radius_m: self.radius_m,
         }
-    }
-}
-
-/// Torques that forces and moments of contacts exert on the joints, Σ Jᵀ f, Nm. `torque_nm` has one entry for each
-/// joint and is overwritten.
-pub fn contact_torque_nm(arm: &Arm, link_pose_world: &[Pose], contacts: &[Contact], torque_nm: &mut [f64]) {
-    torque_nm.fill(0.0);
-    for contact in contacts {
-        let point = link_pose_world[contact.link].transform_point(contact.position_link);
-        let wrench = [point, contact.force_world, contact.moment_world];
-        arm.add_torque_nm(link_pose_world, contact.link, wrench, torque_nm);
     }
 }

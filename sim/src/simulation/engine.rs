@@ -6,7 +6,7 @@ use underbrush_recording::Pose as WorldPose;
 
 use super::contact_step::ContactStep;
 use super::groups;
-use super::placed::{PlacedLink, Scene, Solid};
+use super::placed::{Scene, Solid};
 use crate::dynamics::Tree;
 use crate::object::TABLE_FRICTION;
 use crate::{PhysicsOptions, Surface};
@@ -18,12 +18,13 @@ const TABLE_HALF_SIZES_M: Vector = Vector::new(20.0, 20.0, 0.05);
 /// Joint trees with their shapes, and the contacts between them.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct Engine {
-    options: PhysicsOptions,
+    /// Step and gravity.
+    pub(super) options: PhysicsOptions,
     pub(super) scene: Scene,
     /// Contacts of the last step.
     pub(super) contact_step: ContactStep,
     /// The heights of the tables, m.
-    tables_m: Vec<f64>,
+    pub(super) tables_m: Vec<f64>,
     /// Their coefficient of friction.
     pub(super) table_friction: f64,
 }
@@ -38,11 +39,6 @@ impl Engine {
             tables_m: Vec::new(),
             table_friction: TABLE_FRICTION,
         }
-    }
-
-    /// Says that an object is the table at this height, m.
-    pub fn has_table(&mut self, height_m: f64) {
-        self.tables_m.push(height_m);
     }
 
     /// Adds a table whose top is at this height, m, unless there is one already. Only objects that stand free collide
@@ -72,21 +68,6 @@ impl Engine {
     /// A tree, to set its springs or to push it.
     pub fn tree_mut(&mut self, slot: usize) -> &mut Tree {
         self.scene.tree_mut(slot)
-    }
-
-    /// The tree and the link that carry a collider.
-    pub(super) fn link_of(&self, collider: ColliderHandle) -> PlacedLink {
-        self.scene.mount(collider).at
-    }
-
-    /// Step and gravity.
-    pub fn options(&self) -> PhysicsOptions {
-        self.options
-    }
-
-    /// Sets the length of the next steps, s.
-    pub fn set_step(&mut self, step_s: f64) {
-        self.options.step_s = step_s;
     }
 
     /// Advances the world by one step.

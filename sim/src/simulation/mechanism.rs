@@ -54,8 +54,7 @@ impl Mechanism {
 
     /// The colliders of all bodies, in the order of the bodies.
     pub(super) fn colliders(self, engine: &Engine) -> impl Iterator<Item = ColliderHandle> + '_ {
-        let bodies = engine.scene.placed(self.slot).bodies.iter();
-        bodies.flat_map(|body| engine.scene.colliders_of(*body).iter().copied())
+        engine.scene.colliders_in(self.slot)
     }
 
     /// Writes the poses of these links in the world frame into `poses`.
@@ -66,12 +65,12 @@ impl Mechanism {
 
     /// Whether anything in it can move.
     pub(super) fn is_movable(self, engine: &Engine) -> bool {
-        !engine.tree(self.slot).coordinates().is_empty()
+        !engine.tree(self.slot).coordinates.is_empty()
     }
 
     /// Whether it stands as it was built and does not move, so that taking it out changes nothing.
     pub(super) fn is_at_rest(self, engine: &Engine) -> bool {
-        engine.tree(self.slot).coordinates().iter().all(|own| {
+        engine.tree(self.slot).coordinates.iter().all(|own| {
             own.position.abs() < REST_COORDINATE
                 && own.dashpot.abs() < REST_COORDINATE
                 && own.velocity.abs() < REST_SPEED

@@ -16,7 +16,7 @@ use crate::{Arm, Clutter, PhysicsOptions};
 use contact_points::contact_points;
 use model::{Assembly, Model};
 use sense::SenseBuffers;
-use world::World;
+use world::{DormancyBuffers, Mover, World};
 
 mod arm;
 mod bounds;
@@ -29,7 +29,6 @@ mod groups;
 mod mechanism;
 mod model;
 mod mount;
-mod moving_shapes;
 mod placed;
 mod report;
 mod saved;
@@ -39,10 +38,9 @@ pub mod test_rig;
 mod world;
 
 use arm::ArmBodies;
-pub use contact::{Contact, contact_torque_nm};
+pub use contact::Contact;
 use engine::Engine;
 use mechanism::{Mechanism, collider};
-use moving_shapes::{DormancyBuffers, Mover};
 use placed::{PlacedLink, Solid};
 pub use report::{FrameReport, JointState, ObjectState, StepObserver, StepReport};
 pub use saved::StateError;
@@ -191,7 +189,7 @@ impl Simulation {
 
     /// Step and solver options.
     pub fn physics(&self) -> PhysicsOptions {
-        self.state.world.engine.options()
+        self.state.world.engine.options
     }
 
     /// Sets the length of the engine's steps from the present state on, s.
@@ -204,7 +202,7 @@ impl Simulation {
             steps >= 1.0 - 1e-9 && (steps - steps.round()).abs() < 1e-9 * steps,
             "a frame of {FRAME_PERIOD_S} s is not a whole number of steps of {step_s} s"
         );
-        self.state.world.engine.set_step(step_s);
+        self.state.world.engine.options.step_s = step_s;
     }
 
     /// The present state as bytes, for [`Simulation::load`].

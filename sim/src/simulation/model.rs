@@ -43,8 +43,10 @@ impl Model {
         let mut arm = arm;
         clutter.materials.apply_to(&mut arm);
         let structures: Vec<Structure> = objects().map(|placed| structure(placed, &clutter)).collect();
-        let rest_pose_world =
-            objects().zip(&structures).map(|(placed, structure)| rest_pose_world(placed, structure)).collect();
+        let rest = |(placed, own): (&PlacedObject, &Structure)| {
+            own.rest_poses(foot_pose(own, placed.foot_world, placed.yaw_rad))
+        };
+        let rest_pose_world = objects().zip(&structures).map(rest).collect();
         let (assemblies, place_in_assembly) = assemblies(&clutter.objects, &structures);
         Model {
             assemblies,
@@ -124,9 +126,4 @@ fn structure(placed: &PlacedObject, clutter: &Clutter) -> Structure {
         structure.surface.friction = friction;
     }
     structure
-}
-
-/// Poses of an object's bodies at rest, world frame.
-fn rest_pose_world(placed: &PlacedObject, structure: &Structure) -> Vec<Pose> {
-    structure.rest_poses(foot_pose(structure, placed.foot_world, placed.yaw_rad))
 }

@@ -78,8 +78,8 @@ pub(super) struct Scene {
     pub(super) passing: Vec<[Option<usize>; 2]>,
     /// Pairs of links of one tree that pass through each other, in either order.
     pub(super) passing_links: Vec<[PlacedLink; 2]>,
-    /// Sorted.
-    pairs: Vec<[ColliderHandle; 2]>,
+    /// The pairs of shapes that may collide, sorted. At least one shape of each can move.
+    pub(super) pairs: Vec<[ColliderHandle; 2]>,
     /// Whether shapes were added or removed since the pairs were found.
     is_changed: bool,
 }
@@ -214,7 +214,7 @@ impl Scene {
     /// The trees that can move.
     pub(super) fn trees_mut(&mut self) -> impl Iterator<Item = &mut Tree> {
         let trees = self.placed.iter_mut().flatten().map(|placed| &mut placed.tree);
-        trees.filter(|tree| !tree.coordinates().is_empty())
+        trees.filter(|tree| !tree.coordinates.is_empty())
     }
 
     /// Lets roots slide, and what hangs on those that come out collide with everything.
@@ -255,6 +255,11 @@ impl Scene {
         self.bodies[body].colliders()
     }
 
+    /// The shapes of a tree, in the order of its links.
+    pub(super) fn colliders_in(&self, slot: usize) -> impl Iterator<Item = ColliderHandle> + '_ {
+        self.placed(slot).bodies.iter().flat_map(|body| self.colliders_of(*body).iter().copied())
+    }
+
     /// The body that carries a shape.
     pub(super) fn body_of(&self, collider: ColliderHandle) -> RigidBodyHandle {
         let PlacedLink { slot, link } = self.mount(collider).at;
@@ -276,11 +281,6 @@ impl Scene {
     pub(super) fn collider_pose(&self, collider: ColliderHandle) -> WorldPose {
         let mount = self.mount(collider);
         *self.link_pose(mount.at) * mount.pose_link
-    }
-
-    /// The pairs of shapes that may collide, in a fixed order. At least one shape of each can move.
-    pub(super) fn pairs(&self) -> &[[ColliderHandle; 2]] {
-        &self.pairs
     }
 
     /// Moves the shapes with their links, and finds the pairs anew if a shape has left its room.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, Pose};
 
-use super::contact::{Contact, contact_torque_nm};
+use super::contact::Contact;
 use super::tactile::TactileFrame;
 use crate::arm::Arm;
 use crate::physics::{PhysicsOptions, Theta};
@@ -75,7 +75,11 @@ impl FrameReport {
     /// Mean torques over the frame that contacts exert on the joints of `arm`, Σ Jᵀ f, Nm.
     pub fn contact_torque_nm(&self, arm: &Arm) -> Vec<f64> {
         let mut torque_nm = vec![0.0; arm.joints.len()];
-        contact_torque_nm(arm, &self.link_pose_world, &self.contacts, &mut torque_nm);
+        for contact in &self.contacts {
+            let point = self.link_pose_world[contact.link].transform_point(contact.position_link);
+            let wrench = [point, contact.force_world, contact.moment_world];
+            arm.add_torque_nm(&self.link_pose_world, contact.link, wrench, &mut torque_nm);
+        }
         torque_nm
     }
 }

@@ -41,12 +41,8 @@ impl State {
     /// The state as bytes: magic, fingerprint of the model, checksum, and the encoded state.
     pub(super) fn save(&self, model: &Model) -> Result<Vec<u8>, StateError> {
         let encoded = postcard::to_allocvec(self)?;
-        let mut bytes = Vec::with_capacity(MAGIC.len() + 2 * HASH + encoded.len());
-        bytes.extend_from_slice(MAGIC);
-        bytes.extend_from_slice(&fingerprint(model, self.world.engine.options()));
-        bytes.extend_from_slice(blake3::hash(&encoded).as_bytes());
-        bytes.extend_from_slice(&encoded);
-        Ok(bytes)
+        let (fingerprint, checksum) = (fingerprint(model, self.world.engine.options), blake3::hash(&encoded));
+        Ok([MAGIC.as_slice(), &fingerprint, checksum.as_bytes(), &encoded].concat())
     }
 
     /// The state that [`State::save`] wrote for this model.

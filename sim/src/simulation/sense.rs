@@ -102,7 +102,7 @@ pub(super) fn sense(
     wrenches.clear();
     wrenches.resize(patches.len(), PatchWrenches::default());
     touches.clear();
-    for (number, (contact, collider)) in world.contacts_with_colliders().enumerate() {
+    for (number, (contact, collider)) in world.contacts.iter().zip(&world.contact_colliders).enumerate() {
         let pose = world.link_pose(contact.link);
         let point = contact.in_link_frame(&pose);
         let patch = patches.iter().position(|patch| patch.link == contact.link && patch.covers(&point));
@@ -114,7 +114,7 @@ pub(super) fn sense(
         if let Some(patch) = patch {
             tactile.contact_force_world[patch] += contact.force_world;
             wrenches[patch].solver.add(point.position_link, point.force_link);
-            touches.push(Touch { patch, collider, number, object, point });
+            touches.push(Touch { patch, collider: *collider, number, object, point });
         }
     }
     // Within a pair, the order of the contacts is kept. An unstable sort needs no memory.

@@ -12,18 +12,13 @@ use crate::{Arm, PhysicsOptions, Surface};
 
 mod description;
 
-pub use description::{AxisDescription, ColliderDescription, Description, LinkDescription};
+use description::describe;
 
-/// A body on a [`Rig`].
+pub use description::{AxisDescription, ColliderDescription, LinkDescription};
+
+/// A body on a [`Rig`]: its number, in the order in which bodies were added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BodyId(usize);
-
-impl BodyId {
-    /// Its number on the rig, in the order in which bodies were added.
-    pub fn number(self) -> usize {
-        self.0
-    }
-}
+pub struct BodyId(pub usize);
 
 /// A rigid body that no joint holds.
 #[derive(Clone, Debug)]
@@ -67,14 +62,8 @@ impl FreeBody {
 pub struct Rig {
     engine: Engine,
     bodies: Vec<PlacedLink>,
-    loads: Vec<Load>,
-}
-
-/// A force on a body at its centre of mass, N, and a moment, Nm, world frame.
-struct Load {
-    body: BodyId,
-    force_world: DVec3,
-    moment_world: DVec3,
+    /// Bodies, each with a force at its centre of mass, N, and a moment, Nm, world frame.
+    loads: Vec<(BodyId, DVec3, DVec3)>,
 }
 
 impl Rig {
@@ -85,7 +74,7 @@ impl Rig {
 
     /// Step and solver options.
     pub fn physics(&self) -> PhysicsOptions {
-        self.engine.options()
+        self.engine.options
     }
 
     /// Adds an arm at rest in its start posture, and returns its links, base first.
@@ -130,7 +119,7 @@ impl Rig {
         let mut tree = Tree::new(WorldPose::IDENTITY, true);
         tree.add(link, DVec3::AXES.map(|own| axis(own, false)).into_iter().chain(turning));
         let velocity = free.pose_world.inverse_transform_vector(free.velocity_world);
-        for (own, value) in tree.coordinates_mut().iter_mut().zip(velocity.to_array()) {
+        for (own, value) in tree.coordinates.iter_mut().zip(velocity.to_array()) {
             own.velocity = value;
         }
         let solid = Solid { link: 1, shape, groups: InteractionGroups::all(), surface: free.surface, part: 0 };
@@ -148,18 +137,19 @@ impl Rig {
         named.collect()
     }
 
-    /// Everything that another engine needs to build the same joints and bodies, read back from the engine.
-    pub fn describe(&self) -> Description {
-        Description::read(&self.engine)
+    /// Everything that another engine needs to build the same joints and bodies, read back from the engine: the trees of
+    /// joints, each from its root on.
+    pub fn describe(&self) -> Vec<Vec<LinkDescription>> {
+        self.engine.scene.trees().map(|(_, placed)| describe(placed, &self.engine.scene)).collect()
     }
 
     /// Makes one engine step.
     pub fn step(&mut self) {
-        for load in &self.loads {
-            let PlacedLink { slot, link } = self.bodies[load.body.0];
+        for (body, force_world, moment_world) in &self.loads {
+            let PlacedLink { slot, link } = self.bodies[body.0];
             let tree = self.engine.tree_mut(slot);
             let center = tree.center_of_mass_world(link);
-            tree.push(link, load.force_world, center, load.moment_world);
+            tree.push(link, *force_world, center, *moment_world);
         }
         self.engine.step();
     }
@@ -176,7 +166,7 @@ impl Rig {
     /// `None` if no joint carries the body.
     pub fn step_driven(&mut self, body: BodyId, axis: Axis, ratio: f64, goal: f64) -> Option<f64> {
         let (slot, at) = self.find(body, axis)?;
-        let own = &mut self.engine.tree_mut(slot).coordinates_mut()[at];
+        let own = &mut self.engine.tree_mut(slot).coordinates[at];
         let spring = own.spring;
         // Of the joint's own spring and its relaxing branch.
         let drive = ratio * (spring.stiffness + spring.maxwell.map_or(0.0, |branch| branch.stiffness));
@@ -186,7 +176,7 @@ impl Rig {
         self.step();
         let tree = self.engine.tree_mut(slot);
         let theta = tree.theta().value();
-        let own = &mut tree.coordinates_mut()[at];
+        let own = &mut tree.coordinates[at];
         own.spring = spring;
         Some(drive * (goal - before - theta * (own.position - before)))
     }
@@ -196,7 +186,7 @@ impl Rig {
         let PlacedLink { slot, link } = self.bodies[body.0];
         let tree = self.engine.tree(slot);
         let is_axis = |own: &dynamics::Coordinate| (own.axis_joint, own.turns) == axis.direction();
-        Some((slot, tree.first_coordinate(link) + tree.coordinates_of(link).iter().position(is_axis)?))
+        Some((slot, tree.coordinates.iter().position(|own| own.link == link && is_axis(own))?))
     }
 
     /// Pose of a body in the world frame.
@@ -208,7 +198,7 @@ impl Rig {
     pub fn velocity_world(&self, body: BodyId) -> DVec3 {
         let PlacedLink { slot, link } = self.bodies[body.0];
         let tree = self.engine.tree(slot);
-        tree.velocity_at(link, tree.center_of_mass_world(link), |at| tree.coordinates()[at].velocity)[0]
+        tree.velocity_at(link, tree.center_of_mass_world(link), |at| tree.coordinates[at].velocity)[0]
     }
 
     /// A body's centre of mass, m, world frame.
@@ -226,9 +216,9 @@ impl Rig {
     /// Sets the external force on a body, N, acting at a point (m, world frame), and the external moment, Nm. Both stay
     /// until they are set again.
     pub fn load(&mut self, body: BodyId, force_world: DVec3, point_world: DVec3, moment_world: DVec3) {
-        self.loads.retain(|load| load.body != body);
+        self.loads.retain(|(loaded, ..)| *loaded != body);
         let moment_world = moment_world + (point_world - self.center_of_mass_world(body)).cross(force_world);
-        self.loads.push(Load { body, force_world, moment_world });
+        self.loads.push((body, force_world, moment_world));
     }
 
     /// Sum of the normal forces on a body in the last step, N.
@@ -240,12 +230,12 @@ impl Rig {
             .filter(|contact| contact.colliders.iter().any(|collider| own.contains(collider)))
             .map(|contact| contact.normal_impulse)
             .sum();
-        impulse / self.engine.options().step_s
+        impulse / self.engine.options.step_s
     }
 
     /// Displacement of the joint that carries a body along one of its axes, m or rad; `None` if no joint carries it.
     pub fn coordinate(&self, body: BodyId, axis: Axis) -> Option<f64> {
         let (slot, at) = self.find(body, axis)?;
-        Some(self.engine.tree(slot).coordinates()[at].position)
+        Some(self.engine.tree(slot).coordinates[at].position)
     }
 }

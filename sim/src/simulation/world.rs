@@ -1,15 +1,30 @@
 //! The engine's side of a simulation: arm and objects as bodies, the steps of one frame, and their contacts.
 
+use rapier3d::parry::bounding_volume::Aabb;
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{FRAME_PERIOD_S, Pose};
 
-use super::{
-    ArmBodies, Assembly, Contact, DormancyBuffers, Engine, JointState, Mechanism, Model, PlacedLink, StepObserver,
-    StepReport,
-};
+use super::{ArmBodies, Assembly, Contact, Engine, JointState, Mechanism, Model, PlacedLink, StepObserver, StepReport};
 use crate::object::COLLIDING_KINDS;
 use crate::physics::PhysicsOptions;
+
+/// A collision shape that may touch a dormant object.
+#[derive(Clone)]
+pub(super) struct Mover {
+    pub(super) collider: ColliderHandle,
+    /// The box within which it wakes objects.
+    pub(super) bounds: Aabb,
+}
+
+/// Buffers for putting objects to rest and waking them. They are kept from frame to frame, so that a frame allocates
+/// nothing.
+#[derive(Clone, Default)]
+pub(super) struct DormancyBuffers {
+    pub(super) movers: Vec<Mover>,
+    /// The objects to put into the engine.
+    pub(super) near: Vec<usize>,
+}
 
 /// The engine with one arm and one clutter.
 #[derive(Clone, Serialize, Deserialize)]
@@ -18,7 +33,7 @@ pub(super) struct World {
     pub(super) arm: ArmBodies,
     /// The contacts of the last frame, and the collision shape of the object in each.
     pub(super) contacts: Vec<Contact>,
-    contact_colliders: Vec<ColliderHandle>,
+    pub(super) contact_colliders: Vec<ColliderHandle>,
     /// The assemblies of objects; `None` for a dormant one.
     pub(super) mechanisms: Vec<Option<Mechanism>>,
     /// The state of the arm for observers of the steps.
@@ -35,9 +50,8 @@ impl World {
     pub(super) fn new(model: &Model, physics: PhysicsOptions) -> Self {
         let mut engine = Engine::new(physics);
         engine.table_friction = model.clutter.materials.table_friction.unwrap_or(engine.table_friction);
-        for placed in model.clutter.objects.iter().filter(|placed| placed.object.is_ground()) {
-            engine.has_table(placed.foot_world.z);
-        }
+        let tables = model.clutter.objects.iter().filter(|placed| placed.object.is_ground());
+        engine.tables_m.extend(tables.map(|placed| placed.foot_world.z));
         engine.scene.passing =
             model.clutter.passing.iter().map(|pair| pair.each_ref().map(|kind| kind_number(kind))).collect();
         let arm = ArmBodies::insert(&model.arm, &model.arm.start_posture_rad(), &mut engine);
@@ -70,7 +84,7 @@ impl World {
     ) {
         self.contacts.clear();
         self.contact_colliders.clear();
-        let steps = (FRAME_PERIOD_S / self.engine.options().step_s).round() as usize;
+        let steps = (FRAME_PERIOD_S / self.engine.options.step_s).round() as usize;
         for _ in 0..steps {
             self.arm.set_equilibrium(&model.arm, equilibrium_angle_rad, &mut self.engine);
             self.engine.step();
@@ -81,7 +95,7 @@ impl World {
                 self.arm.read_link_poses(&self.engine, &mut self.link_pose_world);
                 observer(&StepReport {
                     arm: &model.arm,
-                    physics: self.engine.options(),
+                    physics: self.engine.options,
                     joints: &self.joints,
                     link_pose_world: &self.link_pose_world,
                     contacts: &self.contacts[earlier..],
@@ -96,14 +110,9 @@ impl World {
         }
     }
 
-    /// The contacts of the last frame, each with the object's collision shape.
-    pub(super) fn contacts_with_colliders(&self) -> impl Iterator<Item = (&Contact, ColliderHandle)> {
-        self.contacts.iter().zip(self.contact_colliders.iter().copied())
-    }
-
     /// Pose of a link in the world frame.
     pub(super) fn link_pose(&self, link: usize) -> Pose {
-        self.arm.link_pose(&self.engine, link)
+        *self.engine.scene.link_pose(PlacedLink { slot: self.arm.slot, link })
     }
 
     /// Puts an assembly into the engine, at rest.
@@ -157,7 +166,7 @@ impl World {
 
     /// The object and its body that carry a collider; `None` for a table that is no object.
     fn object_of(&self, model: &Model, collider: ColliderHandle) -> Option<(usize, usize)> {
-        let PlacedLink { slot, link } = self.engine.link_of(collider);
+        let PlacedLink { slot, link } = self.engine.scene.mount(collider).at;
         let is_of = |mechanism: &Option<Mechanism>| mechanism.is_some_and(|mechanism| mechanism.slot == slot);
         Some(model.object_of(self.mechanisms.iter().position(is_of)?, link))
     }

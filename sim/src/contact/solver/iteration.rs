@@ -76,13 +76,15 @@ impl Solver {
             let is_last = convergence.iterations == MAX_ITERATIONS;
             if is_last || self.relative_residual() <= TOLERANCE {
                 // The residual must also be small with the limits that follow from the present normal impulses.
-                self.hold_limits();
+                self.patches.iter_mut().for_each(|patch| patch.held = patch.limit);
                 self.evaluate(false);
                 convergence.residual = self.relative_residual();
                 if is_last || convergence.residual <= TOLERANCE {
                     return;
                 }
-                self.move_limits();
+                for patch in &mut self.patches {
+                    patch.limit = 0.5 * (patch.held + patch.limit);
+                }
                 self.evaluate(true);
             }
             convergence.iterations += 1;
@@ -193,18 +195,5 @@ impl Solver {
             residuals(block).map(|(row, residual)| residual * residual / self.mass[block.mass + row * (block.size + 1)])
         });
         squares.sum()
-    }
-
-    fn hold_limits(&mut self) {
-        for patch in &mut self.patches {
-            patch.held = patch.limit;
-        }
-    }
-
-    /// Moves the friction limits half way from those that were held to the present ones.
-    fn move_limits(&mut self) {
-        for patch in &mut self.patches {
-            patch.limit = 0.5 * (patch.held + patch.limit);
-        }
     }
 }

@@ -102,7 +102,8 @@ pub struct Solver {
     pushed: [Vec<f64>; 2],
     nodes: Vec<Node>,
     patches: Vec<Patch>,
-    stops: Vec<Stop>,
+    /// The end stops of joints.
+    pub stops: Vec<Stop>,
     free: Vec<f64>,
     velocity: Vec<f64>,
     impulse: Vec<f64>,
@@ -172,11 +173,6 @@ impl Solver {
         self.columns.resize(first + self.blocks[block].size, [0.0; ROWS]);
         self.patches[patch].sides[side] = Some(Side { block, columns: first });
         &mut self.columns[first..]
-    }
-
-    /// Adds the end stop of a joint.
-    pub fn add_stop(&mut self, stop: Stop) {
-        self.stops.push(stop);
     }
 
     /// The velocities of a block.

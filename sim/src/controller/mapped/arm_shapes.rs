@@ -4,10 +4,10 @@ use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use underbrush_recording::{BodyShape, Pose, math};
+use underbrush_recording::{BodyShape, Pose};
 
 use crate::arm::{Arm, Joint, LinkCollider};
-use crate::geometry::{Capsule, PlacedShape, ROUNDING_M, segment_distance};
+use crate::geometry::{Capsule, PlacedShape, ROUNDING_M};
 
 /// Random postures in which shapes of one arm are compared, to find those that may touch. Choice: a pair that is near in half a
 /// per cent of all postures is missed once in 150 times.
@@ -80,7 +80,7 @@ impl ArmShapes {
         obstacles: &[Capsule],
         margin_m: f64,
     ) -> Option<f64> {
-        let around: Vec<Capsule> = self.parts.iter().map(|part| part.around_world(&link_poses[part.link])).collect();
+        let around: Vec<Capsule> = self.parts.iter().map(|part| part.around.on(&link_poses[part.link])).collect();
         let mut share = f64::INFINITY;
         // The hand comes first, because it moves farthest. What is so far away that it cannot make the share smaller is ruled out by
         // balls, which is most.
@@ -126,7 +126,7 @@ impl ArmShapes {
     pub fn distance_m(&self, link_poses: &[Pose], obstacle: &Capsule) -> f64 {
         let parts = self.moving().map(|part| {
             let pose = &link_poses[part.link];
-            part.distance_m(pose, &part.around_world(pose), obstacle, f64::INFINITY).max(0.0)
+            part.distance_m(pose, &part.around.on(pose), obstacle, f64::INFINITY).max(0.0)
         });
         parts.fold(f64::INFINITY, f64::min)
     }
@@ -169,7 +169,7 @@ fn touching(arm: &Arm, parts: &[Part]) -> Vec<[usize; 2]> {
         };
         let poses = arm.forward_kinematics(&arm.joints.iter().map(angle).collect::<Vec<_>>());
         touching.extend(apart.extract_if(.., |pair| {
-            let [near, far] = pair.map(|part| parts[part].around_world(&poses[parts[part].link]));
+            let [near, far] = pair.map(|part| parts[part].around.on(&poses[parts[part].link]));
             near.distance(&far) < MAY_TOUCH_M
         }));
     }
@@ -185,7 +185,7 @@ impl Part {
 
     /// Distance to another part, m: a bound from below if that is positive, and otherwise exact, with 0 for an overlap.
     fn distance_to_part_m(&self, other: &Part, link_poses: &[Pose]) -> f64 {
-        let [own, others] = [self, other].map(|part| part.around_world(&link_poses[part.link]));
+        let [own, others] = [self, other].map(|part| part.around.on(&link_poses[part.link]));
         let bound_m = own.distance(&others);
         if bound_m > 0.0 || self.is_capsule && other.is_capsule {
             return bound_m;
@@ -194,18 +194,9 @@ impl Part {
         self.shape.on(&link_poses[self.link]).distance_to(other.shape.as_ref(), &other.pose)
     }
 
-    fn around_world(&self, link_pose: &Pose) -> Capsule {
-        Capsule {
-            start: link_pose.transform_point(self.around.start),
-            end: link_pose.transform_point(self.around.end),
-            radius_m: self.around.radius_m,
-        }
-    }
-
     /// Distance to an obstacle, m: a bound from below if that is larger than `near_m`, and exact otherwise.
     fn distance_m(&self, link_pose: &Pose, around_world: &Capsule, obstacle: &Capsule, near_m: f64) -> f64 {
-        let middle_lines = segment_distance(around_world.start, around_world.end, obstacle.start, obstacle.end);
-        let bound_m = middle_lines - around_world.radius_m - obstacle.radius_m;
+        let bound_m = around_world.distance(obstacle);
         if self.is_capsule || bound_m > near_m {
             return bound_m;
         }
@@ -214,7 +205,7 @@ impl Part {
 
     /// How far the shape is above a height, m: a bound from below if that is positive, and exact otherwise.
     fn above_m(&self, link_pose: &Pose, height_m: f64) -> f64 {
-        let around = self.around_world(link_pose);
+        let around = self.around.on(link_pose);
         let bound_m = around.start.z.min(around.end.z) - around.radius_m - height_m;
         if self.is_capsule || bound_m > 0.0 {
             return bound_m;
@@ -225,13 +216,8 @@ impl Part {
 
 /// A capsule that contains a collision shape, link frame, and whether it is the shape.
 fn around(collider: &LinkCollider) -> (Capsule, bool) {
-    let in_link = |start: DVec3, end: DVec3, radius_m: f64| Capsule {
-        start: collider.pose_link.transform_point(start),
-        end: collider.pose_link.transform_point(end),
-        radius_m,
-    };
-    let along_z = |half_m: f64, radius_m: f64| in_link(DVec3::Z * -half_m, DVec3::Z * half_m, radius_m);
-    match &collider.shape {
+    let along_z = |half_m: f64, radius_m: f64| Capsule { start: DVec3::Z * -half_m, end: DVec3::Z * half_m, radius_m };
+    let (around, is_capsule) = match &collider.shape {
         BodyShape::Sphere { radius_m } => (along_z(0.0, *radius_m), true),
         BodyShape::Capsule { radius_m, length_m } => (along_z(length_m / 2.0, *radius_m), true),
         BodyShape::Cylinder { radius_m, length_m } => (along_z(length_m / 2.0, *radius_m), false),
@@ -240,25 +226,23 @@ fn around(collider: &LinkCollider) -> (Capsule, bool) {
             let signs = [-1.0, 1.0];
             let corners = signs.iter().flat_map(|x| signs.iter().map(move |y| DVec3::new(*x, *y, 1.0)));
             let corners: Vec<DVec3> = corners.flat_map(|sign| [sign * corner, -sign * corner]).collect();
-            let (start, end, radius_m) = around_points(&corners);
-            (in_link(start, end, radius_m), false)
+            (around_points(&corners), false)
         }
-        BodyShape::Hull { points_m } => {
-            let (start, end, radius_m) = around_points(points_m);
-            (in_link(start, end, radius_m), false)
-        }
-    }
+        BodyShape::Hull { points_m } => (around_points(points_m), false),
+    };
+    (around.on(&collider.pose_link), is_capsule)
 }
 
-/// Ends and radius of a capsule along the axis in which the points extend farthest, which contains them.
-fn around_points(points: &[DVec3]) -> (DVec3, DVec3, f64) {
+/// A capsule along the axis in which the points extend farthest, which contains them.
+fn around_points(points: &[DVec3]) -> Capsule {
     let low = points.iter().copied().reduce(DVec3::min).unwrap_or_default();
     let high = points.iter().copied().reduce(DVec3::max).unwrap_or_default();
     let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
     let longest = DVec3::AXES.into_iter().max_by(|a, b| half.dot(*a).total_cmp(&half.dot(*b))).unwrap_or(DVec3::Z);
     let across = |point: &DVec3| (*point - middle).reject_from_normalized(longest).length();
     let along = longest * half.dot(longest);
-    (middle - along, middle + along, points.iter().map(across).fold(0.0, f64::max))
+    let radius_m = points.iter().map(across).fold(0.0, f64::max);
+    Capsule { start: middle - along, end: middle + along, radius_m }
 }
 
 /// For each joint that moves a link, the largest distance of the link's points from the joint, m, if they are at most
@@ -281,9 +265,4 @@ pub fn between(from_rad: &[f64], to_rad: &[f64], share: f64) -> Vec<f64> {
 /// Euclidean distance of two postures, rad.
 pub fn distance_rad(from_rad: &[f64], to_rad: &[f64]) -> f64 {
     from_rad.iter().zip(to_rad).map(|(from, to)| (to - from) * (to - from)).sum::<f64>().sqrt()
-}
-
-/// Length of the horizontal part of a vector.
-pub fn horizontal(vector: DVec3) -> f64 {
-    math::hypot(vector.x, vector.y)
 }

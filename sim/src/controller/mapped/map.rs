@@ -10,9 +10,9 @@
 use glam::{DVec2, DVec3};
 use nalgebra::{Matrix3, RowVector3, Vector3};
 
-use super::arm_shapes::{ArmShapes, horizontal};
+use super::arm_shapes::ArmShapes;
 use crate::geometry::Capsule;
-use underbrush_recording::{MappedObstacle, ObstacleKind, Pose};
+use underbrush_recording::{MappedObstacle, ObstacleKind, Pose, math};
 
 /// Radius of an obstacle before it is known, and its standard deviation, m. Choice: stems of 2 to 5 cm in diameter, as
 /// thick as a hand that reaches between them minds.
@@ -120,7 +120,7 @@ impl Obstacle {
         let before = self.mean_m;
         let normal = touch.outward_normal_world;
         let point = touch.position_world;
-        let length = horizontal(normal);
+        let length = math::hypot(normal.x, normal.y);
         let rows = match length < LEAST_HORIZONTAL {
             true => [(RowVector3::new(1.0, 0.0, 0.0), point.x), (RowVector3::new(0.0, 1.0, 0.0), point.y)],
             false => {

@@ -105,20 +105,14 @@ pub struct Mapped {
 impl Mapped {
     /// The controller of an arm. The parameters give rate, speed, the usual force limit and the floor.
     pub fn new(preset: Preset, arm: &Arm) -> Self {
-        let largest_step_rad = preset.equilibrium_step_rad.unwrap_or(f64::INFINITY);
-        let step_rad =
-            arm.joints.iter().map(|joint| (joint.slew_limit_rad_per_s / preset.rate_hz).min(largest_step_rad));
+        let first_m = arm.joints.first().map_or(0.0, |joint| joint.origin_parent.position.z);
         let shapes = ArmShapes::new(arm, preset.floor_height_m);
         Mapped {
             bare: BareSurface::new(arm, &shapes),
             shapes,
-            top_m: arm
-                .joints
-                .first()
-                .map_or(0.0, |joint| joint.origin_parent.position.z)
-                .max(preset.floor_height_m + STEM_M),
+            top_m: first_m.max(preset.floor_height_m + STEM_M),
             push_per_s: PUSH_SHARE * arm.damping_rate_per_s(&arm.start_posture_rad()),
-            step_rad: step_rad.collect(),
+            step_rad: arm.joints.iter().map(|joint| preset.step_rad(joint)).collect(),
             arm: arm.clone(),
             preset,
             map: Map::default(),
@@ -159,9 +153,8 @@ impl Mapped {
     }
 
     /// Equilibrium angles for this instant, and what the controller is about to do.
-    fn go_on(&mut self, input: &ControllerInput<'_>, link_poses: &[Pose]) -> (ControllerOutput, Intent) {
+    fn go_on(&mut self, input: &ControllerInput<'_>, link_poses: &[Pose]) -> (Vec<f64>, Intent) {
         let (q, phi) = (input.joint_angle_rad, input.equilibrium_angle_rad);
-        let hold = |angles: &[f64]| answer(angles.to_vec());
         if self.trail.back().is_none_or(|last| largest_change_rad(last, q) > TRAIL_RAD) {
             self.trail.push_back(q.to_vec());
             if self.trail.len() > TRAIL {
@@ -177,17 +170,17 @@ impl Mapped {
         if self.learn_touches(&objects) {
             self.plan(q, 0.0);
         }
-        let Some(own) = &mut self.pursuit else { return (hold(phi), Intent::Onward) };
+        let Some(own) = &mut self.pursuit else { return (phi.to_vec(), Intent::Onward) };
         if own.given_up.is_none() && self.time_s - own.begun_s > PATIENCE_S {
-            own.given_up = Some((format!("not reached in {PATIENCE_S} s"), self.time_s));
+            own.given_up = Some(format!("not reached in {PATIENCE_S} s"));
         }
-        if let Some((reason, _)) = &own.given_up {
+        if let Some(reason) = &own.given_up {
             // The arm rests where it is, without pressing.
-            return (hold(q), Intent::GivenUp(reason.clone()));
+            return (q.to_vec(), Intent::GivenUp(reason.clone()));
         }
         if own.planning_steps > 0 {
             own.planning_steps -= 1;
-            return (hold(&own.waiting_rad), Intent::TurningRound);
+            return (own.waiting_rad.clone(), Intent::TurningRound);
         }
         let end_steps = own.path.length();
         let is_at_end = own.at_steps >= end_steps;
@@ -218,7 +211,7 @@ impl Mapped {
         }
         if self.time_s - own.best_s > STOP_S {
             self.stopped(q, &objects, bare.map(|(force_n, touch, _)| (force_n, touch)));
-            return (hold(phi), Intent::TurningRound);
+            return (phi.to_vec(), Intent::TurningRound);
         }
         if share > TOO_HARD && behind_rad > BEHIND_RAD {
             own.at_steps = (own.at_steps - 1.0).max(0.0);
@@ -245,16 +238,12 @@ impl Mapped {
             let [low, high] = self.arm.joints[joint].controller_limits_rad;
             angles.push((phi[joint] + (wanted - phi[joint]).clamp(-largest, largest)).max(low).min(high));
         }
-        (answer(angles), Intent::TurningRound)
+        (angles, Intent::TurningRound)
     }
 }
 
 fn difference(to: &[f64], from: &[f64]) -> Vec<f64> {
     to.iter().zip(from).map(|(to, from)| to - from).collect()
-}
-
-fn answer(equilibrium_angle_rad: Vec<f64>) -> ControllerOutput {
-    ControllerOutput { equilibrium_angle_rad, status: ControlStatus::Solved, intent: Intent::Onward }
 }
 
 impl Controller for Mapped {
@@ -279,7 +268,7 @@ impl Controller for Mapped {
         if self.pursuit.as_ref().is_none_or(|own| own.goal != input.goal_position_world) {
             self.begin(input);
         }
-        let (output, intent) = self.go_on(input, &poses);
-        ControllerOutput { intent, ..output }
+        let (equilibrium_angle_rad, intent) = self.go_on(input, &poses);
+        ControllerOutput { equilibrium_angle_rad, status: ControlStatus::Solved, intent }
     }
 }

@@ -38,7 +38,7 @@ pub(super) struct Pursuit {
     pub(super) leaving_until_s: f64,
     pub(super) touched_s: f64,
     pub(super) forbidden: Vec<ForbiddenPostures>,
-    pub(super) given_up: Option<(String, f64)>,
+    pub(super) given_up: Option<String>,
 }
 
 impl Pursuit {

@@ -65,7 +65,7 @@ impl Mapped {
         own.best_s = self.time_s + own.planning_steps as f64 / self.preset.rate_hz;
         match found {
             Ok(corners) => own.path = Path::new(corners, &self.step_rad),
-            Err(reason) => own.given_up = Some((reason.to_string(), self.time_s)),
+            Err(reason) => own.given_up = Some(reason.to_string()),
         }
     }
 
@@ -97,7 +97,7 @@ impl Mapped {
             own.forbid_ahead(q, &self.step_rad);
         }
         if own.stops > STOPS {
-            own.given_up = Some((format!("stopped {} times", own.stops), self.time_s));
+            own.given_up = Some(format!("stopped {} times", own.stops));
             return;
         }
         let back_unexplained_rad = if is_explained { 0.0 } else { (0.1 * own.unexplained as f64).min(0.5) };

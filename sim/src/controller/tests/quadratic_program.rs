@@ -1,7 +1,7 @@
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 
-use super::super::quadratic_program::{Outcome, QuadraticProgram, Solution};
+use super::super::quadratic_program::{QuadraticProgram, Solution, Unsolved};
 
 fn program(hessian: DMatrix<f64>, gradient: &[f64], rows: &[&[f64]], bounds: &[f64]) -> QuadraticProgram {
     let entries: Vec<f64> = rows.concat();
@@ -15,7 +15,7 @@ fn program(hessian: DMatrix<f64>, gradient: &[f64], rows: &[&[f64]], bounds: &[f
 
 fn optimum(program: &QuadraticProgram) -> Solution {
     match program.solve() {
-        Outcome::Optimal(solution) => solution,
+        Ok(solution) => solution,
         other => panic!("{other:?} of {program:?}"),
     }
 }
@@ -94,7 +94,7 @@ proptest! {
         // minimum of a strictly convex program meets the optimality conditions.
         let program = fulfilled_by(&point, program);
         match program.solve() {
-            Outcome::Optimal(solution) => {
+            Ok(solution) => {
                 prop_assert!(residual(&program, &solution) < 1e-7, "residual {:e}", residual(&program, &solution));
             }
             other => prop_assert!(false, "{other:?}"),
@@ -104,17 +104,17 @@ proptest! {
     #[test]
     fn contradictions_are_infeasible(program in programs(), weights in vector(46, 0.0..1.0)) {
         // Tests the other status: some weighted sum of the constraints says 0 ≥ 0.5.
-        prop_assert_eq!(contradicted(&weights, program).solve(), Outcome::Infeasible);
+        prop_assert_eq!(contradicted(&weights, program).solve(), Err(Unsolved::Infeasible));
     }
 
     #[test]
     fn minima_of_any_program_meet_the_optimality_conditions(program in programs()) {
         // Tests programs of which nobody knows whether they have a minimum.
         match program.solve() {
-            Outcome::Optimal(solution) => {
+            Ok(solution) => {
                 prop_assert!(residual(&program, &solution) < 1e-7, "residual {:e}", residual(&program, &solution));
             }
-            Outcome::Infeasible => {}
+            Err(Unsolved::Infeasible) => {}
             other => prop_assert!(false, "{other:?}"),
         }
     }
@@ -151,7 +151,7 @@ fn empty_boxes_are_infeasible() {
     ];
     for (rows, bounds) in empty {
         let program = program(identity.clone(), &[0.3, -0.2], rows, bounds);
-        assert_eq!(program.solve(), Outcome::Infeasible, "{program:?}");
+        assert_eq!(program.solve(), Err(Unsolved::Infeasible), "{program:?}");
     }
 }
 
@@ -174,10 +174,13 @@ fn degenerate_vertices_end() {
 fn bad_programs_are_told_apart() {
     // Tests the outcomes without a solution: an indefinite or singular Hessian, NaN, wrong sizes.
     let indefinite = DMatrix::from_row_slice(2, 2, &[1.0, 2.0, 2.0, 1.0]);
-    assert_eq!(program(indefinite, &[0.0, 0.0], &[], &[]).solve(), Outcome::NotPositiveDefinite);
-    assert_eq!(program(DMatrix::zeros(2, 2), &[0.0, 0.0], &[], &[]).solve(), Outcome::NotPositiveDefinite);
+    assert_eq!(program(indefinite, &[0.0, 0.0], &[], &[]).solve(), Err(Unsolved::NotPositiveDefinite));
+    assert_eq!(program(DMatrix::zeros(2, 2), &[0.0, 0.0], &[], &[]).solve(), Err(Unsolved::NotPositiveDefinite));
     let identity = DMatrix::identity(2, 2);
-    assert_eq!(program(identity.clone(), &[f64::NAN, 0.0], &[], &[]).solve(), Outcome::Malformed);
-    assert_eq!(program(identity.clone(), &[0.0, 0.0], &[&[1.0, f64::INFINITY]], &[0.0]).solve(), Outcome::Malformed);
-    assert_eq!(program(identity, &[0.0, 0.0], &[&[1.0, 0.0]], &[0.0, 1.0]).solve(), Outcome::Malformed);
+    assert_eq!(program(identity.clone(), &[f64::NAN, 0.0], &[], &[]).solve(), Err(Unsolved::Malformed));
+    assert_eq!(
+        program(identity.clone(), &[0.0, 0.0], &[&[1.0, f64::INFINITY]], &[0.0]).solve(),
+        Err(Unsolved::Malformed)
+    );
+    assert_eq!(program(identity, &[0.0, 0.0], &[&[1.0, 0.0]], &[0.0, 1.0]).solve(), Err(Unsolved::Malformed));
 }

@@ -4,7 +4,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-use super::super::{Blind, ControlStatus, Controller, ControllerKind, ModelPredictive, Preset};
+use super::super::{ControlStatus, Controller, ControllerKind, ModelPredictive, Preset};
 use super::{Situation, middle, vector};
 use crate::arm::Arm;
 
@@ -238,7 +238,7 @@ fn blind_is_the_same_controller_without_skin() {
     let preset = Preset::cody_2013();
     let free = situation.step(&mut ModelPredictive::new(preset.clone(), &arm));
     situation.press(0, 12, 20.0);
-    assert_eq!(situation.step(&mut Blind::new(preset.clone(), &arm)), free);
+    assert_eq!(situation.step(ControllerKind::Blind.controller(preset.clone(), &arm).as_mut()), free);
     assert_ne!(situation.step(&mut ModelPredictive::new(preset, &arm)), free);
     for name in ControllerKind::names() {
         let kind = ControllerKind::from_name(name).unwrap();

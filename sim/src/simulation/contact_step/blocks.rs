@@ -31,7 +31,7 @@ impl Blocks {
         let mut end = 0;
         for slot in 0..scene.slots() {
             self.first.push(end);
-            end += scene.tree(slot).map_or(0, |tree| tree.coordinates().len());
+            end += scene.tree(slot).map_or(0, |tree| tree.coordinates.len());
         }
         self.places.clear();
         self.places.resize(end, None);
@@ -52,7 +52,7 @@ impl Blocks {
         self.blocks.resize(scene.slots(), usize::MAX);
         for slot in &self.order {
             let tree = &scene.placed(*slot).tree;
-            let places = &mut self.places[self.first[*slot]..][..tree.coordinates().len()];
+            let places = &mut self.places[self.first[*slot]..][..tree.coordinates.len()];
             self.unknowns.clear();
             for (at, place) in places.iter_mut().enumerate().filter(|(_, place)| place.is_some()) {
                 *place = Some(self.unknowns.len());
@@ -61,7 +61,7 @@ impl Blocks {
             tree.mass_of(&self.unknowns, &mut self.mass);
             let (theta, size) = (tree.theta().value(), self.unknowns.len());
             self.blocks[*slot] = solver.add_block(
-                self.unknowns.iter().map(|at| tree.coordinates()[*at].velocity),
+                self.unknowns.iter().map(|at| tree.coordinates[*at].velocity),
                 self.unknowns.iter().map(|at| tree.next()[*at]),
                 |row, column| self.mass[row.max(column) * size + row.min(column)] / theta,
             );

@@ -65,7 +65,7 @@ impl<'a> Meeting<'a> {
     /// The overlap beyond which a column at the origin of the plane may press in this step, m, if the overlap there is
     /// `overlap_m`; and the parting speed when the step begins.
     pub(super) fn closing_m(&self, plane: &Plane, overlap_m: f64) -> (f64, NormalSpeeds) {
-        let before = self.speeds(plane, |tree, at| tree.coordinates()[at].velocity);
+        let before = self.speeds(plane, |tree, at| tree.coordinates[at].velocity);
         let ahead_m = self.parted_m(plane)[0];
         // The speed of surfaces that stay in contact hardly changes. Surfaces that are about to meet may be accelerated
         // in this step, so their speed in it without contacts counts, too.
@@ -80,7 +80,7 @@ impl<'a> Meeting<'a> {
     /// How far the surfaces have parted at the origin of a plane since the step began, m, and turned, rad: trees move ahead
     /// before contacts are found.
     fn parted_m(&self, plane: &Plane) -> Vector3<f64> {
-        self.speeds(plane, |tree, at| tree.ahead_s() * tree.coordinates()[at].velocity)
+        self.speeds(plane, |tree, at| tree.ahead_s() * tree.coordinates[at].velocity)
     }
 
     /// The parting speed at the origin of a plane and the angular velocities about its tangents.
@@ -117,6 +117,7 @@ impl ContactStep {
     /// for its nearest points.
     pub(super) fn find(&self, meeting: &Meeting, nodes: &mut Vec<Node>, faces: &mut [Faces; 2]) -> Found {
         let body_pose = &meeting.body_poses[1];
+        let deepest_m = |nodes: &[Node]| nodes.iter().map(|node| node.overlap_m).fold(0.0, f64::max);
         let kept = self.kept(&key(&meeting.handles));
         if let Some(kept) = kept {
             let normal_world = body_pose.transform_vector(kept.normal);
@@ -130,33 +131,27 @@ impl ContactStep {
                     region: Some((patch.outline, body_pose.transform_vector(patch.strip))),
                 };
                 let first_node = nodes.len();
-                if let Some(candidate) = meeting.candidate(&known, Some(patch), nodes, faces) {
-                    let deepest_m = nodes[first_node..].iter().map(|node| node.overlap_m).fold(0.0, f64::max);
-                    if deepest_m < MAX_KEPT_OVERLAP_M {
-                        return Found::Patch(candidate);
-                    }
+                if let Some(candidate) = meeting.candidate(&known, Some(patch), nodes, faces)
+                    && deepest_m(&nodes[first_node..]) < MAX_KEPT_OVERLAP_M
+                {
+                    return Found::Patch(candidate);
                 }
                 nodes.truncate(first_node);
             }
         }
-        let Some(nearest) = meeting.pair.nearest(NEAR_M) else {
-            return Found::Nothing;
-        };
+        let Some(nearest) = meeting.pair.nearest(NEAR_M) else { return Found::Nothing };
         let sibling = self.sibling(&meeting.bodies).map(|kept| body_pose.transform_vector(kept.normal));
         let flipped = sibling.filter(|sibling| sibling.dot(nearest.normal_world) < FLIPPED_COSINE);
         if flipped.is_none() && meeting.are_apart(nearest.normal_world) {
             return Found::Apart(nearest.normal_world);
         }
-        let Some(origin_world) = nearest.middle_world else {
-            return Found::Nothing;
-        };
+        let Some(origin_world) = nearest.middle_world else { return Found::Nothing };
         let patch = kept.and_then(|kept| kept.patch.as_ref());
         let first_node = nodes.len();
         for normal_world in flipped.into_iter().chain([nearest.normal_world]) {
             let known = Known { origin_world, normal_world, region: None };
             if let Some(candidate) = meeting.candidate(&known, patch, nodes, faces) {
-                let deepest_m = nodes[first_node..].iter().map(|node| node.overlap_m).fold(0.0, f64::max);
-                if flipped != Some(normal_world) || deepest_m < MAX_KEPT_OVERLAP_M {
+                if flipped != Some(normal_world) || deepest_m(&nodes[first_node..]) < MAX_KEPT_OVERLAP_M {
                     return Found::Patch(candidate);
                 }
                 nodes.truncate(first_node);

@@ -78,10 +78,14 @@ fn least_overlap(pair: &Pair) -> (DVec3, f64) {
     });
     let directions = axes.iter().flatten().copied();
     let directions = directions.chain(of_hulls).chain(across).chain(crossed).chain([between]);
+    // How far a shape extends along a direction, measured from the origin of the world.
+    let extent_m = |side: usize, direction: DVec3| {
+        pair.farthest(side, direction).map_or(f64::NEG_INFINITY, |point| point.dot(direction))
+    };
     let mut least = (DVec3::Z, f64::INFINITY);
     for direction in directions.filter_map(DVec3::try_normalize) {
         for normal in [direction, -direction] {
-            let overlap_m = extent_m(pair, 1, normal) + extent_m(pair, 0, -normal);
+            let overlap_m = extent_m(1, normal) + extent_m(0, -normal);
             if overlap_m < least.1 {
                 least = (normal, overlap_m);
             }
@@ -111,11 +115,4 @@ fn hull_normals(shape: &dyn Shape) -> impl Iterator<Item = DVec3> {
         _ => &[],
     };
     faces.iter().map(|face| face.normal)
-}
-
-/// How far a shape extends along a direction, measured from the origin of the world, m.
-fn extent_m(pair: &Pair, side: usize, direction_world: DVec3) -> f64 {
-    let shape = pair.shapes[side].as_support_map();
-    let pose = parry_pose(&pair.poses_world[side]);
-    shape.map_or(f64::NEG_INFINITY, |shape| shape.support_point(&pose, direction_world).dot(direction_world))
 }

@@ -138,7 +138,7 @@ impl ContactStep {
         scratch.nodes.clear();
         scratch.apart.clear();
         self.missed_overlap_m = 0.0;
-        for colliders in scene.pairs() {
+        for colliders in &scene.pairs {
             let mounts = colliders.map(|collider| scene.mount(collider));
             if mounts[0].distance_at_least_m(mounts[1]) > NEAR_M {
                 continue;
@@ -215,9 +215,7 @@ impl ContactStep {
             let (tree, places) = (&scene.placed(slot).tree, blocks.places(slot));
             for (at, own) in stops::near(tree) {
                 let index = places[at].map(|place| first + place);
-                for stop in index.into_iter().flat_map(|index| stops::rows(index, own, tree)) {
-                    solver.add_stop(stop);
-                }
+                solver.stops.extend(index.into_iter().flat_map(|index| stops::rows(index, own, tree)));
             }
         }
     }

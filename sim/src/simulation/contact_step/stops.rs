@@ -8,7 +8,7 @@ const NEAR_STOP_RAD: f64 = 0.05;
 
 /// The coordinates of a tree that may reach a limit in this step, with their indices.
 pub(super) fn near(tree: &Tree) -> impl Iterator<Item = (usize, &Coordinate)> {
-    tree.coordinates().iter().enumerate().filter(|(_, own)| {
+    tree.coordinates.iter().enumerate().filter(|(_, own)| {
         own.stop.is_some_and(|EndStop { limits_rad: [lower, upper], .. }| {
             own.position < lower + NEAR_STOP_RAD || own.position > upper - NEAR_STOP_RAD
         })

@@ -5,15 +5,7 @@ use rapier3d::prelude::*;
 use underbrush_recording::{BodyPart, BodyShape, Pose as WorldPose};
 
 use crate::dynamics::Link;
-use crate::simulation::engine::Engine;
 use crate::simulation::placed::{Placed, Scene};
-
-/// The bodies and joints of a rig.
-#[derive(Clone, Debug)]
-pub struct Description {
-    /// The trees of joints, each from its root on.
-    pub trees: Vec<Vec<LinkDescription>>,
-}
 
 /// One body of a tree, and the joint that carries it.
 #[derive(Clone, Debug)]
@@ -72,14 +64,8 @@ pub struct ColliderDescription {
     pub groups: [u32; 2],
 }
 
-impl Description {
-    pub(super) fn read(engine: &Engine) -> Self {
-        Description { trees: engine.scene.trees().map(|(_, placed)| describe(placed, engine)).collect() }
-    }
-}
-
 /// One tree, link by link from the ground.
-fn describe(placed: &Placed, engine: &Engine) -> Vec<LinkDescription> {
+pub(super) fn describe(placed: &Placed, scene: &Scene) -> Vec<LinkDescription> {
     let tree = &placed.tree;
     let describe = |(index, link): (usize, &Link)| {
         let coordinates = tree.coordinates_of(index);
@@ -113,7 +99,7 @@ fn describe(placed: &Placed, engine: &Engine) -> Vec<LinkDescription> {
             inertia_body: link.inertia_link,
             joint_frames: [link.joint_parent * turn, turn],
             axes: axes.collect(),
-            colliders: engine.scene.colliders_of(body).iter().filter_map(|own| collider(&engine.scene, *own)).collect(),
+            colliders: scene.colliders_of(body).iter().filter_map(|own| collider(scene, *own)).collect(),
         }
     };
     tree.links().iter().enumerate().map(describe).collect()
@@ -126,10 +112,7 @@ fn collider(scene: &Scene, collider: ColliderHandle) -> Option<ColliderDescripti
     let along = |axis: DVec3| WorldPose::from_orientation(DQuat::from_rotation_arc(DVec3::Z, axis));
     let (shape, shape_pose) = match shape.as_typed_shape() {
         TypedShape::Ball(ball) => (BodyShape::Sphere { radius_m: ball.radius }, WorldPose::IDENTITY),
-        TypedShape::Cuboid(cuboid) => {
-            let size_m = 2.0 * cuboid.half_extents;
-            (BodyShape::Box { size_m }, WorldPose::IDENTITY)
-        }
+        TypedShape::Cuboid(cuboid) => (BodyShape::Box { size_m: 2.0 * cuboid.half_extents }, WorldPose::IDENTITY),
         TypedShape::Cylinder(cylinder) => {
             let (radius_m, length_m) = (cylinder.radius, 2.0 * cylinder.half_height);
             (BodyShape::Cylinder { radius_m, length_m }, along(DVec3::Y))
@@ -142,8 +125,7 @@ fn collider(scene: &Scene, collider: ColliderHandle) -> Option<ColliderDescripti
             (BodyShape::Capsule { radius_m, length_m }, center * along(axis))
         }
         TypedShape::ConvexPolyhedron(hull) => {
-            let points_m = hull.points().to_vec();
-            (BodyShape::Hull { points_m }, WorldPose::IDENTITY)
+            (BodyShape::Hull { points_m: hull.points().to_vec() }, WorldPose::IDENTITY)
         }
         _ => return None,
     };
@@ -168,7 +150,7 @@ mod tests {
         let arm = Arm { friction: 0.27, ..Arm::cody().unwrap() };
         let mut rig = Rig::new(PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 9.81 });
         rig.add_arm(&arm);
-        let trees = rig.describe().trees;
+        let trees = rig.describe();
         let shapes: Vec<_> = trees.iter().flatten().flat_map(|link| &link.colliders).collect();
         assert!(!shapes.is_empty());
         assert!(shapes.iter().all(|shape| shape.friction == arm.friction));

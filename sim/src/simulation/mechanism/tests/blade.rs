@@ -232,10 +232,10 @@ fn a_falling_plate_reaches_its_final_speed() {
         engine.step();
         let time_s = f64::from(step) * OPTIONS.step_s;
         let expected = last_speed * (time_s * 9.81 / last_speed).tanh();
-        let found = -engine.tree(mechanism.slot).coordinates()[0].velocity;
+        let found = -engine.tree(mechanism.slot).coordinates[0].velocity;
         assert!((found - expected).abs() < 9.81 * OPTIONS.step_s, "{found} {expected}");
     }
-    let found = -engine.tree(mechanism.slot).coordinates()[0].velocity;
+    let found = -engine.tree(mechanism.slot).coordinates[0].velocity;
     assert!((found / last_speed - 1.0).abs() < 1e-4, "{found} {last_speed}");
 }
 
@@ -254,9 +254,9 @@ fn a_hinge_yields_and_keeps_a_set() {
                 tree.push(1, DVec3::ZERO, DVec3::ZERO, DVec3::Y * moment_nm);
             }
             engine.step();
-            largest = largest.max(engine.tree(mechanism.slot).coordinates()[0].position);
+            largest = largest.max(engine.tree(mechanism.slot).coordinates[0].position);
         }
-        let set = engine.tree(mechanism.slot).coordinates()[0].position;
+        let set = engine.tree(mechanism.slot).coordinates[0].position;
         let expected = (largest - 0.2 / 1.0).max(0.0);
         assert!((set - expected).abs() < 1e-6, "{set} {expected}");
         assert_eq!(expected > 0.0, moment_nm > 0.2);
@@ -275,7 +275,7 @@ fn plants_stand_as_they_are_drawn() {
         let mechanism = Mechanism::build(&plant.structure(), &mut engine, DVec3::ZERO, 0.0);
         let last = engine.tree(mechanism.slot).links().len() - 1;
         let away = |engine: &Engine| {
-            let coordinates = engine.tree(mechanism.slot).coordinates();
+            let coordinates = &engine.tree(mechanism.slot).coordinates;
             coordinates.iter().map(|own| own.position.abs()).fold(0.0, f64::max)
         };
         for _ in 0..200 {
