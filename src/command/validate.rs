@@ -1,14 +1,10 @@
 //! `underbrush validate`: runs the physics checks and prints their residuals.
 
-use std::path::PathBuf;
-
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use serde::Serialize;
-use underbrush_report::portrait;
-use underbrush_validation::{CHECKS, Check, FalsifiedOutcome, Fault, Outcome, Verdict, falsify, portraits, roll_loop};
+use underbrush_validation::{CHECKS, Check, FalsifiedOutcome, Outcome, Verdict, falsify};
 
-use super::overwrite::Overwrite;
 use crate::options::number;
 use crate::{Failure, output, progress};
 
@@ -27,12 +23,6 @@ pub struct ValidateOptions {
     /// must fail for at least one of them
     #[arg(long)]
     falsify: bool,
-    /// Folder for pictures (SVG): the skin under the edge and the flat of a leaf, a trunk and a foam roll, and the
-    /// roll's hysteresis
-    #[arg(long, value_name = "DIR")]
-    pictures: Option<PathBuf>,
-    #[command(flatten)]
-    overwrite: Overwrite,
 }
 
 /// The result of the checks.
@@ -66,16 +56,6 @@ fn names() -> PossibleValuesParser {
 pub fn run(options: ValidateOptions, json: bool) -> Result<(), Failure> {
     let chosen = |check: &&Check| options.only.is_empty() || options.only.iter().any(|name| name == check.name);
     let checks: Vec<&Check> = CHECKS.iter().filter(chosen).collect();
-    if let Some(folder) = &options.pictures {
-        let [skin_file, roll_file] = ["skin.svg", "foam-roll.svg"].map(|name| folder.join(name));
-        options.overwrite.file(&skin_file, [])?;
-        options.overwrite.file(&roll_file, [])?;
-        let broken = |error: Fault| Failure::run(error.to_string());
-        let skin = portrait::skin(&portraits().map_err(broken)?);
-        output::write_file(&skin_file, skin.as_bytes())?;
-        let roll = portrait::roll_loop(&roll_loop().map_err(broken)?);
-        output::write_file(&roll_file, roll.as_bytes())?;
-    }
     if options.falsify {
         run_falsified(&checks, options.tolerance_scale, json)
     } else {

@@ -12,7 +12,7 @@ const KEYS: [&str; 8] = ["allowed", "field", "file", "found", "kind", "line", "m
 
 /// For every subcommand but `schema` arguments with which it fails, and the kind of this error. `OUT` is a path that can
 /// be written, and `FILE` a file.
-const FAILING: [(&[&str], &str); 21] = [
+const FAILING: [(&[&str], &str); 20] = [
     (&["reproduce", "--experiment", "absent.toml", "--out", "OUT"], "input"),
     (&["reach", "absent.toml"], "input"),
     (&["arm", "new", "absent.urdf", "--tip", "hand", "--out", "OUT.toml"], "input"),
@@ -26,7 +26,6 @@ const FAILING: [(&[&str], &str); 21] = [
     (&["evaluate", "absent.csv"], "input"),
     (&["trials", "absent", "--out", "OUT.csv"], "input"),
     (&["score", "absent.json", "absent.csv"], "input"),
-    (&["validate", "--pictures", "FILE/pictures"], "run"),
     (&["check", "absent.toml"], "input"),
     (&["benchmark", "verdicts", "--model", "absent.json", "--out", "OUT"], "input"),
     (&["inspect", "absent"], "input"),
@@ -84,7 +83,8 @@ fn every_command_prints_its_error_as_json() {
         }
     }
     let names: Vec<&str> = FAILING.iter().map(|(arguments, _)| arguments[0]).collect();
-    for name in subcommands().iter().filter(|name| *name != "schema") {
+    // These two read and write no files.
+    for name in subcommands().iter().filter(|name| !["schema", "validate"].contains(&name.as_str())) {
         assert!(names.contains(&name.as_str()), "no failing {name}");
     }
 }

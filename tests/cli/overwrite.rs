@@ -36,7 +36,6 @@ fn calls(folder: &Path) -> Vec<Vec<OsString>> {
         (text("evaluate"), vec![table, "--model".into(), model, "--roc".into(), named("roc.csv")]),
         (text("replay --reaches 0"), vec![set.clone(), "--out".into(), named("new.html")]),
         (text("check"), vec![suite.into(), "--out".into(), named("report")]),
-        (text("validate --only hmm"), vec!["--pictures".into(), named("pictures")]),
         (text("generate --reaches 1"), vec![scene, "--out".into(), named("set")]),
         (text("merge"), [parts.to_vec(), vec!["--out".into(), named("merged")]].concat()),
     ];

@@ -99,21 +99,3 @@ fn unknown_checks_and_scales_are_refused() {
         underbrush!["validate", scale].refused(&["--tolerance-scale", "zero or more"]);
     }
 }
-
-/// Tests that both pictures are written, and that the picture of the skin names its three objects, each with a force
-/// on some taxels.
-#[test]
-fn pictures_show_three_objects_and_a_loop() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("pictures");
-    let answer = underbrush!["validate", "--only", "sensor", "--pictures", path.to_str().unwrap()];
-    assert_eq!(answer.status, 0, "{}", answer.stderr);
-    let skin = std::fs::read_to_string(path.join("skin.svg")).unwrap();
-    for name in ["leaf, edge: ", "trunk: ", "foam roll: "] {
-        let (_, rest) = skin.split_once(name).unwrap();
-        let force_n: f64 = rest.split_once(" N on ").unwrap().0.parse().unwrap();
-        assert!(force_n > 0.1, "{name}{force_n} N");
-    }
-    let roll = std::fs::read_to_string(path.join("foam-roll.svg")).unwrap();
-    assert_eq!(roll.matches("<polyline").count(), 2, "in and out");
-}

@@ -25,7 +25,6 @@ mod joint_trees;
 mod leaf_bending;
 mod leaf_case;
 mod leaf_vibration;
-mod portrait;
 mod pressed_arm;
 mod reach_energy;
 mod resting_load;
@@ -39,7 +38,6 @@ mod wrong_parameter;
 pub use check::{Case, Check, Found, Judged, Outcome, Simulated, Verdict, judge, run};
 pub use comparison::{Comparison, Pair};
 pub use falsification::{Falsified, FalsifiedOutcome, FalsifiedRun, falsify, judge_falsified};
-pub use portrait::{Portrait, Section, portraits, roll_loop};
 pub use underbrush_recording::fault::Fault;
 pub use wrong_parameter::Falsification;
 
