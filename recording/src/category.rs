@@ -116,11 +116,12 @@ impl Category {
 /// Whether a further category can have this name and this code.
 const fn is_free(name: &str, code: i8) -> bool {
     let bytes = name.as_bytes();
-    // The name "none" means "touches nothing" in data sets. `==` cannot be used in constants.
+    // `==` cannot be used in constants. Ignoring case does no harm, because names are lower-case.
     let mut free = !bytes.is_empty()
         && bytes.len() <= Category::MAX_NAME_BYTES
         && bytes[0].is_ascii_lowercase()
         && code >= Category::BUILT_IN.len() as i8
+        // This name means "touches nothing" in data sets.
         && !name.eq_ignore_ascii_case("none");
     let mut index = 0;
     while index < bytes.len() {

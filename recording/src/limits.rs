@@ -132,43 +132,43 @@ impl Ceiling {
     }
 }
 
-/// Text files.
+/// Text files: 65,536 taxels, each with its place.
 pub const TEXT_BYTES: Ceiling = Ceiling::new("scene, arm, skin, experiment, suite and mapping files", 4 << 20, "bytes");
 
-/// JSON files.
+/// JSON files: `nearest-neighbours` keeps its trials, up to two million samples.
 pub const JSON_BYTES: Ceiling = Ceiling::new("model files, and JSON files of data sets", 256 << 20, "bytes");
 
-/// Tables of trials as CSV.
+/// Tables of trials as CSV: the rows below, at 80 bytes each.
 pub const CSV_BYTES: Ceiling = Ceiling::new("CSV files", 4 << 30, "bytes");
 
-/// Rows of a table.
+/// Rows of a table: five days of contact at 100 Hz. They take 5 GB of memory.
 pub const TABLE_ROWS: Ceiling = Ceiling::new("the rows of a table", 50_000_000, "rows");
 
-/// Rows of a Parquet file of some length.
+/// Rows of a Parquet file of some length. Rows that differ take several bytes each.
 pub const ROWS_PER_BYTE: Ceiling =
     Ceiling::new("the rows of a Parquet file above 100,000", 4, "rows for each byte of the file");
 
 /// Rows of a Parquet file of any length.
 pub const ROWS_OF_ANY_FILE: u64 = 100_000;
 
-/// Samples of a trial.
+/// Samples of a trial: nearly three hours of one contact at 100 Hz.
 pub const TRIAL_SAMPLES: Ceiling = Ceiling::new("the samples of a trial", 1_000_000, "samples");
 
-/// A name or category.
+/// A name or category, which people read.
 pub const NAME_BYTES: Ceiling = Ceiling::new("a name or category in a table", 1000, "bytes");
 
-/// Text columns.
+/// Text columns: a million rows with 16 letters, even if none repeats.
 pub const TEXT_COLUMN_BYTES: Ceiling =
     Ceiling::new("a text column in a row group of a Parquet file, before compression", 16 << 20, "bytes");
 
-/// What a file declares to hold.
+/// What a file declares to hold. Deflate cannot compress further than by 1032.
 pub const EXPANSION: Ceiling =
     Ceiling::new("the numbers in a row group of a Parquet file above 64 MiB", 1100, "bytes for each byte of the file");
 
 /// What a file of any length may declare to hold.
 pub const EXPANDED_BYTES: u64 = 64 << 20;
 
-/// Meshes that `arm new` reads.
+/// Meshes that `arm new` reads: the largest of the arms in docs/arms.md has 3 MB.
 pub const MESH_BYTES: Ceiling = Ceiling::new("mesh files of an arm", 64 << 20, "bytes");
 
 #[cfg(test)]

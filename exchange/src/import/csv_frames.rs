@@ -19,14 +19,14 @@ struct Columns {
     reach: Option<usize>,
     /// For each channel, the columns of the taxels, or one for all.
     channels: Vec<Vec<usize>>,
-    /// Place and orientation of the skin.
+    /// Place and orientation of the skin: seven columns.
     pose: Option<Vec<usize>>,
 }
 
 impl Columns {
     fn find(path: &Path, mapping: &Mapping, names: &csv::StringRecord) -> Result<Self, InputError> {
         let place = |field: &str, name: &str| -> Result<usize, InputError> {
-            // `InputError` shortens them if there are many.
+            // `InputError` shortens the list if it is long.
             let listed = || names.iter().collect::<Vec<_>>().join(", ");
             let allowed = || format!("a column of {}: {}", path.display(), listed());
             let mut found = names.iter().enumerate().filter(|(_, column)| column.trim() == name);
@@ -38,11 +38,6 @@ impl Columns {
         };
         let optional = |field: &str, name: &Option<String>| name.as_deref().map(|name| place(field, name)).transpose();
         let from = &mapping.file.force.from;
-        // The columns of all taxels, or the only one.
-        let places = |field: &str, from: &str| -> Result<Vec<usize>, InputError> {
-            let columns = if from.contains(TAXEL) { mapping.taxels() } else { 1 };
-            (0..columns).map(|taxel| place(field, &from.replace(TAXEL, &taxel.to_string()))).collect()
-        };
         match (mapping.file.force.taxels, from.contains(TAXEL)) {
             (None, true) => {
                 let allowed = format!("`taxels = N`, because `from` has {TAXEL}");
@@ -54,6 +49,11 @@ impl Columns {
             }
             _ => {}
         }
+        // The columns of all taxels, or the only one.
+        let places = |field: &str, from: &str| -> Result<Vec<usize>, InputError> {
+            let columns = if from.contains(TAXEL) { mapping.taxels() } else { 1 };
+            (0..columns).map(|taxel| place(field, &from.replace(TAXEL, &taxel.to_string()))).collect()
+        };
         let channel = |(number, own): (usize, &Channel)| places(&format!("channel[{number}].from"), &own.from);
         let forces = places("force.from", from)?;
         let channels = mapping.file.channel.iter().enumerate().map(channel).collect::<Result<_, _>>()?;

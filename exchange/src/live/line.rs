@@ -109,11 +109,10 @@ impl LineParser {
             let allowed = format!("a taxel of patch {}: 0 to {last_taxel}", self.layout.patches[patch].name);
             let taxel_spot = reading.need("taxel", &allowed)?;
             let taxel = taxel_spot.index().filter(|taxel| *taxel <= last_taxel);
-            let taxel = taxel.ok_or_else(|| taxel_spot.error(allowed))?;
+            let place = taxel.and_then(|taxel| Some((u16::try_from(patch).ok()?, u16::try_from(taxel).ok()?)));
+            let (patch, taxel) = place.ok_or_else(|| taxel_spot.error(allowed))?;
             let force = reading.need("sensed_force_n", "the normal force in newtons")?;
             let sensed_force_n = number(&force, FORCE_N)?;
-            // A skin has at most 65,536 taxels.
-            let (patch, taxel) = (patch as u16, taxel as u16);
             readings.push((TaxelReading { patch, taxel, sensed_force_n, ..TaxelReading::default() }, taxel_spot));
         }
         readings.sort_by_key(|(reading, _)| (reading.patch, reading.taxel));

@@ -67,13 +67,13 @@ fn check_header(recording: &Recording) -> Result<(), Violation> {
         check_place(recording, &contact.link, contact.patch, Some(contact.object), field)?;
         let ordered = contact.first_frame <= contact.last_frame;
         require(ordered, || field(".last_frame"), || contact.last_frame.to_string(), "first_frame or later")?;
-        let inside = (contact.last_frame as usize) < recording.frames.len();
-        require(inside, || field(".last_frame"), || contact.last_frame.to_string(), "the index of a frame")?;
         let forces = [contact.peak_force_n, contact.mean_force_n];
         finite(forces, || field(".peak_force_n and mean_force_n"))?;
         for (name, force) in [".peak_force_n", ".mean_force_n"].into_iter().zip(forces) {
             require(force >= 0.0, || field(name), || force.to_string(), "0 or more")?;
         }
+        let inside = (contact.last_frame as usize) < recording.frames.len();
+        require(inside, || field(".last_frame"), || contact.last_frame.to_string(), "the index of a frame")?;
     }
     Ok(())
 }

@@ -335,7 +335,7 @@ impl ColumnValues {
     }
 }
 
-/// The error for a column whose type no column here has.
+/// The error for a column of a type that is not supported.
 pub(crate) fn unknown(path: &Path, name: &str, found: &str) -> DiskError {
     let remedy = "cast the column before writing the table";
     let allowed = "a column of integers, floating-point numbers or text";

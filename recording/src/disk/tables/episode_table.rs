@@ -80,8 +80,8 @@ pub(crate) fn write_episodes(path: &Path, episodes: &[Episode]) -> Result<(), Di
     };
     let mut columns = EpisodeRow::write(&episodes.iter().enumerate().map(row).collect::<Vec<_>>());
     let audits = || episodes.iter().map(|episode| &episode.audit);
-    columns
-        .extend(Audit::COUNTS.map(|field| Column::of(field.name, audits().map(|audit| i64::from((field.get)(audit))))));
+    let counts = Audit::COUNTS.map(|field| (field.name, audits().map(move |audit| i64::from((field.get)(audit)))));
+    columns.extend(counts.map(|(name, counts)| Column::of(name, counts)));
     columns.extend(Audit::FIELDS.map(|field| Column::of(field.name, audits().map(field.get))));
     columns.extend(Outcome::ALL.map(|outcome| {
         let goals = episodes.iter().map(|episode| episode.goal_outcomes.of(outcome) as i64);

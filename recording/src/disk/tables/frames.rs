@@ -328,7 +328,7 @@ pub(crate) fn readings_of(recording: &Recording, place: Place) -> impl Iterator<
     recording.frames[place.frame].taxels.iter().filter(of_patch)
 }
 
-/// Gives each taxel that has a reading its value.
+/// Writes the value of each reading of a patch to the place of its taxel in `to`.
 pub(crate) fn give_readings<T>(rows: &ReachRows, place: Place, to: &mut [T], value: impl Fn(&TaxelReading) -> T) {
     for reading in readings_of(rows.recording, place) {
         to[usize::from(reading.taxel)] = value(reading);

@@ -1,5 +1,6 @@
 //! The tasks of a data set (`meta/tasks.parquet`): one sentence for each kind of reach.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde_json::{Value, json};
@@ -12,11 +13,14 @@ fn pandas_column(name: &str, pandas: &str, numpy: &str) -> Value {
     json!({"name": name, "field_name": name, "pandas_type": pandas, "numpy_type": numpy, "metadata": null})
 }
 
-/// Writes the tasks in their order. LeRobot takes the sentence from the pandas index, so the metadata declare `task` as the index.
-pub(crate) fn write_tasks(path: &Path, tasks: &[&str]) -> Result<(), DiskError> {
+/// Writes the tasks in the order of their numbers, from 0. LeRobot takes the sentence from the pandas index, so the metadata declare `task` as the
+/// index.
+pub(crate) fn write_tasks(path: &Path, numbers: &BTreeMap<&str, usize>) -> Result<(), DiskError> {
+    let mut tasks: Vec<_> = numbers.iter().collect();
+    tasks.sort_unstable_by_key(|(_, number)| **number);
     let columns = vec![
         Column::of("task_index", 0..tasks.len() as i64),
-        Column::of("task", tasks.iter().map(|task| Text::from(*task))),
+        Column::of("task", tasks.iter().map(|(task, _)| Text::from(**task))),
     ];
     let pandas = json!({
         "index_columns": ["task"],

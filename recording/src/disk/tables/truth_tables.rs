@@ -365,7 +365,7 @@ fn object_of(batch: &Batch, recording: &Recording, row: &TruthTaxel) -> Result<O
     Ok(known)
 }
 
-/// An episode's patches in contact.
+/// An episode's patches in contact, as rows for the same reason as in [`taxel_rows`].
 pub(crate) fn patch_rows(episode: usize, recording: &Recording) -> Vec<TruthPatch> {
     let patches = patch_names(recording);
     let mut rows = Vec::new();

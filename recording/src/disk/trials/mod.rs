@@ -95,7 +95,7 @@ const TOUCHED: &str = "touched";
 /// The required columns.
 const REQUIRED: [&str; 3] = ["trial", "time_s", "force_n"];
 
-/// Whether a name is that of a CSV file. If not, it is that of a Parquet file.
+/// Whether the name of a table ends in `.csv`; `false` is `.parquet`. Any other ending is an error.
 fn is_csv(path: &Path) -> Result<bool, DiskError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     match extension.to_ascii_lowercase().as_str() {

@@ -5,6 +5,7 @@
 //! staged reaches of at most one more file, and not the set twice. After a crash, assembling continues after the last
 //! complete file (`assembled.rs`).
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::ops::Range;
 use std::path::Path;
@@ -27,7 +28,7 @@ use crate::disk::tables::frames::{FRAME_COLUMNS, Feature, Numbering, ReachRows, 
 use crate::disk::tables::tasks::write_tasks;
 use crate::disk::tables::taxel_table::write_taxels;
 use crate::disk::whole_file::{create_folder, json_bytes, remove_if_there, remove_leftovers, write_bytes, write_json};
-use crate::{Category, DiskError, Recording, distinct};
+use crate::{Category, DiskError, Recording};
 
 /// A reach that is ready for the files of the set: only its place in them is missing. Preparing one needs no other, so each
 /// thread prepares its own.
@@ -98,8 +99,12 @@ pub(crate) fn assemble_from(
         provenance: plan.provenance.clone(),
     };
     write_json(&dir.join(names::PROVENANCE), &provenance)?;
-    let tasks = distinct(plan.episodes.iter().map(|episode| episode.task.as_str()));
-    write_tasks(&dir.join(names::TASKS), &tasks)?;
+    let mut numbers = BTreeMap::new();
+    for episode in &plan.episodes {
+        let next = numbers.len();
+        numbers.entry(episode.task.as_str()).or_insert(next);
+    }
+    write_tasks(&dir.join(names::TASKS), &numbers)?;
 
     let mut files = TableFiles::new(dir, &plan.categories, staging.bytes_per_file, assembled.files);
     let mut still_staged = assembled.episodes.len();
@@ -108,7 +113,7 @@ pub(crate) fn assemble_from(
         let recordings = read(first..count.min(first + threads));
         let mut first_index = assembled.total_frames;
         let numbered = recordings.into_iter().zip(first..).map(|(recording, episode)| {
-            let task = tasks.iter().position(|task| *task == plan.episodes[episode].task).unwrap_or_default() as i64;
+            let task = numbers[plan.episodes[episode].task.as_str()] as i64;
             let numbering = Numbering { episode, first_index, task };
             first_index += recording.as_ref().map_or(0, |recording| recording.frames.len());
             (numbering, recording)
@@ -135,7 +140,7 @@ pub(crate) fn assemble_from(
     assembled.close_files(&mut files, dir)?;
     write_episodes(&dir.join(names::EPISODES), &assembled.episodes)?;
     write_json(&dir.join(names::STATS), &assembled.statistics.summary())?;
-    let info = Info::new(plan, assembled.total_frames, tasks.len(), &features);
+    let info = Info::new(plan, assembled.total_frames, numbers.len(), &features);
     finish_with_info(dir, &info, &plan.categories, assembled)
 }
 

@@ -14,9 +14,9 @@ use crate::disk::input_file::{is_there, metadata};
 use crate::disk::whole_file::{TEMPORARY_PREFIX, json_bytes, remove_if_there, sync_folder, write_new_bytes};
 use crate::{DiskError, InputError};
 
-/// How often removing `incomplete/` is tried. Choice: each attempt fails only if another process starts at that very
-/// moment.
-const ATTEMPTS: usize = 10;
+/// How often locking or removing `incomplete/` is tried. Choice: each attempt fails only if another process starts or ends at
+/// that very moment.
+pub(crate) const ATTEMPTS: usize = 10;
 
 /// Staged bytes at which a new data file begins.
 pub(crate) const BYTES_PER_FILE: u64 = MEGABYTES_PER_FILE * 1024 * 1024;

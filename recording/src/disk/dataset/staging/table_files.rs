@@ -56,7 +56,7 @@ struct TableFile {
     name: String,
     path: PathBuf,
     table: &'static Table,
-    /// Created with the first rows, which determine the columns.
+    /// Created with the first episode, which determines the columns.
     file: Option<ParquetFile>,
     /// The episodes of the current row group, beside `data`.
     episodes: Vec<Vec<Column>>,
@@ -97,7 +97,7 @@ impl TableFile {
         self.file.as_mut().map_or(Ok(()), |file| file.write_group(&mut episodes))
     }
 
-    /// Closes the file, which has rows, and returns its name.
+    /// Closes the file, which the first episode has created, and returns its name.
     fn close(mut self) -> Result<String, DiskError> {
         self.end_group()?;
         self.file.map_or(Ok(()), ParquetFile::close)?;

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::assembled::Assembled;
 use super::finish::assemble_from;
 use super::folder::{
-    BYTES_PER_FILE, Folder, Staging, list, look, not_locked, open_lock, remove_incomplete, require_same_set,
+    ATTEMPTS, BYTES_PER_FILE, Folder, Staging, list, look, not_locked, open_lock, remove_incomplete, require_same_set,
     settle_plan,
 };
 use super::staged_reach;
@@ -71,6 +71,7 @@ impl DatasetWriter {
             }
             Ok(DiskError::Finished(dir.clone()))
         };
+        let mut attempts = 1;
         let lock = loop {
             match look(&dir)? {
                 Folder::Foreign => return Err(DiskError::FolderNotEmpty(dir)),
@@ -80,7 +81,9 @@ impl DatasetWriter {
             }
             match open_lock(&dir) {
                 // Another process has just finished the set, and removed the folder again.
-                Err(DiskError::Io { source, .. }) if source.kind() == ErrorKind::NotFound => {}
+                Err(DiskError::Io { source, .. }) if source.kind() == ErrorKind::NotFound && attempts < ATTEMPTS => {
+                    attempts += 1;
+                }
                 lock => break lock?,
             }
         };
@@ -88,6 +91,8 @@ impl DatasetWriter {
         // Another process may have finished the set before the lock was acquired. The lock is then on a file that no
         // other process sees.
         if let Folder::Finished = look(&dir)? {
+            // With the folder that was made for the lock.
+            remove_incomplete(&dir)?;
             return Err(finished()?);
         }
         settle_plan(&dir, &plan)?;
