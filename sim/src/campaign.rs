@@ -44,10 +44,11 @@ pub enum CampaignError<E: std::error::Error + 'static> {
 
 /// Runs the jobs on the threads of the current rayon pool and passes each recording, with the job's position, to
 /// `receive` as soon as it is complete. The order of the calls depends on the threads; the recordings do not. When `stop`
-/// returns true, all running reaches are abandoned and no more start. It is called in every frame of every reach.
+/// returns true, all running reaches are abandoned and no more start. `stop` is called in every frame of every reach.
 ///
 /// # Errors
-/// The first error. Jobs that are running then finish; no further ones start. [`ReachError::Stopped`].
+/// The first error; jobs that are running then finish, and no further ones start. [`ReachError::Stopped`] if `stop` returned
+/// true.
 pub fn run_until<E: std::error::Error + Send + 'static>(
     plans: &[ReachPlan],
     jobs: &[Job],

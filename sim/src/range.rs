@@ -5,15 +5,16 @@ use std::ops::Range;
 
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Uniform};
-use schemars::JsonSchema;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{Limits, short};
 
 use crate::seed::standard_normals;
 
+mod placement;
 mod schema;
 
+pub use placement::{PLACE_M, Placement, YAW_DEG};
 pub use schema::{Within, schema_within};
 
 /// A number as `0.3`, `{ uniform = [low, high] }` or `{ normal = [mean, standard_deviation] }`.
@@ -164,27 +165,6 @@ impl Quantity {
         };
         Some((self.draw.to_string(), allowed))
     }
-}
-
-/// Coordinates of objects, goals and the workspace, in the frame of the arm's base: the longest arms reach 3 to 4 m.
-pub const PLACE_M: Limits = Limits::new(-5.0, 5.0, "m");
-
-/// Rotation about the vertical: a full revolution in either direction.
-pub const YAW_DEG: Limits = Limits::new(-360.0, 360.0, "deg");
-
-/// Where the objects of one group may stand; the coordinates are those of their feet.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Placement {
-    /// Coordinate x (forward), m, world frame; anywhere in the workspace if not given.
-    #[schemars(transform = Within(PLACE_M))]
-    pub x_m: Option<Quantity>,
-    /// Coordinate y (left), m, world frame; anywhere in the workspace if not given.
-    #[schemars(transform = Within(PLACE_M))]
-    pub y_m: Option<Quantity>,
-    /// Rotation about the vertical, degrees; any if not given.
-    #[schemars(transform = Within(YAW_DEG))]
-    pub yaw_deg: Option<Quantity>,
 }
 
 impl<'de> Deserialize<'de> for Quantity {

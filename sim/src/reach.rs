@@ -143,6 +143,7 @@ impl<'a> Reach<'a> {
                 self.given_up = Some(reason.clone());
             }
             let mut frame = self.simulation.frame(goal.index as u16, goal.position_world);
+            // The controller sees what a robot knows of the frame.
             self.steering.controller.observe(&frame.sensed());
             self.steering.control(&self.simulation, target_world)?;
             let equilibrium_rad = &self.steering.equilibrium_rad;

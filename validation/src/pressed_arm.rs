@@ -156,13 +156,6 @@ impl PressedArm {
         }
     }
 
-    /// Holds for a frame the equilibrium angles that lie `share` of the way from the start posture to `goal_rad`.
-    pub fn hold_part_way(&mut self, goal_rad: &[f64], share: f64) {
-        let angle = |(start, goal): (&f64, &f64)| start + share * (goal - start);
-        let equilibrium: Vec<f64> = self.posture_rad.iter().zip(goal_rad).map(angle).collect();
-        self.hold(&equilibrium, FRAME_PERIOD_S);
-    }
-
     /// Jacobian of a point on the forearm, world frame.
     pub fn jacobian(&self, poses: &[Pose], point_world: DVec3) -> Matrix3xX<f64> {
         self.arm.position_jacobian(poses, self.forearm, point_world)

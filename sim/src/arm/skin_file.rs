@@ -163,7 +163,7 @@ fn read_file(source: &Source) -> Result<SkinFile, InputError> {
 
 /// A patch as described by its table.
 struct PatchTaxels {
-    /// Radius of their cylinder, m.
+    /// Radius of their cylinder, m; `None` for flat taxels.
     radius_m: Option<f64>,
     grid: Option<Grid>,
     taxels: Vec<Taxel>,

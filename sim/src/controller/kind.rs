@@ -80,7 +80,7 @@ impl ControllerKind {
         match self {
             ControllerKind::Cody2013 | ControllerKind::IjrrFoliage => Box::new(ModelPredictive::new(preset, arm)),
             ControllerKind::Blind => {
-                // No contact is so strong that it counts.
+                // No force is above this, so it ignores all contacts.
                 let preset = Preset { name: self.name(), ignored_force_n: f64::INFINITY, ..preset };
                 Box::new(ModelPredictive::new(preset, arm))
             }

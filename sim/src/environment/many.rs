@@ -28,7 +28,7 @@ impl Environments {
         Ok(Environments { all: (0..count).map(one).collect::<Result<_, _>>()? })
     }
 
-    /// The environments, in the order of their seeds.
+    /// The environments, in the order of their numbers.
     pub fn all(&self) -> &[Environment] {
         &self.all
     }

@@ -49,11 +49,11 @@ pub type DrawnQuantities = Vec<(&'static str, f64)>;
 /// [`Kind::draw`] of one kind.
 type DrawObject = fn(&mut Drawing<'_>, &Footing) -> Result<Box<dyn Object>, DrawError>;
 
-/// A group of objects of one kind in a scene file.
+/// A group of objects in a scene file, of a kind that is known where the file is read.
 #[derive(Clone, Debug)]
 pub struct Group<K>(pub Specification, PhantomData<K>);
 
-/// What a scene file says about a group of objects of one kind.
+/// What a scene file says about a group of objects, whatever their kind.
 #[derive(Clone, Debug)]
 pub struct Specification {
     /// How many there are.
@@ -64,17 +64,17 @@ pub struct Specification {
     pub category: Category,
     /// What the objects must stand on.
     pub stands_on: StandsOn,
-    /// The kind's quantities.
-    declared: &'static [Declared],
+    /// The quantities that the kind declares.
+    declarations: &'static [Declared],
     /// Their ranges, in the order of their declarations.
     ranges: Vec<Quantity>,
-    draw: DrawObject,
+    draw_object: DrawObject,
 }
 
 impl Specification {
     /// Every range with its name and the physical limits of its values, for validation and error messages.
     pub fn quantities(&self) -> Vec<Limited<'_>> {
-        let ranges = self.declared.iter().zip(&self.ranges);
+        let ranges = self.declarations.iter().zip(&self.ranges);
         ranges.map(|(Declared { name, limits, .. }, quantity)| Limited { name, quantity, limits: *limits }).collect()
     }
 
@@ -87,15 +87,15 @@ impl Specification {
         random: &mut ChaCha8Rng,
         footing: &Footing,
     ) -> Result<(Box<dyn Object>, DrawnQuantities), DrawError> {
-        let mut drawing = Drawing { group: self, random, drawn: vec![None; self.declared.len()] };
-        let object = (self.draw)(&mut drawing, footing)?;
-        let drawn = self.declared.iter().zip(drawing.drawn);
+        let mut drawing = Drawing { group: self, random, drawn: vec![None; self.declarations.len()] };
+        let object = (self.draw_object)(&mut drawing, footing)?;
+        let drawn = self.declarations.iter().zip(drawing.drawn);
         Ok((object, drawn.filter_map(|(declared, value)| Some((declared.name, value?))).collect()))
     }
 
     /// The number and the declaration of the quantity with this name.
     fn declared(&self, name: &str) -> (usize, &'static Declared) {
-        let found = self.declared.iter().enumerate().find(|(_, declared)| declared.name == name);
+        let found = self.declarations.iter().enumerate().find(|(_, declared)| declared.name == name);
         found.expect("a kind asks only for quantities that it declares")
     }
 
@@ -195,9 +195,9 @@ impl<'de, K: Kind> Deserialize<'de> for Group<K> {
                     place,
                     category,
                     stands_on: K::STANDS_ON,
-                    declared: K::QUANTITIES,
+                    declarations: K::QUANTITIES,
                     ranges,
-                    draw: |drawing, footing| Ok(Box::new(K::draw(drawing, footing)?)),
+                    draw_object: |drawing, footing| Ok(Box::new(K::draw(drawing, footing)?)),
                 };
                 Ok(Group(specification, PhantomData))
             }

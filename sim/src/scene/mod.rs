@@ -276,8 +276,8 @@ impl Scene {
         self.refuse(fault.map(|(key, found, allowed)| (format!("sensor.{key}"), found, allowed)))
     }
 
-    /// Turns a fault of the file into an error, if there is one.
-    fn refuse(&self, fault: Option<Fault>) -> Result<(), InputError> {
+    /// Turns what is wrong with the file into an error, if anything is: field, found, allowed.
+    fn refuse(&self, fault: Option<(String, String, String)>) -> Result<(), InputError> {
         fault.map_or(Ok(()), |(field, found, allowed)| Err(self.fault(&field, found, allowed)))
     }
 

@@ -13,7 +13,6 @@ use crate::{Arm, PhysicsOptions, Surface};
 mod description;
 
 use description::describe;
-
 pub use description::{AxisDescription, ColliderDescription, LinkDescription};
 
 /// A body on a [`Rig`]: its number, in the order in which bodies were added.
@@ -62,8 +61,14 @@ impl FreeBody {
 pub struct Rig {
     engine: Engine,
     bodies: Vec<PlacedLink>,
-    /// Bodies, each with a force at its centre of mass, N, and a moment, Nm, world frame.
-    loads: Vec<(BodyId, DVec3, DVec3)>,
+    loads: Vec<Load>,
+}
+
+/// A force on a body at its centre of mass, N, and a moment, Nm, world frame.
+struct Load {
+    body: BodyId,
+    force_world: DVec3,
+    moment_world: DVec3,
 }
 
 impl Rig {
@@ -145,7 +150,7 @@ impl Rig {
 
     /// Makes one engine step.
     pub fn step(&mut self) {
-        for (body, force_world, moment_world) in &self.loads {
+        for Load { body, force_world, moment_world } in &self.loads {
             let PlacedLink { slot, link } = self.bodies[body.0];
             let tree = self.engine.tree_mut(slot);
             let center = tree.center_of_mass_world(link);
@@ -216,9 +221,9 @@ impl Rig {
     /// Sets the external force on a body, N, acting at a point (m, world frame), and the external moment, Nm. Both stay
     /// until they are set again.
     pub fn load(&mut self, body: BodyId, force_world: DVec3, point_world: DVec3, moment_world: DVec3) {
-        self.loads.retain(|(loaded, ..)| *loaded != body);
+        self.loads.retain(|load| load.body != body);
         let moment_world = moment_world + (point_world - self.center_of_mass_world(body)).cross(force_world);
-        self.loads.push((body, force_world, moment_world));
+        self.loads.push(Load { body, force_world, moment_world });
     }
 
     /// Sum of the normal forces on a body in the last step, N.
