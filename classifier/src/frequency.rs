@@ -1,4 +1,4 @@
-//! How often things occur.
+//! How often things occur, and which of them has the largest number.
 
 use std::collections::BTreeMap;
 

@@ -43,7 +43,7 @@ impl Source<'_> {
         self.found(name, self.text.lines().position(|line| holds(&line)))
     }
 
-    /// The error of a field with this value, which is found by its text.
+    /// An error about the field with this value. Its line is the one in which both stand.
     pub fn fault(&self, name: &str, found: &str, allowed: impl Into<String>) -> InputError {
         self.field(name, found).fault(found, allowed)
     }

@@ -98,6 +98,8 @@ impl Sections {
         }
         let [total, header_bytes] = [total, header.len()].map(|size| (size as u32).to_le_bytes());
         let rest = [&total, &header_bytes, header.as_slice(), &self.bytes].concat();
+        // It may be large, and the last step copies once more.
+        drop(self.bytes);
         let (version, checksum) = (VERSION.to_le_bytes(), crc32fast::hash(&rest).to_le_bytes());
         Ok([MAGIC, version.as_slice(), &checksum, &rest].concat())
     }

@@ -148,13 +148,13 @@ struct Head {
 
 /// Why there is no request: it is refused with this answer, or the client has left or has not sent anything, as browsers
 /// do with spare connections.
-type Refusal = Option<Response>;
+type NoRequest = Option<Response>;
 
-fn refused(status: u16, text: &str) -> Result<Head, Refusal> {
+fn refused(status: u16, text: &str) -> Result<Head, NoRequest> {
     Err(Some(Response::text(status, text)))
 }
 
-fn read(stream: &mut TcpStream, limits: &Limits) -> Result<Head, Refusal> {
+fn read(stream: &mut TcpStream, limits: &Limits) -> Result<Head, NoRequest> {
     let deadline = Instant::now() + limits.head_time;
     let mut bytes = Vec::new();
     let mut part = [0; 4096];
@@ -179,7 +179,7 @@ fn read(stream: &mut TcpStream, limits: &Limits) -> Result<Head, Refusal> {
     }
 }
 
-fn complete(request: &httparse::Request) -> Result<Head, Refusal> {
+fn complete(request: &httparse::Request) -> Result<Head, NoRequest> {
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     let fields = request.headers.iter();
     let fields: Vec<(String, String)> = fields.map(|field| (field.name.to_owned(), text(field.value))).collect();

@@ -1,8 +1,8 @@
 //! Charts, tables, sentences and pictures of the results of the simulator and the experiments.
 //!
 //! [`Written::of`] makes a report from the results of a run: [`section`] has a file for each experiment, and
-//! [`drawing`] has the charts, tables and pages that they use. [`suite_text`] writes the
-//! results of regression suites for CI systems.
+//! [`drawing`] has the charts, tables and pages that they use. [`suite_text`] writes the results of regression suites for CI
+//! systems.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 

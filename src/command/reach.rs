@@ -194,8 +194,9 @@ impl Report {
             .collect();
         let (all, touched, trials) = (self.goals.len(), touched.join(", "), self.trials());
         let contacts = output::counted(self.contacts, "contact", "contacts");
-        let Report { scene, controller, seed, reach_index, goals_reached, simulated_s, wall_s, .. } = self;
-        let Report { simulated_over_wall, peak_contact_force_n, mean_contact_force_n, audit, .. } = self;
+        let Report { scene, controller, seed, reach_index, goals_reached, .. } = self;
+        let Report { simulated_s, wall_s, simulated_over_wall, .. } = self;
+        let Report { peak_contact_force_n, mean_contact_force_n, audit, .. } = self;
         goals.text()
             + &format!(
                 "\n{scene} (seed {seed}, reach {reach_index}, {controller}): {goals_reached} of {all} goals reached{aborted}\n\

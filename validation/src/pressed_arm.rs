@@ -214,7 +214,7 @@ impl PressedArm {
     }
 }
 
-/// An arm among objects, none of which is left out. The skin's sensor is perfect.
+/// An arm among objects, all of which are simulated in every step, however far away. The skin's sensor is perfect.
 pub fn simulation(arm: Arm, clutter: Clutter, physics: PhysicsOptions) -> Simulation {
     let sensor = Sensor::new(&SensorOptions::off(), &arm.skin, 0, "validate", 0);
     Simulation::new(Setup { arm, clutter, sensor, physics, dormancy: false })

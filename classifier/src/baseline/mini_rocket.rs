@@ -141,6 +141,6 @@ impl Baseline for MiniRocket {
 pub(super) struct Parameters {
     convolutions: Convolutions,
     /// One row per category.
-    // A weight per threshold, then the constant.
+    // In a row: a weight per threshold, then the constant.
     weights: Vec<Vec<f64>>,
 }

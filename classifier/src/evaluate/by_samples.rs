@@ -41,8 +41,8 @@ pub struct AccuracyBySamples {
 ///
 /// The series describes only the trials given. If short trials were left out, as in the paper (20 samples or more), the
 /// accuracy after one sample covers only contacts that go on to last 20 samples, which cannot be known at the first
-/// sample. For the accuracy over all contacts that a robot makes, give trials of any length, of which only those of at
-/// least `min_training_samples` samples are fitted on.
+/// sample. For the accuracy over all contacts that a robot makes, give trials of any length. All are tested, and those of
+/// `min_training_samples` samples or more are fitted on.
 ///
 /// # Errors
 /// As [`super::cross_validate`], and if a fold leaves no trial of a category that is long enough to fit on.

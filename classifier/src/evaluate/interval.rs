@@ -47,7 +47,7 @@ pub fn wilson(successes: usize, trials: usize) -> Interval {
 
 /// Percentile bootstrap of the accuracy over whole reaches, the clusters within which records depend on each other.
 ///
-/// Each of 2000 resamples draws as many reaches as there are, with replacement. `None` if a record names no reach
+/// Each resample draws as many reaches as there are, with replacement. `None` if a record names no reach
 /// or there are no records. `categories` are those of the classifier.
 pub fn bootstrap_by_reach<'a>(
     records: impl IntoIterator<Item = Record<'a>>,

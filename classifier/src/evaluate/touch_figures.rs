@@ -82,6 +82,7 @@ impl ReachFigures {
         };
         ReachFigures {
             reaches: reaches.len(),
+            // Taxel frames of known categories that are called another one.
             wrong_category: mean(|own| own.wrong - own.nothing - own.unknown),
             called_unknown: mean(|own| own.unknown),
         }

@@ -5,7 +5,7 @@ use super::scorer::Scorer;
 use super::tile::Tile;
 use crate::vector::vectorized;
 
-/// Filters of a fixed number of streams under several models of the same features, of which there are D.
+/// Filters of a fixed number of streams under several models of the same D features.
 ///
 /// Samples are put in one by one; then all filters advance together, four streams at a time. Nothing is allocated after
 /// [`FilterBank::new`]. The scores equal those of [`Scorer::log_probabilities`], bit for bit.

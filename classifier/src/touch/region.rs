@@ -30,8 +30,9 @@ pub(super) struct RegionTracker {
     /// Region of each taxel, now and in the last frame.
     region_of: Vec<Option<usize>>,
     region_before: Vec<Option<usize>>,
-    /// The regions of the last frame, and those of the one before it.
+    /// The regions of the last frame.
     pub regions: Vec<Region>,
+    /// Those of the frame before it.
     before: Vec<Region>,
     /// The taxels of one region after the other.
     pub taxels: Vec<usize>,

@@ -169,9 +169,9 @@ impl JudgedModel {
                 OnlineJudge::Touch(classifier) => {
                     classifier.update(sensed)?;
                     for own in classifier.taxels() {
-                        let place = images.iter().position(|image| image.patch_index() == own.patch);
-                        let Some(place) = place else { continue };
-                        answers[place][own.taxel] = match own.touch {
+                        let image = images.iter().position(|image| image.patch_index() == own.patch);
+                        let Some(image) = image else { continue };
+                        answers[image][own.taxel] = match own.touch {
                             Touch::Nothing => Class::Nothing,
                             Touch::Category(index) => class_of(&self.categories[index]),
                             Touch::Uncertain => Class::Uncertain,

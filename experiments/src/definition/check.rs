@@ -92,8 +92,8 @@ pub fn check_labels(
     scenes: &BTreeMap<String, Scene>,
     source: &Source,
 ) -> Result<(), InputError> {
-    let tests = [&file.general, &file.outlier, &file.second_outlier].into_iter().flatten();
-    let online = !file.engineered.is_empty() || tests.count() > 0 || file.verdicts.is_some();
+    let is_tested = [&file.general, &file.outlier, &file.second_outlier].iter().any(|own| own.is_some());
+    let online = !file.engineered.is_empty() || is_tested || file.verdicts.is_some();
     let labels = file.training.iter().map(|own| &own.label);
     let unknown = |label: &&String| online && category(scenes, label).is_none();
     if let Some(label) = labels.into_iter().find(unknown) {

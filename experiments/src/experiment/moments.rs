@@ -64,8 +64,8 @@ pub struct Moment {
     pub recording: Recording,
 }
 
-/// Judges the frame in which the most taxels are in contact in the first of the reaches found, which is `shown`. The moment
-/// is thus chosen by how much there is to see, not by how well it is classified. `None` if there is no such reach.
+/// Judges the frame in which the most taxels are in contact in the first of the reaches found; `shown` has the verdicts on it.
+/// The moment is thus chosen by how much there is to see, not by how well it is classified. `None` if there is no such reach.
 fn take(
     session: &Session,
     models: &HmmClassifier,

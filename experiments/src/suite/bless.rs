@@ -51,7 +51,8 @@ pub fn text(suite: &Suite, result: &SuiteResult) -> Result<String, Fault> {
     let mut changes = Vec::new();
     for (scene, (own, found)) in all() {
         let bound = new_bound(suite, own, found, probability).ok_or_else(|| {
-            let (path, BoundResult { name, values, .. }) = (scene.plan.scene.path.display(), found);
+            let path = scene.plan.scene.path.display();
+            let BoundResult { name, values, .. } = found;
             Fault::Usage(format!(
                 "{path}: {name} was measured in {} of {} reaches, and a bound takes two; nothing was written. Add reaches, \
                  change the scene, or remove the bound",

@@ -38,7 +38,7 @@ use metric::Metric;
 pub struct Suite {
     /// Name: the file's stem.
     pub name: String,
-    /// The content of the file.
+    /// The keys of the file. The seed may be another one, see [`Suite::set_seed`].
     pub file: SuiteFile,
     /// The scenes.
     pub scenes: Vec<SuiteScene>,
@@ -121,7 +121,7 @@ impl Suite {
         })
     }
 
-    /// Takes the reaches of another seed.
+    /// Runs the reaches of another seed instead.
     pub fn set_seed(&mut self, seed: u64) {
         self.file.seed = seed;
         self.scenes.iter_mut().for_each(|scene| scene.plan.seed = seed);

@@ -72,14 +72,3 @@ pub fn svg_head(name: &str, title: &str, description: &str, [width, height]: [f6
          <text x=\"2\" y=\"{FONT}\" font-weight=\"bold\">{title}</text>\n"
     )
 }
-
-/// A stand-alone picture: an SVG document on white, as wide as the available space but no wider than `width` pixels.
-pub fn svg_document(width: f64, height: f64, font_px: f64, title: &str, body: &str) -> String {
-    format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" \
-         height=\"{height:.0}\" style=\"max-width:100%;height:auto\" role=\"img\" font-family=\"sans-serif\" \
-         font-size=\"{font_px}\" fill=\"#222222\">\n<title>{}</title>\n\
-         <rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{body}</svg>\n",
-        escape(title)
-    )
-}

@@ -125,10 +125,11 @@ impl Online<'_> {
         frame: &Frame,
         since: Instant,
     ) -> Result<(), Failure> {
-        output::lines([match judge {
+        let line = match judge {
             OnlineJudge::OfTrials(classifier) => of_contacts::answer(classifier, &self.categories, frame)?,
             OnlineJudge::Touch(classifier) => of_frames::answer(classifier, layout, frame)?,
-        }])?;
+        };
+        output::lines([line])?;
         self.latency.add(since.elapsed());
         Ok(())
     }

@@ -33,7 +33,7 @@ pub(super) struct ObjectMeasure {
     /// The contacts together; sums that are weighted by force until [`ObjectMeasure::total`] divides them.
     sum: Measure,
     squares_m2: f64,
-    /// Number of the contacts.
+    /// Number of contacts in this frame.
     pub(super) contacts: f64,
     span_m: f64,
     strongest: Course,
@@ -95,7 +95,7 @@ pub struct ObjectCourse {
     work_j: [f64; 2],
     steady_press_m: f64,
     steady: f64,
-    /// Number of its contacts.
+    /// Number of contacts so far.
     pub(super) contacts: f64,
     most_contacts: f64,
     span_m: f64,

@@ -80,8 +80,10 @@ pub(super) struct Response {
     press_m: f64,
     path_m: f64,
     first_force_n: f64,
+    /// What was felt in each of [`EARLY_FRAMES`]; `None` before it, or if a frame until then was missing.
     early: [Option<[f64; OF_EARLY.len()]>; EARLY_FRAMES.len()],
-    /// Force, N, and path, m, of the last frames, in two halves. Frame n is at index n modulo the length.
+    /// Force, N, and path, m, of the last frames. Frame n is at index n modulo [`WINDOW`] of the flattened list, which is divided
+    /// because longer lists have no default.
     window: [[[f64; 2]; HOP]; WINDOW / HOP],
     spectra: f64,
     bands: [Band; BANDS.len()],
