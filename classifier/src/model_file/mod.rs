@@ -105,7 +105,11 @@ impl Model {
     /// # Errors
     /// As [`Model::load`].
     pub fn from_json(path: impl AsRef<Path>, text: &str) -> Result<Self, ModelError> {
-        let document = Document::of_format(path, text, FORMAT);
+        Self::read(&Document::of_format(path, text, FORMAT))
+    }
+
+    // Not generic, so that it is compiled once and not for each type of path.
+    fn read(document: &Document) -> Result<Self, ModelError> {
         let head: Head = document.read()?;
         if head.format != FORMAT {
             let remedy = "use a model of this format";
@@ -116,10 +120,10 @@ impl Model {
             let known = CLASSIFIERS.map(|kind| kind.name).join(", ");
             document.error("classifier", name, format!("one of {known}"))
         })?;
-        let classifier = (kind.load)(&document)?;
+        let classifier = (kind.load)(document)?;
         document.check_names(&classifier.categories())?;
         if let Some(decision) = &head.decision {
-            check_decision(&document, decision, &classifier.categories())?;
+            check_decision(document, decision, &classifier.categories())?;
         }
         document.check_seal()?;
         Ok(Model { classifier, decision: head.decision, provenance: head.provenance })

@@ -126,7 +126,11 @@ impl TouchModel {
     /// # Errors
     /// [`InputError`] with line and field.
     pub fn from_json(path: impl AsRef<Path>, text: &str) -> Result<Self, InputError> {
-        let document = Document::of_format(path, text, TOUCH_FORMAT);
+        Self::read(&Document::of_format(path, text, TOUCH_FORMAT))
+    }
+
+    // Not generic, so that it is compiled once and not for each type of path.
+    fn read(document: &Document) -> Result<Self, InputError> {
         // A file of another format has other keys, so its format is read first.
         let Head { format } = document.read()?;
         if format != TOUCH_FORMAT {

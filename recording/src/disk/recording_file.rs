@@ -145,7 +145,8 @@ fn read_from(path: &Path) -> Result<Recording, DiskError> {
         return Err(InputError::new(path, FORMAT_KEY, format, FORMAT, remedy).into());
     }
     seal::check(path)?;
-    let header = serde_json::from_str(&table.key_value(RECORDING_KEY)?);
+    // From bytes, as everywhere: a reader of text would be compiled once more for all types.
+    let header = serde_json::from_slice(table.key_value(RECORDING_KEY)?.as_bytes());
     let mut recording: Recording = header.map_err(|error| {
         let remedy = "write the recording again with the program that made it";
         InputError::new(path, RECORDING_KEY, error.to_string(), "a recording's fields as JSON", remedy)

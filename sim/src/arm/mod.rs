@@ -246,7 +246,11 @@ impl Arm {
 /// # Errors
 /// As for [`Arm::load`]. A skin file alone is checked only in itself, not against an arm.
 pub fn load_layout(path: impl AsRef<Path>) -> Result<SkinLayout, InputError> {
-    let path = path.as_ref();
+    layout_of(path.as_ref())
+}
+
+// Not generic, so that it is compiled once and not for each type of path.
+fn layout_of(path: &Path) -> Result<SkinLayout, InputError> {
     let source = source::Source { path: path.to_path_buf(), text: source::read_from_disk(path)? };
     let keys: toml::Table = source.toml("the keys of an arm file, which names a urdf, or of a skin file")?;
     match keys.contains_key("urdf") {

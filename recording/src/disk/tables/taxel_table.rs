@@ -41,7 +41,7 @@ pub(crate) fn write_taxels(path: &Path, layout: &SkinLayout) -> Result<(), DiskE
 /// Reads the skin.
 pub(crate) fn read_taxels(path: &Path) -> Result<SkinLayout, DiskError> {
     let table = ParquetTable::open(path)?;
-    let patches: Vec<Patch> = serde_json::from_str(&table.key_value(PATCHES_KEY)?)
+    let patches: Vec<Patch> = serde_json::from_slice(table.key_value(PATCHES_KEY)?.as_bytes())
         .map_err(|error| broken(path, format!("{PATCHES_KEY}: {error}")))?;
     let mut layout = SkinLayout { patches };
     for batch in table.batches(&|_| Want::All) {
