@@ -20,9 +20,9 @@ pub fn add(report: &mut Report, outcome: &EngineeredReaches) {
     let (found, all) = (found.len(), reaches.len());
     report.page.paragraph(&format!(
         "Each scene is drawn until, by ground truth, the patch touches its category and nothing else, and feels it. {found} of \
-         {all} scenes gave such a reach, in {drawn} draws. In {mostly_correct} of them more taxels are correct than misclassified. The truth of \
-         every taxel is the category of the scene, even if nothing presses on it, as in the paper; the table gives the share \
-         of such taxels as untouched."
+         {all} scenes gave such a reach, in {drawn} draws. In {mostly_correct} of them more taxels are correct than \
+         misclassified. The truth of every taxel is the category of the scene, even if nothing presses on it, as in the paper; \
+         the table gives the share of such taxels as untouched."
     ));
     report.page.figure("Verdicts on all taxels in contact, over all frames of a reach.", &[shares_chart(outcome)]);
     let found = reaches.iter().filter(|reach| reach.reach_index.is_some());
