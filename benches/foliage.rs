@@ -35,7 +35,7 @@ fn trees(bencher: Bencher) {
     let simulation = Sweep::new(24, 0).simulation(PhysicsSection::default().options(), true);
     let leaves = simulation.clutter().objects.iter().filter(|placed| placed.category == Category::LEAF);
     let swinging = leaves.map(|placed| {
-        let mut tree = Tree::of_structure(&placed.object.structure(), Pose::from_position(placed.foot_world));
+        let mut tree = Tree::of_structure(&placed.object.structure(9.81), Pose::from_position(placed.foot_world));
         tree.displace(|coordinate, _| if coordinate.turns { 0.05 } else { 0.0 });
         tree
     });

@@ -113,12 +113,13 @@ impl SkinPatch {
         arm.skin.layout.patches.iter().enumerate().map(ready).collect()
     }
 
-    /// Whether a contact presses on this skin and not on the bare shell beside it.
+    /// Whether a contact presses on this skin and not on the bare shell beside it. High friction may pull it away from all taxels.
     pub fn covers(&self, contact: &ContactPoint) -> bool {
         let reach = self.reach_m * self.reach_m;
         let mut taxels = self.centers_link.iter().zip(&self.normals_link);
         taxels.any(|(center, normal)| {
-            center.distance_squared(contact.position_link) <= reach && is_facing(*normal, contact.inward_link)
+            let is_pressed = is_pressed(*normal, contact.inward_link, contact.force_link);
+            is_pressed && center.distance_squared(contact.position_link) <= reach
         })
     }
 
@@ -151,7 +152,7 @@ impl SkinPatch {
         };
         let SpreadBuffers { faces, cells, near, taxels, .. } = &mut *buffers;
         let chords = Chords::new(shape, &view, faces);
-        let under = self.nearby(contacts).filter(|(_, point)| is_facing(point.normal_link, inward));
+        let under = self.nearby(contacts).filter(|(_, point)| is_pressed(point.normal_link, inward, total));
         cells.clear();
         cells.extend(under.map(|(number, point)| {
             let offset = point.position_link - center;
@@ -237,8 +238,10 @@ impl SkinPatch {
         within_cones(carriers, friction, total);
         let carried = taxels.iter().zip(carriers).filter(|(_, carrier)| carrier.force != DVec3::ZERO);
         forces.extend(carried.map(|((taxel, pressed, felt), carrier)| {
-            let normal_force_n = carrier.force.dot(carrier.inward);
-            let shear_link = carrier.force - carrier.inward * normal_force_n;
+            let normal_n = carrier.force.dot(carrier.inward);
+            let shear_link = carrier.force - carrier.inward * normal_n;
+            // Under high friction a taxel may carry shear alone. Rounding must not make it pull.
+            let normal_force_n = if normal_n > 0.0 { normal_n } else { 0.0 };
             TaxelForce { taxel: *taxel, normal_force_n, shear_link, felt_share: felt / pressed }
         }));
     }
@@ -280,9 +283,10 @@ impl SkinPatch {
     }
 }
 
-/// Whether a place with this outward normal can be pressed by a force in the direction `inward`.
-fn is_facing(normal_link: DVec3, inward: DVec3) -> bool {
-    -normal_link.dot(inward) > FACING_COSINE
+/// Whether a contact with the inward normal `inward` presses on a place with this outward normal. With its friction, the force must
+/// not pull there.
+fn is_pressed(normal_link: DVec3, inward: DVec3, force_link: DVec3) -> bool {
+    -normal_link.dot(inward) > FACING_COSINE && normal_link.dot(force_link) < 0.0
 }
 
 fn near_contacts(center: DVec3, corner_m: f64, contacts: &[ContactPoint]) -> bool {

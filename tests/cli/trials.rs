@@ -32,6 +32,24 @@ fn csv_and_parquet_hold_the_same_rows() {
     assert_eq!(text.lines().count(), 1 + samples);
 }
 
+/// Tests that a reading that nothing presses has no true force, not even −0, which would give it a row of truth.
+#[test]
+fn readings_of_nothing_have_no_true_force() {
+    let dataset = Dataset::open(fixture().dataset()).unwrap();
+    let mut readings = 0;
+    for episode in 0..dataset.episodes().len() {
+        for reading in dataset.read_reach(episode).unwrap().frames.iter().flat_map(|frame| &frame.taxels) {
+            let [tangent, binormal] = reading.true_shear_force_n;
+            let forces = [reading.true_normal_force_n, tangent, binormal];
+            if reading.object.is_none() && forces == [0.0; 3] {
+                assert_eq!(forces.map(f64::to_bits), [0; 3], "{reading:?}");
+                readings += 1;
+            }
+        }
+    }
+    assert!(readings > 0);
+}
+
 /// Tests that the force of each row is the sensed force of its taxel at that time, that each sensed force of the patch
 /// is in exactly one row, and that the category is the category of an object of the reach.
 #[test]

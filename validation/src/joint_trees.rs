@@ -57,7 +57,7 @@ fn compare(simulated: Simulated) -> Found {
     {
         let mut rig = rig();
         rig.add_object(object);
-        let mut structure = object.structure();
+        let mut structure = object.structure(9.81);
         for body in &mut structure.bodies {
             body.inertia.mass_kg *= mass_ratio;
             body.inertia.principal_kg_m2 *= mass_ratio;

@@ -267,8 +267,9 @@ fn an_arranged_scene_is_the_draw() {
         let arranged = Scene::parse("arranged.toml", drawn.arranged(&plan.scene, "".as_ref())).unwrap();
         let again = ReachPlan::new(arranged, None, 6).unwrap().draw(0).unwrap();
         let all = |clutter: &Clutter| -> Vec<_> {
-            let one =
-                |placed: &PlacedObject| (placed.record(&clutter.materials), placed.yaw_rad, placed.object.structure());
+            let one = |placed: &PlacedObject| {
+                (placed.record(&clutter.materials), placed.yaw_rad, placed.object.structure(9.81))
+            };
             clutter.objects.iter().map(one).collect()
         };
         assert_eq!(all(&again), all(&drawn), "{name}");

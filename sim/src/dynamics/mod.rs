@@ -111,7 +111,7 @@ pub struct Link {
 ///
 /// // The top of a foam block is pressed with 1 N for 40 s, until its foam has relaxed.
 /// let block = FoamBlock { height_m: 0.08, wet: true, modulus_pa: 5.0e4, stands_free: false };
-/// let mut tree = Tree::of_structure(&block.structure(), Pose::IDENTITY);
+/// let mut tree = Tree::of_structure(&block.structure(9.81), Pose::IDENTITY);
 /// for _ in 0..8000 {
 ///     let top = tree.links()[1].pose_world.position;
 ///     tree.push(1, DVec3::Z * -1.0, top, DVec3::ZERO);

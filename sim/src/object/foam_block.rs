@@ -8,8 +8,8 @@ use underbrush_recording::limits::SHARE;
 use underbrush_recording::{BodyShape, Category, Limits};
 
 use super::{
-    Axis, Body, CollisionGroup, Declared, Drawing, EARTH_GRAVITY_M_PER_S2, FRICTION, Footing, Inertia, Joint, Kind,
-    Maxwell, Object, Spring, Structure, declared, part,
+    Axis, Body, CollisionGroup, Declared, Drawing, FRICTION, Footing, Inertia, Joint, Kind, Maxwell, Object, Spring,
+    Structure, declared, part,
 };
 use crate::{Draw, DrawError, Footprint, Surface};
 
@@ -124,8 +124,8 @@ impl FoamBlock {
     }
 
     /// How far one that stands free sinks into its own foam, m: m g / (E A / H).
-    fn sag_m(&self) -> f64 {
-        self.mass_kg() * EARTH_GRAVITY_M_PER_S2 / self.stiffness_n_per_m()
+    fn sag_m(&self, gravity_m_per_s2: f64) -> f64 {
+        self.mass_kg() * gravity_m_per_s2 / self.stiffness_n_per_m()
     }
 
     /// The surface of one that stands free. Choice: its loss time is that of the foam's loss factor, twice the damping
@@ -174,12 +174,12 @@ impl Object for FoamBlock {
         parameters
     }
 
-    fn structure(&self) -> Structure {
+    fn structure(&self, gravity_m_per_s2: f64) -> Structure {
         let size_m = DVec3::new(LENGTH_M, WIDTH_M, self.height_m);
         let center = DVec3::Z * (self.height_m / 2.0);
         if self.stands_free {
             let block = Body {
-                joint: Some(Joint::free(0, center - DVec3::Z * self.sag_m())),
+                joint: Some(Joint::free(0, center - DVec3::Z * self.sag_m(gravity_m_per_s2))),
                 inertia: Inertia::of_box(self.mass_kg(), DVec3::ZERO, size_m),
                 parts: vec![part(BodyShape::Box { size_m }, DVec3::ZERO)],
                 collision_group: CollisionGroup::Standing,

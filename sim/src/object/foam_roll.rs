@@ -142,7 +142,7 @@ impl Object for FoamRoll {
         self.values()
     }
 
-    fn structure(&self) -> Structure {
+    fn structure(&self, _: f64) -> Structure {
         let radius_m = self.diameter_m / 2.0;
         let slice_height_m = self.height_m / SLICES as f64;
         let slice_mass_kg = self.density_kg_per_m3 * PI * radius_m * radius_m * slice_height_m;

@@ -115,7 +115,7 @@ impl Kind for Leaf {
 /// };
 /// assert!(leaf.stands_by_itself());
 /// // The foot, the piece on the root that leans, and a piece that bends and twists at each of four hinges.
-/// assert_eq!(leaf.structure().bodies.len(), 6);
+/// assert_eq!(leaf.structure(9.81).bodies.len(), 6);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leaf {
@@ -227,7 +227,7 @@ impl Object for Leaf {
         parameters.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
     }
 
-    fn structure(&self) -> Structure {
+    fn structure(&self, _: f64) -> Structure {
         let (blade, hinges) = (self.blade(), self.hinges());
         let sideways = blade.damped(self.sideways_stiffness_nm_per_rad());
         let lowest = Body {

@@ -130,8 +130,8 @@ pub trait Object: Listed + std::fmt::Debug + Send + Sync {
     fn height_m(&self) -> f64;
     /// Its drawn parameters by name, SI units in the names.
     fn parameters(&self) -> BTreeMap<String, f64>;
-    /// Its bodies, joints and springs at rest.
-    fn structure(&self) -> Structure;
+    /// Its bodies, joints and springs at rest under this gravity, m/s².
+    fn structure(&self, gravity_m_per_s2: f64) -> Structure;
     /// The body of its structure that carries what stands on it, if it can move away with it.
     fn carrier(&self) -> Option<usize> {
         None

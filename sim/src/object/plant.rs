@@ -121,11 +121,16 @@ impl Kind for Plant {
         // If nearly all plants of these ranges would lie down, the error asks for a stiffer stem; if their tips would be in
         // the foam, for less droop.
         let refusal = |plant: &Plant| {
-            let enough = plant.drawn.stem_rigidity_n_m2 * plant.load_share() / LARGEST_LOAD_SHARE;
-            if plant.stands_by_itself() {
-                group.refusal("droop_deg", None, Some(plant.drawn.elevation_deg))
-            } else {
-                group.refusal("stem_rigidity_n_m2", Some(enough), None)
+            let drawn = &plant.drawn;
+            let enough = |rigidity: f64, load_share: f64| Some(rigidity * load_share / LARGEST_LOAD_SHARE);
+            match plant.load_shares() {
+                _ if plant.stands_by_itself() => group.refusal("droop_deg", None, Some(drawn.elevation_deg)),
+                [stem, blade] if stem > blade => {
+                    group.refusal("stem_rigidity_n_m2", enough(drawn.stem_rigidity_n_m2, stem), None)
+                }
+                [_, blade] => {
+                    group.refusal("flexural_rigidity_n_m2", enough(drawn.flexural_rigidity_n_m2, blade), None)
+                }
             }
         };
         draw_possible(draw, |plant| plant.stands_by_itself() && plant.is_over_the_foam(), refusal)
@@ -174,18 +179,24 @@ impl Plant {
     /// The weight of all as a share of what makes the stem buckle. The stem's own counts as that of a column (Greenhill
     /// 1881), the blades' as if all were at the top (Euler: π² E I / (4 H²)), and on a root that turns each as its moment
     /// over the root's stiffness; the shares add (Dunkerley). A blade's share of its own buckling load is that of an upright
-    /// one. The larger of stem and blade counts.
+    /// one, whose petiole turns as the root does. The larger of stem and blade counts.
     pub fn load_share(&self) -> f64 {
+        self.load_shares().into_iter().fold(0.0, f64::max)
+    }
+
+    /// The shares of stem and blade.
+    fn load_shares(&self) -> [f64; 2] {
         let drawn = &self.drawn;
-        let blades_n = EARTH_GRAVITY_M_PER_S2
-            * drawn.blades
-            * drawn.mass_per_area_kg_per_m2
-            * drawn.blade_width_m
-            * drawn.blade_length_m;
+        let blade_n =
+            EARTH_GRAVITY_M_PER_S2 * drawn.mass_per_area_kg_per_m2 * drawn.blade_width_m * drawn.blade_length_m;
+        let blades_n = drawn.blades * blade_n;
         let (stem_n, height) = (EARTH_GRAVITY_M_PER_S2 * self.stem_mass_kg(), drawn.height_m);
         let bends = (stem_n / 7.84 + 4.0 * blades_n / (PI * PI)) * height * height / drawn.stem_rigidity_n_m2;
         let leans = self.root_stiffness_nm_per_rad.map_or(0.0, |k| height * (0.5 * stem_n + blades_n) / k);
-        (bends + leans).max(self.blade().load_share(EARTH_GRAVITY_M_PER_S2))
+        // The petiole's hinge is in its middle.
+        let arm_m = 0.5 * (drawn.petiole_m + drawn.blade_length_m);
+        let nods = blade_n * arm_m * drawn.petiole_m / (PETIOLE_RIGIDITY_OVER_BLADE * drawn.flexural_rigidity_n_m2);
+        [bends + leans, nods + self.blade().load_share(EARTH_GRAVITY_M_PER_S2)]
     }
 
     /// Whether the plant carries its own weight.
@@ -290,7 +301,7 @@ impl Plant {
 
     /// Of the ends of the blades' pieces, at both edges.
     fn find_extent(&self) -> Extent {
-        let structure = self.structure();
+        let structure = self.structure(EARTH_GRAVITY_M_PER_S2);
         let poses = structure.rest_poses(Pose::IDENTITY);
         let half_m = 0.5 * self.drawn.blade_width_m;
         let mut extent = Extent { lowest_m: f64::INFINITY, ..Extent::default() };
@@ -328,7 +339,7 @@ impl Object for Plant {
         parameters
     }
 
-    fn structure(&self) -> Structure {
+    fn structure(&self, gravity_m_per_s2: f64) -> Structure {
         let mut bodies = Vec::new();
         let pieces = self.grow_stem(&mut bodies);
         let count = self.drawn.blades as u32;
@@ -338,7 +349,7 @@ impl Object for Plant {
             self.grow_blade(&pieces, share * self.drawn.height_m, azimuth_rad, &mut bodies);
         }
         Structure { bodies, axisymmetric: false, surface: Surface::hard(FRICTION) }
-            .balanced(EARTH_GRAVITY_M_PER_S2)
+            .balanced(gravity_m_per_s2)
             .held_by(self.grip)
     }
 }

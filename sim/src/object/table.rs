@@ -52,7 +52,7 @@ impl Object for Table {
         self.values()
     }
 
-    fn structure(&self) -> Structure {
+    fn structure(&self, _: f64) -> Structure {
         let size_m = DVec3::new(self.length_m, self.width_m, THICKNESS_M);
         let top =
             Body { parts: vec![part(BodyShape::Box { size_m }, -DVec3::Z * (THICKNESS_M / 2.0))], ..Body::foot() };

@@ -72,7 +72,7 @@ fn drawn_objects_are_what_their_group_says() {
     for (kind, _, group) in one_of_each().groups() {
         let (object, _) = group.draw(&mut random, &footing).unwrap();
         assert_eq!(object.kind(), kind);
-        assert_eq!(object.structure().bodies[0].joint, None, "{kind} begins with what is fixed to the ground");
+        assert_eq!(object.structure(9.81).bodies[0].joint, None, "{kind} begins with what is fixed to the ground");
     }
 }
 

@@ -58,7 +58,7 @@ impl Object for Trunk {
         self.values()
     }
 
-    fn structure(&self) -> Structure {
+    fn structure(&self, _: f64) -> Structure {
         // A capsule whose upper round end is the top of the trunk; the lower one is under the table.
         let radius_m = self.diameter_m / 2.0;
         let length_m = self.height_m - radius_m;

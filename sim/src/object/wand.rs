@@ -53,7 +53,7 @@ impl Object for Wand {
         self.values()
     }
 
-    fn structure(&self) -> Structure {
+    fn structure(&self, _: f64) -> Structure {
         let hinge = |parent, axis| Joint::parallel(parent, DVec3::ZERO, vec![(axis, Spring::elastic(2.0, 0.05))]);
         let center = DVec3::Z * (self.height_m / 2.0);
         let size_m = DVec3::new(2.0 * RADIUS_M, 2.0 * RADIUS_M, self.height_m);

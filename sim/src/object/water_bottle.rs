@@ -135,7 +135,7 @@ impl Object for WaterBottle {
         self.values()
     }
 
-    fn structure(&self) -> Structure {
+    fn structure(&self, _: f64) -> Structure {
         let center_of_mass = DVec3::Z * self.center_of_mass_m();
         let cylinder = BodyShape::Cylinder { radius_m: self.radius_m(), length_m: self.height_m };
         let bottle = Body {

@@ -99,7 +99,7 @@ struct State {
 impl Simulation {
     /// A simulation at its start, with the report of frame 0.
     pub fn new(setup: Setup) -> Self {
-        let model = Model::new(setup.arm, setup.clutter, setup.dormancy);
+        let model = Model::new(setup.arm, setup.clutter, setup.dormancy, setup.physics.gravity_m_per_s2);
         let mut state = State {
             world: World::new(&model, setup.physics),
             sensor: setup.sensor,

@@ -35,14 +35,15 @@ pub(super) struct Model {
 }
 
 impl Model {
-    pub(super) fn new(arm: Arm, clutter: Clutter, dormancy: bool) -> Self {
+    pub(super) fn new(arm: Arm, clutter: Clutter, dormancy: bool, gravity_m_per_s2: f64) -> Self {
         let objects = || clutter.objects.iter();
         let outlines: Vec<(Cuboid, EnginePose)> =
             objects().map(PlacedObject::outline).map(|(outline, pose)| (outline, parry_pose(&pose))).collect();
         let boxes: Vec<Aabb> = outlines.iter().map(|(outline, pose)| outline.compute_aabb(pose)).collect();
         let mut arm = arm;
         clutter.materials.apply_to(&mut arm);
-        let structures: Vec<Structure> = objects().map(|placed| structure(placed, &clutter)).collect();
+        let structures: Vec<Structure> =
+            objects().map(|placed| structure(placed, &clutter, gravity_m_per_s2)).collect();
         let rest = |(placed, own): (&PlacedObject, &Structure)| {
             own.rest_poses(foot_pose(own, placed.foot_world, placed.yaw_rad))
         };
@@ -117,8 +118,8 @@ fn assemblies(objects: &[PlacedObject], structures: &[Structure]) -> (Vec<Assemb
 }
 
 /// Bodies and joints of an object, with the friction that its clutter sets. A kind that draws its own keeps it.
-fn structure(placed: &PlacedObject, clutter: &Clutter) -> Structure {
-    let mut structure = placed.object.structure();
+fn structure(placed: &PlacedObject, clutter: &Clutter, gravity_m_per_s2: f64) -> Structure {
+    let mut structure = placed.object.structure(gravity_m_per_s2);
     let own = placed.drawn.iter().any(|(name, _)| *name == "friction");
     let materials = &clutter.materials;
     let friction = if placed.object.is_ground() { materials.table_friction } else { materials.object_friction };

@@ -166,18 +166,18 @@ fn read_taxels(model: &Model, sensor: &Sensor, loads: &Loads, taxels: &mut Vec<T
             if load.is_none() && sensed_force_n == 0.0 {
                 continue;
             }
-            let Load { normal_n, shear_link, .. } = load.map_or(Load::default(), |(_, load)| *load);
-            taxels.push(TaxelReading {
-                patch: patch as u16,
-                taxel: taxel as u16,
-                true_normal_force_n: normal_n,
+            let reading =
+                TaxelReading { patch: patch as u16, taxel: taxel as u16, sensed_force_n, ..Default::default() };
+            // Without a load all true values are zero, and none is −0, which would count as a force.
+            taxels.push(load.map_or(reading, |(own, Load { normal_n, shear_link, .. })| TaxelReading {
+                true_normal_force_n: *normal_n,
                 true_shear_force_n: [
                     shear_link.dot(place.tangent_link),
                     shear_link.dot(place.normal_link.cross(place.tangent_link)),
                 ],
-                sensed_force_n,
-                object: load.and_then(|(place, _)| loads.object(*place)),
-            });
+                object: loads.object(*own),
+                ..reading
+            }));
         }
     }
 }

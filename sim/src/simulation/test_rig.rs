@@ -96,7 +96,8 @@ impl Rig {
     /// Adds an object at rest with its foot at `foot_world` (m), rotated by `yaw_rad` about the vertical, and returns
     /// its bodies in the order of its structure.
     pub fn add_object_at(&mut self, object: &dyn Object, foot_world: DVec3, yaw_rad: f64) -> Vec<BodyId> {
-        let mechanism = Mechanism::build(&object.structure(), &mut self.engine, foot_world, yaw_rad);
+        let gravity_m_per_s2 = self.engine.options.gravity_m_per_s2;
+        let mechanism = Mechanism::build(&object.structure(gravity_m_per_s2), &mut self.engine, foot_world, yaw_rad);
         self.name(mechanism.slot)
     }
 
@@ -110,7 +111,7 @@ impl Rig {
     /// Adds a free body. `None` if its shape has no volume.
     pub fn add_free(&mut self, free: &FreeBody) -> Option<BodyId> {
         let shape = collider(&free.part)?.mass(free.mass_kg);
-        let mass = shape.build().mass_properties();
+        let mass = shape.build().mass_properties().transform_by(&shape.position);
         let link = LinkOptions {
             parent: 0,
             joint_parent: free.pose_world,

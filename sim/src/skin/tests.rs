@@ -99,6 +99,29 @@ proptest! {
     }
 }
 
+proptest! {
+    /// Tests that under friction of up to 2 no taxel pulls and no force is lost, wherever the contact's normal points: either the
+    /// contact is on the skin and all of its force is on the taxels, or it is not.
+    #[test]
+    fn nothing_pulls_under_high_friction(
+        lean_rad in -1.5..1.5f64,
+        along_m in -0.1..0.1f64,
+        slip in 0.0..2.0f64,
+        slip_rad in 0.0..std::f64::consts::TAU,
+    ) {
+        let skin = forearm();
+        let plain = contact(&skin, along_m, 0.0, 1.0, 0.0, 0.0);
+        let normal = glam::DQuat::from_axis_angle(plain.inward_link.cross(DVec3::Z), lean_rad) * -plain.inward_link;
+        let tangent = glam::DQuat::from_axis_angle(normal, slip_rad) * normal.any_orthonormal_vector();
+        let contact = ContactPoint { inward_link: -normal, force_link: tangent * slip - normal, ..plain };
+        prop_assume!(skin.covers(&contact));
+        let forces = spread(&skin, contact, &Ball::new(0.02), &Pose::from_position(contact.position_link + normal * 0.02));
+        let sum: DVec3 = forces.iter().map(|taxel| force(&skin, taxel)).sum();
+        prop_assert!(sum.distance(contact.force_link) < 1e-9, "{sum} of {}", contact.force_link);
+        prop_assert!(forces.iter().all(|taxel| taxel.normal_force_n >= 0.0), "{forces:?}");
+    }
+}
+
 /// Tests the similarity to a stored frame of the real skin, one broad contact of 8.99 N on 4 × 2 taxels of 0.56 to 1.53
 /// N: for a trunk of 4 cm across the forearm with the same force, the number of pressed taxels and the largest force
 /// agree within a factor of two. (The frame does not say what touched the skin.)

@@ -22,7 +22,7 @@ fn the_pieces_have_the_mass_of_the_whole() {
     let stem_kg = 0.25 * PI * value("stem_diameter_m").powi(2) * STEM_DENSITY_KG_PER_M3 * value("height_m");
     let blade_m2 = value("blade_width_m") * (value("blade_length_m") + value("petiole_m"));
     let blades_kg = value("blades") * value("mass_per_area_kg_per_m2") * blade_m2;
-    let structure = plant.structure();
+    let structure = plant.structure(9.81);
     let found: f64 = structure.bodies.iter().map(|body| body.inertia.mass_kg).sum();
     // The lowest piece of the stem does not move, so its mass is left out.
     assert!(found < stem_kg + blades_kg && found > 0.6 * stem_kg + blades_kg, "{found} {stem_kg} {blades_kg}");
@@ -33,7 +33,7 @@ fn the_pieces_have_the_mass_of_the_whole() {
 fn blades_droop_as_drawn() {
     for seed in 0..20 {
         let plant = draw(seed);
-        let structure = plant.structure();
+        let structure = plant.structure(9.81);
         let poses = structure.rest_poses(Pose::IDENTITY);
         let directions: Vec<f64> = structure
             .bodies

@@ -272,7 +272,7 @@ fn plants_stand_as_they_are_drawn() {
     for seed in 0..10 {
         let plant = group.0.draw(&mut ChaCha8Rng::seed_from_u64(seed), &footing).unwrap().0;
         let mut engine = Engine::new(OPTIONS);
-        let mechanism = Mechanism::build(&plant.structure(), &mut engine, DVec3::ZERO, 0.0);
+        let mechanism = Mechanism::build(&plant.structure(9.81), &mut engine, DVec3::ZERO, 0.0);
         let last = engine.tree(mechanism.slot).links().len() - 1;
         let away = |engine: &Engine| {
             let coordinates = &engine.tree(mechanism.slot).coordinates;

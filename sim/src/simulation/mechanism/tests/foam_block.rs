@@ -175,7 +175,7 @@ fn a_free_block_carries_its_leaf() {
     let foot_world = Pose::new(DVec3::new(0.05, 0.0, block.height_m), DQuat::IDENTITY);
     for (share, slides) in [(0.95, false), (1.1, true)] {
         let mut engine = Engine::new(OPTIONS);
-        let (base, carried) = (block.structure(), leaf.structure());
+        let (base, carried) = (block.structure(9.81), leaf.structure(9.81));
         let mechanism = Mechanism::build_with(&base, &mut engine, Pose::IDENTITY, 1, &[(&carried, foot_world)]);
         let between = |engine: &Engine| pose(engine, mechanism, 1).inverse() * pose(engine, mechanism, 2);
         let before = between(&engine);

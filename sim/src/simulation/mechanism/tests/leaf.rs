@@ -154,10 +154,10 @@ fn leaning_m(beside: Option<(&dyn Object, f64)>) -> f64 {
     let mut engine = Engine::new(PhysicsOptions { step_s: 0.005, gravity_m_per_s2: 0.0 });
     let leaf = build(&example(4, Some(0.5)), &mut engine);
     let foot_world = -DVec3::Z * block.height_m;
-    Mechanism::build(&block.structure(), &mut engine, foot_world, 0.0);
+    Mechanism::build(&block.structure(9.81), &mut engine, foot_world, 0.0);
     if let Some((object, half_m)) = beside {
         let center = DVec3::X * (COLLISION_THICKNESS_M / 2.0 + 0.003 + half_m);
-        Mechanism::build(&object.structure(), &mut engine, foot_world + center, 0.0);
+        Mechanism::build(&object.structure(9.81), &mut engine, foot_world + center, 0.0);
     }
     let point = DVec3::Z * (0.07 - pose(&engine, leaf, 2).position.z);
     for _ in 0..2000 {

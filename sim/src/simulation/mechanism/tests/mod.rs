@@ -15,7 +15,7 @@ use crate::simulation::engine::Engine;
 
 /// An object at the origin.
 fn build(object: &dyn Object, engine: &mut Engine) -> Mechanism {
-    Mechanism::build(&object.structure(), engine, DVec3::ZERO, 0.0)
+    Mechanism::build(&object.structure(engine.options.gravity_m_per_s2), engine, DVec3::ZERO, 0.0)
 }
 
 /// Makes a step in which a force acts on a body at one of its points, m, body frame.

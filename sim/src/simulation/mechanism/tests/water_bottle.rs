@@ -72,7 +72,7 @@ fn a_push_beside_the_middle_turns_it() {
 fn a_trunk_stops_it() {
     let mut engine = Engine::new(OPTIONS);
     let trunk = Trunk { diameter_m: 0.03, height_m: 0.5 };
-    Mechanism::build(&trunk.structure(), &mut engine, DVec3::X * 0.2, 0.0);
+    Mechanism::build(&trunk.structure(9.81), &mut engine, DVec3::X * 0.2, 0.0);
     let mechanism = build(&BOTTLE, &mut engine);
     let base = push(&mut engine, mechanism, DVec3::X * 1.3 * SLIPPING_N, DVec3::Z * 0.2, 4.0);
     // The surfaces meet at 0.2 − 0.015 − 0.13 m.
