@@ -6,7 +6,7 @@
 use std::ffi::OsString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 mod command;
 mod failure;
@@ -125,7 +125,8 @@ const SUCCESS: u8 = 0;
 /// assert_eq!(underbrush::run_command_line(["underbrush", "inspect", "mixed"].map(Into::into)), 0);
 /// ```
 pub fn run_command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let cli = match Cli::try_parse_from(arguments) {
+    let matches = taking_negative_numbers(Cli::command()).try_get_matches_from(arguments);
+    let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(answer) => return output::usage(&answer),
     };
@@ -142,6 +143,15 @@ pub fn run_command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             failure.status()
         }
     }
+}
+
+/// A command whose options take negative numbers, so that their ranges are named instead of "unexpected argument".
+fn taking_negative_numbers(command: clap::Command) -> clap::Command {
+    let taking = |arg: clap::Arg| match arg.get_action().takes_values() {
+        true => arg.allow_negative_numbers(true),
+        false => arg,
+    };
+    command.mut_args(taking).mut_subcommands(taking_negative_numbers)
 }
 
 fn run(cli: Cli) -> Result<(), Failure> {

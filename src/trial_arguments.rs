@@ -30,7 +30,7 @@ pub struct TrialArguments {
     #[arg(long, value_name = "NAME")]
     patch: Option<String>,
     /// A taxel is in contact while it senses more than this, N [default: 0.03]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N")]
     threshold_n: Option<f64>,
     /// Leave out trials with fewer samples [default: 1]
     #[arg(long, value_name = "N")]
@@ -39,7 +39,8 @@ pub struct TrialArguments {
     #[arg(long, value_name = "BY", value_parser = named::<Labels>(&[
         ("contact", "The object that pressed on the skin"),
         ("environment",
-         "The single category of the clutter, even where nothing pressed, as the paper's models were trained"),
+         "The single category of the clutter, even where nothing pressed, as the paper's models were trained; in a clutter of \
+          several categories, the object that pressed"),
     ]))]
     labels: Option<Labels>,
     /// Do not connect components across the seam of a closed patch, as in the authors' code

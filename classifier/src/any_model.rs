@@ -7,6 +7,7 @@ use underbrush_recording::{InputError, JSON_BYTES, read_text};
 use crate::document::{FORMAT, Head};
 use crate::error::ModelError;
 use crate::model_file::Model;
+use crate::provenance::Provenance;
 use crate::touch::{TOUCH_FORMAT, TouchModel};
 
 /// A model of either kind.
@@ -16,6 +17,16 @@ pub enum AnyModel {
     OfTrials(Model),
     /// A classifier of frames.
     Touch(Box<TouchModel>),
+}
+
+impl AnyModel {
+    /// Where the model comes from.
+    pub fn provenance(&self) -> &Provenance {
+        match self {
+            AnyModel::OfTrials(model) => &model.provenance,
+            AnyModel::Touch(model) => &model.provenance,
+        }
+    }
 }
 
 /// The name of the format without its version.

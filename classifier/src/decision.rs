@@ -88,7 +88,11 @@ pub enum DecisionError {
         found: f64,
     },
     /// Priors for categories other than those of the models.
-    #[error("priors are given for {found:?}, models for {expected:?}; give one prior per model, or none at all")]
+    #[error(
+        "priors are given for {}, models for {}; give one prior per model, or none at all",
+        found.join(", "),
+        expected.join(", ")
+    )]
     PriorCategories {
         /// The categories with a prior.
         found: Vec<String>,
@@ -96,10 +100,10 @@ pub enum DecisionError {
         expected: Vec<String>,
     },
     /// Thresholds that contradict each other or are out of range.
-    #[error("thresholds {found:?}; allowed: finite numbers from 0, with category_above at least uncertain_below")]
+    #[error("thresholds of {} and {} nats; allowed: finite numbers from 0, the first no larger than the second", found[0], found[1])]
     BadThreshold {
-        /// The rule found.
-        found: Rule,
+        /// Margins from which a verdict is not uncertain, and above which it is a category, nats.
+        found: [f64; 2],
     },
     /// The paper's thresholds belong to other scores.
     #[error(
@@ -176,7 +180,7 @@ impl Decision {
             Rule::OutlierBand { uncertain_below, category_above } => (uncertain_below, category_above),
         };
         if !(low >= 0.0 && high >= low && high.is_finite()) {
-            return Err(DecisionError::BadThreshold { found: self.rule });
+            return Err(DecisionError::BadThreshold { found: [low, high] });
         }
         let total: f64 = self.prior.values().sum();
         let log_prior = match self.prior.is_empty() {

@@ -1,7 +1,9 @@
 //! Contact trials of recordings and data sets, by taxel or by component.
 
-use underbrush_classifier::trial::{TrialError, TrialOptions, Unit, component_trials, taxel_trials};
-use underbrush_recording::{Dataset, Fault, Recording, Trial};
+use underbrush_classifier::trial::{
+    Labels, TrialError, TrialOptions, Unit, component_trials, environment, taxel_trials,
+};
+use underbrush_recording::{Category, Dataset, Fault, Recording, Trial};
 use underbrush_sim::reach::ReachError;
 
 use crate::progress::Progress;
@@ -11,6 +13,26 @@ use crate::progress::Progress;
 /// # Errors
 /// As [`taxel_trials`] and [`component_trials`].
 pub fn of_recording(recording: &Recording, options: &TrialOptions, first: u64) -> Result<Vec<Trial>, TrialError> {
+    warn_of_mixed(usize::from(is_mixed(recording, options)), 1);
+    cut(recording, options, first)
+}
+
+/// Whether labels by environment were asked for, and this clutter has several categories.
+fn is_mixed(recording: &Recording, options: &TrialOptions) -> bool {
+    let is_object = recording.objects.iter().any(|object| object.category != Category::BLOCK);
+    options.labels == Labels::Environment && is_object && environment(recording).is_none()
+}
+
+fn warn_of_mixed(mixed: usize, all: usize) {
+    if mixed > 0 {
+        log::warn!(
+            "{mixed} of {all} reaches have objects of several categories, so their trials are labelled by the object that pressed, \
+             not by environment"
+        );
+    }
+}
+
+fn cut(recording: &Recording, options: &TrialOptions, first: u64) -> Result<Vec<Trial>, TrialError> {
     let found = match options.by {
         Unit::Taxel => taxel_trials(recording, options)?,
         Unit::Component => component_trials(recording, options)?,
@@ -25,13 +47,15 @@ pub fn of_recording(recording: &Recording, options: &TrialOptions, first: u64) -
 /// # Errors
 /// If the set cannot be read or a reach cannot be cut; [`ReachError::Stopped`] if the user ends the run.
 pub fn of_dataset(dataset: &Dataset, options: &TrialOptions, progress: &dyn Progress) -> Result<Vec<Trial>, Fault> {
-    let mut trials = Vec::new();
+    let (mut trials, mut mixed) = (Vec::new(), 0);
     each_episode(dataset, progress, |episode, recording| {
-        let mut found = of_recording(recording, options, trials.len() as u64)?;
+        mixed += usize::from(is_mixed(recording, options));
+        let mut found = cut(recording, options, trials.len() as u64)?;
         found.iter_mut().for_each(|trial| trial.reach = Some(episode as u64));
         trials.extend(found);
         Ok(())
     })?;
+    warn_of_mixed(mixed, dataset.episodes().len());
     Ok(trials)
 }
 

@@ -10,7 +10,7 @@ use serde_json::json;
 use underbrush_recording::disk::{
     ArmText, Dataset, DatasetPlan, FileText, PlannedEpisode, Provenance, SceneText, Shard,
 };
-use underbrush_recording::{Category, Fault, InputError, Recording, distinct};
+use underbrush_recording::{Category, Fault, InputError, Recording, distinct, is_plain};
 use underbrush_sim::arm::{Arm, ArmSource};
 use underbrush_sim::campaign::{self, Job};
 use underbrush_sim::controller::{ControllerKind, Preset};
@@ -51,6 +51,20 @@ pub struct Campaign {
     pub verdicts: Option<VerdictControl>,
     /// The part of the reaches to run; all if not given.
     pub shard: Option<Shard>,
+}
+
+/// Checks that a user's own controller can be told from the others by its name.
+///
+/// # Errors
+/// For the name of a controller that ships, that of robots' logs, and one that is not plain text.
+pub fn check_own_name(controller: &str) -> Result<(), Fault> {
+    let ships = ControllerKind::from_name(controller).is_ok();
+    if !ships && controller != Recording::UNKNOWN_CONTROLLER && !controller.is_empty() && is_plain(controller) {
+        return Ok(());
+    }
+    let found = format!("the controller is called {controller:?}");
+    let reason = "which is the name of a controller that ships, that of robots' logs, or no plain text";
+    Err(Fault::Usage(format!("{found}, {reason}; give it a name of its own")))
 }
 
 /// Warns about doubtful properties of these arms' skins, without repeating a warning.
@@ -230,10 +244,8 @@ impl Campaign {
                 other.scene.name
             )));
         }
-        if self.own_controller.is_some() && ControllerKind::from_name(&controller).is_ok() {
-            return Err(Fault::Usage(format!(
-                "the controller is called {controller}, which is the name of a controller that ships; give it a name of its own"
-            )));
+        if self.own_controller.is_some() {
+            check_own_name(&controller)?;
         }
         if let Some(other) = plans.iter().find(|plan| plan.controller_name() != controller) {
             let (other, its_controller) = (&other.scene.name, other.controller_name());

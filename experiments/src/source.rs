@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
-use underbrush_recording::{InputError, TEXT_BYTES, line_at, read_text, toml_fault};
+use underbrush_recording::{InputError, TEXT_BYTES, line_at, parse_toml, read_text};
 
 /// A file's path and text, to which errors refer.
 pub struct Source<'a> {
@@ -26,11 +27,8 @@ pub fn read(path: &Path, kind: &str) -> Result<String, InputError> {
 
 impl Source<'_> {
     /// The contents of the file; `kind` is the name of its schema, as for `underbrush schema`.
-    pub fn parse<T: DeserializeOwned>(&self, kind: &str) -> Result<T, InputError> {
-        toml::from_str(self.text).map_err(|error| {
-            let stopped = (error.message(), error.span().unwrap_or_default().start);
-            toml_fault(self.path, self.text, kind, stopped, &format!("the keys that `underbrush schema {kind}` lists"))
-        })
+    pub fn parse<T: DeserializeOwned + JsonSchema>(&self, kind: &str) -> Result<T, InputError> {
+        parse_toml(self.path, self.text, kind, &format!("the keys that `underbrush schema {kind}` lists"))
     }
 
     /// A field whose value is `value`, found by its text.

@@ -159,6 +159,12 @@ impl VerdictControl {
             }
         };
         plan.has_true_verdicts = classifier.is_none();
+        if let Some(name) = self.asked_n.keys().find(|name| classifier.is_none() && !plan.scene.has_verdict(name)) {
+            log::warn!(
+                "warning: nothing in scene {} is a {name}, so its allowed force has no effect there",
+                plan.scene.name
+            );
+        }
         let allowed = Arc::new(self.allowed_in(&plan.scene));
         Ok(plan.with_controller_within(move |inner| {
             Box::new(VerdictController {

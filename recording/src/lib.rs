@@ -27,6 +27,9 @@ pub mod plain_text;
 pub mod reach;
 pub mod regular_file;
 pub mod text_line;
+#[cfg(feature = "toml")]
+mod toml_shape;
+#[cfg(feature = "toml")]
 pub mod toml_text;
 pub mod trial;
 
@@ -49,5 +52,6 @@ pub use plain_text::{PLAIN, escaped, is_plain, shortened};
 pub use reach::{Contact, ContactForces, GoalRecord, ObjectRecord, Recording};
 pub use regular_file::{open_regular, read_bytes, read_text};
 pub use text_line::line_at;
-pub use toml_text::toml_fault;
+#[cfg(feature = "toml")]
+pub use toml_text::parse_toml;
 pub use trial::{Region, Sample, Trial};

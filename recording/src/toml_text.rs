@@ -1,9 +1,13 @@
-//! Errors of text files in TOML: the line, the key, and what a reader of the file can understand.
+//! Reads text files in TOML. Errors have the line, the key, and words that a reader of the file can understand.
 
 use std::path::Path;
 
+use schemars::{JsonSchema, SchemaGenerator};
+use serde::de::DeserializeOwned;
+
 use crate::InputError;
 use crate::text_line::line_at;
+use crate::toml_shape::misfit;
 
 /// The key that the line at `offset` sets, preceded by the name of its table, such as `goals.count`. Empty if the line
 /// sets none and no table is open.
@@ -22,9 +26,9 @@ fn key_at(text: &str, offset: usize) -> String {
     parts.join(".")
 }
 
-/// A message of a parser, with the number types of Rust in words.
-fn in_words(message: &str) -> String {
-    let Some((found, expected)) = message.split_once(", expected ") else { return message.to_owned() };
+/// What a message of a parser says was found, and what was expected, with the number types of Rust in words.
+fn in_words(message: &str) -> (&str, Option<&str>) {
+    let Some((found, expected)) = message.split_once(", expected ") else { return (message, None) };
     let words = match expected {
         "u8" => "a whole number from 0 to 255",
         "u16" => "a whole number from 0 to 65535",
@@ -33,19 +37,39 @@ fn in_words(message: &str) -> String {
         "f32" | "f64" => "a number",
         other => other,
     };
-    format!("{found}, expected {words}")
+    (found, Some(words))
 }
 
-/// An error about the text of a file, from the message of the parser and the byte at which it stopped. `kind` is what the
-/// file holds, such as `scene`.
-pub fn toml_fault(path: &Path, text: &str, kind: &str, (message, offset): (&str, usize), allowed: &str) -> InputError {
+/// Parses the text of a file. `kind` is what it holds, such as `scene`, and `allowed` what it may hold.
+///
+/// # Errors
+/// [`InputError`] with the line and the key for text that is not TOML, unknown keys, and values of another type. Arrays must not be
+/// longer than their type, and are not taken for tables.
+pub fn parse_toml<T>(path: &Path, text: &str, kind: &str, allowed: &str) -> Result<T, InputError>
+where
+    T: DeserializeOwned + JsonSchema,
+{
+    let parsed = toml::from_str(text).map_err(|error| {
+        let start = error.span().unwrap_or_default().start;
+        toml_fault(path, text, kind, (error.message(), start), allowed)
+    })?;
+    let schema = SchemaGenerator::default().into_root_schema_for::<T>();
+    match misfit(schema.as_value(), text) {
+        Some((place, message)) => Err(toml_fault(path, text, kind, (&message, place), allowed)),
+        None => Ok(parsed),
+    }
+}
+
+/// An error about the text of a file, from the message of the parser and the byte at which it stopped.
+fn toml_fault(path: &Path, text: &str, kind: &str, (message, offset): (&str, usize), allowed: &str) -> InputError {
     let key = key_at(text, offset);
     let field = if key.is_empty() { kind.to_owned() } else { format!("{kind}, {key}") };
+    let (found, expected) = in_words(message);
     let (allowed, remedy) = match message {
         "duplicate key" => ("each key once", "remove one of the two"),
-        _ => (allowed, "correct this line"),
+        _ => (expected.unwrap_or(allowed), "correct this line"),
     };
-    InputError::new(path, field, in_words(message), allowed, remedy).at_line(line_at(text, offset))
+    InputError::new(path, field, found, allowed, remedy).at_line(line_at(text, offset))
 }
 
 #[cfg(test)]
@@ -70,9 +94,9 @@ mod tests {
     #[test]
     fn types_are_named_in_words() {
         let found = in_words("invalid value: integer `-3`, expected u32");
-        assert_eq!(found, "invalid value: integer `-3`, expected a whole number, 0 or more");
-        for message in ["unknown field `heigth_m`, expected one of `height_m`", "missing field `count`"] {
-            assert_eq!(in_words(message), message);
-        }
+        assert_eq!(found, ("invalid value: integer `-3`", Some("a whole number, 0 or more")));
+        let unknown = in_words("unknown field `heigth_m`, expected `height_m`");
+        assert_eq!(unknown, ("unknown field `heigth_m`", Some("`height_m`")));
+        assert_eq!(in_words("missing field `count`"), ("missing field `count`", None));
     }
 }

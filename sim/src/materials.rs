@@ -6,11 +6,10 @@ use std::path::Path;
 use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use underbrush_recording::{InputError, Limits, TEXT_BYTES, read_text, short};
+use underbrush_recording::{InputError, Limits, TEXT_BYTES, parse_toml, read_text, short};
 
 use crate::arm::{Arm, limits};
 use crate::range::{DrawError, Limited, Quantity, Within};
-use crate::toml_text::parsed;
 
 macro_rules! materials {
     ($($(#[doc = $text:literal])+ $name:ident: $limits:expr;)+) => {
@@ -92,7 +91,7 @@ impl Materials {
 }
 
 /// One constant of a file of materials.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Constant {
     /// The value that is used unless it is drawn.
@@ -146,7 +145,7 @@ impl MaterialFile {
 
     fn parse(path: &Path, text: &str) -> Result<MaterialFile, InputError> {
         let allowed = "tables [NAME] with value, range, source and affects";
-        let constants: BTreeMap<String, Constant> = parsed(path, text, "materials", allowed)?;
+        let constants: BTreeMap<String, Constant> = parse_toml(path, text, "materials", allowed)?;
         for (name, Constant { value, range: [low, high], .. }) in &constants {
             let fault =
                 |found: String, allowed: String| Err(InputError::new(path, name, found, allowed, "correct this table"));

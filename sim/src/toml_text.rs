@@ -1,17 +1,4 @@
-//! Reads TOML files, and finds the line of a key in their text, for error messages.
-
-use std::path::Path;
-
-use serde::de::DeserializeOwned;
-use underbrush_recording::{InputError, toml_fault};
-
-/// Parses the text of a file of this kind. `allowed` says what it may hold.
-pub(crate) fn parsed<T: DeserializeOwned>(path: &Path, text: &str, kind: &str, allowed: &str) -> Result<T, InputError> {
-    toml::from_str(text).map_err(|error| {
-        let stopped = (error.message(), error.span().unwrap_or_default().start);
-        toml_fault(path, text, kind, stopped, allowed)
-    })
-}
+//! Finds the line of a key in the text of a TOML file, for error messages.
 
 /// Whether a line sets `key`.
 pub(crate) fn sets_key(line: &str, key: &str) -> bool {

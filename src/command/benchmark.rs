@@ -40,14 +40,13 @@ pub struct BenchmarkOptions {
     ]))]
     track: String,
     /// Model to judge, of any kind; for verdicts and transfer
-    #[arg(long, value_name = "MODEL", required_if_eq_any = [("track", "verdicts"), ("track", "transfer")])]
+    #[arg(long, value_name = "MODEL")]
     model: Option<PathBuf>,
     /// Controller to judge; for reaching
-    #[arg(long, value_name = "NAME", value_parser = input::controller(), conflicts_with = "model")]
-    #[arg(required_if_eq("track", "reaching"))]
+    #[arg(long, value_name = "NAME", value_parser = input::controller())]
     controller: Option<ControllerKind>,
     /// Tell the controller what the skin touches, by this touch model; for reaching
-    #[arg(long, value_name = "MODEL", requires = "controller", conflicts_with = "model")]
+    #[arg(long, value_name = "MODEL", requires = "controller")]
     verdicts: Option<PathBuf>,
     /// Folder for the reaches and for the rows, as JSON files with versions, seeds and hashes
     #[arg(long, value_name = "DIR", default_value = "out/benchmark")]

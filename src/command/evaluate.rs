@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use underbrush_classifier::any_model::{self, AnyModel};
 use underbrush_classifier::evaluate::{
     Compared, Evaluation, EvaluationReport, FoldBy, Folds, RocCurve, accuracy_by_samples, category_roc, cross_validate,
-    evaluate, outlier_roc,
+    evaluate, outlier_roc, warn_of_left_out,
 };
 use underbrush_classifier::registry::CLASSIFIERS;
-use underbrush_classifier::{Classifier, ClassifierKind, Decision, FeatureSet, Rule, Scores};
+use underbrush_classifier::{Classifier, ClassifierKind, Decision, FeatureSet, Provenance, Rule, Scores};
 use underbrush_experiments::model_data;
 use underbrush_recording::{Category, InputError, Trial};
 
@@ -101,6 +101,9 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
         options.overwrite.file(roc, inputs)?;
     }
     let model = options.model.as_deref().map(any_model::load).transpose()?;
+    if let Some(model) = &model {
+        options.warn_of_own_data(model.provenance())?;
+    }
     let model = match model {
         Some(AnyModel::Touch(model)) => {
             options.cut.refuse_for_touch_model()?;
@@ -131,6 +134,7 @@ pub fn run(options: EvaluateOptions, json: bool) -> Result<(), Failure> {
         (None, Some(train)) => evaluate(fitted(&options, train)?.as_ref(), &trials, &decision),
         (None, None) => {
             let own = *folds.insert(options.folds(&trials));
+            warn_of_left_out(&trials);
             cross_validate(&trials, options.estimator.estimator()?.as_ref(), own, &decision)
         }
     };
@@ -201,11 +205,6 @@ impl EvaluateOptions {
     /// that on training data.
     fn check_apart(&self) -> Result<(), Failure> {
         let Some(train) = &self.train else { return Ok(()) };
-        let allowed = "a data set (folder), recording or table of trials";
-        let content = |path: &PathBuf| -> Result<String, Failure> {
-            input::check_exists(path, allowed)?;
-            Ok(model_data::of_path(path)?.blake3)
-        };
         let fitted = content(train)?;
         for path in &self.trials {
             if content(path)? != fitted {
@@ -215,6 +214,18 @@ impl EvaluateOptions {
             let allowed = "other data than TRIALS, because the accuracy on data that were fitted to is too high";
             let remedy = "give other data, or leave out --train to cross-validate";
             return Err(InputError::new(train, "--train", found, allowed, remedy).into());
+        }
+        Ok(())
+    }
+
+    /// Warns of a model that was fitted to the trials.
+    fn warn_of_own_data(&self, provenance: &Provenance) -> Result<(), Failure> {
+        for path in &self.trials {
+            let own = content(path)?;
+            if provenance.data.iter().any(|data| data.blake3 == own) {
+                let found = "the model was fitted to these data, so its accuracy on them is too high";
+                output::remark(format!("warning: {}: {found}; evaluate it on other data", path.display()));
+            }
         }
         Ok(())
     }
@@ -238,6 +249,12 @@ impl EvaluateOptions {
         let paper = self.cut.is_paper().then_some(FoldBy::Position);
         Folds { count: self.folds, by: self.group.or(paper).unwrap_or_else(|| FoldBy::advised(trials)) }
     }
+}
+
+/// The hash of a data set, a recording or a table.
+fn content(path: &Path) -> Result<String, Failure> {
+    input::check_exists(path, "a data set (folder), recording or table of trials")?;
+    Ok(model_data::of_path(path)?.blake3)
 }
 
 /// A classifier fitted to the trials in another file.

@@ -117,14 +117,12 @@ impl PictureArguments {
     fn scene_camera(&self, scene: &str, text: Option<&str>) -> Result<Option<SceneCamera>, Failure> {
         let Some(name) = &self.camera else { return Ok(None) };
         let refused = |allowed: &str| Failure::usage(format!("--camera {name}: allowed: {allowed}"));
-        let text = text.ok_or_else(|| refused("nothing here; give a data set, or use --eye and --target"))?;
+        let text = text.ok_or_else(|| refused("only with a data set, because a recording alone stores no cameras; give one, or use --eye and --target"))?;
         let cameras = Scene::parse(scene, text.to_owned())?.file.cameras;
         let names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
         let named = cameras.iter().find(|camera| camera.name == *name).cloned();
         let none = || match names.join(", ") {
-            names if names.is_empty() => {
-                refused(&format!("nothing here, as the scene {scene} has no cameras; use --eye"))
-            }
+            names if names.is_empty() => refused(&format!("no name, as the scene {scene} has no cameras; use --eye")),
             names => refused(&format!("the cameras of the scene {scene} ({names}); choose one of them")),
         };
         named.ok_or_else(none).map(Some)

@@ -297,7 +297,7 @@ fn text(report: &TrainingReport) -> String {
 fn skipped_text(skipped: usize) -> String {
     match skipped {
         0 => String::new(),
-        _ => format!("left out: {} without a category to train\n", output::counted(skipped, "trial", "trials")),
+        _ => format!("left out: {} to which nothing is fitted\n", output::counted(skipped, "trial", "trials")),
     }
 }
 

@@ -31,8 +31,42 @@ fn unknown_key() {
         &["unknown field `sumary`", "`summary`", "correct this line"],
     );
     let text = format!("{HEAD}{LEAF}heigth_m = 0.3\n");
-    refuses(&text, Some(8), &["unknown field `heigth_m`", "`height_m`", "underbrush schema", "correct this line"]);
+    refuses(&text, Some(8), &["unknown field `heigth_m`", "`height_m`", "correct this line"]);
     refuses(&format!("{HEAD}[[objects.bush]]\ncount = 1\n"), Some(3), &["unknown field `bush`", "`leaf`"]);
+}
+
+/// Tests that arrays with more elements than are used, arrays for tables and tables for numbers are refused and not cut short.
+#[test]
+fn another_shape() {
+    let group = format!("{HEAD}{LEAF}");
+    for (text, line, parts) in [
+        (
+            format!("{group}width_m = {{ uniform = [0.02, 0.03, 0.04] }}\n"),
+            8,
+            ["an array of 3", "allowed: an array of 2"],
+        ),
+        (
+            format!("{group}place.x_m = {{ normal = [0.5, 0.1, 0.2] }}\n"),
+            8,
+            ["an array of 3", "allowed: an array of 2"],
+        ),
+        (format!("{HEAD}goals = {{ positions_m = [[0.5, 0, -0.3, 0.2]] }}\n"), 3, ["goals", "allowed: an array of 3"]),
+        (format!("{HEAD}physics = [0.001, 1.0]\n"), 3, ["scene, physics: found an array", "allowed: a table"]),
+        (format!("{HEAD}passing = [[\"leaf\", \"leaf\", \"trunk\"]]\n"), 3, ["passing", "allowed: an array of 2"]),
+        (format!("{HEAD}sensor = [\"ideal\"]\n"), 3, ["scene, sensor: found an array", "allowed: a table"]),
+    ] {
+        refuses(&text, Some(line), &parts);
+    }
+}
+
+/// Tests that a force cannot be allowed on a category that nothing in the scene can be.
+#[test]
+fn a_force_on_nothing() {
+    let text = format!("{HEAD}allowed_force_n = {{ laef = 3 }}\n{LEAF}");
+    refuses(&text, Some(3), &["allowed_force_n.laef: found laef", "leaf, trunk", "change the value"]);
+    let named = format!("{HEAD}allowed_force_n = {{ fern = 3, unknown = 1 }}\n{LEAF}category = \"fern\"\n");
+    let folder = tempfile::tempdir().unwrap();
+    underbrush!["inspect", scenes::write(folder.path(), "good.toml", &named)].success();
 }
 
 /// Tests that text that is not TOML is refused with its line.
@@ -140,6 +174,12 @@ fn plants_that_fall_over() {
     let plant = format!("{HEAD}[[objects.foam_block]]\ncount = 3\n\n[[objects.plant]]\ncount = 1\n");
     let parts = ["objects.plant[0].stem_rigidity_n_m2: found 0.001 gives no value from", "change the value"];
     refuses(&format!("{plant}stem_rigidity_n_m2 = 0.001\n"), Some(8), &parts);
+    let parts = ["objects.plant[0].flexural_rigidity_n_m2: found 0.0002 gives no value from", "change the value"];
+    refuses(
+        &format!("{plant}petiole_m = 0.3\nblade_length_m = 0.1\nflexural_rigidity_n_m2 = 0.0002\n"),
+        Some(10),
+        &parts,
+    );
     let parts = ["objects.plant[0].droop_deg: found 170 gives no value from -90 to 0", "change the value"];
     let text = format!("{plant}elevation_deg = 0\nblade_length_m = 0.5\ndroop_deg = 170\n");
     refuses(&text, Some(10), &parts);

@@ -94,9 +94,10 @@ fn the_audit_half_follows_from_the_model() {
 /// Tests that options that do not belong to a track are refused, and that the message names the option that is needed.
 #[test]
 fn what_does_not_go_with_a_track_is_refused() {
-    underbrush!["benchmark", "verdicts"].refused(&["--model <MODEL>"]);
-    underbrush!["benchmark", "transfer", "--controller", "blind"].refused(&["--model <MODEL>"]);
-    underbrush!["benchmark", "reaching", "--model", "touch.json"].refused(&["--controller <NAME>"]);
+    let remedy = "give a model for verdicts and transfer, a controller for reaching";
+    underbrush!["benchmark", "verdicts"].refused(&["verdicts\" with no model and no controller", remedy]);
+    underbrush!["benchmark", "transfer", "--controller", "blind"].refused(&["with no model and a controller", remedy]);
+    underbrush!["benchmark", "reaching", "--model", "touch.json"].refused(&["with a model and no controller", remedy]);
     underbrush!["benchmark", "reaching", "--verdicts", "touch.json"].refused(&["--controller <NAME>"]);
     underbrush!["benchmark", "speed"].refused(&["verdicts, transfer, reaching"]);
     underbrush!["benchmark", "reaching", "--controller", "cody-2013", "--verdicts", "truth"]

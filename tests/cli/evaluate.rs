@@ -183,6 +183,40 @@ fn an_input_is_not_fitted_to_and_tested_on() {
     underbrush!["evaluate", fixture().table_csv(), set, "--classifier", "touch", "--train", same_set].refused(&parts);
 }
 
+/// Tests that a model that was fitted to the trials is warned of, and that one of other trials is not.
+#[test]
+fn a_model_of_the_same_data_is_warned_of() {
+    let folder = tempfile::tempdir().unwrap();
+    let [model, other] = ["model.json", "other.csv"].map(|name| folder.path().join(name));
+    let table = fixture().table_csv();
+    underbrush!["train", table, "--classifier", "naive-bayes", "--out", model].success();
+    let mut trials = read_trials(&table).unwrap();
+    trials.pop();
+    write_trials(&other, trials).unwrap();
+    for (trials, warns) in [(&table, true), (&other, false)] {
+        let answer = underbrush!["evaluate", trials, "--model", model];
+        assert_eq!(answer.stderr.contains("the model was fitted to these data"), warns, "{}", answer.stderr);
+    }
+}
+
+/// Tests that cross-validation says which trials it leaves out, and that all others are of one category.
+#[test]
+fn trials_that_are_left_out_are_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = folder.path().join("table.csv");
+    let mut trials = read_trials(fixture().table_csv()).unwrap();
+    let is_leaf = |trial: &underbrush_recording::Trial| trial.category.as_deref() == Some("leaf");
+    trials.retain(is_leaf);
+    trials[0].category = None;
+    trials[1..3].iter_mut().for_each(|trial| trial.category = Some("block".into()));
+    let all = trials.len();
+    write_trials(&table, trials).unwrap();
+    let answer = underbrush!["evaluate", table, "--classifier", "peak-force", "--group", "position"];
+    let left = format!("3 of {all} trials are left out, because nothing is fitted to them (no category: 1, block: 2)");
+    assert!(answer.stderr.contains(&left), "{}", answer.stderr);
+    assert!(answer.stderr.contains("all trials are of the category leaf"), "{}", answer.stderr);
+}
+
 /// The fixture's trials with four reaches, each of which has both categories.
 fn table_with_reaches(folder: &std::path::Path) -> std::path::PathBuf {
     let mut trials = read_trials(fixture().table_csv()).unwrap();

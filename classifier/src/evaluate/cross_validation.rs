@@ -7,6 +7,7 @@ use underbrush_recording::Trial;
 
 use super::{EvaluateError, Evaluation, Folds, Prediction};
 use crate::estimator::{Classifier, Estimator, is_trained};
+use crate::frequency::frequencies;
 use crate::{Decision, TrainingHistory};
 
 /// Evaluates a given classifier on trials; those without ground truth are skipped.
@@ -112,6 +113,28 @@ pub(super) fn across_folds<T: Send>(
     // Restores the order of the table; each fold's results are already in that order.
     let results = assignment.iter().filter_map(|&fold| by_fold[fold].next()).collect();
     Ok(AcrossFolds { results, categories, training })
+}
+
+/// Warns of trials that cross-validation leaves out, and of trials of a single category.
+pub fn warn_of_left_out(trials: &[Trial]) {
+    let names = trials.iter().map(|trial| trial.category.as_deref());
+    let (used, left): (Vec<_>, Vec<_>) =
+        frequencies(names).into_iter().partition(|(name, _)| name.is_some_and(is_trained));
+    if !left.is_empty() {
+        let count: usize = left.iter().map(|(_, count)| count).sum();
+        let left: Vec<String> =
+            left.iter().map(|(name, count)| format!("{}: {count}", name.unwrap_or("no category"))).collect();
+        log::warn!(
+            "{count} of {} trials are left out, because nothing is fitted to them ({})",
+            trials.len(),
+            left.join(", ")
+        );
+    }
+    if let [(Some(category), _)] = used.as_slice() {
+        log::warn!(
+            "warning: all trials are of the category {category}, so any classifier is right; add another category"
+        );
+    }
 }
 
 fn names(categories: &BTreeSet<&str>) -> Vec<String> {

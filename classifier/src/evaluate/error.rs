@@ -22,7 +22,7 @@ pub enum EvaluateError {
     },
     /// A category is too small to be in every fold.
     #[error(
-        "category {category} has {}, fewer than the {folds} folds; {}",
+        "category {category} {}, fewer than the {folds} folds; {}",
         counted(*found, unit),
         remedy(*folds, unit)
     )]
@@ -42,7 +42,7 @@ pub enum EvaluateError {
         /// Number of the trial in its table.
         trial: u64,
     },
-    /// A fold by reach holds all trials of a category, which is a minority in all of its reaches.
+    /// A fold by reach holds all trials of a category.
     #[error(
         "without fold {fold} of {folds}, only {} of the categories {} are left to fit to; {remedy}",
         left.join(", "),
@@ -88,9 +88,10 @@ pub enum EvaluateError {
 
 fn counted(found: usize, unit: &str) -> String {
     match (found, unit) {
-        (1, "reaches") => "1 reach".into(),
-        (1, "trials") => "1 trial".into(),
-        _ => format!("{found} {unit}"),
+        (1, "reaches") => "is in 1 reach".into(),
+        (_, "reaches") => format!("is in {found} reaches"),
+        (1, _) => "has 1 trial".into(),
+        _ => format!("has {found} {unit}"),
     }
 }
 

@@ -68,7 +68,7 @@ impl Folds {
         let by = FoldBy::advised(trials);
         let units = match by {
             FoldBy::Position => frequencies(used().map(category)),
-            FoldBy::Reach => frequencies(votes(used()).values().filter_map(most_frequent)),
+            FoldBy::Reach => reaches_with(&votes(used())),
         };
         let min = units.into_values().min().unwrap_or(0);
         Folds { count: min.clamp(2, 5), by }
@@ -78,42 +78,51 @@ impl Folds {
     ///
     /// The i-th of n units of a category (trials, or reaches in the order of their index) goes to fold ⌊i·k/n⌋ of k. A
     /// reach belongs to the category of most of its trials; in a tie, the first of these categories in alphabetical
-    /// order counts. A category to which no reach belongs may be missing from folds.
+    /// order counts. A category that is a minority in its reaches may be missing from folds.
     pub(super) fn assign(self, trials: &[&Trial]) -> Result<Vec<usize>, EvaluateError> {
         if self.count < 2 {
             return Err(EvaluateError::FoldCount { found: self.count });
         }
         match self.by {
             FoldBy::Position => {
-                let units = trials.iter().map(|trial| category(trial)).collect::<Vec<_>>();
-                self.assign_units(&units, "trials")
+                let units: Vec<&str> = trials.iter().map(|trial| category(trial)).collect();
+                let count = frequencies(units.iter().copied());
+                self.check_enough(&count, "trials")?;
+                Ok(self.assign_units(&units, &count))
             }
             FoldBy::Reach => {
                 if let Some(trial) = trials.iter().find(|trial| trial.reach.is_none()) {
                     return Err(EvaluateError::NoReach { trial: trial.trial });
                 }
                 let votes = votes(trials.iter().copied());
+                self.check_enough(&reaches_with(&votes), "reaches")?;
                 let units: Vec<&str> = votes.values().filter_map(most_frequent).collect();
-                let folds = self.assign_units(&units, "reaches")?;
+                let folds = self.assign_units(&units, &frequencies(units.iter().copied()));
                 let fold_of: BTreeMap<u64, usize> = votes.keys().copied().zip(folds).collect();
                 Ok(trials.iter().filter_map(|trial| fold_of.get(&trial.reach?).copied()).collect())
             }
         }
     }
 
-    /// The fold of each unit, given their categories.
-    fn assign_units(self, units: &[&str], unit: &'static str) -> Result<Vec<usize>, EvaluateError> {
-        let count = frequencies(units.iter().copied());
-        if let Some((category, &found)) = count.iter().find(|(_, count)| **count < self.count) {
-            return Err(EvaluateError::TooFew { category: (*category).to_owned(), found, unit, folds: self.count });
+    /// An error if a category has fewer units than there are folds.
+    fn check_enough(self, count: &BTreeMap<&str, usize>, unit: &'static str) -> Result<(), EvaluateError> {
+        match count.iter().find(|(_, count)| **count < self.count) {
+            Some((category, &found)) => {
+                Err(EvaluateError::TooFew { category: (*category).to_owned(), found, unit, folds: self.count })
+            }
+            None => Ok(()),
         }
+    }
+
+    /// The fold of each unit, given their categories, and how many each category has.
+    fn assign_units(self, units: &[&str], count: &BTreeMap<&str, usize>) -> Vec<usize> {
         let mut position: BTreeMap<&str, usize> = BTreeMap::new();
         let folds = units.iter().copied().map(|category| {
             let next = position.entry(category).or_default();
             *next += 1;
             (*next - 1) * self.count / count[category]
         });
-        Ok(folds.collect())
+        folds.collect()
     }
 }
 
@@ -130,4 +139,9 @@ fn votes<'a>(trials: impl Iterator<Item = &'a Trial>) -> BTreeMap<u64, BTreeMap<
         }
     }
     votes
+}
+
+/// In how many reaches each category is.
+fn reaches_with<'a>(votes: &BTreeMap<u64, BTreeMap<&'a str, usize>>) -> BTreeMap<&'a str, usize> {
+    frequencies(votes.values().flat_map(|own| own.keys().copied()))
 }

@@ -24,7 +24,7 @@ mod touch_stiffness;
 pub use by_samples::{AccuracyBySamples, SAMPLE_COUNTS, accuracy_by_samples};
 pub use confusion::{Accuracy, AccuracyByTouch, CategoryFigures, ConfusionMatrix, Rates};
 use cross_validation::{across_folds, predict};
-pub use cross_validation::{cross_validate, evaluate};
+pub use cross_validation::{cross_validate, evaluate, warn_of_left_out};
 pub use error::EvaluateError;
 pub use evaluation::Evaluation;
 pub use evaluation_report::{Compared, EvaluationReport};

@@ -129,13 +129,14 @@ fn impossible_splits_are_named() {
     assert_eq!(error(&[], 2, FoldBy::Position), EvaluateError::NoTruth);
 }
 
-/// Tests that a category that is a minority in the only reach that has it is not silently left out of the fit of one
-/// fold, in any kind of cross-validation, and that it is no obstacle if it is in reaches of both folds.
+/// Tests that a category that is a minority in all of its reaches, which are in one fold, is not silently left out of the fit
+/// of that fold, in any kind of cross-validation, and that it is no obstacle if it is in reaches of both folds.
 #[test]
 fn a_category_in_one_fold_only_is_refused() {
     let mut table = trials(0, 12);
     let folds = Folds { count: 2, by: FoldBy::Reach };
-    // Four reaches with three trunks each. The leaf is in the fourth, so the second fold holds it.
+    // Four reaches with three trunks each. The leaves are in the last two, so the second fold holds them.
+    table[8].category = Some("leaf".into());
     table[10].category = Some("leaf".into());
     let error = cross_validate(&table, &recipe(), folds, &Decision::argmax()).unwrap_err();
     let expected = EvaluateError::FewCategories {
@@ -156,6 +157,19 @@ fn a_category_in_one_fold_only_is_refused() {
     assert!(result.predictions.iter().all(|prediction| prediction.scores.len() == 2));
 }
 
+/// Tests that a category that is in several reaches may be the most frequent one in a single reach.
+#[test]
+fn a_category_may_be_the_majority_of_one_reach() {
+    let mut table = trials(12, 0);
+    for trunk in [0, 3, 4, 9] {
+        table[trunk].category = Some("trunk".into());
+    }
+    let used: Vec<&Trial> = table.iter().collect();
+    let folds = Folds { count: 2, by: FoldBy::Reach }.assign(&used).unwrap();
+    assert_eq!(folds, [0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1]);
+    assert_eq!(Folds::for_thresholds(&table).count, 3);
+}
+
 /// Tests that the remedy for a category that is too small is possible wherever the error occurs: there are never fewer
 /// than two folds, and those for thresholds cannot be chosen.
 #[test]
@@ -167,7 +181,7 @@ fn the_remedy_for_a_small_category_is_possible() {
     };
     assert_eq!(
         text(1, "reaches", 2),
-        "category leaf has 1 reach, fewer than the 2 folds; use more data; an evaluation can also group by position"
+        "category leaf is in 1 reach, fewer than the 2 folds; use more data; an evaluation can also group by position"
     );
     assert_eq!(text(1, "trials", 2), "category leaf has 1 trial, fewer than the 2 folds; use more data");
     assert_eq!(
@@ -176,7 +190,7 @@ fn the_remedy_for_a_small_category_is_possible() {
     );
     let few = trials(3, 9);
     let error = HeldOut::of(&few, &recipe(), Folds::for_thresholds(&few)).unwrap_err();
-    assert!(error.to_string().starts_with("category leaf has 1 reach, fewer than the 2 folds"));
+    assert!(error.to_string().starts_with("category leaf is in 1 reach, fewer than the 2 folds"));
 }
 
 /// Tests order, folds and figures against a cross-validation assembled by hand from two fits.

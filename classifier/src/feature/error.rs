@@ -37,7 +37,7 @@ fn remedy(feature: &Feature) -> String {
         let columns: Vec<&str> = columns.map(|feature| feature.column).collect();
         format!("fill the columns {} (underbrush trials writes them)", columns.join(", "))
     } else {
-        format!("fill the column {}", feature.column)
+        format!("give every row a number in the column {}", feature.column)
     }
 }
 

@@ -84,7 +84,7 @@ fn bad_trials_are_named() {
     let error = FeatureSet::FORCE_AND_MOTION.observations(&missing, None).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "trial 7, sample 1 (from 0) has no motion_m, which the feature motion needs; fill the column motion_m, or choose \
+        "trial 7, sample 1 (from 0) has no motion_m, which the feature motion needs; give every row a number in the column motion_m, or choose \
          features without motion"
     );
     assert!(FeatureSet::FORCE.observations(&missing, None).is_ok());

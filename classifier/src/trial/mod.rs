@@ -16,8 +16,8 @@ use crate::error::Fault;
 pub(crate) use component::{Regions, neighbours_of_patch};
 pub use image::PatchImage;
 pub use tracking::component_trials;
-pub use trial_list::ContactTrial;
 pub(crate) use trial_list::Travel;
+pub use trial_list::{ContactTrial, environment};
 
 /// What a trial is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -110,7 +110,7 @@ impl TrialOptions {
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum TrialError {
     /// There is no patch with this name.
-    #[error("the skin has no patch named {found:?}; choose one of {known:?}")]
+    #[error("the skin has no patch named {found:?}; choose one of {}", known.join(", "))]
     UnknownPatch {
         /// The name requested.
         found: String,

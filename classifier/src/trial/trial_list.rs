@@ -20,7 +20,7 @@ pub struct ContactTrial {
 }
 
 /// The single category of a recording's objects other than foam blocks; `None` if there are several or none.
-fn environment(recording: &Recording) -> Option<Category> {
+pub fn environment(recording: &Recording) -> Option<Category> {
     let categories = recording.objects.iter().map(|object| object.category);
     let mut categories = categories.filter(|category| *category != Category::BLOCK);
     let first = categories.next()?;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
 use underbrush_recording::disk::TRIAL_COLUMNS;
-use underbrush_recording::{Grid, InputError, Limits, TEXT_BYTES, is_plain, read_text, short, toml_fault};
+use underbrush_recording::{Grid, InputError, Limits, TEXT_BYTES, is_plain, parse_toml, read_text, short};
 
 /// Frames per second: from one reading in a hundred seconds to a fast vibration sensor.
 const RATE_HZ: Limits = Limits::new(0.01, 1e5, "Hz");
@@ -223,10 +223,8 @@ impl Mapping {
     /// [`InputError`] with line and field if its content is not allowed, or if it cannot be read.
     pub fn load(path: &Path) -> Result<Self, InputError> {
         let text = read_text(path, &TEXT_BYTES, "a mapping file (TOML, UTF-8)", "check the path")?;
-        let file: MappingFile = toml::from_str(&text).map_err(|error| {
-            let stopped = (error.message(), error.span().unwrap_or_default().start);
-            toml_fault(path, &text, "mapping", stopped, "the keys that `underbrush schema mapping` lists")
-        })?;
+        let allowed = "the keys that `underbrush schema mapping` lists";
+        let file: MappingFile = parse_toml(path, &text, "mapping", allowed)?;
         let trial = &file.trial;
         let threshold_n = trial.threshold_n.unwrap_or(0.03);
         let mut mapping = Mapping {
@@ -310,6 +308,19 @@ impl Mapping {
             let Label { from_s, to_s, .. } = labels[number];
             let found = format!("{} to {}", short(from_s), short(to_s));
             return Err(self.fault(&format!("label[{number}].to_s"), found, "a time after from_s"));
+        }
+        for (number, own) in labels.iter().enumerate() {
+            let overlaps =
+                |other: &&Label| other.reach == own.reach && other.from_s < own.to_s && own.from_s < other.to_s;
+            if let Some(other) = labels[..number].iter().find(overlaps) {
+                let span = |label: &Label| format!("{} to {}", short(label.from_s), short(label.to_s));
+                let found = format!("{}, which overlaps {}", span(own), span(other));
+                return Err(self.fault(
+                    &format!("label[{number}].from_s"),
+                    found,
+                    "times that no other label of the reach has",
+                ));
+            }
         }
         if !labels.is_empty() && trial.category_from.is_some() {
             let allowed = "one of category_from and [[label]]";

@@ -1,6 +1,5 @@
 //! Rules for a suite file that the types of its keys do not express.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 use underbrush_recording::{Category, InputError, PLAIN, is_plain};
@@ -62,9 +61,9 @@ pub fn bounds(bounds: &Bounds, scene: &Scene, has_model: bool, source: &Source) 
             }
             Entry::ByCategory(categories) if metric.by_category => {
                 for (name, bound) in categories {
-                    let category = categories_of(scene).get(name.as_str()).copied().ok_or_else(|| {
+                    let category = scene.categories().get(name.as_str()).copied().ok_or_else(|| {
                         let field = source.field_at(&format!("bounds.{}", metric.name), bound.span().start);
-                        let names: Vec<&str> = categories_of(scene).into_keys().collect();
+                        let names: Vec<&str> = scene.categories().into_keys().collect();
                         field.fault(name, format!("a category of the scene's objects: {}", names.join(", ")))
                     })?;
                     found.push(checked(metric, Some(category), *bound.get_ref(), bound.span(), source)?);
@@ -115,11 +114,4 @@ fn checked(
         return Err(field.fault(format!("at_least = {low} and at_most = {high}"), "at_least no larger than at_most"));
     }
     Ok(own)
-}
-
-/// The categories of a scene's objects, by name.
-fn categories_of(scene: &Scene) -> BTreeMap<&'static str, Category> {
-    let groups = scene.file.objects.groups();
-    let categories = groups.iter().map(|(_, _, group)| group.category);
-    categories.map(|category| (category.name(), category)).collect()
 }

@@ -36,6 +36,7 @@ pub use output_file::{check_free, check_not_input};
 pub use recording_file::{is_recording, read_recording, recording_columns, recording_table, write_recording};
 pub use table::batch::Batch;
 pub use table::column::{Column, Rows, Text, Values};
+pub use tables::dictionary::is_of_joints_or_taxels;
 pub use tables::episode::Episode;
 pub use trials::{COLUMNS as TRIAL_COLUMNS, channel_names, read_trials, trial_table, write_trials, write_trials_with};
 pub use unfinished::{UnfinishedFolder, abandon_unfinished_files};

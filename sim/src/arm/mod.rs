@@ -252,8 +252,7 @@ pub fn load_layout(path: impl AsRef<Path>) -> Result<SkinLayout, InputError> {
 // Not generic, so that it is compiled once and not for each type of path.
 fn layout_of(path: &Path) -> Result<SkinLayout, InputError> {
     let source = source::Source { path: path.to_path_buf(), text: source::read_from_disk(path)? };
-    let keys: toml::Table = source.toml("the keys of an arm file, which names a urdf, or of a skin file")?;
-    match keys.contains_key("urdf") {
+    match names_urdf(&source.text) {
         true => Ok(Arm::load(path)?.skin.layout),
         false => skin_file::read_layout(&source),
     }
@@ -261,8 +260,11 @@ fn layout_of(path: &Path) -> Result<SkinLayout, InputError> {
 
 /// Whether a file is an arm's TOML file: it names a URDF.
 pub fn is_arm_file(path: &Path) -> bool {
-    let keys = source::read_from_disk(path).map(|text| text.parse::<toml::Table>());
-    keys.is_ok_and(|keys| keys.is_ok_and(|keys| keys.contains_key("urdf")))
+    source::read_from_disk(path).is_ok_and(|text| names_urdf(&text))
+}
+
+fn names_urdf(text: &str) -> bool {
+    text.parse::<toml::Table>().is_ok_and(|keys| keys.contains_key("urdf"))
 }
 
 /// The JSON Schema of an arm's TOML file.

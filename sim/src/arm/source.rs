@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
+use schemars::JsonSchema;
 use serde::de::DeserializeOwned;
-use underbrush_recording::{InputError, Limits, TEXT_BYTES, line_at, read_text, short};
+use underbrush_recording::{InputError, Limits, TEXT_BYTES, line_at, parse_toml, read_text, short};
 
 use super::limits::DIRECTION;
-use crate::toml_text::{parsed, sets_key};
+use crate::toml_text::sets_key;
 
 /// A file's path and text.
 pub(super) struct Source {
@@ -39,8 +40,8 @@ pub(super) fn directions() -> String {
 
 impl Source {
     /// Parses the text as TOML.
-    pub(super) fn toml<T: DeserializeOwned>(&self, allowed: &str) -> Result<T, InputError> {
-        parsed(&self.path, &self.text, "TOML", allowed)
+    pub(super) fn toml<T: DeserializeOwned + JsonSchema>(&self, allowed: &str) -> Result<T, InputError> {
+        parse_toml(&self.path, &self.text, "TOML", allowed)
     }
 
     /// An error about the whole file.

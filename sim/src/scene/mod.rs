@@ -6,14 +6,14 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use underbrush_recording::limits::{TEXT_BYTES, first_outside, short};
-use underbrush_recording::{FRAME_PERIOD_S, InputError, PLAIN, is_plain, line_at, read_text};
+use underbrush_recording::{Category, FRAME_PERIOD_S, InputError, PLAIN, is_plain, line_at, parse_toml, read_text};
 
 use crate::arm::Arm;
 use crate::materials::{MaterialFile, MaterialsSection};
 use crate::object::COLLIDING_KINDS;
 use crate::range::{Limited, PLACE_M, Placement, YAW_DEG};
 use crate::sensor::Fault;
-use crate::toml_text::{parsed, sets_key};
+use crate::toml_text::sets_key;
 use content::objects_hash;
 
 mod camera;
@@ -105,7 +105,7 @@ impl Scene {
 
     // Not generic, so that the reader of scenes is compiled once and not in each crate that calls it.
     fn of_text(path: &Path, text: String) -> Result<Scene, InputError> {
-        let file: SceneFile = parsed(path, &text, "scene", "the keys that `underbrush schema` lists")?;
+        let file: SceneFile = parse_toml(path, &text, "scene", "the keys that `underbrush schema` lists")?;
         let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
         let scene = Scene {
             name,
@@ -212,6 +212,19 @@ impl Scene {
     }
 
     /// Checks the numbers that depend on no others.
+    /// The categories of its objects, by name.
+    pub fn categories(&self) -> BTreeMap<&'static str, Category> {
+        let groups = self.file.objects.groups();
+        let categories = groups.iter().map(|(_, _, group)| group.category);
+        categories.map(|category| (category.name(), category)).collect()
+    }
+
+    /// Whether something in the scene may be judged to be of this name: a category of its objects, a built-in one, or `unknown`.
+    pub fn has_verdict(&self, name: &str) -> bool {
+        let built_in = Category::BUILT_IN.iter().any(|category| category.name() == name);
+        built_in || name == "unknown" || self.categories().contains_key(name)
+    }
+
     fn check_numbers(&self) -> Result<(), InputError> {
         let SceneFile { workspace, robot, goals, physics, .. } = &self.file;
         let sections = [
@@ -221,6 +234,10 @@ impl Scene {
             ("goals", goals.patience_s.map(|own_s| ("patience_s", own_s, limits::PATIENCE_S)).into_iter().collect()),
             ("physics", physics.numbers()),
         ];
+        if let Some(name) = self.file.allowed_force_n.keys().find(|name| !self.has_verdict(name)) {
+            let allowed = "leaf, trunk, outlier, a category of the scene's objects, or unknown";
+            return Err(self.fault(&format!("allowed_force_n.{name}"), name, allowed));
+        }
         let forces = self.file.allowed_force_n.iter();
         let forces = forces.map(|(name, own_n)| (format!("allowed_force_n.{name}"), *own_n, limits::ALLOWED_FORCE_N));
         let of_sections = sections.into_iter().flat_map(|(section, numbers)| {

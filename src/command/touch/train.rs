@@ -36,14 +36,13 @@ pub fn train(
     out: &Path,
     json: bool,
 ) -> Result<(), Failure> {
-    let all: Vec<PathBuf> = paths.iter().chain(auxiliary).cloned().collect();
-    let folder = simulated.folder(&all, out)?;
+    // Errors name what was given, and not the folder of sets that are simulated for this model only.
+    let given: Vec<PathBuf> = paths.iter().chain(auxiliary).cloned().collect();
+    let folder = simulated.folder(&given, out)?;
     let sets = |paths: &[PathBuf], name| match &folder {
         Some(folder) => simulated.sets(paths, &folder.path().join(name)),
         None => Ok(paths.to_vec()),
     };
-    // Errors name what was given, and not the folder of sets that are simulated for this model only.
-    let given = paths;
     let (paths, auxiliary) = (&sets(paths, "known")?, &sets(auxiliary, "auxiliary")?);
     let all: Vec<PathBuf> = paths.iter().chain(auxiliary).cloned().collect();
     // The same set cannot be both, so all are opened together first.
@@ -52,7 +51,7 @@ pub fn train(
     if !auxiliary.is_empty() {
         add_auxiliary(&mut examples, &Reaches::open(auxiliary)?)?;
     }
-    let mut model = fit(&examples, options, limits).map_err(|failure| about(failure, given))?;
+    let mut model = fit(&examples, options, limits).map_err(|failure| about(failure, &given))?;
     model.warn_of_little_data();
     let sources: Result<Vec<_>, _> = all.iter().map(|path| model_data::of_path(path)).collect();
     model.provenance = model_data::provenance(json!(limits), sources?);

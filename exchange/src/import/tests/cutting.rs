@@ -92,6 +92,8 @@ fn labels_hold_from_one_time_to_another() {
     assert_eq!(categories, [("leaf", 1), ("trunk", 2), ("table", 1)]);
     let error = refused(&path, &mapping(&(label(0.0, 1.0, "leaf") + &label(2.0, 1.0, "leaf"))));
     assert_eq!((error.field.as_str(), error.found.as_str(), error.line), ("label[1].to_s", "2 to 1", Some(12)));
+    let error = refused(&path, &mapping(&(label(0.0, 2.0, "leaf") + &label(1.0, 3.0, "trunk"))));
+    assert_eq!((error.field.as_str(), error.found.as_str()), ("label[1].from_s", "1 to 3, which overlaps 0 to 2"));
 }
 
 /// Tests that trials of single samples are pointed out, and others are not.

@@ -5,7 +5,7 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::disk::table::{Described, Row, Text, row};
+use crate::disk::table::{Described, Row, Text, Width, row};
 use crate::disk::tables::frames::FRAME_COLUMNS;
 use crate::disk::tables::truth_columns::TRUTH_COLUMNS;
 
@@ -272,3 +272,11 @@ pub(crate) const TABLES: [&Table; 11] = [
     &MAP,
     &TAXELS,
 ];
+
+/// Whether a column of frames has a number, or several, for each joint or taxel, so that its rows are lists even if there is one.
+pub fn is_of_joints_or_taxels(name: &str) -> bool {
+    FRAME_COLUMNS.iter().chain(TRUTH_COLUMNS).map(|column| &column.described).any(|own| {
+        let is_same = own.name.strip_suffix("PATCH").map_or(name == own.name, |prefix| name.starts_with(prefix));
+        is_same && matches!(own.width, Width::Joints | Width::Taxels(_))
+    })
+}

@@ -229,7 +229,7 @@ fn check(trial: &Trial, channels: &[Arc<str>], numbers: &mut BTreeSet<u64>) -> R
             _ => |text: &str| (!is_plain(text)).then_some(PLAIN),
         };
         if let Some(allowed) = text.as_deref().and_then(name_fault) {
-            require(false, || field(name), || format!("{text:?}"), allowed)?;
+            require(false, || field(name), || text.clone().unwrap_or_default(), allowed)?;
         }
     }
     for name in channel_names(std::slice::from_ref(trial)) {
@@ -241,7 +241,7 @@ fn check(trial: &Trial, channels: &[Arc<str>], numbers: &mut BTreeSet<u64>) -> R
     for sample in &trial.samples {
         if let Some((column, found, allowed)) = sample.fault() {
             let found = || format!("{found} (allowed: {allowed})");
-            require(false, || field(column), found, "numbers within `underbrush_recording::limits`")?;
+            require(false, || field(column), found, "numbers within the limits of tables")?;
         }
     }
     let increasing = trial.samples.is_sorted_by(|a, b| a.time_s < b.time_s);
