@@ -10,7 +10,7 @@ use serde_json::json;
 use underbrush_recording::disk::{
     ArmText, Dataset, DatasetPlan, FileText, PlannedEpisode, Provenance, SceneText, Shard,
 };
-use underbrush_recording::{Category, Fault, InputError, Recording, distinct, is_plain};
+use underbrush_recording::{Category, Fault, InputError, PLAIN, Recording, distinct, is_plain};
 use underbrush_sim::arm::{Arm, ArmSource};
 use underbrush_sim::campaign::{self, Job};
 use underbrush_sim::controller::{ControllerKind, Preset};
@@ -53,18 +53,16 @@ pub struct Campaign {
     pub shard: Option<Shard>,
 }
 
-/// Checks that a user's own controller can be told from the others by its name.
+/// Checks the name of a user's own controller.
 ///
 /// # Errors
-/// For the name of a controller that ships, that of robots' logs, and one that is not plain text.
+/// For an empty name, one that is not plain text, and that of robots' logs.
 pub fn check_own_name(controller: &str) -> Result<(), Fault> {
-    let ships = ControllerKind::from_name(controller).is_ok();
-    if !ships && controller != Recording::UNKNOWN_CONTROLLER && !controller.is_empty() && is_plain(controller) {
+    if !controller.is_empty() && is_plain(controller) && controller != Recording::UNKNOWN_CONTROLLER {
         return Ok(());
     }
-    let found = format!("the controller is called {controller:?}");
-    let reason = "which is the name of a controller that ships, that of robots' logs, or no plain text";
-    Err(Fault::Usage(format!("{found}, {reason}; give it a name of its own")))
+    let allowed = format!("{PLAIN}, and not {}, as in robots' logs", Recording::UNKNOWN_CONTROLLER);
+    Err(Fault::Usage(format!("the controller is called {controller:?}; allowed: {allowed}; give it a name of its own")))
 }
 
 /// Warns about doubtful properties of these arms' skins, without repeating a warning.
@@ -246,6 +244,11 @@ impl Campaign {
         }
         if self.own_controller.is_some() {
             check_own_name(&controller)?;
+        }
+        if self.own_controller.is_some() && ControllerKind::from_name(&controller).is_ok() {
+            return Err(Fault::Usage(format!(
+                "the controller is called {controller}, which is the name of a controller that ships; give it a name of its own"
+            )));
         }
         if let Some(other) = plans.iter().find(|plan| plan.controller_name() != controller) {
             let (other, its_controller) = (&other.scene.name, other.controller_name());

@@ -64,6 +64,10 @@ impl PyDataset {
         self.dataset.episodes().len()
     }
 
+    fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("underbrush._data")?.call_method1("each", (slf,))
+    }
+
     /// A reach by its number, or a list of reaches by a slice.
     fn __getitem__<'py>(&self, py: Python<'py>, key: &Bound<'py, PyAny>) -> Answer<'py> {
         if let Ok(slice) = key.cast::<PySlice>() {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use underbrush_classifier::evaluate::{
-    Evaluation, EvaluationReport, FoldBy, Folds, accuracy_by_samples, cross_validate, evaluate,
+    Evaluation, EvaluationReport, FoldBy, Folds, accuracy_by_samples, cross_validate, evaluate, warn_of_left_out,
 };
 use underbrush_classifier::{Classifier, Estimator, Scores};
 
@@ -59,6 +59,7 @@ pub fn evaluate_trials<'py>(
             Ok(evaluate(fitted.as_ref(), list, &decision)?.into())
         }
         None => {
+            warn_of_left_out(list);
             let evaluation = cross_validate(list, estimator, own, &decision)?;
             let series = by_samples.then(|| accuracy_by_samples(list, estimator, own, 1)).transpose()?;
             Ok(EvaluationReport { folds: Some(own), by_samples: series, ..evaluation.into() })

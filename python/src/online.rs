@@ -109,8 +109,9 @@ impl Online {
                     verdict.set_item("contact", classifier.regions()[taxel.region].contact)?;
                     verdict.set_item("nothing", taxel.nothing)?;
                     verdict.set_item("verdict", taxel.touch.name(&self.categories))?;
-                    let probabilities = classifier.probabilities(taxel.region);
-                    verdict.set_item("probabilities", by_category(py, &self.categories, probabilities)?)?;
+                    let probabilities = classifier.probabilities(taxel.region).iter();
+                    let probabilities: Vec<f64> = probabilities.map(|own| (1.0 - taxel.nothing) * own).collect();
+                    verdict.set_item("probabilities", by_category(py, &self.categories, &probabilities)?)?;
                     verdicts.append(verdict)?;
                 }
             }

@@ -9,7 +9,7 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyDict};
 use serde_json::{Value, json};
 use underbrush_classifier::DataSource;
-use underbrush_experiments::{VerdictControl, contact_trials, model_data};
+use underbrush_experiments::{VerdictControl, contact_trials, dataset, model_data};
 use underbrush_recording::disk::{
     Dataset, Episode, check_free, read_recording, recording_columns, recording_table, remove_leftovers, write_recording,
 };
@@ -46,7 +46,7 @@ pub struct Reach {
     /// The seed, and the index of the reach among the reaches of this seed; 0 and its place in the log for a robot's log.
     #[pyo3(get)]
     seed_and_index: (u64, u64),
-    /// The worst outcome of its goals: reached, stuck, timed_out or aborted.
+    /// The worst outcome of its goals: reached, stuck, timed_out or aborted; unknown for a robot's log.
     #[pyo3(get)]
     outcome: &'static str,
     frames: usize,
@@ -69,12 +69,13 @@ impl Reach {
             Source::Memory(recording) => Episode::of(recording),
             Source::Dataset(dataset, index) => dataset.episodes()[*index].clone(),
         };
+        let is_log = own.controller == Recording::UNKNOWN_CONTROLLER;
         Reach {
             source,
             scene: own.scene,
             controller: own.controller,
             seed_and_index: (own.seed, own.reach_index),
-            outcome: own.outcome.name(),
+            outcome: if is_log { Recording::UNKNOWN_CONTROLLER } else { own.outcome.name() },
             frames: own.frames,
             whole: OnceLock::new(),
             layout: OnceLock::new(),
@@ -340,7 +341,7 @@ impl Reach {
         let class = py.get_type::<Reach>();
         match &self.source {
             Source::Dataset(dataset, index) => {
-                let place = (dataset.dir(), *index).into_pyobject(py)?.into_any();
+                let place = (dataset.dir(), *index, dataset.data_blake3()).into_pyobject(py)?.into_any();
                 Ok((class.getattr("_of_dataset")?, (place,)))
             }
             Source::Memory(recording) => {
@@ -357,10 +358,17 @@ impl Reach {
     }
 
     #[staticmethod]
-    fn _of_dataset(place: (PathBuf, usize)) -> Result<Self, Failure> {
-        let dataset = Arc::new(Dataset::open(place.0)?);
-        failure::place(place.1 as isize, dataset.episodes().len())?;
-        Ok(Reach::new(Source::Dataset(dataset, place.1)))
+    fn _of_dataset(place: (PathBuf, usize, String)) -> Result<Self, Failure> {
+        let (path, index, hash) = place;
+        let dataset = Arc::new(Dataset::open(&path)?);
+        if dataset.data_blake3() != hash {
+            let path = path.display();
+            return Err(Failure::run(format!(
+                "{path}: is another data set than the reach was pickled from; pickle it again"
+            )));
+        }
+        failure::place(index as isize, dataset.episodes().len())?;
+        Ok(Reach::new(Source::Dataset(dataset, index)))
     }
 }
 
@@ -380,6 +388,7 @@ pub fn simulate(
     let mut plan = ReachPlan::new(self::scene(scene)?, kind, seed)?;
     if let Some(make) = own {
         plan = plan.with_controller(move |arm| make(arm));
+        dataset::check_own_name(&plan.controller_name())?;
     }
     if let Some(model) = verdicts
         && let Some(verdicts) = VerdictControl::named(&model)?

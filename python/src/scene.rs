@@ -110,6 +110,14 @@ impl PyScene {
         merge(&mut table, given::dictionary(changes).map_err(|error| refused(error.to_string()))?);
         let text = toml::to_string(&table).map_err(|error| refused(error.to_string()))?;
         let path = match name {
+            Some(name) if name.is_empty() || name.contains(['/', '\\']) => {
+                return Err(Failure::argument(
+                    "name",
+                    format!("{name:?}"),
+                    "a name without / and \\",
+                    "give another name",
+                ));
+            }
             Some(name) => self.scene.path.with_file_name(format!("{name}.toml")),
             None => self.scene.path.clone(),
         };

@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use underbrush_classifier::feature::FeatureSet;
-use underbrush_recording::{Region, Sample, Trial, limits};
+use underbrush_recording::{Category, Region, Sample, Trial, limits};
 
 use crate::{Failure, array};
 
@@ -35,6 +35,17 @@ fn sample(name: &str, set: &FeatureSet, numbers: &[f64], place: usize) -> Result
     Ok(sample)
 }
 
+/// A category that a table may hold.
+///
+/// # Errors
+/// `Fault::Input` for any other text.
+pub fn checked(category: Option<String>) -> Result<Option<String>, Failure> {
+    match category.as_deref().and_then(|name| Some((name, Category::name_fault(name)?))) {
+        Some((name, allowed)) => Err(Failure::argument("categories", format!("{name:?}"), allowed, "rename it")),
+        None => Ok(category),
+    }
+}
+
 /// Trials from sequences of features, one array for each. Their times are those of samples at 100 Hz.
 ///
 /// # Errors
@@ -58,9 +69,10 @@ pub fn of_sequences(
             return Err(Failure::argument(name, "no samples", "at least one sample", "leave it out"));
         }
         let samples = numbers.chunks_exact(width).enumerate().map(|(place, row)| sample(&name, set, row, place));
+        let category = categories.as_ref().and_then(|categories| categories[index].clone());
         Ok(Trial {
             trial: index as u64,
-            category: categories.as_ref().and_then(|categories| categories[index].clone()),
+            category: checked(category)?,
             reach: groups.as_ref().map(|groups| groups[index]),
             samples: samples.collect::<Result<_, Failure>>()?,
             ..Trial::default()

@@ -16,7 +16,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 use rayon::prelude::*;
 use serde_json::Value;
-use underbrush_recording::disk::{self, Batch, Dataset, Rows, Values};
+use underbrush_recording::disk::{self, Batch, Dataset, Rows, Values, is_of_joints_or_taxels};
 
 use crate::array::Numbers;
 use crate::{Answer, Failure};
@@ -162,12 +162,13 @@ impl PyTable {
 pub struct Column(Vec<Numbers>, Option<bool>);
 
 /// The numbers of a column; `None` if it holds something else or nulls.
-fn numbers(column: &ArrayRef) -> Option<Numbers> {
+fn numbers(column: &ArrayRef, is_wide: bool) -> Option<Numbers> {
     let (values, shape) = match column.as_fixed_size_list_opt() {
         Some(lists) => {
             let width = usize::try_from(lists.value_length()).ok()?;
             (lists.values().slice(lists.value_offset_at(0), lists.len() * width), vec![lists.len(), width])
         }
+        None if is_wide => (Arc::clone(column), vec![column.len(), 1]),
         None => (Arc::clone(column), vec![column.len()]),
     };
     let code = match values.data_type() {
@@ -177,6 +178,8 @@ fn numbers(column: &ArrayRef) -> Option<Numbers> {
         DataType::Int32 => "i4",
         DataType::Int16 => "i2",
         DataType::Int8 => "i1",
+        DataType::UInt64 => "u8",
+        DataType::UInt32 => "u4",
         _ => return None,
     };
     let data = values.to_data();
@@ -213,7 +216,7 @@ impl Column {
                 let known: Vec<&str> = schema.fields().iter().map(|field| field.name().as_str()).collect();
                 return Err(Failure::argument("column", format!("{name:?}"), known.join(", "), "choose one of them"));
             };
-            numbers(column).ok_or_else(|| {
+            numbers(column, is_of_joints_or_taxels(name)).ok_or_else(|| {
                 let found = format!("{name:?} with {} ", column.data_type());
                 let remedy = "read it as a table: to_polars, to_pandas, or anything that takes __arrow_c_stream__";
                 Failure::argument("column", found, "a column of numbers without nulls", remedy)
@@ -234,7 +237,7 @@ impl Column {
             return Column::of(&batches.collect::<Result<Vec<_>, _>>()?, name, single);
         };
         let rows = frames(dataset, reaches).sum();
-        let shape = if width == 1 { vec![rows] } else { vec![rows, width] };
+        let shape = if width == 1 && !is_of_joints_or_taxels(name) { vec![rows] } else { vec![rows, width] };
         let numbers = match single.unwrap_or(stored_single) {
             true => Numbers::new(joined(dataset, reaches, (name, width), |number| number as f32)?, &shape),
             false => Numbers::new(joined(dataset, reaches, (name, width), |number| number)?, &shape),

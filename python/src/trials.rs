@@ -11,7 +11,7 @@ use underbrush_recording::disk::{channel_names, check_free, read_trials, trial_t
 use underbrush_recording::{Sample, Trial};
 
 use crate::arguments::features;
-use crate::sequences::of_sequences;
+use crate::sequences::{checked, of_sequences};
 use crate::{Answer, Failure, PyTable, alone, array, json, place, places};
 
 /// Contact trials: what one taxel, or one connected component, sensed from the beginning of a contact to its end.
@@ -127,6 +127,10 @@ impl Trials {
         self.list.len()
     }
 
+    fn __iter__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("underbrush._data")?.call_method1("each", (slf,))
+    }
+
     /// A trial by its number; trials by a slice, a list of numbers, or an array of truth values.
     fn __getitem__<'py>(&self, py: Python<'py>, key: &Bound<'py, PyAny>) -> Answer<'py> {
         if let Ok(slice) = key.cast::<PySlice>() {
@@ -179,7 +183,8 @@ impl Trials {
     fn with_categories(&self, categories: Vec<Option<String>>) -> Result<Self, Failure> {
         Failure::unless_one_each("categories", categories.len(), self.list.len(), "trial")?;
         let pairs = self.list.iter().zip(categories);
-        Ok(Trials::new(pairs.map(|(trial, category)| Trial { category, ..trial.clone() }).collect()))
+        let renamed = |(trial, category): (&Trial, _)| Ok(Trial { category: checked(category)?, ..trial.clone() });
+        Ok(Trials::new(pairs.map(renamed).collect::<Result<_, Failure>>()?))
     }
 
     /// The features of each trial: a list of arrays (samples, features), read only.

@@ -14,6 +14,7 @@ import pytest
 from conftest import quick
 
 import underbrush as ub
+import underbrush.mcap
 from underbrush._core import Numbers
 
 TACTILE = "observation.tactile.forearm"
@@ -67,16 +68,37 @@ def test_arrays_view_the_native_numbers(data: ub.Dataset) -> None:
 
 
 def test_ground_truth_is_apart(data: ub.Dataset) -> None:
-    """Tests that the frames hold no ground truth, and that the ground truth of a reach agrees with its table."""
+    """Tests that the frames hold no ground truth, and that the ground truth of reaches agrees with their table."""
     assert not [name for name in data.column_names if name.startswith("truth")]
-    reach = data[0]
-    true = reach.true_normal_force_n("forearm", "float64")
-    table = data.table("truth/taxels", reach=0).to_polars()
-    patch = table.filter(polars.col("patch") == "forearm")
-    assert patch.height > 0
-    expected = np.zeros_like(true)
-    expected[patch["frame_index"].to_numpy(), patch["taxel"].to_numpy()] = patch["normal_force_n"].to_numpy()
-    assert np.array_equal(true, expected)
+    rows = 0
+    for number, reach in enumerate(data):
+        true = reach.true_normal_force_n("forearm", "float64")
+        table = data.table("truth/taxels", reach=number).to_polars()
+        expected = np.zeros_like(true)
+        # A table without rows has no columns.
+        patch = table.filter(polars.col("patch") == "forearm") if table.height > 0 else table
+        if patch.height > 0:
+            expected[patch["frame_index"].to_numpy(), patch["taxel"].to_numpy()] = patch["normal_force_n"].to_numpy()
+        assert np.array_equal(true, expected)
+        rows += patch.height
+    assert rows > 0
+
+
+def test_unsigned_integers_are_numbers(trials: ub.Trials) -> None:
+    """Tests that a column of unsigned integers is an array with the values of the table."""
+    table = trials.to_table()
+    assert np.array_equal(table.column("trial"), trials.to_polars()["trial"].to_numpy())
+
+
+def test_a_reach_is_unpickled_from_the_same_data_only(data: ub.Dataset, tmp_path: Path) -> None:
+    """Tests that a pickled reach of a data set is refused if the set was made again with another seed."""
+    set_path = tmp_path / "set"
+    ub.generate(quick("trunk"), reaches=1, out=set_path, seed=1)
+    pickled = pickle.dumps(ub.Dataset(set_path)[0])
+    assert pickle.loads(pickled).seed_and_index == (1, 0)
+    ub.generate(quick("trunk"), reaches=1, out=set_path, seed=2, force=True)
+    with pytest.raises(ub.RunError, match="another data set"):
+        pickle.loads(pickled)
 
 
 def test_tables_reach_other_libraries(data: ub.Dataset, trials: ub.Trials) -> None:
@@ -186,4 +208,8 @@ def test_a_log_says_that_it_is_one(tmp_path: Path, command: Callable[..., Any]) 
     command("import", tmp_path / "log.csv", "--mapping", tmp_path / "map.toml", "--out", tmp_path / "felt")
     log = ub.Reach.load(tmp_path / "felt" / "reach-000000.parquet")
     assert log.is_log and repr(log) == 'Reach(log="log", index=0, 10 frames)'
+    assert log.outcome == "unknown"
+    # One joint and one taxel have an axis, too.
+    assert log.joint_angle_rad.shape == (10, 1) and log.sensed_force_n("pad").shape == (10, 1)
+    ub.mcap.export(log, tmp_path / "log.mcap")
     assert not ub.reach(quick("trunk"), 1).is_log

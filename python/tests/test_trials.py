@@ -152,6 +152,7 @@ def test_bad_options_are_refused(data: ub.Dataset, trials: ub.Trials) -> None:
         (lambda: data.trials(wrap=False), 'wrap: found given with by="taxel"'),
         (lambda: ub.Trials.from_sequences([[1.0, np.nan]]), "sequence 0"),
         (lambda: ub.Trials.from_sequences([[1.0], []]), "sequence 1"),
+        (lambda: ub.Trials.from_sequences([[1.0]], ["uncertain"]), "a name other than"),
         (lambda: ub.Trials.from_sequences([np.zeros((3, 2))]), "shape"),
         (lambda: ub.Trials.from_sequences([[1.0]], ["leaf", "trunk"]), "categories"),
         (lambda: ub.Trials.from_sequences([[3], [2, 1.5]], features="area"), "sequence 1: found 1.5 for area in sample 1"),

@@ -6,6 +6,7 @@ import argparse
 import importlib
 import signal
 import sys
+import warnings
 from pathlib import Path
 
 from underbrush._core import run_command_line
@@ -50,6 +51,9 @@ def main() -> int:
         module, arguments = found
         status: int = importlib.import_module(f"underbrush.{module}").main(arguments)
         return status
+    # Remarks of the libraries are lines, as those of the program.
+    warnings.showwarning = lambda message, *_: print(message, file=sys.stderr)
+    warnings.simplefilter("always")
     # The command line handles Ctrl-C by itself. Python's handler would wait until it returns.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     return run_command_line(["underbrush", *sys.argv[1:]])

@@ -1,5 +1,5 @@
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Self, TypeAlias, final, overload
 
@@ -191,9 +191,9 @@ class Simulation:
 class Camera:
     def __new__(
         cls,
-        eye_m: Sequence[float],
-        target_m: Sequence[float],
-        up: Sequence[float] = ...,
+        eye_m: Sequence[float] | NDArray[Any],
+        target_m: Sequence[float] | NDArray[Any],
+        up: Sequence[float] | NDArray[Any] = ...,
         vertical_fov_deg: float = 32.0,
         *,
         link: str | None = None,
@@ -353,6 +353,7 @@ class Dataset:
     @property
     def path(self) -> Path: ...
     def __len__(self) -> int: ...
+    def __iter__(self) -> Iterator[Reach]: ...
     @overload
     def __getitem__(self, key: int, /) -> Reach: ...
     @overload
@@ -438,6 +439,7 @@ class Trials:
         groups: Sequence[int] | None = None,
     ) -> Trials: ...
     def __len__(self) -> int: ...
+    def __iter__(self) -> Iterator[Trial]: ...
     @overload
     def __getitem__(self, key: int, /) -> Trial: ...
     @overload
@@ -552,10 +554,10 @@ def online(
 class TouchModel:
     @staticmethod
     def fit(
-        reaches: Sequence[Reach],
+        reaches: Dataset | Sequence[Reach],
         patch: str | None = None,
         *,
-        auxiliary: Sequence[Reach] = ...,
+        auxiliary: Dataset | Sequence[Reach] = ...,
         threshold_n: float | None = None,
         limit_wrong: float | None = None,
         jobs: int | None = None,
@@ -573,10 +575,10 @@ class TouchModel:
     @property
     def provenance(self) -> _Json: ...
     def online(self, skin: Skin) -> Online: ...
-    def evaluate(self, reaches: Sequence[Reach]) -> TouchEvaluation: ...
+    def evaluate(self, reaches: Dataset | Sequence[Reach]) -> TouchEvaluation: ...
     @staticmethod
     def cross_validate(
-        reaches: Sequence[Reach],
+        reaches: Dataset | Sequence[Reach],
         patch: str | None = None,
         *,
         folds: int = 2,

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import html
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
+
+
+def each(things: _core.Dataset | _core.Trials) -> Iterator[Any]:
+    """The reaches of a data set, or trials, one by one."""
+    return (things[index] for index in range(len(things)))
 
 
 def html_of(dataset: _core.Dataset) -> str:

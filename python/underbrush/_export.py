@@ -14,8 +14,10 @@ from ._errors import InputError
 
 
 @contextlib.contextmanager
-def whole(path: Path, force: bool) -> Iterator[Path]:
-    """A temporary file that gets its name when it is complete. Missing folders around it are made."""
+def whole(path: Path, force: bool, source: str | os.PathLike[str] | None = None) -> Iterator[Path]:
+    """A temporary file that gets its name when it is complete. Missing folders around it are made. It must not replace its source."""
+    if source is not None and path.exists() and path.samefile(source):
+        raise InputError(f"{path}: is the input; choose another name", file=str(path))
     _core._check_free(path, force)
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.name}.{os.getpid()}")

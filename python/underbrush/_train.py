@@ -26,7 +26,7 @@ def fit(
     outlier_prior: float | None = None,
     jobs: int | None = None,
 ) -> _core.Model:
-    """Fit a classifier to trials. The result equals that of ``underbrush train``, bit for bit.
+    """Fit a classifier to trials. The model equals that of ``underbrush train``, bit for bit.
 
     Parameters
     ----------

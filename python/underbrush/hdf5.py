@@ -180,7 +180,7 @@ def csv_of(
     wanted = {"force": forces} | dict(channels or {})
     if set(channels or {}) & {"reach", "time", "category", "force"}:
         raise _fault(path, "channels", ", ".join(channels or {}), "names other than reach, time, category and force")
-    with _opened(h5py, path) as file, _export.whole(Path(out), force) as temporary:
+    with _opened(h5py, path) as file, _export.whole(Path(out), force, path) as temporary:
         with open(temporary, "w", newline="", encoding="utf-8") as text:
             rows = csv.writer(text)
             groups = _groups(file, path, forces)

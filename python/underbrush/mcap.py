@@ -462,7 +462,7 @@ def csv_of(
         raise _fault(path, "channels", "a channel named force or time", "another name")
     sizes = _sizes(path, columns)
     latest: dict[str, list[float] | list[str]] = {name: [""] * size for name, size in sizes.items()}
-    with open(path, "rb") as file, _export.whole(Path(out), force) as temporary:
+    with open(path, "rb") as file, _export.whole(Path(out), force, path) as temporary:
         with open(temporary, "w", newline="", encoding="utf-8") as text:
             writer, start = csv.writer(text), 0
             writer.writerow(["time", *_export.column_names(sizes)])

@@ -34,13 +34,13 @@ __all__ = [
     "TreesClassifier",
 ]
 
-# Blocks and outliers are never fitted, so labels with these names get another name internally.
+# Blocks and outliers are never fitted, and "uncertain" is a verdict, so labels with these names get another name internally.
 _MARK = "label "
 
 
 def _inside(label: Any) -> str:
     name = str(label)
-    return _MARK + name if name in ("block", "outlier") or name.startswith(_MARK) or not name else name
+    return _MARK + name if name in ("block", "outlier", "uncertain") or name.startswith(_MARK) or not name else name
 
 
 def _sequences(rows: NDArray[np.float64]) -> list[NDArray[np.float64]]:
@@ -260,7 +260,7 @@ class NaiveBayesClassifier(_Baseline):
 
 
 class PeakForceClassifier(_Baseline):
-    """Two Gaussians on the logarithm of the largest force since contact: a baseline."""
+    """Two Gaussians on ln(1 + F / 0.1 N) of the largest force F since contact: a baseline."""
 
     _classifier = "peak-force"
 

@@ -31,7 +31,7 @@ fn unknown_key() {
         &["unknown field `sumary`", "`summary`", "correct this line"],
     );
     let text = format!("{HEAD}{LEAF}heigth_m = 0.3\n");
-    refuses(&text, Some(8), &["unknown field `heigth_m`", "`height_m`", "correct this line"]);
+    refuses(&text, Some(8), &["unknown field `heigth_m`", "`height_m`", "underbrush schema", "correct this line"]);
     refuses(&format!("{HEAD}[[objects.bush]]\ncount = 1\n"), Some(3), &["unknown field `bush`", "`leaf`"]);
 }
 

@@ -92,7 +92,7 @@ fn a_mistake_in_an_experiment_file_is_shown() {
     assert_ne!(wrong, text);
     std::fs::write(&file, wrong).unwrap();
     let out = folder.path().join("out");
-    underbrush!["reproduce", "--experiment", &file, "--out", &out].refused(&["method", "naive", "correct this line"]);
+    underbrush!["reproduce", "--experiment", &file, "--out", &out].refused(&["method", "naive", "schema experiment"]);
     assert!(!out.exists());
 }
 

@@ -61,7 +61,7 @@ fn faults_name_line_and_field() {
     let (_folder, path) = written(SMALL);
     Experiment::load(&path).unwrap();
     for (was, is, line, field, allowed) in [
-        ("states = [5]", "sates = [5]", 2, "sates", "`states`"),
+        ("states = [5]", "sates = [5]", 2, "sates", "underbrush schema experiment"),
         ("states = [5]", "states = [0]", 2, "states", "from 1"),
         ("label = \"trunk\"", "label = \"leaf\"", 6, "training.label", "two different labels"),
         ("label = \"trunk\"", "label = \"outlier\"", 11, "training.label", "verdicts"),

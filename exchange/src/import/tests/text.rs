@@ -101,7 +101,7 @@ fn a_wrong_mapping_is_refused_by_line_and_field() {
         ("taxels = 2", "", 4, "force.taxels", "`taxels = N`"),
         ("ft_{taxel}", "ft_0", 5, "force.from", "{taxel}"),
         ("threshold_n = 0.1", "threshold_n = -1", 10, "trial.threshold_n", "0 to 10000 N"),
-        ("threshold_n = 0.1", "treshold_n = 1", 10, "mapping, trial.treshold_n", "`threshold_n`"),
+        ("threshold_n = 0.1", "treshold_n = 1", 10, "mapping, trial.treshold_n", "underbrush schema mapping"),
         ("patch = \"palm\"", "category = \"leaf\"", 11, "trial.category_from", "one of"),
         ("patch = \"palm\"", "patch = \"left/palm\"", 9, "trial.patch", "a name without `/`"),
     ];
