@@ -26,10 +26,12 @@ fn key_at(text: &str, offset: usize) -> String {
     parts.join(".")
 }
 
-/// What a message of a parser says was found, and what was expected instead, with the number types of Rust in words. Names that a
-/// file may hold stay in the message, because there are many.
+/// What a message of a parser says was found, and what was expected instead, with the number types of Rust in words. Only values of
+/// another type or shape are told apart so: names that a file may hold are many, and of a wrong spelling the parser expects too little.
 fn in_words(message: &str) -> (&str, Option<&str>) {
-    match message.split_once(", expected ").filter(|(found, _)| !found.starts_with("unknown ")) {
+    let is_value =
+        |found: &str| ["invalid type", "invalid value", "an array", "a table"].iter().any(|own| found.starts_with(own));
+    match message.split_once(", expected ").filter(|(found, _)| is_value(found)) {
         None => (message, None),
         Some((found, "u8")) => (found, Some("a whole number from 0 to 255")),
         Some((found, "u16")) => (found, Some("a whole number from 0 to 65535")),
@@ -95,7 +97,11 @@ mod tests {
     fn types_are_named_in_words() {
         let found = in_words("invalid value: integer `-3`, expected u32");
         assert_eq!(found, ("invalid value: integer `-3`", Some("a whole number, 0 or more")));
-        for message in ["unknown field `heigth_m`, expected one of `height_m`", "missing field `count`"] {
+        for message in [
+            "unknown field `heigth_m`, expected one of `height_m`",
+            "missing field `count`",
+            "invalid boolean, expected `true`",
+        ] {
             assert_eq!(in_words(message), (message, None));
         }
     }
