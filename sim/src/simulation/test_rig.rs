@@ -245,3 +245,6 @@ impl Rig {
         Some(self.engine.tree(slot).coordinates[at].position)
     }
 }
+
+#[cfg(test)]
+mod tests;
