@@ -145,7 +145,7 @@ pub fn run_command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-/// A command whose options take negative numbers, so that their ranges are named instead of "unexpected argument".
+/// A command whose options take negative numbers, so that the error is about the number and not about an unexpected argument.
 fn taking_negative_numbers(command: clap::Command) -> clap::Command {
     let taking = |arg: clap::Arg| match arg.get_action().takes_values() {
         true => arg.allow_negative_numbers(true),

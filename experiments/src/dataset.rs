@@ -244,11 +244,11 @@ impl Campaign {
         }
         if self.own_controller.is_some() {
             check_own_name(&controller)?;
-        }
-        if self.own_controller.is_some() && ControllerKind::from_name(&controller).is_ok() {
-            return Err(Fault::Usage(format!(
-                "the controller is called {controller}, which is the name of a controller that ships; give it a name of its own"
-            )));
+            if ControllerKind::from_name(&controller).is_ok() {
+                return Err(Fault::Usage(format!(
+                    "the controller is called {controller}, which is the name of a controller that ships; give it a name of its own"
+                )));
+            }
         }
         if let Some(other) = plans.iter().find(|plan| plan.controller_name() != controller) {
             let (other, its_controller) = (&other.scene.name, other.controller_name());

@@ -118,8 +118,8 @@ impl SkinPatch {
         let reach = self.reach_m * self.reach_m;
         let mut taxels = self.centers_link.iter().zip(&self.normals_link);
         taxels.any(|(center, normal)| {
-            let is_pressed = is_pressed(*normal, contact.inward_link, contact.force_link);
-            is_pressed && center.distance_squared(contact.position_link) <= reach
+            is_pressed(*normal, contact.inward_link, contact.force_link)
+                && center.distance_squared(contact.position_link) <= reach
         })
     }
 

@@ -35,7 +35,7 @@ fn unknown_key() {
     refuses(&format!("{HEAD}[[objects.bush]]\ncount = 1\n"), Some(3), &["unknown field `bush`", "`leaf`"]);
 }
 
-/// Tests that arrays with more elements than are used, arrays for tables and tables for numbers are refused and not cut short.
+/// Tests that an array with too many elements, and an array in place of a table, are refused.
 #[test]
 fn another_shape() {
     let group = format!("{HEAD}{LEAF}");

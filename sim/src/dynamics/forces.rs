@@ -13,9 +13,9 @@ use crate::physics::Theta;
 /// 600 reaches among leaves none was, and 0.7 rad was the most in 160 others.
 const MOST_TURN_RAD: f64 = 1.0;
 
-/// The forces that follow from the speed of the links are those at the start of a step if no link turns by more than this in it,
-/// rad, and otherwise those at u_θ. Taken at the start they make energy, the more the faster a body turns: a free box gains 0.2 % a
-/// second at 2 rad/s, which friction and air far outweigh, and 1.2 % at 5 rad/s.
+/// If no link turns by more than this in a step, rad, the forces that follow from the speed of the links are those at its start, and
+/// otherwise those at u_θ. Forces at the start make energy: a free box that turns at 2 rad/s gains 0.2 % a second, which is little beside
+/// what friction and air take from it, and one that turns at 5 rad/s gains 1.2 %.
 const SLOW_TURN_RAD: f64 = 0.01;
 
 impl Coordinate {

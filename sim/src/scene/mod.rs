@@ -211,7 +211,6 @@ impl Scene {
         Ok(())
     }
 
-    /// Checks the numbers that depend on no others.
     /// The categories of its objects, by name.
     pub fn categories(&self) -> BTreeMap<&'static str, Category> {
         let groups = self.file.objects.groups();
@@ -225,6 +224,7 @@ impl Scene {
         built_in || name == "unknown" || self.categories().contains_key(name)
     }
 
+    /// Checks the numbers that depend on no others.
     fn check_numbers(&self) -> Result<(), InputError> {
         let SceneFile { workspace, robot, goals, physics, .. } = &self.file;
         let sections = [

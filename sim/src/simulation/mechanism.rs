@@ -23,7 +23,8 @@ pub(super) struct Mechanism {
 /// 0.02 N m² that is bent so far pushes with 5 mN at half its height, E I / h · 2e-3 / 0.2 m, which is a sixth of the
 /// contact threshold.
 const REST_COORDINATE: f64 = 2e-3;
-/// The same for coordinates without a spring, which nothing takes back: a free block settles by a tenth of a millimetre on its foam.
+/// The same for coordinates without a spring, which do not return by themselves. Choice: twice the 0.1 mm by which a free block settles
+/// on its foam.
 const FREE_REST_COORDINATE: f64 = 2e-4;
 const REST_SPEED: f64 = 2e-2;
 
