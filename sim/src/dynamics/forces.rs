@@ -13,10 +13,10 @@ use crate::physics::Theta;
 /// 600 reaches among leaves none was, and 0.7 rad was the most in 160 others.
 const MOST_TURN_RAD: f64 = 1.0;
 
-/// If no link turns by more than this in a step, rad, the forces that follow from the speed of the links are those at its start, and
-/// otherwise those at u_θ. Forces at the start make energy: a free box that turns at 2 rad/s gains 0.2 % a second, which is little beside
-/// what friction and air take from it, and one that turns at 5 rad/s gains 1.2 %.
-const SLOW_TURN_RAD: f64 = 0.01;
+/// If no link has a larger ω² Δt than this, 1/s, the forces that follow from the speed of the links are those at the start of the
+/// step, and otherwise those at u_θ. Forces at the start make energy, in proportion to ω² Δt: a free box gains 0.2 % a second at this
+/// limit, which is 2 rad/s in steps of 5 ms. That is little beside what friction and air take from it.
+const MOST_GAIN_PER_S: f64 = 0.02;
 
 impl Coordinate {
     /// Stiffness of the spring with its relaxing branch, and the force of both, N/m and N or Nm/rad and Nm.
@@ -62,9 +62,9 @@ impl Tree {
     /// matrix. Gravity, m/s², acts downwards. The forces of [`Tree::push`] act in this step.
     pub fn prepare(&mut self, gravity_m_per_s2: f64) {
         let gravity_m_per_s2 = if self.weighs { gravity_m_per_s2 } else { 0.0 };
-        let turn_rad = self.sum_forces(gravity_m_per_s2);
+        let fastest_rad_per_s = self.sum_forces(gravity_m_per_s2);
         self.find_next();
-        if turn_rad > SLOW_TURN_RAD {
+        if fastest_rad_per_s.powi(2) * self.scratch.step_s > MOST_GAIN_PER_S {
             self.swap_velocities();
             self.sum_forces(gravity_m_per_s2);
             self.swap_velocities();
@@ -98,14 +98,15 @@ impl Tree {
     }
 
     /// Computes the velocities, bias accelerations and bias forces of the links. Links that turn too fast for the step have the bias
-    /// of [`MOST_TURN_RAD`]. Returns by how much the fastest link turns in the step, rad.
+    /// of [`MOST_TURN_RAD`]. Returns the largest angular speed of a link, rad/s.
     pub(super) fn sum_forces(&mut self, gravity_m_per_s2: f64) -> f64 {
-        let turn_rad = self.sum_forces_with(1.0, gravity_m_per_s2) * self.scratch.step_s;
+        let fastest_rad_per_s = self.sum_forces_with(1.0, gravity_m_per_s2);
+        let turn_rad = fastest_rad_per_s * self.scratch.step_s;
         if turn_rad > MOST_TURN_RAD {
             let share = MOST_TURN_RAD / turn_rad;
             self.sum_forces_with(share * share, gravity_m_per_s2);
         }
-        turn_rad
+        fastest_rad_per_s
     }
 
     /// The same with this share of the bias. Returns the largest angular speed of a link, rad/s.
