@@ -99,6 +99,7 @@ pub(super) fn skin_text(arm_file: &Path) -> String {
         "# The skin of the arm in {file}. `underbrush arm skin {file} --link LINK --pitch-mm 10 --patch NAME` adds a patch.\n\n\
          # Choice: a cover of modulus 0.1 MPa, 3 mm thick, as on Cody. `underbrush fit-skin` measures that of a real skin.\n\
          stiffness_n_per_m3 = 3e7\n\
+         thickness_m = 0.003\n\
          # Soft rubber; also the default.\n\
          loss_time_s = 0.002\n"
     )
