@@ -20,7 +20,7 @@ pub struct ReproduceOptions {
     #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
     out: PathBuf,
     /// A small run: for the paper's experiment, 4 leaf and 8 trunk reaches instead of 10 and 25, one reach of each
-    /// engineered scene, only the first recipe, and no other arms, changes or second outlier
+    /// engineered scene, only the first recipe, and no other arms, changes, second outlier or auxiliary unknown objects
     ///
     /// Other classifiers are compared on whole trials, but not by the samples that they need.
     #[arg(long)]

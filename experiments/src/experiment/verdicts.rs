@@ -53,7 +53,7 @@ pub struct Verdicts {
     /// Mean squared error of the probabilities.
     pub brier_score: Option<f64>,
     /// How well the outlier is found, by the model's own decision, and how often known objects of the test scenes are taken
-    /// for unknown ones.
+    /// for unknown ones. `None` without auxiliary scenes, because a model from none calls nothing unknown.
     pub outlier: Option<UnknownFigures>,
     /// As `outlier`, for the second outlier.
     pub second_outlier: Option<UnknownFigures>,
@@ -103,7 +103,8 @@ pub fn run(session: &Session) -> Result<VerdictFigures, Fault> {
         for fold in held_out {
             all.add(fold?);
         }
-        for scene in section.auxiliary.iter().filter(|_| !session.quick) {
+        let auxiliary = if session.quick { &[][..] } else { &section.auxiliary };
+        for scene in auxiliary {
             for recording in &drawn(session, section, scene)? {
                 examples.add_auxiliary(recording)?;
             }
@@ -116,7 +117,8 @@ pub fn run(session: &Session) -> Result<VerdictFigures, Fault> {
         let known: Vec<(String, TouchEvaluation)> = known.map(judge).collect::<Result<_, _>>()?;
         let categories = model.categories().to_vec();
         let unknown = |found: &Option<Found>| -> Result<_, Fault> {
-            let Some((_, mut own)) = found.as_ref().map(judge).transpose()? else { return Ok(None) };
+            let found = found.as_ref().filter(|_| !auxiliary.is_empty());
+            let Some((_, mut own)) = found.map(judge).transpose()? else { return Ok(None) };
             known.iter().for_each(|(_, known)| own.add(known.clone()));
             Ok(Some(UnknownFigures::of(&own.objects, &categories)))
         };

@@ -13,8 +13,8 @@ type Row = [string, string | Node];
 /** A number with a unit taken from the end of its name, such as height_m. */
 function parameter(name: string, value: number): Row {
   const units: [RegExp, string][] = [
-    [/_n_m2$/, "N m²"], [/_kg_per_m2$/, "kg/m²"], [/_kg_per_m3$/, "kg/m³"], [/_nm_per_rad$/, "N m/rad"], [/_n_per_m$/, "N/m"], [/_pa$/, "Pa"],
-    [/_kg$/, "kg"], [/_rad$/, "rad"], [/_m$/, "m"], [/_s$/, "s"],
+    [/_n_m2$/, "N m²"], [/_kg_per_m2$/, "kg/m²"], [/_kg_per_m3$/, "kg/m³"], [/_nm_per_rad$/, "N m/rad"], [/_n_per_m$/, "N/m"], [/_nm$/, "N m"], [/_n$/, "N"], [/_pa$/, "Pa"],
+    [/_deg$/, "°"], [/_kg$/, "kg"], [/_rad$/, "rad"], [/_m$/, "m"], [/_s$/, "s"],
   ];
   const [ending, unit] = units.find(([ending]) => ending.test(name)) ?? [/$^/, ""];
   return [name.replace(ending, "").replace(/_/g, " "), `${Number(value.toPrecision(4))} ${unit}`.trim()];
@@ -43,7 +43,7 @@ export class Details {
     if (parts.length === 0) {
       parts.push(element("p", { class: "key" }, "Click a taxel on the arm or on the map, or an object, to see its contact, trial, features and scores here."));
     }
-    if (!reach.isTable) parts.push(...this.#touching(reach, state.frame));
+    if (!reach.isLog) parts.push(...this.#touching(reach, state.frame));
     // What has not changed stays, so that the pointer and the keyboard do not lose it while the reach plays.
     const now = element("div", {}, ...parts);
     if (reach === this.#reach && now.innerHTML === this.box.innerHTML) return;
@@ -80,12 +80,13 @@ export class Details {
     const object = row < 0 ? -1 : reach.readingObject[row]!;
     const shear = row < 0 ? 0 : Math.hypot(reach.shear[2 * row]!, reach.shear[2 * row + 1]!);
     const sensed: Row = ["sensed force", newtons(row < 0 ? 0 : reach.sensed[row]!)];
-    const rows: Row[] = reach.isTable ? [sensed] : [
+    const area: Row = ["area", `${(1e4 * reach.taxelArea[taxel]!).toFixed(2)} cm²`];
+    const rows: Row[] = reach.isLog ? [sensed, ...(reach.isTable ? [] : [area])] : [
       sensed,
       ["true normal force", newtons(row < 0 ? 0 : reach.trueForce[row]!)],
       ["true shear force", newtons(shear)],
       ["pressed by", object < 0 ? "nothing" : `${reach.objectName(object)} (${reach.category(object)})`],
-      ["area", `${(1e4 * reach.taxelArea[taxel]!).toFixed(2)} cm²`],
+      area,
     ];
     const trial = trials.at(taxel, frame);
     const nodes: Node[] = [element("h3", {}, reach.taxelName(taxel)), this.#rows(rows)];
@@ -172,7 +173,7 @@ export class Details {
     if (found === undefined) return [];
     const contacts = reach.header.contacts.filter((contact) => contact.object === object);
     const peak = contacts.reduce((largest, contact) => Math.max(largest, contact.peak_force_n), 0);
-    const rows: Row[] = [
+    const rows: Row[] = reach.isLog ? [["category", reach.category(object)]] : [
       ["category", reach.category(object)],
       ["foot", `(${found.position_world.map((value) => value.toFixed(2)).join(", ")}) m`],
       ["contacts", contacts.length === 0 ? "none" : `${contacts.length}, peak ${newtons(peak)}`],

@@ -4,7 +4,7 @@ import { drawMark, look, type Palette } from "./colours.ts";
 import { element, prepare } from "./dom.ts";
 import type { Reach } from "./reach.ts";
 import type { ColourBy } from "./state.ts";
-import { METRES_PER_NEWTON, WEAKEST_N } from "./view/arrows.ts";
+import { LONGEST_M, METRES_PER_NEWTON, WEAKEST_N } from "./view/arrows.ts";
 
 function swatch(palette: Palette, name: string): HTMLElement {
   const canvas = element("canvas", { "aria-hidden": "true" });
@@ -55,7 +55,7 @@ export function drawLegend(box: HTMLElement, reach: Reach, palette: Palette, col
   if (colour === "force") {
     entries.push(element("span", { class: "entry" }, "sensed force", colourBar(palette, largest, limit)));
     if (limit !== null) entries.push(text(`red line and frame: above the controller's limit of ${limit} N`));
-    entries.push(text(reach.isTable ? "slash: the category is unknown" : "slash: a reading that no object causes"));
+    entries.push(text(reach.isLog ? "slash: without a label" : "slash: a reading that no object causes"));
   } else {
     const names = colour === "truth" ? [...reach.categories, "spurious"] : (verdicts?.verdicts ?? []);
     entries.push(...names.map((name) => swatch(palette, name)));
@@ -65,12 +65,13 @@ export function drawLegend(box: HTMLElement, reach: Reach, palette: Palette, col
   }
   const objects = reach.categories.map((name) => swatch(palette, name));
   if (colour !== "truth" && objects.length > 0) entries.push(element("span", { class: "entries" }, "objects:", ...objects));
-  // A table of trials has neither true forces nor a hand.
-  if (!reach.isTable) {
+  // A log has neither true forces nor goals.
+  if (!reach.isLog) {
     const cm = 100 * METRES_PER_NEWTON;
     const over = limit === null ? "" : `; red if one taxel of the contact reads more than the controller's limit of ${limit} N`;
     if (reach.header.map.length > 0) entries.push(text("cages: the controller's map: dark for what is fixed, blue for what is doubtful, green for what gives way"));
-    entries.push(text(`arrows: force of a whole contact from ${WEAKEST_N} N, ${cm} cm per newton${over}`), text("blue: goal and path of the hand; grid of 10 cm"));
+    const longest = LONGEST_M / METRES_PER_NEWTON;
+    entries.push(text(`arrows: force of a whole contact from ${WEAKEST_N} N, ${cm} cm per newton up to ${longest} N${over}`), text("blue: goal and path of the hand; grid of 10 cm"));
   }
   if (ghost !== null) entries.push(text(`orange, seen through: the arm of reach ${ghost}`));
   box.replaceChildren(...entries);

@@ -25,7 +25,7 @@ export interface Mistake {
   /** The trial; null for an object. */
   trial: Trial | null;
   truth: string;
-  /** The verdict for most of the time. */
+  /** The wrong or uncertain verdict that it had for longest. */
   verdict: string;
   judgement: Judgement;
   /** Frames with a verdict. */
@@ -65,14 +65,18 @@ function longestRun(moments: Moment[]): Run {
   return longest;
 }
 
-/** The mistake that these moments make; null if the verdict for most of the time is right, or cannot be judged. */
+/** The mistake that these moments make; null unless the verdict is wrong or uncertain for most of the time. */
 function mistakeOf(object: number, trial: Trial | null, truth: string, moments: Moment[], header: VerdictHeader): Mistake | null {
-  if (moments.length === 0) return null;
   const times = new Map<string, number>();
-  for (const { verdict } of moments) times.set(verdict, (times.get(verdict) ?? 0) + 1);
+  let against = 0;
+  for (const { verdict } of moments) {
+    if (!["wrong", "uncertain"].includes(judge(truth, verdict, header))) continue;
+    times.set(verdict, (times.get(verdict) ?? 0) + 1);
+    against++;
+  }
+  if (2 * against <= moments.length) return null;
   const verdict = largest(times);
   const judgement = judge(truth, verdict, header);
-  if (judgement !== "wrong" && judgement !== "uncertain") return null;
   const wrong = moments.filter((moment) => moment.judgement === "wrong");
   const uncertain = moments.filter((moment) => moment.judgement === "uncertain");
   // A trial can have neither: another object may press in some of its frames.

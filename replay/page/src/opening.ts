@@ -97,11 +97,13 @@ export class Opening {
     }
   }
 
-  /** Whether there are verdicts. Without them nothing leads to them. */
+  /** Whether there are verdicts. Without them nothing leads to them, and nothing to contacts and goals that a log does not have. */
   #allowVerdict({ header }: Reach): boolean {
     const judged = header.verdicts !== null;
     this.views.switches.allowVerdict(judged);
     find("jump-mistake").hidden = !judged;
+    find("jump-contact").hidden = header.contacts.length === 0;
+    find("jump-goal").hidden = header.goals.length === 0;
     return judged;
   }
 
@@ -138,6 +140,7 @@ export class Opening {
     const { beside } = state;
     const pane = this.views.panes[1];
     if (beside === null || this.all[beside] === undefined) {
+      this.views.store.set({ beside: null });
       pane.stage.remove();
       pane.skins.remove();
       pane.loaded = null;

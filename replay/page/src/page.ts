@@ -98,6 +98,11 @@ export class Page {
     return this.#panes[0].loaded;
   }
 
+  /** The force at the end of the colour scale, N: one scale for both reaches. */
+  get #largest(): number {
+    return Math.max(...this.#panes.map(({ loaded }) => loaded?.largest ?? 0));
+  }
+
   #set(values: Partial<State>): void {
     this.#store.set(values);
     this.#wake();
@@ -184,9 +189,9 @@ export class Page {
     const { state } = this.#store;
     const { reach } = this.#loaded!;
     const texts = this.#pace.follows;
-    this.#panes[0].show(state.frame, state, this.#palette, true, texts);
+    this.#panes[0].show(state.frame, state, this.#palette, this.#largest, true, texts);
     const second = this.#panes[1].loaded;
-    if (second !== null) this.#panes[1].show(second.reach.frameAt(reach.time[state.frame]!), state, this.#palette, false, texts);
+    if (second !== null) this.#panes[1].show(second.reach.frameAt(reach.time[state.frame]!), state, this.#palette, this.#largest, false, texts);
     for (const pane of this.#panes) if (pane.loaded !== null) pane.view?.render(state.playing);
     if (document.body.dataset["frame"] === undefined) performance.mark("drawn");
     document.body.dataset["frame"] = String(state.frame);
@@ -203,7 +208,7 @@ export class Page {
     if (anew || changed.has("ghost")) void this.opening.showGhost();
     this.#dirty = true;
     if (anew || changed.has("colour") || changed.has("ghost")) {
-      drawLegend(find("legend"), reach, palette, state.colour, loaded.largest, state.ghost === null ? null : this.opening.ghosts.name(state.ghost));
+      drawLegend(find("legend"), reach, palette, state.colour, this.#largest, state.ghost === null ? null : this.opening.ghosts.name(state.ghost));
     }
     if (anew) this.#timeline.draw(reach, trials, palette);
     if (anew || changed.has("taxel")) {

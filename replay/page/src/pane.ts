@@ -89,9 +89,9 @@ export class Pane {
     this.view?.haunt(reach);
   }
 
-  /** How each taxel looks in a frame; worked out once a frame. */
-  looks(frame: number, colour: ColourBy, palette: Palette): (taxel: number) => TaxelLook {
-    const { reach, trials, largest } = this.loaded!;
+  /** How each taxel looks in a frame, with `largest`, N, at the end of the colour scale; worked out once a frame. */
+  looks(frame: number, colour: ColourBy, palette: Palette, largest: number): (taxel: number) => TaxelLook {
+    const { reach, trials } = this.loaded!;
     const found = new Map<number, TaxelLook>();
     const limit = reach.header.force_limit_n ?? Number.POSITIVE_INFINITY;
     const threshold = reach.header.threshold_n;
@@ -116,9 +116,9 @@ export class Pane {
   }
 
   /** Draws everything for a frame of this pane's reach; `texts` brings the texts up to date, too. */
-  show(frame: number, state: State, palette: Palette, own: boolean, texts: boolean): void {
+  show(frame: number, state: State, palette: Palette, largest: number, own: boolean, texts: boolean): void {
     if (this.loaded === null) return;
-    this.#looks = this.looks(frame, state.colour, palette);
+    this.#looks = this.looks(frame, state.colour, palette, largest);
     const [taxel, object] = own ? [state.taxel, state.object] : [null, null];
     const quiet = palette.variable("plate");
     const looks = this.#looks;
@@ -149,11 +149,11 @@ export class Pane {
     say(this.#under, `${reach.taxelName(taxel)}: ${force}`);
   }
 
-  /** The true force and its object; of a table of trials the category, if it is known. */
+  /** The true force and its object; of a log the category, if it is known. */
   #cause(row: number): string {
     const { reach } = this.loaded!;
     const object = reach.readingObject[row]!;
-    if (reach.isTable) return object < 0 ? "category unknown" : reach.category(object);
+    if (reach.isLog) return object < 0 ? "without a label" : reach.category(object);
     const truth = `${newtons(reach.trueForce[row]!)} true, `;
     return truth + (object < 0 ? "spurious: no object presses" : reach.objectName(object));
   }

@@ -33,11 +33,12 @@ export function plotsOf(reach: Reach, trials: Trials, series: Series, taxel: num
     },
     { id: "distance", title: "Distance from the goal", unit: "cm", time, fromZero: true, curves: [{ name: "distance", colour: "accent", values: series.distance }, ...beside((own) => own.distance)] },
   ];
-  // A table of trials has sensed forces only.
-  if (reach.isTable) {
-    plots.length = 1;
+  // A log has sensed forces and areas only, and a table of trials no areas.
+  if (reach.isLog) {
+    plots.length = reach.isTable ? 1 : 2;
     plots[0]!.curves = plots[0]!.curves.filter(({ name }) => name !== "true");
   }
+  if (reach.header.goals.length === 0) plots.splice(3);
   if (taxel === null) return plots;
   const own = (values: Float32Array) => Array.from(time, (_, frame) => {
     const row = reach.reading(taxel, frame);
@@ -45,7 +46,7 @@ export function plotsOf(reach: Reach, trials: Trials, series: Series, taxel: num
   });
   plots.push({
     id: "taxel", title: `Force on ${reach.taxelName(taxel)}`, unit: "N", time, fromZero: true,
-    curves: [{ name: "sensed", colour: "accent", values: own(reach.sensed) }, ...(reach.isTable ? [] : [{ name: "true", colour: "quiet", dash: true, values: own(reach.trueForce) }])],
+    curves: [{ name: "sensed", colour: "accent", values: own(reach.sensed) }, ...(reach.isLog ? [] : [{ name: "true", colour: "quiet", dash: true, values: own(reach.trueForce) }])],
   });
   if (verdicts !== null && verdicts.patches.includes(reach.patchOf[taxel]!)) {
     const count = verdicts.scores.length;

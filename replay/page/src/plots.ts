@@ -84,7 +84,7 @@ class Plot {
         x: { time: false, range: () => [0, data.time[data.time.length - 1]!] },
         y: { range: (_, low, high) => rangeOf(data, low, high) },
       },
-      axes: [{ ...axis, show: last, size: AXIS, values: (_, ticks) => ticks.map((tick) => `${tick} s`) }, { ...axis, size: LEFT, gap: 6 }],
+      axes: [{ ...axis, show: last, size: AXIS, values: (_, ticks) => ticks.map((tick) => `${tick} s`) }, { ...axis, size: LEFT, gap: 6, space: 18 }],
       series: [{}, ...series],
       // A new plot has no scales, and so no place for the line at the current time, before it is ready.
       hooks: { ready: [() => this.show(this.#frame)], setCursor: [(plot) => this.#say(plot.cursor.idx ?? this.#frame)] },

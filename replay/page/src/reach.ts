@@ -241,7 +241,12 @@ export class Reach {
     return this.header.map.filter(({ first_frame, last_frame }) => first_frame <= frame && frame <= last_frame);
   }
 
-  /** Whether this is a table of contact trials: sensed forces without an arm, without places and without true forces. */
+  /** Whether this was measured on a robot: without goals, true forces, places of objects and angles of joints. */
+  get isLog(): boolean {
+    return this.header.controller === "unknown";
+  }
+
+  /** Whether this is a table of contact trials: a log without an arm and without places of taxels. */
   get isTable(): boolean {
     return this.header.joint_names.length === 0;
   }

@@ -28,6 +28,7 @@ export class SkinMap {
   readonly #cells: Cell[];
   readonly #width: number;
   readonly #height: number;
+  readonly #upwards: boolean;
   #scale = 1;
   #cursor: number | null = null;
   #room = 0;
@@ -45,6 +46,8 @@ export class SkinMap {
     const { name, grid, taxels } = reach.header.patches[patch]!;
     const plan = layOut(reach, patch);
     [this.#cells, this.#width, this.#height] = [plan.cells, plan.width, plan.height];
+    // Of a log, nobody knows where the tip is.
+    this.#upwards = plan.upwards && !reach.isLog;
     const size = reach.isTable ? "taxels in the order of their numbers" : grid === null ? `${taxels} taxels, seen on both sides` : `${grid.rows} rows along × ${grid.columns} columns around`;
     this.#canvas = element("canvas", {
       tabindex: 0,
@@ -146,10 +149,17 @@ export class SkinMap {
         drawMark(context, look(mark).mark, x, y, side * 0.32);
       }
       if (own.over || own.wrong) {
-        context.strokeStyle = palette.variable("over");
+        const frame = (name: string) => {
+          context.strokeStyle = palette.variable(name);
+          context.strokeRect(x - side / 2 + 1, y - side / 2 + 1, side - 2, side - 2);
+        };
         context.lineWidth = 2;
-        context.setLineDash(own.wrong && !own.over ? [2, 2] : []);
-        context.strokeRect(x - side / 2 + 1, y - side / 2 + 1, side - 2, side - 2);
+        if (own.wrong) {
+          // Some verdicts are as red as the dashes.
+          frame("panel");
+          context.setLineDash([2, 2]);
+        }
+        frame("over");
         context.setLineDash([]);
       }
     }
@@ -172,13 +182,12 @@ export class SkinMap {
     const context = prepare(canvas, width, height);
     context.font = "11px system-ui, sans-serif";
     context.fillStyle = palette.variable("quiet");
-    // Of a table of trials, nobody knows where the taxels are.
-    if (!this.reach.isTable) {
-      context.fillText("▲ hand end", MARGIN.left, 12);
+    if (this.#upwards) {
+      context.fillText("▲ towards the tip", MARGIN.left, 12);
       context.save();
       context.translate(12, height - MARGIN.bottom);
       context.rotate(-Math.PI / 2);
-      context.fillText(this.reach.header.patches[this.patch]!.grid === null ? "towards the wrist" : "towards the elbow", 0, 0);
+      context.fillText("towards the base", 0, 0);
       context.restore();
     }
     context.fillStyle = palette.variable("cell");

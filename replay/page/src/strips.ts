@@ -96,7 +96,7 @@ export class Strips {
     const strips = this.#strips(reach, trials, taxel);
     const context = prepare(this.#canvas, this.#axis.width, strips.length * (HEIGHT + GAP));
     context.font = "12px system-ui, sans-serif";
-    const seen = new Map<string, number>();
+    const common: { label: string; columns: Map<string, number> }[] = [];
     strips.forEach((strip, index) => {
       const top = index * (HEIGHT + GAP);
       context.fillStyle = palette.variable("cell");
@@ -105,18 +105,24 @@ export class Strips {
       context.textAlign = "right";
       context.textBaseline = "middle";
       context.fillText(strip.label, LEFT - 8, top + HEIGHT / 2);
-      this.#fill(context, reach, strip, top, palette, strip.own === true ? new Map() : seen);
+      const columns = this.#fill(context, reach, strip, top, palette);
+      if (strip.own !== true) common.push({ label: strip.label, columns });
     });
-    const judged = reach.header.verdicts;
     const where = reach.judgedAlone ?? "all patches";
-    const names = [...seen.keys()].sort(byName).map((name) => EXPLAINED[name] ?? name);
-    say(this.#key, names.length === 0 ? `Nothing touches ${where} in this reach.` : `Shares of the taxels in contact on ${where}, from the bottom: ${names.join(", ")}.`);
-    const common = strips.filter(({ own }) => own !== true).length;
-    const frames = [...seen].map(([name, columns]) => `${name} ${seconds((columns / this.#axis.span / common) * reach.duration)}`);
-    this.#canvas.setAttribute("aria-label", `Truth${judged === null ? "" : " and verdict"} over time on ${where}: ${frames.join(", ")}`);
+    const seen = new Set(common.flatMap(({ columns }) => [...columns.keys()]));
+    const names = [...seen].sort(byName).map((name) => EXPLAINED[name] ?? name);
+    const nothing = reach.taxels === 0 ? "This arm has no skin." : `Nothing touches ${reach.judgedAlone ?? "the skin"} in this reach.`;
+    say(this.#key, names.length === 0 ? nothing : `Shares of the taxels in contact on ${where}, from the bottom: ${names.join(", ")}.`);
+    const said = common.map(({ label, columns }) => {
+      const times = [...columns].map(([name, count]) => `${name} ${seconds((count / this.#axis.span) * reach.duration)}`);
+      return `${label}: ${times.join(", ") || "nothing"}`;
+    });
+    this.#canvas.setAttribute("aria-label", `Time in contact on ${where}. ${said.join("; ")}`);
   }
 
-  #fill(context: CanvasRenderingContext2D, reach: Reach, strip: Strip, top: number, palette: Palette, seen: Map<string, number>): void {
+  /** Draws a strip. Returns in how many columns of pixels each name is. */
+  #fill(context: CanvasRenderingContext2D, reach: Reach, strip: Strip, top: number, palette: Palette): Map<string, number> {
+    const seen = new Map<string, number>();
     const runs = new Map<string, { start: number; end: number }>();
     let before = 0;
     for (let x = 0; x < this.#axis.span; x++) {
@@ -151,6 +157,7 @@ export class Strips {
         if (done !== undefined && done.end - done.start >= 60) runs.delete(name);
       }
     }
+    return seen;
   }
 }
 

@@ -116,7 +116,7 @@ export class Table<T> {
     if (this.#order === null) return rows;
     const { column, down } = this.#order;
     const { value, text } = this.columns[column]!;
-    const compare = value !== undefined ? (a: T, b: T) => value(a) - value(b) : (a: T, b: T) => text(a).localeCompare(text(b));
+    const compare = value !== undefined ? (a: T, b: T) => value(a) - value(b) : (a: T, b: T) => text(a).localeCompare(text(b), undefined, { numeric: true });
     rows.sort((a, b) => (down ? compare(b, a) : compare(a, b)));
     return rows;
   }

@@ -90,7 +90,7 @@ export class Timeline {
     }
     const mistakes = verdicts === null ? "" : `, ${plural(trials.mistakes.length, "mistake")}`;
     this.#canvas.setAttribute("aria-label", `${plural(goals.length, "goal")}, ${plural(contacts.length, "contact")}${mistakes}`);
-    const order = reach.categories.length > 1 ? `The playback bar shows contacts from top to bottom with ${reach.categories.join(", ")}.` : "";
+    const order = contacts.length > 0 && reach.categories.length > 1 ? `The playback bar shows contacts from top to bottom with ${reach.categories.join(", ")}.` : "";
     const crosses = verdicts === null ? "" : "A mistake is marked where its longest wrong time begins: × wrong, ○ uncertain. That time is shaded for the chosen one.";
     say(this.key, `${order} ${crosses}`.trim());
   }

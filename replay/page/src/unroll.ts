@@ -14,9 +14,11 @@ export interface Plan {
   cells: Cell[];
   width: number;
   height: number;
+  /** Whether its upper end is clearly nearer to the tip of the arm, by a tenth of its length or more, in the first frame. */
+  upwards: boolean;
 }
 
-/** Lays out a patch with the hand end at the top: a grid by rows and columns, other taxels as they lie on both sides. */
+/** Lays out a patch with the end that is nearer to the tip at the top: a grid by rows and columns, other taxels as they lie on both sides. */
 export function layOut(reach: Reach, patch: number): Plan {
   return reach.header.patches[patch]!.grid === null ? twoSides(reach, patch) : rowsAndColumns(reach, patch);
 }
@@ -44,13 +46,15 @@ function rowsAndColumns(reach: Reach, patch: number): Plan {
   const { grid, first_taxel: first, taxels } = reach.header.patches[patch]!;
   const { rows, columns } = grid!;
   const tip = tipInLink(reach, patch);
-  const lastIsNearer = distance(position(reach, first + taxels - 1), tip) < distance(position(reach, first), tip);
+  const [start, end] = [position(reach, first), position(reach, first + taxels - 1)];
+  const nearer = distance(start, tip) - distance(end, tip);
+  const lastIsNearer = nearer > 0;
   const cells = Array.from({ length: taxels }, (_, index) => {
     const row = Math.floor(index / columns);
     const line = lastIsNearer ? rows - 1 - row : row;
     return { taxel: first + index, x: (index % columns) + 0.5, y: line + 0.5, size: 1 };
   });
-  return { cells, width: columns, height: rows };
+  return { cells, width: columns, height: rows, upwards: Math.abs(nearer) > 0.1 * distance(start, end) };
 }
 
 type Vector = [number, number, number];
@@ -112,7 +116,7 @@ function twoSides(reach: Reach, patch: number): Plan {
   let along = longest(centred, []);
   const across = longest(centred, [along]);
   const tip = tipInLink(reach, patch).map((value, axis) => value - mean[axis]!);
-  // Up on the map is towards the hand.
+  // Up on the map is towards the tip.
   if (dot(tip, along) < 0) along = along.map((value) => -value) as Vector;
   const facing = [
     along[1] * across[2] - along[2] * across[1], along[2] * across[0] - along[0] * across[2], along[0] * across[1] - along[1] * across[0],
@@ -133,5 +137,6 @@ function twoSides(reach: Reach, patch: number): Plan {
   const cells = flat.map(({ index, back, x, y }) => {
     return { taxel: first + index, x: x + width / 2 + (back ? 1.15 * width : 0), y: y - top, size };
   });
-  return { cells, width: 2.15 * width, height: Math.max(...cells.map(({ y }) => y)) + 0.8 * size };
+  const height = Math.max(...cells.map(({ y }) => y)) + 0.8 * size;
+  return { cells, width: 2.15 * width, height, upwards: Math.abs(dot(tip, along)) > 0.1 * Math.hypot(...tip) };
 }

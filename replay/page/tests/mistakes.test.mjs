@@ -28,10 +28,13 @@ const most = (counts) => [...counts].sort((a, b) => b[1] - a[1])[0][0];
 const count = (map, name, amount = 1) => map.set(name, (map.get(name) ?? 0) + amount);
 const isMistake = (judgement) => judgement === "wrong" || judgement === "uncertain";
 
-/** A row of the list from { frame, force, verdict, judgement } in order of time. */
-function summary(moments) {
+/** A row of the list from { frame, force, verdict, judgement } in order of time; null unless most verdicts are wrong or uncertain, judged
+ * by `judge`. */
+function summary(moments, judge) {
+  const against = moments.map(({ verdict }) => verdict).filter((verdict) => isMistake(judge(verdict)));
+  if (against.length <= moments.length / 2) return null;
   const times = new Map();
-  for (const { verdict } of moments) count(times, verdict);
+  for (const verdict of against) count(times, verdict);
   const wrong = moments.filter(({ judgement }) => judgement === "wrong");
   const runs = [];
   for (const { frame } of wrong.length > 0 ? wrong : moments.filter(({ judgement }) => judgement === "uncertain")) {
@@ -40,7 +43,7 @@ function summary(moments) {
   }
   const forces = wrong.map(({ force }) => force);
   const run = runs.sort((a, b) => b.length - a.length)[0];
-  return { verdict: most(times), wrong_s: wrong.length / 100, contact_s: moments.length / 100, mean: forces.reduce((sum, force) => sum + force, 0) / (forces.length || 1), peak: Math.max(0, ...forces), run: [run?.[0], run?.at(-1)] };
+  return { verdict: most(times), judgement: judge(most(times)), wrong_s: wrong.length / 100, contact_s: moments.length / 100, mean: forces.reduce((sum, force) => sum + force, 0) / (forces.length || 1), peak: Math.max(0, ...forces), run: [run?.[0], run?.at(-1)] };
 }
 
 /** The rows that the page must list, the worst first. */
@@ -101,10 +104,9 @@ test("mistakes of a touch model are objects", async () => {
         for (const { verdict, force } of pressed) count(forces, verdict, force);
         return [{ frame, force: pressed.reduce((sum, { force }) => sum + force, 0), verdict: most(forces), judgement: judge(most(forces)) }];
       });
-      if (own.length === 0) return null;
-      const found = summary(own);
-      return { ...found, index: object, object: `${recording.objects[object].kind.replace(/_/g, " ")} ${object}`, truth, judgement: judge(found.verdict), duration: rows.at(-1).time_s };
-    }).filter((row) => row !== null && isMistake(row.judgement));
+      const found = summary(own, judge);
+      return found && { ...found, index: object, object: `${recording.objects[object].kind.replace(/_/g, " ")} ${object}`, truth, duration: rows.at(-1).time_s };
+    }).filter((row) => row !== null);
     const { page, texts, close } = await openList(scene, "touch.json");
     assert.equal(texts.length, expected.length, scene);
     for (const [row, own] of ordered(expected).entries()) {
@@ -134,11 +136,10 @@ test("mistakes of a classifier of trials are trials", async () => {
       const found = taxels.find((other) => other.taxel === taxel);
       return found === undefined ? [] : [{ ...found, frame: first + index, judgement: judge(category(found.object), found.verdict) }];
     });
-    if (own.length === 0) return [];
-    const found = summary(own);
     const truth = category(object);
-    return [{ ...found, object: name, truth, judgement: judge(truth, found.verdict), duration: rows.at(-1).time_s }];
-  }).filter(({ judgement }) => isMistake(judgement));
+    const found = summary(own, (verdict) => judge(truth, verdict));
+    return found === null ? [] : [{ ...found, object: name, truth, duration: rows.at(-1).time_s }];
+  });
   assert.ok(expected.length > 3, "the model makes too few mistakes for this test");
   assert.equal(texts.length, Math.min(expected.length, 50));
   ordered(expected).slice(0, 5).forEach((own, row) => compare(texts[row], own));

@@ -37,6 +37,8 @@ test("a table of trials is shown without what it does not know", async () => {
   const text = await page.textContent("body");
   assert.match(text, /palm taxel 5: 5\.50\s*N sensed, towel/);
   assert.doesNotMatch(text, /NaN|true normal force|Pressing now|arrows|path of the hand/);
+  assert.doesNotMatch(await page.textContent("#timeline-key"), /contacts/);
+  assert.ok(await page.locator("#jump-contact").isHidden() && (await page.locator("#jump-goal").isHidden()));
   const truth = await page.getAttribute("canvas.strips", "aria-label");
   const [, seconds] = /towel ([\d.]+)/.exec(truth);
   assert.ok(Math.abs(Number(seconds) - 0.7) < 0.03, truth);
@@ -66,7 +68,8 @@ test("an address brings back a frame of a fast table", async () => {
   server.close();
 });
 
-/** Pins that a recording of a robot's log, which has neither seed, controller, goals nor an audit, does not speak of them. */
+/** Tests that a recording of a robot's log, which has neither seed, controller, goals, an audit, torques nor true forces, does not speak of
+ * them. */
 test("a recording of a log says nothing that nobody knows", async () => {
   const frames = Array.from({ length: 60 }, (_, k) => `${(k / 100).toFixed(2)},${k > 10 && k < 50 ? 0.5 : 0},0,towel,0`);
   writeFileSync(file("log.csv"), ["t,f_0,f_1,label,run", ...frames, ""].join("\n"));
@@ -76,13 +79,17 @@ test("a recording of a log says nothing that nobody knows", async () => {
   writeFileSync(file("log.toml"), tables.join("\n"));
   program("import", file("log.csv"), "--mapping", file("log.toml"), "--out", file("felt"));
   const server = await serve(file("felt/reach-000000.parquet"));
-  const page = await open(browser, server.address);
+  const page = await open(browser, `${server.address}#reach=0&taxel=palm.0&object=0`);
   await ready(page);
+  await seek(page, 20);
+  assert.match(await page.textContent("#details"), /0\.50\s*N/);
+  const plots = await page.$$eval("[data-plot]:not([hidden])", (found) => found.map((plot) => plot.dataset.plot));
+  assert.deepEqual(plots, ["force", "area", "taxel"]);
   assert.equal(await page.textContent("#title"), "log, reach 0");
   assert.match(await page.textContent("#facts"), /^a robot's log · no goals · 0\.6\s*s/);
   const row = await page.locator("#panel-reaches tbody tr").first().locator("th, td").allTextContents();
   assert.deepEqual(row, ["0", "log", "–", "0", "–", "–", "–", "0.6", "0.50", "1", "–"]);
-  assert.doesNotMatch(await page.textContent("body"), /seed \d|unknown|0 of 0|within bounds/);
+  assert.doesNotMatch(await page.textContent("body"), /seed \d|unknown|0 of 0|within bounds|true normal force|true 0|foot|Pressing now|arrows|path of the hand/);
   assert.deepEqual(page.problems, []);
   await page.context().close();
   server.close();

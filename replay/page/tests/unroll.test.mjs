@@ -31,6 +31,8 @@ test("a taxel without a neighbour has a place on the map", () => {
     patch([[0.01, 0.01, 0.02], [0.02, 0.01, 0.06], [0.01, -0.01, 0.03]], [front, front, back]),
     patch([[0.01, 0.01, 0.02], [0.01, 0.01, 0.02]], [front, front]),
   ];
+  assert.ok(layOut(patch([[0.01, 0, 0.01], [0.01, 0, 0.05]], [front, front]), 0).upwards);
+  assert.ok(!layOut(patch([[0.05, 0, 0.1], [-0.05, 0, 0.1]], [front, front]), 0).upwards);
   for (const reach of patches) {
     const { cells, width, height } = layOut(reach, 0);
     assert.equal(cells.length, reach.taxelPosition.length / 3);

@@ -14,7 +14,7 @@ pub fn add(report: &mut Report, outcome: &ReachMoments) {
     if outcome.all().next().is_none() {
         return;
     }
-    report.section("moments", "moments of two reaches");
+    report.section("moments", "moments of reaches");
     for (place, moment) in outcome.all().enumerate() {
         add_moment(report, moment, place);
     }
