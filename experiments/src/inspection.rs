@@ -62,16 +62,20 @@ fn scene(path: &Path, seed: u64) -> Result<Value, Fault> {
     let clutter = Clutter::draw(&plan.scene, &ArmAtStart::of(&plan.arm), seed, 0)?;
     let objects = frequencies(clutter.objects.iter().map(|placed| placed.object.kind()));
     let file = &plan.scene.file;
-    let doubts = plan.arm.skin_doubts();
+    let ways = plan.ways(0)?.iter().filter(|way| way.is_ok()).count();
+    let mut doubts = plan.arm.skin_doubts();
+    if ways == 0 && !clutter.goals.is_empty() {
+        doubts.push("no goal has a way round all fixed obstacles".into());
+    }
     Ok(json!({
         "scene": plan.scene.name,
         "summary": file.summary,
         "arm": plan.arm.name,
-        "doubtful": if doubts.is_empty() { "nothing".into() } else { doubts.join("; ") },
+        "doubtful": doubtful(&doubts),
         "controller": plan.controller_name(),
         "objects": objects,
         "goals": clutter.goals.len(),
-        "goals_with_a_way": plan.ways(0)?.iter().filter(|way| way.is_ok()).count(),
+        "goals_with_a_way": ways,
         "physics": file.physics,
         "sensor": file.sensor,
         "blake3": plan.scene.hash(),
@@ -110,10 +114,15 @@ fn arm(arm: &Arm) -> Result<Value, Fault> {
         "tip_at_start_m": tip.to_array().map(|value| (value * 1e4).round() / 1e4),
         "patches": patches.collect::<BTreeMap<_, _>>(),
         "taxels": arm.skin.layout.taxel_count(),
-        "doubtful": if doubts.is_empty() { "nothing".into() } else { doubts.join("; ") },
+        "doubtful": doubtful(&doubts),
         "wedges": if wedges.is_empty() { "none".into() } else { wedges.join("; ") },
         "check": "sound",
     }))
+}
+
+fn doubtful(doubts: &[String]) -> String {
+    let doubts: Vec<&str> = doubts.iter().map(|own| own.strip_prefix("warning: ").unwrap_or(own)).collect();
+    if doubts.is_empty() { "nothing".into() } else { doubts.join("; ") }
 }
 
 /// What a wedge does, in words.
@@ -160,6 +169,7 @@ fn dataset(path: &Path) -> Result<Value, Fault> {
         "taxels": patches,
         "audit_worst": audit::worst(episodes, dataset.layout()),
         "audit_sums": audit::counts(episodes),
+        "doubtful": doubtful(&audit::warnings(episodes, dataset.layout())),
         "seed": provenance.seed,
         "controller": provenance.controller,
         "arm_files_blake3": arm_files,
@@ -191,6 +201,7 @@ fn recording(path: &Path) -> Result<Value, Fault> {
         "objects": recording.objects.len(),
         "contacts": recording.contacts.len(),
         "audit": simulated.then_some(recording.audit),
+        "doubtful": simulated.then(|| doubtful(&audit::reach_warnings(&recording))),
         "check": "sound",
     }))
 }

@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
+use crate::limits::NAME_BYTES;
 use crate::plain_text::{PLAIN, is_plain};
 
 /// What an object is, as ground truth: a name, and the code that represents it in columns of numbers.
@@ -88,6 +89,7 @@ impl Category {
         // The verdict `outlier` is also the category of outliers.
         match name {
             Category::UNCERTAIN => Some("a name other than `uncertain`, which is a verdict"),
+            _ if name.len() as u64 > NAME_BYTES.most => Some("at most 1000 bytes"),
             _ => (!is_plain(name)).then_some(PLAIN),
         }
     }

@@ -19,7 +19,7 @@ pub(super) struct Summary {
     reaches: usize,
     frames: usize,
     simulated_s: f64,
-    /// Wall time for making the set, s; `None` if the set was already finished, or was merged.
+    /// Wall time for making the set, s; `None` if another run made it or a part of it.
     wall_s: Option<f64>,
     /// Goals that have a way, all goals, and reaches, of a sample of the reaches; `None` for a set that was not simulated just now.
     pub(super) goals_with_a_way: Option<[usize; 3]>,

@@ -132,7 +132,9 @@ pub fn run(options: GenerateOptions, json: bool) -> Result<(), Failure> {
         require_same_reaches(&dataset, source)?;
     }
     output::remarks(audit::warnings(dataset.episodes(), dataset.layout()));
-    let mut summary = Summary::of(&dataset, wall_s);
+    // Other runs simulated the rest.
+    let alone_s = wall_s.filter(|_| !options.resume && !options.shared);
+    let mut summary = Summary::of(&dataset, alone_s);
     if wall_s.is_some() {
         summary.goals_with_a_way = Some(campaign.goals_with_a_way()?);
     }

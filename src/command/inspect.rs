@@ -1,11 +1,12 @@
 //! `underbrush inspect`: checks a file or folder and shows what it contains.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::{Value, json};
 use underbrush_experiments::inspection;
-use underbrush_experiments::torque_balance::torque_balance;
+use underbrush_experiments::torque_balance::{TorqueBalance, torque_balance};
 use underbrush_sim::arm::Arm;
 
 use super::{Overwrite, picture};
@@ -48,11 +49,14 @@ pub struct InspectOptions {
 /// Checks the file or folder and prints what it contains.
 pub fn run(options: InspectOptions, json: bool) -> Result<(), Failure> {
     let mut found = inspection::inspect(&options.path, options.seed)?;
+    let mut passed = None;
     if options.audit {
         if found.get("dataset").is_none() {
             return Err(Failure::usage(format!("{}: --audit is for data sets", options.path.display())));
         }
-        found["torque_balance"] = json!(torque_balance(&options.path)?);
+        let balance = torque_balance(&options.path)?;
+        passed = unexplained(&balance);
+        found["torque_balance"] = json!(balance);
     }
     if let Some(still) = &options.still {
         let path = &options.path;
@@ -62,7 +66,20 @@ pub fn run(options: InspectOptions, json: bool) -> Result<(), Failure> {
         picture::check_png(still, options.overwrite, [path])?;
         picture::write_arm(&Arm::load(path)?, still)?;
     }
-    output::result(json, &found, || text(&found, 0))
+    output::result(json, &found, || text(&found, 0))?;
+    passed.map_or(Ok(()), |complaint| Err(Failure::run(complaint).about(&options.path)))
+}
+
+/// The scenes in which torques and contacts do not explain the motion, if there are any.
+fn unexplained(balance: &BTreeMap<String, TorqueBalance>) -> Option<String> {
+    let scene = |(scene, own): (&String, &TorqueBalance)| {
+        let TorqueBalance { residual_share, bound, .. } = own;
+        let text = || format!("in {scene} {residual_share:.4} of the impulses is missing, more than {bound}");
+        (residual_share > bound).then(text)
+    };
+    let scenes: Vec<String> = balance.iter().filter_map(scene).collect();
+    let complaint = "torques and contacts do not explain the motion of the arm";
+    (!scenes.is_empty()).then(|| format!("{complaint}: {}", scenes.join("; ")))
 }
 
 /// Nested keys and values, one per line.
@@ -105,4 +122,20 @@ fn chain(joints: &[Value]) -> String {
         format!("{}\n", padded.collect::<String>().trim_end())
     };
     (0..joints.len() + 2).map(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tests that the scenes whose torques do not balance are named, and no others.
+    #[test]
+    fn torques_that_do_not_balance_are_named() {
+        let share = |residual_share| TorqueBalance { residual_share, bound: 0.02, ..TorqueBalance::default() };
+        let mut balance = BTreeMap::from([("leaf".to_owned(), share(0.01))]);
+        assert_eq!(unexplained(&balance), None);
+        balance.insert("trunk".into(), share(0.3));
+        let text = unexplained(&balance).unwrap();
+        assert!(text.contains("in trunk 0.3000") && !text.contains("leaf"), "{text}");
+    }
 }

@@ -47,8 +47,9 @@ pub fn wilson(successes: usize, trials: usize) -> Interval {
 
 /// Percentile bootstrap of the accuracy over whole reaches, the clusters within which records depend on each other.
 ///
-/// Each resample draws as many reaches as there are, with replacement. `None` if a record names no reach
-/// or there are no records. `categories` are those of the classifier.
+/// Each resample draws as many reaches as there are, with replacement. If all records are right, or none is, all resamples
+/// are alike, which says nothing about other reaches; then it is [`wilson`]'s interval for as many trials as there are
+/// reaches. `None` if a record names no reach or there are fewer than two reaches. `categories` are those of the classifier.
 pub fn bootstrap_by_reach<'a>(
     records: impl IntoIterator<Item = Record<'a>>,
     categories: &[String],
@@ -59,10 +60,15 @@ pub fn bootstrap_by_reach<'a>(
         *correct += usize::from(record.is_right(categories));
         *count += 1;
     }
-    if reaches.is_empty() {
+    let reaches: Vec<(usize, usize)> = reaches.into_values().collect();
+    if reaches.len() < 2 {
         return None;
     }
-    let reaches: Vec<(usize, usize)> = reaches.into_values().collect();
+    let right = |(correct, count): &(usize, usize)| correct == count;
+    let wrong = |(correct, _): &(usize, usize)| *correct == 0;
+    if reaches.iter().all(right) || reaches.iter().all(wrong) {
+        return Some(wilson(reaches.iter().filter(|own| right(own)).count(), reaches.len()));
+    }
     let mut rng = ChaCha8Rng::seed_from_u64(0);
     let mut accuracies: Vec<f64> = (0..RESAMPLES)
         .map(|_| {

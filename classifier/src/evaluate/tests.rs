@@ -318,6 +318,10 @@ fn clusters_widen_the_interval() {
     let naive = wilson(500, 1000);
     assert!(half > 3.0 * (naive.high - naive.low) / 2.0);
     assert_eq!(bootstrap(&clustered), Some(interval));
+    // One reach says nothing about others, and twenty of which all are right do not say that all others are.
+    assert_eq!(bootstrap(&predictions(&[("leaf", "leaf", 0, 50)])), None);
+    let right: Vec<_> = (0..20).map(|reach| ("leaf", "leaf", reach, 50)).collect();
+    assert_eq!(bootstrap(&predictions(&right)), Some(wilson(20, 20)));
     let mut homeless = clustered;
     homeless[0].reach = None;
     assert_eq!(bootstrap(&homeless), None);

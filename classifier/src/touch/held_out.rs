@@ -109,8 +109,12 @@ pub(super) fn lapses(regions: &[&Judged], sharpness: f64) -> Vec<Lapse> {
     regions.iter().filter_map(lapse).collect()
 }
 
-/// The limit on the probability of nothing that only the allowed share of true contacts exceeds.
+/// The limit on the probability of nothing that only the allowed share of true contacts exceeds; 1, which no probability
+/// exceeds, if there are no readings without contact to learn from.
 pub(super) fn nothing_above(taxels: &[&Judged], sharpness: f64) -> f64 {
+    if taxels.iter().all(|taxel| taxel.class == 1) {
+        return 1.0;
+    }
     let touched = taxels.iter().filter(|taxel| taxel.class == 1);
     let mut nothing: Vec<f64> = touched.map(|taxel| taxel.probabilities(sharpness)[0]).collect();
     nothing.sort_by(f64::total_cmp);

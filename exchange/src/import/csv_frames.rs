@@ -1,5 +1,6 @@
 //! Frames from a CSV file: a row is a frame, and each taxel has a column.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use underbrush_recording::limits::CSV_BYTES;
@@ -28,6 +29,12 @@ impl Columns {
         let place = |field: &str, name: &str| -> Result<usize, InputError> {
             // `InputError` shortens the list if it is long.
             let listed = || names.iter().collect::<Vec<_>>().join(", ");
+            let separators = [';', '\t'];
+            if names.len() < 2 && names.iter().all(|name| name.is_empty() || name.contains(separators)) {
+                let found = names.get(0).map_or("an empty file".into(), |name| format!("one column, {name:?}"));
+                let allowed = "columns with commas between them, and their names in the first line";
+                return Err(InputError::new(path, "CSV", found, allowed, "write the file with commas").at_line(1));
+            }
             let allowed = || format!("a column of {}: {}", path.display(), listed());
             let mut found = names.iter().enumerate().filter(|(_, column)| column.trim() == name);
             match (found.next(), found.next()) {
@@ -71,13 +78,14 @@ impl Columns {
     }
 }
 
-/// Hands all rows of the file to the cutter and, if the skin is known, to the recorder.
+/// Hands all rows of the file to the cutter and, if the skin is known, to the recorder. Returns the numbers of the labels that
+/// cover a frame.
 pub(super) fn read(
     path: &Path,
     mapping: &Mapping,
     cutter: &mut Cutter,
     mut recorder: Option<&mut Recorder>,
-) -> Result<(), InputError> {
+) -> Result<BTreeSet<usize>, InputError> {
     if mapping.file.time.from.is_none() && mapping.file.time.rate_hz.is_none() {
         return Err(mapping.fault("time.from", "nothing".into(), "the column of the times, or `rate_hz`"));
     }
@@ -93,6 +101,7 @@ pub(super) fn read(
     let mut row = csv::StringRecord::new();
     let mut readings = vec![0.0; columns.forces.len()];
     let mut channels: Vec<Vec<Option<f64>>> = vec![Vec::new(); columns.channels.len()];
+    let mut used_labels = BTreeSet::new();
     // Frames of the reach so far, for times that follow from the rate.
     let (mut reach_before, mut number) = (None, 0u64);
     while reader.read_record(&mut row).map_err(unreadable)? {
@@ -118,7 +127,11 @@ pub(super) fn read(
         };
         let category = match columns.category {
             Some(column) => cell(column),
-            None => mapping.category(reach, time_s),
+            None => {
+                let label = mapping.label(reach, time_s);
+                used_labels.extend(label);
+                mapping.category(label)
+            }
         };
         for (numbers, columns) in channels.iter_mut().zip(&columns.channels) {
             numbers.clear();
@@ -145,5 +158,5 @@ pub(super) fn read(
         }
         cutter.push(&place, &readings, &channels)?;
     }
-    Ok(())
+    Ok(used_labels)
 }

@@ -1,13 +1,14 @@
 //! The mapping file: which numbers of a file are the forces on which taxels, in which unit.
 
 use std::cmp::Ordering;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
 use underbrush_recording::disk::TRIAL_COLUMNS;
-use underbrush_recording::{Grid, InputError, Limits, TEXT_BYTES, is_plain, parse_toml, read_text, short};
+use underbrush_recording::{Category, Grid, InputError, Limits, TEXT_BYTES, is_plain, parse_toml, read_text, short};
 
 /// Frames per second: from one reading in a hundred seconds to a fast vibration sensor.
 const RATE_HZ: Limits = Limits::new(0.01, 1e5, "Hz");
@@ -326,8 +327,14 @@ impl Mapping {
             let allowed = "one of category_from and [[label]]";
             return Err(self.fault("trial.category_from", "[[label]], too".into(), allowed));
         }
-        if trial.category.as_deref() == Some("") {
-            return Err(self.fault("trial.category", "an empty name".into(), "a name"));
+        let of_labels =
+            labels.iter().enumerate().map(|(number, own)| (format!("label[{number}].category"), &own.category));
+        let of_all = trial.category.iter().map(|name| ("trial.category".to_owned(), name));
+        for (field, name) in of_all.chain(of_labels) {
+            let empty = name.is_empty().then_some("a name");
+            if let Some(allowed) = empty.or_else(|| Category::name_fault(name)) {
+                return Err(self.fault(&field, format!("{name:?}"), allowed));
+            }
         }
         if let Some(patch) = trial.patch.as_deref().filter(|name| name.is_empty() || name.contains('/')) {
             return Err(self.fault("trial.patch", format!("{patch:?}"), "a name without `/`, which is not empty"));
@@ -352,12 +359,28 @@ impl Mapping {
         self.path.with_file_name("").join(path)
     }
 
-    /// The category at a time of a reach: that of the first label that covers it, or else that of all trials. Empty if neither
-    /// is given.
-    pub(super) fn category(&self, reach: u64, time_s: f64) -> &str {
-        let holds = |own: &&Label| own.reach.is_none_or(|of| of == reach) && (own.from_s..own.to_s).contains(&time_s);
-        let label = self.file.label.iter().find(holds).map(|own| own.category.as_str());
-        label.or(self.file.trial.category.as_deref()).unwrap_or_default()
+    /// The first label that covers a time of a reach.
+    pub(super) fn label(&self, reach: u64, time_s: f64) -> Option<usize> {
+        let holds = |own: &Label| own.reach.is_none_or(|of| of == reach) && (own.from_s..own.to_s).contains(&time_s);
+        self.file.label.iter().position(holds)
+    }
+
+    /// The category of a label, or else that of all trials. Empty if neither is given.
+    pub(super) fn category(&self, label: Option<usize>) -> &str {
+        let category = label.map(|number| self.file.label[number].category.as_str());
+        category.or(self.file.trial.category.as_deref()).unwrap_or_default()
+    }
+
+    /// A warning if a label is not among those that cover a frame.
+    pub(super) fn unused_label(&self, used: &BTreeSet<usize>) -> Option<String> {
+        let number = (0..self.file.label.len()).find(|number| !used.contains(number))?;
+        let Label { from_s, to_s, category, .. } = &self.file.label[number];
+        let (line, path) = (line_setting(&self.text, &format!("label[{number}]")), self.path.display());
+        let span = format!("{} to {} s", short(*from_s), short(*to_s));
+        Some(format!(
+            "no frame is within the [[label]] of {category}, {span} ({path}:{line}): its times are those of the log in seconds, \
+             and its `reach` is a number of the log"
+        ))
     }
 
     /// A time of the file, s.

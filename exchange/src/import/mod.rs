@@ -10,6 +10,7 @@ mod mapping;
 mod recorder;
 #[cfg(test)]
 mod tests;
+mod time_grid;
 
 use std::path::Path;
 
@@ -82,7 +83,7 @@ fn imported(path: &Path, mapping: &Mapping, mut recorder: Option<Recorder>) -> R
         };
         return Err(InputError::new(path, "file name", format!("extension {extension:?}"), ".csv", remedy));
     }
-    csv_frames::read(path, mapping, &mut cutter, recorder.as_mut())?;
+    let used_labels = csv_frames::read(path, mapping, &mut cutter, recorder.as_mut())?;
     let trials = cutter.finish();
     if trials.is_empty() && recorder.is_none() {
         let found = format!("none in {} frames", cutter.frames);
@@ -91,8 +92,9 @@ fn imported(path: &Path, mapping: &Mapping, mut recorder: Option<Recorder>) -> R
         let remedy = "check the unit of the mapping, or lower `threshold_n` or `min_samples` there";
         return Err(InputError::new(path, "trials", found, allowed, remedy));
     }
-    let recordings = recorder.map_or_else(Vec::new, Recorder::finish);
-    let warning = warning(&trials).or_else(|| without_numbers(&trials, mapping));
+    let recordings = recorder.map_or(Ok(Vec::new()), Recorder::finish)?;
+    let warning = mapping.unused_label(&used_labels).or_else(|| warning(&trials));
+    let warning = warning.or_else(|| without_numbers(&trials, mapping));
     Ok(Imported { trials, recordings, frames: cutter.frames, reaches: cutter.reaches, warning })
 }
 

@@ -11,6 +11,7 @@ use underbrush_recording::{
 
 use super::Mapping;
 use super::cutter::Place;
+use super::time_grid::TimeGrid;
 
 /// The name of frames in which nothing presses, whatever the skin reads.
 const NOTHING: &str = "nothing";
@@ -24,6 +25,8 @@ pub(super) struct Recorder<'a> {
     /// The log. Its name takes the place of the scene.
     path: &'a Path,
     reaches: Vec<Recording>,
+    /// The categories so far.
+    categories: Vec<Category>,
     /// The category of the frame before, and its object.
     label: String,
     object: Option<u16>,
@@ -44,7 +47,15 @@ impl<'a> Recorder<'a> {
             return Err(mapping.fault("skin.taxels", found, format!("a row for each of {expected} taxels")));
         }
         let layout = SkinLayout { patches: vec![Patch { link: name.clone(), name, grid: mapping.grid, taxels }] };
-        Ok(Recorder { mapping, layout, path, reaches: Vec::new(), label: String::new(), object: None })
+        Ok(Recorder {
+            mapping,
+            layout,
+            path,
+            reaches: Vec::new(),
+            categories: Vec::new(),
+            label: String::new(),
+            object: None,
+        })
     }
 
     /// Adds a frame with the reading of each taxel, in the file's unit, and the pose of the skin: place, m, and quaternion x, y,
@@ -68,8 +79,9 @@ impl<'a> Recorder<'a> {
             self.label = place.category.to_owned();
             self.object = None;
             if !self.label.is_empty() && self.label != NOTHING {
-                let Some(category) = Category::named(&self.label) else {
-                    let allowed = "up to 24 lower-case letters, digits and _, which begin with a letter";
+                let Some(category) = category(&self.label, &mut self.categories) else {
+                    let allowed = "up to 24 lower-case letters, digits and _, which begin with a letter, and not none, \
+                                   uncertain or unknown";
                     let found = format!("{:?}", self.label);
                     let fault = InputError::new(self.path, "category", found, allowed, "give it another name");
                     return Err(fault.at_line(place.line));
@@ -93,11 +105,6 @@ impl<'a> Recorder<'a> {
         };
         let taxels: Vec<TaxelReading> =
             (forces_n.enumerate().filter(|(_, force_n)| *force_n > 0.0).map(reading)).collect();
-        let number = reach.frames.len() as u32;
-        let force_n: f64 = taxels.iter().map(|own| own.true_normal_force_n).sum();
-        if let Some(object) = self.object.filter(|_| force_n > 0.0) {
-            add_contact(&mut reach.contacts, object, number, force_n, &self.layout);
-        }
         let pose = pose.map_or(Pose::IDENTITY, |[x, y, z, qx, qy, qz, qw]| {
             Pose::new(DVec3::new(x, y, z), DQuat::from_xyzw(qx, qy, qz, qw).normalize())
         });
@@ -136,18 +143,42 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// The recordings, at the rate of the mapping, or else that of most of their frames. Times begin at 0.
-    pub(super) fn finish(mut self) -> Vec<Recording> {
-        for reach in &mut self.reaches {
-            let mut steps_s: Vec<f64> = reach.frames.windows(2).map(|pair| pair[1].time_s - pair[0].time_s).collect();
-            steps_s.sort_by(f64::total_cmp);
-            let median_s = steps_s.get(steps_s.len() / 2).copied();
-            reach.rate_hz = self.mapping.file.time.rate_hz.or(median_s.map(|step_s| 1.0 / step_s)).unwrap_or(1.0);
-            let start_s = reach.frames.first().map_or(0.0, |frame| frame.time_s);
-            reach.frames.iter_mut().for_each(|frame| frame.time_s -= start_s);
+    /// The recordings, at the rate of the mapping, or else that of their frames. Times begin at 0.
+    pub(super) fn finish(self) -> Result<Vec<Recording>, InputError> {
+        let Recorder { mapping, path, layout, mut reaches, .. } = self;
+        for reach in &mut reaches {
+            let times_s: Vec<f64> = reach.frames.iter().map(|frame| frame.time_s).collect();
+            let grid = TimeGrid::of(&times_s, mapping.file.time.rate_hz);
+            let grid = grid.map_err(|(found, allowed)| {
+                let remedy = "write the frames at one rate, or begin a new reach there (`reach_from` of the mapping)";
+                InputError::new(path, "time", format!("{found} in reach {}", reach.reach_index), allowed, remedy)
+            })?;
+            reach.rate_hz = grid.rate_hz;
+            reach.frames = grid.filled(std::mem::take(&mut reach.frames));
+            for (number, frame) in (0..).zip(&reach.frames) {
+                let object = frame.taxels.iter().find_map(|own| own.object);
+                let force_n = frame.taxels.iter().map(|own| own.true_normal_force_n).sum();
+                if let Some(object) = object {
+                    add_contact(&mut reach.contacts, object, number, force_n, &layout);
+                }
+            }
         }
-        self.reaches
+        Ok(reaches)
     }
+}
+
+/// The category with this name: the one with its usual code, or with the next code that is free if another name has that.
+fn category(name: &str, known: &mut Vec<Category>) -> Option<Category> {
+    if let Some(category) = known.iter().find(|own| own.name() == name) {
+        return Some(*category);
+    }
+    let usual = Category::named(name)?;
+    let is_free = |code: &i8| known.iter().all(|own| own.code() != *code);
+    let further = (0..=i8::MAX).filter_map(|code| Category::from_file(name, code)).map(Category::code);
+    let code = std::iter::once(usual.code()).chain(further).find(is_free)?;
+    let category = if code == usual.code() { usual } else { Category::from_file(name, code)? };
+    known.push(category);
+    Some(category)
 }
 
 /// Goes on with the last contact, if it is with the same object and had not ended, or begins one.

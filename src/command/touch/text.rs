@@ -27,8 +27,13 @@ pub(super) fn rows(rows: &TouchRows) -> String {
 /// When each verdict is given.
 pub(super) fn decision(decision: &TouchDecision) -> String {
     let TouchDecision { nothing_above, unknown_share, cost_of_uncertain } = decision;
+    let nothing = if *nothing_above < 1.0 {
+        format!("A reading is called nothing above a probability of {nothing_above:.3}")
+    } else {
+        "No reading is called nothing, because no training data are labelled `nothing`".into()
+    };
     format!(
-        "A reading is called nothing above a probability of {nothing_above:.3}, an object unknown if at most {:.2} % of the \
+        "{nothing}, an object unknown if at most {:.2} % of the \
          known objects are as unlike, or a fifth of that in its first 0.6 s, and a category is named above a probability of {:.3}\n",
         100.0 * unknown_share,
         1.0 - cost_of_uncertain

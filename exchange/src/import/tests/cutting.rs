@@ -90,6 +90,13 @@ fn labels_hold_from_one_time_to_another() {
     let categories: Vec<_> =
         found.trials.iter().map(|own| (own.category.as_deref().unwrap(), own.samples.len())).collect();
     assert_eq!(categories, [("leaf", 1), ("trunk", 2), ("table", 1)]);
+    let unused = imported(&path, &mapping(&(label(0.0, 1.0, "leaf") + &label(100.0, 300.0, "trunk")))).unwrap();
+    let warning = unused.warning.unwrap();
+    assert!(warning.contains("of trunk, 100 to 300 s") && warning.contains(":10)"), "{warning}");
+    let error = refused(&path, &mapping(&label(0.0, 1.0, "uncertain")));
+    assert_eq!((error.field.as_str(), error.line), ("label[0].category", Some(9)));
+    let error = refused(&path, &mapping(&format!("[trial]\ncategory = \"{}\"", "long".repeat(500))));
+    assert!(error.allowed.contains("at most 1000 bytes"), "{error}");
     let error = refused(&path, &mapping(&(label(0.0, 1.0, "leaf") + &label(2.0, 1.0, "leaf"))));
     assert_eq!((error.field.as_str(), error.found.as_str(), error.line), ("label[1].to_s", "2 to 1", Some(12)));
     let error = refused(&path, &mapping(&(label(0.0, 2.0, "leaf") + &label(1.0, 3.0, "trunk"))));

@@ -1,5 +1,7 @@
 //! Tests of recordings from logs with labels.
 
+use std::collections::BTreeSet;
+
 use underbrush_recording::disk::{read_recording, write_recording};
 use underbrush_recording::{Category, Pose};
 
@@ -66,6 +68,7 @@ fn what_is_no_recording_is_refused() {
     for (log, taxels, parts) in [
         (LOG.replace("0,leaf", "0,").replacen("1,leaf", "1,", 1), TAXELS.into(), ["category", "or `nothing`"]),
         (LOG.replace("reed", "Reed grass"), TAXELS.into(), ["\"Reed grass\"", "lower-case letters"]),
+        (LOG.replace("reed", "unknown"), TAXELS.into(), ["\"unknown\"", "not none, uncertain or unknown"]),
         (LOG.replace("0,0,0,1,reed", "0,0,0,0,reed"), TAXELS.into(), ["qw", "a quaternion of unit length"]),
         (LOG.into(), TAXELS.replace("0.01,0,0,0,0,1,1e-4\n", ""), ["skin.taxels: found 1 rows", "each of 2 taxels"]),
         (LOG.into(), TAXELS.replace("0,0,2,1e-4", "0,0,0,1e-4"), ["normal, area_m2", "a normal that is not zero"]),
@@ -92,4 +95,21 @@ fn trials_need_no_labels_and_recordings_no_trials() {
     let silent =
         recorded("run,s,f0,f1,px,py,pz,qx,qy,qz,qw,label\n0,0,0,0,1,2,3,0,0,0,1,nothing\n", TAXELS, MAPPING).unwrap();
     assert_eq!((silent.trials.len(), silent.recordings[0].frames.len()), (0, 1));
+}
+
+/// Tests that two names with the same usual code have codes of their own, and that a frame that is missing is filled in.
+#[test]
+fn names_with_one_code_can_meet() {
+    let [brick, wood] = ["brick", "wood"].map(|name| Category::named(name).unwrap());
+    assert_eq!(brick.code(), wood.code());
+    let found = recorded(&LOG.replace("leaf", "brick").replace("reed", "wood"), TAXELS, MAPPING).unwrap();
+    let categories: BTreeSet<_> = found
+        .recordings
+        .iter()
+        .flat_map(|own| &own.objects)
+        .map(|own| (own.category.name(), own.category.code()))
+        .collect();
+    assert_eq!(categories.len(), 2);
+    let codes: BTreeSet<i8> = categories.iter().map(|(_, code)| *code).collect();
+    assert_eq!(codes.len(), 2, "{categories:?}");
 }

@@ -146,3 +146,16 @@ fn wrong_data_are_refused_by_line() {
     written(&text, LOG);
     assert_eq!(refused(&text, MAPPING).field, "file name");
 }
+
+/// Tests that an empty log, and one without commas, are refused as such.
+#[test]
+fn a_log_without_commas_is_refused() {
+    let (_folder, path) = file("log.csv");
+    for (text, found) in
+        [("", "an empty file"), ("time;f0\n0;1\n", "one column, \"time;f0\""), ("time\tf0\n0\t1\n", "one column")]
+    {
+        written(&path, text);
+        let error = refused(&path, "[time]\nfrom = \"time\"\n[force]\nfrom = \"f0\"\n");
+        assert!(error.file == path && error.found.starts_with(found) && error.allowed.contains("commas"), "{error}");
+    }
+}
