@@ -6,8 +6,9 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Serialize, Serializer};
-use underbrush_recording::{disk, escaped, is_plain};
+use underbrush_recording::{escaped, is_plain};
 
+pub use underbrush_experiments::files::{create_parents, write as write_file};
 pub use underbrush_report::text::counted;
 
 use crate::Failure;
@@ -84,22 +85,6 @@ pub fn usage(answer: &clap::Error) -> u8 {
         remark(text.trim_end());
     }
     2
-}
-
-/// Writes a file completely or not at all, and creates its parent folders.
-pub fn write_file(path: &Path, contents: &[u8]) -> Result<(), Failure> {
-    create_parents(path)?;
-    Ok(disk::write_file(path, contents)?)
-}
-
-/// Creates the folders above a file.
-pub fn create_parents(path: &Path) -> Result<(), Failure> {
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(|error| {
-            Failure::run(format!("{}: cannot create: {error}; check the path and its permissions", folder.display()))
-        })?;
-    }
-    Ok(())
 }
 
 /// Prints CSV.

@@ -1,7 +1,7 @@
 //! The list of classifiers. The command line, model files and tests take classifiers only from this list.
 
 #[cfg(test)]
-use crate::baseline::nearest_mean;
+use crate::baseline::tests::nearest_mean;
 use crate::baseline::{echo_state_network, logistic, mini_rocket, naive_bayes, nearest_neighbours, trees};
 use crate::{ClassifierKind, hmm_classifier};
 

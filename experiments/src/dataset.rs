@@ -257,7 +257,8 @@ impl Campaign {
                  --controller, or generate a data set for each"
             )));
         }
-        let further = further_categories(plans);
+        let groups = plans.iter().flat_map(|plan| plan.scene.file.objects.groups());
+        let further = Category::further(groups.map(|(_, _, group)| group.category));
         if let Some([one, other]) = further.array_windows().find(|[one, other]| one.code() == other.code()) {
             let (one, other, code) = (one.name(), other.name(), one.code());
             return Err(Fault::Usage(format!(
@@ -380,12 +381,4 @@ pub fn each_reach<T: Send>(
     };
     campaign::run_until(plans, jobs, receive, &|| progress.is_stopped())?;
     Ok(made.into_inner().unwrap_or_default().into_values().collect())
-}
-
-/// The categories of the scenes' objects that are not built in, each once, sorted by code.
-fn further_categories(plans: &[ReachPlan]) -> Vec<Category> {
-    let groups = plans.iter().flat_map(|plan| plan.scene.file.objects.groups());
-    let categories = groups.map(|(_, _, group)| group.category);
-    let further: BTreeSet<Category> = categories.filter(|category| !category.is_built_in()).collect();
-    further.into_iter().collect()
 }

@@ -10,11 +10,14 @@ pub fn create_folder(folder: &Path) -> Result<(), Fault> {
     std::fs::create_dir_all(folder).map_err(storage(folder, "made"))
 }
 
+/// Creates the folders above a file.
+pub fn create_parents(path: &Path) -> Result<(), Fault> {
+    path.parent().map_or(Ok(()), create_folder)
+}
+
 /// Writes a file completely or not at all, and creates its parent folders.
 pub fn write(path: &Path, contents: &[u8]) -> Result<(), Fault> {
-    if let Some(folder) = path.parent() {
-        create_folder(folder)?;
-    }
+    create_parents(path)?;
     Ok(disk::write_file(path, contents)?)
 }
 

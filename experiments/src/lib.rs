@@ -39,7 +39,7 @@ mod warnings;
 
 pub use accuracy::Accuracy;
 pub use dataset::Campaign;
-pub use definition::{Experiment, TableOneUnit};
+pub use definition::{Experiment, Unit};
 pub use progress::{Counter, Progress, Silent};
 pub use results::Results;
 pub use session::Session;

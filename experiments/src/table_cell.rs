@@ -8,7 +8,7 @@ use underbrush_classifier::feature::FeatureSet;
 use underbrush_recording::distinct;
 
 use crate::accuracy::Accuracy;
-use crate::definition::{OrderingName, TableOneUnit};
+use crate::definition::{OrderingName, Unit};
 
 /// A cell of the table, of one campaign or of many.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,7 +28,7 @@ pub struct Cell<F = Accuracy> {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CellKey {
     /// What a trial is made of.
-    pub by: TableOneUnit,
+    pub by: Unit,
     /// Features that the models use.
     pub features: FeatureSet,
     /// Number of hidden states.
@@ -51,10 +51,10 @@ impl CellKey {
 }
 
 /// `component` or `taxel`.
-pub fn unit_name(unit: TableOneUnit) -> &'static str {
+pub fn unit_name(unit: Unit) -> &'static str {
     match unit {
-        TableOneUnit::Component => "component",
-        TableOneUnit::Taxel => "taxel",
+        Unit::Component => "component",
+        Unit::Taxel => "taxel",
     }
 }
 
@@ -153,9 +153,7 @@ fn is_pair(name: OrderingName, high: &CellKey, low: &CellKey, cells: &[&KeyedAcc
     let (same_unit, same_features, same_states) =
         (high.by == low.by, high.features == low.features, high.states == low.states);
     match name {
-        OrderingName::TaxelsOverComponents => {
-            units == (TableOneUnit::Taxel, TableOneUnit::Component) && same_features && same_states
-        }
+        OrderingName::TaxelsOverComponents => units == (Unit::Taxel, Unit::Component) && same_features && same_states,
         OrderingName::ForceOverForceAndMotion => {
             same_unit && features == (FeatureSet::FORCE, FeatureSet::FORCE_AND_MOTION) && same_states
         }

@@ -11,14 +11,15 @@ use crate::plain_text::{PLAIN, is_plain};
 
 /// What an object is, as ground truth: a name, and the code that represents it in columns of numbers.
 ///
-/// Four categories are built in, those of the paper (sections IV-A and V-D). The source file of any other object
-/// defines a category of its own as a constant:
+/// Four categories are built in, those of the paper (sections IV-A and V-D). Scene files name any other; its code follows from
+/// the name ([`Category::named`]). The source file of an object that always has a category of its own defines it as a constant
+/// ([`Category::new`]):
 ///
 /// ```
 /// use underbrush_recording::Category;
 ///
-/// const REED: Category = Category::new("reed", 4).expect("a valid name and a free code");
-/// assert_eq!((REED.name(), REED.code()), ("reed", 4));
+/// const REED: Category = Category::new("reed", 127).expect("a valid name and code");
+/// assert_eq!((REED.name(), REED.code()), ("reed", 127));
 /// ```
 ///
 /// Categories are ordered by code.
@@ -51,8 +52,8 @@ impl Category {
     pub const UNCERTAIN: &str = "uncertain";
 
     /// A category that is not built in. `None` unless the name has at most 24 lower-case letters, digits and underscores,
-    /// begins with a letter, is not in use and is not one of [`Category::VERDICTS`], and the code is above those of the
-    /// built-in categories.
+    /// begins with a letter, is not that of a built-in category, `none` or one of [`Category::VERDICTS`], and the code is above
+    /// those of the built-in categories.
     pub const fn new(name: &'static str, code: i8) -> Option<Category> {
         if is_free(name, code) { Some(Category { code, name }) } else { None }
     }
@@ -107,6 +108,12 @@ impl Category {
     /// Whether it is one of [`Category::BUILT_IN`].
     pub fn is_built_in(self) -> bool {
         Category::BUILT_IN.contains(&self)
+    }
+
+    /// Those of these categories that are not built in, each once, by code.
+    pub fn further(all: impl Iterator<Item = Category>) -> Vec<Category> {
+        let further: BTreeSet<Category> = all.filter(|category| !category.is_built_in()).collect();
+        further.into_iter().collect()
     }
 
     /// The built-in category with this name, as written by [`Category::name`].

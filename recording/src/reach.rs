@@ -1,6 +1,6 @@
 //! One whole reach: its frames, objects, contacts and outcome.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -167,9 +167,7 @@ impl Recording {
 
     /// The categories of the objects that are not built in, each once, by code.
     pub fn further_categories(&self) -> Vec<Category> {
-        let categories = self.objects.iter().map(|object| object.category);
-        let further: BTreeSet<Category> = categories.filter(|category| !category.is_built_in()).collect();
-        further.into_iter().collect()
+        Category::further(self.objects.iter().map(|object| object.category))
     }
 
     /// The outcome of the whole reach: the worst outcome of its goals.

@@ -11,7 +11,9 @@ impl From<ReachError> for Fault {
     fn from(error: ReachError) -> Self {
         match error {
             ReachError::Input(input) => input.into(),
-            ReachError::EquilibriumAngles { .. } | ReachError::Stopped => Fault::Run(error.to_string()),
+            ReachError::EquilibriumAngles { .. } | ReachError::NoAngle { .. } | ReachError::Stopped => {
+                Fault::Run(error.to_string())
+            }
         }
     }
 }

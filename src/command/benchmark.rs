@@ -28,7 +28,7 @@ Each track has a public half, whose reaches are made once and kept for the next 
 audit half of as many, whose seed follows from the model's file. A controller has 250 reaches in each. An interrupted command \
 continues where it stopped. benchmarks/incidental-contact-2.md has the rules.";
 
-/// BenchmarkOptions of `underbrush benchmark`.
+/// Options of `underbrush benchmark`.
 #[derive(Args)]
 #[command(after_help = EXAMPLE)]
 pub struct BenchmarkOptions {

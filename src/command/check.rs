@@ -28,7 +28,7 @@ A suite is a TOML file. This one runs 24 reaches and bounds two numbers; `{}` is
 
 docs/suites.md lists keys and metrics and explains the margin. Suites that ship are in suites/.";
 
-/// CheckOptions of `underbrush check`.
+/// Options of `underbrush check`.
 #[derive(Args)]
 #[command(after_help = EXAMPLE)]
 pub struct CheckOptions {

@@ -6,6 +6,7 @@ use serde::Serialize;
 use underbrush_classifier::feature::{FEATURES, FeatureSet};
 use underbrush_classifier::fit_options::FitOptions;
 use underbrush_classifier::hmm::{InitialDistribution, Topology, TrainingOptions};
+use underbrush_classifier::recipe::STATES;
 use underbrush_classifier::registry::{self, CLASSIFIERS};
 use underbrush_classifier::{ClassifierKind, Estimator, Recipe};
 
@@ -145,7 +146,7 @@ struct RecipeArguments {
     #[arg(long, value_parser = names(&Recipe::PRESETS))]
     recipe: Option<String>,
     /// Hidden states of each model [default: 10]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=500))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=STATES.max as i64))]
     states: Option<u16>,
     /// Allowed transitions between states [default: left-right]
     #[arg(long, value_parser = names(&Topology::NAMED))]
@@ -157,10 +158,10 @@ struct RecipeArguments {
     #[arg(long, value_name = "N")]
     iterations: Option<usize>,
     /// Stop when the log-likelihood rises by less than this fraction; 0 runs all iterations [default: 0.0001]
-    #[arg(long, value_name = "X", value_parser = not_negative)]
+    #[arg(long, value_name = "X", value_parser = not_negative())]
     tolerance: Option<f64>,
     /// Minimum variance of an emission; 0 for none [default: 0.0001]
-    #[arg(long, value_name = "X", value_parser = not_negative)]
+    #[arg(long, value_name = "X", value_parser = not_negative())]
     variance_floor: Option<f64>,
     /// Use only the first N samples of each trial
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
@@ -172,9 +173,8 @@ fn names<T>(known: &'static [(&'static str, T)]) -> PossibleValuesParser {
     PossibleValuesParser::new(known.iter().map(|(name, _)| *name))
 }
 
-fn not_negative(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "not a number".to_string())?;
-    if value.is_finite() && value >= 0.0 { Ok(value) } else { Err("must be zero or more".into()) }
+fn not_negative() -> impl TypedValueParser<Value = f64> {
+    options::number(|value: &f64| value.is_finite() && *value >= 0.0, "must be a number, zero or more")
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ balanced accuracy, the mean recall over the categories that the classifier knows
 outlier unless the object is an outlier. Trials that no object touched are also reported separately, if the table says which \
 these are.";
 
-/// EvaluateOptions of `underbrush evaluate`.
+/// Options of `underbrush evaluate`.
 #[derive(Args)]
 #[command(after_help = ADVICE)]
 pub struct EvaluateOptions {

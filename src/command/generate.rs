@@ -15,7 +15,7 @@ use super::{Overwrite, Summary, VerdictArguments};
 use crate::options::pair;
 use crate::{Failure, Shown, input, interrupt, output};
 
-/// GenerateOptions of `underbrush generate`.
+/// Options of `underbrush generate`.
 #[derive(Args)]
 pub struct GenerateOptions {
     /// Scenes: names of those that ship, such as leaf trunk, or scene files

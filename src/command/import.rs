@@ -7,12 +7,12 @@ use serde_json::json;
 use underbrush_classifier::frequencies;
 use underbrush_exchange::import::{Mapping, import, import_recordings};
 use underbrush_recording::Recording;
-use underbrush_recording::disk::{channel_names, check_free, write_recording, write_trials_with};
+use underbrush_recording::disk::{UnfinishedFolder, channel_names, check_free, write_recording, write_trials_with};
 
 use super::overwrite::Overwrite;
 use crate::{Failure, output};
 
-/// ImportOptions of `underbrush import`.
+/// Options of `underbrush import`.
 #[derive(Args)]
 pub struct ImportOptions {
     /// CSV file to read
@@ -87,22 +87,16 @@ fn require_recordings(folder: &Path) -> Result<(), Failure> {
 /// Writes a folder of recordings. It gets its name only when all of them are written.
 fn write_recordings(folder: &Path, recordings: &[Recording]) -> Result<(), Failure> {
     let failed = |error: std::io::Error| Failure::usage(format!("{}: cannot be written: {error}", folder.display()));
-    let name = folder.file_name().unwrap_or_default().to_string_lossy();
-    let temporary = folder.with_file_name(format!(".{name}.{}", std::process::id()));
-    std::fs::create_dir(&temporary).map_err(failed)?;
-    let write = |recording: &Recording| {
-        write_recording(temporary.join(format!("reach-{:06}.parquet", recording.reach_index)), recording)
-    };
-    let written = recordings.iter().try_for_each(write).map_err(Failure::from);
-    let written = written.and_then(|()| {
-        if folder.exists() {
-            std::fs::remove_dir_all(folder).map_err(failed)?;
-        }
-        std::fs::rename(&temporary, folder).map_err(failed)
-    });
-    if written.is_err() {
-        // What is left of it is not worth a second error.
-        let _ = std::fs::remove_dir_all(&temporary);
+    let beside = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let temporary = UnfinishedFolder::within(beside).map_err(failed)?;
+    // The temporary folder is for its owner alone, but not what is in it.
+    let written = temporary.path().join("recordings");
+    std::fs::create_dir(&written).map_err(failed)?;
+    for recording in recordings {
+        write_recording(written.join(format!("reach-{:06}.parquet", recording.reach_index)), recording)?;
     }
-    written
+    if folder.exists() {
+        std::fs::remove_dir_all(folder).map_err(failed)?;
+    }
+    std::fs::rename(&written, folder).map_err(failed)
 }

@@ -28,7 +28,7 @@ const CHAIN: [[&str; 3]; 10] = [
 /// The first of its columns are names.
 const NAMES: usize = 2;
 
-/// InspectOptions of `underbrush inspect`.
+/// Options of `underbrush inspect`.
 #[derive(Args)]
 pub struct InspectOptions {
     /// Scene (.toml) or its name, arm (.toml), data set (folder), recording or trials (.parquet), trials (.csv) or model (.json)

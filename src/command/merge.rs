@@ -8,7 +8,7 @@ use underbrush_recording::disk::{Dataset, DiskError, Shards};
 use super::{Overwrite, Summary};
 use crate::{Failure, interrupt, output, progress};
 
-/// MergeOptions of `underbrush merge`.
+/// Options of `underbrush merge`.
 #[derive(Args)]
 pub struct MergeOptions {
     /// Folders of all parts, in any order, each made by `underbrush generate --shard I/N` with otherwise the same

@@ -27,7 +27,7 @@ impl Overwrite {
             return Err(Failure::usage(text));
         }
         check_free(path, self.force)?;
-        output::create_parents(path)
+        Ok(output::create_parents(path)?)
     }
 
     /// As [`Overwrite::file`], for the file of `--out`, which needs this ending, because of what it is.

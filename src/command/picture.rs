@@ -204,11 +204,11 @@ pub fn write_fullest(recording: &Recording, path: &Path) -> Result<(), Failure> 
     let stage = replayed::stage(recording)?.with_arrows();
     let number = fullest(recording);
     let scene = stage.moment(number as u32, &recording.frames[number]);
-    output::write_file(path, &scene.png(&stage.camera(SIZE.aspect()), SIZE)?)
+    Ok(output::write_file(path, &scene.png(&stage.camera(SIZE.aspect()), SIZE)?)?)
 }
 
 /// Draws an arm in its start posture.
 pub fn write_arm(arm: &Arm, path: &Path) -> Result<(), Failure> {
     let (scene, camera) = Stage::arm(arm, SIZE.aspect())?;
-    output::write_file(path, &scene.png(&camera, SIZE)?)
+    Ok(output::write_file(path, &scene.png(&camera, SIZE)?)?)
 }

@@ -17,7 +17,7 @@ use super::touch::TouchDecisionArguments;
 use super::{DecisionArguments, Overwrite, VerdictArguments, Watched, picture, replay};
 use crate::{Failure, Shown, input, output};
 
-/// ReachOptions of `underbrush reach`.
+/// Options of `underbrush reach`.
 #[derive(Args)]
 pub struct ReachOptions {
     /// Scene: the name of one that ships, such as mixed, or a scene file

@@ -33,7 +33,7 @@ The server listens on 127.0.0.1 only, cannot change anything, and gives out noth
 answers only under the whole address that is printed, which has a random key: do not show it to people who may not see \
 the reaches. While a browser is being opened, other users of the machine can see the address; --no-open avoids that.";
 
-/// ReplayOptions of `underbrush replay`.
+/// Options of `underbrush replay`.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ReplayOptions {

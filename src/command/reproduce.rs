@@ -9,7 +9,7 @@ use underbrush_report::reproduction::Reproduction;
 use super::overwrite::check_results_folder;
 use crate::{Failure, Shown, interrupt, output};
 
-/// ReproduceOptions of `underbrush reproduce`.
+/// Options of `underbrush reproduce`.
 #[derive(Args)]
 pub struct ReproduceOptions {
     /// Folder for data set, trials, models, tables and report

@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 
 use crate::{Failure, output};
 
-/// SchemaOptions of `underbrush schema`.
+/// Options of `underbrush schema`.
 #[derive(Args)]
 pub struct SchemaOptions {
     /// The kind of file

@@ -11,7 +11,7 @@ use crate::input::{self, TrialArguments};
 use crate::options::named;
 use crate::{Failure, output};
 
-/// ScoreOptions of `underbrush score`.
+/// Options of `underbrush score`.
 #[derive(Args)]
 pub struct ScoreOptions {
     /// Model file

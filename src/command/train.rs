@@ -22,7 +22,7 @@ use super::{EstimatorArguments, Overwrite};
 use crate::input::{self, TrialArguments};
 use crate::{Failure, output};
 
-/// TrainOptions of `underbrush train`.
+/// Options of `underbrush train`.
 #[derive(Args)]
 pub struct TrainOptions {
     /// Data set (folder), recording, or table of trials (`trial`, `category`, `time_s`, `force_n` are required). With

@@ -10,7 +10,7 @@ use super::overwrite::Overwrite;
 use crate::input::{self, TrialArguments};
 use crate::{Failure, output};
 
-/// TrialsOptions of `underbrush trials`.
+/// Options of `underbrush trials`.
 #[derive(Args)]
 pub struct TrialsOptions {
     /// Data set (folder) or recording

@@ -10,7 +10,7 @@ use crate::{Failure, output, progress};
 
 mod text;
 
-/// ValidateOptions of `underbrush validate`.
+/// Options of `underbrush validate`.
 #[derive(Args)]
 pub struct ValidateOptions {
     /// Run only this check; may be given several times

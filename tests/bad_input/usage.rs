@@ -85,7 +85,7 @@ fn numbers_out_of_range() {
     let fixture = fixture();
     let outputs = tempfile::tempdir().unwrap();
     let (table, model, set) = (fixture.table_csv(), outputs.path().join("model.json"), outputs.path().join("set"));
-    underbrush!["train", table, "--out", model, "--states", "0"].refused(&["--states", "1..=500"]);
+    underbrush!["train", table, "--out", model, "--states", "0"].refused(&["--states", "1..=1000"]);
     underbrush!["train", table, "--out", model, "--tolerance", "nan"].refused(&["--tolerance", "zero or more"]);
     underbrush!["evaluate", table, "--folds", "1"].refused(&["1 folds", "at least 2"]);
     underbrush!["evaluate", table, "--folds", "100000"].refused(&["fewer than the 100000 folds", "use fewer folds"]);

@@ -1,5 +1,5 @@
 //! A category that is not built in, on its way from a reach to verdicts. How an object brings one is tested beside the
-//! list of objects, in `sim/src/object/tests.rs`.
+//! list of objects, in `sim/src/object/tests/mod.rs`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

@@ -19,8 +19,6 @@ mod fitted;
 pub(crate) mod logistic;
 pub(crate) mod mini_rocket;
 pub(crate) mod naive_bayes;
-#[cfg(test)]
-pub(crate) mod nearest_mean;
 pub(crate) mod nearest_neighbours;
 mod ridge;
 mod table;
@@ -34,4 +32,4 @@ pub use nearest_neighbours::NearestNeighbours;
 pub use trees::Trees;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

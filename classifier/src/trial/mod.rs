@@ -20,7 +20,7 @@ pub(crate) use trial_list::Travel;
 pub use trial_list::{ContactTrial, environment};
 
 /// What a trial is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Unit {
     /// One taxel from contact to break (paper, section IV-D).

@@ -15,8 +15,9 @@ use super::time_grid::TimeGrid;
 
 /// The name of frames in which nothing presses, whatever the skin reads.
 const NOTHING: &str = "nothing";
-/// The columns of the file of taxels.
+/// The columns of the file of taxels, and their largest sizes: places and areas as in skin files, so that millimetres are noticed.
 const TAXEL_COLUMNS: [&str; 7] = ["x_m", "y_m", "z_m", "normal_x", "normal_y", "normal_z", "area_m2"];
+const LARGEST: [f64; 7] = [5.0, 5.0, 5.0, 1e3, 1e3, 1e3, 0.25];
 
 /// Takes frames one after another and makes a recording of each reach.
 pub(super) struct Recorder<'a> {
@@ -221,10 +222,11 @@ fn read_taxels(path: &Path) -> Result<Vec<Taxel>, InputError> {
     for (index, row) in reader.records().enumerate().take(MAX_TAXELS + 1) {
         let (row, line) = (row.map_err(unreadable)?, index + 2);
         let mut numbers = [0.0; 7];
-        for ((number, column), name) in numbers.iter_mut().zip(columns).zip(TAXEL_COLUMNS) {
-            let cell = row.get(column).unwrap_or_default();
-            let parsed = cell.parse().ok().filter(|number: &f64| number.is_finite() && number.abs() <= 1e3);
-            let wrong = || fault(name, format!("{cell:?}"), "a number up to 1000").at_line(line);
+        for (place, number) in numbers.iter_mut().enumerate() {
+            let (cell, most) = (row.get(columns[place]).unwrap_or_default(), LARGEST[place]);
+            let parsed = cell.parse().ok().filter(|number: &f64| number.abs() <= most);
+            let allowed = format!("a number up to {most}");
+            let wrong = || fault(TAXEL_COLUMNS[place], format!("{cell:?}"), &allowed).at_line(line);
             *number = parsed.ok_or_else(wrong)?;
         }
         let [x, y, z, normal_x, normal_y, normal_z, area_m2] = numbers;

@@ -2,8 +2,9 @@
 
 use schemars::JsonSchema;
 use serde::de::Error;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer};
 use underbrush_classifier::registry::{self, CLASSIFIERS};
+use underbrush_classifier::trial::Unit;
 use underbrush_classifier::{ClassifierKind, Estimator, FeatureSet, Recipe, ThresholdTargets};
 use underbrush_sim::controller::ControllerKind;
 use underbrush_sim::scene::RobotSection;
@@ -21,10 +22,8 @@ pub struct ExperimentFile {
     #[serde(default)]
     pub seed: u64,
     /// Arm file for all scenes, relative to this file. By default each scene uses its own.
-    #[serde(default)]
     pub arm: Option<String>,
     /// Controller for all scenes. By default each scene uses its own.
-    #[serde(default)]
     pub controller: Option<ControllerKind>,
     /// How contact trials are cut from the reaches.
     #[serde(default)]
@@ -51,20 +50,15 @@ pub struct ExperimentFile {
     #[serde(default)]
     pub engineered: Vec<EngineeredScene>,
     /// A scene in which the arm touches every category.
-    #[serde(default)]
     pub general: Option<TestScene>,
     /// A scene in which the arm touches an outlier first and then a known category.
-    #[serde(default)]
     pub outlier: Option<TestScene>,
     /// A scene with another outlier, on which nothing was chosen. Verdicts on what touches the skin are tested on it. Left
     /// out of quick runs.
-    #[serde(default)]
     pub second_outlier: Option<TestScene>,
     /// Verdicts on what touches each taxel, frame by frame; left out if not given.
-    #[serde(default)]
     pub verdicts: Option<VerdictSection>,
     /// Reaches on which controllers are compared. Left out of quick runs, and if not given.
-    #[serde(default)]
     pub controllers: Option<ControllerSection>,
     /// Arm stiffnesses and hand speeds to train and test at, in addition to the scenes' own. Left out of quick runs.
     #[serde(default)]
@@ -79,7 +73,6 @@ pub struct ExperimentFile {
     #[serde(default)]
     pub chosen_on: Vec<ChosenOn>,
     /// Published figures to compare with. Without them, the report leaves the comparison out.
-    #[serde(default)]
     pub published: Option<Published>,
 }
 
@@ -128,10 +121,8 @@ pub struct TrainingScene {
     /// Number of reaches.
     pub reaches: u64,
     /// Number of reaches with `--quick`; a third, rounded up, if not given.
-    #[serde(default)]
     pub quick_reaches: Option<u64>,
     /// Number of reaches at each of `settings`; half if not given.
-    #[serde(default)]
     pub setting_reaches: Option<u64>,
 }
 
@@ -180,7 +171,6 @@ pub struct TestScene {
     /// Number of reaches to test on.
     pub reaches: usize,
     /// Number of reaches with `--quick`; one if not given.
-    #[serde(default)]
     pub quick_reaches: Option<usize>,
     /// Reaches are drawn until enough of them do what they should, but no more than this many, nor than twice
     /// `quick_reaches` with `--quick`.
@@ -214,7 +204,6 @@ pub struct VerdictSection {
     /// Number of reaches.
     pub reaches: u64,
     /// Number of reaches with `--quick`; a third, rounded up, if not given.
-    #[serde(default)]
     pub quick_reaches: Option<u64>,
 }
 
@@ -278,7 +267,6 @@ pub struct ClassifierEntry {
     #[schemars(with = "Option<Vec<String>>")]
     pub features: Option<FeatureSet>,
     /// Number of hidden states, for `hmm`; 10 if not given.
-    #[serde(default)]
     pub states: Option<usize>,
 }
 
@@ -406,26 +394,16 @@ pub struct Published {
 
 impl Published {
     /// The published number of trials per reach.
-    pub fn trials_per_reach(&self, by: TableOneUnit, label: &str) -> Option<f64> {
+    pub fn trials_per_reach(&self, by: Unit, label: &str) -> Option<f64> {
         let own = self.trials.iter().find(|own| own.by == by && own.label == label);
         own.map(|own| own.trials / own.reaches)
     }
 
     /// The published accuracy of a cell, per cent.
-    pub fn accuracy_percent(&self, by: TableOneUnit, features: FeatureSet, states: usize) -> Option<f64> {
+    pub fn accuracy_percent(&self, by: Unit, features: FeatureSet, states: usize) -> Option<f64> {
         let own = |own: &&PublishedAccuracy| own.by == by && own.features == features && own.states == states;
         self.accuracy.iter().find(own).map(|own| own.percent)
     }
-}
-
-/// What a trial is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum TableOneUnit {
-    /// A connected component (section IV-C of the paper).
-    Component,
-    /// A taxel (section IV-D).
-    Taxel,
 }
 
 /// Published number of trials.
@@ -433,7 +411,7 @@ pub enum TableOneUnit {
 #[serde(deny_unknown_fields)]
 pub struct PublishedTrials {
     /// What a trial is made of.
-    pub by: TableOneUnit,
+    pub by: Unit,
     /// Label of the training scene.
     pub label: String,
     /// Trials in all reaches.
@@ -447,7 +425,7 @@ pub struct PublishedTrials {
 #[serde(deny_unknown_fields)]
 pub struct PublishedAccuracy {
     /// What a trial is made of.
-    pub by: TableOneUnit,
+    pub by: Unit,
     /// The features, such as `["force", "motion"]`.
     #[serde(deserialize_with = "features")]
     #[schemars(with = "Vec<String>")]
@@ -475,7 +453,6 @@ pub enum OrderingName {
 #[serde(deny_unknown_fields)]
 pub struct PublishedSection {
     /// Number of the published figure or table, such as `Fig. 13`.
-    #[serde(default)]
     pub figure: Option<String>,
     /// What it shows.
     pub statement: String,

@@ -15,10 +15,12 @@ use crate::source::{self, Field, Source};
 mod check;
 mod file;
 
+pub use underbrush_classifier::trial::Unit;
+
 pub use file::{
     AblationName, ChosenOn, ClassifierEntry, ControllerSection, EngineeredScene, ExperimentFile, OrderingName,
-    Published, PublishedAccuracy, PublishedSection, PublishedTrials, RecipeName, Setting, TableOneUnit, TestScene,
-    ThresholdSection, TrainingScene, TrialSection, VerdictSection,
+    Published, PublishedAccuracy, PublishedSection, PublishedTrials, RecipeName, Setting, TestScene, ThresholdSection,
+    TrainingScene, TrialSection, VerdictSection,
 };
 
 use check::{category, check, check_labels, check_patch};

@@ -9,7 +9,7 @@ use underbrush_sim::sensor::SensorModel;
 use super::table_one;
 use super::training_data::{self, TrialsPerReach};
 use crate::accuracy::{Accuracy, Figures};
-use crate::definition::{AblationName, Experiment, TableOneUnit};
+use crate::definition::{AblationName, Experiment, Unit};
 use crate::training::{self, Trials};
 use crate::{Cell, Session};
 
@@ -100,7 +100,7 @@ impl Ablated {
     ) -> Self {
         let recipe = experiment.main_recipe_name().name();
         let table_1: Vec<Cell> = cells.into_iter().filter(|cell| cell.key.recipe == recipe).collect();
-        let of = |unit: TableOneUnit| {
+        let of = |unit: Unit| {
             let own: Vec<&Accuracy> =
                 table_1.iter().filter(|cell| cell.key.by == unit).map(|cell| &cell.figures).collect();
             let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
@@ -114,8 +114,8 @@ impl Ablated {
             orderings: orderings.len(),
             pairs_holding: orderings.iter().map(|ordering| ordering.pairs_holding).sum(),
             pairs: orderings.iter().map(|ordering| ordering.pairs).sum(),
-            component: of(TableOneUnit::Component),
-            taxel: of(TableOneUnit::Taxel),
+            component: of(Unit::Component),
+            taxel: of(Unit::Taxel),
             trials_per_reach,
             table_1,
         }

@@ -12,7 +12,7 @@ use super::training_data::{self, TrialsPerReach};
 use crate::accuracy::{Accuracy, Figures, Part, Spread};
 use crate::table_cell::{self, Cell, Ordering, unit_name};
 use crate::training::{self, Trials};
-use crate::{Experiment, Session, TableOneUnit};
+use crate::{Experiment, Session, Unit};
 
 /// The campaigns; `None` if only one was requested.
 #[derive(Serialize)]
@@ -54,7 +54,7 @@ pub struct CampaignFigures {
 #[derive(Serialize)]
 pub struct CampaignTrials {
     /// What a trial is made of.
-    pub by: TableOneUnit,
+    pub by: Unit,
     /// The label.
     pub category: String,
     /// Trials per reach.

@@ -116,8 +116,8 @@ fn medians(labels: &[&str], taxel_trials: &[Trial]) -> Vec<Typical> {
     labels.iter().filter_map(typical).collect()
 }
 
-/// The mean of the two middle values if the count is even.
-fn median(mut values: Vec<f64>) -> f64 {
+/// The median; the mean of the two middle values if the count is even. NaN without values.
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;
     match values.len() % 2 {

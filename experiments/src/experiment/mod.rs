@@ -3,7 +3,7 @@
 
 use std::rc::Rc;
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use underbrush_recording::Fault;
 
 use crate::session::Session;
@@ -45,7 +45,6 @@ macro_rules! declare {
             $(
                 #[allow(missing_docs, reason = "the experiment's file says what it holds")]
                 #[serde(flatten)]
-                #[serde(serialize_with = "shared")]
                 pub $name: Rc<$name::$result>,
             )*
         }
@@ -64,9 +63,3 @@ macro_rules! declare {
     };
 }
 for_each_experiment!(declare);
-
-/// Serializes a shared outcome like the outcome itself. Serde has a feature for shared values, but it would be enabled
-/// in all crates.
-fn shared<T: Serialize, S: Serializer>(outcome: &Rc<T>, serializer: S) -> Result<S::Ok, S::Error> {
-    outcome.serialize(serializer)
-}

@@ -8,7 +8,7 @@ use serde::Serialize;
 use underbrush_classifier::{Decision, Evaluation, FeatureSet, Folds, Recipe, cross_validate};
 use underbrush_recording::{Fault, Trial};
 
-use crate::definition::{Experiment, RecipeName, TableOneUnit};
+use crate::definition::{Experiment, RecipeName, Unit};
 use crate::table_cell::{self, Cell, CellKey, Ordering};
 use crate::training::{self, Trials};
 use crate::{Accuracy, Session};
@@ -30,7 +30,7 @@ pub struct TableOne {
 impl TableOne {
     /// The cell of taxel trials with these features and states in a recipe, and the evaluation behind it.
     pub fn of_taxels(&self, features: FeatureSet, states: usize, recipe: RecipeName) -> Option<(&Cell, &Evaluation)> {
-        let key = CellKey { by: TableOneUnit::Taxel, features, states, recipe: recipe.name().into() };
+        let key = CellKey { by: Unit::Taxel, features, states, recipe: recipe.name().into() };
         self.table_1.iter().zip(&self.evaluations).find(|(cell, _)| cell.key == key)
     }
 }
@@ -58,7 +58,7 @@ pub fn evaluate(
     trials: &Trials,
     recipes: &[RecipeName],
 ) -> Result<Vec<(Cell, Evaluation)>, Fault> {
-    let units = [(TableOneUnit::Component, &trials.component), (TableOneUnit::Taxel, &trials.taxel)];
+    let units = [(Unit::Component, &trials.component), (Unit::Taxel, &trials.taxel)];
     let mut cases = Vec::new();
     for name in recipes {
         for (by, trials) in units.iter().filter(|(_, trials)| !trials.is_empty()) {
@@ -68,7 +68,7 @@ pub fn evaluate(
             }
         }
     }
-    let case = |(name, by, trials, features, states): (RecipeName, TableOneUnit, &Vec<Trial>, FeatureSet, usize)| {
+    let case = |(name, by, trials, features, states): (RecipeName, Unit, &Vec<Trial>, FeatureSet, usize)| {
         let recipe = Recipe { states, features, ..name.recipe() };
         let evaluation = cross_validate(trials, &recipe, Folds::paper(), &Decision::argmax())?;
         let published = experiment.published();

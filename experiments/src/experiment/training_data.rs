@@ -6,7 +6,7 @@ use underbrush_recording::{FRAME_PERIOD_S, Fault, Trial};
 use crate::audit::{self, Worst};
 use crate::reach_ends::Ends;
 use crate::training::{self, Trials};
-use crate::{Experiment, Session, TableOneUnit};
+use crate::{Experiment, Session, Unit};
 
 /// The training data.
 #[derive(Serialize)]
@@ -37,7 +37,7 @@ pub struct Reaches {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrialsPerReach {
     /// What a trial is made of.
-    pub by: TableOneUnit,
+    pub by: Unit,
     /// The label.
     pub category: String,
     /// Number of trials.
@@ -71,7 +71,7 @@ pub fn run(session: &Session) -> Result<TrainingSummary, Fault> {
 
 /// Trials per reach, for a campaign with these numbers of reaches of each training scene.
 pub fn per_reach(experiment: &Experiment, trials: &Trials, reaches: &[u64]) -> Vec<TrialsPerReach> {
-    let row = |by: TableOneUnit, trials: &[Trial], label: &str| {
+    let row = |by: Unit, trials: &[Trial], label: &str| {
         let scenes = experiment.file.training.iter().zip(reaches);
         let reaches: u64 = scenes.filter(|(own, _)| own.label == label).map(|(_, reaches)| reaches).sum();
         let own = || trials.iter().filter(|trial| trial.category.as_deref() == Some(label));
@@ -84,7 +84,7 @@ pub fn per_reach(experiment: &Experiment, trials: &Trials, reaches: &[u64]) -> V
             paper: experiment.published().and_then(|published| published.trials_per_reach(by, label)),
         }
     };
-    let units = [(TableOneUnit::Component, &trials.component), (TableOneUnit::Taxel, &trials.taxel)];
+    let units = [(Unit::Component, &trials.component), (Unit::Taxel, &trials.taxel)];
     let labels = experiment.labels();
     let rows = units.iter().flat_map(|(by, trials)| labels.iter().map(|label| row(*by, trials, label)));
     rows.collect()

@@ -17,10 +17,8 @@ pub struct SuiteFile {
     #[serde(default)]
     pub seed: u64,
     /// Controller to use instead of each scene's.
-    #[serde(default)]
     pub controller: Option<ControllerKind>,
     /// The classifier whose verdicts are bounded.
-    #[serde(default)]
     pub model: Option<ModelSection>,
     /// How `--bless` computes bounds.
     #[serde(default)]
@@ -37,15 +35,12 @@ pub struct ModelSection {
     /// decision.
     pub file: String,
     /// Patch of skin that is classified; the first if not given.
-    #[serde(default)]
     pub patch: Option<String>,
     /// A taxel is in contact where its sensed force is above this, N; as for `underbrush train` and `classify` if not
     /// given.
-    #[serde(default)]
     pub threshold_n: Option<f64>,
     /// Rule to use instead of the model's own: `"argmax"`, `{ uncertain_below = { margin = NATS } }` or
     /// `{ outlier_band = { uncertain_below = NATS, category_above = NATS } }`. A model without one uses `argmax`.
-    #[serde(default)]
     pub rule: Option<Rule>,
 }
 

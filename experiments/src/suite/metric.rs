@@ -7,6 +7,8 @@ use underbrush_classifier::touch::Touch;
 use underbrush_recording::{Category, ContactForces, Recording};
 use underbrush_sim::audit;
 
+use crate::experiment::example_trials::median;
+
 /// How the values of all reaches become one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -289,11 +291,8 @@ fn first_right(reach: &Measured, category: Option<Category>) -> Option<Vec<Optio
 }
 
 fn samples_to_right(reach: &Measured, category: Option<Category>) -> Option<f64> {
-    let mut samples: Vec<usize> = first_right(reach, category)?.into_iter().flatten().collect();
-    samples.sort_unstable();
-    let upper = *samples.get(samples.len() / 2)?;
-    let lower = samples[(samples.len() - 1) / 2];
-    Some((lower + upper) as f64 / 2.0)
+    let samples = first_right(reach, category)?.into_iter().flatten().map(|samples| samples as f64);
+    Some(median(samples.collect())).filter(|median| !median.is_nan())
 }
 
 fn never_right(reach: &Measured, category: Option<Category>) -> Option<f64> {

@@ -2,7 +2,7 @@ use super::table_one_paper::TABLE_ONE_PAPER;
 use underbrush_classifier::feature::FeatureSet;
 
 use crate::accuracy::{Accuracy, Part};
-use crate::definition::{Experiment, OrderingName, TableOneUnit};
+use crate::definition::{Experiment, OrderingName, Unit};
 use crate::experiment::ablation::Ablated;
 use crate::experiment::campaigns::{Campaigns, OneOfMany};
 use crate::experiment::classifiers::Compared;
@@ -36,7 +36,7 @@ fn around(accuracy: f64) -> Accuracy {
 
 fn cell(states: usize, accuracy: f64) -> Cell {
     Cell {
-        key: CellKey { by: TableOneUnit::Taxel, features: FeatureSet::FORCE, states, recipe: "authors".into() },
+        key: CellKey { by: Unit::Taxel, features: FeatureSet::FORCE, states, recipe: "authors".into() },
         figures: around(accuracy),
         paper: Some(80.24),
     }
@@ -75,7 +75,7 @@ fn orderings_are_found_as_they_are() {
 fn the_statement_on_states_names_them() {
     let statement = |states: &[usize]| {
         let key = |states: &usize| CellKey {
-            by: TableOneUnit::Taxel,
+            by: Unit::Taxel,
             features: FeatureSet::FORCE,
             states: *states,
             recipe: "authors".into(),
@@ -148,7 +148,7 @@ fn campaigns_are_matched_by_name() {
 fn the_papers_own_table_is_no_distance_from_itself() {
     let table = |shift: f64| {
         let cells = TABLE_ONE_PAPER.into_iter().zip([1.0, -1.0].into_iter().cycle());
-        let cell = move |((by, features, states, paper), sign): ((TableOneUnit, FeatureSet, usize, f64), f64)| Cell {
+        let cell = move |((by, features, states, paper), sign): ((Unit, FeatureSet, usize, f64), f64)| Cell {
             key: CellKey { by, features, states, recipe: "authors".into() },
             figures: around(paper + sign * shift),
             paper: Some(paper),

@@ -4,7 +4,7 @@ use super::table_one_paper::TABLE_ONE_PAPER;
 use underbrush_classifier::trial::TrialOptions;
 use underbrush_recording::InputError;
 
-use crate::{Experiment, TableOneUnit, training};
+use crate::{Experiment, Unit, training};
 
 /// Tests that the file that ships is the paper's experiment: its Table I, its numbers of trials and reaches, and its
 /// trial options.
@@ -17,8 +17,8 @@ fn the_file_that_ships_is_the_papers() {
         assert_eq!(found, Some(percent));
     }
     assert_eq!(published.accuracy.len(), TABLE_ONE_PAPER.len());
-    assert_eq!(published.trials_per_reach(TableOneUnit::Component, "leaf"), Some(28.8));
-    assert_eq!(published.trials_per_reach(TableOneUnit::Taxel, "trunk"), Some(23.28));
+    assert_eq!(published.trials_per_reach(Unit::Component, "leaf"), Some(28.8));
+    assert_eq!(published.trials_per_reach(Unit::Taxel, "trunk"), Some(23.28));
     assert_eq!(training::reaches(&paper, false), [10, 25]);
     assert_eq!(training::reaches(&paper, true), [4, 8]);
     assert_eq!(paper.trial_options(), TrialOptions::paper());

@@ -58,7 +58,7 @@ fn settings_are_tested_on_clutter_that_was_not_trained_on() {
     assert_eq!(accuracies, [100.0, 0.0, 0.0, 100.0].repeat(estimators));
     for split in &found {
         let own = &split.accuracy;
-        assert!(own.trials == 28 && own.low == own.high && own.balanced_accuracy == own.accuracy);
+        assert!(own.trials == 28 && own.low < own.high && own.balanced_accuracy == own.accuracy);
         // 12 of leaf and 16 of trunk.
         assert!((own.majority_baseline - 100.0 * 16.0 / 28.0).abs() < 1e-9);
     }

@@ -2,14 +2,14 @@
 
 use underbrush_classifier::feature::FeatureSet;
 
-use crate::definition::TableOneUnit::{self, Component, Taxel};
+use crate::definition::Unit::{self, Component, Taxel};
 
 const FORCE: FeatureSet = FeatureSet::FORCE;
 const FORCE_AND_MOTION: FeatureSet = FeatureSet::FORCE_AND_MOTION;
 
 /// Table I of Bhattacharjee, Kapusta, Rehg, Kemp 2013: two-fold cross-validation accuracy in per cent, by unit,
 /// features and number of hidden states, in the order in which it is printed.
-pub const TABLE_ONE_PAPER: [(TableOneUnit, FeatureSet, usize, f64); 12] = [
+pub const TABLE_ONE_PAPER: [(Unit, FeatureSet, usize, f64); 12] = [
     (Component, FORCE, 5, 61.76),
     (Component, FORCE, 10, 72.22),
     (Component, FORCE, 20, 70.75),

@@ -2,7 +2,7 @@
 
 use underbrush_experiments::accuracy::Figures;
 use underbrush_experiments::experiment::ablation::{AS_IS, Ablated, AblationResults, described};
-use underbrush_experiments::{TableOneUnit, unit_name};
+use underbrush_experiments::{Unit, unit_name};
 
 use crate::{Report, Rows, Table, joined};
 
@@ -60,7 +60,7 @@ fn table(rows: &[Ablated], labels: &[&str]) -> Table {
         .column("pairs in order", |row| format!("{} of {}", row.pairs_holding, row.pairs));
     let rows = accuracies(rows, "components / %", |row| row.component.as_ref());
     let mut rows = accuracies(rows, "taxels / %", |row| row.taxel.as_ref());
-    for unit in [TableOneUnit::Component, TableOneUnit::Taxel] {
+    for unit in [Unit::Component, Unit::Taxel] {
         for label in labels {
             rows = rows.number(format!("{} trials a reach, {label}", unit_name(unit)), 1, |row| {
                 let mut counted = row.trials_per_reach.iter();

@@ -1,6 +1,6 @@
 //! The cross-validation table (the paper's Table I).
 
-use underbrush_experiments::definition::{RecipeName, TableOneUnit};
+use underbrush_experiments::definition::{RecipeName, Unit};
 use underbrush_experiments::experiment::table_one::TableOne;
 use underbrush_experiments::table_cell::{Cell, CellKey, unit_name};
 
@@ -92,14 +92,14 @@ pub fn choices(report: &Report) -> Option<String> {
 
 /// The majority baselines here, and those of the paper's trial counts.
 fn baselines(report: &Report, cells: &[Cell]) -> String {
-    let of = |by: TableOneUnit| {
+    let of = |by: Unit| {
         let cell = cells.iter().find(|cell| cell.key.by == by)?;
         let here = cell.figures.majority_baseline;
         let published = published_majority_percent(report, by);
         let published = published.map_or(String::new(), |percent| format!(" ({percent:.1} % by the paper's counts)"));
         Some(format!("{here:.1} % for {} trials{published}", unit_name(by)))
     };
-    let units = [TableOneUnit::Component, TableOneUnit::Taxel];
+    let units = [Unit::Component, Unit::Taxel];
     let labels = report.results.definition.labels();
     format!(
         "An accuracy means little without its baseline. The majority baseline is the accuracy of always giving the most \
@@ -112,7 +112,7 @@ fn baselines(report: &Report, cells: &[Cell]) -> String {
 }
 
 /// The majority baseline of the published trials, per cent.
-pub fn published_majority_percent(report: &Report, by: TableOneUnit) -> Option<f64> {
+pub fn published_majority_percent(report: &Report, by: Unit) -> Option<f64> {
     let own = report.published()?.trials.iter().filter(|own| own.by == by);
     let counts: Vec<f64> = own.map(|own| own.trials).collect();
     let all: f64 = counts.iter().sum();

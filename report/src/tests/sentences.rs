@@ -2,13 +2,13 @@ use underbrush_classifier::feature::FeatureSet;
 use underbrush_experiments::experiment::example_trials::Typical;
 use underbrush_experiments::experiment::outliers::Detection;
 use underbrush_experiments::experiment::training_data::TrialsPerReach;
-use underbrush_experiments::{CellKey, TableOneUnit};
+use underbrush_experiments::{CellKey, Unit};
 
 use crate::agreement::{self, Compared};
 use crate::section::{classifiers, example_trials, outliers, training_data};
 
 fn key(states: usize) -> CellKey {
-    CellKey { by: TableOneUnit::Taxel, features: FeatureSet::FORCE, states, recipe: "authors".into() }
+    CellKey { by: Unit::Taxel, features: FeatureSet::FORCE, states, recipe: "authors".into() }
 }
 
 fn compared(key: &CellKey, accuracy: f64, published: Option<f64>) -> Compared<'_> {
@@ -98,7 +98,7 @@ fn the_page_says_where_typical_trials_contradict_the_paper() {
 #[test]
 fn the_page_counts_trials_that_nothing_touched() {
     let row = |category: &str, trials, untouched| TrialsPerReach {
-        by: TableOneUnit::Taxel,
+        by: Unit::Taxel,
         category: category.into(),
         trials,
         untouched,

@@ -3,7 +3,7 @@
 //! A kind declares its quantities once ([`group`]): what a scene file may say about a group of such objects follows from
 //! that. An object is one concrete instance drawn from a group. It describes its bodies and joints as plain data
 //! ([`structure`]) and does not depend on the engine. To add a kind, write a file like `trunk.rs` and add its line to
-//! the list. A kind that belongs to none of the built-in categories defines its own, as `wand.rs` does for the tests.
+//! the list. A kind that belongs to none of the built-in categories defines its own, as `tests/wand.rs` does.
 
 use std::collections::BTreeMap;
 
@@ -21,8 +21,6 @@ pub mod root;
 pub mod structure;
 pub mod table;
 pub mod trunk;
-#[cfg(test)]
-pub mod wand;
 pub mod water_bottle;
 
 pub use group::{DrawnQuantities, Group, Specification};
@@ -49,7 +47,7 @@ macro_rules! for_each_object_kind {
             plant: $crate::object::plant::Plant,
             /// A made-up object of the tests.
             #[cfg(test)]
-            wand: $crate::object::wand::Wand,
+            wand: $crate::object::tests::wand::Wand,
         }
     };
 }
@@ -153,4 +151,4 @@ pub const FRICTION: f64 = 0.4;
 pub const TABLE_FRICTION: f64 = 0.4;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -32,9 +32,8 @@ impl Structure {
     }
 
     /// The same object on a root that foam holds like this, or as it is without one. What was on the foot, and its shapes, is on
-    /// the root. A
-    /// rotation of the root is resisted a hundred times as much as by its stiffness across it at its depth: how far it leans in
-    /// the foam is up to the springs of the object.
+    /// the root. The stiffness of the root's rotations is a hundred times that across it times its depth squared: how far the
+    /// object leans in the foam is left to its own springs.
     #[must_use]
     pub fn held_by(mut self, grip: Option<Grip>) -> Self {
         let Some(own) = grip else { return self };

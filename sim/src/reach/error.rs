@@ -24,4 +24,16 @@ pub enum ReachError {
         /// Number of joints.
         expected: usize,
     },
+    /// A controller returned an angle that is no finite number.
+    #[error(
+        "the controller {controller} returned the equilibrium angle {found} for joint {joint}; return finite angles, rad"
+    )]
+    NoAngle {
+        /// Name of the controller.
+        controller: String,
+        /// Number of the joint, from 0.
+        joint: usize,
+        /// The angle.
+        found: f64,
+    },
 }

@@ -43,9 +43,9 @@ impl ReachRules {
         match controller {
             // \[2\], and \[1\] where its files say nothing.
             ControllerKind::Cody2013 | ControllerKind::Blind => of_the_robot,
-            // The robot of \[1\]. Its simulation stopped at 50 N and called 1.5 cm reached.
             // It judges its own progress, and says so.
             ControllerKind::Mapped => ReachRules { progress: ProgressRule::Path, ..of_the_robot },
+            // The robot of \[1\]. Its simulation stopped at 50 N and called 1.5 cm reached.
             ControllerKind::IjrrFoliage => ReachRules { stop_force_n: 15.0, reached_distance_m: 0.04, ..of_the_robot },
         }
     }

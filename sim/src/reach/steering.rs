@@ -95,6 +95,10 @@ impl Steering {
                 expected,
             });
         }
+        let mut angles = output.equilibrium_angle_rad.iter().enumerate();
+        if let Some((joint, found)) = angles.find(|(_, angle)| !angle.is_finite()) {
+            return Err(ReachError::NoAngle { controller: self.controller.name().to_owned(), joint, found: *found });
+        }
         self.counts.steps += 1;
         match output.status {
             ControlStatus::Solved => {}

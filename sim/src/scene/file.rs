@@ -21,7 +21,6 @@ pub struct SceneFile {
     /// Names the random numbers that the reaches draw. Scenes with the same stream draw the same numbers, so scenes that
     /// differ in one property of their objects can be compared on the same clutter. If not given, it follows from the
     /// objects: another file with the same objects draws the same clutter, whatever its name and its other options.
-    #[serde(default)]
     pub stream: Option<String>,
     /// `cody`, or the path of an arm file, relative to the scene file.
     #[serde(default = "default_arm")]

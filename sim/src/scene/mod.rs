@@ -50,7 +50,8 @@ pub struct Scene {
     pub path: PathBuf,
     /// Its text, for the provenance of data sets and for the lines in error messages.
     pub text: String,
-    /// Its contents.
+    /// Its contents, which were checked when they were read. A change here is not checked again, and data sets go on to store
+    /// `text`: to change a scene, change its text and read that with [`Scene::parse`].
     pub file: SceneFile,
 }
 

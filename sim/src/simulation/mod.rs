@@ -114,7 +114,7 @@ impl Simulation {
     /// Advances by one frame of 10 ms with the arm's equilibrium angles at `equilibrium_angle_rad`, one for each joint.
     ///
     /// # Panics
-    /// If there is not exactly one angle for each joint.
+    /// If there is not exactly one finite angle for each joint.
     pub fn step(&mut self, equilibrium_angle_rad: &[f64]) -> &FrameReport {
         self.advance(equilibrium_angle_rad, None)
     }
@@ -122,7 +122,7 @@ impl Simulation {
     /// As [`Simulation::step`], but calls `observer` after each engine step of the frame.
     ///
     /// # Panics
-    /// If there is not exactly one angle for each joint.
+    /// If there is not exactly one finite angle for each joint.
     pub fn step_observed(&mut self, equilibrium_angle_rad: &[f64], observer: &mut StepObserver) -> &FrameReport {
         self.advance(equilibrium_angle_rad, Some(observer))
     }
@@ -131,6 +131,8 @@ impl Simulation {
         let (model, state) = (&self.model, &mut self.state);
         let (angles, joints) = (equilibrium_angle_rad.len(), model.arm.joints.len());
         assert_eq!(angles, joints, "{angles} equilibrium angles for {joints} joints");
+        let are_finite = equilibrium_angle_rad.iter().all(|angle| angle.is_finite());
+        assert!(are_finite, "equilibrium angles {equilibrium_angle_rad:?}, which are not all finite");
         state.world.advance_frame(model, equilibrium_angle_rad, observer);
         state.equilibrium_angle_rad.copy_from_slice(equilibrium_angle_rad);
         state.report.frame += 1;

@@ -42,7 +42,7 @@ and otherwise ignored:
 
 A new reach begins with {\"reset\":true}: contacts end, and time may start again at 0.";
 
-/// ClassifyOptions of `underbrush classify`.
+/// Options of `underbrush classify`.
 #[derive(Args)]
 #[command(after_help = PROTOCOL)]
 pub struct ClassifyOptions {

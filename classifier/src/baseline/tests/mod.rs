@@ -1,4 +1,6 @@
 use rand::{RngExt, SeedableRng};
+pub(crate) mod nearest_mean;
+
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use underbrush_recording::{Region, Sample, Trial};

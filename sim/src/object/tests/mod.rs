@@ -1,5 +1,7 @@
 //! Tests of the list of objects, and of what it takes to add one: the wand is one file and one entry of that list.
 
+pub mod wand;
+
 use std::collections::BTreeMap;
 
 use rand::SeedableRng;
@@ -7,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use underbrush_recording::{Body, BodyOwner};
 
 use super::trunk::Trunk;
-use super::{Footing, Group, wand};
+use super::{Footing, Group};
 use crate::reach::ReachPlan;
 use crate::scene::{Objects, Scene};
 

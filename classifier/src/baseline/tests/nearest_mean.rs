@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::{Limits, Sample, Trial};
 
-use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
+use crate::baseline::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
 use crate::error::{Fault, ModelError, check_limits};
 use crate::{ClassifierKind, FeatureError, FeatureSet, SampleFault};
 

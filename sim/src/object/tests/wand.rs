@@ -7,11 +7,11 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use underbrush_recording::{BodyShape, Category};
 
-use super::group::{Declared, Drawing, Kind, quantities};
-use super::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Spring, Structure, part};
-use super::{Footing, Object};
 use crate::contact::surface::Surface;
 use crate::geometry::Footprint;
+use crate::object::group::{Declared, Drawing, Kind, quantities};
+use crate::object::structure::{Axis, Body, CollisionGroup, Inertia, Joint, Spring, Structure, part};
+use crate::object::{Footing, Object};
 use crate::range::{Draw, DrawError};
 
 pub(super) const CATEGORY: Category = Category::new("wand", 127).unwrap();
