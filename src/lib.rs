@@ -103,7 +103,8 @@ enum Command {
     Inspect(command::inspect::InspectOptions),
     /// Show reaches in the browser: the arm in 3-D, its skin, plots and verdicts over time
     Replay(command::replay::ReplayOptions),
-    /// Write reaches for other tools (MCAP, ROS 2, HDF5). Without the Python package, name the call that does
+    /// Write reaches for other tools (MCAP, ROS 2, HDF5). Without the Python package, print the Python command that
+    /// does so
     Export(command::export::ExportOptions),
     /// Cut contact trials from a CSV file of a real robot
     Import(command::import::ImportOptions),

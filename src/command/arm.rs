@@ -55,7 +55,7 @@ struct NewOptions {
     /// Where the meshes of package://NAME/ are [default: the folder NAME around the URDF]
     #[arg(long, value_name = "NAME=FOLDER", value_parser = package)]
     package: Vec<(String, PathBuf)>,
-    /// Most convex hulls for each mesh: more fit a bent link better, and cost time in every step
+    /// Maximum number of convex hulls for each mesh: more hulls fit a bent link better but cost time in every step
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
     hulls: u32,
     /// The arm file to write
@@ -83,7 +83,7 @@ struct SkinOptions {
     /// Name of the patch
     #[arg(long, value_name = "NAME")]
     patch: String,
-    /// Leave out taxels that nothing can touch; of a grid, the rows that have some
+    /// Leave out taxels that nothing can touch; in a grid, leave out every row that has such taxels
     #[arg(long)]
     prune: bool,
     /// Replace the patch of this name

@@ -30,8 +30,8 @@ pub struct TrainOptions {
     #[arg(required = true)]
     trials: Vec<PathBuf>,
     /// With --classifier touch: data sets, recordings and scenes of unknown objects to train on, such as
-    /// free-cylinders soft-rolls stalks stiff-poles. Their objects of categories that TRIALS lack are unknown, a family for each category; without
-    /// them nothing is called unknown
+    /// free-cylinders soft-rolls stalks stiff-poles. Objects whose category is missing from TRIALS are unknown, and each such category is a
+    /// family; without these sets nothing is called unknown
     #[arg(long, value_name = "DATASET", num_args = 1..)]
     auxiliary: Vec<PathBuf>,
     /// Model file to write (JSON)

@@ -1,8 +1,8 @@
 //! The Rapier scene: bodies, shapes, collision groups and the broad phase. Each body is a link of a joint tree.
 //!
-//! The bodies are fixed or kinematic: [`crate::dynamics`] moves the trees. The scene finds which shapes may come near each
-//! other while none moves by more than some room, and finds them anew as soon as one has moved farther. So no pair is
-//! missed, however fast the shapes are.
+//! The bodies are fixed or kinematic: [`crate::dynamics`] moves the trees. The scene finds the pairs of shapes that may
+//! come near each other as long as no shape moves farther than a certain distance, its room. As soon as one has moved
+//! farther, the pairs are found anew. So no pair is missed, however fast the shapes are.
 
 use glam::{DMat3, DVec3};
 use rapier3d::prelude::*;

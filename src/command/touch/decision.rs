@@ -15,9 +15,10 @@ pub struct TouchDecisionArguments {
     /// training, so that few true contacts are lost]
     #[arg(long, value_name = "P", value_parser = share())]
     nothing_above: Option<f64>,
-    /// Call an object unknown if at most this share of the objects of each known category is as unlike what is known, or a
-    /// fifth of it in its first 0.6 s; this is the share of false alarms. Shares below 0.001 are not distinguished. A model
-    /// that was trained without --auxiliary calls nothing unknown [default: as in the model, 0.05 after training]
+    /// Call an object unknown if at most this share of the objects of each known category is as unlike what is known as the
+    /// object is (in its first 0.6 s: a fifth of this share). This is the share of false alarms. Shares below 0.001 are not
+    /// distinguished. A model that was trained without --auxiliary calls nothing unknown [default: as in the model, 0.05
+    /// after training]
     #[arg(long, value_name = "P", value_parser = share())]
     unknown_share: Option<f64>,
     /// Cost of an uncertain verdict relative to that of a wrong category: a category is named if its probability is

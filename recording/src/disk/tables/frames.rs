@@ -1,5 +1,6 @@
-//! The table of frames: the part that a robot could know. Its columns are described with how a reach gives their values
-//! and takes them; names, types and widths are those that LeRobotDataset v3.0 requires.
+//! The table of frames: the part that a robot could know. Each column is described together with the code that reads
+//! its values from a reach and writes them into one. Names, types and widths are those that LeRobotDataset v3.0
+//! requires.
 //!
 //! A frame lists only taxels with a force, while a column holds every taxel of its patch, with 0 N for the others. True
 //! forces are stored separately (`truth_columns.rs` in a recording, `truth/` in a data set).

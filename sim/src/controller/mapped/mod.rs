@@ -1,12 +1,12 @@
 //! A controller that maps what the arm touches and plans a way round it for the whole arm.
 //!
-//! It plans a way to the goal and follows it with compliant joints. A force holds it up only where the motion goes into
-//! the contact. When something holds or stops it, it puts that on the map, goes back the way it came and plans anew. At the
-//! end of the way it pushes on until the end effector is at the goal.
+//! The controller plans a way to the goal and follows it with compliant joints. A force holds the arm back only where the
+//! motion goes into the contact. When an object holds or stops the arm, the controller puts the object on the map, goes back
+//! the way it came and plans anew. At the end of the way the arm pushes on until the end effector is at the goal.
 //!
-//! What a contact is, it learns from the verdicts that come with contacts, and from what it feels. Objects that are to be
-//! pressed less than the usual limit, and those of which nothing is known, are obstacles once they have held; others only if
-//! they stop the arm.
+//! The controller learns what a contact is from the verdicts that come with contacts and from what the arm feels. Objects
+//! that are to be pressed less than the usual limit, and those of which nothing is known, are obstacles once they have held.
+//! Other objects are obstacles only if they stop the arm.
 
 use std::borrow::Cow;
 use std::collections::VecDeque;
