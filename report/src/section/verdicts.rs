@@ -20,7 +20,9 @@ pub fn add(report: &mut Report, outcome: &VerdictFigures) {
     ));
     report.page.paragraph(&accuracy(verdicts));
     if verdicts.outlier.is_none() {
-        report.page.paragraph("Nothing is called unknown here, because the networks met no auxiliary unknown objects in training.");
+        report.page.paragraph(
+            "Nothing is called unknown here, because the networks met no auxiliary unknown objects in training.",
+        );
     }
     report.printed(figures(verdicts), 3);
     if !verdicts.scenes.is_empty() {
