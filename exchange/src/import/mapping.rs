@@ -11,7 +11,7 @@ use underbrush_recording::disk::TRIAL_COLUMNS;
 use underbrush_recording::{Category, Grid, InputError, Limits, TEXT_BYTES, is_plain, parse_toml, read_text, short};
 
 /// Frames per second: from one reading in a hundred seconds to a fast vibration sensor.
-const RATE_HZ: Limits = Limits::new(0.01, 1e5, "Hz");
+pub(super) const RATE_HZ: Limits = Limits::new(0.01, 1e5, "Hz");
 /// Number of taxels: as many as a data set may have.
 const TAXELS: Limits = Limits::new(1.0, underbrush_recording::limits::MAX_TAXELS as f64, "taxels");
 /// Newtons per unit of a reading: from a nanonewton to a tonne.

@@ -3,6 +3,8 @@
 use underbrush_recording::Frame;
 use underbrush_recording::limits::short;
 
+use super::mapping::RATE_HZ;
+
 /// Frames that are missing for at most this long repeat the one before, s. A longer pause is no lost frame.
 const LONGEST_PAUSE_S: f64 = 1.0;
 
@@ -27,6 +29,9 @@ impl TimeGrid {
         let Some(step_s) = rate_hz.map(|rate_hz| 1.0 / rate_hz).or(median_s) else {
             return Ok(TimeGrid { rate_hz: 1.0, places: vec![0; times_s.len()] });
         };
+        if !RATE_HZ.hold(1.0 / step_s) {
+            return Err((format!("a frame every {} s", short(step_s)), RATE_HZ.to_string()));
+        }
         let mut places = vec![0];
         for (own_s, start_s) in steps_s.iter().zip(times_s) {
             if *own_s > LONGEST_PAUSE_S.max(1.5 * step_s) {
@@ -35,6 +40,11 @@ impl TimeGrid {
             }
             let frames = (own_s / step_s).round().max(1.0) as usize;
             places.push(places[places.len() - 1] + frames);
+        }
+        let (all, missing) = (places[places.len() - 1] + 1, places[places.len() - 1] + 1 - times_s.len());
+        if missing > times_s.len() {
+            let found = format!("{missing} of {all} frames missing at {} Hz", short(1.0 / step_s));
+            return Err((found, "at most as many missing frames as there are".into()));
         }
         let whole_s = times_s[times_s.len() - 1] - times_s[0];
         let rate_hz = rate_hz.unwrap_or(places[places.len() - 1] as f64 / whole_s);
@@ -101,6 +111,9 @@ mod tests {
         let faster =
             times(200, |frame| if frame < 120 { 0.01 * frame as f64 } else { 1.2 + 0.006 * (frame - 120) as f64 });
         assert!(TimeGrid::of(&faster, None).is_err());
+        let sparse = times(200, |frame| 0.001 * frame as f64 + 0.9 * (frame / 3) as f64);
+        assert!(TimeGrid::of(&sparse, None).unwrap_err().0.contains("frames missing at"));
+        assert!(TimeGrid::of(&times(200, |frame| 1e-9 * frame as f64), None).unwrap_err().0.contains("every 1e-9 s"));
         assert!(
             TimeGrid::of(&times(50, |frame| 0.02 * frame as f64), Some(100.0))
                 .unwrap()

@@ -21,7 +21,7 @@ pub fn add(report: &mut Report, outcome: &VerdictFigures) {
     report.page.paragraph(&accuracy(verdicts));
     if verdicts.outlier.is_none() {
         report.page.paragraph(
-            "Nothing is called unknown here, because the networks met no auxiliary unknown objects in training.",
+            "Figures on unknown objects are left out: they need auxiliary unknown objects in training, and an outlier to test on.",
         );
     }
     report.printed(figures(verdicts), 3);
