@@ -26,8 +26,9 @@ fn key_at(text: &str, offset: usize) -> String {
     parts.join(".")
 }
 
-/// What a message of a parser says was found, and what was expected instead, with the number types of Rust in words. Only values of
-/// another type or shape are told apart so: names that a file may hold are many, and of a wrong spelling the parser expects too little.
+/// What was found and what was expected instead, as a parser's message says, with Rust's types of numbers in words. The two are
+/// separated only for values of a wrong type or shape. Other messages stay whole: they may list many names, and those about spelling do
+/// not say all that is allowed.
 fn in_words(message: &str) -> (&str, Option<&str>) {
     let is_value =
         |found: &str| ["invalid type", "invalid value", "an array", "a table"].iter().any(|own| found.starts_with(own));

@@ -132,7 +132,7 @@ pub fn run(options: GenerateOptions, json: bool) -> Result<(), Failure> {
         require_same_reaches(&dataset, source)?;
     }
     output::remarks(audit::warnings(dataset.episodes(), dataset.layout()));
-    // Other runs simulated the rest.
+    // Other runs may have simulated a part.
     let alone_s = wall_s.filter(|_| !options.resume && !options.shared);
     let mut summary = Summary::of(&dataset, alone_s);
     if wall_s.is_some() {

@@ -48,7 +48,7 @@ pub fn wilson(successes: usize, trials: usize) -> Interval {
 /// Percentile bootstrap of the accuracy over whole reaches, the clusters within which records depend on each other.
 ///
 /// Each resample draws as many reaches as there are, with replacement. If all records are right, or none is, all resamples
-/// are alike, which says nothing about other reaches; then it is [`wilson`]'s interval for as many trials as there are
+/// are alike and say nothing about other reaches. The interval is then that of [`wilson`] for as many trials as there are
 /// reaches. `None` if a record names no reach or there are fewer than two reaches. `categories` are those of the classifier.
 pub fn bootstrap_by_reach<'a>(
     records: impl IntoIterator<Item = Record<'a>>,

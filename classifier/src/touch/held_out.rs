@@ -109,8 +109,8 @@ pub(super) fn lapses(regions: &[&Judged], sharpness: f64) -> Vec<Lapse> {
     regions.iter().filter_map(lapse).collect()
 }
 
-/// The limit on the probability of nothing that only the allowed share of true contacts exceeds; 1, which no probability
-/// exceeds, if there are no readings without contact to learn from.
+/// The limit on the probability of nothing that only the allowed share of true contacts exceeds. It is 1, which no probability
+/// exceeds, if the training data have no reading without contact.
 pub(super) fn nothing_above(taxels: &[&Judged], sharpness: f64) -> f64 {
     if taxels.iter().all(|taxel| taxel.class == 1) {
         return 1.0;

@@ -29,16 +29,15 @@ impl Columns {
         let place = |field: &str, name: &str| -> Result<usize, InputError> {
             // `InputError` shortens the list if it is long.
             let listed = || names.iter().collect::<Vec<_>>().join(", ");
-            let separators = [';', '\t'];
-            if names.len() < 2 && names.iter().all(|name| name.is_empty() || name.contains(separators)) {
-                let found = names.get(0).map_or("an empty file".into(), |name| format!("one column, {name:?}"));
-                let allowed = "columns with commas between them, and their names in the first line";
-                return Err(InputError::new(path, "CSV", found, allowed, "write the file with commas").at_line(1));
-            }
             let allowed = || format!("a column of {}: {}", path.display(), listed());
             let mut found = names.iter().enumerate().filter(|(_, column)| column.trim() == name);
             match (found.next(), found.next()) {
                 (Some((place, _)), None) => Ok(place),
+                (None, _) if names.len() < 2 && names.iter().all(|name| name.contains([';', '\t'])) => {
+                    let found = names.get(0).map_or("an empty file".into(), |name| format!("one column, {name:?}"));
+                    let allowed = "columns with commas between them, and their names in the first line";
+                    Err(InputError::new(path, "CSV", found, allowed, "write the file with commas").at_line(1))
+                }
                 (None, _) => Err(mapping.fault(field, format!("{name:?}, which is no column"), allowed())),
                 (Some(_), Some(_)) => Err(mapping.fault(field, format!("{name:?}, which two columns have"), allowed())),
             }

@@ -173,11 +173,9 @@ fn category(name: &str, known: &mut Vec<Category>) -> Option<Category> {
     if let Some(category) = known.iter().find(|own| own.name() == name) {
         return Some(*category);
     }
-    let usual = Category::named(name)?;
-    let is_free = |code: &i8| known.iter().all(|own| own.code() != *code);
-    let further = (0..=i8::MAX).filter_map(|code| Category::from_file(name, code)).map(Category::code);
-    let code = std::iter::once(usual.code()).chain(further).find(is_free)?;
-    let category = if code == usual.code() { usual } else { Category::from_file(name, code)? };
+    let further = (0..=i8::MAX).filter_map(|code| Category::from_file(name, code));
+    let is_free = |own: &Category| known.iter().all(|other| other.code() != own.code());
+    let category = std::iter::once(Category::named(name)?).chain(further).find(is_free)?;
     known.push(category);
     Some(category)
 }

@@ -16,11 +16,12 @@ pub(super) struct TimeGrid {
 }
 
 impl TimeGrid {
-    /// The grid of ascending times, s. If no rate is given, a step that is about a multiple of the median step stands for as many
-    /// frames, and the rate is the mean over all of them.
+    /// The grid of ascending times, s. A step between two frames counts as the nearest whole number of median steps. The rate is the
+    /// mean over all of these, unless one is given.
     ///
     /// # Errors
-    /// What was found and what is allowed, if frames are missing for long, or half a frame away from their place.
+    /// What was found and what is allowed, if frames are missing for long, if more are missing than not, or if one is half a frame
+    /// away from its place.
     pub(super) fn of(times_s: &[f64], rate_hz: Option<f64>) -> Result<Self, (String, String)> {
         let steps_s: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let mut sorted_s = steps_s.clone();
@@ -41,13 +42,14 @@ impl TimeGrid {
             let frames = (own_s / step_s).round().max(1.0) as usize;
             places.push(places[places.len() - 1] + frames);
         }
-        let (all, missing) = (places[places.len() - 1] + 1, places[places.len() - 1] + 1 - times_s.len());
+        let last = places[places.len() - 1];
+        let (all, missing) = (last + 1, last + 1 - times_s.len());
         if missing > times_s.len() {
             let found = format!("{missing} of {all} frames missing at {} Hz", short(1.0 / step_s));
             return Err((found, "at most as many missing frames as there are".into()));
         }
         let whole_s = times_s[times_s.len() - 1] - times_s[0];
-        let rate_hz = rate_hz.unwrap_or(places[places.len() - 1] as f64 / whole_s);
+        let rate_hz = rate_hz.unwrap_or(last as f64 / whole_s);
         let far = |(time_s, place): &(&f64, &usize)| ((*time_s - times_s[0]) * rate_hz - **place as f64).abs() >= 0.5;
         if let Some((time_s, _)) = times_s.iter().zip(&places).find(far) {
             let found = format!("a frame at {} s", short(*time_s));
@@ -103,7 +105,7 @@ mod tests {
         }
     }
 
-    /// Tests that long pauses and a change of the rate are refused with their times.
+    /// Tests that long pauses, a change of the rate, more missing frames than others, and a wrong unit of time are refused.
     #[test]
     fn pauses_and_two_rates_are_refused() {
         let paused = times(200, |frame| 0.01 * frame as f64 + if frame < 100 { 0.0 } else { 3.0 });
@@ -114,12 +116,7 @@ mod tests {
         let sparse = times(200, |frame| 0.001 * frame as f64 + 0.9 * (frame / 3) as f64);
         assert!(TimeGrid::of(&sparse, None).unwrap_err().0.contains("frames missing at"));
         assert!(TimeGrid::of(&times(200, |frame| 1e-9 * frame as f64), None).unwrap_err().0.contains("a frame every"));
-        assert!(
-            TimeGrid::of(&times(50, |frame| 0.02 * frame as f64), Some(100.0))
-                .unwrap()
-                .filled(vec![Frame::blank(1); 50])
-                .len()
-                == 99
-        );
+        let half = TimeGrid::of(&times(50, |frame| 0.02 * frame as f64), Some(100.0)).unwrap();
+        assert_eq!(half.filled(vec![Frame::blank(1); 50]).len(), 99);
     }
 }

@@ -16,16 +16,13 @@ const QUIET: TaxelLook = { colour: null, mark: null, stray: false, over: false, 
 export class Loaded {
   readonly trials: Trials;
   readonly series: Series;
+  /** The force at the end of the colour scale, N. */
+  readonly largest: number;
 
   constructor(readonly number: number, readonly reach: Reach) {
     this.trials = new Trials(reach);
     this.series = seriesOf(reach);
-  }
-
-  /** The force at the end of the colour scale, N. */
-  get largest(): number {
-    const limit = this.reach.header.force_limit_n ?? 1;
-    return this.series.largest.reduce((most, force) => Math.max(most, force), limit);
+    this.largest = this.series.largest.reduce((most, force) => Math.max(most, force), reach.header.force_limit_n ?? 1);
   }
 }
 

@@ -106,7 +106,7 @@ pub trait Controller: Send {
     /// no ground truth ([`Frame::sensed`]).
     fn observe(&mut self, _frame: &Frame) {}
 
-    /// The obstacles on its map, if it keeps one. Who records it sets their first and last frames.
+    /// The obstacles on its map, if it keeps one. The recording sets their first and last frames.
     fn map(&self) -> Vec<MappedObstacle> {
         Vec::new()
     }

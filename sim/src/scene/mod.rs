@@ -50,8 +50,8 @@ pub struct Scene {
     pub path: PathBuf,
     /// Its text, for the provenance of data sets and for the lines in error messages.
     pub text: String,
-    /// Its contents, which were checked when they were read. A change here is not checked again, and data sets go on to store
-    /// `text`: to change a scene, change its text and read that with [`Scene::parse`].
+    /// Its contents, which were checked when the file was read. Changes to them are not checked, and data sets store `text`, which
+    /// does not change with them. To change a scene, change its text and read it with [`Scene::parse`].
     pub file: SceneFile,
 }
 
