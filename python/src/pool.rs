@@ -1,6 +1,6 @@
 //! The threads that work is spread over, without the interpreter's lock.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use pyo3::prelude::*;
@@ -93,9 +93,16 @@ impl Helpers {
 /// # Errors
 /// Those of the work; `Fault::Input` if `jobs` is out of range.
 pub fn install<T: Send>(jobs: Option<usize>, work: impl FnOnce() -> Result<T, Failure> + Send) -> Result<T, Failure> {
+    let jobs = jobs.map(check).transpose()?;
+    if rayon::current_thread_index().is_some() {
+        // A thread of a pool that waits here would begin the next reach meanwhile, and run its controller inside this one's.
+        let own = build(jobs.unwrap_or_else(rayon::current_num_threads))?;
+        let joined = || std::thread::scope(|scope| scope.spawn(|| own.install(work)).join());
+        return guarded(|| joined().unwrap_or_else(|panic| resume_unwind(panic)));
+    }
     let pool = match jobs {
         None => POOL.get(0)?,
-        Some(jobs) => Arc::new(build(check(jobs)?)?),
+        Some(jobs) => Arc::new(build(jobs)?),
     };
     guarded(|| pool.install(work))
 }

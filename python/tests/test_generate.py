@@ -101,6 +101,29 @@ def test_an_interrupted_set_is_resumed(tmp_path: Path) -> None:
     assert len(ub.generate(scene, 6, out, seed=4, progress=False, resume=True)) == 6
 
 
+class Planner:
+    """A controller that steps simulations of its own, and counts how many controllers are at work on this thread."""
+
+    working = 0
+    most = 0
+
+    def __init__(self, arm: ub.Arm) -> None:
+        self.simulations = [ub.Simulation("trunk", seed) for seed in (0, 1)]
+
+    def __call__(self, input: ub.ControllerInput) -> np.ndarray:
+        Planner.working += 1
+        Planner.most = max(Planner.most, Planner.working)
+        ub.step_many(self.simulations, [input.equilibrium_angle_rad] * 2)
+        Planner.working -= 1
+        return input.equilibrium_angle_rad
+
+
+def test_no_controller_runs_inside_another(tmp_path: Path) -> None:
+    """Tests that a thread that waits for what its controller calls does not begin another reach meanwhile."""
+    ub.generate(quick("trunk"), 8, tmp_path / "set", controller=Planner, progress=False, jobs=1)
+    assert Planner.most == 1
+
+
 def test_a_failing_controller_leaves_the_set_sound(tmp_path: Path) -> None:
     """Tests that a controller that raises ends the run with its exception, and that the set can be finished once the
     controller is mended."""

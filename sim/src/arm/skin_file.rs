@@ -17,7 +17,8 @@ use super::{limits, skin_fit};
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SkinFile {
-    /// Stiffness of the skin's soft layer at small indentations: pressure per indentation, which is elastic modulus over thickness.
+    /// Stiffness of the skin's soft layer at small indentations: pressure per indentation, which is elastic modulus over thickness. More
+    /// than 3e8 changes nothing: no surface of a simulation is stiffer.
     #[schemars(transform = Within(limits::SKIN_N_PER_M3))]
     stiffness_n_per_m3: f64,
     /// Thickness of the soft layer; the pressure grows faster as the layer is pressed flat. Without it the pressure stays

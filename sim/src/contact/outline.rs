@@ -10,7 +10,7 @@
 //! surface, it is ∫ (−∂z/∂x, −∂z/∂y, 1) dA, and by Gauss's theorem the first two components follow from z on the outline
 //! alone. Where neither shape ends within the region, both surfaces have the same area vector, and it does not depend on
 //! the direction of the columns. Where one ends (the edge of a blade on a cylinder), the other's surface is the one that
-//! pushes back, so the surface of the larger shape counts.
+//! pushes back, so the surface of a round shape counts, or else that of the larger one.
 
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};

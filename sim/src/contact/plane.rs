@@ -7,6 +7,9 @@ use underbrush_recording::Pose;
 /// The share of the angle to the best direction by which strips turn in a step. Choice: ten steps turn them by two thirds.
 const TOWARDS_BEST: f64 = 0.1;
 
+/// The side of a cylinder is touched, and not a cap, if the cosine of the angle between normal and axis is below this. Choice.
+const ROUND_SIDE_COSINE: f64 = 0.5;
+
 /// The tangent plane of a contact.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
@@ -48,8 +51,21 @@ impl Pair<'_> {
         Plane { origin_world, normal_world, tangents_world: [first, second] }
     }
 
-    /// The shape with the larger box around it; the second one if both are equal.
-    pub fn larger(&self) -> usize {
+    /// The shape whose surface gives the normal. A round one beside one with edges: the surface of the other one may consist of
+    /// two faces there. Otherwise the one with the larger box around it; the second one if both are equal.
+    pub fn leading(&self, normal_world: DVec3) -> usize {
+        let is_round = |side: usize| match self.shapes[side].as_typed_shape() {
+            TypedShape::Ball(_) | TypedShape::Capsule(_) => true,
+            TypedShape::Cylinder(_) => {
+                self.poses_world[side].inverse_transform_vector(normal_world).y.abs() < ROUND_SIDE_COSINE
+            }
+            _ => false,
+        };
+        match [0, 1].map(is_round) {
+            [true, false] => return 0,
+            [false, true] => return 1,
+            _ => {}
+        }
         let [first, second] = self.shapes.map(|shape| shape.compute_local_aabb().extents().element_product());
         usize::from(first <= second)
     }

@@ -42,7 +42,7 @@ pub fn settle(
             (pair.plane_along(known.origin_world, known.normal_world, strip_world), outline)
         }
     };
-    let larger = pair.larger();
+    let leading = pair.leading(known.normal_world);
     // The last region, its plane, its normal and its center.
     let mut last: Option<(Region, Plane, DVec3, DVec2)> = None;
     for _ in 0..MAX_TRIALS {
@@ -56,7 +56,7 @@ pub fn settle(
             outline = outline.seen_from(place);
             continue;
         };
-        let found_world = region.normal_world(&plane, larger);
+        let found_world = region.normal_world(&plane, leading);
         let turn = found_world - plane.normal_world;
         // Anderson's method: the turn is taken to be linear between this trial and the one before, and the next normal is where
         // it vanishes.

@@ -70,6 +70,18 @@ impl Tree {
             self.swap_velocities();
             self.find_next();
         }
+        let Scratch { axes, velocities, next, .. } = &mut self.scratch;
+        for (index, link) in self.links.iter().enumerate().skip(1) {
+            velocities[index] = velocities[link.parent];
+            for at in link.coordinates.0..link.coordinates.1 {
+                velocities[index].add_scaled(&axes[at], next[at]);
+            }
+        }
+    }
+
+    /// The point that moments are about, m, world frame: the first link that moves.
+    pub(super) fn about(&self) -> DVec3 {
+        self.links.get(1).map_or(DVec3::ZERO, |link| link.pose_world.position)
     }
 
     /// Exchanges the velocities at the start of the step with u_θ.
@@ -112,9 +124,8 @@ impl Tree {
     /// The same with this share of the bias. Returns the largest angular speed of a link, rad/s.
     fn sum_forces_with(&mut self, share: f64, gravity_m_per_s2: f64) -> f64 {
         let mut fastest = 0.0_f64;
+        let about = self.about();
         let Scratch { axes, velocities, accelerations, forces, inertias, step_s, .. } = &mut self.scratch;
-        // Moments are about the first link that moves.
-        let about = self.links.get(1).map_or(DVec3::ZERO, |link| link.pose_world.position);
         axes.clear();
         velocities.clear();
         accelerations.clear();

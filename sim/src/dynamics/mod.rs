@@ -148,7 +148,7 @@ struct Scratch {
     ahead_s: f64,
     /// Motions of the links' coordinates per unit of velocity, in the order of the coordinates.
     axes: Vec<Spatial>,
-    /// Velocities and bias accelerations of the links.
+    /// Velocities of the links at the start of the step, and at u_θ once that is found; and bias accelerations.
     velocities: Vec<Spatial>,
     accelerations: Vec<Spatial>,
     /// Bias forces and inertias of the links, later of all that they carry.
@@ -183,6 +183,13 @@ impl Tree {
     /// The velocities u_θ of the step that was prepared, one for each coordinate.
     pub fn next(&self) -> &[f64] {
         &self.scratch.next
+    }
+
+    /// How far a ball around a point of a link may move in the step that was prepared, m, if nothing touches the tree.
+    pub fn way_m(&self, link: usize, center_world: DVec3, radius_m: f64) -> f64 {
+        let Spatial { angular, linear } = self.scratch.velocities[link];
+        let velocity = linear + angular.cross(center_world - self.about());
+        self.scratch.step_s * (velocity.length() + angular.length() * radius_m)
     }
 
     /// The generalized accelerations of the step that was prepared, rad/s² or m/s².

@@ -11,8 +11,8 @@ use crate::dynamics::Tree;
 use crate::object::TABLE_FRICTION;
 use crate::{PhysicsOptions, Surface};
 
-/// Half the sizes of the table, m. Choice: larger than any table, so that nothing falls off. A bottle that is tipped
-/// over and rolls away with the hand's speed, 0.2 m/s, covers 12 m in a minute.
+/// Half the sizes of the table, m. Choice: larger than any table, so that nothing falls off. Without rolling resistance, a bottle
+/// that rolls away with the hand's speed, 0.2 m/s, would cover 12 m in a minute.
 const TABLE_HALF_SIZES_M: Vector = Vector::new(20.0, 20.0, 0.05);
 
 /// Joint trees with their shapes, and the contacts between them.
@@ -76,11 +76,9 @@ impl Engine {
         for tree in self.scene.trees_mut() {
             let theta = tree.own_theta(step_s);
             tree.begin(step_s, theta);
-        }
-        self.scene.find_pairs();
-        for tree in self.scene.trees_mut() {
             tree.prepare(gravity_m_per_s2);
         }
+        self.scene.find_pairs();
         self.contact_step.step(&mut self.scene, &self.options);
         for tree in self.scene.trees_mut() {
             tree.advance();

@@ -11,6 +11,10 @@ use crate::contact::surface::Surface;
 /// larger value means fewer searches and more pairs.
 pub(super) const ROOM_M: f64 = 0.01;
 
+/// Shapes that are farther apart have no contact in a step, m, unless they move farther together. The hand moves 2.5 mm in a step
+/// of 5 ms at 0.5 m/s, the speed of the fastest preset.
+pub(super) const NEAR_M: f64 = 0.005;
+
 /// A link of a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct PlacedLink {
@@ -40,6 +44,9 @@ pub(super) struct Mount {
     pub(super) found_center: DVec3,
     pub(super) found_axes: DMat3,
     pub(super) found_extent: [DVec3; 2],
+    /// How far it may move in the step if nothing touches it, m, and how far when the pairs were found.
+    pub(super) way_m: f64,
+    pub(super) found_way_m: f64,
     /// Its pose when the step began, world frame, and the axes of that pose.
     pub(super) pose_world: WorldPose,
     pub(super) axes_world: DMat3,
@@ -48,6 +55,11 @@ pub(super) struct Mount {
 /// The gaps along the axes between two extents, m; negative where they overlap.
 pub(super) fn gaps_m([low, high]: &[DVec3; 2], [other_low, other_high]: &[DVec3; 2]) -> DVec3 {
     (*low - *other_high).max(*other_low - *high)
+}
+
+/// What a way in a step, m, adds to a shape's part of [`NEAR_M`].
+pub(super) fn excess_m(way_m: f64) -> f64 {
+    (way_m - 0.5 * NEAR_M).max(0.0)
 }
 
 impl Mount {
@@ -60,13 +72,20 @@ impl Mount {
         self.pose_world.position + self.axes_world * self.bounds.center
     }
 
-    /// Whether a point of the shape may have moved by more than `ROOM_M` since the pairs were found. The bound is the
-    /// displacement of the centre of its box plus those of the ends of the box's three half axes.
+    /// Whether a point of the shape may have moved by more than `ROOM_M` since the pairs were found, with what its way in the
+    /// step exceeds [`NEAR_M`] by. The bound is the displacement of the centre of its box plus those of the ends of the box's
+    /// three half axes.
     pub(super) fn has_left_its_room(&self) -> bool {
         let half = self.bounds.half_extents;
         let [x, y, z] =
             [0, 1, 2].map(|axis| self.axes_world.col(axis).distance(self.found_axes.col(axis)) * half[axis]);
-        self.center().distance(self.found_center) + x + y + z > ROOM_M
+        let moved_m = self.center().distance(self.found_center) + x + y + z;
+        moved_m + excess_m(self.way_m) > ROOM_M + excess_m(self.found_way_m)
+    }
+
+    /// Shapes that are farther apart than this in a step have no contact, m.
+    pub(super) fn near_m(&self, other: &Mount) -> f64 {
+        NEAR_M.max(self.way_m + other.way_m)
     }
 
     /// Whether both belong to one part of a tree, or one is a root in the part that carries it.

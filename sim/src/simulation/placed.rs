@@ -2,7 +2,7 @@
 //!
 //! The bodies are fixed or kinematic: [`crate::dynamics`] moves the trees. The scene finds the pairs of shapes that may
 //! come near each other as long as no shape moves farther than a certain distance, its room. As soon as one has moved
-//! farther, the pairs are found anew. So no pair is missed, however fast the shapes are.
+//! farther, or will do so in this step, the pairs are found anew. So no pair is missed, however fast the shapes are.
 
 use glam::{DMat3, DVec3};
 use rapier3d::prelude::*;
@@ -11,16 +11,12 @@ use underbrush_recording::Pose as WorldPose;
 
 use super::bounds::Bounds;
 pub(super) use super::mount::PlacedLink;
-use super::mount::{Mount, ROOM_M, gaps_m};
+use super::mount::{Mount, NEAR_M, ROOM_M, excess_m, gaps_m};
 use crate::contact::surface::Surface;
 use crate::dynamics::Tree;
 use crate::geometry::{from_parry, parry_pose};
 use crate::object::structure::CollisionGroup;
 use crate::physics::Theta;
-
-/// Shapes that are farther apart have no contact, m. The hand moves 2.5 mm in a step of 5 ms at 0.5 m/s, the speed of the
-/// fastest preset.
-pub(super) const NEAR_M: f64 = 0.005;
 
 /// Tells Rapier not to compute contacts. Only its broad phase is used.
 struct NoContacts;
@@ -138,6 +134,8 @@ impl Scene {
                 found_center: DVec3::ZERO,
                 found_axes: DMat3::IDENTITY,
                 found_extent: [DVec3::ZERO; 2],
+                way_m: 0.0,
+                found_way_m: 0.0,
                 pose_world: WorldPose::IDENTITY,
                 axes_world: DMat3::IDENTITY,
             };
@@ -283,12 +281,13 @@ impl Scene {
         *self.link_pose(mount.at) * mount.pose_link
     }
 
-    /// Moves the shapes with their links, and finds the pairs anew if a shape has left its room.
+    /// Moves the shapes with their links, and finds the pairs anew if a shape has left its room. The step must have been prepared.
     pub(super) fn find_pairs(&mut self) {
         let mut has_left = false;
         for mount in self.mounts.iter_mut().flatten().filter(|mount| mount.moves) {
             if let Some(placed) = &self.placed[mount.at.slot] {
                 mount.place(&placed.tree.links()[mount.at.link].pose_world);
+                mount.way_m = placed.tree.way_m(mount.at.link, mount.center(), mount.bounds.half_extents.length());
             }
             has_left |= mount.has_left_its_room();
         }
@@ -304,9 +303,12 @@ impl Scene {
                 self.bodies[*body].set_position(parry_pose(&placed.tree.links()[link].pose_world), false);
             }
         }
+        let mut most_m = 0.0_f64;
         for (handle, collider) in self.colliders.iter() {
             if let Some(mount) = &mut self.mounts[index(handle)] {
                 (mount.found_center, mount.found_axes) = (mount.center(), mount.axes_world);
+                mount.found_way_m = mount.way_m;
+                most_m = most_m.max(excess_m(mount.way_m));
                 mount.found_extent = extent(collider.shape(), mount);
             }
         }
@@ -318,7 +320,7 @@ impl Scene {
         }
         // The distance counts once for a pair.
         CollisionPipeline::new().step(
-            2.0 * ROOM_M + NEAR_M,
+            2.0 * (ROOM_M + most_m) + NEAR_M,
             &mut IslandManager::new(),
             broad_phase,
             narrow_phase,
@@ -340,11 +342,12 @@ impl Scene {
     /// left its room. The broad phase has compared their groups; its own boxes may be larger.
     fn may_meet(&self, pair: &[ColliderHandle; 2]) -> bool {
         let [first, second] = pair.map(|collider| self.mount(collider));
+        let within_m = 2.0 * ROOM_M + NEAR_M + excess_m(first.found_way_m) + excess_m(second.found_way_m);
         !first.belongs_to(second)
             && !first.stands_in(second)
             && !second.stands_in(first)
             && !self.passing.iter().any(|pair| is_pair(pair, [first.kind, second.kind]))
             && !self.passing_links.iter().any(|pair| is_pair(pair, [first.at, second.at]))
-            && gaps_m(&first.found_extent, &second.found_extent).max_element() <= 2.0 * ROOM_M + NEAR_M
+            && gaps_m(&first.found_extent, &second.found_extent).max_element() <= within_m
     }
 }

@@ -196,7 +196,8 @@ row! {
         patch: Option<Text>, "", "name of the patch; null for a part of the link without skin";
         object_index: i32, "", "the object, a row of `truth/objects`; −1 for the arm itself";
         body_index: i32, "", "the body of the object, or the other link, as in `truth/bodies`";
-        position_world: [f32; 3] = "position_world_{xyz}_m", "m", "centre of the force, world frame";
+        position_world: [f32; 3] = "position_world_{xyz}_m", "m", "centre of the force, on the link at the end of the frame, world \
+            frame";
         normal_world: [f32; 3] = "normal_world_{xyz}", "1", "direction of the normal forces on the link, world frame";
         force_world: [f32; 3] = "force_world_{xyz}_n", "N", "mean force on the link over the frame, world frame; \
             joint torques are Σ Jᵀ f";

@@ -14,7 +14,7 @@ use crate::contact::settle::{Known, settle};
 use crate::contact::solver::ROWS;
 use crate::dynamics::Tree;
 use crate::simulation::mount::Mount;
-use crate::simulation::placed::{NEAR_M, PlacedLink, Scene};
+use crate::simulation::placed::{PlacedLink, Scene};
 
 /// A patch before the solution.
 #[derive(Clone)]
@@ -42,6 +42,8 @@ pub(super) struct Meeting<'a> {
     links: [Option<PlacedLink>; 2],
     body_poses: [WorldPose; 2],
     pub(super) pair: Pair<'a>,
+    /// See [`Mount::near_m`].
+    near_m: f64,
     law: Law,
 }
 
@@ -58,6 +60,7 @@ impl<'a> Meeting<'a> {
                 shapes: handles.map(|handle| scene.shape(handle)),
                 poses_world: mounts.map(|mount| mount.pose_world),
             },
+            near_m: mounts[0].near_m(mounts[1]),
             law: Law { interface: mounts[0].surface.with(&mounts[1].surface), step_s, theta: scene.theta(&links) },
         }
     }
@@ -117,6 +120,7 @@ impl ContactStep {
     /// for its nearest points.
     pub(super) fn find(&self, meeting: &Meeting, nodes: &mut Vec<Node>, faces: &mut [Faces; 2]) -> Found {
         let body_pose = &meeting.body_poses[1];
+        let mut apart_before = None;
         let deepest_m = |nodes: &[Node]| nodes.iter().map(|node| node.overlap_m).fold(0.0, f64::max);
         let kept = self.kept(&key(&meeting.handles));
         if let Some(kept) = kept {
@@ -137,11 +141,14 @@ impl ContactStep {
                     return Found::Patch(candidate);
                 }
                 nodes.truncate(first_node);
+            } else {
+                apart_before = Some(normal_world);
             }
         }
-        let Some(nearest) = meeting.pair.nearest(NEAR_M) else { return Found::Nothing };
+        let Some(nearest) = meeting.pair.nearest(meeting.near_m) else { return Found::Nothing };
         let sibling = self.sibling(&meeting.bodies).map(|kept| body_pose.transform_vector(kept.normal));
-        let flipped = sibling.filter(|sibling| sibling.dot(nearest.normal_world) < FLIPPED_COSINE);
+        let mut known = apart_before.into_iter().chain(sibling);
+        let flipped = known.find(|known| known.dot(nearest.normal_world) < FLIPPED_COSINE);
         if flipped.is_none() && meeting.are_apart(nearest.normal_world) {
             return Found::Apart(nearest.normal_world);
         }
@@ -151,7 +158,10 @@ impl ContactStep {
         for normal_world in flipped.into_iter().chain([nearest.normal_world]) {
             let known = Known { origin_world, normal_world, region: None };
             if let Some(candidate) = meeting.candidate(&known, patch, nodes, faces) {
-                if flipped != Some(normal_world) || deepest_m(&nodes[first_node..]) < MAX_KEPT_OVERLAP_M {
+                if flipped != Some(normal_world)
+                    || flipped == apart_before
+                    || deepest_m(&nodes[first_node..]) < MAX_KEPT_OVERLAP_M
+                {
                     return Found::Patch(candidate);
                 }
                 nodes.truncate(first_node);

@@ -7,7 +7,7 @@ use glam::DVec3;
 use rapier3d::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::placed::{NEAR_M, PlacedLink, Scene};
+use super::placed::{PlacedLink, Scene};
 use crate::contact::chord::Faces;
 use crate::contact::outline::Outline;
 use crate::contact::patch::Node;
@@ -140,7 +140,7 @@ impl ContactStep {
         self.missed_overlap_m = 0.0;
         for colliders in &scene.pairs {
             let mounts = colliders.map(|collider| scene.mount(collider));
-            if mounts[0].distance_at_least_m(mounts[1]) > NEAR_M {
+            if mounts[0].distance_at_least_m(mounts[1]) > mounts[0].near_m(mounts[1]) {
                 continue;
             }
             let meeting = Meeting::new(scene, *colliders, mounts, step_s);
