@@ -37,8 +37,10 @@ impl PythonEstimator {
 impl Estimator for PythonEstimator {
     fn fit(&self, trials: &[&Trial]) -> Result<Box<dyn Classifier>, ModelError> {
         Python::attach(|py| {
-            let fitted = self.object.bind(py).call_method1("fit_trials", (cloned(trials),)).map_err(Failure::from);
-            let classifier = fitted.and_then(|fitted| PythonClassifier::of(&fitted, &self.raised));
+            // Folds are fitted at the same time, and many classifiers return themselves from `fit_trials`.
+            let copy = py.import("copy").and_then(|module| module.call_method1("deepcopy", (&self.object,)));
+            let fitted = copy.and_then(|copy| copy.call_method1("fit_trials", (cloned(trials),)));
+            let classifier = fitted.map_err(Failure::from).and_then(|own| PythonClassifier::of(&own, &self.raised));
             Ok(Box::new(classifier.map_err(|failure| kept(&self.raised, failure))?) as Box<dyn Classifier>)
         })
     }
@@ -72,13 +74,16 @@ impl PythonClassifier {
     /// # Errors
     /// `Fault::Input` if the object has no categories, or if they are not in alphabetical order.
     pub fn of(object: &Bound<'_, PyAny>, raised: &Arc<Stop>) -> Result<Self, Failure> {
-        let categories: Option<Vec<String>> = object.getattr("categories").ok().and_then(|own| own.extract().ok());
-        let categories =
-            categories.filter(|own| !own.is_empty() && own.is_sorted_by(|a, b| a < b)).ok_or_else(|| {
-                let found = format!("an object of type {} without them", object.get_type());
-                let allowed = "a list of different names in alphabetical order";
-                Failure::argument("categories", found, allowed, "give the fitted classifier such an attribute")
-            })?;
+        let given: Option<Vec<String>> = object.getattr("categories").ok().and_then(|own| own.extract().ok());
+        let found = match given {
+            Some(own) if !own.is_empty() && own.is_sorted_by(|a, b| a < b) => Ok(own),
+            Some(own) => Err(format!("{own:?}")),
+            None => Err(format!("an object of type {} without them", object.get_type())),
+        };
+        let categories = found.map_err(|found| {
+            let allowed = "a list of different names in alphabetical order, which is also the order of the scores";
+            Failure::argument("categories", found, allowed, "give the fitted classifier such an attribute")
+        })?;
         let features = crate::arguments::features(object.getattr("features").ok().as_ref())?;
         Ok(PythonClassifier {
             object: Arc::new(object.clone().unbind()),
@@ -96,9 +101,14 @@ fn scores(object: &Py<PyAny>, trials: Trials, categories: usize) -> Result<Vec<V
         let answer = object.bind(py).call_method1("scores", (trials,))?;
         let shape = [Some(count), Some(categories)];
         let numbers = array::numbers(&answer, "the answer of scores", &shape)?;
-        if numbers.iter().any(|number| number.is_nan()) {
+        if let Some(found) = numbers.iter().find(|number| number.is_nan() || **number == f64::INFINITY) {
             let allowed = "numbers; minus infinity for the impossible";
-            return Err(Failure::argument("the answer of scores", "NaN", allowed, "correct the classifier"));
+            return Err(Failure::argument(
+                "the answer of scores",
+                found.to_string(),
+                allowed,
+                "correct the classifier",
+            ));
         }
         Ok(numbers.chunks_exact(categories).map(<[f64]>::to_vec).collect())
     })

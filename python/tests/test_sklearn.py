@@ -112,6 +112,28 @@ def test_scikit_learn_takes_part_in_evaluate(trials: ub.Trials) -> None:
     assert ub.evaluate(trials, ours.FixedWindow(LinearSVC()), train=trials)["accuracy"] > 0.5
 
 
+def test_folds_do_not_share_a_classifier(trials: ub.Trials) -> None:
+    """Tests that an estimator, which returns itself when it is fitted, has the figures of its options in every run, and stays as
+    it was."""
+    own = ours.LogisticClassifier()
+    expected = ub.evaluate(trials, ub.Options("logistic", features="force"), decision="argmax")["accuracy"]
+    assert {ub.evaluate(trials, own, decision="argmax")["accuracy"] for _ in range(8)} == {expected}
+    assert not hasattr(own, "model_")
+
+
+def test_categories_out_of_order_are_named(trials: ub.Trials) -> None:
+    """Tests that the error about categories in the wrong order shows them."""
+
+    class Unsorted:
+        categories = ["trunk", "leaf"]
+
+        def scores(self, given: ub.Trials) -> np.ndarray:
+            return np.zeros((len(given), 2))
+
+    with pytest.raises(ub.InputError, match=r'found \["trunk", "leaf"\]'):
+        ub.evaluate(trials, Unsorted())
+
+
 def test_a_python_classifier_that_raises_is_heard(trials: ub.Trials) -> None:
     """Tests that an exception of a Python classifier reaches the caller, whether it is raised in fitting or in scoring,
     and that bad scores are refused."""
@@ -128,8 +150,8 @@ def test_a_python_classifier_that_raises_is_heard(trials: ub.Trials) -> None:
             return self
 
         def scores(self, given: ub.Trials) -> np.ndarray:
-            if self.where == "nan":
-                return np.full((len(given), 2), np.nan)
+            if self.where in ("nan", "inf"):
+                return np.full((len(given), 2), float(self.where))
             if self.where == "shape":
                 return np.zeros((len(given), 3))
             raise LookupError("in scoring")
@@ -138,6 +160,7 @@ def test_a_python_classifier_that_raises_is_heard(trials: ub.Trials) -> None:
         ("fit", LookupError, "in fitting"),
         ("score", LookupError, "in scoring"),
         ("nan", ub.InputError, "NaN"),
+        ("inf", ub.InputError, "found inf"),
         ("shape", ub.InputError, "shape"),
     ):
         with pytest.raises(kind, match=text):
