@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
-use underbrush_recording::Fault;
+use underbrush_recording::{Fault, ObjectRecord};
 
 use crate::{Answer, Failure};
 
@@ -13,6 +13,16 @@ use crate::{Answer, Failure};
 pub fn to_python<'py>(py: Python<'py>, result: &impl Serialize) -> Answer<'py> {
     // By way of a value, which widens numbers of single precision exactly; as text they would be rounded.
     Ok(py.import("json")?.call_method1("loads", (value(result)?.to_string(),))?)
+}
+
+/// Objects of the clutter as Python objects, each with the name of its category. Files also hold the codes of further categories.
+pub fn objects<'py>(py: Python<'py>, objects: &[ObjectRecord]) -> Answer<'py> {
+    let named = |object: &ObjectRecord| {
+        let mut own = value(object)?;
+        own["category"] = object.category.name().into();
+        Ok(own)
+    };
+    to_python(py, &objects.iter().map(named).collect::<Result<Vec<_>, Failure>>()?)
 }
 
 /// A result as JSON, which can be sent to another thread.

@@ -276,7 +276,7 @@ impl Reach {
     /// Ground truth: the objects of the clutter.
     #[getter]
     fn objects<'py>(&self, py: Python<'py>) -> Answer<'py> {
-        json::to_python(py, &self.recording()?.objects)
+        json::objects(py, &self.recording()?.objects)
     }
 
     /// Ground truth: the contacts.

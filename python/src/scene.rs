@@ -146,10 +146,9 @@ impl PyScene {
     #[pyo3(signature = (seed = 0, index = 0))]
     fn clutter<'py>(&self, py: Python<'py>, seed: u64, index: u64) -> Result<Bound<'py, PyDict>, Failure> {
         let clutter = guarded(|| Ok(ReachPlan::new(self.scene.clone(), None, seed)?.draw(index)?))?;
-        let objects = clutter.records();
         let goals = clutter.goals.iter().flat_map(|goal| goal.to_array()).collect();
         let found = PyDict::new(py);
-        found.set_item("objects", json::to_python(py, &objects)?)?;
+        found.set_item("objects", json::objects(py, &clutter.records())?)?;
         found.set_item("goals", array::lend_rows(py, goals, 3)?)?;
         Ok(found)
     }

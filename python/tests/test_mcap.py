@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import quick
 
 import underbrush as ub
 import underbrush.mcap
@@ -112,6 +113,16 @@ def test_poses_shapes_and_goals_come_back(reach: ub.Reach, path: Path) -> None:
     column = reach.column("goal_position")
     changes = [frame for frame in range(len(reach)) if frame == 0 or any(column[frame] != column[frame - 1])]
     assert [[*goal.values()] for goal in goals] == column[changes].tolist()
+
+
+def test_categories_of_scenes_have_names(tmp_path: Path) -> None:
+    """Tests that an object of a category that is not built in has its name, in Python and in the file."""
+    reach = ub.reach(quick("bottle"), 1)
+    assert "bottle" in {found["category"] for found in reach.objects}
+    assert "bottle" in {found["category"] for found in quick("bottle").clutter()["objects"]}
+    underbrush.mcap.export(reach, tmp_path / "bottle.mcap")
+    [(_, scene)] = messages(tmp_path / "bottle.mcap", "/scene")
+    assert [{"key": "category", "value": "bottle"}] in [entity["metadata"] for entity in scene["entities"]]
 
 
 def test_shapes_are_those_of_foxglove() -> None:

@@ -95,6 +95,12 @@ def test_every_shape_has_a_frame(decoded: dict[str, list[tuple[int, Any]]], reac
         assert np.allclose([found.x, found.y, found.z], expected, atol=1e-12)
 
 
+def test_a_category_of_a_scene_is_exported(tmp_path: Path) -> None:
+    """Tests that a scene with a category that is not built in becomes a bag."""
+    underbrush.ros2.export(ub.reach(quick("bottle"), 1), tmp_path / "bag")
+    assert (tmp_path / "bag" / "metadata.yaml").exists()
+
+
 def test_nothing_else_is_overwritten(reach: ub.Reach, tmp_path: Path) -> None:
     """Tests that a bag is replaced only with ``force``, and that a folder which is no bag is never removed."""
     underbrush.ros2.export(reach, tmp_path / "bag")

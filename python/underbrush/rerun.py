@@ -75,7 +75,7 @@ def log(reach: _core.Reach, *, recording: rr.RecordingStream | None = None, enti
         else:
             number = body["owner"]["object"]
             place = f"{entity}/objects/{number:02}-{objects[number]['kind']}"
-            color = _OBJECTS.get(str(objects[number]["category"]), _OTHER_OBJECT)
+            color = _OBJECTS.get(objects[number]["category"], _OTHER_OBJECT)
         # A link or an object may have several bodies.
         counts[place] = counts.get(place, 0) + 1
         _log_body(f"{place}/{counts[place]}", body, color, reach.time_s, recording)
