@@ -319,7 +319,10 @@ impl Reach {
     fn trials(&self, py: Python<'_>, options: Option<&Bound<'_, PyDict>>) -> Result<Trials, Failure> {
         let options = cutting(options)?;
         let cut = || Ok(contact_trials::of_recording(&*self.recording()?, &options, 0)?);
-        let list = alone(py, cut)?;
+        let mut list = alone(py, cut)?;
+        if let Source::Dataset(_, index) = self.source {
+            list.iter_mut().for_each(|trial| trial.reach = Some(index as u64));
+        }
         Ok(Trials::new(list).cut_from(Reach::sources([self])))
     }
 

@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyBytes, PyCapsule, PySlice};
 use underbrush_classifier::{DataSource, FeatureSet};
 use underbrush_experiments::model_data;
-use underbrush_recording::disk::{channel_names, check_free, read_trials, trial_table, write_trials_with};
-use underbrush_recording::{Sample, Trial};
+use underbrush_recording::disk::{DiskError, channel_names, check_free, read_trials, trial_table, write_trials_with};
+use underbrush_recording::{Fault, Sample, Trial};
 
 use crate::arguments::features;
 use crate::sequences::{checked, of_sequences};
@@ -37,6 +38,13 @@ impl Trials {
     /// References to all trials.
     pub fn all(&self) -> Vec<&Trial> {
         self.list.iter().collect()
+    }
+
+    /// The hashes of the data that the trials are from. Reaches of one data set have different numbers.
+    fn data(&self) -> Vec<&str> {
+        let mut hashes: Vec<&str> = self.sources.iter().map(|source| &*source.blake3).collect();
+        hashes.dedup();
+        hashes
     }
 
     fn some(&self, places: impl Iterator<Item = usize>) -> Self {
@@ -95,7 +103,17 @@ impl Trials {
         }
         let list = alone(py, || Ok(read_trials(&path)?));
         folder.call_method0("cleanup")?;
-        let mut list = list?;
+        let mut list = list.map_err(|failure| match failure {
+            Failure::Fault(Fault::Input(mut error)) => {
+                // The first line is the header.
+                if let Some(row) = error.line.take().and_then(|line| line.checked_sub(2)) {
+                    error.field = format!("row {row}, {}", error.field);
+                }
+                error.file = "the data frame".into();
+                Failure::Fault(Fault::Input(error))
+            }
+            other => other,
+        })?;
         list.retain(|trial| trial.samples.len() >= min_samples);
         Ok(Trials::new(list))
     }
@@ -105,7 +123,13 @@ impl Trials {
     fn save(&self, py: Python<'_>, path: PathBuf, force: bool) -> Result<(), Failure> {
         alone(py, || {
             check_free(&path, force)?;
-            Ok(write_trials_with(&path, &channel_names(&self.list), self.list.iter().cloned())?)
+            let written = write_trials_with(&path, &channel_names(&self.list), self.list.iter().cloned());
+            written.map_err(|error| match error {
+                DiskError::Unwritable { field, found, allowed, .. } => {
+                    Failure::argument(field, found, allowed, "correct the trials")
+                }
+                other => other.into(),
+            })
         })
     }
 
@@ -152,12 +176,24 @@ impl Trials {
         Ok(Bound::new(py, self.some(places?.into_iter()))?.into_any())
     }
 
+    /// Both, with new numbers. Unless they are from the same data, the numbers of the other's reaches follow those of its own.
     fn __add__(&self, other: &Trials) -> Self {
-        let all = self.list.iter().chain(other.list.iter()).cloned().zip(0..);
-        let list = all.map(|(trial, number)| Trial { trial: number, ..trial }).collect();
+        let last = self.list.iter().filter_map(|trial| trial.reach).max();
+        let first = if self.data() == other.data() { 0 } else { last.map_or(0, |last| last.saturating_add(1)) };
+        let others = other.list.iter().map(|trial| (trial, trial.reach.map(|reach| reach.saturating_add(first))));
+        let all = self.list.iter().map(|trial| (trial, trial.reach)).chain(others).zip(0..);
+        let list = all.map(|((trial, reach), number)| Trial { trial: number, reach, ..trial.clone() }).collect();
         let mut sources = self.sources.clone();
         sources.extend(other.sources.iter().filter(|own| !self.sources.contains(own)).cloned());
         Trials::new(list).cut_from(sources)
+    }
+
+    /// For `sum`, which begins with 0.
+    fn __radd__(&self, start: u64) -> PyResult<Self> {
+        match start {
+            0 => Ok(self.some(0..self.list.len())),
+            _ => Err(PyTypeError::new_err(format!("unsupported operand type(s) for +: {start} and Trials"))),
+        }
     }
 
     /// Category of each trial; None where it is unknown.
@@ -184,7 +220,7 @@ impl Trials {
         Failure::unless_one_each("categories", categories.len(), self.list.len(), "trial")?;
         let pairs = self.list.iter().zip(categories);
         let renamed = |(trial, category): (&Trial, _)| Ok(Trial { category: checked(category)?, ..trial.clone() });
-        Ok(Trials::new(pairs.map(renamed).collect::<Result<_, Failure>>()?))
+        Ok(Trials::new(pairs.map(renamed).collect::<Result<_, Failure>>()?).cut_from(self.sources.clone()))
     }
 
     /// The features of each trial: a list of arrays (samples, features), read only.
@@ -258,12 +294,13 @@ impl Trials {
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,)), Failure> {
-        let (call, (text,)) = json::pickled::<Trials>(py, &*self.list)?;
+        let (call, (text,)) = json::pickled::<Trials>(py, &(&*self.list, &self.sources))?;
         Ok((call, (PyBytes::new(py, text.as_bytes()),)))
     }
 
     #[staticmethod]
     fn _from_json(bytes: &[u8]) -> Result<Self, Failure> {
-        Ok(Trials::new(json::unpickled(bytes)?))
+        let (list, sources) = json::unpickled(bytes)?;
+        Ok(Trials::new(list).cut_from(sources))
     }
 }

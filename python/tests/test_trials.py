@@ -48,6 +48,22 @@ def test_trials_are_a_sequence(trials: ub.Trials) -> None:
         trials.padded(samples=2**61)
 
 
+def test_joined_trials_keep_their_reaches_apart(data: ub.Dataset, tmp_path: Path) -> None:
+    """Tests that joined trials of the reaches of a set have the numbers of the set, that those of other data get numbers of their
+    own, also after pickling and other categories, and that numbers that occur twice are refused when trials are saved."""
+    whole = data.trials()
+    joined = sum(reach.trials() for reach in data)
+    assert joined.reaches == whole.reaches and joined.categories == whole.categories
+    one, other = sorted(set(whole.reaches))[:2]
+    data[one].save(tmp_path / "reach.parquet")
+    loaded = ub.Reach.load(tmp_path / "reach.parquet").trials()
+    copied = pickle.loads(pickle.dumps(loaded)).with_categories(loaded.categories)
+    for more, count in ((loaded, 1), (copied, 1), (data[other].trials(), 2), (data[one].trials(), 2)):
+        assert len(set((loaded + more).reaches)) == count
+    with pytest.raises(ub.InputError, match="number of an earlier trial"):
+        whole[[0, 0]].save(tmp_path / "twice.csv")
+
+
 def _fitted(text: str) -> dict[str, Any]:
     """A model file without its seal and what it says of its data and of how trials were cut: here they come from a set,
     there from a table."""
@@ -59,8 +75,8 @@ def _fitted(text: str) -> dict[str, Any]:
 
 
 def test_trials_come_from_data_frames(trials: ub.Trials) -> None:
-    """Tests that trials survive the way through pandas and Polars, that short ones can be left out, and that other objects
-    and missing columns are refused."""
+    """Tests that trials survive the way through pandas and Polars, that short ones can be left out, and that other objects,
+    missing columns and bad numbers are refused."""
     assert ub.Trials.from_dataframe(trials.to_pandas()) == trials
     assert ub.Trials.from_dataframe(trials.to_polars()) == trials
     assert len(ub.Trials.from_dataframe(trials.to_pandas(), 20)) == sum(trials.lengths >= 20)
@@ -68,6 +84,10 @@ def test_trials_come_from_data_frames(trials: ub.Trials) -> None:
         ub.Trials.from_dataframe([[1.0]])
     with pytest.raises(ub.InputError, match="force_n"):
         ub.Trials.from_dataframe(trials.to_pandas().drop(columns="force_n"))
+    frame = trials.to_pandas()
+    frame.loc[3, "force_n"] = -5.0
+    with pytest.raises(ub.InputError, match="^the data frame: row 3, .*force_n"):
+        ub.Trials.from_dataframe(frame)
 
 
 def test_any_column_is_a_feature(trials: ub.Trials, tmp_path: Path) -> None:
