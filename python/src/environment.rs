@@ -90,7 +90,7 @@ impl PyEnvironments {
         let kind = controller.map(ControllerKind::from_name).transpose()?;
         let plan = ReachPlan::new(self::scene(scene)?, kind, seed)?;
         if !(1..=4096).contains(&count) {
-            return Err(Failure::argument("num_envs", count.to_string(), "1 to 4096", "use fewer"));
+            return Err(Failure::argument("num_envs", count.to_string(), "1 to 4096", "change it"));
         }
         let environments = Environments::new(&plan, &options, count)?;
         Ok(PyEnvironments {

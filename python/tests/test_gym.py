@@ -99,6 +99,16 @@ def test_episodes_follow_the_seed() -> None:
         env.unwrapped.step(still)
 
 
+def test_first_resets_without_a_seed_differ() -> None:
+    """Tests that a first reset without a seed draws one, which the environment tells, and that later ones continue."""
+    for make in (ub_gym.ReachEnv, lambda scene: ub_gym.ReachVectorEnv(2, scene)):
+        one, other = make(SCENE), make(SCENE)
+        first = one.reset()[0]
+        assert not same(first, other.reset()[0])
+        assert same(first, other.reset(seed=one.np_random_seed)[0])
+        assert same(one.reset()[0], other.reset()[0])
+
+
 def test_the_waypoint_controller_reaches_goals() -> None:
     """Tests that waypoints towards the goal bring the hand there: the episode ends as `reached`, with the reward for
     it."""
@@ -136,12 +146,15 @@ def test_bad_use_is_refused() -> None:
         ({"reward": {"speed": 1.0}}, "progress_per_m"),
         ({"frames_per_step": 0}, "frames_per_step"),
         ({"controller": "none"}, "cody-2013"),
+        ({"width": 10}, "64 to 1280 pixels"),
         ({"largest_waypoint_m": 0.2}, 'largest_waypoint_m: found given with action="equilibrium"'),
         ({"action": "waypoint", "largest_change_rad": 0.1}, 'largest_change_rad: found given with action="waypoint"'),
     ):
         with pytest.raises(ub.InputError, match=text):
             gymnasium.make("underbrush/Reach-v0", scene=SCENE, **options)
     many = gymnasium.make_vec("underbrush/Reach-v0", num_envs=2, scene=SCENE)
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        many.step(np.zeros((2, 7), np.float32))
     many.reset(seed=0)
     with pytest.raises(ub.InputError, match=r"shape \(3, 7\)"):
         many.step(np.zeros((3, 7), np.float32))
@@ -149,7 +162,7 @@ def test_bad_use_is_refused() -> None:
         many.step(np.full((2, 7), np.nan, np.float32))
     with pytest.raises(ub.InputError, match="seeds"):
         many.reset(seed=[1])
-    with pytest.raises(ub.InputError, match="4096"):
+    with pytest.raises(ub.InputError, match="1 to 4096; remedy: change it"):
         gymnasium.make_vec("underbrush/Reach-v0", num_envs=0, scene=SCENE)
 
 

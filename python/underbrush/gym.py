@@ -7,9 +7,9 @@ reached or a force exceeds the controller's stop force, and it is truncated when
 ``time_limit_s``.
 
 The reward of a step is ``progress_per_m`` times the distance, m, by which the hand came closer to the goal, minus
-``force_per_n_s`` times the largest force that a taxel senses above ``free_force_n``, N, times the duration of the step,
-s, minus ``time_per_s`` times this duration. ``reached`` is added for each goal reached, and ``aborted`` is subtracted
-if the stop force is exceeded.
+``force_per_n_s`` times the sum over its frames of the largest force that a taxel senses above ``free_force_n``, N, times the
+duration of a frame, 0.01 s, minus ``time_per_s`` times the duration of the step, s. ``reached`` is added for each goal
+reached, and ``aborted`` is subtracted if the stop force is exceeded.
 
 ``render_mode="rgb_array"`` gives pictures, also for ``gymnasium.wrappers.RecordVideo``.
 """
@@ -27,6 +27,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from . import _core
+from ._errors import refused
 from ._types import SceneLike
 
 Observation = dict[str, NDArray[np.float32]]
@@ -105,17 +106,19 @@ class ReachEnv(gymnasium.Env[Any, NDArray[np.float32]]):
     ) -> None:
         self.render_mode = _render_mode(render_mode)
         self.metadata = _metadata(self.metadata, options)
-        self._picture = (width, height, camera)
+        self._picture = _picture(width, height, camera)
         self._environments = _core.Environments(scene, 1, **options)
         self._parts = _Parts(self._environments)
         self.observation_space, self.action_space = _spaces(self._environments)
-        self._ended = True
+        self._begun, self._ended = False, True
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
-        """Begin an episode: reach 0 of the seed if one is given, otherwise the next reach."""
+        """Begin an episode: reach 0 of the seed if one is given, otherwise the next reach. The first reset without a seed draws one."""
+        if seed is None and not self._begun:
+            seed = _drawn(self.np_random)
         super().reset(seed=seed)
         rows, found = self._environments.reset([seed])
-        self._ended = False
+        self._begun, self._ended = True, False
         return self._parts.first(rows), _info(found)
 
     def step(
@@ -145,6 +148,17 @@ def _render_mode(mode: str | None) -> str | None:
     if mode not in (None, "rgb_array"):
         raise ValueError(f'render_mode is {mode!r}; allowed: None and "rgb_array"')
     return mode
+
+
+def _picture(width: int, height: int, camera: _core.Camera | None) -> tuple[int, int, _core.Camera | None]:
+    if not (64 <= width <= 1280 and 64 <= height <= 1280):
+        raise refused("width and height", f"{width} x {height} pixels", "64 to 1280 pixels each", "choose such a size")
+    return width, height, camera
+
+
+def _drawn(generator: np.random.Generator) -> int:
+    """A seed."""
+    return int(generator.integers(2**32))
 
 
 def _metadata(metadata: dict[str, Any], options: dict[str, Any]) -> dict[str, Any]:
@@ -194,7 +208,8 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Any, NDArray[np.float32], NDArra
     ) -> None:
         self.render_mode = _render_mode(render_mode)
         self.metadata = _metadata(self.metadata, options)
-        self._picture = (width, height, camera)
+        self._picture = _picture(width, height, camera)
+        self._begun = False
         self.num_envs = num_envs
         self._environments = _core.Environments(scene, num_envs, **options)
         self._parts = _Parts(self._environments)
@@ -205,7 +220,10 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Any, NDArray[np.float32], NDArra
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
-        """Begin an episode in every environment, or in those that ``options["reset_mask"]`` selects."""
+        """Begin an episode in every environment, or in those that ``options["reset_mask"]`` selects. The first reset without a
+        seed draws one."""
+        if seed is None and not self._begun:
+            seed = _drawn(self.np_random)
         if seed is None or isinstance(seed, int):
             seeds = [None if seed is None else seed + index for index in range(self.num_envs)]
         else:
@@ -214,12 +232,15 @@ class ReachVectorEnv(gymnasium.vector.VectorEnv[Any, NDArray[np.float32], NDArra
         mask = (options or {}).get("reset_mask")
         chosen = np.ones(self.num_envs, bool) if mask is None else np.asarray(mask, bool)
         rows, found = self._environments.reset(seeds, None if mask is None else chosen.tolist())
+        self._begun = True
         return self._parts.split(rows), self._info(found, chosen)
 
     def step(
         self, actions: NDArray[np.float32]
     ) -> tuple[Observation, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """Take a step with every environment."""
+        if not self._begun:
+            raise gymnasium.error.ResetNeeded("no episode has begun; call reset()")
         rows, found = self._environments.step(actions)
         known = np.ones(self.num_envs, bool)
         return self._parts.split(rows), found["reward"], found["terminated"], found["truncated"], self._info(found, known)
