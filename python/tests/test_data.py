@@ -75,8 +75,7 @@ def test_ground_truth_is_apart(data: ub.Dataset) -> None:
         true = reach.true_normal_force_n("forearm", "float64")
         table = data.table("truth/taxels", reach=number).to_polars()
         expected = np.zeros_like(true)
-        # A table without rows has no columns.
-        patch = table.filter(polars.col("patch") == "forearm") if table.height > 0 else table
+        patch = table.filter(polars.col("patch") == "forearm")
         if patch.height > 0:
             expected[patch["frame_index"].to_numpy(), patch["taxel"].to_numpy()] = patch["normal_force_n"].to_numpy()
         assert np.array_equal(true, expected)
@@ -112,6 +111,17 @@ def test_tables_reach_other_libraries(data: ub.Dataset, trials: ub.Trials) -> No
     assert samples.height == int(trials.lengths.sum())
     assert isinstance(trials.to_pandas(), pandas.DataFrame)
     assert np.array_equal(samples["force_n"].to_numpy(), np.concatenate([trial.force_n for trial in trials]))
+
+
+def test_empty_tables_have_columns(data: ub.Dataset, tmp_path: Path) -> None:
+    """Tests that tables of a set whose reach touches nothing have the columns of those with rows."""
+    free = ub.Scene.parse('summary = "Free space"\ngoals = { count = 1, x_m = 0.6, y_m = 0.0, z_m = -0.2 }\n', "free.toml")
+    untouched = ub.generate(free, 1, tmp_path / "free", progress=False)
+    for name in ("truth/taxels", "truth/patches", "truth/contacts", "truth/contact_points", "truth/objects"):
+        table, other = untouched.table(name), data.table(name)
+        assert len(table) == 0 < len(other) and table.to_polars().schema == other.to_polars().schema
+    assert "radius_m" in untouched.table("controller/map").to_polars().columns
+    assert untouched.table("truth/taxels", reach=0).column("normal_force_n").shape == (0,)
 
 
 def test_a_data_set_is_a_sequence(data: ub.Dataset) -> None:

@@ -52,7 +52,7 @@ pub(crate) fn covers(described: &Described, name: &str) -> bool {
 
 /// A table with its columns in Markdown.
 fn describe(table: &Table) -> String {
-    let Table { name, path, row, columns } = table;
+    let Table { name, path, row, columns, .. } = table;
     let mut text =
         format!("\n## {name} (`{path}`)\n\nOne row is {row}.\n\n| column | type | unit | what |\n|---|---|---|---|\n");
     for column in columns() {

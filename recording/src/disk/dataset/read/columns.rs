@@ -3,6 +3,7 @@
 use crate::disk::dataset::names;
 use crate::disk::dataset::read::reader::Dataset;
 use crate::disk::table::{Batch, Type, Want};
+use crate::disk::tables::description::about;
 use crate::disk::tables::dictionary::{FRAMES, TABLES, TAXELS, Table};
 use crate::{DiskError, InputError};
 
@@ -83,7 +84,8 @@ impl Dataset {
         of_reaches.map(|table| table.path).collect()
     }
 
-    /// A reach's rows in a table, named by its folder, such as `truth/taxels`, batch by batch.
+    /// A reach's rows in a table, named by its folder, such as `truth/taxels`, batch by batch. Without rows it is one empty batch,
+    /// which has the columns.
     ///
     /// # Errors
     /// As [`Dataset::read_columns`].
@@ -93,7 +95,13 @@ impl Dataset {
         let Some(table) = table else {
             return Err(InputError::new(self.dir(), "table", folder, known.join(", "), "choose one of them").into());
         };
-        self.read_rows(index, table, None)
+        let batches = self.read_rows(index, table, None)?;
+        if !batches.is_empty() {
+            return Ok(batches);
+        }
+        let columns = (table.empty)();
+        let about = about(&[table], &columns, &self.plan().categories);
+        Ok(vec![Batch::in_memory(table.path, columns, about)])
     }
 
     fn read_rows(&self, index: usize, table: &Table, columns: Option<&[&str]>) -> Result<Vec<Batch>, DiskError> {
