@@ -94,6 +94,24 @@ def test_missing_samples_are_left_out() -> None:
         own.fit(rows, y)
 
 
+def test_arrays_in_a_list_are_trials() -> None:
+    """Tests that arrays in a list, a tuple or an array are trials, also if they are equally long or there is one, and that NaN is
+    left out."""
+    rng = np.random.default_rng(3)
+    rows = rng.normal(1.0, 0.3, (20, 6)) + np.repeat([0.0, 2.0], 10)[:, np.newaxis]
+    own = ours.LogisticClassifier().fit(rows, np.repeat(["a", "b"], 10))
+    first, second = rows[0, :4], rows[1, :5]
+    expected = own.predict_proba([first, second])[0]
+    array = np.empty(2, object)
+    array[:] = [first, second]
+    gap = np.insert(first, 2, np.nan)
+    for given in ([first], [first, second[:4]], (first, second), array, [gap, second], [gap, second[:4]]):
+        assert np.array_equal(own.predict_proba(given)[0], expected)
+    y = ["a", "b"]
+    with_gap, without = (ours.LogisticClassifier().fit_sequences([own, second], y) for own in (gap, first))
+    assert np.array_equal(with_gap.predict_proba([first]), without.predict_proba([first]))
+
+
 def test_scikit_learn_takes_part_in_evaluate(trials: ub.Trials) -> None:
     """Tests that a scikit-learn classifier in `evaluate` gives the verdicts that it gives by itself on the same
     folds."""

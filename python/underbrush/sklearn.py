@@ -8,7 +8,7 @@ of the command line, bit for bit.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -43,13 +43,25 @@ def _inside(label: Any) -> str:
     return _MARK + name if name in ("block", "outlier", "uncertain") or name.startswith(_MARK) or not name else name
 
 
-def _sequences(rows: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-    """The rows without their missing samples."""
-    found = [row[~np.isnan(row)] for row in rows]
-    for number, row in enumerate(found):
-        if len(row) == 0:
-            raise ValueError(f"row {number} of X has NaN only; a trial has at least one sample")
+def _sequences(trials: Iterable[ArrayLike]) -> list[NDArray[np.float64]]:
+    """The trials without their missing samples: in a sample of several features NaN is one of them."""
+    found = []
+    for number, trial in enumerate(trials):
+        samples = np.asarray(trial, np.float64)
+        kept = ~np.isnan(samples).any(axis=tuple(range(1, samples.ndim)))
+        if not kept.any():
+            raise ValueError(f"row {number} of X has no samples, or NaN only; a trial has at least one sample")
+        found.append(samples[kept] if samples.ndim > 0 else samples)
     return found
+
+
+def _are_sequences(X: Any) -> bool:
+    """Whether these are trials of lengths of their own: arrays, or lists that are no rows of one matrix."""
+    if not isinstance(X, (list, tuple)) and not (isinstance(X, np.ndarray) and X.dtype == object and X.ndim == 1):
+        return False
+    if len(X) == 0 or np.ndim(X[0]) == 0:
+        return False
+    return hasattr(X[0], "__array__") or np.ndim(X[0]) == 2 or len({np.shape(own) for own in X}) > 1
 
 
 class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
@@ -101,7 +113,7 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         Parameters
         ----------
         sequences : list of arrays (samples,) or (samples, features)
-            One for each trial.
+            One for each trial. A sample with NaN is missing.
         y : array (trials,)
             The categories of the trials.
         groups : array (trials,), optional
@@ -109,7 +121,7 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         """
         labels = np.asarray(y)
         self.__dict__.pop("n_features_in_", None)
-        return self._fitted([np.asarray(own, np.float64) for own in sequences], labels, groups)
+        return self._fitted(_sequences(sequences), labels, groups)
 
     def fit_trials(self, trials: _core.Trials) -> Self:
         """Fit to trials with categories. Blocks, outliers and trials without a category are left out."""
@@ -138,10 +150,8 @@ class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
         check_is_fitted(self)
         if isinstance(X, _core.Trials):
             trials = X
-        elif isinstance(X, list) and X and np.ndim(X[0]) >= 1 and len({np.shape(own) for own in X}) > 1:
-            trials = _core.Trials.from_sequences([np.asarray(own, np.float64) for own in X], features=self.features)
-        elif isinstance(X, list) and X and np.ndim(X[0]) == 2:
-            trials = _core.Trials.from_sequences([np.asarray(own, np.float64) for own in X], features=self.features)
+        elif _are_sequences(X):
+            trials = _core.Trials.from_sequences(_sequences(X), features=self.features)
         else:
             rows = validate_data(self, X, reset=False, ensure_all_finite="allow-nan", dtype=np.float64, estimator=self)
             if np.isinf(rows).any():
