@@ -15,6 +15,7 @@ import pytest
 from conftest import quick
 
 import underbrush as ub
+from underbrush._progress import Bar
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -46,6 +47,12 @@ def test_progress_is_reported(tmp_path: Path) -> None:
     counts = [done for done, _, _ in seen]
     assert counts == sorted(counts) and seen[-1][:2] == (3, 3) and "of 3 goals reached" in seen[-1][2]
     assert threads == {threading.get_ident()}
+
+
+def test_progress_needs_no_standard_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tests that a program without a standard error, such as pythonw, can make a progress bar."""
+    monkeypatch.setattr(sys, "stderr", None)
+    Bar("reaches")(1, 2, "leaf")
 
 
 def test_an_exception_at_the_end_is_raised(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ class Bar:
 
     def __init__(self, things: str) -> None:
         self.things = things
-        self.is_shown = sys.stderr.isatty()
+        self.is_shown = sys.stderr is not None and sys.stderr.isatty()
         self.last = ""
 
     def __call__(self, done: int, total: int, text: str) -> None:
