@@ -32,7 +32,17 @@ pub fn scene(value: &Bound<'_, PyAny>) -> Result<Scene, Failure> {
         let allowed = "a Scene, the name of a scene that ships, or the path of a scene file";
         Failure::argument("scene", found, allowed, "give one of them")
     })?;
-    Ok(Scene::open(path)?)
+    Ok(lasting(Scene::open(path)?))
+}
+
+/// The scene with an absolute path if it has an arm of its own, which is searched for from the folder of the scene: a copy may be
+/// far away from it, and the process may change its working folder.
+fn lasting(scene: Scene) -> Scene {
+    let path = match scene.file.arm.as_str() {
+        "cody" => scene.path,
+        _ => std::path::absolute(&scene.path).unwrap_or(scene.path),
+    };
+    Scene { path, ..scene }
 }
 
 /// Puts changes into a table: tables are merged, everything else is replaced.
@@ -58,7 +68,7 @@ impl PyScene {
     #[staticmethod]
     #[pyo3(signature = (text, path = PathBuf::from("scene.toml")))]
     fn parse(text: String, path: PathBuf) -> Result<Self, Failure> {
-        Ok(PyScene { scene: Scene::parse(path, text)? })
+        Ok(PyScene { scene: lasting(Scene::parse(path, text)?) })
     }
 
     /// Names of the scenes that ship.
@@ -121,7 +131,7 @@ impl PyScene {
             Some(name) => self.scene.path.with_file_name(format!("{name}.toml")),
             None => self.scene.path.clone(),
         };
-        Ok(PyScene { scene: Scene::parse(path, text)? })
+        Ok(PyScene { scene: lasting(Scene::parse(path, text)?) })
     }
 
     /// The scene with the contact constants of a file of materials, by default of the one that ships. With ``randomize`` they are drawn
@@ -159,13 +169,7 @@ impl PyScene {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String, PathBuf))> {
         let parse = py.get_type::<PyScene>().getattr("parse")?;
-        let own = &self.scene.path;
-        // An arm of its own is searched for from the folder of the scene, which a copy may be far away from.
-        let path = match self.scene.file.arm.as_str() {
-            "cody" => own.clone(),
-            _ => std::path::absolute(own).unwrap_or_else(|_| own.clone()),
-        };
-        Ok((parse, (self.scene.text.clone(), path)))
+        Ok((parse, (self.scene.text.clone(), self.scene.path.clone())))
     }
 }
 

@@ -102,8 +102,7 @@ def test_scenes_are_pickled() -> None:
 
 
 def test_a_pickled_scene_finds_its_own_arm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Tests that a scene that was loaded by a relative path finds the arm beside it when it is unpickled in another
-    folder."""
+    """Tests that a scene that was loaded by a relative path, and its copies, find the arm beside it in another folder."""
     (tmp_path / "else").mkdir()
     (tmp_path / "own.toml").write_text('summary = "x"\narm = "cody/cody.toml"\ngoals = { count = 1 }\n')
     shutil.copytree(Path(__file__).parents[2] / "sim/arms/cody", tmp_path / "cody")
@@ -113,3 +112,4 @@ def test_a_pickled_scene_finds_its_own_arm(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.chdir(tmp_path / "else")
     copied = pickle.loads(pickled)
     assert (copied.name, copied.draw().png) == ("own", drawn)
+    assert scene.draw().png == drawn == pickle.loads(pickle.dumps(scene)).draw().png
