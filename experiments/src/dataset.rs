@@ -56,8 +56,13 @@ pub struct Campaign {
 /// Checks the name of a user's own controller.
 ///
 /// # Errors
-/// For an empty name, one that is not plain text, and that of robots' logs.
+/// For an empty name, one that is not plain text, that of robots' logs, and that of a controller that ships.
 pub fn check_own_name(controller: &str) -> Result<(), Fault> {
+    if ControllerKind::from_name(controller).is_ok() {
+        return Err(Fault::Usage(format!(
+            "the controller is called {controller}, which is the name of a controller that ships; give it a name of its own"
+        )));
+    }
     if !controller.is_empty() && is_plain(controller) && controller != Recording::UNKNOWN_CONTROLLER {
         return Ok(());
     }
@@ -244,11 +249,6 @@ impl Campaign {
         }
         if self.own_controller.is_some() {
             check_own_name(&controller)?;
-            if ControllerKind::from_name(&controller).is_ok() {
-                return Err(Fault::Usage(format!(
-                    "the controller is called {controller}, which is the name of a controller that ships; give it a name of its own"
-                )));
-            }
         }
         if let Some(other) = plans.iter().find(|plan| plan.controller_name() != controller) {
             let (other, its_controller) = (&other.scene.name, other.controller_name());

@@ -4,6 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use pyo3::prelude::*;
 use pyo3::types::PyType;
+use underbrush_recording::FRAME_PERIOD_S;
 use underbrush_sim::arm::Arm;
 use underbrush_sim::controller::{
     ControlStatus, Controller, ControllerInput, ControllerKind, ControllerOutput, Intent,
@@ -197,16 +198,16 @@ fn maker(object: &Bound<'_, PyAny>, stop: &Arc<Stop>) -> Result<MakeController, 
 /// How often a Python controller wants to be called, Hz: its attribute `rate_hz`, or [`RATE_HZ`] if it has none.
 ///
 /// # Errors
-/// `Fault::Input` as an exception, for anything but a positive number.
+/// `Fault::Input` as an exception, for anything but a positive number up to the rate of frames.
 fn rate_hz(controller: &Bound<'_, PyAny>) -> PyResult<f64> {
     let Some(value) = controller.getattr_opt("rate_hz")? else {
         return Ok(RATE_HZ);
     };
     match value.extract::<f64>() {
-        Ok(rate) if rate > 0.0 && rate.is_finite() => Ok(rate),
+        Ok(rate) if rate > 0.0 && rate <= 1.0 / FRAME_PERIOD_S => Ok(rate),
         _ => {
-            let found = value.repr()?.to_string();
-            Err(Failure::argument("rate_hz of the controller", found, "a number above 0, Hz", "correct it").into())
+            let (found, allowed) = (value.repr()?.to_string(), "a number above 0 and up to 100 Hz, the rate of frames");
+            Err(Failure::argument("rate_hz of the controller", found, allowed, "correct it").into())
         }
     }
 }

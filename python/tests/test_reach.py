@@ -12,9 +12,16 @@ from conftest import quick
 import underbrush as ub
 
 
-def test_the_shipped_controller_called_from_python_gives_the_same_bytes(tmp_path: Path) -> None:
-    """Tests that a reach with the shipped controller called through Python is the same file, byte for byte, as with the
-    controller itself."""
+def same(first: ub.Reach, second: ub.Reach) -> bool:
+    """Whether two reaches have the same frames, ground truth and audit, bit for bit."""
+    frames = [reach.frames.to_polars() for reach in (first, second)]
+    truth = [(reach.goals, reach.objects, reach.contacts, reach.audit) for reach in (first, second)]
+    return frames[0].equals(frames[1]) and truth[0] == truth[1]
+
+
+def test_the_shipped_controller_called_from_python_moves_the_same() -> None:
+    """Tests that a reach with the shipped controller called through Python is the same, bit for bit, as with the controller
+    itself."""
     scene = quick("mixed")
     for name in ("cody-2013", "ijrr-foliage"):
 
@@ -24,19 +31,16 @@ def test_the_shipped_controller_called_from_python_gives_the_same_bytes(tmp_path
         class Twin:
             def __init__(self, arm: ub.Arm) -> None:
                 self.own = made(arm)
-                self.name, self.rate_hz = self.own.name, self.own.rate_hz
+                self.rate_hz = self.own.rate_hz
 
             def __call__(self, given: ub.ControllerInput) -> np.ndarray:
                 assert given.end_effector_jacobian.shape == (3, 7)
                 assert given.contact_jacobian.shape == (len(given.contact_force_n), 3, 7)
                 return self.own(given)
 
-        files = [tmp_path / f"{name}-{kind}.parquet" for kind in ("rust", "python")]
         # The rules that end a reach come from the scene's controller, so both reaches name it in the scene.
         own = scene.changed({"controller": name})
-        ub.reach(own, seed=3).save(files[0])
-        ub.reach(own, seed=3, controller=Twin).save(files[1])
-        assert files[0].read_bytes() == files[1].read_bytes()
+        assert same(ub.reach(own, seed=3), ub.reach(own, seed=3, controller=Twin))
 
 
 def test_the_mapped_controller_called_from_python_moves_the_same() -> None:
@@ -54,6 +58,16 @@ def test_the_mapped_controller_called_from_python_moves_the_same() -> None:
     shipped, called = ub.reach(scene, seed=3), ub.reach(scene, seed=3, controller=Twin)
     assert np.array_equal(shipped.joint_angle_rad, called.joint_angle_rad)
     assert shipped.outcome == called.outcome
+
+
+def test_a_controller_that_tells_its_intent_has_a_type() -> None:
+    """Tests that the types of the package allow a controller that answers with its angles and a text."""
+    mypy = pytest.importorskip("mypy.api")
+    code = """import numpy as np, underbrush as ub
+def control(given: ub.ControllerInput) -> tuple[np.ndarray, str]:
+    return given.equilibrium_angle_rad, "turning round"
+ub.reach("leaf", controller=control)"""
+    assert mypy.run(["-c", code])[2] == 0
 
 
 def test_an_own_controller_moves_the_hand() -> None:
@@ -90,7 +104,7 @@ def test_a_controller_that_raises_ends_the_reach() -> None:
         ub.reach("leaf", controller="no-such")
     with pytest.raises(ub.InputError, match="ControllerInput"):
         ub.reach("leaf", controller=3)  # type: ignore[arg-type]
-    for rate_hz in (0, -25.0, "fast"):
+    for rate_hz in (0, -25.0, 101, "fast"):
 
         class Rated:
             def __init__(self, rate_hz: object = rate_hz) -> None:
@@ -99,7 +113,7 @@ def test_a_controller_that_raises_ends_the_reach() -> None:
             def __call__(self, given: ub.ControllerInput) -> np.ndarray:
                 return given.equilibrium_angle_rad
 
-        with pytest.raises(ub.InputError, match="a number above 0, Hz"):
+        with pytest.raises(ub.InputError, match="a number above 0 and up to 100 Hz"):
             ub.reach("leaf", controller=Rated())
 
 
@@ -130,6 +144,8 @@ def test_a_class_is_called_for_every_reach(tmp_path: Path) -> None:
     with pytest.raises(ub.InputError, match="name of its own"):
         Counter.name = "cody-2013"
         ub.generate(scene, 1, tmp_path / "named", controller=Counter, progress=False)
+    with pytest.raises(ub.InputError, match="name of its own"):
+        ub.reach(scene, controller=Counter)
 
 
 def test_reaches_are_saved_and_pickled(tmp_path: Path) -> None:
@@ -161,16 +177,13 @@ def _scene_file(folder: Path) -> Path:
 
 
 def test_verdicts_reach_a_controller_in_python(data: ub.Dataset, tmp_path: Path, command) -> None:
-    """Tests that a touch model works with a controller in Python: the shipped controller called from Python gives the
-    same file, byte for byte, as the controller itself, in Python and on the command line, and sees the forces that
-    verdicts allow."""
+    """Tests that a touch model works with a controller in Python: the shipped controller called from Python moves as the
+    controller itself, whose file is that of the command line, and sees the forces that verdicts allow."""
     touch, scene = tmp_path / "touch.json", quick("mixed")
     ub.TouchModel.fit(list(data)).save(touch)
     allowed_n: list[float] = []
 
     class Twin:
-        name = "cody-2013"
-
         def __init__(self, arm: ub.Arm) -> None:
             self.own = ub.ShippedController(arm)
 
@@ -183,14 +196,14 @@ def test_verdicts_reach_a_controller_in_python(data: ub.Dataset, tmp_path: Path,
             return self.own(given)
 
     # The skin meets objects that the model knows in the reach of this seed.
-    files = [tmp_path / f"{name}.parquet" for name in ("rust", "python", "cli")]
-    ub.reach(scene, seed=4, verdicts=touch).save(files[0])
+    files = [tmp_path / f"{name}.parquet" for name in ("rust", "cli")]
+    shipped = ub.reach(scene, seed=4, verdicts=touch)
+    shipped.save(files[0])
     reach = ub.reach(scene, seed=4, controller=Twin, verdicts=touch)
-    reach.save(files[1])
     (tmp_path / "mixed-quick.toml").write_text(scene.text)
-    command("reach", tmp_path / "mixed-quick.toml", "--seed", 4, "--verdicts", touch, "--out", files[2])
-    assert files[0].read_bytes() == files[1].read_bytes() == files[2].read_bytes()
-    assert reach.controller != "cody-2013" and np.isfinite(allowed_n).any()
+    command("reach", tmp_path / "mixed-quick.toml", "--seed", 4, "--verdicts", touch, "--out", files[1])
+    assert files[0].read_bytes() == files[1].read_bytes() and same(shipped, reach)
+    assert reach.controller != "Twin" and np.isfinite(allowed_n).any()
     # Without a touch model, no contact has a limit of its own.
     allowed_n.clear()
     ub.reach(scene, seed=4, controller=Twin)

@@ -14,8 +14,8 @@ from ._core import Arm, ControllerInput, Scene, Trials
 SceneLike: TypeAlias = Scene | str | os.PathLike[str]
 """A scene, the name of one that ships, or the path of a scene file."""
 
-Control: TypeAlias = Callable[[ControllerInput], ArrayLike]
-"""A controller: a function of what it knows that returns equilibrium angles, rad."""
+Control: TypeAlias = Callable[[ControllerInput], ArrayLike | tuple[ArrayLike, str]]
+"""A controller: a function of what it knows that returns equilibrium angles, rad, or these and what it is about to do."""
 
 ControllerLike: TypeAlias = str | Control | Callable[[Arm], Control]
 """The name of a controller that ships, a function, or a class that is called with the arm at the start of every reach."""
