@@ -14,7 +14,7 @@ use underbrush_experiments::model_data;
 
 use crate::arguments::features;
 use crate::python_classifier::PythonEstimator;
-use crate::{Failure, PyModel, Stop, Trials, given, pool};
+use crate::{Failure, PyModel, Stop, Trials, given, json, pool};
 
 /// Options of a classifier.
 #[pyclass(frozen, module = "underbrush._core")]
@@ -25,6 +25,15 @@ pub struct Options {
 }
 
 impl Options {
+    /// The options of the classifier with this name.
+    fn of(classifier: &str, options: FitOptions) -> Result<Self, Failure> {
+        let kind = registry::find(classifier).ok_or_else(|| {
+            let known = CLASSIFIERS.map(|kind| kind.name).join(", ");
+            Failure::argument("classifier", format!("{classifier:?}"), known, "choose one of them")
+        })?;
+        Ok(Options { kind, recipe: options.recipe_of(kind)?, options })
+    }
+
     /// The classifier with these options, not fitted yet.
     fn estimator(&self) -> Result<Box<dyn Estimator>, Failure> {
         Ok(self.options.estimator(self.kind)?)
@@ -54,12 +63,17 @@ impl Options {
         features: Option<&Bound<'_, PyAny>>,
         options: Option<&Bound<'_, PyDict>>,
     ) -> Result<Self, Failure> {
-        let kind = registry::find(classifier).ok_or_else(|| {
-            let known = CLASSIFIERS.map(|kind| kind.name).join(", ");
-            Failure::argument("classifier", format!("{classifier:?}"), known, "choose one of them")
-        })?;
-        let options = FitOptions { features: self::features(features)?, ..given::options(options)? };
-        Ok(Options { kind, recipe: options.recipe_of(kind)?, options })
+        Options::of(classifier, FitOptions { features: self::features(features)?, ..given::options(options)? })
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, (String,)), Failure> {
+        json::pickled::<Options>(py, &(self.kind.name, &self.options))
+    }
+
+    #[staticmethod]
+    fn _from_json(text: &str) -> Result<Self, Failure> {
+        let (classifier, options): (String, _) = json::unpickled(text.as_bytes())?;
+        Options::of(&classifier, options)
     }
 
     fn __repr__(&self) -> String {

@@ -100,6 +100,15 @@ impl PySimulation {
         })
     }
 
+    fn __copy__(&self) -> Result<Self, Failure> {
+        self.copy()
+    }
+
+    fn __deepcopy__(&self, memo: &Bound<'_, PyAny>) -> Result<Self, Failure> {
+        let _ = memo;
+        self.copy()
+    }
+
     /// The arm.
     #[getter]
     fn arm(&self) -> PyArm {

@@ -1,5 +1,6 @@
 """The simulation, step by step."""
 
+import copy
 import pickle
 import threading
 
@@ -25,9 +26,10 @@ def test_a_saved_state_continues_bit_for_bit() -> None:
     first = ub.Simulation("mixed", seed=1)
     for step in range(40):
         first.step(angles(first, step))
-    saved, copied = first.save(), first.copy()
+    saved, copies = first.save(), [first.copy(), copy.copy(first), copy.deepcopy(first)]
     expected = [state(first.step(angles(first, step))) for step in range(40, 60)]
-    assert [state(copied.step(angles(copied, step))) for step in range(40, 60)] == expected
+    for copied in copies:
+        assert [state(copied.step(angles(copied, step))) for step in range(40, 60)] == expected
     other = ub.Simulation("mixed", seed=1)
     other.restore(saved)
     assert np.array_equal(other.frame_now.equilibrium_angle_rad, angles(first, 39))

@@ -33,6 +33,8 @@ def test_trials_are_a_sequence(trials: ub.Trials) -> None:
     assert len(trials[[]]) == len(trials[np.array([], dtype=int)]) == 0
     assert len(trials[1:4]) == 3 and trials[-1].number == trials[len(trials) - 1].number
     assert pickle.loads(pickle.dumps(trials)) == trials
+    options = pickle.loads(pickle.dumps(ub.Options(states=2, features="force,motion")))
+    assert ub.evaluate(trials, options) == ub.evaluate(trials, ub.Options(states=2, features="force,motion"))
     padded = trials.padded(samples=40)
     assert padded.shape == (len(trials), 40)
     for row, sequence, length in zip(padded, trials.sequences(), trials.lengths, strict=True):
