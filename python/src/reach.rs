@@ -245,8 +245,13 @@ impl Reach {
         Ok(picture::shown(py, picture::png_of(&*self.recording()?, frame)?)?)
     }
 
-    fn _repr_png_<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyBytes>, Failure> {
-        Ok(PyBytes::new(py, &picture::png_of(&*self.recording()?, None)?))
+    /// A picture for notebooks; `None` for a robot's log, whose shapes nobody knows.
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> Result<Option<Bound<'py, PyBytes>>, Failure> {
+        let recording = self.recording()?;
+        if recording.bodies.iter().all(|body| body.parts.is_empty()) || recording.frames.is_empty() {
+            return Ok(None);
+        }
+        Ok(Some(PyBytes::new(py, &picture::png_of(&recording, None)?)))
     }
 
     /// What the numbers of a segmentation mean, as in ``Simulation.labels``.

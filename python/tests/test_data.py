@@ -218,7 +218,7 @@ def test_a_log_says_that_it_is_one(tmp_path: Path, command: Callable[..., Any]) 
     command("import", tmp_path / "log.csv", "--mapping", tmp_path / "map.toml", "--out", tmp_path / "felt")
     log = ub.Reach.load(tmp_path / "felt" / "reach-000000.parquet")
     assert log.is_log and repr(log) == 'Reach(log="log", index=0, 10 frames)'
-    assert log.outcome == "unknown"
+    assert log.outcome == "unknown" and log._repr_png_() is None
     # One joint and one taxel have an axis, too.
     assert log.joint_angle_rad.shape == (10, 1) and log.sensed_force_n("pad").shape == (10, 1)
     ub.mcap.export(log, tmp_path / "log.mcap")
