@@ -29,8 +29,9 @@ impl Stop {
         self.flag.store(true, Ordering::Relaxed);
     }
 
-    /// The exception that ended the run, or else the failure of the run itself.
+    /// The exception that ended the run, or else the failure of the run itself. The next run is not told to end.
     pub fn reason(&self, failure: Failure) -> Failure {
+        self.flag.store(false, Ordering::Relaxed);
         match self.raised.lock().ok().and_then(|mut raised| raised.take()) {
             Some(error) => error.into(),
             None => failure,

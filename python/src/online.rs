@@ -117,8 +117,8 @@ impl Online {
             }
         }
         state.last_s = Some(time_s);
-        match self.raised.as_ref().filter(|raised| raised.is_set()) {
-            Some(raised) => Err(raised.reason(Failure::run("the Python classifier raised before"))),
+        match &self.raised {
+            Some(raised) => raised.checked(Ok(verdicts)),
             None => Ok(verdicts),
         }
     }

@@ -90,18 +90,28 @@ def test_scikit_learn_classifies_online(data: ub.Dataset) -> None:
     assert checked > 50
 
 
-def test_a_classifier_that_raises_ends_the_stream(data: ub.Dataset) -> None:
-    """Tests that an exception of a Python classifier reaches the caller of `update`."""
+def test_a_classifier_that_raises_is_heard(data: ub.Dataset) -> None:
+    """Tests that an exception of a Python classifier reaches the caller of `update`, and that later frames get their verdicts."""
 
     class Broken:
         categories = ["leaf", "trunk"]
+        is_broken = False
 
         def scores(self, given: ub.Trials) -> np.ndarray:
-            raise LookupError("no scores")
+            if self.is_broken:
+                raise LookupError("no scores")
+            return np.tile([0.0, -1.0], (len(given), 1))
 
-    online = ub.online(Broken(), data.skin)
-    with pytest.raises(LookupError, match="no scores"):
-        stream(online, data[0])
+    broken = Broken()
+    expected, online = stream(ub.online(broken, data.skin), data[0]), ub.online(broken, data.skin)
+    first = next(number for number, verdicts in enumerate(expected) if verdicts)
+    for number, verdicts in enumerate(expected):
+        broken.is_broken = number == first
+        if broken.is_broken:
+            with pytest.raises(LookupError, match="no scores"):
+                online.update(data[0].frame(number))
+        else:
+            assert online.update(data[0].frame(number)) == verdicts
 
 
 def test_touch_models_judge_frames(data: ub.Dataset, tmp_path, command) -> None:
