@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PySlice};
 use rayon::prelude::*;
 use underbrush_experiments::{contact_trials, model_data};
+use underbrush_recording::Fault;
 use underbrush_recording::disk::Dataset;
 
 use crate::arguments::cutting;
@@ -16,7 +17,7 @@ use crate::{Answer, Column, Failure, PyTable, Reported, Skin, Trials, array, jso
 
 /// The absolute path of a set, so that it can still be read after the process has changed its working folder.
 pub fn lasting(path: &Path) -> Result<PathBuf, Failure> {
-    std::path::absolute(path).map_err(|error| Failure::run(format!("{}: {error}", path.display())))
+    std::path::absolute(path).map_err(|error| Fault::Storage(format!("{}: {error}", path.display())).into())
 }
 
 /// A finished data set. It reads only what is asked for, reach by reach and column by column.

@@ -148,6 +148,15 @@ def test_copies_of_a_set_know_its_folder(data: ub.Dataset, monkeypatch: pytest.M
     assert np.array_equal(reach.time_s, data[1].time_s)
 
 
+def test_a_lost_folder_is_an_error_of_storage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tests that a relative path after the working folder was removed is an error of storage."""
+    (tmp_path / "lost").mkdir()
+    monkeypatch.chdir(tmp_path / "lost")
+    (tmp_path / "lost").rmdir()
+    with pytest.raises(ub.StorageError):
+        ub.Dataset("set")
+
+
 def test_pickled_sets_and_reaches_read_the_same_files(data: ub.Dataset) -> None:
     """Tests that a pickled data set, and a reach of it, read the same data."""
     again, reach = pickle.loads(pickle.dumps(data)), pickle.loads(pickle.dumps(data[1]))
@@ -198,6 +207,10 @@ def test_map_style_data_sets(data: ub.Dataset, trials: ub.Trials) -> None:
     assert array.shape == (30, 1) and array.dtype == np.float32
     assert pairs.categories[label] == trials[0].category
     assert np.array_equal(array[:20, 0], trials[0].force_n[:20].astype(np.float32))
+    with pytest.raises(ub.InputError, match=r"categories: found \['x'\]"):
+        ub.TrialDataset(trials, ["x"])
+    with pytest.raises(ub.InputError, match="samples: found 0"):
+        ub.TrialDataset(trials, samples=0)
     frames = ub.FrameDataset(data, [TACTILE, "action"])
     assert len(frames) == len(data.column("time_s"))
     last = frames[-1]

@@ -64,6 +64,13 @@ def test_demonstrations_are_split(data: ub.Dataset, tmp_path: Path, count: int) 
     assert underbrush.hdf5._masks(["train"])["train-scene"] == [0]
 
 
+def test_one_reach_is_a_demonstration(data: ub.Dataset, tmp_path: Path) -> None:
+    """Tests that a single reach is exported without a list around it."""
+    underbrush.hdf5.export(data[0], tmp_path / "one.hdf5")
+    with h5py.File(tmp_path / "one.hdf5") as file:
+        assert list(file["data"]) == ["demo_0"] and file["data"].attrs["total"] == len(data[0])
+
+
 def test_a_file_appears_only_when_it_is_complete(data: ub.Dataset, tmp_path: Path) -> None:
     """Tests that a failed export leaves nothing, that only force overwrites, and that the bytes are the same again."""
     path = tmp_path / "reaches.hdf5"

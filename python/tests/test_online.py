@@ -242,6 +242,8 @@ def test_bad_frames_are_refused(data: ub.Dataset) -> None:
         ub.Frame(data.skin, 0.0, {"forearm": np.zeros(3)})
     with pytest.raises(ub.InputError, match="NaN"):
         ub.Frame(data.skin, 0.0, {"forearm": np.full(384, np.nan)})
+    with pytest.raises(ub.InputError, match="masked"):
+        ub.Frame(data.skin, 0.0, {"forearm": np.ma.masked_greater(np.full(384, 1e5), 1e4)})
     with pytest.raises(ub.InputError, match="hand"):
         model.online(data.skin, "hand")
     with pytest.raises(ub.InputError, match="finite time"):

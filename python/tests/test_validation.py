@@ -23,8 +23,8 @@ def test_checks_pass_and_can_fail() -> None:
 def test_the_replay_page_holds_the_reach(data: ub.Dataset, tmp_path: Path) -> None:
     """Tests that the page of a data set, and of a reach in memory, is one HTML file with the reaches inside."""
     page = ub.replay(data, [0, 1])
-    page.save(tmp_path / "page.html")
-    text = (tmp_path / "page.html").read_text()
+    page.save(tmp_path / "new" / "page.html")
+    text = (tmp_path / "new" / "page.html").read_text()
     assert text.count('id="underbrush-reach-') == 2 and "<iframe" in page._repr_html_()
     one = ub.replay(ub.Reach.load(_saved(data, tmp_path)))
     assert one.html.count('id="underbrush-reach-') == 1

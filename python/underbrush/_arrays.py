@@ -23,6 +23,8 @@ def joined(parts: Sequence[NDArray[Any]], dtype: str | None) -> NDArray[Any]:
 def numbers(value: Any, name: str, shape: Sequence[int | None]) -> NDArray[np.float64]:
     """The argument with this name as numbers of a shape, in which ``None`` stands for any size."""
     allowed = f"numbers of shape ({', '.join('n' if size is None else str(size) for size in shape)})"
+    if np.ma.is_masked(value):
+        raise refused(name, "a masked array", allowed, "fill it, or leave the masked numbers out")
     try:
         array = np.asarray(value)
         if array.dtype.kind not in "fiub":

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
+from ._errors import refused
 
 
 def each(things: _core.Dataset | _core.Trials) -> Iterator[Any]:
@@ -71,6 +72,10 @@ class TrialDataset:
     ) -> None:
         known = sorted({name for name in trials.categories if name is not None})
         self.categories = list(categories) if categories is not None else known
+        if categories is not None and not set(categories) & set(known):
+            raise refused("categories", f"{self.categories}", f"names of categories of the trials: {known}", "give some of them")
+        if samples is not None and samples < 1:
+            raise refused("samples", f"{samples}", "1 or more", "give a larger number")
         numbers = {name: number for number, name in enumerate(self.categories)}
         kept = [place for place, name in enumerate(trials.categories) if name in numbers]
         chosen = trials[kept]

@@ -31,8 +31,10 @@ def whole(path: Path, force: bool, source: str | os.PathLike[str] | None = None)
         temporary.unlink(missing_ok=True)
 
 
-def each(reaches: _core.Dataset | Iterable[_core.Reach]) -> Iterator[_core.Reach]:
+def each(reaches: _core.Reach | _core.Dataset | Iterable[_core.Reach]) -> Iterator[_core.Reach]:
     """The reaches one by one."""
+    if isinstance(reaches, _core.Reach):
+        return iter([reaches])
     return (reaches[index] for index in range(len(reaches))) if isinstance(reaches, _core.Dataset) else iter(reaches)
 
 

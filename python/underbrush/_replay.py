@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from . import _core
+from . import _core, _export
 
 
 class Page:
@@ -19,8 +19,8 @@ class Page:
 
     def save(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write the page to a file. Only with ``force`` is a file overwritten."""
-        _core._check_free(Path(path), force)
-        Path(path).write_text(self.html, encoding="utf-8")
+        with _export.whole(Path(path), force) as temporary:
+            temporary.write_text(self.html, encoding="utf-8")
 
     def _repr_html_(self) -> str:
         page = html.escape(self.html, quote=True)

@@ -67,7 +67,7 @@ def _tables(reach: _core.Reach) -> dict[str, Any]:
 
 
 def export(
-    reaches: _core.Dataset | Iterable[_core.Reach], path: str | os.PathLike[str], *, force: bool = False
+    reaches: _core.Reach | _core.Dataset | Iterable[_core.Reach], path: str | os.PathLike[str], *, force: bool = False
 ) -> None:
     """Write reaches to an HDF5 file in the layout of robomimic's data sets, which ``docs/exchange.md`` describes.
 
@@ -76,7 +76,7 @@ def export(
 
     Parameters
     ----------
-    reaches : Dataset or iterable of Reach
+    reaches : Reach, Dataset or iterable of Reach
         They are read one by one.
     path : path
         The file to write.
