@@ -56,8 +56,8 @@ def of_class(name: str, found: type) -> str:
             continue
         own = value.__func__ if isinstance(value, (staticmethod, classmethod)) else value
         doc = inspect.getdoc(own)
-        if doc:
-            is_attribute = isinstance(value, property) or inspect.isgetsetdescriptor(value)
+        is_attribute = isinstance(value, property) or inspect.isgetsetdescriptor(value)
+        if doc and (is_attribute or callable(own)):
             call = "" if is_attribute else signature(own)
             first = doc.split("\n\n")[0].replace("\n", " ")
             parts.append(f"* `{member}{call}`: {first}")
@@ -68,7 +68,7 @@ def page() -> str:
     parts = [HEAD]
     modules: list[tuple[str, ModuleType, list[str]]] = [
         ("underbrush", underbrush, list(underbrush.__all__)),
-        ("underbrush.sklearn", underbrush.sklearn, list(underbrush.sklearn.__all__)),
+        ("underbrush.sklearn", underbrush.sklearn, ["_TrialClassifier", *underbrush.sklearn.__all__]),
         ("underbrush.distributed", underbrush.distributed, ["generate", "reproduce", "benchmark"]),
         ("underbrush.rerun", underbrush.rerun, ["log"]),
         ("underbrush.live", underbrush.live, ["Server", "classify"]),

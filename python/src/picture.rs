@@ -26,7 +26,8 @@ pub struct PyCamera(pub SceneCamera);
 #[pymethods]
 impl PyCamera {
     #[new]
-    #[pyo3(signature = (eye_m, target_m, up = [0.0, 0.0, 1.0], vertical_fov_deg = 32.0, *, link = None, size_px = [320, 240]))]
+    #[pyo3(signature = (eye_m, target_m, up = [0.0, 0.0, 1.0], vertical_fov_deg = 32.0, *, link = None, size_px = [320, 240]),
+           text_signature = "(eye_m, target_m, up=(0.0, 0.0, 1.0), vertical_fov_deg=32.0, *, link=None, size_px=(320, 240))")]
     fn new(
         eye_m: [f64; 3],
         target_m: [f64; 3],

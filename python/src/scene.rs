@@ -66,7 +66,7 @@ impl PyScene {
 
     /// A scene from the text of a scene file.
     #[staticmethod]
-    #[pyo3(signature = (text, path = PathBuf::from("scene.toml")))]
+    #[pyo3(signature = (text, path = PathBuf::from("scene.toml")), text_signature = "(text, path='scene.toml')")]
     fn parse(text: String, path: PathBuf) -> Result<Self, Failure> {
         Ok(PyScene { scene: lasting(Scene::parse(path, text)?) })
     }

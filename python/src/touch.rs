@@ -45,7 +45,7 @@ impl PyTouchModel {
     #[staticmethod]
     #[pyo3(signature = (
         reaches, patch = None, *, auxiliary = Vec::new(), threshold_n = None, limit_wrong = None, jobs = None
-    ))]
+    ), text_signature = "(reaches, patch=None, *, auxiliary=(), threshold_n=None, limit_wrong=None, jobs=None)")]
     fn fit(
         py: Python<'_>,
         reaches: Vec<Py<Reach>>,

@@ -65,7 +65,7 @@ def _are_sequences(X: Any) -> bool:
 
 
 class _TrialClassifier(ClassifierMixin, BaseEstimator):  # type: ignore[misc]
-    """What all classifiers of trials have in common."""
+    """What all estimators have in common."""
 
     _classifier: ClassVar[str]
 
