@@ -1,5 +1,6 @@
 //! The folder of a run, which holds the results of one plan: experiment, seed and size.
 
+use std::fs::File;
 use std::io::ErrorKind;
 use std::path::Path;
 
@@ -50,17 +51,18 @@ impl Plan {
     }
 
     /// Prepares a folder for this plan, or checks that it holds results of the same plan. `force` removes what another
-    /// run left there. Without a plan that shows that there was one, nothing is removed: the files may be anybody's.
+    /// run left there. Without a plan that shows that there was one, nothing is removed: the files may be anybody's. As long as
+    /// the file that is returned is open, nobody else removes the results.
     ///
     /// # Errors
     /// When the folder holds the results of another plan, or files under the names of results but no plan, or cannot be
-    /// written.
-    pub fn settle(&self, out: &Path, force: bool) -> Result<(), Fault> {
+    /// written; with `force`, also when another process is at work in it.
+    pub fn settle(&self, out: &Path, force: bool) -> Result<File, Fault> {
         if FOLDERS.iter().chain(&FILES).any(|name| out.join(name).exists()) {
             let stored = Plan::stored(out)?;
             if !force {
                 return match self.difference(&stored) {
-                    None => Ok(()),
+                    None => in_use(out),
                     Some(difference) => Err(Fault::Usage(format!(
                         "{}: holds the results of another run: {difference}; choose another folder with --out, or replace \
                          them with --force",
@@ -68,9 +70,16 @@ impl Plan {
                     ))),
                 };
             }
+            if in_use(out)?.try_lock().is_err() {
+                return Err(Fault::Usage(format!(
+                    "{}: another process is at work in this folder; wait for it, or choose another folder with --out",
+                    out.display()
+                )));
+            }
             clear(out)?;
         }
-        files::write_json(&out.join(FILE), self)
+        files::write_json(&out.join(FILE), self)?;
+        in_use(out)
     }
 
     /// The plan of the run whose results a folder holds.
@@ -102,6 +111,14 @@ impl Plan {
             .or_else(|| differs("program", &stored.program, &self.program))
             .or_else(|| (stored.hash != self.hash).then(|| "the experiment's file, scenes or arms have changed".into()))
     }
+}
+
+/// The file of the plan, which tells others that the folder is in use. Where the file system has no locks, it tells nothing.
+fn in_use(out: &Path) -> Result<File, Fault> {
+    let path = out.join(FILE);
+    let file = File::open(&path).map_err(storage(&path, "read"))?;
+    let _ = file.try_lock_shared();
+    Ok(file)
 }
 
 fn clear(out: &Path) -> Result<(), Fault> {

@@ -1,6 +1,7 @@
 //! Fitted classifiers of trials.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use pyo3::prelude::*;
 use underbrush_classifier::any_model::{self, AnyModel};
@@ -11,7 +12,7 @@ use underbrush_recording::InputError;
 
 use crate::arguments::{decision, save};
 use crate::online::Online;
-use crate::{Answer, Failure, Skin, Trials, array, given, json, place, pool};
+use crate::{Answer, Failure, Skin, Trials, array, given, json, place, watched};
 
 /// A fitted classifier of trials, as a model file holds it.
 #[pyclass(frozen, name = "Model", module = "underbrush._core")]
@@ -20,6 +21,11 @@ pub struct PyModel {
 }
 
 impl PyModel {
+    fn scores_of_all(&self, py: Python<'_>, trials: &Trials) -> Result<Vec<Vec<f64>>, Failure> {
+        let score = |_: &_| Ok(self.model.classifier.scores_of_all(&trials.all())?);
+        watched(py, None, &Arc::default(), None, score)
+    }
+
     /// A classifier of trials that was read from this path.
     fn of(path: &Path, model: AnyModel) -> Result<Self, Failure> {
         match model {
@@ -114,7 +120,7 @@ impl PyModel {
 
     /// Scores of whole trials, nats: (trials, categories).
     fn scores<'py>(&self, py: Python<'py>, trials: &Trials) -> Answer<'py> {
-        let scores = pool::detached(py, None, || Ok(self.model.classifier.scores_of_all(&trials.all())?))?;
+        let scores = self.scores_of_all(py, trials)?;
         Ok(array::lend_rows(py, scores.concat(), self.model.classifier.categories().len())?)
     }
 
@@ -138,7 +144,7 @@ impl PyModel {
     ) -> Result<Vec<String>, Failure> {
         let decision = self.deciding(decision)?;
         let judge = decision.prepare(&self.model.classifier.categories())?;
-        let scores = pool::detached(py, None, || Ok(self.model.classifier.scores_of_all(&trials.all())?))?;
+        let scores = self.scores_of_all(py, trials)?;
         let verdict = |scores: &Vec<f64>| judge.verdict(judge.choose(scores)).name().to_owned();
         Ok(scores.iter().map(verdict).collect())
     }

@@ -11,7 +11,7 @@ use underbrush_classifier::{Classifier, Estimator, Scores};
 use crate::arguments::decision;
 use crate::fitting::{Options, estimator_of};
 use crate::python_classifier::PythonClassifier;
-use crate::{Answer, Failure, PyModel, Trials, given, json, pool};
+use crate::{Answer, Failure, PyModel, Trials, given, json, watched};
 
 /// Cross-validate a classifier; or evaluate a model, or a classifier fitted to other trials, on trials with ground truth.
 #[pyfunction]
@@ -36,7 +36,7 @@ pub fn evaluate_trials<'py>(
         refuse("a fitted model", &of_fitting)?;
         let decision = model.get().deciding(decision)?;
         let model = model.get().model.classifier.as_ref();
-        return judged(pool::detached(py, jobs, || Ok(evaluate(model, list, &decision)?))?);
+        return judged(watched(py, jobs, &Arc::default(), None, |_| Ok(evaluate(model, list, &decision)?))?);
     }
     let scores = classifier.cast::<Options>().map_or_else(|_| Scores::of_any_kind(), |options| options.get().scores());
     let decision = self::decision(decision, &scores)?;
@@ -44,7 +44,7 @@ pub fn evaluate_trials<'py>(
         refuse("a fitted classifier", &of_fitting)?;
         let raised = Arc::default();
         let fitted = PythonClassifier::of(classifier, &raised)?;
-        return judged(raised.checked(pool::detached(py, jobs, || Ok(evaluate(&fitted, list, &decision)?)))?);
+        return judged(watched(py, jobs, &raised, None, |_| Ok(evaluate(&fitted, list, &decision)?))?);
     }
     let (estimator, raised) = estimator_of(classifier)?;
     let estimator: &dyn Estimator = estimator.as_ref();
@@ -53,7 +53,7 @@ pub fn evaluate_trials<'py>(
     }
     let by = group.map(|name| given::named("group", name)).transpose()?;
     let own = Folds { count: folds.unwrap_or(Folds::COUNT), by: by.unwrap_or_else(|| FoldBy::advised(list)) };
-    let judged = pool::detached(py, jobs, || match train {
+    let judged = watched(py, jobs, &raised, None, |_| match train {
         Some(train) => {
             let fitted: Box<dyn Classifier> = estimator.fit(&train.all())?;
             Ok(evaluate(fitted.as_ref(), list, &decision)?.into())
@@ -65,7 +65,7 @@ pub fn evaluate_trials<'py>(
             Ok(EvaluationReport { folds: Some(own), by_samples: series, ..evaluation.into() })
         }
     });
-    json::to_python(py, &raised.checked(judged)?)
+    json::to_python(py, &judged?)
 }
 
 /// Refuses arguments that would have no effect.

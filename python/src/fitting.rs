@@ -14,7 +14,7 @@ use underbrush_experiments::model_data;
 
 use crate::arguments::features;
 use crate::python_classifier::PythonEstimator;
-use crate::{Failure, PyModel, Stop, Trials, given, json, pool};
+use crate::{Failure, PyModel, Stop, Trials, given, json, watched};
 
 /// Options of a classifier.
 #[pyclass(frozen, module = "underbrush._core")]
@@ -119,7 +119,7 @@ pub fn fit(
         let models = Model::from_json("the start model", &start.model.save_string()?)?.into_hmm()?;
         Ok(Model::new(Box::new(HmmClassifier::train_from(models, &trials.list, &training.unwrap_or_default())?.0)))
     };
-    let model = pool::detached(py, jobs, || {
+    let model = watched(py, jobs, &Arc::default(), None, |_| {
         let mut model = fitted()?;
         if let Some(false_positive_rate) = false_positive_rate {
             let folds = Folds::for_thresholds(&trials.list);

@@ -1,7 +1,7 @@
 //! Ctrl-C while work runs without the interpreter's lock.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 
 use pyo3::prelude::*;
 
@@ -10,7 +10,7 @@ use crate::Failure;
 /// Tells a run to end.
 #[derive(Debug, Default)]
 pub struct Stop {
-    flag: AtomicBool,
+    flag: Arc<AtomicBool>,
     /// The exception that ends the run.
     raised: Mutex<Option<PyErr>>,
 }
@@ -19,6 +19,11 @@ impl Stop {
     /// Whether the run should end.
     pub fn is_set(&self) -> bool {
         self.flag.load(Ordering::Relaxed)
+    }
+
+    /// The flag that is set when the run should end.
+    pub fn flag(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.flag)
     }
 
     /// Ends the run with this exception. Only the first one counts.

@@ -1,18 +1,19 @@
 //! Pictures of running simulations and of reaches.
 
 use std::borrow::Borrow;
+use std::sync::Arc;
 
 use glam::DVec3;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rayon::prelude::*;
-use underbrush_recording::{Frame, Recording};
+use underbrush_recording::{Frame, Recording, stop};
 use underbrush_render::{Camera, RenderError, Scene, Size, Stage, fullest};
 use underbrush_report::replayed;
 use underbrush_sim::scene::SceneCamera;
 use underbrush_sim::simulation::Simulation;
 
-use crate::{Failure, array, json, pool};
+use crate::{Failure, array, json, watched};
 
 /// Size of the pictures that notebooks show.
 const SHOWN: Size = Size { width: 800, height: 450 };
@@ -157,8 +158,11 @@ fn each<T: Send + Clone>(
     numbers: &[usize],
     draw: impl Fn(usize) -> Result<Vec<T>, RenderError> + Sync,
 ) -> Result<Vec<T>, Failure> {
-    let drawn = pool::detached(py, None, || {
-        Ok(numbers.par_iter().map(|number| draw(*number)).collect::<Result<Vec<Vec<T>>, RenderError>>()?)
-    })?;
+    let draw = |number: &usize| {
+        stop::check();
+        draw(*number)
+    };
+    let all = |_: &_| Ok(numbers.par_iter().map(draw).collect::<Result<Vec<Vec<T>>, RenderError>>()?);
+    let drawn = watched(py, None, &Arc::default(), None, all)?;
     Ok(drawn.concat())
 }

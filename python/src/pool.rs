@@ -1,10 +1,12 @@
 //! The threads that work is spread over, without the interpreter's lock.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use underbrush_recording::stop;
 
 use crate::Failure;
 
@@ -46,7 +48,11 @@ impl Drop for Made {
 static POOL: Made = Made(Mutex::new(None));
 
 fn build(threads: usize) -> Result<ThreadPool, Failure> {
-    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+    built(ThreadPoolBuilder::new().num_threads(threads))
+}
+
+fn built(builder: ThreadPoolBuilder) -> Result<ThreadPool, Failure> {
+    let pool = builder.build();
     pool.map_err(|error| Failure::run(format!("cannot start threads: {error}")))
 }
 
@@ -107,6 +113,20 @@ pub fn install<T: Send>(jobs: Option<usize>, work: impl FnOnce() -> Result<T, Fa
     guarded(|| pool.install(work))
 }
 
+/// Runs work on threads of its own, which end it if it asks [`stop::check`] after the flag is set.
+///
+/// # Errors
+/// As [`install`].
+pub fn stoppable<T: Send>(
+    jobs: Option<usize>,
+    flag: Arc<AtomicBool>,
+    work: impl FnOnce() -> Result<T, Failure> + Send,
+) -> Result<T, Failure> {
+    let builder = ThreadPoolBuilder::new().num_threads(jobs.map(check).transpose()?.unwrap_or(0));
+    let pool = built(builder.start_handler(move |_| stop::listen(Arc::clone(&flag))))?;
+    guarded(|| pool.install(work))
+}
+
 /// Runs work on the pool without the interpreter's lock.
 ///
 /// # Errors
@@ -133,6 +153,9 @@ pub fn alone<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T, Failure> 
 /// Those of the work, and `Fault::Run` for a panic.
 pub fn guarded<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+        if panic.is::<stop::Stopped>() {
+            return Err(Failure::run("the run was told to end"));
+        }
         let text = panic.downcast_ref::<String>().map(String::as_str);
         let text = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
         Err(Failure::run(format!("internal error: {text}; please report it with the call and its input")))

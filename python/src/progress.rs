@@ -87,9 +87,9 @@ impl Counter for Shared {
     }
 }
 
-/// Runs work on the pool in another thread while this one checks for signals and shows progress by `progress`, a function
+/// Runs work on threads of its own while this one checks for signals and shows progress by `progress`, a function
 /// of done, total and text. If a signal handler or that function raises, this sets `stop`, and waits for the work, which
-/// then ends soon.
+/// then ends soon if it asks for it.
 ///
 /// # Errors
 /// Those of the work, or the exception.
@@ -110,7 +110,7 @@ pub fn watched<T: Send>(
     let result = std::thread::scope(|scope| {
         scope.spawn(move || {
             // The receiver exists until the result has arrived.
-            let _ = sender.send(pool::install(jobs, || work(shown)));
+            let _ = sender.send(pool::stoppable(jobs, stop.flag(), || work(shown)));
         });
         loop {
             let come = py.detach(|| match receiver.lock() {

@@ -12,13 +12,13 @@ use underbrush_classifier::evaluate::touch_folds::{
 use underbrush_classifier::online_model::OnlineModel;
 use underbrush_classifier::touch::{RiskLimits, TOUCH_FORMAT, TouchExamples, TouchModel, TouchOptions};
 use underbrush_experiments::model_data;
-use underbrush_recording::Recording;
+use underbrush_recording::{Recording, stop};
 
 use crate::arguments::save;
 use crate::classifier::other_kind;
 use crate::online::Online;
 use crate::reach::Reach;
-use crate::{Answer, Failure, Skin, json, pool};
+use crate::{Answer, Failure, Skin, json, watched};
 
 /// A touch model: what presses on each taxel (nothing, a category, uncertain or unknown), in every frame.
 #[pyclass(frozen, name = "TouchModel", module = "underbrush._core")]
@@ -58,7 +58,7 @@ impl PyTouchModel {
         let (options, limits) = options(patch, threshold_n, limit_wrong);
         let reaches = Given(&reaches);
         let auxiliary = Given(&auxiliary);
-        let fit = || {
+        let fit = |_: &_| {
             let mut examples = touch_examples(&reaches, options)?;
             add_auxiliary(&mut examples, &auxiliary)?;
             let mut model = examples.fit_within(&limits)?;
@@ -66,7 +66,7 @@ impl PyTouchModel {
             model.provenance = model_data::provenance(json::value(&limits)?, sources);
             Ok(model)
         };
-        let model = Arc::new(pool::detached(py, jobs, fit)?);
+        let model = Arc::new(watched(py, jobs, &Arc::default(), None, fit)?);
         model.warn_of_little_data();
         Ok(PyTouchModel { model })
     }
@@ -89,11 +89,11 @@ impl PyTouchModel {
         let (options, limits) = options(patch, threshold_n, limit_wrong);
         let reaches = Given(&reaches);
         let fit = |examples: &TouchExamples| Ok(examples.fit_within(&limits)?);
-        let judge = || {
+        let judge = |_: &_| {
             check_folds(folds, reaches.count())?;
             cross_validate_touch(folds, &touch_examples(&reaches, options)?, &reaches, fit, Failure::from)
         };
-        json::to_python(py, &pool::detached(py, jobs, judge)?)
+        json::to_python(py, &watched(py, jobs, &Arc::default(), None, judge)?)
     }
 
     /// Read a model file.
@@ -147,8 +147,8 @@ impl PyTouchModel {
     /// Judge the frames of reaches with ground truth.
     fn evaluate<'py>(&self, py: Python<'py>, reaches: Vec<Py<Reach>>) -> Answer<'py> {
         let reaches = Given(&reaches);
-        let judge = || judge_touch(self.model.as_ref().clone(), &reaches);
-        json::to_python(py, &pool::detached(py, None, judge)?)
+        let judge = |_: &_| judge_touch(self.model.as_ref().clone(), &reaches);
+        json::to_python(py, &watched(py, None, &Arc::default(), None, judge)?)
     }
 
     fn __repr__(&self) -> String {
@@ -182,6 +182,9 @@ impl ReadReaches for Given<'_> {
         each: &mut dyn FnMut(&Recording) -> Result<(), Failure>,
     ) -> Result<(), Failure> {
         let mut kept = self.0.iter().enumerate().filter(|(position, _)| keeps(*position));
-        kept.try_for_each(|(_, reach)| each(&*reach.get().recording()?))
+        kept.try_for_each(|(_, reach)| {
+            stop::check();
+            each(&*reach.get().recording()?)
+        })
     }
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use pyo3::prelude::*;
+use underbrush_recording::stop;
 use underbrush_validation::{CHECKS, Check};
 
 use crate::{Answer, Failure, json, watched};
@@ -28,7 +29,7 @@ pub fn validate<'py>(
     }
     let chosen = |check: &&Check| only.as_ref().is_none_or(|only| only.iter().any(|name| name == check.name));
     let chosen: Vec<&Check> = CHECKS.iter().filter(chosen).collect();
-    let run = |_: &_| Ok(underbrush_validation::run(&chosen, tolerance_scale, || {}));
+    let run = |_: &_| Ok(underbrush_validation::run(&chosen, tolerance_scale, stop::check));
     json::to_python(py, &watched(py, jobs, &Arc::default(), None, run)?)
 }
 

@@ -1,6 +1,8 @@
 """Several threads and processes."""
 
 import multiprocessing
+import os
+import signal
 import threading
 import time
 
@@ -52,6 +54,15 @@ def test_the_interpreter_runs_meanwhile(trials: ub.Trials) -> None:
     done.set()
     thread.join()
     assert after - before > 2
+
+
+def test_ctrl_c_ends_fits(trials: ub.Trials) -> None:
+    """Tests that Ctrl-C ends a fit and a cross-validation after the iteration that is under way."""
+    endless = {"states": 10, "tolerance": 0.0, "iterations": 100_000}
+    for call in (lambda: ub.fit(trials, **endless), lambda: ub.evaluate(trials, ub.Options("hmm", **endless))):
+        threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+        with pytest.raises(KeyboardInterrupt):
+            call()
 
 
 def test_threads_may_share_what_does_not_change(data: ub.Dataset, trials: ub.Trials) -> None:

@@ -26,6 +26,7 @@ pub mod outcome;
 pub mod plain_text;
 pub mod reach;
 pub mod regular_file;
+pub mod stop;
 pub mod text_line;
 #[cfg(feature = "toml")]
 mod toml_shape;

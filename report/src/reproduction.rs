@@ -33,7 +33,7 @@ impl Reproduction<'_> {
     /// # Errors
     /// If the folder holds the results of another run, a stage fails, or a file cannot be written.
     pub fn run(&self, out: &Path, progress: &dyn Progress) -> Result<(Results, Written), Fault> {
-        Plan::new(self.experiment, self.seed, self.quick).settle(out, self.force)?;
+        let _in_use = Plan::new(self.experiment, self.seed, self.quick).settle(out, self.force)?;
         let session = Session::new(self.experiment, (self.seed, self.quick, self.campaigns), out, progress);
         let data = session.once(training::run)?;
         for warning in audit::warnings(data.dataset.episodes(), data.dataset.layout()) {
@@ -65,7 +65,7 @@ impl Reproduction<'_> {
     /// # Errors
     /// If the folder holds the results of another run, a stage fails, or a file cannot be written.
     pub fn run_campaign(&self, seed: u64, out: &Path, progress: &dyn Progress) -> Result<(), Fault> {
-        Plan::new(self.experiment, self.seed, self.quick).settle(out, false)?;
+        let _in_use = Plan::new(self.experiment, self.seed, self.quick).settle(out, false)?;
         let session = Session::new(self.experiment, (self.seed, self.quick, self.campaigns), out, progress);
         campaigns::run_one(&session, seed)
     }

@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use underbrush_recording::stop;
 use underbrush_recording::{Limits, Sample, math};
 
 use super::fitted::{self, Baseline, FITTED, TrialsByCategory, check_table};
@@ -195,6 +196,7 @@ fn minimize(table: &Table, columns: usize, penalty: f64) -> Result<DMatrix<f64>,
     let mut value = objective(&weights);
     // Newton's method doubles the number of correct digits in each iteration; it usually takes a dozen iterations.
     for _ in 0..100 {
+        stop::check();
         let step = NewtonStep::of(table, &weights, penalty);
         let direction = step.direction();
         // The quadratic model predicts a further decrease of half of this, in nats.

@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use underbrush_recording::stop;
 use underbrush_recording::{Limits, Sample};
 
 use super::convolution::{Convolutions, KERNELS, Outputs};
@@ -104,6 +105,7 @@ impl Baseline for MiniRocket {
     fn learn(&self, trials: &TrialsByCategory) -> Result<Parameters, ModelError> {
         let convolutions = Convolutions::fit(trials, self.features, self.thresholds)?;
         let weights = ridge::fit(trials, convolutions.dimension() + 1, self.penalty, |trial| {
+            stop::check();
             let mut rows = convolutions.after(self.features, trial, &ages_of(trial, &SAMPLE_COUNTS))?;
             rows.iter_mut().for_each(|row| row.push(1.0));
             Ok(rows)

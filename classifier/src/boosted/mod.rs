@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use underbrush_recording::math;
+use underbrush_recording::stop;
 
 use packed::{Node, Packed, Span};
 
@@ -84,7 +85,11 @@ impl Boosted {
             slopes: vec![[0.0; 2]; rows.len()],
             leaf_rows: LEAF_ROWS.min(rows.len() / 10).max(1),
         };
-        let trees = (0..TREES).map(|_| boosting.tree()).collect();
+        let tree = |_| {
+            stop::check();
+            boosting.tree()
+        };
+        let trees = (0..TREES).map(tree).collect();
         Boosted { trees, spans: columns.iter().map(|column| column.span).collect() }
     }
 

@@ -13,6 +13,7 @@ use std::fmt::Debug;
 
 use schemars::{Schema, SchemaGenerator};
 use serde_json::Value;
+use underbrush_recording::stop;
 use underbrush_recording::{Category, InputError, Trial};
 
 use crate::{Document, FeatureError, FeatureSet, ModelError, TrainingHistory};
@@ -88,6 +89,7 @@ pub trait Classifier: Any + Debug + Send + Sync {
     /// As [`Classifier::scores_after`].
     fn scores_of_all(&self, trials: &[&Trial]) -> Result<Vec<Vec<f64>>, ModelError> {
         let of_trial = |trial: &&Trial| {
+            stop::check();
             let mut scores = self.scores_after(trial, &[trial.samples.len()])?;
             Ok(scores.pop().unwrap_or_default())
         };

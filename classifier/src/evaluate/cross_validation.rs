@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 use underbrush_recording::Trial;
+use underbrush_recording::stop;
 
 use super::{EvaluateError, Evaluation, Folds, Prediction};
 use crate::estimator::{Classifier, Estimator, is_trained};
@@ -75,6 +76,7 @@ pub(super) fn across_folds<T: Send>(
     let outcomes: Vec<Result<_, EvaluateError>> = (0..folds.count)
         .into_par_iter()
         .map(|fold| {
+            stop::check();
             let long = |trial: &&Trial| trial.samples.len() >= min_training_samples;
             let (long_enough, short): (Vec<&Trial>, Vec<&Trial>) = of(fold, false).into_iter().partition(long);
             let categories: BTreeSet<&str> = long_enough.iter().filter_map(|trial| trial.category.as_deref()).collect();

@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use underbrush_recording::stop;
 
 use super::covariance::{floor_eigenvalues, is_singular};
 use super::model::GaussianHmm;
@@ -111,6 +112,7 @@ pub fn train(
         empty_states: Vec::new(),
     };
     for iteration in 1..=options.iterations {
+        stop::check();
         let empty = (0..model.states).filter(|&state| statistics.occupancy[state] < EMPTY_OCCUPANCY);
         history.empty_states.extend(empty);
         let candidate = maximize(&model, &statistics, options.variance_floor, largest, iteration)?;

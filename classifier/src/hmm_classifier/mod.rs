@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde_json::Value;
-use underbrush_recording::Trial;
+use underbrush_recording::{Trial, stop};
 
 use crate::estimator::{Classifier, ClassifierKind, Estimator, OnlineScorer};
 use crate::feature::{FeatureError, FeatureSet, Observations, Scaling};
@@ -159,6 +159,7 @@ impl HmmClassifier {
     /// [`ModelError::Feature`] if a trial does not give the models' features.
     pub fn score_all(&self, trials: &[&Trial], kind: ScoreKind) -> Result<Vec<Vec<f64>>, ModelError> {
         let score = |trials: &[&Trial]| {
+            stop::check();
             let sequences = trials.iter().map(|trial| self.sequence(trial));
             let sequences = sequences.collect::<Result<Vec<_>, FeatureError>>()?;
             let sequences: Vec<&Observations> = sequences.iter().collect();

@@ -6,6 +6,7 @@ use rand::{RngExt, SeedableRng, seq::SliceRandom};
 use rand_chacha::ChaCha8Rng;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use underbrush_recording::stop;
 use underbrush_recording::{Limits, math};
 
 use crate::vector::vectorized;
@@ -116,6 +117,7 @@ impl Network {
         let mut descent = Descent::new(&network);
         let steps = PASSES * rows.len().div_ceil(BATCH);
         for _ in 0..PASSES {
+            stop::check();
             order.shuffle(&mut random);
             vectorized(
                 #[inline(always)]

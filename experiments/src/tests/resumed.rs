@@ -2,7 +2,7 @@ use crate::definition::Experiment;
 use crate::run_folder::Plan;
 
 /// Tests that results of another seed or size are refused with the reason; that the same plan continues; and that
-/// `--force` removes what a run creates, and nothing else.
+/// `--force` removes what a run creates, and nothing else, but not while that run is at work.
 #[test]
 fn only_the_same_plan_goes_on() {
     let folder = tempfile::tempdir().unwrap();
@@ -18,6 +18,9 @@ fn only_the_same_plan_goes_on() {
     std::fs::create_dir(out.join("reaches")).unwrap();
     std::fs::write(out.join("reaches/mixed.json"), "{}").unwrap();
     std::fs::write(out.join("notes.txt"), "mine").unwrap();
+    let at_work = plan(3, true).settle(out, false).unwrap();
+    assert!(plan(4, true).settle(out, true).unwrap_err().to_string().contains("at work in this folder"));
+    drop(at_work);
     plan(4, true).settle(out, true).unwrap();
     assert!(!out.join("reaches").exists() && out.join("notes.txt").exists());
     plan(4, true).settle(out, false).unwrap();

@@ -1,0 +1,41 @@
+//! Ends work that takes minutes before it is done.
+//!
+//! Such work asks [`check`] now and then. A caller that may want to end it runs it on threads that [`listen`] to a flag.
+
+use std::cell::RefCell;
+use std::panic::resume_unwind;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+thread_local! {
+    static FLAG: RefCell<Option<Arc<AtomicBool>>> = const { RefCell::new(None) };
+}
+
+/// What [`check`] unwinds with.
+#[derive(Clone, Copy, Debug)]
+pub struct Stopped;
+
+/// Work on this thread ends once the flag is set.
+///
+/// ```
+/// use std::panic::catch_unwind;
+/// use std::sync::Arc;
+/// use std::sync::atomic::{AtomicBool, Ordering};
+/// use underbrush_recording::stop::{Stopped, check, listen};
+///
+/// let flag = Arc::new(AtomicBool::new(false));
+/// listen(Arc::clone(&flag));
+/// assert!(catch_unwind(check).is_ok());
+/// flag.store(true, Ordering::Relaxed);
+/// assert!(catch_unwind(check).unwrap_err().is::<Stopped>());
+/// ```
+pub fn listen(flag: Arc<AtomicBool>) {
+    FLAG.set(Some(flag));
+}
+
+/// Ends the work of this thread by unwinding with [`Stopped`], if it listens to a flag that is set.
+pub fn check() {
+    if FLAG.with_borrow(|flag| flag.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))) {
+        resume_unwind(Box::new(Stopped));
+    }
+}
