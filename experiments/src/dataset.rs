@@ -5,15 +5,15 @@ use std::ops::RangeInclusive;
 use std::sync::Mutex;
 
 use rayon::prelude::*;
-use serde::Serialize;
-use serde_json::json;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use underbrush_recording::disk::{
     ArmText, Dataset, DatasetPlan, FileText, PlannedEpisode, Provenance, SceneText, Shard,
 };
 use underbrush_recording::{Category, Fault, InputError, PLAIN, Recording, distinct, is_plain};
 use underbrush_sim::arm::{Arm, ArmSource};
 use underbrush_sim::campaign::{self, Job};
-use underbrush_sim::controller::{ControllerKind, Preset};
+use underbrush_sim::controller::{AllowedForces, ControllerKind, Preset};
 use underbrush_sim::reach::{MakeController, ReachPlan, ReachRules};
 use underbrush_sim::scene::Scene;
 
@@ -162,6 +162,16 @@ impl Campaign {
                 return Err(fault(&field("arm"), stored.arm.to_string(), "the index of an arm"));
             };
             campaign.arms.insert(scene.name.clone(), stored_arm(&arm.files)?);
+            if let Some(verdicts) = &mut campaign.verdicts {
+                let parameters = provenance.controller_parameters.get(&scene.name);
+                let stored =
+                    parameters.and_then(|own| own.pointer("/verdicts/allowed_force_n")).unwrap_or(&Value::Null);
+                let forces = AllowedForces::deserialize(stored).map_err(|error| {
+                    let field = format!("controller_parameters.{}.verdicts.allowed_force_n", scene.name);
+                    fault(&field, error.to_string(), "the forces that the controller was allowed")
+                })?;
+                verdicts.ask_as_stored(&scene, forces);
+            }
             campaign.scenes.push((scene, stored.reaches));
         }
         Ok(campaign)

@@ -124,14 +124,19 @@ impl VerdictControl {
 
     /// The forces that are allowed in a scene.
     fn allowed_in(&self, scene: &Scene) -> AllowedForces {
-        let mut allowed = AllowedForces::default();
-        for (name, force_n) in scene.file.allowed_force_n.iter().chain(&self.asked_n) {
-            match name.as_str() {
-                UNKNOWN => allowed.unknown_n = Some(*force_n),
-                _ => _ = allowed.categories_n.insert(name.clone(), *force_n),
-            }
-        }
-        allowed
+        let mut categories_n = AllowedForces::default().categories_n;
+        let others = scene.file.allowed_force_n.iter().chain(&self.asked_n);
+        categories_n.extend(others.map(|(name, force_n)| (name.clone(), *force_n)));
+        AllowedForces { unknown_n: categories_n.remove(UNKNOWN), categories_n }
+    }
+
+    /// Asks for the forces that a data set stores for a scene, where the scene does not give them itself.
+    pub(crate) fn ask_as_stored(&mut self, scene: &Scene, stored: AllowedForces) {
+        let own = self.allowed_in(scene);
+        let unknown = stored.unknown_n.filter(|_| stored.unknown_n != own.unknown_n);
+        let others =
+            stored.categories_n.into_iter().filter(|(name, force_n)| own.categories_n.get(name) != Some(force_n));
+        self.asked_n.extend(others.chain(unknown.map(|force_n| (UNKNOWN.to_owned(), force_n))));
     }
 
     /// The parameters of verdict control in a scene that data sets store.
@@ -188,7 +193,11 @@ pub(crate) fn check_model(dataset: &Dataset, verdicts: Option<&VerdictControl>) 
         return Ok(());
     }
     let path = dataset.dir().join("meta/provenance.json");
-    let found = given.map_or("no touch model".into(), |hash| format!("a touch model with BLAKE3 hash {hash}"));
+    let found = match given {
+        None => "no verdicts".into(),
+        Some(TRUTH) => "the true categories".into(),
+        Some(hash) => format!("a touch model with BLAKE3 hash {hash}"),
+    };
     let (allowed, remedy) = match stored {
         Some(TRUTH) => ("the true categories".into(), "give --verdicts truth"),
         Some(hash) => (

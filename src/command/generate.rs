@@ -33,7 +33,7 @@ pub struct GenerateOptions {
     out: PathBuf,
     /// Regenerate this data set from what it contains: scenes, arms, seed, controller, reaches and shard. If its
     /// controller had verdicts, give the touch model, too
-    #[arg(long, value_name = "DATASET", conflicts_with_all = ["scenes", "reaches", "seed", "controller", "shard", "shared", "randomize", "materials"])]
+    #[arg(long, value_name = "DATASET", conflicts_with_all = ["scenes", "reaches", "seed", "controller", "shard", "shared", "randomize", "materials", "allow"])]
     from: Option<PathBuf>,
     /// Controller to use instead of each scene's
     #[arg(long, value_name = "NAME", value_parser = input::controller())]

@@ -137,6 +137,7 @@ fn options_beside_from_are_refused() {
         &["--reaches", "1"],
         &["--shard", "1/2"],
         &["--controller", "blind"],
+        &["--verdicts", "truth", "--allow", "leaf=1"],
         &["scenes/leaf.toml"],
     ] {
         let mut arguments = vec!["generate".into(), "--from".into(), set.clone(), "--out".into(), out.clone()];

@@ -44,24 +44,27 @@ fn a_set_with_verdicts_is_made_again_with_its_model() {
         crate::support::call(call, "").refused(parts);
     };
     let from = Path::new("--from");
-    refused(&[from, &set], &["no touch model", &hash, "--verdicts"]);
+    refused(&[from, &set], &["no verdicts", &hash, "--verdicts"]);
     let other = folder.path().join("other.json");
     fs::write(&other, fs::read_to_string(&model).unwrap() + "\n").unwrap();
     let told = Path::new("--verdicts");
     refused(&[from, &set, told, &other], &["provenance.json", &hash]);
     refused(&[from, &fixture().dataset(), told, &model], &["had no verdicts"]);
+    refused(&[from, &fixture().dataset(), told, Path::new("truth")], &["found the true categories", "had no verdicts"]);
     underbrush!["generate", "--from", set, "--verdicts", model, "--out", again].success();
     assert_same_trees(&set, &again);
 }
 
-/// Tests that a set with true categories for verdicts can be made again, and that the option for it is named where it lacks.
+/// Tests that a set with true categories for verdicts is made again with the forces that `--allow` gave, and that the option for the
+/// categories is named where it lacks.
 #[test]
 fn a_set_with_true_verdicts_is_made_again() {
     let folder = tempfile::tempdir().unwrap();
     let scene = scenes::write(folder.path(), "trunk.toml", scenes::TRUNKS_AT_FOREARM);
     let [set, again] = ["set", "again"].map(|name| folder.path().join(name));
-    underbrush!["generate", scene, "--reaches", "1", "--verdicts", "truth", "--out", set].success();
-    underbrush!["generate", "--from", set, "--out", again].refused(&["no touch model", "--verdicts truth"]);
+    #[rustfmt::skip]
+    underbrush!["generate", scene, "--reaches", "1", "--verdicts", "truth", "--allow", "trunk=2", "--allow", "unknown=4", "--out", set].success();
+    underbrush!["generate", "--from", set, "--out", again].refused(&["found no verdicts", "--verdicts truth"]);
     underbrush!["generate", "--from", set, "--verdicts", "truth", "--out", again].success();
     assert_same_trees(&set, &again);
 }

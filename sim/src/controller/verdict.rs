@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::TaxelContact;
 
@@ -42,7 +42,7 @@ pub struct Verdict {
 }
 
 /// How hard the arm may press on which objects, N. The controller's own limit holds for everything else.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AllowedForces {
     /// The limits by the name of a category, N.
     pub categories_n: BTreeMap<String, f64>,
