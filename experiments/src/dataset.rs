@@ -93,7 +93,7 @@ pub fn stored_arm(files: &[FileText]) -> Result<Arm, InputError> {
 pub fn require_same_reaches(made: &Dataset, source: &Dataset) -> Result<(), Fault> {
     let Some(index) = made.first_difference(source)? else { return Ok(()) };
     let (episode, dir) = (&made.episodes()[index], source.dir().display());
-    let difference = format!("reach {} of {} differs from the one in {dir}", episode.reach_index, episode.scene);
+    let difference = format!("reach {} of {} is missing or different in {dir}", episode.reach_index, episode.scene);
     let [own, other] = [made, source].map(|set| set.provenance().program_version.as_str());
     if own == other {
         let text = "although the same version made both; the new data set is kept, please report it";

@@ -158,8 +158,9 @@ fn altered(
     let set = Dataset::open(from).unwrap();
     let mut plan = set.plan();
     change_plan(&mut plan);
+    let reaches = plan.episodes.len();
     let writer = DatasetWriter::create(to, plan, false).unwrap();
-    for index in 0..set.episodes().len() {
+    for index in 0..reaches {
         let mut recording = set.read_reach(index).unwrap();
         change_reach(index, &mut recording);
         writer.stage(index, &recording).unwrap();
@@ -167,8 +168,8 @@ fn altered(
     writer.finish().unwrap();
 }
 
-/// Tests that a set that was made again is compared with its source: the first reach that differs is named, with a
-/// warning if another version made the source, and with an error if the same one did.
+/// Tests that a set that was made again is compared with its source: the first reach that differs, or that the source lacks, is
+/// named, with a warning if another version made the source, and with an error if the same one did.
 #[test]
 fn a_set_made_again_is_compared_with_its_source() {
     let folder = tempfile::tempdir().unwrap();
@@ -182,7 +183,7 @@ fn a_set_made_again_is_compared_with_its_source() {
     };
     let same = |_: usize, _: &mut Recording| {};
     let older = |plan: &mut DatasetPlan| plan.provenance.program_version = "0.0.9".into();
-    let named = "reach 1 of trunk differs from the one in";
+    let named = "reach 1 of trunk is missing or different in";
     let again = |name: &str| {
         let (source, out) = (folder.path().join(name), folder.path().join(format!("{name}-again")));
         underbrush!["generate", "--from", source, "--out", out]
@@ -195,9 +196,12 @@ fn a_set_made_again_is_compared_with_its_source() {
     assert_eq!(call.status, 0, "{}", call.stderr);
     assert!(call.stderr.contains(named) && call.stderr.contains("0.0.9"), "{}", call.stderr);
     altered(&set, &folder.path().join("other"), |_| {}, flipped);
-    let call = again("other");
-    assert_eq!(call.status, 1, "{}", call.stderr);
-    assert!(call.stderr.contains(named), "{}", call.stderr);
+    altered(&set, &folder.path().join("fewer"), |plan| plan.episodes.truncate(1), same);
+    for source in ["other", "fewer"] {
+        let call = again(source);
+        assert_eq!(call.status, 1, "{}", call.stderr);
+        assert!(call.stderr.contains(named), "{}", call.stderr);
+    }
     assert!(Dataset::open(folder.path().join("other-again")).is_ok());
 }
 

@@ -200,8 +200,8 @@ impl Dataset {
         self.checksums.hash_of(is_large)
     }
 
-    /// The index of the first reach of this set that another set has with other frames or ground truth; `None` if there
-    /// is none. Reaches are compared by scene and index of the campaign, so either set may be a part of the other.
+    /// The index of the first reach of this set that another set lacks, or has with other frames or ground truth; `None`
+    /// if there is none. Reaches are compared by scene and index of the campaign, so this set may be a part of the other.
     ///
     /// # Errors
     /// As [`Dataset::read_reach`].
@@ -212,10 +212,9 @@ impl Dataset {
         let key = |episode: &Episode| (episode.scene.clone(), episode.reach_index);
         let places: BTreeMap<_, usize> = other.episodes.iter().map(key).zip(0..).collect();
         for (index, episode) in self.episodes.iter().enumerate() {
-            if let Some(place) = places.get(&key(episode))
-                && self.read_reach(index)? != other.read_reach(*place)?
-            {
-                return Ok(Some(index));
+            match places.get(&key(episode)) {
+                Some(place) if self.read_reach(index)? == other.read_reach(*place)? => (),
+                _ => return Ok(Some(index)),
             }
         }
         Ok(None)
