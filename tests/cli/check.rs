@@ -110,6 +110,21 @@ fn small(folder: &Path) -> PathBuf {
     file
 }
 
+/// Tests that no file is blessed if another one cannot be, because no reach touches its post.
+#[test]
+fn files_are_blessed_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let [file, other] = [small(folder.path()), folder.path().join("other.toml")];
+    let scene = folder.path().join("trunks & posts.toml");
+    let post = "[[objects.trunk]]\ncount = 1\ncategory = \"post\"\n\
+                place = { x_m = { uniform = [0.4, 0.6] }, y_m = { uniform = [0.6, 0.7] } }\n";
+    std::fs::write(&scene, std::fs::read_to_string(&scene).unwrap() + post).unwrap();
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&other, format!("{text}peak_force_n.post = {{}}\n")).unwrap();
+    underbrush!["check", file, other, "--bless"].refused(&["in 0 of 3 reaches", "nothing was written"]);
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), text);
+}
+
 /// Tests that a suite can have a touch model, and that its verdict `nothing` has metrics of its own.
 #[test]
 fn touch_models_judge_suites() {

@@ -9,6 +9,7 @@ use underbrush_recording::{Fault, disk};
 use super::result::SuiteResult;
 use super::{Suite, bless};
 use crate::progress::Progress;
+use crate::source;
 
 /// The results of some suites.
 #[derive(Debug, Serialize)]
@@ -46,11 +47,15 @@ impl Checked {
         if let Some(seed) = seed {
             suites.iter_mut().for_each(|suite| suite.set_seed(seed));
         }
-        let mut results = Vec::new();
+        let (mut results, mut texts) = (Vec::new(), Vec::new());
         for (suite, path) in suites.iter().zip(paths) {
-            let result = suite.run(progress)?;
-            results.push(if bless { blessed(suite, result, path, progress)? } else { result });
+            let mut result = suite.run(progress)?;
+            if bless {
+                texts.push((suite, path.as_path(), blessed(suite, &mut result, path, progress)?));
+            }
+            results.push(result);
         }
+        write(&texts)?;
         Ok(Checked { passed: results.iter().all(|result| result.passed), suites: results })
     }
 
@@ -60,23 +65,22 @@ impl Checked {
     }
 }
 
-/// Writes new bounds into the file, and returns the result checked against them. A file is never replaced by one that
-/// cannot be read.
+/// The text of the file with new bounds, against which the result is checked. A file is never replaced by one that cannot
+/// be read.
 pub(super) fn blessed(
     suite: &Suite,
-    result: SuiteResult,
+    result: &mut SuiteResult,
     path: &Path,
     progress: &dyn Progress,
-) -> Result<SuiteResult, Fault> {
-    let text = bless::text(suite, &result)?;
+) -> Result<String, Fault> {
+    let text = bless::text(suite, result)?;
     let new = Suite::parse(path, text.clone()).map_err(|error| {
         Fault::Usage(format!(
             "the file would not be a suite with the new bounds, so nothing was written ({error}). Write each bound in \
              braces, on one line"
         ))
     })?;
-    disk::write_file(path, text.as_bytes())?;
-    let result = new.hold(result);
+    *result = new.hold(result.clone());
     for scene in &result.scenes {
         for bound in scene.bounds.iter().filter(|bound| bound.allows_everything()) {
             progress.remark(&format!(
@@ -86,5 +90,20 @@ pub(super) fn blessed(
             ));
         }
     }
-    Ok(result)
+    Ok(text)
+}
+
+/// Writes the texts with new bounds, if no file has changed since its suite was read.
+pub(super) fn write(texts: &[(&Suite, &Path, String)]) -> Result<(), Fault> {
+    for (suite, path, _) in texts {
+        if source::read(path, "suite")? != suite.text {
+            let path = path.display();
+            let text = "changed while the suites ran, so nothing was written; run the command again";
+            return Err(Fault::Run(format!("{path}: the file {text}")));
+        }
+    }
+    for (_, path, text) in texts {
+        disk::write_file(path, text.as_bytes())?;
+    }
+    Ok(())
 }

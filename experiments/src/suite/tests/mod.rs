@@ -172,11 +172,23 @@ fn bounds_without_braces_are_not_blessed() {
 fn a_file_is_not_replaced_by_one_that_cannot_be_read() {
     let (_folder, file) = written(SUITE);
     let mut suite = Suite::load(&file).unwrap();
-    let found = result(&suite, &[&[5.0, 6.0], &[0.5, 1.0], &[0.25, 0.125], &[1.0, 3.0], &[2.0, 3.0]]);
+    let mut found = result(&suite, &[&[5.0, 6.0], &[0.5, 1.0], &[0.25, 0.125], &[1.0, 3.0], &[2.0, 3.0]]);
     suite.scenes[0].bounds[1].span.end -= 3;
-    let error = checked::blessed(&suite, found, &file, &Silent).unwrap_err().to_string();
+    let error = checked::blessed(&suite, &mut found, &file, &Silent).unwrap_err().to_string();
     assert!(error.contains("nothing was written"), "{error}");
     assert_eq!(std::fs::read_to_string(&file).unwrap(), SUITE);
+}
+
+/// Tests that a file that was edited while its suite ran is not overwritten.
+#[test]
+fn an_edited_file_is_not_overwritten() {
+    let (_folder, file) = written(SUITE);
+    let suite = Suite::load(&file).unwrap();
+    let edited = SUITE.replace("seed = 7", "seed = 8");
+    std::fs::write(&file, &edited).unwrap();
+    let error = checked::write(&[(&suite, &file, SUITE.to_owned())]).unwrap_err().to_string();
+    assert!(error.contains("suite.toml") && error.contains("nothing was written"), "{error}");
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), edited);
 }
 
 /// Tests that a bound from values that differ too much is recognized as allowing everything, and that other bounds are
