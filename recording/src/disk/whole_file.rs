@@ -107,7 +107,8 @@ pub fn remove_leftovers(path: &Path) {
     }
 }
 
-/// Writes a file completely or not at all, after removing leftovers of killed processes.
+/// Writes a file completely or not at all, after removing leftovers of killed processes. A file that is there keeps its
+/// permissions, and if the path is a link, the file that it names is written.
 ///
 /// # Errors
 /// [`DiskError::Io`] if the file cannot be written.
@@ -125,8 +126,13 @@ pub fn remove_leftovers(path: &Path) {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), DiskError> {
+    let linked = if path.is_symlink() { fs::canonicalize(path).ok() } else { None };
+    let path = linked.as_deref().unwrap_or(path);
     remove_leftovers(path);
-    write_bytes(path, bytes)
+    let mut temporary = begin(path)?;
+    let kept = fs::metadata(path).map_or(Ok(()), |there| temporary.as_file_mut().set_permissions(there.permissions()));
+    kept.and_then(|()| temporary.write_all(bytes)).map_err(DiskError::io(path, "write"))?;
+    commit(temporary, path)
 }
 
 /// Removes a file or a folder with all that it holds, if it is there.

@@ -60,6 +60,22 @@ fn only_files_are_replaced() {
     }
 }
 
+/// Tests that a file that is written anew keeps its permissions, and that a link to it stays a link.
+#[cfg(unix)]
+#[test]
+fn links_and_permissions_are_kept() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let folder = tempfile::tempdir().unwrap();
+    let [file, link] = ["suite.toml", "link.toml"].map(|name| folder.path().join(name));
+    fs::write(&file, "old").unwrap();
+    fs::set_permissions(&file, fs::Permissions::from_mode(0o640)).unwrap();
+    symlink("suite.toml", &link).unwrap();
+    write_file(&link, b"new").unwrap();
+    assert_eq!(fs::read_link(&link).unwrap(), Path::new("suite.toml"));
+    assert_eq!(fs::read(&file).unwrap(), b"new");
+    assert_eq!(fs::metadata(&file).unwrap().permissions().mode() & 0o777, 0o640);
+}
+
 /// Tests that names as long as the file system allows, and names that are not UTF-8, can be written.
 #[cfg(unix)]
 #[test]
