@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use underbrush_classifier::evaluate::touch_folds::ReadReaches;
-use underbrush_recording::disk::{Dataset, is_folder, is_recording, read_recording};
+use underbrush_recording::disk::{Dataset, file_blake3, is_folder, is_recording, read_recording};
 use underbrush_recording::{InputError, Recording};
 
 use crate::{Failure, input, progress};
@@ -22,9 +22,9 @@ impl Reaches {
     /// Finds the reaches of these files and folders.
     ///
     /// # Errors
-    /// If one is neither a data set nor a recording, or is given twice: a reach would be in training and test at once.
+    /// If one is neither a data set nor a recording, or is given twice, as a copy, too: a reach would be in training and test at once.
     pub fn open(paths: &[PathBuf]) -> Result<Self, Failure> {
-        let mut places = BTreeSet::new();
+        let mut contents = BTreeSet::new();
         let source = |path: &PathBuf| {
             input::check_exists(path, ALLOWED)?;
             let dataset = if is_folder(path)? {
@@ -35,12 +35,12 @@ impl Reaches {
                 let remedy = "give the data set or recording that the trials were taken from";
                 return Err(InputError::new(path, "input", "a table of trials or another file", ALLOWED, remedy).into());
             };
-            // Two names of one file are one file.
-            let place = std::fs::canonicalize(path).unwrap_or_else(|_| path.clone());
-            if !places.insert(place) {
+            // Two names and two copies of one file are one file.
+            let content = dataset.as_ref().map_or_else(|| file_blake3(path), |dataset| Ok(dataset.data_blake3()))?;
+            if !contents.insert(content) {
                 let remedy = "leave it out where it is named again";
                 let allowed = "each data set or recording once, so that no reach counts twice";
-                return Err(InputError::new(path, "input", "the same input twice", allowed, remedy).into());
+                return Err(InputError::new(path, "input", "the same data twice", allowed, remedy).into());
             }
             Ok((path.clone(), dataset))
         };

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::{Fault, assert_empty};
 use crate::cli::touch::model;
 use crate::support::fixture::fixture;
-use crate::support::{call, underbrush};
+use crate::support::{call, copy_tree, underbrush};
 
 /// Demands that every command that reads touch models refuses this text.
 #[track_caller]
@@ -172,20 +172,23 @@ fn too_little_to_learn_from() {
     assert_empty(outputs.path());
 }
 
-/// Tests that an input that is given twice, under whatever name, is refused: its reaches would be in training and test
+/// Tests that an input that is given twice, under whatever name or as a copy, is refused: its reaches would be in training and test
 /// at once.
 #[test]
 fn no_input_counts_twice() {
     let outputs = tempfile::tempdir().unwrap();
     let out = outputs.path().join("out.json");
     let set = fixture().dataset();
-    let again = set.join("..").join(set.file_name().unwrap());
-    let name = again.display().to_string();
-    for answer in [
-        underbrush!["evaluate", set, again, "--classifier", "touch"],
-        underbrush!["train", set, again, "--classifier", "touch", "--out", out],
-    ] {
-        answer.refused(&[&name, "the same input twice", "leave it out"]);
+    let copies = tempfile::tempdir().unwrap();
+    copy_tree(&set, copies.path());
+    for again in [set.join("..").join(set.file_name().unwrap()), copies.path().to_path_buf()] {
+        let name = again.display().to_string();
+        for answer in [
+            underbrush!["evaluate", set, again, "--classifier", "touch"],
+            underbrush!["train", set, again, "--classifier", "touch", "--out", out],
+        ] {
+            answer.refused(&[&name, "the same data twice", "leave it out"]);
+        }
     }
     assert_empty(outputs.path());
 }

@@ -99,7 +99,7 @@ fn bad_auxiliary_sets_are_refused() {
     train(&posts, &["--reaches", "1"]).refused(&["objects of the auxiliary category post", "10 or more"]);
     train(Path::new("leaf"), &[]).refused(&["leaf", "is a scene", "--reaches"]);
     train(&posts, &[]).refused(&["posts.toml", "is a scene", "--reaches"]);
-    train(&set, &[]).refused(&["the same input twice"]);
+    train(&set, &[]).refused(&["the same data twice"]);
     let none = inputs.path().join("none");
     train(&none, &[]).refused(&["none", "no such file or folder", "with --reaches, scenes"]);
     // The million reaches are not simulated first.
