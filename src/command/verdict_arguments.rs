@@ -1,5 +1,6 @@
 //! The options that choose the verdicts of a controller.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -31,8 +32,12 @@ impl VerdictArguments {
     /// The verdicts that the options ask for.
     ///
     /// # Errors
-    /// If the model cannot be read, or `--allow` names something that no verdict says.
+    /// If the model cannot be read, or `--allow` names something twice or something that no verdict says.
     pub fn control(&self) -> Result<Option<VerdictControl>, Failure> {
+        let mut known = BTreeSet::new();
+        if let Some((twice, _)) = self.allow.iter().find(|(name, _)| !known.insert(name)) {
+            return Err(Failure::usage(format!("--allow is given twice for {twice}; give it once for each category")));
+        }
         match self.verdicts.as_deref().map(VerdictControl::named).transpose()?.flatten() {
             Some(control) => Ok(Some(control.with_asked(self.allow.clone())?)),
             None if self.allow.is_empty() => Ok(None),
