@@ -114,7 +114,7 @@ fn faults(arm: &Arm, new: &NewPatch) -> (Vec<String>, Option<usize>) {
         Some(link) if link.colliders.is_empty() => faults.push(format!("link {} has no collision shape", link.name)),
         Some(link) => {
             let area_m2: f64 = link.placed_shapes(Pose::IDENTITY).map(|shape| box_area_m2(&shape)).sum();
-            if area_m2 / (new.pitch_m * new.pitch_m) > MAX_TAXELS as f64 {
+            if limits::TAXEL_SIZE_M.hold(new.pitch_m) && area_m2 / (new.pitch_m * new.pitch_m) > MAX_TAXELS as f64 {
                 faults.push(format!("a pitch of {} mm gives more than {MAX_TAXELS} taxels", short(new.pitch_m * 1e3)));
             }
         }

@@ -119,6 +119,13 @@ fn faults_are_listed_at_once() {
     );
 }
 
+/// Tests that a pitch of nothing has one message, not one about the number of taxels, too.
+#[test]
+fn a_pitch_of_nothing_has_one_message() {
+    let error = covered(&shape("sphere radius=\"0.05\"", "0 0 0"), |new| new.pitch_m = 0.0).unwrap_err();
+    assert_eq!(error.found, "a pitch of 0 mm; it must be 0.1 to 500 mm");
+}
+
 /// Tests that a patch is replaced only on demand, and that the others stay.
 #[test]
 fn a_patch_is_replaced_on_demand() {
