@@ -163,5 +163,10 @@ fn check_limits(file: &ExperimentFile, source: &Source) -> Result<(), InputError
             return fault("classifiers.states", states, format!("a number from {STATES}, for hmm alone"));
         }
     }
+    if let (Some(setting), true) = (file.settings.first(), file.setting_classifiers.is_empty()) {
+        let allowed =
+            "settings with [[setting_classifiers]], which are trained and tested at each; without these, no settings";
+        return Err(source.fault("settings.name", &setting.name, allowed));
+    }
     Ok(())
 }

@@ -67,6 +67,13 @@ fn faults_name_line_and_field() {
         ("label = \"trunk\"", "label = \"outlier\"", 11, "training.label", "verdicts"),
         ("label = \"trunk\"\nreaches = 4", "label = \"trunk\"\nreaches = 1", 12, "training.reaches", "two folds"),
         ("states = [5]", "states = [30]", 0, "trials.min_samples", "largest of `states`"),
+        (
+            "label = \"trunk\"\nreaches = 4\n",
+            "label = \"trunk\"\nreaches = 4\n[[settings]]\nname = \"soft\"\nrobot = { stiffness_scale = 0.5 }\n",
+            14,
+            "settings.name",
+            "[[setting_classifiers]]",
+        ),
     ] {
         let text = SMALL.replace(was, is);
         assert_ne!(text, SMALL);
@@ -138,7 +145,7 @@ fn nothing_that_names_a_result_is_given_twice() {
         (SMALL.replace("[5]", "[5]\nrecipes = [\"modern\", \"modern\"]"), 3, "recipes", "modern twice"),
         (format!("{SMALL}{}", entry("classifiers").repeat(2)), 14, "classifiers.name", "same twice"),
         (format!("{SMALL}{}", entry("setting_classifiers").repeat(2)), 14, "setting_classifiers.name", "same twice"),
-        (format!("{SMALL}{}", setting.repeat(2)), 14, "settings.name", "same twice"),
+        (format!("{SMALL}{}{}", setting.repeat(2), entry("setting_classifiers")), 14, "settings.name", "same twice"),
     ] {
         let error = error(&text);
         assert_eq!((error.line, error.field.as_str()), (Some(line), field), "{error}");
