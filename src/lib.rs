@@ -184,6 +184,6 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Import(options) => command::import::run(options, json),
         Command::FitSkin(options) => command::fit_skin::run(options, json),
         Command::Schema(options) => command::schema::run(&options),
-        Command::Completions(options) => command::completions::run::<Cli>(&options),
+        Command::Completions(options) => command::completions::run::<Cli>(&options, json),
     }
 }

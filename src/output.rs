@@ -70,8 +70,13 @@ pub fn error(failure: &Failure, json: bool) {
 pub fn usage(answer: &clap::Error) -> u8 {
     let text = answer.render().to_string();
     if !answer.use_stderr() {
-        let _ = answer.print();
-        return 0;
+        return match answer.print().map_err(Failure::output) {
+            Err(failure) if !failure.closed_pipe => {
+                remark(failure.report());
+                failure.status()
+            }
+            _ => 0,
+        };
     }
     let arguments = std::env::args_os().take_while(|argument| argument != "--");
     if arguments.into_iter().any(|argument| argument == "--json") {

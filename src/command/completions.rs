@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
+use serde_json::json;
 
 use crate::{Failure, output};
 
@@ -24,7 +25,7 @@ pub struct CompletionsOptions {
 }
 
 /// Prints the script, or writes the pages of a program with this command line.
-pub fn run<Cli: CommandFactory>(options: &CompletionsOptions) -> Result<(), Failure> {
+pub fn run<Cli: CommandFactory>(options: &CompletionsOptions, json: bool) -> Result<(), Failure> {
     let mut program = Cli::command();
     if let Some(shell) = options.shell {
         let mut script = Vec::new();
@@ -34,5 +35,6 @@ pub fn run<Cli: CommandFactory>(options: &CompletionsOptions) -> Result<(), Fail
     let Some(folder) = &options.manual else { return Ok(()) };
     std::fs::create_dir_all(folder)
         .and_then(|()| clap_mangen::generate_to(program.disable_help_subcommand(true), folder))
-        .map_err(|error| Failure::run(format!("{}: {error}", folder.display())))
+        .map_err(|error| Failure::run(format!("{}: {error}", folder.display())))?;
+    output::result(json, &json!({ "manual": folder }), || format!("Wrote the manual pages to {}", folder.display()))
 }

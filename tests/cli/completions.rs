@@ -19,7 +19,8 @@ fn shells_get_scripts() {
 fn commands_have_manual_pages() {
     let folder = tempfile::tempdir().unwrap();
     let man = folder.path().join("man1");
-    underbrush!["completions", "--manual", man].success();
+    assert!(underbrush!["completions", "--manual", man].success().contains("man1"));
+    assert_eq!(underbrush!["completions", "--manual", man, "--json"].json()["manual"], man.to_str().unwrap());
     let page = |name: &str| std::fs::read_to_string(man.join(name)).unwrap();
     assert!(page("underbrush.1").contains("underbrush\\-generate(1)"));
     assert!(page("underbrush-generate.1").contains("\\-\\-reaches"));

@@ -82,6 +82,8 @@ fn stdout_that_cannot_be_written() {
     let stderr = String::from_utf8(no_room.stderr).unwrap();
     assert_eq!(no_room.status.code(), Some(1));
     assert!(stderr.contains("cannot write to standard output"), "{stderr}");
+    let help = program(&["--help".into()]).stdout(full()).stderr(Stdio::null()).status().unwrap();
+    assert_eq!(help.code(), Some(1));
     // Both at once.
     let mute = program(&arguments).stdout(full()).stderr(full()).status().unwrap();
     assert_eq!(mute.code(), Some(1));
