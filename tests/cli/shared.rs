@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-use crate::support::{assert_same_trees, scenes, tree, underbrush};
+use underbrush_recording::disk::Dataset;
+
+use crate::support::{assert_same_trees, call, scenes, tree, underbrush};
 
 /// The arguments for part `shard` of ten reaches.
 fn arguments(scene: &Path, out: &Path, shard: &str) -> Vec<PathBuf> {
@@ -102,4 +104,19 @@ fn what_does_not_belong_into_the_folder_is_refused() {
     underbrush!["generate", scene, "--reaches", "2", "--shared", "--out", shared].refused(&["--shard"]);
     underbrush!["generate", scene, "--reaches", "2", "--shard", "1/2", "--shared", "--resume", "--out", shared]
         .refused(&["--shared", "--resume"]);
+}
+
+/// Tests that the part that finishes last says what to run if a reach of another part is damaged, and that this helps.
+#[test]
+fn a_damaged_reach_of_another_part_is_run_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = scenes::write(folder.path(), "trunk.toml", scenes::FEW_TRUNKS);
+    let out = folder.path().join("shared");
+    let run = |shard: &str| start(&scene, &out, shard).wait().unwrap();
+    assert!(run("1/2").success());
+    std::fs::write(out.join("incomplete/reach-000002.bin"), "cut").unwrap();
+    call(arguments(&scene, &out, "2/2").into_iter().map(Into::into).collect(), "")
+        .refused(&["missing or damaged: 1, the first at position 2; run the part that holds it again"]);
+    assert!(run("1/2").success());
+    assert_eq!(Dataset::open(&out).unwrap().episodes().len(), 10);
 }

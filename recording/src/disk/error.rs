@@ -71,7 +71,10 @@ pub enum DiskError {
     #[error("{}: another process is writing this data set; wait, or choose another folder", .0.display())]
     InUse(PathBuf),
     /// A data set cannot be finished while reaches are missing.
-    #[error("{}: {count} reaches are missing, the first at position {first}; run them, then finish", .dir.display())]
+    #[error(
+        "{}: reaches that are missing or damaged: {count}, the first at position {first}; run the part that holds it again, \
+         or all reaches with --resume", .dir.display()
+    )]
     ReachesMissing {
         /// The folder.
         dir: PathBuf,
