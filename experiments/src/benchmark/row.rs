@@ -99,7 +99,11 @@ impl EntryRecord {
         let Some(earlier) = earlier.and_then(|bytes| serde_json::from_slice::<Value>(&bytes).ok()) else {
             return Ok(());
         };
-        let remedy = "move that row elsewhere, or rename the model's file";
+        // The name of a controller's row does not follow the name of a file.
+        let remedy = match self.classifier {
+            Some(_) => "move that row elsewhere, or rename the model's file",
+            None => "move that row elsewhere",
+        };
         if let Some(other) = earlier["benchmark"].as_str().filter(|other| *other != frozen::NAME) {
             return Err(InputError::new(file, "benchmark", format!("a row of {other}"), frozen::NAME, remedy));
         }

@@ -168,6 +168,8 @@ fn the_row_of_another_model_stays() {
         panic!("the row is not refused");
     };
     assert!(error.file == file && error.found.contains("0123"), "{error}");
+    // Another name of a model's file would not help a controller.
+    assert_eq!(error.remedy, "move that row elsewhere");
     assert!(!folder.path().join("quick-sets").exists());
     let of_model = |model: Option<&str>| EntryRecord {
         name: "blind".into(),
