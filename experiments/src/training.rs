@@ -43,7 +43,16 @@ pub fn run(session: &Session) -> Result<TrainingData, Fault> {
     })?;
     let contacts =
         session.stage("Trials", || Trials::of_dataset(session, &dataset, &experiment.any_length_options()))?;
-    Ok(TrainingData { trials: contacts.lasting(experiment.file.trials.min_samples), contacts: contacts.taxel, dataset })
+    let min_samples = experiment.file.trials.min_samples;
+    let trials = contacts.lasting(min_samples);
+    if trials.taxel.is_empty() {
+        let count = contacts.taxel.len();
+        return Err(Fault::Usage(format!(
+            "none of the {count} trials of the training reaches has {min_samples} samples or more; lower trials.min_samples, or \
+             train on more reaches"
+        )));
+    }
+    Ok(TrainingData { trials, contacts: contacts.taxel, dataset })
 }
 
 /// Number of reaches of each training scene.

@@ -96,6 +96,17 @@ fn a_mistake_in_an_experiment_file_is_shown() {
     assert!(!out.exists());
 }
 
+/// Tests that an experiment whose trials are all too short names the number that excludes them.
+#[test]
+fn trials_that_are_all_too_short_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = tiny(folder.path());
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, text.replace("min_samples = 10\n", "min_samples = 100000\n")).unwrap();
+    underbrush!["reproduce", "--experiment", &file, "--out", folder.path().join("out")]
+        .refused(&["has 100000 samples or more; lower trials.min_samples"]);
+}
+
 /// Tests that the schema of experiment files is printed and has the main keys of the example.
 #[test]
 fn the_schema_has_the_main_keys() {
