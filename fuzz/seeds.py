@@ -83,6 +83,11 @@ features = ["force"]
 [[settings]]
 name = "half speed"
 robot = { stiffness_scale = 1.0, hand_speed_scale = 0.5 }
+
+[[setting_classifiers]]
+name = "logistic regression"
+method = "logistic"
+features = ["force"]
 """
 
 FRAME = {
