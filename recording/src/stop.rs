@@ -1,6 +1,6 @@
 //! Ends work that takes minutes before it is done.
 //!
-//! Such work asks [`check`] now and then. A caller that may want to end it runs it on threads that [`listen`] to a flag.
+//! Such work calls [`check`] from time to time. A caller that may want to end it runs it on threads that [`listen`] to a flag.
 
 use std::cell::RefCell;
 use std::panic::resume_unwind;

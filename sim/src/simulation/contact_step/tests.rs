@@ -79,7 +79,7 @@ fn corners_and_edges_on_a_rim_press() {
 }
 
 /// Tests that plates of 1 mm that fly at others, crosswise and up to 15 mm in a step, stay on their side. Before their sides
-/// were remembered, 26 % of such plates passed through.
+/// were remembered, 206 of 800 such plates passed through (0.2 to 3 m/s).
 #[test]
 fn thin_plates_do_not_pass_through_each_other() {
     let mut passed = 0;
