@@ -176,16 +176,24 @@ impl Trials {
         Ok(Bound::new(py, self.some(places?.into_iter()))?.into_any())
     }
 
-    /// Both, with new numbers. Unless they are from the same data, the numbers of the other's reaches follow those of its own.
-    fn __add__(&self, other: &Trials) -> Self {
+    /// Both, with new numbers. The numbers of the other's reaches follow those of its own, unless it begins with the same data.
+    fn __add__(&self, other: &Trials) -> Result<Self, Failure> {
+        let (own, others) = (self.data(), other.data());
+        let both = own.len().min(others.len());
+        let is_same = own == others || both > 0 && own[..both] == others[..both];
+        if !is_same && own.iter().any(|data| others.contains(data)) {
+            let found = "trials of data that are in both, but not first in both";
+            let allowed = "trials whose reaches can be told apart";
+            return Err(Failure::argument("other", found, allowed, "join the trials of each data set first"));
+        }
         let last = self.list.iter().filter_map(|trial| trial.reach).max();
-        let first = if self.data() == other.data() { 0 } else { last.map_or(0, |last| last.saturating_add(1)) };
+        let first = if is_same { 0 } else { last.map_or(0, |last| last.saturating_add(1)) };
         let others = other.list.iter().map(|trial| (trial, trial.reach.map(|reach| reach.saturating_add(first))));
         let all = self.list.iter().map(|trial| (trial, trial.reach)).chain(others).zip(0..);
         let list = all.map(|((trial, reach), number)| Trial { trial: number, reach, ..trial.clone() }).collect();
         let mut sources = self.sources.clone();
         sources.extend(other.sources.iter().filter(|own| !self.sources.contains(own)).cloned());
-        Trials::new(list).cut_from(sources)
+        Ok(Trials::new(list).cut_from(sources))
     }
 
     /// For `sum`, which begins with 0.

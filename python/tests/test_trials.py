@@ -62,6 +62,10 @@ def test_joined_trials_keep_their_reaches_apart(data: ub.Dataset, tmp_path: Path
     copied = pickle.loads(pickle.dumps(loaded)).with_categories(loaded.categories)
     for more, count in ((loaded, 1), (copied, 1), (data[other].trials(), 2), (data[one].trials(), 2)):
         assert len(set((loaded + more).reaches)) == count
+    parts = whole[:1] + loaded + whole[1:]
+    assert [parts.reaches[0], *parts.reaches[1 + len(loaded) :]] == whole.reaches
+    with pytest.raises(ub.InputError, match="join the trials of each data set first"):
+        loaded + (whole + loaded)
     with pytest.raises(ub.InputError, match="number of an earlier trial"):
         whole[[0, 0]].save(tmp_path / "twice.csv")
 
