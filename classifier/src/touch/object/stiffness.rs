@@ -1,4 +1,4 @@
-//! The stiffness of an object, as trees learnt it from objects whose truth is known.
+//! The stiffness of an object with an interval, as trees learnt it from objects whose truth is known.
 
 use glam::DVec3;
 use schemars::JsonSchema;
@@ -15,8 +15,10 @@ use crate::touch::network::FITTED;
 const UNIT_N_PER_M: f64 = 100.0;
 /// A family needs this many objects, or it says little about kinds that training lacks.
 const FEWEST: usize = 20;
-/// The quantiles of the truth over the estimate that bound the interval.
+/// The quantiles of the errors over their expected size that bound the interval.
 const QUANTILES: [f64; 2] = [0.05, 0.95];
+/// No error is expected to be smaller, on the logarithmic scale. Choice: a tenth of the stiffness.
+const LEAST_ERROR: f64 = 0.1;
 /// An object that has given way by less than this is fixed, m: ten times the rounding of stored poses.
 const GIVES_WAY_M: f64 = 1e-3;
 
@@ -40,8 +42,21 @@ impl Pressed {
 pub struct StiffnessTrees {
     /// The logarithm of the stiffness over 100 N/m.
     trees: Boosted,
-    /// What is added to it for the ends of the interval: quantiles of the errors on families that trees were not fitted to.
+    /// How far off that is expected to be on kinds that training lacks: the size of the error. `None` in models that were made until
+    /// 2026-11-29, whose intervals have the same width for all objects.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    error: Option<Boosted>,
+    /// What is added to it for the ends of the interval, in expected errors: quantiles on families that trees were not fitted to.
     ends: [f64; 2],
+}
+
+/// An object of a family that trees were not fitted to.
+struct LeftOut<'a> {
+    family: &'a str,
+    features: &'a [f32],
+    /// The logarithm of the true stiffness over the estimate.
+    error: f64,
+    weight: f64,
 }
 
 impl StiffnessTrees {
@@ -49,45 +64,70 @@ impl StiffnessTrees {
     /// category weighs the same. `None` if fewer than two families have enough objects.
     pub(super) fn fit(objects: &[(&str, &Pressed)], known: &[String]) -> Option<Self> {
         let counts = frequencies(objects.iter().map(|(category, _)| *category));
+        let weight = |category: &str| 1.0 / counts[category] as f64;
         let fit = |without: Option<&str>| {
             let rows = objects.iter().filter(|(category, _)| Some(*category) != without).map(|(category, pressed)| {
-                Row { features: &pressed.features, target: pressed.target(), weight: 1.0 / counts[category] as f64 }
+                Row { features: &pressed.features, target: pressed.target(), weight: weight(category) }
             });
             Boosted::fit(Loss::Squared, &rows.collect::<Vec<_>>(), OBJECT_FEATURE_COUNT)
         };
-        let mut errors: Vec<(f64, f64)> = Vec::new();
-        let mut families = 0;
-        for (family, count) in &counts {
-            if *count >= FEWEST && known.iter().all(|name| name != family) {
-                let others = fit(Some(family));
-                let own = objects.iter().filter(|(category, _)| category == family);
-                errors.extend(own.map(|(_, own)| (own.target() - others.score(&own.features), 1.0 / *count as f64)));
-                families += 1;
-            }
+        let enough = counts.iter().filter(|(_, count)| **count >= FEWEST).map(|(family, _)| *family);
+        let families: Vec<&str> = enough.filter(|family| known.iter().all(|name| name != family)).collect();
+        if families.len() < 2 {
+            return None;
         }
-        errors.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut left_out: Vec<LeftOut<'_>> = Vec::new();
+        for &family in &families {
+            let others = fit(Some(family));
+            left_out.extend(objects.iter().filter(|(category, _)| *category == family).map(|(_, own)| LeftOut {
+                family,
+                features: &own.features,
+                error: own.target() - others.score(&own.features),
+                weight: weight(family),
+            }));
+        }
+        let error = |without: Option<&str>| {
+            let rows = left_out.iter().filter(|own| Some(own.family) != without);
+            let rows = rows.map(|own| Row { features: own.features, target: own.error.abs(), weight: own.weight });
+            Boosted::fit(Loss::Squared, &rows.collect::<Vec<_>>(), OBJECT_FEATURE_COUNT)
+        };
+        // The size of an error is judged by other families than its own, too.
+        let mut shares: Vec<(f64, f64)> = Vec::new();
+        for &family in &families {
+            let others = error(Some(family));
+            let own = left_out.iter().filter(|own| own.family == family);
+            shares.extend(own.map(|own| (own.error / expected(&others, own.features), own.weight)));
+        }
+        shares.sort_by(|a, b| a.0.total_cmp(&b.0));
         let quantile = |share: f64| {
-            let mut left = share * f64::from(families);
-            let reached = errors.iter().find(|(_, weight)| {
+            let mut left = share * families.len() as f64;
+            let reached = shares.iter().find(|(_, weight)| {
                 left -= weight;
                 left <= 0.0
             });
-            reached.or(errors.last()).map_or(0.0, |(error, _)| *error)
+            reached.or(shares.last()).map_or(0.0, |(share, _)| *share)
         };
-        (families >= 2).then(|| StiffnessTrees { ends: QUANTILES.map(quantile), trees: fit(None) })
+        Some(StiffnessTrees { ends: QUANTILES.map(quantile), error: Some(error(None)), trees: fit(None) })
     }
 
     /// The stiffness of an object with these features when its force was largest.
     pub(in crate::touch) fn of(&self, features: &[f32]) -> Stiffness {
         let estimate = self.trees.score(features);
+        let error = self.error.as_ref().map_or(1.0, |trees| expected(trees, features));
         let [low_n_per_m, median_n_per_m, high_n_per_m] =
-            [self.ends[0], 0.0, self.ends[1]].map(|end| UNIT_N_PER_M * math::exp(estimate + end));
+            [self.ends[0], 0.0, self.ends[1]].map(|end| UNIT_N_PER_M * math::exp(estimate + error * end));
         Stiffness { low_n_per_m, median_n_per_m, high_n_per_m }
     }
 
     pub(in crate::touch) fn is_sound(&self) -> bool {
-        self.trees.features() == OBJECT_FEATURE_COUNT && self.ends.iter().all(|end| FITTED.hold(*end))
+        let mut trees = self.error.iter().chain([&self.trees]);
+        trees.all(|trees| trees.features() == OBJECT_FEATURE_COUNT) && self.ends.iter().all(|end| FITTED.hold(*end))
     }
+}
+
+/// The size of the error that these trees expect, on the logarithmic scale.
+fn expected(trees: &Boosted, features: &[f32]) -> f64 {
+    trees.score(features).max(LEAST_ERROR)
 }
 
 /// The true stiffness of an object in a frame, N/m: the force of its contacts over how far the points that are touched are
@@ -149,9 +189,32 @@ mod tests {
     fn the_interval_is_that_of_families_left_out() {
         let mut objects = pressed(&["pole", "roll"]);
         objects.iter_mut().filter(|(family, _)| *family == "pole").for_each(|(_, own)| own.stiffness_n_per_m *= 2.0);
-        let [low, high] = fit(&objects).unwrap().ends;
-        let doubled = std::f64::consts::LN_2;
-        assert!((low + doubled).abs() < 0.1 && (high - doubled).abs() < 0.1, "{low} {high}");
+        let Stiffness { low_n_per_m, median_n_per_m, high_n_per_m } =
+            fit(&objects).unwrap().of(&objects[20].1.features);
+        for end in [median_n_per_m / low_n_per_m, high_n_per_m / median_n_per_m] {
+            assert!((end / 2.0 - 1.0).abs() < 0.1, "{low_n_per_m} {median_n_per_m} {high_n_per_m}");
+        }
+    }
+
+    /// Tests that the width follows the errors: where the second feature is 1, the truth is 4 times the middle or a quarter of it, and
+    /// elsewhere 1.2 times or 1 / 1.2.
+    #[test]
+    fn the_interval_is_wide_where_errors_are_large() {
+        let mut objects = pressed(&["pole", "roll", "stalk"]);
+        for (index, (_, own)) in objects.iter_mut().enumerate() {
+            own.features = [0.0; OBJECT_FEATURE_COUNT];
+            own.features[1] = (index % 2) as f32;
+            let factor: f64 = if index % 2 == 1 { 4.0 } else { 1.2 };
+            own.stiffness_n_per_m = UNIT_N_PER_M * if index % 4 < 2 { factor } else { 1.0 / factor };
+        }
+        let trees = fit(&objects).unwrap();
+        for (_, own) in &objects[..4] {
+            let told = trees.of(&own.features);
+            let factor = if own.features[1] == 1.0 { 4.0 } else { 1.2 };
+            for end in [told.median_n_per_m / told.low_n_per_m, told.high_n_per_m / told.median_n_per_m] {
+                assert!((end / factor - 1.0).abs() < 0.1, "{told:?}, expected {factor}");
+            }
+        }
     }
 
     /// Tests that a single family is not enough, because nothing shows how far off the trees are on others.
