@@ -7,26 +7,25 @@ use clap::Args;
 use serde_json::{Value, json};
 use underbrush_experiments::inspection;
 use underbrush_experiments::torque_balance::{TorqueBalance, torque_balance};
+use underbrush_report::drawing::Rows;
 use underbrush_sim::arm::Arm;
 
 use super::{Overwrite, picture};
 use crate::{Failure, output};
 
-/// Columns of the table of an arm's chain: title, unit and key.
-const CHAIN: [[&str; 3]; 10] = [
-    ["joint", "", "joint"],
-    ["moves", "", "moves"],
-    ["limits", "deg", "limits_deg"],
-    ["controller", "deg", "controller_limits_deg"],
-    ["start", "deg", "start_deg"],
-    ["stiffness", "Nm/rad", "stiffness_nm_per_rad"],
-    ["damping", "Nm s/rad", "damping_nm_s_per_rad"],
-    ["torque", "Nm", "torque_limit_nm"],
-    ["mass", "kg", "mass_kg"],
-    ["shapes", "", "shapes"],
+/// Columns of the table of an arm's chain: title and key.
+const CHAIN: [[&str; 2]; 10] = [
+    ["joint", "joint"],
+    ["moves", "moves"],
+    ["limits / deg", "limits_deg"],
+    ["controller / deg", "controller_limits_deg"],
+    ["start / deg", "start_deg"],
+    ["stiffness / (Nm/rad)", "stiffness_nm_per_rad"],
+    ["damping / (Nm s/rad)", "damping_nm_s_per_rad"],
+    ["torque / Nm", "torque_limit_nm"],
+    ["mass / kg", "mass_kg"],
+    ["shapes", "shapes"],
 ];
-/// The first of its columns are names.
-const NAMES: usize = 2;
 
 /// Options of `underbrush inspect`.
 #[derive(Args)]
@@ -103,25 +102,16 @@ fn text(value: &Value, depth: usize) -> String {
     }
 }
 
-/// The joints of an arm, one per line, under titles and units.
+/// The joints of an arm, one per line, under titles with units.
 fn chain(joints: &[Value]) -> String {
     let cell = |value: &Value| match value {
         Value::String(plain) => plain.clone(),
         Value::Array(ends) => ends.iter().map(Value::to_string).collect::<Vec<_>>().join(" to "),
         other => other.to_string(),
     };
-    let columns = CHAIN.map(|[title, unit, key]| {
-        let cells = joints.iter().map(|joint| cell(&joint[key]));
-        [title.to_owned(), unit.to_owned()].into_iter().chain(cells).collect::<Vec<_>>()
-    });
-    let row = |number: usize| {
-        let padded = columns.iter().enumerate().map(|(column, cells)| {
-            let (cell, width) = (&cells[number], cells.iter().map(|cell| cell.chars().count()).max().unwrap_or(0));
-            if column < NAMES { format!("  {cell:width$}") } else { format!("  {cell:>width$}") }
-        });
-        format!("{}\n", padded.collect::<String>().trim_end())
-    };
-    (0..joints.len() + 2).map(row).collect()
+    let column =
+        |rows: Rows<_>, [title, key]: &[&'static str; 2]| rows.column(*title, |joint: &Value| cell(&joint[*key]));
+    CHAIN.iter().fold(Rows::of(joints), column).text()
 }
 
 #[cfg(test)]

@@ -122,8 +122,9 @@ fn the_chain_is_a_table() {
     let cells = |line: usize| {
         lines[line].split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect::<Vec<_>>().join(" | ")
     };
-    let titles = "joint | moves | limits | controller | start | stiffness | damping | torque | mass | shapes";
-    assert_eq!([cells(0), cells(1)], [titles, "deg | deg | deg | Nm/rad | Nm s/rad | Nm | kg"]);
+    let titles = "joint | moves | limits / deg | controller / deg | start / deg | stiffness / (Nm/rad) | \
+                  damping / (Nm s/rad) | torque / Nm | mass / kg | shapes";
+    assert_eq!(cells(0), titles);
     // 2.5133 rad are 144.0 deg.
     let elbow = "elbow_flexion | elbow | 0.0 to 144.0 | 0.0 to 144.0 | 122.0 | 25.0 | 1.43 | 20.0 | 0.3388 | 1";
     assert_eq!(cells(5), elbow);
